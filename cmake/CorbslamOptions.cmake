@@ -1,0 +1,37 @@
+# Language level, warnings, sanitizers and where programs go.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+# Every x86 robot since 2009 has SSE4.2 and popcnt (docs/adr/0001-instruction-set.md); wider kernels
+# are chosen at run time.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  add_compile_options(-march=x86-64-v2)
+endif()
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()
+
+# Carried by every target of ours, and by none of the generated code.
+add_library(corbslam_warnings INTERFACE)
+target_compile_options(corbslam_warnings INTERFACE -Wall -Wextra -Wconversion -Werror)
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  target_compile_options(corbslam_warnings INTERFACE -Wthread-safety)
+else()
+  # gcc 12 reports false positives of these inside Eigen and the standard library at -O3.
+  target_compile_options(corbslam_warnings INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds
+                                                     -Wno-stringop-overflow -Wno-restrict)
+endif()
+
+if(CORBSLAM_SANITIZE)
+  add_compile_options(-fsanitize=${CORBSLAM_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${CORBSLAM_SANITIZE})
+endif()

@@ -1,0 +1,126 @@
+// The work that fusion gives away: pure functions from a request to a result that names the
+// revision it was computed at. Implementations: the fusion worker itself, and a remote one.
+#ifndef CORBSLAM_SLAM_EXCHANGE_FUSION_WORKER_H_
+#define CORBSLAM_SLAM_EXCHANGE_FUSION_WORKER_H_
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "slam/exchange/overlap.h"
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+// Every view is a Map: owners' graphs with fusion's poses, positions and landmarks.
+
+struct VerifyOverlapRequest {
+  uint64_t base_revision = 0;
+  // The query keyframe, what is covisible with it, and their points; in its island's frame (or its
+  // local map's). Payloads hold only features with points, or all; both work.
+  Map query_view;
+  KeyframeId query;
+  // Likewise around the candidates; in the frame of their island.
+  Map candidate_view;
+  struct Candidate {
+    KeyframeId id;
+    int shared_words = 0;
+  };
+  std::vector<Candidate> candidates;  // Best first.
+  bool fix_scale = true;              // Both sides metric.
+};
+
+struct VerifyOverlapResult {
+  uint64_t base_revision = 0;
+  // One a candidate that was looked at, in the request's order; at most one is accepted.
+  std::vector<Overlap> overlaps;
+};
+
+struct KeyframePose {
+  KeyframeId id;
+  Similarity3d camera_from_map;
+};
+struct PointPosition {
+  MapPointId id;
+  Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
+};
+struct RejectedObservation {
+  MapPointId point;
+  KeyframeId keyframe;
+};
+
+struct FuseMapsRequest {
+  uint64_t base_revision = 0;
+  // The island whose frame stays, whole.
+  Map target;
+  // The island that moves into it, whole; empty when `overlaps` lie inside one island (loops).
+  Map source;
+  // Accepted overlaps between the two (or inside `target`), earlier-fused ones included: all are
+  // edges of the essential graph. The query is not always on the same side.
+  std::vector<Overlap> overlaps;
+  // The one (or more) that called for this fusing; its duplicates get welded.
+  std::vector<size_t> new_overlaps;
+  bool fix_scale = true;
+};
+
+struct FuseMapsResult {
+  uint64_t base_revision = 0;
+  // False: the overlaps would bend the graph beyond what they can explain; nothing else is set.
+  bool accepted = false;
+  double worst_edge_chi2 = 0;
+  Similarity3d target_from_source;
+  // In the target's frame; every keyframe of the source, and those of the target that moved.
+  std::vector<KeyframePose> poses;
+  std::vector<PointPosition> positions;
+  struct Merge {
+    MapPointId survivor;
+    MapPointId member;
+  };
+  std::vector<Merge> merges;
+  std::vector<RejectedObservation> rejected;
+};
+
+struct AdjustBundleRequest {
+  uint64_t base_revision = 0;
+  Map view;
+  // Held fixed (gauge): at least one.
+  std::vector<KeyframeId> fixed;
+  int max_iterations = 20;
+  int threads = 1;
+};
+
+struct AdjustBundleResult {
+  uint64_t base_revision = 0;
+  std::vector<KeyframePose> poses;
+  std::vector<PointPosition> positions;
+  std::vector<RejectedObservation> rejected;
+  int keyframes = 0;
+  int points = 0;
+  int iterations = 0;
+  double initial_cost = 0;
+  double final_cost = 0;
+  double seconds = 0;
+};
+
+// Progress of a long request: called with a number in [0, 1]; returning false cancels the work.
+using ProgressCallback = std::function<bool(double)>;
+
+// Thread-safe: any number of requests at once. Blocking calls; errors: INVALID_ARGUMENT (names the
+// id), CANCELLED, UNAVAILABLE (no worker; try again), DEADLINE_EXCEEDED.
+class FusionWorker {
+ public:
+  virtual ~FusionWorker() = default;
+
+  virtual absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
+                                                            const ProgressCallback& progress) = 0;
+  virtual absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
+                                                  const ProgressCallback& progress) = 0;
+  virtual absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest& request,
+                                                          const ProgressCallback& progress) = 0;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_EXCHANGE_FUSION_WORKER_H_

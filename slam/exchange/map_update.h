@@ -1,0 +1,109 @@
+// What an agent tells the map store of its local map: numbered batches of full and light items and
+// of changes to the graph (CORB-SLAM, sections 2.1 and 2.3; docs/wire.md).
+#ifndef CORBSLAM_SLAM_EXCHANGE_MAP_UPDATE_H_
+#define CORBSLAM_SLAM_EXCHANGE_MAP_UPDATE_H_
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "slam/camera/camera.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/map/keyframe.h"
+#include "slam/map/map_point.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+// A keyframe with all that it carries. Its observations come as ObservationChange.
+struct FullKeyframe {
+  std::shared_ptr<const KeyframePayload> payload;
+  Rigid3d camera_from_local;
+  KeyframeId parent;  // Invalid: the root of its local map.
+};
+
+// Its id and what may change.
+struct LightKeyframe {
+  KeyframeId id;
+  Rigid3d camera_from_local;
+  KeyframeId parent;
+};
+
+struct FullMapPoint {
+  MapPointId id;
+  Eigen::Vector3d position_in_local = Eigen::Vector3d::Zero();
+  KeyframeId reference;
+  Descriptor descriptor;
+  Eigen::Vector3d normal_in_local = Eigen::Vector3d::Zero();
+  double min_distance = 0;
+  double max_distance = 0;
+};
+
+struct LightMapPoint {
+  MapPointId id;
+  Eigen::Vector3d position_in_local = Eigen::Vector3d::Zero();
+};
+
+// The keyframe is one of the sender's local map; the point may be anybody's (an agent tracks
+// against what others made).
+struct ObservationChange {
+  enum class Kind { kAdded, kRemoved };
+  Kind kind = Kind::kAdded;
+  MapPointId point;
+  KeyframeId keyframe;
+  uint32_t keypoint = 0;
+};
+
+struct PointReplacement {
+  MapPointId replaced;  // Of the sender's local map.
+  MapPointId survivor;  // Anybody's.
+};
+
+struct KeyframeRemoval {
+  KeyframeId id;
+  KeyframeId parent;
+  Rigid3d parent_from_removed;
+};
+
+// A loop that the agent closed; `b` may be another local map's (a loop closed against shared
+// keyframes).
+struct LoopEdge {
+  KeyframeId a;
+  KeyframeId b;
+  Similarity3d b_from_a;  // x_in_camera_b = b_from_a * x_in_camera_a.
+};
+
+// Where a frame was, relative to a keyframe, so that its pose follows later corrections.
+struct TrackedFrame {
+  int64_t timestamp_ns = 0;
+  KeyframeId reference;
+  Rigid3d reference_from_camera;
+};
+
+// Applied as one, in the order of the fields. Additions come before what refers to them.
+struct MapUpdateBatch {
+  LocalMapId local_map;
+  // 1, 2, 3, ... per local map.
+  uint64_t number = 0;
+  // Cameras in the order of KeyframePayload::camera_index; only those not sent before.
+  uint32_t first_camera_index = 0;
+  std::vector<std::shared_ptr<const Camera>> cameras;
+  std::vector<FullKeyframe> full_keyframes;
+  std::vector<FullMapPoint> full_points;
+  std::vector<LightKeyframe> light_keyframes;
+  std::vector<LightMapPoint> light_points;
+  std::vector<PointReplacement> replacements;
+  std::vector<ObservationChange> observations;
+  std::vector<MapPointId> removed_points;
+  std::vector<KeyframeRemoval> removed_keyframes;
+  std::vector<LoopEdge> loop_edges;
+  std::vector<TrackedFrame> tracked_frames;
+  // Times at which tracking was lost: the trajectory has a gap there.
+  std::vector<int64_t> lost_frames_ns;
+  // No more batches will follow for this local map; all keyframes are settled.
+  bool closes_local_map = false;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_EXCHANGE_MAP_UPDATE_H_

@@ -1,0 +1,57 @@
+// A place that two keyframes saw, and how it was (or was not) verified.
+#ifndef CORBSLAM_SLAM_EXCHANGE_OVERLAP_H_
+#define CORBSLAM_SLAM_EXCHANGE_OVERLAP_H_
+
+#include <string>
+#include <vector>
+
+#include "slam/geometry/rigid3.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+// Counts at each stage of verification, kept whatever the verdict.
+struct OverlapEvidence {
+  int shared_words = 0;          // Of the bag of words.
+  int word_matches = 0;          // Keypoint pairs by direct index.
+  int ransac_inliers = 0;        // Of the similarity (Horn) or pose (PnP).
+  int guided_matches = 0;        // After guided search.
+  int refined_inliers = 0;       // After refinement on all of them.
+  int projected_matches = 0;     // Points of the candidate's neighbourhood found in the query.
+  int consistent_keyframes = 0;  // Further keyframe pairs that agree.
+};
+
+enum class OverlapVerdict {
+  kAccepted,
+  kTooFewWordMatches,
+  kTooFewRansacInliers,
+  kTooFewRefinedInliers,
+  kTooFewProjectedMatches,
+  kNoSecondKeyframe,
+  kWrongScale,
+  kBendsGraph,  // Refused later, by fusing.
+};
+// "ACCEPTED", "TOO_FEW_WORD_MATCHES", ...
+std::string ToString(OverlapVerdict verdict);
+
+struct PointPair {
+  MapPointId query;
+  MapPointId candidate;
+  friend auto operator<=>(const PointPair&, const PointPair&) = default;
+};
+
+struct Overlap {
+  KeyframeId query;
+  KeyframeId candidate;
+  // x_in_candidate_camera = candidate_from_query * x_in_query_camera. Identity if not verified.
+  Similarity3d candidate_from_query;
+  std::vector<PointPair> inliers;
+  OverlapEvidence evidence;
+  OverlapVerdict verdict = OverlapVerdict::kTooFewWordMatches;
+
+  bool IsAccepted() const { return verdict == OverlapVerdict::kAccepted; }
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_EXCHANGE_OVERLAP_H_

@@ -1,0 +1,67 @@
+// An agent's connection to the map store, as the agent sees it. Implementations: a remote one over
+// a stream, and a direct one for a deterministic run in one process.
+#ifndef CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
+#define CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "slam/exchange/map_update.h"
+#include "slam/exchange/shared_update.h"
+
+namespace corbslam {
+
+// The first message of a session: opens or resumes.
+struct SessionRequest {
+  std::string mission;
+  std::string agent;
+  // The last revision of which a SharedUpdate was applied; 0: none.
+  uint64_t last_revision = 0;
+  // Local maps of which unacknowledged batches are held.
+  std::vector<LocalMapId> local_maps;
+};
+
+// Up to which batch of a local map everything is durably stored.
+struct Acknowledgement {
+  LocalMapId local_map;
+  uint64_t number = 0;
+};
+
+struct SessionGrant {
+  std::vector<Acknowledgement> acknowledged;
+};
+
+// Hears what comes from the store. Called from one thread at a time, never while a call of Uplink
+// is on the stack of the same thread unless the implementation is the direct one.
+class UplinkListener {
+ public:
+  virtual ~UplinkListener() = default;
+  // A session stands: send everything after what `grant` acknowledges.
+  virtual void OnSessionOpened(const SessionGrant& grant) = 0;
+  virtual void OnAcknowledged(const Acknowledgement& acknowledgement) = 0;
+  virtual void OnShared(SharedUpdate update) = 0;
+  // The session is gone. ABORTED: fenced by a newer session of the same agent, or
+  // INVALID_ARGUMENT / PERMISSION_DENIED: don't try again. Anything else: open again later.
+  virtual void OnSessionClosed(const absl::Status& reason) = 0;
+};
+
+// Thread-safe. Never blocks on the network.
+class Uplink {
+ public:
+  virtual ~Uplink() = default;
+  // Starts connecting; the listener hears the outcome and must outlive the session.
+  virtual void Open(const SessionRequest& request, UplinkListener* listener) = 0;
+  // False when no session stands, or the transport's queue is full: keep the batch, try again.
+  virtual bool Send(const MapUpdateBatch& batch) = 0;
+  // Ends the session; no call to the listener is under way or follows once it returns.
+  virtual void Close() = 0;
+  // Bytes on the wire since construction.
+  virtual uint64_t bytes_up() const = 0;
+  virtual uint64_t bytes_down() const = 0;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_EXCHANGE_UPLINK_H_

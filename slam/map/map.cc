@@ -1,0 +1,255 @@
+#include "slam/map/map.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace corbslam {
+namespace {
+
+MapObserver& Silent() {
+  static MapObserver silent;
+  return silent;
+}
+
+std::vector<CovisibleKeyframe> SortByWeight(const Keyframe& keyframe, int min_weight) {
+  std::vector<CovisibleKeyframe> sorted;
+  sorted.reserve(keyframe.covisible.size());
+  for (const auto& [id, weight] : keyframe.covisible) {
+    if (weight >= min_weight) sorted.push_back({id, weight});
+  }
+  std::stable_sort(
+      sorted.begin(), sorted.end(),
+      [](const CovisibleKeyframe& a, const CovisibleKeyframe& b) { return a.weight > b.weight; });
+  return sorted;
+}
+
+}  // namespace
+
+Map::Map(const Map& other) : keyframes_(other.keyframes_), points_(other.points_) {}
+
+Map& Map::operator=(const Map& other) {
+  if (this == &other) return *this;
+  keyframes_ = other.keyframes_;
+  points_ = other.points_;
+  observer_ = nullptr;
+  return *this;
+}
+
+const Keyframe* Map::FindKeyframe(KeyframeId id) const {
+  const auto it = keyframes_.find(id);
+  return it == keyframes_.end() ? nullptr : &it->second;
+}
+
+const MapPoint* Map::FindPoint(MapPointId id) const {
+  const auto it = points_.find(id);
+  return it == points_.end() ? nullptr : &it->second;
+}
+
+Keyframe* Map::MutableKeyframe(KeyframeId id) {
+  return const_cast<Keyframe*>(std::as_const(*this).FindKeyframe(id));
+}
+
+MapPoint* Map::MutablePoint(MapPointId id) {
+  return const_cast<MapPoint*>(std::as_const(*this).FindPoint(id));
+}
+
+bool Map::AddKeyframe(Keyframe keyframe) {
+  const KeyframeId id = keyframe.id();
+  const KeyframeId parent = std::exchange(keyframe.parent, KeyframeId());
+  keyframe.points.assign(keyframe.keypoints().size(), MapPointId());
+  keyframe.children.clear();
+  keyframe.covisible.clear();
+  const auto [it, added] = keyframes_.try_emplace(id, std::move(keyframe));
+  if (!added) return false;
+  if (parent != id && FindKeyframe(parent) != nullptr) Attach(it->second, parent);
+  (observer_ ? *observer_ : Silent()).OnKeyframeAdded(id);
+  return true;
+}
+
+bool Map::AddPoint(MapPoint point) {
+  const MapPointId id = point.id;
+  point.observations.clear();
+  if (!points_.try_emplace(id, std::move(point)).second) return false;
+  (observer_ ? *observer_ : Silent()).OnPointAdded(id);
+  return true;
+}
+
+void Map::SetPose(KeyframeId id, const Rigid3d& camera_from_map) {
+  Keyframe* keyframe = MutableKeyframe(id);
+  if (keyframe == nullptr) return;
+  keyframe->camera_from_map = camera_from_map;
+  (observer_ ? *observer_ : Silent()).OnKeyframeMoved(id);
+}
+
+void Map::SetPosition(MapPointId id, const Eigen::Vector3d& position_in_map) {
+  MapPoint* point = MutablePoint(id);
+  if (point == nullptr) return;
+  point->position_in_map = position_in_map;
+  (observer_ ? *observer_ : Silent()).OnPointMoved(id);
+}
+
+void Map::SetWords(KeyframeId id, std::shared_ptr<const Words> words) {
+  if (Keyframe* keyframe = MutableKeyframe(id)) keyframe->words = std::move(words);
+}
+
+bool Map::IsAncestor(KeyframeId ancestor, KeyframeId id) const {
+  for (const Keyframe* at = FindKeyframe(id); at != nullptr; at = FindKeyframe(at->parent)) {
+    if (at->id() == ancestor) return true;
+  }
+  return false;
+}
+
+void Map::Attach(Keyframe& child, KeyframeId parent) {
+  if (Keyframe* old = MutableKeyframe(child.parent)) old->children.erase(child.id());
+  child.parent = parent;
+  if (Keyframe* keyframe = MutableKeyframe(parent)) keyframe->children.insert(child.id());
+}
+
+bool Map::SetParent(KeyframeId child, KeyframeId parent) {
+  Keyframe* keyframe = MutableKeyframe(child);
+  if (keyframe == nullptr || FindKeyframe(parent) == nullptr) return false;
+  if (IsAncestor(child, parent)) return false;
+  if (keyframe->parent == parent) return true;
+  Attach(*keyframe, parent);
+  (observer_ ? *observer_ : Silent()).OnParentChanged(child);
+  return true;
+}
+
+bool Map::AddLoopEdge(KeyframeId a, KeyframeId b) {
+  Keyframe* first = MutableKeyframe(a);
+  Keyframe* second = MutableKeyframe(b);
+  if (first == nullptr || second == nullptr || first == second) return false;
+  if (!first->loop_edges.insert(b).second) return false;
+  second->loop_edges.insert(a);
+  (observer_ ? *observer_ : Silent()).OnLoopEdgeAdded(a, b);
+  return true;
+}
+
+void Map::ChangeCovisibility(const MapPoint& point, Keyframe& keyframe, int change) {
+  for (const auto& [other_id, keypoint] : point.observations) {
+    if (other_id == keyframe.id()) continue;
+    Keyframe& other = *MutableKeyframe(other_id);
+    const int weight = keyframe.covisible[other_id] += change;
+    other.covisible[keyframe.id()] = weight;
+    if (weight > 0) continue;
+    keyframe.covisible.erase(other_id);
+    other.covisible.erase(keyframe.id());
+  }
+}
+
+void Map::Connect(MapPoint& point, Keyframe& keyframe, uint32_t keypoint) {
+  ChangeCovisibility(point, keyframe, 1);
+  point.observations.emplace(keyframe.id(), keypoint);
+  keyframe.points[keypoint] = point.id;
+}
+
+void Map::Disconnect(MapPoint& point, Keyframe& keyframe) {
+  const auto it = point.observations.find(keyframe.id());
+  keyframe.points[it->second] = MapPointId();
+  point.observations.erase(it);
+  ChangeCovisibility(point, keyframe, -1);
+}
+
+bool Map::AddObservation(MapPointId point_id, KeyframeId keyframe_id, uint32_t keypoint) {
+  MapPoint* point = MutablePoint(point_id);
+  Keyframe* keyframe = MutableKeyframe(keyframe_id);
+  if (point == nullptr || keyframe == nullptr) return false;
+  if (keypoint >= keyframe->points.size() || keyframe->points[keypoint].IsValid()) return false;
+  if (point->observations.contains(keyframe_id)) return false;
+  Connect(*point, *keyframe, keypoint);
+  (observer_ ? *observer_ : Silent()).OnObservationAdded(point_id, keyframe_id, keypoint);
+  return true;
+}
+
+bool Map::RemoveObservation(MapPointId point_id, KeyframeId keyframe_id) {
+  MapPoint* point = MutablePoint(point_id);
+  if (point == nullptr) return false;
+  const auto it = point->observations.find(keyframe_id);
+  if (it == point->observations.end()) return false;
+  const uint32_t keypoint = it->second;
+  Disconnect(*point, *MutableKeyframe(keyframe_id));
+  (observer_ ? *observer_ : Silent()).OnObservationRemoved(point_id, keyframe_id, keypoint);
+  return true;
+}
+
+bool Map::ReplacePoint(MapPointId replaced_id, MapPointId survivor_id) {
+  MapPoint* replaced = MutablePoint(replaced_id);
+  MapPoint* survivor = MutablePoint(survivor_id);
+  if (replaced == nullptr || survivor == nullptr || replaced == survivor) return false;
+  const auto observations = replaced->observations;
+  for (const auto& [keyframe_id, keypoint] : observations) {
+    Keyframe& keyframe = *MutableKeyframe(keyframe_id);
+    Disconnect(*replaced, keyframe);
+    if (!survivor->observations.contains(keyframe_id)) Connect(*survivor, keyframe, keypoint);
+  }
+  points_.erase(replaced_id);
+  (observer_ ? *observer_ : Silent()).OnPointReplaced(replaced_id, survivor_id);
+  return true;
+}
+
+bool Map::RemovePoint(MapPointId id) {
+  MapPoint* point = MutablePoint(id);
+  if (point == nullptr) return false;
+  while (!point->observations.empty()) {
+    Disconnect(*point, *MutableKeyframe(point->observations.begin()->first));
+  }
+  points_.erase(id);
+  (observer_ ? *observer_ : Silent()).OnPointRemoved(id);
+  return true;
+}
+
+KeyframeId Map::ChooseNewParent(const Keyframe& child, const Keyframe& removed) const {
+  for (const CovisibleKeyframe& candidate : SortByWeight(child, 1)) {
+    if (candidate.id == removed.id() || IsAncestor(child.id(), candidate.id)) continue;
+    // A relative that still hangs on the removed keyframe would lose its own way to the root.
+    if (IsAncestor(removed.id(), candidate.id)) continue;
+    return candidate.id;
+  }
+  return removed.parent;
+}
+
+void Map::RehangChildren(const Keyframe& removed) {
+  MapObserver& observer = observer_ ? *observer_ : Silent();
+  const absl::btree_set<KeyframeId> children = removed.children;
+  KeyframeId heir;  // Of a removed root: its first child.
+  for (const KeyframeId& child_id : children) {
+    Keyframe& child = *MutableKeyframe(child_id);
+    KeyframeId parent = removed.parent.IsValid() ? ChooseNewParent(child, removed) : heir;
+    if (!heir.IsValid()) heir = child_id;
+    Attach(child, parent);
+    observer.OnParentChanged(child_id);
+  }
+}
+
+bool Map::RemoveKeyframe(KeyframeId id) {
+  Keyframe* keyframe = MutableKeyframe(id);
+  if (keyframe == nullptr) return false;
+  for (const MapPointId& point_id : std::vector<MapPointId>(keyframe->points)) {
+    if (point_id.IsValid()) Disconnect(*MutablePoint(point_id), *keyframe);
+  }
+  KeyframeId parent = keyframe->parent;
+  if (!parent.IsValid() && !keyframe->children.empty()) parent = *keyframe->children.begin();
+  Rigid3d parent_from_removed;
+  if (const Keyframe* relative = FindKeyframe(parent)) {
+    parent_from_removed = relative->camera_from_map * keyframe->camera_from_map.Inverse();
+  }
+  RehangChildren(*keyframe);
+  for (const KeyframeId& other : keyframe->loop_edges) MutableKeyframe(other)->loop_edges.erase(id);
+  if (Keyframe* relative = MutableKeyframe(keyframe->parent)) relative->children.erase(id);
+  keyframes_.erase(id);
+  (observer_ ? *observer_ : Silent()).OnKeyframeRemoved(id, parent, parent_from_removed);
+  return true;
+}
+
+std::vector<CovisibleKeyframe> Map::Covisible(KeyframeId id, int min_weight) const {
+  const Keyframe* keyframe = FindKeyframe(id);
+  return keyframe ? SortByWeight(*keyframe, min_weight) : std::vector<CovisibleKeyframe>();
+}
+
+std::vector<CovisibleKeyframe> Map::BestCovisible(KeyframeId id, int count) const {
+  std::vector<CovisibleKeyframe> best = Covisible(id, 1);
+  if (best.size() > static_cast<size_t>(count)) best.resize(static_cast<size_t>(count));
+  return best;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,103 @@
+// Keyframes, map points and the graph between them, in one coordinate frame: a local map on its
+// robot, or a view of an island that fusion works on. Holds no algorithm's scratch values:
+// algorithms take a Map (or a copy) and return results.
+#ifndef CORBSLAM_SLAM_MAP_MAP_H_
+#define CORBSLAM_SLAM_MAP_MAP_H_
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "slam/map/keyframe.h"
+#include "slam/map/map_observer.h"
+#include "slam/map/map_point.h"
+
+namespace corbslam {
+
+struct CovisibleKeyframe {
+  KeyframeId id;
+  int weight = 0;  // Points seen by both.
+};
+
+// A value; copying shares the payloads and drops the observer. Not thread-safe. Invariants, kept
+// by every method: an observation stands in the keyframe and in the point; covisibility counts
+// agree with observations; the spanning tree has no cycle, and every child's parent lists it.
+// Pointers to an item are good until that item is removed. Methods that name an unknown
+// id do nothing and return false (or empty) unless said otherwise.
+class Map {
+ public:
+  Map() = default;
+  Map(const Map& other);
+  Map& operator=(const Map& other);
+  Map(Map&&) = default;
+  Map& operator=(Map&&) = default;
+
+  // Not owned; null for none.
+  void SetObserver(MapObserver* observer) { observer_ = observer; }
+
+  const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
+  const std::map<MapPointId, MapPoint>& points() const { return points_; }
+  // Null when unknown.
+  const Keyframe* FindKeyframe(KeyframeId id) const;
+  const MapPoint* FindPoint(MapPointId id) const;
+
+  // Adds a keyframe with its payload, words, pose and parent; `points` must be empty or all
+  // invalid, children and covisible empty: observations come by AddObservation. A parent that is
+  // not in the map is taken as none. False if the id is there already.
+  bool AddKeyframe(Keyframe keyframe);
+  // Adds a point without observations. False if the id is there already.
+  bool AddPoint(MapPoint point);
+
+  void SetPose(KeyframeId id, const Rigid3d& camera_from_map);
+  void SetPosition(MapPointId id, const Eigen::Vector3d& position_in_map);
+  void SetWords(KeyframeId id, std::shared_ptr<const Words> words);
+  // False, and no change, if that would make a cycle.
+  bool SetParent(KeyframeId child, KeyframeId parent);
+  bool AddLoopEdge(KeyframeId a, KeyframeId b);
+
+  // False if either is unknown, the keypoint is taken or out of range, or the keyframe sees the
+  // point already.
+  bool AddObservation(MapPointId point, KeyframeId keyframe, uint32_t keypoint);
+  // The point stays even when nobody sees it any more.
+  bool RemoveObservation(MapPointId point, KeyframeId keyframe);
+  // Moves the observations of `replaced` to `survivor` and removes `replaced`.
+  bool ReplacePoint(MapPointId replaced, MapPointId survivor);
+  bool RemovePoint(MapPointId id);
+  // Removes the keyframe and its observations; children go to their most covisible relative that
+  // makes no cycle, else to the removed keyframe's parent. Removing the root promotes a child.
+  bool RemoveKeyframe(KeyframeId id);
+
+  // The point's normal, distance range and representative descriptor, from its observations.
+  // No-op on points nobody sees.
+  void UpdatePointAppearance(MapPointId id);
+  // Normal and distance range only (after poses moved).
+  void UpdatePointGeometry(MapPointId id);
+  // For points whose appearance came from elsewhere (the wire).
+  void SetPointAppearance(MapPointId id, const Descriptor& descriptor,
+                          const Eigen::Vector3d& normal_in_map, double min_distance,
+                          double max_distance, KeyframeId reference);
+
+  // Keyframes that share at least `min_weight` points with `id`, most first, ties by id.
+  std::vector<CovisibleKeyframe> Covisible(KeyframeId id, int min_weight = 15) const;
+  // The first `count` of them, of any weight.
+  std::vector<CovisibleKeyframe> BestCovisible(KeyframeId id, int count) const;
+
+ private:
+  Keyframe* MutableKeyframe(KeyframeId id);
+  MapPoint* MutablePoint(MapPointId id);
+  void Connect(MapPoint& point, Keyframe& keyframe, uint32_t keypoint);
+  void Disconnect(MapPoint& point, Keyframe& keyframe);
+  void ChangeCovisibility(const MapPoint& point, Keyframe& keyframe, int change);
+  bool IsAncestor(KeyframeId ancestor, KeyframeId id) const;
+  void Attach(Keyframe& child, KeyframeId parent);
+  KeyframeId ChooseNewParent(const Keyframe& child, const Keyframe& removed) const;
+  void RehangChildren(const Keyframe& removed);
+
+  std::map<KeyframeId, Keyframe> keyframes_;
+  std::map<MapPointId, MapPoint> points_;
+  MapObserver* observer_ = nullptr;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_MAP_MAP_H_
