@@ -1,0 +1,27 @@
+// The fusion worker in this process: verification, fusing and bundle adjustment as pure functions
+// from request to result.
+#ifndef CORBSLAM_FUSION_WORKER_LOCAL_FUSION_WORKER_H_
+#define CORBSLAM_FUSION_WORKER_LOCAL_FUSION_WORKER_H_
+
+#include <cstdint>
+#include <memory>
+
+#include "slam/exchange/fusion_worker.h"
+
+namespace corbslam {
+
+struct FusionWorkerOptions {
+  // Of the solver, for FuseMaps; AdjustBundle takes the request's. 1 for results that repeat to
+  // the bit.
+  int threads = 1;
+  // Of all random choices: the same request gives the same result.
+  uint64_t seed = 1;
+};
+
+// Stateless between calls, thread-safe. INVALID_ARGUMENT (naming the id) for views that contradict
+// themselves or the request; CANCELLED when the progress callback returns false.
+std::unique_ptr<FusionWorker> MakeLocalFusionWorker(const FusionWorkerOptions& options = {});
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_FUSION_WORKER_LOCAL_FUSION_WORKER_H_

@@ -1,0 +1,41 @@
+// Do two keyframes show the same place, and how do they stand to each other? The chain of tests of
+// ORB-SLAM2/3 (Campos et al., T-RO 2021, section VI.B), each of which may refuse.
+#ifndef CORBSLAM_SLAM_VERIFICATION_PLACE_VERIFICATION_H_
+#define CORBSLAM_SLAM_VERIFICATION_PLACE_VERIFICATION_H_
+
+#include <cstdint>
+
+#include "slam/exchange/overlap.h"
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+struct PlaceVerificationOptions {
+  // Hold the scale at 1 (both sides metric).
+  bool fix_scale = true;
+  uint64_t seed = 1;
+
+  // Covisible keyframes of either side whose points take part.
+  int neighbours = 5;
+  int min_word_matches = 20;
+  int min_ransac_inliers = 15;
+  int min_refined_inliers = 25;
+  int min_projected_matches = 40;
+  // Further pairs of keyframes that agree, and the matches that make a pair agree.
+  int min_consistent_keyframes = 2;
+  int min_matches_per_keyframe = 25;
+  // Where the scale is estimated between maps that should be metric: |scale - 1|. Ignored for
+  // monocular cameras.
+  double max_scale_deviation = 0.05;
+};
+
+// The verdict, with the counts of the stages that were reached. The views may be one and the same
+// map (loops), the query and candidate must not be the same keyframe. A keyframe that its view
+// does not hold matches nothing. Deterministic, pure; milliseconds to tens of them.
+// `evidence.shared_words` is left at 0 for the caller to fill in.
+Overlap VerifyPlace(const Map& query_view, KeyframeId query, const Map& candidate_view,
+                    KeyframeId candidate, const PlaceVerificationOptions& options = {});
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_VERIFICATION_PLACE_VERIFICATION_H_
