@@ -1,0 +1,77 @@
+// Bundle adjustment of part or all of a map: poses and points that minimise the robust
+// reprojection error.
+#ifndef CORBSLAM_SLAM_OPTIMISATION_BUNDLE_ADJUSTMENT_H_
+#define CORBSLAM_SLAM_OPTIMISATION_BUNDLE_ADJUSTMENT_H_
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/map/map.h"
+#include "slam/optimisation/bundle_scope.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+struct BundleOptions {
+  // Of each round: there are outlier_rounds + 1 of them, the last ones shorter where converged.
+  int max_iterations = 10;
+  // Huber's, at the 95 % bound of chi2 (5.991 monocular, 7.815 stereo). After the first rejection
+  // of outliers it is off.
+  bool use_robust_loss = true;
+  // After each such round observations beyond the bound (or behind the camera) are left out, and
+  // those left out before may come back; then the next round goes on.
+  int outlier_rounds = 1;
+  // Solver threads. One gives the same bits every time.
+  int threads = 1;
+  // Called after every iteration with the part done, in [0, 1]; false cancels. Null: never.
+  std::function<bool(double progress)> keep_going;
+};
+
+struct PoseUpdate {
+  KeyframeId id;
+  Rigid3d camera_from_map;
+};
+
+struct PositionUpdate {
+  MapPointId id;
+  Eigen::Vector3d position_in_map;
+};
+
+struct ObservationKey {
+  MapPointId point;
+  KeyframeId keyframe;
+  friend auto operator<=>(const ObservationKey&, const ObservationKey&) = default;
+};
+
+struct BundleResult {
+  // The free keyframes, in the scope's order.
+  std::vector<PoseUpdate> poses;
+  // The free points, in the scope's order, except those no observation constrains.
+  std::vector<PositionUpdate> positions;
+  // Observations between the scope's items beyond the bound at the result, sorted. A monocular
+  // observation has two degrees of freedom, one with disparity three.
+  std::vector<ObservationKey> outliers;
+  int iterations = 0;
+  // Of the robust cost of the first round, and the cost of the last.
+  double initial_cost = 0;
+  double final_cost = 0;
+  // The result is then the best so far and still consistent.
+  bool cancelled = false;
+};
+
+// Reads `map`, changes nothing. Only observations between the scope's keyframes and points count.
+// INVALID_ARGUMENT, naming the id, where the scope names an unknown or repeated item, or nothing
+// is free or nothing observed; FAILED_PRECONDITION where no keyframe is fixed. Pure; any thread.
+absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& scope,
+                                          const BundleOptions& options);
+
+// Sets poses and positions and removes the outlier observations. Items that are gone meanwhile are
+// skipped. Geometry of the moved points (normal, distance range) is brought up to date.
+void ApplyBundle(const BundleResult& result, Map& map);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_OPTIMISATION_BUNDLE_ADJUSTMENT_H_

@@ -1,0 +1,69 @@
+// Pose graph over keyframes ("essential graph"): spreads a loop's or a fusion's correction.
+#ifndef CORBSLAM_SLAM_OPTIMISATION_POSE_GRAPH_H_
+#define CORBSLAM_SLAM_OPTIMISATION_POSE_GRAPH_H_
+
+#include <map>
+#include <vector>
+
+#include "absl/container/btree_set.h"
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/map/map.h"
+#include "slam/optimisation/bundle_adjustment.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+// x_b = b_from_a * x_a in the cameras' frames.
+struct PoseGraphEdge {
+  KeyframeId a;
+  KeyframeId b;
+  Similarity3d b_from_a;
+  // Multiplies the squared residual.
+  double weight = 1;
+  // Huber's loss, for edges that may be wrong.
+  bool robust = false;
+};
+
+struct PoseGraphOptions {
+  // SE(3) on the edges' rigid parts (metric maps), else Sim(3). With it the scales stay what they
+  // are in `initial`, which must be 1.
+  bool fix_scale = true;
+  int max_iterations = 20;
+  // Solver threads. One gives the same bits every time.
+  int threads = 1;
+};
+
+struct PoseGraphResult {
+  std::map<KeyframeId, Similarity3d> camera_from_map;
+  // 0.5 * sum of weighted squared residuals (robust where asked).
+  double initial_cost = 0;
+  double final_cost = 0;
+  // weight * |residual|^2 of each input edge after, without loss.
+  std::vector<double> edge_chi2;
+  int iterations = 0;
+};
+
+// The residual of an edge is log(b_from_a * camera_a_from_map * camera_b_from_map^-1), in the order
+// (translation, rotation, log of scale). Fixed keyframes stay. INVALID_ARGUMENT, naming the id,
+// where an edge ends at an unknown keyframe, begins and ends at the same, a part of the graph has
+// no fixed keyframe, or a value is not finite. Pure; any thread. Source: Strasdat et al.,
+// "Scale Drift-Aware Large Scale Monocular SLAM", RSS 2010.
+absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const std::map<KeyframeId, Similarity3d>& initial,
+                                                  absl::Span<const PoseGraphEdge> edges,
+                                                  const absl::btree_set<KeyframeId>& fixed,
+                                                  const PoseGraphOptions& options);
+
+// Spanning tree, loop edges and covisibility of at least `min_covisibility` points, each pair of
+// keyframes once with a < b, sorted; relative poses are the map's present ones.
+std::vector<PoseGraphEdge> EssentialGraphEdges(const Map& map, int min_covisibility = 100);
+
+// Where each point goes when it follows its reference keyframe to its corrected pose (which maps
+// from the corrected map's frame). Points whose reference has none are left out. Sorted by id.
+std::vector<PositionUpdate> MovePointsWithReferences(
+    const Map& map, const std::map<KeyframeId, Similarity3d>& corrected);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_OPTIMISATION_POSE_GRAPH_H_

@@ -1,0 +1,54 @@
+// Refines a similarity between two cameras from matched points that both maps know.
+#ifndef CORBSLAM_SLAM_OPTIMISATION_SIMILARITY_REFINEMENT_H_
+#define CORBSLAM_SLAM_OPTIMISATION_SIMILARITY_REFINEMENT_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "slam/camera/camera.h"
+#include "slam/geometry/rigid3.h"
+
+namespace corbslam {
+
+// The same landmark as each side's map places it, in the frame of that side's camera, and the
+// pixel in which that side's camera sees it.
+struct SimilarityMatch {
+  Eigen::Vector3d x_in_a;
+  Eigen::Vector3d x_in_b;
+  Eigen::Vector2d pixel_in_a;
+  Eigen::Vector2d pixel_in_b;
+  double variance_a_px2 = 1;
+  double variance_b_px2 = 1;
+};
+
+struct SimilarityRefinement {
+  Similarity3d b_from_a;
+  // One entry a match: both reprojections are within the bound.
+  std::vector<char> is_inlier;
+  int inliers = 0;
+};
+
+// Squared reprojection errors over their variances: of x_in_a in camera b and of x_in_b in camera
+// a. Infinity where the point falls behind the camera.
+struct SimilarityErrors {
+  double in_a = 0;
+  double in_b = 0;
+};
+SimilarityErrors ReprojectionErrors(const Camera& camera_a, const Camera& camera_b,
+                                    const Similarity3d& b_from_a, const SimilarityMatch& match);
+
+// Minimises the reprojection error both ways (Huber's loss at `max_chi2`), drops the matches
+// beyond `max_chi2` in either picture, and again without loss. The scale is kept where `fix_scale`.
+// INVALID_ARGUMENT for fewer than 3 matches or values that are not finite; FAILED_PRECONDITION
+// where fewer than 3 inliers are left. Pure; any thread.
+absl::StatusOr<SimilarityRefinement> RefineSimilarity(const Camera& camera_a,
+                                                      const Camera& camera_b,
+                                                      absl::Span<const SimilarityMatch> matches,
+                                                      const Similarity3d& initial_b_from_a,
+                                                      bool fix_scale, double max_chi2 = 9.21);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_OPTIMISATION_SIMILARITY_REFINEMENT_H_
