@@ -1,0 +1,146 @@
+#include "slam/matching/word_matching.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace corbslam {
+namespace {
+
+constexpr int kBins = 30;
+constexpr int kKeptBins = 3;
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+constexpr int kFar = 257;
+
+// The best candidate so far of a keypoint of b.
+struct Claim {
+  uint32_t keypoint_a = kNone;
+  int distance = kFar;
+};
+
+std::vector<char> UsableKeypoints(const Keyframe& keyframe, bool need_points) {
+  const size_t count = std::min(keyframe.keypoints().size(), keyframe.descriptors().size());
+  std::vector<char> usable(count, 1);
+  if (!need_points) return usable;
+  for (size_t i = 0; i < count; ++i) {
+    usable[i] = i < keyframe.points.size() && keyframe.points[i].IsValid();
+  }
+  return usable;
+}
+
+std::vector<uint32_t> Usable(const std::vector<uint32_t>& features,
+                             const std::vector<char>& is_usable) {
+  std::vector<uint32_t> kept;
+  kept.reserve(features.size());
+  for (const uint32_t feature : features) {
+    if (feature < is_usable.size() && is_usable[feature]) kept.push_back(feature);
+  }
+  return kept;
+}
+
+// Lets each of `features_a` claim its best of `features_b`; the nearest claim of a keypoint wins.
+void MatchWithinNode(const Keyframe& a, const std::vector<uint32_t>& features_a, const Keyframe& b,
+                     const std::vector<uint32_t>& features_b, const WordMatchingOptions& options,
+                     std::vector<Claim>& claims) {
+  for (const uint32_t i : features_a) {
+    int best = kFar;
+    int second = kFar;
+    uint32_t best_j = kNone;
+    const Descriptor& descriptor = a.descriptors()[i];
+    for (const uint32_t j : features_b) {
+      const int distance = HammingDistance(descriptor, b.descriptors()[j]);
+      if (distance < best) {
+        second = best;
+        best = distance;
+        best_j = j;
+      } else if (distance < second) {
+        second = distance;
+      }
+    }
+    if (best > options.max_distance || best >= options.max_ratio * second) continue;
+    if (best < claims[best_j].distance) claims[best_j] = {i, best};
+  }
+}
+
+bool HasNodes(const Keyframe& keyframe) {
+  return keyframe.words != nullptr && !keyframe.words->direct_index.empty();
+}
+
+void MatchAllNodes(const Keyframe& a, const Keyframe& b, const WordMatchingOptions& options,
+                   std::vector<Claim>& claims) {
+  const std::vector<char> usable_a = UsableKeypoints(a, options.need_points_a);
+  const std::vector<char> usable_b = UsableKeypoints(b, options.need_points_b);
+  if (!HasNodes(a) || !HasNodes(b)) {
+    std::vector<uint32_t> all_a(usable_a.size());
+    std::vector<uint32_t> all_b(usable_b.size());
+    std::iota(all_a.begin(), all_a.end(), 0u);
+    std::iota(all_b.begin(), all_b.end(), 0u);
+    MatchWithinNode(a, Usable(all_a, usable_a), b, Usable(all_b, usable_b), options, claims);
+    return;
+  }
+  auto node_a = a.words->direct_index.begin();
+  auto node_b = b.words->direct_index.begin();
+  while (node_a != a.words->direct_index.end() && node_b != b.words->direct_index.end()) {
+    if (node_a->node < node_b->node) {
+      ++node_a;
+    } else if (node_b->node < node_a->node) {
+      ++node_b;
+    } else {
+      MatchWithinNode(a, Usable(node_a->features, usable_a), b, Usable(node_b->features, usable_b),
+                      options, claims);
+      ++node_a;
+      ++node_b;
+    }
+  }
+}
+
+size_t OrientationBin(const Keypoint& a, const Keypoint& b) {
+  const double turn = (static_cast<double>(a.angle_rad) - static_cast<double>(b.angle_rad)) /
+                      (2 * std::numbers::pi);
+  const int bin = static_cast<int>((turn - std::floor(turn)) * kBins);
+  return static_cast<size_t>(std::clamp(bin, 0, kBins - 1));
+}
+
+// A place seen twice is turned by the same angle everywhere.
+void DropOddOrientations(const Keyframe& a, const Keyframe& b, std::vector<Claim>& claims) {
+  std::array<int, kBins> count = {};
+  for (size_t j = 0; j < claims.size(); ++j) {
+    if (claims[j].keypoint_a == kNone) continue;
+    ++count[OrientationBin(a.keypoints()[claims[j].keypoint_a], b.keypoints()[j])];
+  }
+  std::array<size_t, kBins> order;
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t x, size_t y) { return count[x] > count[y]; });
+  std::array<bool, kBins> kept = {};
+  for (size_t rank = 0; rank < kKeptBins; ++rank) {
+    // A bin far below the best is noise, not a turn.
+    kept[order[rank]] = 10 * count[order[rank]] >= count[order[0]];
+  }
+  for (size_t j = 0; j < claims.size(); ++j) {
+    Claim& claim = claims[j];
+    if (claim.keypoint_a == kNone) continue;
+    if (!kept[OrientationBin(a.keypoints()[claim.keypoint_a], b.keypoints()[j])]) claim = {};
+  }
+}
+
+}  // namespace
+
+std::vector<std::pair<uint32_t, uint32_t>> MatchByWords(const Keyframe& a, const Keyframe& b,
+                                                        const WordMatchingOptions& options) {
+  std::vector<Claim> claims(std::min(b.keypoints().size(), b.descriptors().size()));
+  MatchAllNodes(a, b, options, claims);
+  if (options.check_orientation) DropOddOrientations(a, b, claims);
+  std::vector<std::pair<uint32_t, uint32_t>> matches;
+  for (size_t j = 0; j < claims.size(); ++j) {
+    if (claims[j].keypoint_a == kNone) continue;
+    matches.emplace_back(claims[j].keypoint_a, static_cast<uint32_t>(j));
+  }
+  std::sort(matches.begin(), matches.end());
+  return matches;
+}
+
+}  // namespace corbslam
