@@ -1,0 +1,81 @@
+#include "client_agent/memory/observation_mirror.h"
+
+namespace corbslam {
+
+void ObservationMirror::AddKeyframe(KeyframeId id, size_t keypoints) {
+  points_.try_emplace(id, keypoints);
+}
+
+void ObservationMirror::Erase(KeyframeId keyframe, uint32_t keypoint) {
+  MapPointId& point = points_.at(keyframe)[keypoint];
+  const auto it = observers_.find(point);
+  it->second.erase(keyframe);
+  if (it->second.empty()) observers_.erase(it);
+  point = MapPointId();
+}
+
+void ObservationMirror::RemoveKeyframe(KeyframeId id) {
+  const auto it = points_.find(id);
+  if (it == points_.end()) return;
+  for (uint32_t k = 0; k < it->second.size(); ++k) {
+    if (it->second[k].IsValid()) Erase(id, k);
+  }
+  points_.erase(it);
+}
+
+void ObservationMirror::RemovePoint(MapPointId id) {
+  const auto it = observers_.find(id);
+  if (it == observers_.end()) return;
+  for (const auto& [keyframe, keypoint] : it->second) points_.at(keyframe)[keypoint] = MapPointId();
+  observers_.erase(it);
+}
+
+void ObservationMirror::ReplacePoint(MapPointId replaced, MapPointId survivor) {
+  const auto it = observers_.find(replaced);
+  if (it == observers_.end()) return;
+  const std::map<KeyframeId, uint32_t> moved = std::move(it->second);
+  observers_.erase(it);
+  auto& to = observers_[survivor];
+  for (const auto& [keyframe, keypoint] : moved) {
+    const bool handed_over = to.emplace(keyframe, keypoint).second;
+    points_.at(keyframe)[keypoint] = handed_over ? survivor : MapPointId();
+  }
+}
+
+std::vector<KeyframeId> ObservationMirror::Observers(MapPointId id) const {
+  std::vector<KeyframeId> observers;
+  const auto it = observers_.find(id);
+  if (it == observers_.end()) return observers;
+  for (const auto& [keyframe, keypoint] : it->second) observers.push_back(keyframe);
+  return observers;
+}
+
+bool ObservationMirror::AppendChanges(const Map& map, const Keyframe& keyframe,
+                                      const std::function<bool(MapPointId)>& can_tell,
+                                      std::vector<ObservationChange>& changes) {
+  const KeyframeId id = keyframe.id();
+  std::vector<MapPointId>& told = points_.at(id);
+  for (uint32_t k = 0; k < told.size(); ++k) {
+    const MapPointId now = keyframe.points[k];
+    if (!told[k].IsValid() || told[k] == now) continue;
+    const bool unloaded = told[k].local_map != id.local_map && map.FindPoint(told[k]) == nullptr;
+    if (unloaded && !now.IsValid()) continue;
+    changes.push_back({ObservationChange::Kind::kRemoved, told[k], id, k});
+    Erase(id, k);
+  }
+  bool complete = true;
+  for (uint32_t k = 0; k < told.size(); ++k) {
+    const MapPointId now = keyframe.points[k];
+    if (!now.IsValid() || told[k].IsValid()) continue;
+    if (!can_tell(now)) {
+      complete = false;
+      continue;
+    }
+    changes.push_back({ObservationChange::Kind::kAdded, now, id, k});
+    told[k] = now;
+    observers_[now].emplace(id, k);
+  }
+  return complete;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,42 @@
+// What the map store has been told of a local map's observations, so that only differences travel.
+#ifndef CORBSLAM_CLIENT_AGENT_MEMORY_OBSERVATION_MIRROR_H_
+#define CORBSLAM_CLIENT_AGENT_MEMORY_OBSERVATION_MIRROR_H_
+
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "slam/exchange/map_update.h"
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+// Follows the same rules as Map, so that it stays equal to the store's side. Not thread-safe.
+class ObservationMirror {
+ public:
+  void AddKeyframe(KeyframeId id, size_t keypoints);
+  void RemoveKeyframe(KeyframeId id);
+  void RemovePoint(MapPointId id);
+  void ReplacePoint(MapPointId replaced, MapPointId survivor);
+
+  // The keyframes known to observe the point.
+  std::vector<KeyframeId> Observers(MapPointId id) const;
+
+  // Appends what turns the mirrored observations of `keyframe` into those it has in `map`, removals
+  // first, and takes it over. An observation of a point of another local map that is not in `map`
+  // has only been unloaded: no change. Points for which `can_tell` is false wait: then returns
+  // false, and is to be called again later.
+  bool AppendChanges(const Map& map, const Keyframe& keyframe,
+                     const std::function<bool(MapPointId)>& can_tell,
+                     std::vector<ObservationChange>& changes);
+
+ private:
+  void Erase(KeyframeId keyframe, uint32_t keypoint);
+
+  std::map<KeyframeId, std::vector<MapPointId>> points_;
+  std::map<MapPointId, std::map<KeyframeId, uint32_t>> observers_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MEMORY_OBSERVATION_MIRROR_H_

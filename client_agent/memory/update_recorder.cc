@@ -1,0 +1,301 @@
+#include "client_agent/memory/update_recorder.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace corbslam {
+
+void UpdateRecorder::OnKeyframeAdded(KeyframeId id) {
+  if (!IsOwn(id)) return;
+  absl::MutexLock lock(&mutex_);
+  added_keyframes_.insert(id);
+}
+
+void UpdateRecorder::OnKeyframeMoved(KeyframeId id) {
+  if (!IsOwn(id)) return;
+  absl::MutexLock lock(&mutex_);
+  changed_keyframes_.insert(id);
+}
+
+void UpdateRecorder::OnParentChanged(KeyframeId id) { OnKeyframeMoved(id); }
+
+void UpdateRecorder::OnLoopEdgeAdded(KeyframeId a, KeyframeId b) {
+  if (!IsOwn(a)) std::swap(a, b);
+  if (!IsOwn(a)) return;
+  absl::MutexLock lock(&mutex_);
+  loop_edges_.emplace_back(a, b);
+}
+
+void UpdateRecorder::OnKeyframeRemoved(KeyframeId id, KeyframeId parent,
+                                       const Rigid3d& parent_from_removed) {
+  if (!IsOwn(id)) return;
+  absl::MutexLock lock(&mutex_);
+  added_keyframes_.erase(id);
+  changed_keyframes_.erase(id);
+  reobserved_keyframes_.erase(id);
+  // Told even if the keyframe never was: frames were tracked relative to it.
+  removed_keyframes_.push_back({id, parent, parent_from_removed});
+}
+
+void UpdateRecorder::OnPointAdded(MapPointId id) {
+  if (!IsOwn(id)) return;
+  absl::MutexLock lock(&mutex_);
+  added_points_.insert(id);
+}
+
+void UpdateRecorder::OnPointMoved(MapPointId id) {
+  if (!IsOwn(id)) return;
+  absl::MutexLock lock(&mutex_);
+  moved_points_.insert(id);
+}
+
+void UpdateRecorder::OnObservationAdded(MapPointId point, KeyframeId keyframe, uint32_t) {
+  if (!IsOwn(keyframe)) return;
+  absl::MutexLock lock(&mutex_);
+  if (IsOwn(point) && !sent_points_.contains(point)) added_points_.insert(point);
+  reobserved_keyframes_.insert(keyframe);
+}
+
+void UpdateRecorder::OnObservationRemoved(MapPointId point, KeyframeId keyframe,
+                                          uint32_t keypoint) {
+  OnObservationAdded(point, keyframe, keypoint);
+}
+
+void UpdateRecorder::OnPointReplaced(MapPointId replaced, MapPointId survivor) {
+  absl::MutexLock lock(&mutex_);
+  if (IsOwn(survivor) && !sent_points_.contains(survivor)) added_points_.insert(survivor);
+  if (!IsOwn(replaced)) return;
+  replaced_points_[replaced] = survivor;
+}
+
+void UpdateRecorder::OnPointRemoved(MapPointId id) {
+  if (!IsOwn(id)) return;
+  absl::MutexLock lock(&mutex_);
+  removed_points_.insert(id);
+}
+
+void UpdateRecorder::AddTrackedFrame(const TrackedFrame& frame) {
+  absl::MutexLock lock(&mutex_);
+  tracked_frames_.push_back(frame);
+}
+
+void UpdateRecorder::AddLostFrame(int64_t timestamp_ns) {
+  absl::MutexLock lock(&mutex_);
+  lost_frames_ns_.push_back(timestamp_ns);
+}
+
+bool UpdateRecorder::HasChanges() const {
+  absl::MutexLock lock(&mutex_);
+  return !(added_keyframes_.empty() && changed_keyframes_.empty() &&
+           reobserved_keyframes_.empty() && added_points_.empty() && moved_points_.empty() &&
+           replaced_points_.empty() && removed_points_.empty() && removed_keyframes_.empty() &&
+           loop_edges_.empty() && tracked_frames_.empty() && lost_frames_ns_.empty());
+}
+
+size_t UpdateRecorder::pending_keyframes() const {
+  absl::MutexLock lock(&mutex_);
+  return added_keyframes_.size();
+}
+
+MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, size_t max_keyframes) {
+  absl::MutexLock lock(&mutex_);
+  MapUpdateBatch batch;
+  batch.local_map = local_map_;
+  TakeFullKeyframes(map, max_keyframes, batch);
+  TakeFullPoints(map, batch);
+  TakeLight(map, batch);
+  TakeReplacements(map, batch);
+  TakeObservations(map, batch);
+  TakeRemovals(batch);
+  TakeLoopEdges(map, batch);
+  TakeFrames(batch);
+  return batch;
+}
+
+// Cameras go in the order of their indices, before the first keyframe of theirs.
+void UpdateRecorder::TakeCameras(const FullKeyframe& keyframe, MapUpdateBatch& batch) {
+  if (keyframe.payload->camera_index != sent_cameras_) return;
+  if (batch.cameras.empty()) batch.first_camera_index = sent_cameras_;
+  batch.cameras.push_back(keyframe.payload->camera);
+  ++sent_cameras_;
+}
+
+// The nearest ancestor of `id` that the store has been told of.
+KeyframeId UpdateRecorder::KnownAncestor(const Map& map, KeyframeId id) const {
+  const Keyframe* at = map.FindKeyframe(id);
+  while (at != nullptr) {
+    if (sent_keyframes_.contains(at->parent)) return at->parent;
+    at = map.FindKeyframe(at->parent);
+  }
+  return KeyframeId();
+}
+
+void UpdateRecorder::TakeFullKeyframes(const Map& map, size_t max_keyframes,
+                                       MapUpdateBatch& batch) {
+  while (!added_keyframes_.empty() && batch.full_keyframes.size() < max_keyframes) {
+    const KeyframeId id = *added_keyframes_.begin();
+    added_keyframes_.erase(added_keyframes_.begin());
+    const Keyframe* keyframe = map.FindKeyframe(id);
+    if (keyframe == nullptr) continue;
+    FullKeyframe full = {keyframe->payload, keyframe->camera_from_map, KnownAncestor(map, id)};
+    changed_keyframes_.erase(id);
+    if (full.parent != keyframe->parent) changed_keyframes_.insert(id);
+    reobserved_keyframes_.insert(id);
+    TakeCameras(full, batch);
+    sent_keyframes_.insert(id);
+    mirror_.AddKeyframe(id, keyframe->points.size());
+    batch.full_keyframes.push_back(std::move(full));
+  }
+}
+
+KeyframeId UpdateRecorder::KnownReference(const MapPoint& point) const {
+  if (sent_keyframes_.contains(point.reference)) return point.reference;
+  for (const auto& [keyframe, keypoint] : point.observations) {
+    if (sent_keyframes_.contains(keyframe)) return keyframe;
+  }
+  return KeyframeId();
+}
+
+void UpdateRecorder::TakeFullPoints(const Map& map, MapUpdateBatch& batch) {
+  absl::btree_set<MapPointId> waiting;
+  for (const MapPointId& id : added_points_) {
+    const MapPoint* point = map.FindPoint(id);
+    if (point == nullptr) continue;
+    const KeyframeId reference = KnownReference(*point);
+    if (!reference.IsValid()) {
+      // Nobody sees it: there is nothing to tell until somebody does.
+      if (!point->observations.empty() || map.FindKeyframe(point->reference)) waiting.insert(id);
+      continue;
+    }
+    moved_points_.erase(id);
+    sent_points_.insert(id);
+    batch.full_points.push_back({id, point->position_in_map, reference, point->descriptor,
+                                 point->normal_in_map, point->min_distance, point->max_distance});
+  }
+  added_points_ = std::move(waiting);
+}
+
+void UpdateRecorder::TakeLight(const Map& map, MapUpdateBatch& batch) {
+  // Root first, so that no step of the new tree makes a cycle with what is left of the old one.
+  std::vector<std::pair<size_t, KeyframeId>> by_depth;
+  for (const KeyframeId& id : changed_keyframes_) {
+    if (!sent_keyframes_.contains(id) || map.FindKeyframe(id) == nullptr) continue;
+    size_t depth = 0;
+    for (const Keyframe* at = map.FindKeyframe(id); at != nullptr; ++depth) {
+      at = map.FindKeyframe(at->parent);
+    }
+    by_depth.emplace_back(depth, id);
+  }
+  std::sort(by_depth.begin(), by_depth.end());
+  changed_keyframes_.clear();
+  for (const auto& [depth, id] : by_depth) {
+    const Keyframe& keyframe = *map.FindKeyframe(id);
+    const KeyframeId parent = KnownAncestor(map, id);
+    if (parent != keyframe.parent && IsOwn(keyframe.parent)) changed_keyframes_.insert(id);
+    batch.light_keyframes.push_back({id, keyframe.camera_from_map, parent});
+  }
+  for (const MapPointId& id : moved_points_) {
+    const MapPoint* point = map.FindPoint(id);
+    if (point == nullptr || !sent_points_.contains(id)) continue;
+    batch.light_points.push_back({id, point->position_in_map});
+  }
+  moved_points_.clear();
+}
+
+MapPointId UpdateRecorder::ResolveSurvivor(const Map& map, MapPointId replaced) const {
+  MapPointId survivor = replaced;
+  for (auto it = replaced_points_.find(survivor); it != replaced_points_.end();
+       it = replaced_points_.find(survivor)) {
+    survivor = it->second;
+  }
+  return map.FindPoint(survivor) == nullptr ? MapPointId() : survivor;
+}
+
+void UpdateRecorder::TakeReplacements(const Map& map, MapUpdateBatch& batch) {
+  absl::btree_map<MapPointId, MapPointId> waiting;
+  for (const auto& [replaced, last_survivor] : replaced_points_) {
+    if (!sent_points_.contains(replaced)) continue;
+    const MapPointId survivor = ResolveSurvivor(map, replaced);
+    if (!survivor.IsValid()) {
+      removed_points_.insert(replaced);
+      continue;
+    }
+    if (IsOwn(survivor) && !sent_points_.contains(survivor)) {
+      waiting.emplace(replaced, survivor);
+      continue;
+    }
+    for (const KeyframeId& id : mirror_.Observers(replaced)) reobserved_keyframes_.insert(id);
+    mirror_.ReplacePoint(replaced, survivor);
+    sent_points_.erase(replaced);
+    batch.replacements.push_back({replaced, survivor});
+  }
+  for (const auto& [replaced, last_survivor] : replaced_points_) {
+    const MapPoint* survivor = map.FindPoint(ResolveSurvivor(map, replaced));
+    if (survivor == nullptr) continue;
+    for (const auto& [id, keypoint] : survivor->observations) {
+      if (IsOwn(id)) reobserved_keyframes_.insert(id);
+    }
+  }
+  replaced_points_ = std::move(waiting);
+}
+
+void UpdateRecorder::TakeObservations(const Map& map, MapUpdateBatch& batch) {
+  absl::btree_set<KeyframeId> waiting;
+  const auto can_tell = [this](MapPointId id) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return !IsOwn(id) || sent_points_.contains(id);
+  };
+  for (const KeyframeId& id : reobserved_keyframes_) {
+    const Keyframe* keyframe = map.FindKeyframe(id);
+    if (keyframe == nullptr) continue;
+    if (!sent_keyframes_.contains(id) ||
+        !mirror_.AppendChanges(map, *keyframe, can_tell, batch.observations)) {
+      waiting.insert(id);
+    }
+  }
+  reobserved_keyframes_ = std::move(waiting);
+}
+
+void UpdateRecorder::TakeRemovals(MapUpdateBatch& batch) {
+  for (const MapPointId& id : removed_points_) {
+    if (sent_points_.erase(id) == 0) continue;
+    mirror_.RemovePoint(id);
+    batch.removed_points.push_back(id);
+  }
+  removed_points_.clear();
+  for (const KeyframeRemoval& removal : removed_keyframes_) {
+    sent_keyframes_.erase(removal.id);
+    mirror_.RemoveKeyframe(removal.id);
+    batch.removed_keyframes.push_back(removal);
+  }
+  removed_keyframes_.clear();
+}
+
+void UpdateRecorder::TakeLoopEdges(const Map& map, MapUpdateBatch& batch) {
+  std::vector<std::pair<KeyframeId, KeyframeId>> waiting;
+  for (const auto& [a_id, b_id] : loop_edges_) {
+    const Keyframe* a = map.FindKeyframe(a_id);
+    const Keyframe* b = map.FindKeyframe(b_id);
+    if (a == nullptr || b == nullptr) continue;
+    if (!sent_keyframes_.contains(a_id) || (IsOwn(b_id) && !sent_keyframes_.contains(b_id))) {
+      waiting.emplace_back(a_id, b_id);
+      continue;
+    }
+    const Rigid3d b_from_a = b->camera_from_map * a->camera_from_map.Inverse();
+    batch.loop_edges.push_back({a_id, b_id, Similarity3d::FromRigid(b_from_a)});
+  }
+  loop_edges_ = std::move(waiting);
+}
+
+// A frame goes up with or after its reference keyframe.
+void UpdateRecorder::TakeFrames(MapUpdateBatch& batch) {
+  std::vector<TrackedFrame> waiting;
+  for (const TrackedFrame& frame : tracked_frames_) {
+    auto& to = added_keyframes_.contains(frame.reference) ? waiting : batch.tracked_frames;
+    to.push_back(frame);
+  }
+  tracked_frames_ = std::move(waiting);
+  batch.lost_frames_ns = std::move(lost_frames_ns_);
+  lost_frames_ns_.clear();
+}
+
+}  // namespace corbslam

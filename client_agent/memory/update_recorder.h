@@ -1,0 +1,95 @@
+// Hears the changes of the robot's map and turns them, aggregated, into batches for the map store.
+#ifndef CORBSLAM_CLIENT_AGENT_MEMORY_UPDATE_RECORDER_H_
+#define CORBSLAM_CLIENT_AGENT_MEMORY_UPDATE_RECORDER_H_
+
+#include <vector>
+
+#include "absl/container/btree_map.h"
+#include "absl/container/btree_set.h"
+#include "absl/synchronization/mutex.h"
+#include "client_agent/memory/observation_mirror.h"
+#include "slam/exchange/map_update.h"
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+// Of one local map. Only that map's own items are recorded: what others made is theirs to tell.
+// Changes of one item between two batches coalesce to its state when the batch is made. Nothing
+// is dropped while no batch is taken, and what is held is bounded by the map's size. Thread-safe.
+class UpdateRecorder : public MapObserver {
+ public:
+  explicit UpdateRecorder(LocalMapId local_map) : local_map_(local_map) {}
+
+  void OnKeyframeAdded(KeyframeId id) override;
+  void OnKeyframeMoved(KeyframeId id) override;
+  void OnParentChanged(KeyframeId id) override;
+  void OnLoopEdgeAdded(KeyframeId a, KeyframeId b) override;
+  void OnKeyframeRemoved(KeyframeId id, KeyframeId parent,
+                         const Rigid3d& parent_from_removed) override;
+  void OnPointAdded(MapPointId id) override;
+  void OnPointMoved(MapPointId id) override;
+  void OnObservationAdded(MapPointId point, KeyframeId keyframe, uint32_t keypoint) override;
+  void OnObservationRemoved(MapPointId point, KeyframeId keyframe, uint32_t keypoint) override;
+  void OnPointReplaced(MapPointId replaced, MapPointId survivor) override;
+  void OnPointRemoved(MapPointId id) override;
+
+  void AddTrackedFrame(const TrackedFrame& frame);
+  void AddLostFrame(int64_t timestamp_ns);
+
+  bool HasChanges() const;
+  // Keyframes that no batch has carried yet.
+  size_t pending_keyframes() const;
+
+  // The changes since the last call, as a batch without a number. At most `max_keyframes` full
+  // keyframes (the rest, and what hangs on them, waits for the next call). `map` is the observed
+  // one; the caller keeps it from changing.
+  MapUpdateBatch TakeBatch(const Map& map, size_t max_keyframes);
+
+ private:
+  bool IsOwn(KeyframeId id) const { return id.local_map == local_map_; }
+  bool IsOwn(MapPointId id) const { return id.local_map == local_map_; }
+  MapPointId ResolveSurvivor(const Map& map, MapPointId replaced) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  void TakeCameras(const FullKeyframe& keyframe, MapUpdateBatch& batch)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeFullKeyframes(const Map& map, size_t max_keyframes, MapUpdateBatch& batch)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeFullPoints(const Map& map, MapUpdateBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeLight(const Map& map, MapUpdateBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeReplacements(const Map& map, MapUpdateBatch& batch)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeObservations(const Map& map, MapUpdateBatch& batch)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeRemovals(MapUpdateBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeLoopEdges(const Map& map, MapUpdateBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeFrames(MapUpdateBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  KeyframeId KnownAncestor(const Map& map, KeyframeId id) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  KeyframeId KnownReference(const MapPoint& point) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const LocalMapId local_map_;
+
+  mutable absl::Mutex mutex_;
+  // What the store has been told.
+  absl::btree_set<KeyframeId> sent_keyframes_ ABSL_GUARDED_BY(mutex_);
+  absl::btree_set<MapPointId> sent_points_ ABSL_GUARDED_BY(mutex_);
+  uint32_t sent_cameras_ ABSL_GUARDED_BY(mutex_) = 0;
+  ObservationMirror mirror_ ABSL_GUARDED_BY(mutex_);
+  // What it has not been told.
+  absl::btree_set<KeyframeId> added_keyframes_ ABSL_GUARDED_BY(mutex_);
+  absl::btree_set<KeyframeId> changed_keyframes_ ABSL_GUARDED_BY(mutex_);
+  absl::btree_set<KeyframeId> reobserved_keyframes_ ABSL_GUARDED_BY(mutex_);
+  absl::btree_set<MapPointId> added_points_ ABSL_GUARDED_BY(mutex_);
+  absl::btree_set<MapPointId> moved_points_ ABSL_GUARDED_BY(mutex_);
+  absl::btree_map<MapPointId, MapPointId> replaced_points_ ABSL_GUARDED_BY(mutex_);
+  absl::btree_set<MapPointId> removed_points_ ABSL_GUARDED_BY(mutex_);
+  std::vector<KeyframeRemoval> removed_keyframes_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::pair<KeyframeId, KeyframeId>> loop_edges_ ABSL_GUARDED_BY(mutex_);
+  std::vector<TrackedFrame> tracked_frames_ ABSL_GUARDED_BY(mutex_);
+  std::vector<int64_t> lost_frames_ns_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MEMORY_UPDATE_RECORDER_H_

@@ -1,0 +1,259 @@
+// A replica fed with batches alone must stay equal to the observed map, whatever happens to it.
+#include "client_agent/memory/update_recorder.h"
+
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "gtest/gtest.h"
+
+namespace corbslam {
+namespace {
+
+constexpr LocalMapId kOwn{1};
+constexpr LocalMapId kForeign{2};
+constexpr uint32_t kKeypoints = 30;
+
+Keyframe MakeKeyframe(KeyframeId id, KeyframeId parent) {
+  static const auto camera = std::make_shared<const Camera>(Camera{
+      .fx_px = 500, .fy_px = 500, .cx_px = 320, .cy_px = 240, .width_px = 640, .height_px = 480});
+  Features features;
+  features.keypoints.resize(kKeypoints);
+  features.descriptors.resize(kKeypoints);
+  Keyframe keyframe;
+  keyframe.payload = MakeKeyframePayload(id, id.index, 0, camera, features);
+  keyframe.parent = parent;
+  return keyframe;
+}
+
+// What a map store does with a batch.
+void Apply(const MapUpdateBatch& batch, Map& replica) {
+  for (const FullKeyframe& full : batch.full_keyframes) {
+    Keyframe keyframe;
+    keyframe.payload = full.payload;
+    keyframe.camera_from_map = full.camera_from_local;
+    keyframe.parent = full.parent;
+    EXPECT_TRUE(replica.AddKeyframe(keyframe));
+  }
+  for (const FullMapPoint& full : batch.full_points) {
+    MapPoint point;
+    point.id = full.id;
+    point.position_in_map = full.position_in_local;
+    EXPECT_NE(replica.FindKeyframe(full.reference), nullptr);
+    EXPECT_TRUE(replica.AddPoint(point));
+  }
+  for (const LightKeyframe& light : batch.light_keyframes) {
+    replica.SetPose(light.id, light.camera_from_local);
+    if (light.parent.IsValid()) {
+      EXPECT_TRUE(replica.SetParent(light.id, light.parent));
+    }
+  }
+  for (const LightMapPoint& light : batch.light_points) {
+    replica.SetPosition(light.id, light.position_in_local);
+  }
+  for (const PointReplacement& r : batch.replacements) {
+    EXPECT_TRUE(replica.ReplacePoint(r.replaced, r.survivor));
+  }
+  for (const ObservationChange& change : batch.observations) {
+    const bool done = change.kind == ObservationChange::Kind::kAdded
+                          ? replica.AddObservation(change.point, change.keyframe, change.keypoint)
+                          : replica.RemoveObservation(change.point, change.keyframe);
+    EXPECT_TRUE(done) << ToString(change.point) << " in " << ToString(change.keyframe);
+  }
+  for (const MapPointId& id : batch.removed_points) EXPECT_TRUE(replica.RemovePoint(id));
+  for (const KeyframeRemoval& removal : batch.removed_keyframes) replica.RemoveKeyframe(removal.id);
+}
+
+class Scenario {
+ public:
+  explicit Scenario(uint32_t seed) : random_(seed) {
+    map_.SetObserver(&recorder_);
+    // A few foreign points that both sides hold, as after sharing.
+    for (uint32_t i = 0; i < 10; ++i) {
+      MapPoint point;
+      point.id = {kForeign, i};
+      map_.AddPoint(point);
+      replica_.AddPoint(point);
+    }
+  }
+
+  void Step() {
+    switch (random_() % 10) {
+      case 0:
+      case 1:
+        return AddKeyframe();
+      case 2:
+      case 3:
+        return AddPoint();
+      case 4:
+      case 5:
+      case 6:
+        map_.AddObservation(AnyPoint(), AnyKeyframe(),
+                            static_cast<uint32_t>(random_()) % kKeypoints);
+        return;
+      case 7:
+        return Move();
+      case 8:
+        return Remove();
+      case 9:
+        if (const MapPointId replaced = AnyPoint(); replaced.local_map == kOwn) {
+          map_.ReplacePoint(replaced, AnyPoint());
+        }
+        return;
+    }
+  }
+
+  void Flush(size_t max_keyframes) { Apply(recorder_.TakeBatch(map_, max_keyframes), replica_); }
+  bool HasChanges() const { return recorder_.HasChanges(); }
+
+  void ExpectEqual() const {
+    ASSERT_EQ(map_.keyframes().size(), replica_.keyframes().size());
+    for (const auto& [id, keyframe] : map_.keyframes()) {
+      const Keyframe& other = *replica_.FindKeyframe(id);
+      EXPECT_EQ(keyframe.points, other.points) << ToString(id);
+      EXPECT_EQ(keyframe.camera_from_map.translation, other.camera_from_map.translation);
+      if (keyframe.parent.IsValid()) {
+        EXPECT_EQ(keyframe.parent, other.parent);
+      }
+    }
+    for (const auto& [id, point] : replica_.points()) {
+      EXPECT_NE(map_.FindPoint(id), nullptr) << ToString(id);
+    }
+    for (const auto& [id, point] : map_.points()) {
+      // What nobody sees need not be told.
+      if (point.observations.empty() && replica_.FindPoint(id) == nullptr) continue;
+      EXPECT_EQ(point.position_in_map, replica_.FindPoint(id)->position_in_map);
+    }
+  }
+
+ private:
+  void AddKeyframe() {
+    const KeyframeId parent = AnyKeyframe();
+    map_.AddKeyframe(MakeKeyframe({kOwn, next_keyframe_++}, parent));
+  }
+  void AddPoint() {
+    MapPoint point;
+    point.id = {kOwn, next_point_++};
+    point.reference = AnyKeyframe();
+    point.position_in_map.x() = static_cast<double>(random_() % 100);
+    map_.AddPoint(point);
+    map_.AddObservation(point.id, point.reference, static_cast<uint32_t>(random_()) % kKeypoints);
+  }
+  void Move() {
+    const double value = static_cast<double>(random_() % 100);
+    if (const MapPointId id = AnyPoint(); id.local_map == kOwn) {
+      map_.SetPosition(id, Eigen::Vector3d::Constant(value));
+    }
+    const KeyframeId id = AnyKeyframe();
+    map_.SetPose(id, {Eigen::Quaterniond::Identity(), Eigen::Vector3d::Constant(value)});
+    map_.SetParent(id, AnyKeyframe());
+  }
+  void Remove() {
+    if (random_() % 4 == 0) {
+      map_.RemoveKeyframe(AnyKeyframe());
+    } else if (const MapPointId id = AnyPoint(); id.local_map == kOwn) {
+      map_.RemovePoint(id);
+    } else {
+      map_.RemoveObservation(AnyPoint(), AnyKeyframe());
+    }
+  }
+  ptrdiff_t Below(size_t count) { return static_cast<ptrdiff_t>(random_() % count); }
+  KeyframeId AnyKeyframe() {
+    if (map_.keyframes().empty()) return {};
+    return std::next(map_.keyframes().begin(), Below(map_.keyframes().size()))->first;
+  }
+  MapPointId AnyPoint() {
+    return std::next(map_.points().begin(), Below(map_.points().size()))->first;
+  }
+
+  std::mt19937 random_;
+  UpdateRecorder recorder_{kOwn};
+  Map map_;
+  Map replica_;
+  uint32_t next_keyframe_ = 0;
+  uint32_t next_point_ = 0;
+};
+
+TEST(UpdateRecorderTest, ReplicaFollowsRandomChanges) {
+  for (uint32_t seed = 1; seed <= 40; ++seed) {
+    Scenario scenario(seed);
+    std::mt19937 random(seed);
+    for (int step = 0; step < 400; ++step) {
+      scenario.Step();
+      if (random() % 15 == 0) {
+        scenario.Flush(1000);
+        scenario.ExpectEqual();
+        ASSERT_FALSE(scenario.HasChanges());
+        ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed << " step " << step;
+      }
+    }
+  }
+}
+
+TEST(UpdateRecorderTest, BatchesLimitedInKeyframesConvergeToTheSame) {
+  for (uint32_t seed = 1; seed <= 40; ++seed) {
+    Scenario scenario(seed);
+    std::mt19937 random(seed);
+    for (int step = 0; step < 300; ++step) {
+      scenario.Step();
+      if (random() % 10 == 0) scenario.Flush(1);
+    }
+    for (int i = 0; i < 200 && scenario.HasChanges(); ++i) scenario.Flush(2);
+    EXPECT_FALSE(scenario.HasChanges());
+    scenario.ExpectEqual();
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+}
+
+TEST(UpdateRecorderTest, ForeignItemsAreTheirOwnersToTell) {
+  UpdateRecorder recorder(kOwn);
+  Map map;
+  map.SetObserver(&recorder);
+  map.AddKeyframe(MakeKeyframe({kForeign, 0}, {}));
+  MapPoint point;
+  point.id = {kForeign, 0};
+  map.AddPoint(point);
+  map.AddObservation(point.id, {kForeign, 0}, 0);
+  EXPECT_FALSE(recorder.HasChanges());
+}
+
+TEST(UpdateRecorderTest, UnloadingAForeignPointIsNotRemoval) {
+  UpdateRecorder recorder(kOwn);
+  Map map;
+  map.SetObserver(&recorder);
+  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  MapPoint point;
+  point.id = {kForeign, 0};
+  map.AddPoint(point);
+  map.AddObservation(point.id, {kOwn, 0}, 3);
+  EXPECT_EQ(recorder.TakeBatch(map, 10).observations.size(), 1U);
+  map.RemovePoint(point.id);
+  const MapUpdateBatch batch = recorder.TakeBatch(map, 10);
+  EXPECT_TRUE(batch.observations.empty());
+  EXPECT_TRUE(batch.removed_points.empty());
+}
+
+TEST(UpdateRecorderTest, FramesWaitForTheirReference) {
+  UpdateRecorder recorder(kOwn);
+  Map map;
+  map.SetObserver(&recorder);
+  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  map.AddKeyframe(MakeKeyframe({kOwn, 1}, {kOwn, 0}));
+  recorder.AddTrackedFrame({100, {kOwn, 0}, {}});
+  recorder.AddTrackedFrame({200, {kOwn, 1}, {}});
+  EXPECT_EQ(recorder.TakeBatch(map, 1).tracked_frames.size(), 1U);
+  EXPECT_EQ(recorder.TakeBatch(map, 1).tracked_frames.size(), 1U);
+}
+
+TEST(UpdateRecorderTest, CameraGoesOnceBeforeItsFirstKeyframe) {
+  UpdateRecorder recorder(kOwn);
+  Map map;
+  map.SetObserver(&recorder);
+  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  EXPECT_EQ(recorder.TakeBatch(map, 9).cameras.size(), 1U);
+  map.AddKeyframe(MakeKeyframe({kOwn, 1}, {kOwn, 0}));
+  EXPECT_EQ(recorder.TakeBatch(map, 9).cameras.size(), 0U);
+}
+
+}  // namespace
+}  // namespace corbslam
