@@ -1,0 +1,158 @@
+// The map store without its transport: takes in the agents' batches, keeps both layers of every
+// mission, finds overlaps and fuses with the help of a FusionWorker, shares the result and answers
+// look-ups.
+#ifndef CORBSLAM_MAP_STORE_MAP_STORE_H_
+#define CORBSLAM_MAP_STORE_MAP_STORE_H_
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "map_store/journal.h"
+#include "map_store/lookups.h"
+#include "map_store/options.h"
+#include "slam/exchange/fusion_worker.h"
+#include "slam/exchange/map_update.h"
+#include "slam/exchange/shared_update.h"
+#include "slam/exchange/uplink.h"
+#include "slam/vocabulary/vocabulary.h"
+
+namespace corbslam {
+
+namespace map_store {
+class FusionExecutor;
+class Mission;
+}  // namespace map_store
+
+// What the transport measured of one batch, for the statistics; estimated where not given.
+struct BatchTransfer {
+  uint64_t full_keyframe_bytes = 0;
+  uint64_t full_map_point_bytes = 0;
+  uint64_t light_keyframe_bytes = 0;
+  uint64_t light_map_point_bytes = 0;
+};
+
+// Thread-safe. Listeners are called without any lock of the store held, from the thread that made
+// the change; they must return soon and may call the store. Once a listener was removed or
+// replaced, or its session closed, a call that was under way may still end.
+class MapStore {
+ public:
+  // Where its times come from.
+  using Clock = std::function<absl::Time()>;
+
+  struct OpenedSession {
+    uint64_t session_id = 0;
+    SessionGrant grant;
+  };
+
+  // `worker` (not owned) must outlive the store; null: nothing is ever verified or fused.
+  // `options` must be valid. Without `options.deterministic` it starts its fusion threads.
+  MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabulary> vocabulary,
+           std::unique_ptr<Journal> journal, FusionWorker* worker, Clock clock = &absl::Now);
+  // Cancels what runs on the worker and joins its threads.
+  ~MapStore();
+  MapStore(const MapStore&) = delete;
+  MapStore& operator=(const MapStore&) = delete;
+
+  // Sessions: one an agent.
+
+  // Opens or resumes; creates the mission and the agent. An older session of the same agent is
+  // fenced: its calls answer ABORTED from now on, and its shared listener is called once.
+  // INVALID_ARGUMENT: a name is empty, longer than 128 or has other characters than
+  // [a-zA-Z0-9._-]. PERMISSION_DENIED: a local map is another agent's. RESOURCE_EXHAUSTED.
+  absl::StatusOr<OpenedSession> OpenSession(const SessionRequest& request);
+  // Applies the batch as a whole or not at all, and answers up to where the local map is stored.
+  // A batch seen before is acknowledged, not applied again. FAILED_PRECONDITION names the expected
+  // number where some are missing. ABORTED: fenced. NOT_FOUND: no such session.
+  // INVALID_ARGUMENT, PERMISSION_DENIED, RESOURCE_EXHAUSTED: nothing was stored, the session goes
+  // on. Errors of the journal: nothing was stored.
+  absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const MapUpdateBatch& batch,
+                                        const BatchTransfer* measured = nullptr);
+  void CloseSession(uint64_t session_id);
+
+  // The next step of what the agent lacks, or none when it has all. At most about `byte_budget`
+  // bytes (at least one item). ABORTED when fenced.
+  absl::StatusOr<std::optional<SharedUpdate>> NextShared(uint64_t session_id, size_t byte_budget);
+  // Called when NextShared may have something, or the session was fenced. Null removes it.
+  void SetSharedListener(uint64_t session_id, std::function<void()> listener);
+
+  // Fusion. All answer NOT_FOUND for an unknown mission.
+
+  // Deterministic mode: runs queries, verification, fusing and adjustment here and now.
+  absl::Status RunFusionUntilIdle(absl::string_view mission);
+  absl::StatusOr<bool> IsFusionIdle(absl::string_view mission) const;
+  // DEADLINE_EXCEEDED after `timeout`.
+  absl::Status WaitUntilFusionIdle(absl::string_view mission, absl::Duration timeout) const;
+
+  // Look-ups. NOT_FOUND, naming what; INVALID_ARGUMENT for a bad page token.
+
+  absl::StatusOr<Page<MissionInfo>> ListMissions(const PageRequest& page) const;
+  absl::StatusOr<MissionInfo> GetMission(absl::string_view mission) const;
+  // Sessions in it are fenced.
+  absl::Status DeleteMission(absl::string_view mission);
+  absl::StatusOr<Page<AgentInfo>> ListAgents(absl::string_view mission,
+                                             const PageRequest& page) const;
+  absl::StatusOr<Page<LocalMapInfo>> ListLocalMaps(absl::string_view mission,
+                                                   const PageRequest& page) const;
+  absl::StatusOr<LocalMapInfo> GetLocalMap(absl::string_view mission, LocalMapId id) const;
+  // Of one local map, or of all (invalid id).
+  absl::StatusOr<Page<KeyframeInfo>> ListKeyframes(absl::string_view mission, LocalMapId local_map,
+                                                   const PageRequest& page) const;
+  absl::StatusOr<KeyframeInfo> GetKeyframe(absl::string_view mission, KeyframeId id) const;
+  absl::StatusOr<MissionStatistics> GetStatistics(absl::string_view mission) const;
+  // Of one agent, or of all (empty name) in the order of names. Global: only what lies in the
+  // reference island, unless `all_islands`.
+  absl::StatusOr<std::vector<AgentTrajectory>> GetTrajectory(absl::string_view mission,
+                                                             absl::string_view agent,
+                                                             TrajectoryFrame frame,
+                                                             bool all_islands = false) const;
+  absl::StatusOr<Page<OverlapInfo>> ListOverlaps(absl::string_view mission,
+                                                 const OverlapFilter& filter,
+                                                 const PageRequest& page) const;
+
+  // All islands, the reference island first.
+  absl::StatusOr<std::vector<IslandView>> GlobalMapView(absl::string_view mission) const;
+  // What changed since `version` (0: all); none when nothing has.
+  absl::StatusOr<std::optional<MapChanges>> ChangesSince(absl::string_view mission,
+                                                         uint64_t version) const;
+  // Called after each change; several may be added. The token removes it.
+  absl::StatusOr<uint64_t> AddMapListener(absl::string_view mission,
+                                          std::function<void()> listener);
+  void RemoveMapListener(absl::string_view mission, uint64_t token);
+
+ private:
+  struct Session {
+    std::string agent;
+    std::shared_ptr<map_store::Mission> mission;
+  };
+
+  absl::StatusOr<std::shared_ptr<map_store::Mission>> FindMission(absl::string_view name) const;
+  absl::StatusOr<std::shared_ptr<map_store::Mission>> FindOrCreateMission(const std::string& name);
+  absl::StatusOr<Session> FindSession(uint64_t session_id) const;
+
+  const MapStoreOptions options_;
+  const std::shared_ptr<const Vocabulary> vocabulary_;
+  const std::unique_ptr<Journal> journal_;
+  const Clock clock_;
+  std::unique_ptr<map_store::FusionExecutor> executor_;
+
+  mutable absl::Mutex mutex_;
+  std::map<std::string, std::shared_ptr<map_store::Mission>, std::less<>> missions_
+      ABSL_GUARDED_BY(mutex_);
+  std::map<uint64_t, Session> sessions_ ABSL_GUARDED_BY(mutex_);
+  uint64_t next_session_ ABSL_GUARDED_BY(mutex_) = 1;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_MAP_STORE_MAP_STORE_H_

@@ -1,0 +1,68 @@
+// How the map store behaves.
+#ifndef CORBSLAM_MAP_STORE_OPTIONS_H_
+#define CORBSLAM_MAP_STORE_OPTIONS_H_
+
+#include <cstddef>
+
+#include "absl/status/status.h"
+
+namespace corbslam {
+
+struct MapStoreOptions {
+  // What changes results.
+
+  // Keyframes of a local map that are provisional: not queried for overlaps, not placed by fusion
+  // and not shared until this many newer ones have arrived, or the local map is closed.
+  size_t settle_after = 10;
+  // A candidate must share at least this many words with the query, and this share of what the
+  // best one shares.
+  int min_shared_words = 10;
+  double min_shared_words_ratio = 0.6;
+  // Groups of covisible candidates that are verified per query and local map.
+  size_t max_candidate_groups = 3;
+  // Keyframes around the query, and around each candidate, that a worker is sent.
+  int neighbourhood = 10;
+  // Within this many keyframes of one that has an accepted overlap with the same local map, no
+  // further overlap is looked for.
+  size_t overlap_spacing = 3;
+  // Keyframes of one local map nearer than this in its order are no loop.
+  size_t min_loop_gap = 30;
+  // Query and candidate that share this many landmarks are linked already.
+  int min_shared_landmarks = 15;
+  // An overlap within an island that agrees with the graph to this is not urgent: it is welded
+  // together with others, `weld_every` at a time, or when nothing else is left to do.
+  double loop_residual_px = 5.0;
+  size_t weld_every = 3;
+  // Global bundle adjustment: at once after two islands were fused, after this many further
+  // overlaps, and at the end of all streams.
+  size_t adjust_every = 5;
+  int adjust_iterations = 20;
+  // Local motion of a placed keyframe relative to its parent that calls for a refresh.
+  double local_motion_px = 1.0;
+  // Foreign keyframes that one agent is sent at most; the nearest ones.
+  size_t max_shared_keyframes = 1000;
+  // No threads: RunFusionUntilIdle does all, in a fixed order.
+  bool deterministic = false;
+
+  // What changes speed, and the limits.
+
+  int adjust_threads = 1;
+  // Attempts at a request that a worker answers with an error. UNAVAILABLE and DEADLINE_EXCEEDED
+  // do not count when there are threads: it waits `retry_ms` and goes on.
+  int max_attempts = 3;
+  int retry_ms = 1000;
+  size_t max_missions = 1000;
+  size_t max_local_maps_per_mission = 1000;
+  size_t max_keypoints_per_keyframe = 20000;
+  size_t max_items_per_batch = 1000000;
+  // References of one local map to what has not arrived.
+  size_t max_parked_references = 200000;
+  size_t max_page_size = 10000;
+
+  // INVALID_ARGUMENT naming the field.
+  absl::Status Validate() const;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_MAP_STORE_OPTIONS_H_
