@@ -1,0 +1,115 @@
+#include "slam/evaluation/trajectory_error.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "absl/strings/str_cat.h"
+
+namespace corbslam {
+namespace {
+
+constexpr double kSegmentLengths_m[] = {100, 200, 300, 400, 500, 600, 700, 800};
+
+Similarity3d Align(const std::vector<PosePair>& pairs, Alignment alignment) {
+  Eigen::Matrix3Xd estimate(3, static_cast<Eigen::Index>(pairs.size()));
+  Eigen::Matrix3Xd truth(3, static_cast<Eigen::Index>(pairs.size()));
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    estimate.col(column) = pairs[i].estimate.world_from_camera.translation;
+    truth.col(column) = pairs[i].truth.world_from_camera.translation;
+  }
+  const Eigen::Matrix4d matrix = Eigen::umeyama(estimate, truth, alignment == Alignment::kSim3);
+  Similarity3d truth_from_estimate;
+  truth_from_estimate.scale = alignment == Alignment::kSim3 ? matrix.block<3, 1>(0, 0).norm() : 1.0;
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>() / truth_from_estimate.scale;
+  truth_from_estimate.rotation = Eigen::Quaterniond(rotation).normalized();
+  truth_from_estimate.translation = matrix.topRightCorner<3, 1>();
+  return truth_from_estimate;
+}
+
+double Median(std::vector<double> values) {
+  const size_t middle = values.size() / 2;
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(middle),
+                   values.end());
+  return values[middle];
+}
+
+// Metres travelled up to each true pose.
+std::vector<double> CumulativeTravel(const std::vector<PosePair>& pairs) {
+  std::vector<double> travel_m(pairs.size(), 0);
+  for (size_t i = 1; i < pairs.size(); ++i) {
+    travel_m[i] = travel_m[i - 1] + (pairs[i].truth.world_from_camera.translation -
+                                     pairs[i - 1].truth.world_from_camera.translation)
+                                        .norm();
+  }
+  return travel_m;
+}
+
+// The estimate's motion over a segment, seen from the true motion's end.
+Rigid3d SegmentError(const PosePair& first, const PosePair& last) {
+  const Rigid3d estimated =
+      first.estimate.world_from_camera.Inverse() * last.estimate.world_from_camera;
+  const Rigid3d actual = first.truth.world_from_camera.Inverse() * last.truth.world_from_camera;
+  return estimated.Inverse() * actual;
+}
+
+}  // namespace
+
+absl::StatusOr<AbsoluteError> ComputeAbsoluteError(const std::vector<PosePair>& pairs,
+                                                   Alignment alignment) {
+  if (pairs.size() < 3) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "an alignment needs at least 3 poses with a true one, there are ", pairs.size()));
+  }
+  AbsoluteError error;
+  error.truth_from_estimate = Align(pairs, alignment);
+  if (!std::isfinite(error.truth_from_estimate.scale)) {
+    return absl::FailedPreconditionError("the estimate does not move: it has no scale");
+  }
+  error.poses = pairs.size();
+  std::vector<double> distances_m;
+  double sum_of_squares = 0;
+  for (const PosePair& pair : pairs) {
+    const double distance_m =
+        (error.truth_from_estimate * pair.estimate.world_from_camera.translation -
+         pair.truth.world_from_camera.translation)
+            .norm();
+    distances_m.push_back(distance_m);
+    sum_of_squares += distance_m * distance_m;
+    error.mean_m += distance_m;
+    error.max_m = std::max(error.max_m, distance_m);
+  }
+  const auto count = static_cast<double>(pairs.size());
+  error.mean_m /= count;
+  error.rmse_m = std::sqrt(sum_of_squares / count);
+  error.median_m = Median(std::move(distances_m));
+  return error;
+}
+
+std::optional<RelativeError> ComputeRelativeError(const std::vector<PosePair>& pairs,
+                                                  int first_pose_step) {
+  const std::vector<double> travel_m = CumulativeTravel(pairs);
+  const auto step = static_cast<size_t>(std::max(first_pose_step, 1));
+  RelativeError sum;
+  for (size_t first = 0; first < pairs.size(); first += step) {
+    for (const double length_m : kSegmentLengths_m) {
+      const auto last =
+          std::upper_bound(travel_m.begin(), travel_m.end(), travel_m[first] + length_m);
+      if (last == travel_m.end()) break;
+      const Rigid3d error =
+          SegmentError(pairs[first], pairs[static_cast<size_t>(last - travel_m.begin())]);
+      sum.translation_percent += 100 * error.translation.norm() / length_m;
+      sum.rotation_deg_per_100m +=
+          RotationAngle(error.rotation) * 180 / std::numbers::pi * 100 / length_m;
+      ++sum.segments;
+    }
+  }
+  if (sum.segments == 0) return std::nullopt;
+  sum.translation_percent /= sum.segments;
+  sum.rotation_deg_per_100m /= sum.segments;
+  return sum;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,46 @@
+// How far an estimated trajectory is from the truth. Absolute error after one best alignment
+// (Umeyama, PAMI 1991; as used by Sturm et al., IROS 2012) and KITTI's relative errors over
+// segments (Geiger et al., CVPR 2012).
+#ifndef CORBSLAM_SLAM_EVALUATION_TRAJECTORY_ERROR_H_
+#define CORBSLAM_SLAM_EVALUATION_TRAJECTORY_ERROR_H_
+
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "slam/evaluation/trajectory.h"
+#include "slam/geometry/rigid3.h"
+
+namespace corbslam {
+
+enum class Alignment { kSe3, kSim3 };
+
+struct AbsoluteError {
+  Similarity3d truth_from_estimate;
+  // Of the distances between aligned and true camera centres.
+  double rmse_m = 0;
+  double mean_m = 0;
+  double median_m = 0;
+  double max_m = 0;
+  size_t poses = 0;
+};
+
+// Aligns the camera centres of all pairs at once: give the pairs of several robots together for a
+// fused error under ONE alignment. FAILED_PRECONDITION with fewer than 3 pairs.
+absl::StatusOr<AbsoluteError> ComputeAbsoluteError(const std::vector<PosePair>& pairs,
+                                                   Alignment alignment);
+
+struct RelativeError {
+  double translation_percent = 0;
+  double rotation_deg_per_100m = 0;
+  int segments = 0;
+};
+
+// Mean error over all segments of 100, 200, ... 800 m of true travel that begin at every
+// `first_pose_step`-th pair and fit. Pairs must be in order of time; nullopt when none fits.
+std::optional<RelativeError> ComputeRelativeError(const std::vector<PosePair>& pairs,
+                                                  int first_pose_step = 10);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_EVALUATION_TRAJECTORY_ERROR_H_

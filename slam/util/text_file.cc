@@ -1,0 +1,91 @@
+#include "slam/util/text_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr int64_t kNanosecondsPerSecond = 1'000'000'000;
+
+}  // namespace
+
+absl::Status LineError(absl::string_view path, int line, absl::string_view what) {
+  return absl::InvalidArgumentError(absl::StrCat(path, ":", line, ": ", what));
+}
+
+absl::Status ForEachLine(const std::string& path,
+                         const std::function<absl::Status(int, absl::string_view)>& use_line) {
+  std::ifstream file(path);
+  if (!file) return absl::NotFoundError(absl::StrCat("cannot open ", path));
+  std::string text;
+  for (int line = 1; std::getline(file, text); ++line) {
+    const absl::string_view stripped = absl::StripAsciiWhitespace(text);
+    if (stripped.empty() || stripped.front() == '#') continue;
+    RETURN_IF_ERROR(use_line(line, stripped));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<double>> ParseNumbers(const std::vector<absl::string_view>& fields,
+                                                 absl::string_view path, int line) {
+  std::vector<double> numbers(fields.size());
+  for (size_t i = 0; i < fields.size(); ++i) {
+    if (!absl::SimpleAtod(absl::StripAsciiWhitespace(fields[i]), &numbers[i]) ||
+        !std::isfinite(numbers[i])) {
+      return LineError(path, line, absl::StrCat("field ", i + 1, " is no number: ", fields[i]));
+    }
+  }
+  return numbers;
+}
+
+absl::StatusOr<int64_t> ParseSeconds(absl::string_view text) {
+  const absl::string_view stripped = absl::StripAsciiWhitespace(text);
+  const std::pair<absl::string_view, absl::string_view> parts =
+      absl::StrSplit(stripped, absl::MaxSplits('.', 1));
+  const bool is_plain = !parts.first.empty() && parts.first.size() <= 10 &&
+                        stripped.find_first_not_of("0123456789.") == absl::string_view::npos &&
+                        parts.second.find('.') == absl::string_view::npos;
+  if (is_plain) {
+    // Digits beyond the ninth are below a nanosecond.
+    std::string digits(parts.second.substr(0, 9));
+    digits.resize(9, '0');
+    int64_t seconds = 0;
+    int64_t nanoseconds = 0;
+    if (absl::SimpleAtoi(parts.first, &seconds) && absl::SimpleAtoi(digits, &nanoseconds) &&
+        seconds < 9'000'000'000) {
+      return seconds * kNanosecondsPerSecond + nanoseconds;
+    }
+  }
+  double seconds = 0;
+  if (!absl::SimpleAtod(stripped, &seconds) || !(std::abs(seconds) < 9e9)) {
+    return absl::InvalidArgumentError(absl::StrCat("no time in seconds: '", stripped, "'"));
+  }
+  return std::llround(seconds * static_cast<double>(kNanosecondsPerSecond));
+}
+
+std::string FormatSeconds(int64_t timestamp_ns) {
+  const uint64_t magnitude_ns = timestamp_ns < 0 ? 0 - static_cast<uint64_t>(timestamp_ns)
+                                                 : static_cast<uint64_t>(timestamp_ns);
+  return absl::StrFormat("%s%d.%09d", timestamp_ns < 0 ? "-" : "",
+                         magnitude_ns / kNanosecondsPerSecond,
+                         magnitude_ns % kNanosecondsPerSecond);
+}
+
+absl::Status WriteLines(const std::vector<std::string>& lines, const std::string& path) {
+  std::ofstream file(path);
+  for (const std::string& line : lines) file << line << '\n';
+  file.close();
+  if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", path));
+  return absl::OkStatus();
+}
+
+}  // namespace corbslam

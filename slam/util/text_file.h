@@ -1,0 +1,40 @@
+// Reading files of numbers a line. Errors name the file, the line and the field: NOT_FOUND when a
+// file can't be opened, INVALID_ARGUMENT when a line can't be understood.
+#ifndef CORBSLAM_SLAM_UTIL_TEXT_FILE_H_
+#define CORBSLAM_SLAM_UTIL_TEXT_FILE_H_
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+
+namespace corbslam {
+
+// "path:line: what", INVALID_ARGUMENT.
+absl::Status LineError(absl::string_view path, int line, absl::string_view what);
+
+// Calls `use_line` with the number of every line that holds something and is no comment (#), and
+// with its text, stripped of space around it. Stops at the first error.
+absl::Status ForEachLine(const std::string& path,
+                         const std::function<absl::Status(int, absl::string_view)>& use_line);
+
+// All fields as finite numbers.
+absl::StatusOr<std::vector<double>> ParseNumbers(const std::vector<absl::string_view>& fields,
+                                                 absl::string_view path, int line);
+
+// Seconds as text to nanoseconds, exactly for plain decimals ("1305031102.175304"), to the nearest
+// otherwise ("1.037359e-01").
+absl::StatusOr<int64_t> ParseSeconds(absl::string_view text);
+// Nine decimals: "1305031102.175304000".
+std::string FormatSeconds(int64_t timestamp_ns);
+
+// Writes the lines, each with its end. UNAVAILABLE names the path.
+absl::Status WriteLines(const std::vector<std::string>& lines, const std::string& path);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_UTIL_TEXT_FILE_H_
