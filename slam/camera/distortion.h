@@ -1,0 +1,41 @@
+// Lens distortion of raw images: the radial-tangential (Brown-Conrady) model, as OpenCV's.
+#ifndef CORBSLAM_SLAM_CAMERA_DISTORTION_H_
+#define CORBSLAM_SLAM_CAMERA_DISTORTION_H_
+
+#include <Eigen/Core>
+
+#include "absl/status/status.h"
+#include "slam/camera/camera.h"
+
+namespace corbslam {
+
+// Coefficients over normalised coordinates: r^2 = x^2 + y^2,
+// x_d = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), y_d likewise.
+struct RadialTangential {
+  double k1 = 0;
+  double k2 = 0;
+  double p1 = 0;
+  double p2 = 0;
+  double k3 = 0;
+
+  bool IsZero() const { return *this == RadialTangential{}; }
+  friend bool operator==(const RadialTangential&, const RadialTangential&) = default;
+};
+
+// INVALID_ARGUMENT, naming the coefficient and its value, where one is not finite or beyond 100.
+absl::Status Validate(const RadialTangential& distortion);
+
+// Where an ideal normalised point (x/z, y/z) falls through the lens, normalised.
+Eigen::Vector2d Distort(const RadialTangential& distortion, const Eigen::Vector2d& ideal);
+
+// Inverse of Distort by Newton's method; the nearest point found where the model folds over
+// (outside the lens's field of view).
+Eigen::Vector2d Undistort(const RadialTangential& distortion, const Eigen::Vector2d& distorted);
+
+// The ideal pixel of a raw pixel: both images have the intrinsics of `camera`.
+Eigen::Vector2d UndistortPixel(const Camera& camera, const RadialTangential& distortion,
+                               const Eigen::Vector2d& raw_px);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_CAMERA_DISTORTION_H_

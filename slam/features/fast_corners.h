@@ -1,0 +1,44 @@
+// FAST-9 corners (Rosten and Drummond, ECCV 2006) of one image: score, non-maximum suppression and
+// a threshold that adapts to each cell of the image.
+#ifndef CORBSLAM_SLAM_FEATURES_FAST_CORNERS_H_
+#define CORBSLAM_SLAM_FEATURES_FAST_CORNERS_H_
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace corbslam {
+
+// A corner in pixels of its image. The score is the largest threshold, plus one, at which the
+// pixel still is a corner: 9 neighbours in a row on the circle of 16 all brighter, or all darker,
+// than the centre by more than the threshold.
+struct Corner {
+  int16_t x_px = 0;
+  int16_t y_px = 0;
+  uint8_t score = 0;
+  friend bool operator==(const Corner&, const Corner&) = default;
+};
+
+struct FastOptions {
+  int threshold = 20;
+  // For cells without a corner at `threshold`.
+  int min_threshold = 7;
+  int cell_px = 32;
+  // No corner nearer to the image's border; at least 4.
+  int margin_px = 16;
+};
+
+// Keeps buffers between images. Thread-compatible.
+class FastDetector {
+ public:
+  // Replaces `corners` by those of a CV_8UC1 image, by row and column.
+  void Detect(const cv::Mat& image, const FastOptions& options, std::vector<Corner>& corners);
+
+ private:
+  std::vector<uint8_t> scores_;
+  std::vector<uint8_t> cell_has_strong_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_FEATURES_FAST_CORNERS_H_

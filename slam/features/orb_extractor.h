@@ -1,0 +1,81 @@
+// ORB features (Rublee et al., ICCV 2011): FAST corners on a scale pyramid, spread evenly over the
+// image, oriented by the intensity centroid, described by 256 steered binary tests.
+#ifndef CORBSLAM_SLAM_FEATURES_ORB_EXTRACTOR_H_
+#define CORBSLAM_SLAM_FEATURES_ORB_EXTRACTOR_H_
+
+#include <array>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "slam/features/fast_corners.h"
+#include "slam/features/keypoint.h"
+
+namespace corbslam {
+
+struct OrbOptions {
+  // Over all levels; fewer are returned where the image has no more corners.
+  int features = 2000;
+  // Least contrast of a corner, grey values. Cells of the image that have no corner at the first
+  // threshold take those of the second.
+  int fast_threshold = 20;
+  int min_fast_threshold = 7;
+  // Side of those cells, pixels of each level.
+  int cell_px = 32;
+
+  // INVALID_ARGUMENT, naming the field, its value and its limits.
+  absl::Status Validate() const;
+  friend bool operator==(const OrbOptions&, const OrbOptions&) = default;
+};
+
+// The grey image at every octave (CV_8UC1, not blurred); levels[0] has the image's own size. Level
+// i + 1 is level i resampled by 1 / ScalePyramid::kFactor, sizes rounded, until a level would be
+// smaller than a keypoint's surroundings: the remaining ones are empty.
+struct ImagePyramid {
+  std::array<cv::Mat, ScalePyramid::kLevels> levels;
+
+  // Level-0 pixels per pixel of that level; the two differ by rounding of the level's size.
+  double ScaleX(int octave) const;
+  double ScaleY(int octave) const;
+  // Position in level 0 of a position in a level and back: pixel centres are at integers, so
+  // x_0 = (x + 0.5) * scale - 0.5.
+  float ToLevel0X(float x_px, int octave) const;
+  float ToLevel0Y(float y_px, int octave) const;
+  float FromLevel0X(float x_px, int octave) const;
+  float FromLevel0Y(float y_px, int octave) const;
+};
+
+// Resamples `grey` (CV_8UC1, level 0, shared not copied) into `pyramid`, reusing its buffers.
+void BuildImagePyramid(const cv::Mat& grey, ImagePyramid& pyramid);
+
+// One per camera; keeps buffers between images. Thread-compatible: one thread at a time.
+class OrbExtractor {
+ public:
+  // `options` must be valid.
+  explicit OrbExtractor(const OrbOptions& options);
+
+  // Replaces `features` and `pyramid` by those of a CV_8UC1 image of at least 64 x 64 pixels
+  // (INVALID_ARGUMENT otherwise). Keypoints are in pixels of `grey`, ordered by octave and, within
+  // one, by row and column. pyramid.levels[0] shares grey's pixels. The result depends on the
+  // pixels and options alone.
+  absl::Status Extract(const cv::Mat& grey, Features& features, ImagePyramid& pyramid);
+
+  const OrbOptions& options() const { return options_; }
+
+ private:
+  void DetectLevel(const cv::Mat& level, int wanted);
+  void AppendFeatures(const ImagePyramid& pyramid, int octave, Features& features);
+
+  OrbOptions options_;
+  // How many features each level should give.
+  std::array<int, ScalePyramid::kLevels> wanted_ = {};
+  // Buffers of one level, reused.
+  FastDetector detector_;
+  std::vector<Corner> corners_;
+  cv::Mat blurred_;
+  cv::Mat blur_rows_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_FEATURES_ORB_EXTRACTOR_H_

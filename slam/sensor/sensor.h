@@ -1,0 +1,76 @@
+// From the images of a camera to features with depth: one interface for stereo and RGB-D.
+#ifndef CORBSLAM_SLAM_SENSOR_SENSOR_H_
+#define CORBSLAM_SLAM_SENSOR_SENSOR_H_
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <variant>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "slam/camera/camera.h"
+#include "slam/camera/distortion.h"
+#include "slam/camera/rectification.h"
+#include "slam/features/keypoint.h"
+#include "slam/features/orb_extractor.h"
+
+namespace corbslam {
+
+// What a sensor sees at one time. Matrices are shared, not copied.
+struct SensorImages {
+  int64_t timestamp_ns = 0;
+  cv::Mat grey;   // CV_8UC1; of stereo the left one
+  cv::Mat right;  // CV_8UC1; stereo only
+  // RGB-D only, registered to `grey`: CV_16UC1 in units of depth_units_per_m, or CV_32FC1 in
+  // metres; 0 and NaN: none.
+  cv::Mat depth;
+};
+
+struct StereoCalibration {
+  // Of the rectified pair, baseline_m > 0. With `raw` set only close_depth_m is read, when > 0:
+  // the rest follows from the rectification.
+  Camera camera;
+  // Present when the images come raw and need rectifying.
+  std::optional<RawStereo> raw;
+};
+
+struct RgbdCalibration {
+  // baseline_m: the virtual one that makes disparities of depths.
+  Camera camera;
+  // Of the raw grey image.
+  RadialTangential distortion;
+  // Of CV_16UC1 depth images.
+  double depth_units_per_m = 5000;
+};
+
+using SensorCalibration = std::variant<StereoCalibration, RgbdCalibration>;
+
+struct SensorOptions {
+  OrbOptions orb;
+  // Changes speed only: the right image has a thread of its own.
+  bool parallel = true;
+};
+
+// Thread-compatible: one thread at a time.
+class Sensor {
+ public:
+  virtual ~Sensor() = default;
+
+  // The camera that keypoints refer to: undistorted, rectified.
+  virtual const Camera& camera() const = 0;
+
+  // Keypoints in pixels of camera(), disparity_px set where depth is known. INVALID_ARGUMENT,
+  // naming the image, what was expected and what was given, where an image has a wrong size or
+  // type.
+  virtual absl::StatusOr<Features> Process(const SensorImages& images) = 0;
+};
+
+// INVALID_ARGUMENT where the calibration or the options are impossible.
+absl::StatusOr<std::unique_ptr<Sensor>> MakeSensor(const SensorCalibration& calibration,
+                                                   const SensorOptions& options);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SENSOR_SENSOR_H_
