@@ -1,0 +1,86 @@
+#include "slam/fusing/map_alignment.h"
+
+#include <algorithm>
+
+namespace corbslam {
+namespace {
+
+constexpr double kAgreementShareOfDepth = 0.1;
+constexpr double kAgreementAngle_rad = 0.1;
+
+// Where the overlap's mover comes to lie under the alignment that another overlap proposes.
+bool Agrees(const Map& mover_map, const OrientedOverlap& overlap, const Similarity3d& own,
+            const Similarity3d& proposed, double depth) {
+  const Rigid3d& camera_from_map = mover_map.FindKeyframe(overlap.mover)->camera_from_map;
+  const Eigen::Vector3d centre = CameraCentre(camera_from_map);
+  const double distance = (own * centre - proposed * centre).norm();
+  const double angle_rad = RotationAngle(own.rotation.conjugate() * proposed.rotation);
+  return distance < kAgreementShareOfDepth * depth && angle_rad < kAgreementAngle_rad;
+}
+
+}  // namespace
+
+OrientedOverlap Orient(const Overlap& overlap, bool swap) {
+  OrientedOverlap oriented;
+  oriented.anchor = swap ? overlap.query : overlap.candidate;
+  oriented.mover = swap ? overlap.candidate : overlap.query;
+  oriented.anchor_from_mover =
+      swap ? overlap.candidate_from_query.Inverse() : overlap.candidate_from_query;
+  for (const PointPair& pair : overlap.inliers) {
+    oriented.points.emplace_back(swap ? pair.query : pair.candidate,
+                                 swap ? pair.candidate : pair.query);
+  }
+  return oriented;
+}
+
+Similarity3d AlignByOverlap(const Map& anchor_map, const Map& mover_map,
+                            const OrientedOverlap& overlap) {
+  const Keyframe& anchor = *anchor_map.FindKeyframe(overlap.anchor);
+  const Keyframe& mover = *mover_map.FindKeyframe(overlap.mover);
+  return Similarity3d::FromRigid(anchor.camera_from_map.Inverse()) * overlap.anchor_from_mover *
+         Similarity3d::FromRigid(mover.camera_from_map);
+}
+
+std::optional<Similarity3d> AlignByConsensus(const Map& anchor_map, const Map& mover_map,
+                                             const std::vector<OrientedOverlap>& overlaps) {
+  std::vector<Similarity3d> alignments;
+  std::vector<double> depths;
+  for (const OrientedOverlap& overlap : overlaps) {
+    alignments.push_back(AlignByOverlap(anchor_map, mover_map, overlap));
+    depths.push_back(MedianDepth(anchor_map, overlap));
+  }
+  std::optional<Similarity3d> best;
+  size_t best_support = 0;
+  for (size_t i = 0; i < overlaps.size(); ++i) {
+    size_t support = 0;
+    for (size_t j = 0; j < overlaps.size(); ++j) {
+      if (i != j && !Agrees(mover_map, overlaps[j], alignments[j], alignments[i], depths[j])) {
+        continue;
+      }
+      support += 1 + overlaps[j].points.size();
+    }
+    // Among equals the one with the most points of its own.
+    support = support * 10000 + std::min<size_t>(overlaps[i].points.size(), 9999);
+    if (support <= best_support) continue;
+    best_support = support;
+    best = alignments[i];
+  }
+  return best;
+}
+
+double MedianDepth(const Map& anchor_map, const OrientedOverlap& overlap) {
+  const Keyframe* anchor = anchor_map.FindKeyframe(overlap.anchor);
+  std::vector<double> depths;
+  for (const auto& [anchor_point, mover_point] : overlap.points) {
+    const MapPoint* point = anchor_map.FindPoint(anchor_point);
+    if (anchor == nullptr || point == nullptr) continue;
+    const double depth = (anchor->camera_from_map * point->position_in_map).z();
+    if (depth > 0) depths.push_back(depth);
+  }
+  if (depths.empty()) return 1;
+  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
+}  // namespace corbslam

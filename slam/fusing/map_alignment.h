@@ -1,0 +1,41 @@
+// How two maps stand to each other, by what their overlaps say.
+#ifndef CORBSLAM_SLAM_FUSING_MAP_ALIGNMENT_H_
+#define CORBSLAM_SLAM_FUSING_MAP_ALIGNMENT_H_
+
+#include <optional>
+#include <vector>
+
+#include "slam/exchange/overlap.h"
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+// An overlap seen from the keyframe that stays (`anchor`) and the one that is moved to it.
+struct OrientedOverlap {
+  KeyframeId anchor;
+  KeyframeId mover;
+  // x_in_anchor_camera = anchor_from_mover * x_in_mover_camera.
+  Similarity3d anchor_from_mover;
+  // (anchor's point, mover's point).
+  std::vector<std::pair<MapPointId, MapPointId>> points;
+};
+
+// The anchor is the candidate, or with `swap` the query.
+OrientedOverlap Orient(const Overlap& overlap, bool swap);
+
+// anchor_map_from_mover_map by this overlap alone. The keyframes must be in their maps.
+Similarity3d AlignByOverlap(const Map& anchor_map, const Map& mover_map,
+                            const OrientedOverlap& overlap);
+
+// The alignment of the overlap with which the others agree best (by their inliers): where each
+// overlap's mover comes to lie differs by less than a tenth of its scene's depth. With one overlap
+// that one's; nothing for none.
+std::optional<Similarity3d> AlignByConsensus(const Map& anchor_map, const Map& mover_map,
+                                             const std::vector<OrientedOverlap>& overlaps);
+
+// Median depth of the overlap's points before the anchor's camera; 1 where it has none.
+double MedianDepth(const Map& anchor_map, const OrientedOverlap& overlap);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_FUSING_MAP_ALIGNMENT_H_

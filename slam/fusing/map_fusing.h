@@ -1,0 +1,38 @@
+// Brings two maps into one frame, or closes loops inside one: the essential graph spreads the
+// correction, duplicates become one landmark, and a window around the overlap is welded by bundle
+// adjustment (CORB-SLAM, section 2.2; ORB-SLAM3, Campos et al., T-RO 2021, section VI.C).
+#ifndef CORBSLAM_SLAM_FUSING_MAP_FUSING_H_
+#define CORBSLAM_SLAM_FUSING_MAP_FUSING_H_
+
+#include "absl/status/statusor.h"
+#include "slam/exchange/fusion_worker.h"
+
+namespace corbslam {
+
+struct MapFusingOptions {
+  // What changes results. Where valid, only keyframes and points of this local map move (a robot
+  // closing a loop against what others made), and its root stays.
+  LocalMapId only_moves;
+  // Keyframes of either side that the welding adjusts at most.
+  int welding_window = 10;
+  int welding_iterations = 5;
+  // An overlap that still disagrees by more after the graph was solved refuses the whole, in
+  // squared standard deviations: 2 % of the scene's depth, 0.01 rad, 5 % of scale.
+  double max_edge_chi2 = 50;
+  // A loop that moves its keyframe by more than this share of the way around the loop (plus half
+  // the scene's depth) is refused: no odometry drifts that much. Tripled where scale is free.
+  double max_drift = 0.1;
+  // What changes speed. One thread repeats to the bit.
+  int threads = 1;
+};
+
+// The result's poses have the scale of their keyframe's own unit over the target's: 1 for all of
+// the target with `fix_scale`. INVALID_ARGUMENT, naming the id, for overlaps whose keyframes are in
+// neither view, indices out of range, no new overlap or an id in both views; CANCELLED. Pure.
+absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
+                                        const MapFusingOptions& options,
+                                        const ProgressCallback& progress);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_FUSING_MAP_FUSING_H_

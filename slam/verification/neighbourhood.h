@@ -1,0 +1,24 @@
+// A keyframe with what is covisible with it: the part of a map that place verification and fusing
+// look at.
+#ifndef CORBSLAM_SLAM_VERIFICATION_NEIGHBOURHOOD_H_
+#define CORBSLAM_SLAM_VERIFICATION_NEIGHBOURHOOD_H_
+
+#include <vector>
+
+#include "absl/container/btree_set.h"
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+// The keyframe first, then its `count` most covisible ones that are not in `except`. Empty where
+// `centre` is unknown.
+std::vector<const Keyframe*> Neighbourhood(const Map& map, KeyframeId centre, int count,
+                                           const absl::btree_set<KeyframeId>& except = {});
+
+// The points that any of the keyframes sees, sorted by id, each once.
+std::vector<const MapPoint*> PointsSeenBy(const Map& map,
+                                          const std::vector<const Keyframe*>& keyframes);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_VERIFICATION_NEIGHBOURHOOD_H_

@@ -1,0 +1,42 @@
+// Finds one map's points in another map's keyframe, given how the two stand to each other.
+#ifndef CORBSLAM_SLAM_VERIFICATION_PROJECTION_SEARCH_H_
+#define CORBSLAM_SLAM_VERIFICATION_PROJECTION_SEARCH_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "slam/geometry/rigid3.h"
+#include "slam/map/keyframe.h"
+#include "slam/map/map_point.h"
+
+namespace corbslam {
+
+struct ProjectionSearchOptions {
+  // At the finest level; grows with the level at which the point should appear.
+  double radius_px = 5;
+  int max_distance = 50;
+  // Only keypoints that observe a point.
+  bool only_keypoints_with_points = false;
+  // Where a keypoint has a depth, the point's must agree within the same radius of disparity.
+  bool check_disparity = true;
+};
+
+struct ProjectionMatch {
+  uint32_t point = 0;  // Index into the points that were given.
+  uint32_t keypoint = 0;
+  int distance = 0;  // Hamming.
+};
+
+// Each point and each keypoint at most once (the nearest descriptor wins, then the first point);
+// sorted by keypoint. `camera_from_points` maps the frame of the points into the keyframe's camera
+// with the points' own unit of length (Similarity3d::ToRigid). Points behind the camera, out of
+// the picture, far outside the range of distances or angles from which they were seen are left
+// out. Pure.
+std::vector<ProjectionMatch> FindByProjection(const std::vector<const MapPoint*>& points,
+                                              const Keyframe& keyframe,
+                                              const Rigid3d& camera_from_points,
+                                              const ProjectionSearchOptions& options);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_VERIFICATION_PROJECTION_SEARCH_H_
