@@ -64,7 +64,6 @@ void UpdateRecorder::OnObservationRemoved(MapPointId point, KeyframeId keyframe,
 void UpdateRecorder::OnPointReplaced(MapPointId replaced, MapPointId survivor) {
   absl::MutexLock lock(&mutex_);
   if (IsOwn(survivor) && !sent_points_.contains(survivor)) added_points_.insert(survivor);
-  if (!IsOwn(replaced)) return;
   replaced_points_[replaced] = survivor;
 }
 

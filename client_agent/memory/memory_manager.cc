@@ -1,0 +1,301 @@
+#include "client_agent/memory/memory_manager.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace corbslam {
+namespace {
+
+bool IsRefusal(const absl::Status& status) {
+  return absl::IsAborted(status) || absl::IsInvalidArgument(status) ||
+         absl::IsPermissionDenied(status);
+}
+
+}  // namespace
+
+struct MemoryManager::Placing {
+  Placing(MapAccess access, ComputeWords compute_words)
+      : access(std::move(access)), shared(this->access.local_map, std::move(compute_words)) {}
+
+  // On the mapping thread.
+  void PlaceArrived(Map& map) {
+    std::vector<SharedUpdate> arrived;
+    {
+      absl::MutexLock lock(&mutex);
+      arrived.swap(updates);
+    }
+    if (arrived.empty()) return;
+    for (const SharedUpdate& update : arrived) shared.Apply(update);
+    const PlacementChange change = shared.Place(map);
+    {
+      absl::MutexLock lock(&mutex);
+      global_from_local = shared.GlobalFromLocal(map);
+      keyframes = shared.keyframe_count();
+    }
+    if (access.on_placed) access.on_placed(change, map);
+  }
+
+  const MapAccess access;
+  SharedMap shared;  // Of the mapping thread alone.
+  absl::Mutex mutex;
+  std::vector<SharedUpdate> updates ABSL_GUARDED_BY(mutex);
+  std::optional<Similarity3d> global_from_local ABSL_GUARDED_BY(mutex);
+  size_t keyframes ABSL_GUARDED_BY(mutex) = 0;
+};
+
+MemoryManager::MemoryManager(const MemoryOptions& options, Uplink* uplink,
+                             ComputeWords compute_words)
+    : options_(options),
+      uplink_(uplink),
+      compute_words_(std::move(compute_words)),
+      outbox_(options.max_outbox_bytes),
+      random_(options.seed) {}
+
+MemoryManager::~MemoryManager() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stop_ = true;
+  }
+  if (thread_.joinable()) thread_.join();
+  if (uplink_ != nullptr) uplink_->Close();
+}
+
+MapObserver* MemoryManager::BeginLocalMap(MapAccess access) {
+  if (uplink_ == nullptr) return nullptr;
+  absl::MutexLock lock(&mutex_);
+  for (auto& recording : recordings_) recording->closing = true;
+  // What was shared was placed in the map that ends: the store must tell it again.
+  reopen_ = !recordings_.empty();
+  placing_ = std::make_shared<Placing>(access, compute_words_);
+  auto recording = std::make_unique<Recording>();
+  recording->recorder = std::make_unique<UpdateRecorder>(access.local_map);
+  recording->access = std::move(access);
+  recordings_.push_back(std::move(recording));
+  wake_ = true;
+  return recordings_.back()->recorder.get();
+}
+
+void MemoryManager::AddTrackedFrame(const TrackedFrame& frame) {
+  absl::MutexLock lock(&mutex_);
+  for (auto& recording : recordings_) {
+    if (recording->access.local_map != frame.reference.local_map) continue;
+    recording->recorder->AddTrackedFrame(frame);
+  }
+}
+
+void MemoryManager::AddLostFrame(int64_t timestamp_ns) {
+  absl::MutexLock lock(&mutex_);
+  if (!recordings_.empty()) recordings_.back()->recorder->AddLostFrame(timestamp_ns);
+}
+
+void MemoryManager::Start() {
+  if (uplink_ == nullptr || thread_.joinable()) return;
+  thread_ = std::thread([this] { Run(); });
+}
+
+void MemoryManager::Step() {
+  if (uplink_ == nullptr) return;
+  ConnectIfDue();
+  TakeBatches(/*all=*/true);
+  SendUnsent();
+}
+
+absl::Status MemoryManager::Finish(absl::Duration timeout) {
+  if (uplink_ == nullptr) return absl::OkStatus();
+  {
+    absl::MutexLock lock(&mutex_);
+    for (auto& recording : recordings_) recording->closing = true;
+    wake_ = true;
+  }
+  if (!thread_.joinable()) Step();
+  absl::MutexLock lock(&mutex_);
+  const auto finished = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return IsDone() || session_ == Session::kRefused;
+  };
+  if (!mutex_.AwaitWithTimeout(absl::Condition(&finished), timeout)) {
+    return absl::DeadlineExceededError("the map store has not acknowledged everything yet");
+  }
+  return session_ == Session::kRefused ? refusal_ : absl::OkStatus();
+}
+
+bool MemoryManager::IsDone() const {
+  if (!outbox_.IsEmpty()) return false;
+  return std::all_of(recordings_.begin(), recordings_.end(),
+                     [](const auto& recording) { return recording->closed; });
+}
+
+void MemoryManager::Run() {
+  while (WaitForWork()) {
+    ConnectIfDue();
+    TakeBatches(/*all=*/false);
+    SendUnsent();
+  }
+}
+
+// False when it is time to stop.
+bool MemoryManager::WaitForWork() {
+  absl::MutexLock lock(&mutex_);
+  const auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return wake_ || stop_; };
+  absl::Time until = absl::Now() + options_.flush_interval;
+  if (session_ == Session::kNone) until = std::min(until, next_attempt_);
+  mutex_.AwaitWithDeadline(absl::Condition(&has_work), until);
+  wake_ = false;
+  return !stop_;
+}
+
+absl::Duration MemoryManager::NextBackoff() {
+  const double growth = static_cast<double>(uint64_t{1} << std::min(attempts_++, 10));
+  const absl::Duration longest = std::min(options_.min_backoff * growth, options_.max_backoff);
+  std::uniform_real_distribution<double> jitter(0.5, 1.0);
+  return longest * jitter(random_);
+}
+
+void MemoryManager::ConnectIfDue() {
+  SessionRequest request;
+  bool close_first = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (reopen_ && (session_ == Session::kOpen || session_ == Session::kOpening)) {
+      close_first = true;
+      session_ = Session::kNone;
+      next_attempt_ = absl::InfinitePast();
+    }
+    if (reopen_) last_revision_ = 0;
+    reopen_ = false;
+    if (session_ != Session::kNone || absl::Now() < next_attempt_) return;
+    session_ = Session::kOpening;
+    request = {options_.mission, options_.agent, last_revision_, outbox_.local_maps()};
+  }
+  if (close_first) uplink_->Close();
+  uplink_->Open(request, this);
+}
+
+bool MemoryManager::FlushIsDue() const {
+  return absl::Now() >= next_flush_ ||
+         std::any_of(recordings_.begin(), recordings_.end(),
+                     [](const auto& recording) { return recording->closing; });
+}
+
+void MemoryManager::TakeBatches(bool all) {
+  std::vector<Recording*> open;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!all && !FlushIsDue()) return;
+    next_flush_ = absl::Now() + options_.flush_interval;
+    for (auto& recording : recordings_) {
+      if (!recording->closed) open.push_back(recording.get());
+    }
+  }
+  for (Recording* recording : open) {
+    while (TakeBatchOf(*recording)) {
+    }
+  }
+}
+
+// One batch from the recorder to the outbox; false when there is none, or no room.
+bool MemoryManager::TakeBatchOf(Recording& recording) {
+  bool closing = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!outbox_.HasRoom()) return false;
+    closing = recording.closing;
+  }
+  MapUpdateBatch batch;
+  if (recording.recorder->HasChanges()) {
+    recording.access.read([&](const Map& map) {
+      batch = recording.recorder->TakeBatch(map, options_.max_keyframes_per_batch);
+    });
+  }
+  const bool last = IsEmpty(batch);
+  if (last && !closing) return false;
+  absl::MutexLock lock(&mutex_);
+  batch.local_map = recording.access.local_map;
+  batch.closes_local_map = last;
+  recording.closed = last;
+  outbox_.Push(std::move(batch));
+  return !last;
+}
+
+void MemoryManager::SendUnsent() {
+  while (true) {
+    std::shared_ptr<const MapUpdateBatch> batch;
+    {
+      absl::MutexLock lock(&mutex_);
+      if (session_ != Session::kOpen) return;
+      batch = outbox_.NextUnsent();
+      if (batch == nullptr) return;
+      // Marked before, because the answer may come from inside the call.
+      outbox_.MarkSent();
+    }
+    if (uplink_->Send(*batch)) continue;
+    absl::MutexLock lock(&mutex_);
+    outbox_.MarkUnsent();
+    return;
+  }
+}
+
+void MemoryManager::OnSessionOpened(const SessionGrant& grant) {
+  absl::MutexLock lock(&mutex_);
+  for (const Acknowledgement& stored : grant.acknowledged) outbox_.Acknowledge(stored);
+  outbox_.Rewind();
+  session_ = Session::kOpen;
+  attempts_ = 0;
+  wake_ = true;
+}
+
+void MemoryManager::OnAcknowledged(const Acknowledgement& acknowledgement) {
+  absl::MutexLock lock(&mutex_);
+  outbox_.Acknowledge(acknowledgement);
+  if (!first_acknowledged_.has_value()) first_acknowledged_ = absl::Now();
+  wake_ = true;
+}
+
+void MemoryManager::OnShared(SharedUpdate update) {
+  std::shared_ptr<Placing> placing;
+  {
+    absl::MutexLock lock(&mutex_);
+    last_revision_ = update.revision;
+    placing = placing_;
+  }
+  {
+    absl::MutexLock lock(&placing->mutex);
+    placing->updates.push_back(std::move(update));
+    // A job posted before takes this one with it.
+    if (placing->updates.size() > 1) return;
+  }
+  placing->access.post([placing](Map& map) { placing->PlaceArrived(map); });
+}
+
+void MemoryManager::OnSessionClosed(const absl::Status& reason) {
+  absl::MutexLock lock(&mutex_);
+  session_ = IsRefusal(reason) ? Session::kRefused : Session::kNone;
+  if (session_ == Session::kRefused) refusal_ = reason;
+  next_attempt_ = absl::Now() + NextBackoff();
+  wake_ = true;
+}
+
+std::optional<Similarity3d> MemoryManager::GlobalFromLocal() const {
+  absl::MutexLock lock(&mutex_);
+  if (placing_ == nullptr) return std::nullopt;
+  absl::MutexLock placing_lock(&placing_->mutex);
+  return placing_->global_from_local;
+}
+
+size_t MemoryManager::shared_keyframes() const {
+  absl::MutexLock lock(&mutex_);
+  if (placing_ == nullptr) return 0;
+  absl::MutexLock placing_lock(&placing_->mutex);
+  return placing_->keyframes;
+}
+
+std::optional<absl::Time> MemoryManager::first_acknowledged() const {
+  absl::MutexLock lock(&mutex_);
+  return first_acknowledged_;
+}
+
+size_t MemoryManager::outbox_bytes() const {
+  absl::MutexLock lock(&mutex_);
+  return outbox_.bytes();
+}
+
+}  // namespace corbslam

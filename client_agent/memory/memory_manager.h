@@ -1,0 +1,127 @@
+// The robot's memory management (CORB-SLAM, section 2.1): keeps its map and the map store's in
+// step, both ways. Tracking and mapping never wait for it.
+#ifndef CORBSLAM_CLIENT_AGENT_MEMORY_MEMORY_MANAGER_H_
+#define CORBSLAM_CLIENT_AGENT_MEMORY_MEMORY_MANAGER_H_
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "client_agent/memory/outbox.h"
+#include "client_agent/memory/shared_map.h"
+#include "client_agent/memory/update_recorder.h"
+#include "slam/exchange/uplink.h"
+
+namespace corbslam {
+
+struct MemoryOptions {
+  std::string mission;
+  std::string agent;
+  // What changes results: nothing. What changes speed:
+  size_t max_outbox_bytes = 64 << 20;
+  size_t max_keyframes_per_batch = 8;
+  absl::Duration flush_interval = absl::Milliseconds(400);
+  absl::Duration min_backoff = absl::Milliseconds(200);
+  absl::Duration max_backoff = absl::Seconds(10);
+  uint64_t seed = 1;  // Of the back-off's jitter.
+};
+
+// How the manager reaches a local map.
+struct MapAccess {
+  LocalMapId local_map;
+  // Calls the function with the map, kept from changing meanwhile.
+  std::function<void(const std::function<void(const Map&)>&)> read;
+  // Runs the function soon, on the thread that alone writes the map.
+  std::function<void(std::function<void(Map&)>)> post;
+  // Hears which foreign keyframes came and went; on the writing thread.
+  std::function<void(const PlacementChange&, const Map&)> on_placed;
+};
+
+// Thread-safe. Without Start it has no thread and Step does its work (deterministic runs).
+class MemoryManager : private UplinkListener {
+ public:
+  // `uplink` is not owned; null: nothing is sent, and changes are not recorded.
+  MemoryManager(const MemoryOptions& options, Uplink* uplink, ComputeWords compute_words);
+  ~MemoryManager() override;
+  MemoryManager(const MemoryManager&) = delete;
+  MemoryManager& operator=(const MemoryManager&) = delete;
+
+  // A local map begins; one that was there before is told to its end and closed. Returns the
+  // observer to set on the map (null without an uplink); it lives as long as the manager.
+  MapObserver* BeginLocalMap(MapAccess access);
+
+  void AddTrackedFrame(const TrackedFrame& frame);
+  void AddLostFrame(int64_t timestamp_ns);
+
+  void Start();
+  // Sends all there is, now.
+  void Step();
+  // Closes the local map, and returns when everything is acknowledged. DEADLINE_EXCEEDED, or the
+  // reason for which the store refuses this agent for good.
+  absl::Status Finish(absl::Duration timeout);
+
+  // Where the robot's frame is in the global one; none before fusion.
+  std::optional<Similarity3d> GlobalFromLocal() const;
+  // When the first keyframe was acknowledged.
+  std::optional<absl::Time> first_acknowledged() const;
+  size_t outbox_bytes() const;
+  size_t shared_keyframes() const;
+
+ private:
+  struct Recording {
+    MapAccess access;
+    std::unique_ptr<UpdateRecorder> recorder;
+    bool closing = false;
+    bool closed = false;  // Its last batch is in the outbox.
+  };
+  // Shared updates on their way to the mapping thread.
+  struct Placing;
+
+  void OnSessionOpened(const SessionGrant& grant) override;
+  void OnAcknowledged(const Acknowledgement& acknowledgement) override;
+  void OnShared(SharedUpdate update) override;
+  void OnSessionClosed(const absl::Status& reason) override;
+
+  void Run();
+  bool WaitForWork();
+  void ConnectIfDue();
+  void TakeBatches(bool all);
+  bool TakeBatchOf(Recording& recording);
+  void SendUnsent();
+  bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool FlushIsDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Duration NextBackoff() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const MemoryOptions options_;
+  Uplink* const uplink_;
+  const ComputeWords compute_words_;
+
+  mutable absl::Mutex mutex_;
+  std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<Placing> placing_ ABSL_GUARDED_BY(mutex_);
+  Outbox outbox_ ABSL_GUARDED_BY(mutex_);
+  enum class Session { kNone, kOpening, kOpen, kRefused };
+  Session session_ ABSL_GUARDED_BY(mutex_) = Session::kNone;
+  absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
+  absl::Time next_attempt_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+  absl::Time next_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+  int attempts_ ABSL_GUARDED_BY(mutex_) = 0;
+  uint64_t last_revision_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
+  bool wake_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
+  std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);
+  std::mt19937_64 random_ ABSL_GUARDED_BY(mutex_);
+  std::thread thread_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MEMORY_MEMORY_MANAGER_H_
