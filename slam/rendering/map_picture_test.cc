@@ -1,0 +1,106 @@
+#include "slam/rendering/map_picture.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <opencv2/imgcodecs.hpp>
+
+#include "slam/rendering/view_from_above.h"
+
+namespace corbslam {
+namespace {
+
+// Drives 60 m along z and then turns; y is down.
+MapPicture MakeStreet() {
+  MapPicture picture;
+  picture.title = "test street";
+  picture.robots.resize(2);
+  picture.robots[0].name = "alpha";
+  picture.robots[0].is_own = true;
+  picture.robots[1].name = "bravo";
+  std::vector<Eigen::Vector3d> truth;
+  for (int i = 0; i < 40; ++i) {
+    Rigid3d pose;
+    pose.translation = {0.02 * i * i, 0, 1.5 * i};
+    MapPicture::Robot& robot = picture.robots[i < 22 ? 0 : 1];
+    if (!robot.keyframes.empty()) {
+      robot.edges.push_back({robot.keyframes.size() - 1, robot.keyframes.size()});
+    }
+    robot.keyframes.push_back(pose);
+    truth.push_back(pose.translation + Eigen::Vector3d(0.3, 0, 0));
+    for (const double side : {-8.0, 8.0}) {
+      for (int k = 0; k < 10; ++k) {
+        picture.points.push_back(pose.translation +
+                                 Eigen::Vector3d(side + 0.3 * std::sin(k + i), -0.4 * k, 0.1 * k));
+      }
+    }
+  }
+  picture.points.push_back({1e5, 0, 0});  // An outlier must not shrink the rest.
+  picture.truth.push_back(truth);
+  return picture;
+}
+
+// Pixels near a colour (blue, green, red).
+int CountNear(const cv::Mat& image, const cv::Vec3b& colour) {
+  int count = 0;
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      if (cv::norm(image.at<cv::Vec3b>(y, x), colour) < 20) ++count;
+    }
+  }
+  return count;
+}
+
+TEST(RenderMapTest, ShowsEverything) {
+  const absl::StatusOr<cv::Mat> image = RenderMap(MakeStreet());
+  ASSERT_TRUE(image.ok()) << image.status();
+  EXPECT_EQ(image->cols, 1200);
+  EXPECT_GT(CountNear(*image, {60, 160, 40}), 300);  // Own keyframes.
+  EXPECT_GT(CountNear(*image, {210, 90, 20}), 300);  // Others'.
+  EXPECT_GT(CountNear(*image, {40, 40, 215}), 300);  // Truth.
+  EXPECT_GT(CountNear(*image, {30, 30, 30}), 1000);  // Points and letters.
+  EXPECT_GT(CountNear(*image, {255, 255, 255}), image->rows * image->cols / 2);
+  const std::string path = ::testing::TempDir() + "map_picture_test.png";
+  ASSERT_TRUE(WritePng(*image, path).ok());
+  EXPECT_EQ(cv::imread(path).size(), image->size());
+}
+
+TEST(RenderMapTest, RefusesAnEmptyMap) {
+  EXPECT_EQ(RenderMap({}).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(RenderMapTest, DrawsASingleKeyframe) {
+  MapPicture picture;
+  picture.robots.resize(1);
+  picture.robots[0].keyframes.resize(1);
+  EXPECT_TRUE(RenderMap(picture).ok());
+}
+
+TEST(WritePngTest, NamesAFolderThatIsNotThere) {
+  EXPECT_EQ(WritePng(cv::Mat::zeros(4, 4, CV_8UC3), "/nowhere/map.png").code(),
+            absl::StatusCode::kUnavailable);
+}
+
+TEST(LookFromAboveTest, ShowsTheGroundAndTheMotionAcross) {
+  std::vector<Rigid3d> poses(10);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    poses[i].translation = {0, 0.1 * std::sin(i), static_cast<double>(i)};
+  }
+  const PlaneFromWorld plane_from_world = LookFromAbove(poses);
+  // The motion (z) goes to the right; the camera's left side (-x) lies above in the picture.
+  EXPECT_NEAR((plane_from_world * Eigen::Vector3d::UnitZ()).x(), 1, 1e-6);
+  EXPECT_NEAR((plane_from_world * Eigen::Vector3d::UnitX()).y(), 1, 1e-6);
+  EXPECT_NEAR((plane_from_world * Eigen::Vector3d::UnitY()).norm(), 0, 1e-6);
+}
+
+TEST(RoundLengthTest, IsOneTwoOrFive) {
+  EXPECT_DOUBLE_EQ(RoundLength(47), 20);
+  EXPECT_DOUBLE_EQ(RoundLength(50), 50);
+  EXPECT_DOUBLE_EQ(RoundLength(0.19), 0.1);
+  EXPECT_DOUBLE_EQ(RoundLength(1), 1);
+}
+
+}  // namespace
+}  // namespace corbslam
