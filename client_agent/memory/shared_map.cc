@@ -139,22 +139,26 @@ std::optional<Similarity3d> SharedMap::GlobalFromLocal(const Map& map) const {
 void SharedMap::RemoveGone(Map& map, PlacementChange& change) {
   std::vector<MapPointId> gone_points;
   for (const auto& [id, point] : map.points()) {
-    if (id.local_map != own_ && (restart_ || !points_.contains(id) || survivor_of_.contains(id))) {
-      gone_points.push_back(id);
-    }
+    if (id.local_map != own_ && (restart_ || !points_.contains(id))) gone_points.push_back(id);
   }
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (id.local_map != own_ && (restart_ || !keyframes_.contains(id))) {
       change.removed_keyframes.push_back(id);
     }
   }
-  for (const MapPointId& id : gone_points) {
-    const MapPointId representative = Representative(map, id);
-    if (!restart_ && representative != id && map.ReplacePoint(id, representative)) continue;
-    map.RemovePoint(id);
-  }
+  for (const MapPointId& id : gone_points) map.RemovePoint(id);
   for (const KeyframeId& id : change.removed_keyframes) map.RemoveKeyframe(id);
   restart_ = false;
+}
+
+void SharedMap::MergeDuplicates(Map& map) const {
+  std::vector<MapPointId> duplicates;
+  for (const auto& [id, point] : map.points()) {
+    if (id.local_map != own_ && Representative(map, id) != id) duplicates.push_back(id);
+  }
+  for (const MapPointId& id : duplicates) {
+    if (!map.ReplacePoint(id, Representative(map, id))) map.RemovePoint(id);
+  }
 }
 
 PlacementChange SharedMap::Place(Map& map) {
@@ -163,6 +167,7 @@ PlacementChange SharedMap::Place(Map& map) {
   for (auto& [source, placing] : placings_) {
     if (source != own_) PlaceSource(source, map, change);
   }
+  MergeDuplicates(map);
   for (const auto& [source, placing] : placings_) {
     if (source != own_ && placing.changed) PlaceObservations(source, map);
   }

@@ -66,6 +66,7 @@ class SharedMap {
   KeyframeId ChooseAnchor(const Map& map, LocalMapId source) const;
   Rigid3d LocalFromGlobal(const Map& map, KeyframeId anchor) const;
   void RemoveGone(Map& map, PlacementChange& change);
+  void MergeDuplicates(Map& map) const;
   void PlaceSource(LocalMapId source, Map& map, PlacementChange& change);
   void PlaceKeyframes(LocalMapId source, const Rigid3d& local_from_global, Map& map,
                       PlacementChange& change);

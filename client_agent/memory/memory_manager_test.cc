@@ -1,0 +1,177 @@
+#include "client_agent/memory/memory_manager.h"
+
+#include <map>
+#include <vector>
+
+#include "gtest/gtest.h"
+
+namespace corbslam {
+namespace {
+
+constexpr LocalMapId kOwn{1};
+
+// A map store that forgets nothing and can be made to fail. Answers from inside the calls.
+class FakeUplink : public Uplink {
+ public:
+  void Open(const SessionRequest& request, UplinkListener* listener) override {
+    requests.push_back(request);
+    listener_ = listener;
+    if (!reachable) return listener->OnSessionClosed(absl::UnavailableError("no route"));
+    open = true;
+    SessionGrant grant;
+    for (const auto& [local_map, batches] : stored) {
+      grant.acknowledged.push_back({local_map, batches.size()});
+    }
+    listener->OnSessionOpened(grant);
+  }
+  bool Send(const MapUpdateBatch& batch) override {
+    if (!open) return false;
+    auto& batches = stored[batch.local_map];
+    if (batch.number == batches.size() + 1) batches.push_back(batch);
+    EXPECT_LE(batch.number, batches.size()) << "a batch is missing";
+    if (acknowledge) listener_->OnAcknowledged({batch.local_map, batches.size()});
+    return true;
+  }
+  void Break(const absl::Status& reason) {
+    open = false;
+    listener_->OnSessionClosed(reason);
+  }
+  void Share(SharedUpdate update) { listener_->OnShared(std::move(update)); }
+  void Close() override { open = false; }
+  uint64_t bytes_up() const override { return 0; }
+  uint64_t bytes_down() const override { return 0; }
+
+  bool reachable = true;
+  bool acknowledge = true;
+  bool open = false;
+  std::vector<SessionRequest> requests;
+  std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;
+
+ private:
+  UplinkListener* listener_ = nullptr;
+};
+
+class MemoryManagerTest : public testing::Test {
+ protected:
+  MemoryManagerTest() {
+    MemoryOptions options;
+    options.mission = "m";
+    options.agent = "alpha";
+    options.min_backoff = absl::ZeroDuration();
+    options.max_backoff = absl::ZeroDuration();
+    manager_ = std::make_unique<MemoryManager>(
+        options, &uplink_, [](const auto&) { return std::make_shared<Words>(); });
+    Begin(kOwn);
+  }
+
+  void Begin(LocalMapId id) {
+    map_ = Map();
+    map_.SetObserver(manager_->BeginLocalMap(
+        {id, [this](const auto& reader) { reader(map_); },
+         [this](std::function<void(Map&)> job) { jobs_.push_back(std::move(job)); }, nullptr}));
+  }
+
+  void AddKeyframe(KeyframeId id) {
+    Keyframe keyframe;
+    keyframe.payload = MakeKeyframePayload(id, 0, 0, std::make_shared<Camera>(), {});
+    map_.AddKeyframe(keyframe);
+  }
+
+  FakeUplink uplink_;
+  Map map_;
+  std::vector<std::function<void(Map&)>> jobs_;
+  std::unique_ptr<MemoryManager> manager_;
+};
+
+TEST_F(MemoryManagerTest, SendsEveryKeyframeOnce) {
+  for (uint32_t k = 0; k < 20; ++k) {
+    AddKeyframe({kOwn, k});
+    manager_->Step();
+  }
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+  size_t keyframes = 0;
+  for (const auto& batch : uplink_.stored[kOwn]) keyframes += batch.full_keyframes.size();
+  EXPECT_EQ(keyframes, 20U);
+  EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
+}
+
+TEST_F(MemoryManagerTest, ResumesAfterABreakWithoutLossOrRepetition) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  // Stored, but the acknowledgement is lost with the link.
+  uplink_.acknowledge = false;
+  AddKeyframe({kOwn, 1});
+  manager_->Step();
+  uplink_.reachable = false;
+  uplink_.Break(absl::UnavailableError("cut"));
+  AddKeyframe({kOwn, 2});
+  manager_->Step();
+  manager_->Step();
+  EXPECT_GT(manager_->outbox_bytes(), 0U);
+  uplink_.reachable = true;
+  uplink_.acknowledge = true;
+  manager_->Step();
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+  ASSERT_EQ(uplink_.stored[kOwn].size(), 4U);
+  EXPECT_EQ(uplink_.stored[kOwn][2].full_keyframes.at(0).payload->id, (KeyframeId{kOwn, 2}));
+  EXPECT_EQ(uplink_.requests.back().local_maps, (std::vector<LocalMapId>{kOwn}));
+}
+
+TEST_F(MemoryManagerTest, FencedAgentDoesNotTryAgain) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  uplink_.Break(absl::AbortedError("another session of agent alpha"));
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.size(), 1U);
+  EXPECT_TRUE(absl::IsAborted(manager_->Finish(absl::Seconds(1))));
+}
+
+TEST_F(MemoryManagerTest, FinishSaysWhenTheStoreIsNotReached) {
+  uplink_.reachable = false;
+  AddKeyframe({kOwn, 0});
+  EXPECT_TRUE(absl::IsDeadlineExceeded(manager_->Finish(absl::Milliseconds(10))));
+}
+
+TEST_F(MemoryManagerTest, ANewLocalMapClosesTheOldOneAndAsksForEverythingAgain) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  SharedUpdate update;
+  update.revision = 9;
+  uplink_.Share(update);
+  Map old = map_;
+  const LocalMapId second{2};
+  Begin(second);
+  AddKeyframe({second, 0});
+  manager_->Step();
+  EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
+  EXPECT_EQ(uplink_.stored[second].size(), 1U);
+  EXPECT_EQ(uplink_.requests.back().last_revision, 0U);
+}
+
+TEST_F(MemoryManagerTest, SharedUpdatesReachTheMapThroughItsWriter) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  SharedUpdate update;
+  update.revision = 9;
+  update.own_keyframes.push_back({{kOwn, 0}, {1, Eigen::Quaterniond::Identity(), {5, 0, 0}}});
+  uplink_.Share(update);
+  uplink_.Share(update);
+  EXPECT_FALSE(manager_->GlobalFromLocal().has_value());
+  ASSERT_EQ(jobs_.size(), 1U) << "the second update rides along";
+  jobs_[0](map_);
+  EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -5, 1e-12);
+  uplink_.Break(absl::UnavailableError("cut"));
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.back().last_revision, 9U);
+}
+
+TEST_F(MemoryManagerTest, ThreadedModeSendsAndStops) {
+  AddKeyframe({kOwn, 0});
+  manager_->Start();
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(10)).ok());
+  manager_.reset();
+  EXPECT_EQ(uplink_.stored[kOwn].size(), 2U);
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,193 @@
+#include "client_agent/memory/shared_map.h"
+
+#include "gtest/gtest.h"
+
+namespace corbslam {
+namespace {
+
+constexpr LocalMapId kOwn{1};
+constexpr LocalMapId kForeign{2};
+constexpr int kKeypoints = 20;
+
+// The robot's own frame, seen from the global one.
+const Rigid3d kGlobalFromLocal = {
+    Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY())), {10, 0, -3}};
+
+std::shared_ptr<const KeyframePayload> Payload(KeyframeId id) {
+  static const auto camera = std::make_shared<const Camera>(Camera{.fx_px = 500,
+                                                                   .fy_px = 500,
+                                                                   .cx_px = 320,
+                                                                   .cy_px = 240,
+                                                                   .width_px = 640,
+                                                                   .height_px = 480,
+                                                                   .baseline_m = 0.1});
+  Features features;
+  features.keypoints.resize(kKeypoints);
+  features.descriptors.resize(kKeypoints);
+  return MakeKeyframePayload(id, 0, 0, camera, std::move(features));
+}
+
+Rigid3d CameraAt(double x) { return {Eigen::Quaterniond::Identity(), {-x, 0, 0}}; }
+
+// Own keyframes 0 to 2 at x = 0, 1, 2 with points 0 to 9 seen by all.
+Map OwnMap() {
+  Map map;
+  for (uint32_t k = 0; k < 3; ++k) {
+    Keyframe keyframe;
+    keyframe.payload = Payload({kOwn, k});
+    keyframe.camera_from_map = CameraAt(k);
+    if (k > 0) keyframe.parent = {kOwn, k - 1};
+    map.AddKeyframe(keyframe);
+  }
+  for (uint32_t p = 0; p < 10; ++p) {
+    MapPoint point;
+    point.id = {kOwn, p};
+    point.position_in_map = {0.1 * p, 0.5, 6};
+    map.AddPoint(point);
+    for (uint32_t k = 0; k < 3; ++k) map.AddObservation(point.id, {kOwn, k}, p);
+  }
+  return map;
+}
+
+// One foreign keyframe at x = 3 (of the robot's frame) with foreign points 0 to 9, of which 0 to 4
+// are one landmark each with own points 0 to 4.
+SharedUpdate FirstUpdate() {
+  SharedUpdate update;
+  update.revision = 4;
+  const Rigid3d local_from_global = kGlobalFromLocal.Inverse();
+  SharedKeyframe keyframe;
+  keyframe.payload = Payload({kForeign, 0});
+  keyframe.camera_from_global = Similarity3d::FromRigid(CameraAt(3) * local_from_global);
+  keyframe.points.resize(kKeypoints);
+  for (uint32_t p = 0; p < 10; ++p) {
+    SharedMapPoint point;
+    point.id = {kForeign, p};
+    point.position_in_global = kGlobalFromLocal * Eigen::Vector3d(0.1 * p, 0.5, 6);
+    point.normal_in_global = kGlobalFromLocal.rotation * Eigen::Vector3d::UnitZ();
+    update.points.push_back(point);
+    keyframe.points[p] = point.id;
+  }
+  update.keyframes.push_back(keyframe);
+  for (uint32_t p = 0; p < 5; ++p) update.landmarks.push_back({{kForeign, p}, {{kOwn, p}}});
+  for (uint32_t k = 0; k < 3; ++k) {
+    update.own_keyframes.push_back(
+        {{kOwn, k}, Similarity3d::FromRigid(CameraAt(k) * local_from_global)});
+  }
+  return update;
+}
+
+std::shared_ptr<const Words> NoWords(const std::vector<Descriptor>&) {
+  return std::make_shared<Words>();
+}
+
+TEST(SharedMapTest, ForeignItemsArePlacedInTheRobotsFrame) {
+  Map map = OwnMap();
+  SharedMap shared(kOwn, &NoWords);
+  shared.Apply(FirstUpdate());
+  const PlacementChange change = shared.Place(map);
+  ASSERT_EQ(change.added_keyframes.size(), 1U);
+  const Keyframe& foreign = *map.FindKeyframe({kForeign, 0});
+  EXPECT_LT((CameraCentre(foreign.camera_from_map) - Eigen::Vector3d(3, 0, 0)).norm(), 1e-9);
+  const MapPoint& point = *map.FindPoint({kForeign, 7});
+  EXPECT_LT((point.position_in_map - Eigen::Vector3d(0.7, 0.5, 6)).norm(), 1e-9);
+  EXPECT_LT((point.normal_in_map - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
+  const Similarity3d global_from_local = *shared.GlobalFromLocal(map);
+  EXPECT_LT((global_from_local.translation - kGlobalFromLocal.translation).norm(), 1e-9);
+}
+
+TEST(SharedMapTest, ALandmarkTheRobotHoldsIsNotHeldTwice) {
+  Map map = OwnMap();
+  SharedMap shared(kOwn, &NoWords);
+  shared.Apply(FirstUpdate());
+  shared.Place(map);
+  EXPECT_EQ(map.FindPoint({kForeign, 2}), nullptr);
+  EXPECT_EQ(map.FindPoint({kOwn, 2})->observations.at({kForeign, 0}), 2U);
+  EXPECT_EQ(map.FindKeyframe({kOwn, 0})->covisible.at({kForeign, 0}), 5);
+}
+
+TEST(SharedMapTest, PlacesThroughTheCovisibleKeyframeWhateverTheDriftElsewhere) {
+  Map map = OwnMap();
+  SharedMap shared(kOwn, &NoWords);
+  SharedUpdate update = FirstUpdate();
+  update.landmarks.clear();
+  // The robot drifted after keyframe 1: the nearest keyframe (2) knows best what is ahead.
+  map.SetPose({kOwn, 2}, CameraAt(2.5));
+  shared.Apply(update);
+  shared.Place(map);
+  const Keyframe& foreign = *map.FindKeyframe({kForeign, 0});
+  EXPECT_LT((CameraCentre(foreign.camera_from_map) - Eigen::Vector3d(3.5, 0, 0)).norm(), 1e-9);
+}
+
+TEST(SharedMapTest, MovesAreFollowedAndNothingIsPlacedBeforeFusion) {
+  Map map = OwnMap();
+  SharedMap shared(kOwn, &NoWords);
+  SharedUpdate update = FirstUpdate();
+  const auto own_keyframes = std::exchange(update.own_keyframes, {});
+  shared.Apply(update);
+  EXPECT_TRUE(shared.Place(map).added_keyframes.empty());
+  EXPECT_FALSE(shared.GlobalFromLocal(map).has_value());
+
+  SharedUpdate next;
+  next.revision = 5;
+  next.own_keyframes = own_keyframes;
+  next.moved_keyframes.push_back(
+      {{kForeign, 0}, Similarity3d::FromRigid(CameraAt(4) * kGlobalFromLocal.Inverse())});
+  next.moved_points.push_back({{kForeign, 7}, kGlobalFromLocal * Eigen::Vector3d(1, 2, 3)});
+  shared.Apply(next);
+  shared.Place(map);
+  EXPECT_NEAR(CameraCentre(map.FindKeyframe({kForeign, 0})->camera_from_map).x(), 4, 1e-9);
+  EXPECT_LT((map.FindPoint({kForeign, 7})->position_in_map - Eigen::Vector3d(1, 2, 3)).norm(),
+            1e-9);
+}
+
+TEST(SharedMapTest, OwnItemsAreNeverMoved) {
+  Map map = OwnMap();
+  const Map before = map;
+  SharedMap shared(kOwn, &NoWords);
+  shared.Apply(FirstUpdate());
+  shared.Place(map);
+  for (const auto& [id, keyframe] : before.keyframes()) {
+    EXPECT_EQ(map.FindKeyframe(id)->camera_from_map.translation,
+              keyframe.camera_from_map.translation);
+  }
+  for (const auto& [id, point] : before.points()) {
+    EXPECT_EQ(map.FindPoint(id)->position_in_map, point.position_in_map);
+  }
+}
+
+TEST(SharedMapTest, RemovedItemsAndRestartLeaveNothingBehind) {
+  Map map = OwnMap();
+  SharedMap shared(kOwn, &NoWords);
+  shared.Apply(FirstUpdate());
+  shared.Place(map);
+  SharedUpdate next;
+  next.removed_points.push_back({kForeign, 7});
+  shared.Apply(next);
+  shared.Place(map);
+  EXPECT_EQ(map.FindPoint({kForeign, 7}), nullptr);
+  EXPECT_NE(map.FindPoint({kForeign, 8}), nullptr);
+  SharedUpdate restart;
+  restart.restart = true;
+  shared.Apply(restart);
+  const PlacementChange change = shared.Place(map);
+  EXPECT_EQ(change.removed_keyframes, (std::vector<KeyframeId>{{kForeign, 0}}));
+  EXPECT_EQ(map.keyframes().size(), 3U);
+  EXPECT_EQ(map.points().size(), 10U);
+}
+
+TEST(SharedMapTest, APointLaterFoundToBeTheRobotsOwnGoesOverToIt) {
+  Map map = OwnMap();
+  SharedMap shared(kOwn, &NoWords);
+  shared.Apply(FirstUpdate());
+  shared.Place(map);
+  EXPECT_TRUE(map.AddObservation({kForeign, 9}, {kOwn, 2}, 15));
+  SharedUpdate next;
+  next.landmarks.push_back({{kForeign, 9}, {{kOwn, 9}}});
+  shared.Apply(next);
+  shared.Place(map);
+  EXPECT_EQ(map.FindPoint({kForeign, 9}), nullptr);
+  EXPECT_EQ(map.FindPoint({kOwn, 9})->observations.at({kForeign, 0}), 9U);
+}
+
+}  // namespace
+}  // namespace corbslam
