@@ -4,6 +4,13 @@
 #include <utility>
 
 namespace corbslam {
+namespace {
+
+// Keep a batch well below the wire's 4 MiB; what is over goes into the next.
+constexpr size_t kMaxFullPoints = 8000;
+constexpr size_t kMaxLightPoints = 30000;
+
+}  // namespace
 
 void UpdateRecorder::OnKeyframeAdded(KeyframeId id) {
   if (!IsOwn(id)) return;
@@ -160,6 +167,10 @@ void UpdateRecorder::TakeFullPoints(const Map& map, MapUpdateBatch& batch) {
   for (const MapPointId& id : added_points_) {
     const MapPoint* point = map.FindPoint(id);
     if (point == nullptr) continue;
+    if (batch.full_points.size() == kMaxFullPoints) {
+      waiting.insert(id);
+      continue;
+    }
     const KeyframeId reference = KnownReference(*point);
     if (!reference.IsValid()) {
       // Nobody sees it: there is nothing to tell until somebody does.
@@ -193,12 +204,13 @@ void UpdateRecorder::TakeLight(const Map& map, MapUpdateBatch& batch) {
     if (parent != keyframe.parent && IsOwn(keyframe.parent)) changed_keyframes_.insert(id);
     batch.light_keyframes.push_back({id, keyframe.camera_from_map, parent});
   }
-  for (const MapPointId& id : moved_points_) {
+  while (!moved_points_.empty() && batch.light_points.size() < kMaxLightPoints) {
+    const MapPointId id = *moved_points_.begin();
+    moved_points_.erase(moved_points_.begin());
     const MapPoint* point = map.FindPoint(id);
     if (point == nullptr || !sent_points_.contains(id)) continue;
     batch.light_points.push_back({id, point->position_in_map});
   }
-  moved_points_.clear();
 }
 
 MapPointId UpdateRecorder::ResolveSurvivor(const Map& map, MapPointId replaced) const {
