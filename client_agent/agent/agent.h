@@ -1,0 +1,107 @@
+// One robot: from images to its pose and its map. Complete without a map store; with one, its map
+// goes there and what others made comes back.
+#ifndef CORBSLAM_CLIENT_AGENT_AGENT_AGENT_H_
+#define CORBSLAM_CLIENT_AGENT_AGENT_AGENT_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "client_agent/tracking/tracking_result.h"
+#include "slam/exchange/uplink.h"
+#include "slam/map/map.h"
+#include "slam/sensor/sensor.h"
+#include "slam/vocabulary/vocabulary.h"
+
+namespace corbslam {
+
+struct AgentOptions {
+  std::string mission = "default";
+  std::string name = "agent";
+  // Local map ids and RANSAC samples are drawn from it.
+  uint64_t seed = 1;
+  // One thread, everything after each frame until idle: the same result to the bit every time.
+  bool deterministic = false;
+  SensorOptions sensor;
+  int solver_threads = 1;
+
+  absl::Status Validate() const;
+};
+
+struct TrajectoryPose {
+  int64_t timestamp_ns = 0;
+  LocalMapId local_map;
+  Rigid3d local_from_camera;
+};
+
+struct AgentStatus {
+  TrackingState state = TrackingState::kNotInitialised;
+  LocalMapId local_map;
+  // Of the last tracked frame.
+  int64_t timestamp_ns = 0;
+  Rigid3d local_from_camera;
+  std::optional<Similarity3d> global_from_local;
+
+  int frames = 0;
+  int tracked = 0;
+  int lost = 0;
+  int local_maps = 0;
+  // Own ones, over all local maps.
+  int keyframes = 0;
+  int map_points = 0;
+  int loops_closed = 0;
+  // Others' keyframes held, and the share of tracked points that others made, over all frames
+  // tracked while any are held.
+  int foreign_keyframes = 0;
+  double foreign_points_percent = 0;
+  // Loops closed against others' keyframes.
+  int foreign_loops_closed = 0;
+  // Seconds between Create and the first acknowledged keyframe.
+  std::optional<double> first_upload_s;
+
+  // One entry a frame, a local bundle adjustment.
+  std::vector<double> tracking_ms;
+  std::vector<double> local_ba_ms;
+};
+
+// Track and Finish: one thread at a time. The rest: thread-safe.
+class Agent {
+ public:
+  virtual ~Agent() = default;
+
+  // `uplink` is not owned and may be null: then nothing is shared. INVALID_ARGUMENT where options
+  // or calibration are impossible.
+  static absl::StatusOr<std::unique_ptr<Agent>> Create(const AgentOptions& options,
+                                                       const SensorCalibration& calibration,
+                                                       std::shared_ptr<const Vocabulary> vocabulary,
+                                                       Uplink* uplink);
+
+  // The pose of the camera at one time. Threaded: returns once the frame is tracked, whatever
+  // mapping does. Deterministic: then also steps mapping, loop closing and the uplink until idle.
+  // INVALID_ARGUMENT where images don't fit the calibration. A frame that can't be tracked is no
+  // error: the state says so.
+  virtual absl::StatusOr<TrackingResult> Track(const SensorImages& images) = 0;
+
+  // Deterministic runs: works off what came down the uplink since the last Track.
+  virtual void Step() = 0;
+
+  // Returns when all keyframes are mapped, loops are closed, and the map store has acknowledged
+  // everything (with an uplink); closes the local map. DEADLINE_EXCEEDED otherwise. Track must not
+  // be called afterwards.
+  virtual absl::Status Finish(absl::Duration timeout) = 0;
+
+  virtual AgentStatus GetStatus() const = 0;
+  // Every tracked frame, by the map as it is now.
+  virtual std::vector<TrajectoryPose> LocalTrajectory() const = 0;
+  // A copy of the local map in use.
+  virtual Map CopyMap() const = 0;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_AGENT_AGENT_H_

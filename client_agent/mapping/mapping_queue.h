@@ -1,0 +1,80 @@
+// Work for the mapping thread, the one writer of the robot's map: new keyframes from tracking, and
+// jobs of those who want the map changed.
+#ifndef CORBSLAM_CLIENT_AGENT_MAPPING_MAPPING_QUEUE_H_
+#define CORBSLAM_CLIENT_AGENT_MAPPING_MAPPING_QUEUE_H_
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "client_agent/map/guarded_map.h"
+#include "slam/map/keyframe.h"
+
+namespace corbslam {
+
+// A frame that tracking chose to keep.
+struct NewKeyframe {
+  std::shared_ptr<const KeyframePayload> payload;
+  std::shared_ptr<const Words> words;
+  // The keyframe that it was tracked against; invalid: the first of its local map.
+  KeyframeId reference;
+  // Of the first one: camera_from_map. The reference may move until the keyframe is inserted.
+  Rigid3d camera_from_reference;
+  // One entry a keypoint: the map points that tracking found. Some may be gone meanwhile.
+  std::vector<MapPointId> points;
+};
+
+using MappingJob = std::function<void(GuardedMap&)>;
+using MappingItem = std::variant<NewKeyframe, MappingJob>;
+
+// Thread-safe; any number of producers, one consumer. Bounded by its producers: tracking asks
+// HasRoom before it makes a keyframe, and each job's poster has one job under way at most.
+class MappingQueue {
+ public:
+  explicit MappingQueue(size_t max_keyframes = 3) : max_keyframes_(max_keyframes) {}
+
+  bool HasRoom() const;
+  // False, and nothing queued, without room.
+  bool PushKeyframe(NewKeyframe keyframe);
+  // Runs the job on the mapping thread, in its turn, before keyframes that wait.
+  void PostJob(MappingJob job);
+
+  // Nothing waits and the consumer is not at work on anything.
+  bool IsIdle() const;
+  // Keyframes that wait.
+  size_t keyframes() const;
+
+  // The next item, jobs first, or none. The consumer counts as at work until it calls Done.
+  std::optional<MappingItem> TryPop();
+  // The next keyframe, when no job waits before it: for work inside a long item.
+  std::optional<NewKeyframe> TryPopKeyframe();
+  void Done();
+  // Returns when an item waits or Stop was called: true when there is an item.
+  bool WaitForItem();
+  // Returns when the queue is idle (or stopped).
+  void WaitUntilIdle();
+  // Wakes everybody; items that wait are dropped.
+  void Stop();
+
+ private:
+  bool Idle() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    return !busy_ && jobs_.empty() && keyframes_.empty();
+  }
+
+  const size_t max_keyframes_;
+  mutable absl::Mutex mutex_;
+  std::deque<NewKeyframe> keyframes_ ABSL_GUARDED_BY(mutex_);
+  std::deque<MappingJob> jobs_ ABSL_GUARDED_BY(mutex_);
+  bool busy_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MAPPING_MAPPING_QUEUE_H_
