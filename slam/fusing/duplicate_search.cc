@@ -46,18 +46,27 @@ void VoteByProjection(const std::vector<const MapPoint*>& points,
       const MapPointId seen = keyframe->points[match.keypoint];
       // Seen by both sides: not a duplicate but a link that stands already.
       if (own_points.contains(seen)) continue;
-      Votes& vote = votes[points_are_anchors ? PointIdPair(projected, seen)
-                                             : PointIdPair(seen, projected)];
+      Votes& vote =
+          votes[points_are_anchors ? PointIdPair(projected, seen) : PointIdPair(seen, projected)];
       ++vote.count;
       vote.distance = std::min(vote.distance, match.distance);
     }
   }
 }
 
+// Two points that one keyframe sees apart are two.
+bool AreSeenApart(const Map& map, const PointIdPair& pair) {
+  const MapPoint* a = map.FindPoint(pair.first);
+  const MapPoint* b = map.FindPoint(pair.second);
+  for (const auto& [keyframe, keypoint] : a->observations) {
+    if (b->observations.contains(keyframe)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
-std::vector<PointIdPair> FindDuplicates(const Map& map,
-                                        const std::vector<const Keyframe*>& anchors,
+std::vector<PointIdPair> FindDuplicates(const Map& map, const std::vector<const Keyframe*>& anchors,
                                         const std::vector<const Keyframe*>& movers,
                                         const std::vector<PointIdPair>& known,
                                         const DuplicateSearchOptions& options) {
@@ -86,6 +95,7 @@ std::vector<PointIdPair> FindDuplicates(const Map& map,
   std::vector<PointIdPair> pairs;
   for (const auto& [pair, vote] : ranked) {
     if (taken.contains(pair.first) || taken.contains(pair.second)) continue;
+    if (AreSeenApart(map, pair)) continue;
     taken.insert(pair.first);
     taken.insert(pair.second);
     pairs.push_back(pair);

@@ -305,7 +305,9 @@ OverlapVerdict Judge(const Side& query, const Side& candidate,
 
 Overlap VerifyPlace(const Map& query_view, KeyframeId query, const Map& candidate_view,
                     KeyframeId candidate, const PlaceVerificationOptions& options) {
-  Overlap overlap{.query = query, .candidate = candidate};
+  Overlap overlap;
+  overlap.query = query;
+  overlap.candidate = candidate;
   const auto query_keyframes = Neighbourhood(query_view, query, options.neighbours, {candidate});
   absl::btree_set<KeyframeId> of_query;
   for (const Keyframe* keyframe : query_keyframes) of_query.insert(keyframe->id());

@@ -1,0 +1,151 @@
+#include "slam/fusing/fusing_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "absl/container/btree_map.h"
+#include "slam/optimisation/pose_graph.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// An overlap against one edge of odometry: stiff enough to close a loop, soft enough not to print
+// its own noise on the neighbouring keyframes.
+constexpr double kOverlapWeight = 10;
+constexpr double kSigmaShareOfDepth = 0.02;
+constexpr double kSigmaAngle_rad = 0.01;
+constexpr double kSigmaLogScale = 0.05;
+
+std::map<KeyframeId, Similarity3d> InitialPoses(const FusingProblem& problem) {
+  std::map<KeyframeId, Similarity3d> poses;
+  for (const auto& [id, keyframe] : problem.target->keyframes()) {
+    poses.emplace(id, Similarity3d::FromRigid(keyframe.camera_from_map));
+  }
+  const Similarity3d source_from_target = problem.target_from_source.Inverse();
+  for (const auto& [id, keyframe] : problem.source->keyframes()) {
+    poses.emplace(id, Similarity3d::FromRigid(keyframe.camera_from_map) * source_from_target);
+  }
+  return poses;
+}
+
+std::vector<PoseGraphEdge> Edges(const FusingProblem& problem) {
+  std::vector<PoseGraphEdge> edges = EssentialGraphEdges(*problem.target);
+  const std::vector<PoseGraphEdge> of_source = EssentialGraphEdges(*problem.source);
+  edges.insert(edges.end(), of_source.begin(), of_source.end());
+  for (const OrientedOverlap& overlap : problem.overlaps) {
+    edges.push_back({.a = overlap.mover,
+                     .b = overlap.anchor,
+                     .b_from_a = overlap.anchor_from_mover,
+                     .weight = kOverlapWeight,
+                     .robust = true});
+  }
+  return edges;
+}
+
+using Labels = absl::btree_map<KeyframeId, KeyframeId>;
+
+KeyframeId FindLabel(Labels& labels, KeyframeId id) {
+  while (labels[id] != id) id = labels[id] = labels[labels[id]];
+  return id;
+}
+
+// Every part of the graph needs a keyframe that holds it: its lowest where none is yet.
+void FixEveryPart(const std::map<KeyframeId, Similarity3d>& poses,
+                  const std::vector<PoseGraphEdge>& edges, absl::btree_set<KeyframeId>& fixed) {
+  Labels labels;
+  for (const auto& [id, pose] : poses) labels[id] = id;
+  for (const PoseGraphEdge& edge : edges) {
+    const KeyframeId a = FindLabel(labels, edge.a);
+    const KeyframeId b = FindLabel(labels, edge.b);
+    labels[std::max(a, b)] = std::min(a, b);
+  }
+  absl::btree_set<KeyframeId> held;
+  for (const KeyframeId& id : fixed) held.insert(FindLabel(labels, id));
+  for (const auto& [id, pose] : poses) {
+    if (held.insert(FindLabel(labels, id)).second) fixed.insert(id);
+  }
+}
+
+absl::btree_set<KeyframeId> FixedKeyframes(const FusingProblem& problem,
+                                           const MapFusingOptions& options) {
+  absl::btree_set<KeyframeId> fixed;
+  bool has_root = false;
+  for (const auto& [id, keyframe] : problem.target->keyframes()) {
+    const bool is_own = !options.only_moves.IsValid() || id.local_map == options.only_moves;
+    const bool is_root = is_own && !has_root && !keyframe.parent.IsValid();
+    if (is_root) has_root = true;
+    if (!is_own || is_root) fixed.insert(id);
+  }
+  return fixed;
+}
+
+double Chi2(const FusingProblem& problem, const OrientedOverlap& overlap,
+            const std::map<KeyframeId, Similarity3d>& poses) {
+  const Similarity3d error =
+      overlap.anchor_from_mover * poses.at(overlap.mover) * poses.at(overlap.anchor).Inverse();
+  const double depth = MedianDepth(problem.MapOf(overlap.anchor), overlap);
+  const double shift = error.translation.norm() / (kSigmaShareOfDepth * depth);
+  const double turn = RotationAngle(error.rotation) / kSigmaAngle_rad;
+  const double stretch = std::log(error.scale) / kSigmaLogScale;
+  return shift * shift + turn * turn + stretch * stretch;
+}
+
+// Length of the way through the spanning tree.
+std::optional<double> TreeDistance(const Map& map, KeyframeId from, KeyframeId to) {
+  absl::btree_map<KeyframeId, double> way_up;
+  double length = 0;
+  for (const Keyframe* at = map.FindKeyframe(from); at != nullptr;) {
+    way_up.emplace(at->id(), length);
+    const Keyframe* parent = map.FindKeyframe(at->parent);
+    if (parent == nullptr) break;
+    length += (CameraCentre(at->camera_from_map) - CameraCentre(parent->camera_from_map)).norm();
+    at = parent;
+  }
+  length = 0;
+  for (const Keyframe* at = map.FindKeyframe(to); at != nullptr;) {
+    if (const auto it = way_up.find(at->id()); it != way_up.end()) return it->second + length;
+    const Keyframe* parent = map.FindKeyframe(at->parent);
+    if (parent == nullptr) break;
+    length += (CameraCentre(at->camera_from_map) - CameraCentre(parent->camera_from_map)).norm();
+    at = parent;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
+                                             const MapFusingOptions& options) {
+  const std::map<KeyframeId, Similarity3d> initial = InitialPoses(problem);
+  const std::vector<PoseGraphEdge> edges = Edges(problem);
+  SolvedGraph solved;
+  solved.fixed = FixedKeyframes(problem, options);
+  FixEveryPart(initial, edges, solved.fixed);
+  PoseGraphOptions graph;
+  graph.fix_scale = problem.fix_scale;
+  graph.threads = options.threads;
+  ASSIGN_OR_RETURN(PoseGraphResult result, OptimisePoseGraph(initial, edges, solved.fixed, graph));
+  solved.camera_from_target = std::move(result.camera_from_map);
+  for (const auto& [id, pose] : initial) solved.camera_from_target.try_emplace(id, pose);
+  for (const OrientedOverlap& overlap : problem.overlaps) {
+    solved.worst_edge_chi2 =
+        std::max(solved.worst_edge_chi2, Chi2(problem, overlap, solved.camera_from_target));
+  }
+  return solved;
+}
+
+double DriftOfLoop(const FusingProblem& problem, const OrientedOverlap& loop,
+                   const MapFusingOptions& options) {
+  if (problem.IsCrossing(loop)) return 0;
+  const Map& map = problem.MapOf(loop.anchor);
+  const auto way = TreeDistance(map, loop.anchor, loop.mover);
+  if (!way.has_value()) return 0;
+  const Eigen::Vector3d centre = CameraCentre(map.FindKeyframe(loop.mover)->camera_from_map);
+  const double moved = (AlignByOverlap(map, map, loop) * centre - centre).norm();
+  const double share = problem.fix_scale ? options.max_drift : 3 * options.max_drift;
+  return moved / (share * *way + 0.5 * MedianDepth(map, loop));
+}
+
+}  // namespace corbslam

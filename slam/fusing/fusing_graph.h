@@ -1,0 +1,54 @@
+// The essential graph over one or two maps with overlaps as further edges.
+#ifndef CORBSLAM_SLAM_FUSING_FUSING_GRAPH_H_
+#define CORBSLAM_SLAM_FUSING_FUSING_GRAPH_H_
+
+#include <map>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "slam/exchange/fusion_worker.h"
+#include "slam/fusing/map_alignment.h"
+#include "slam/fusing/map_fusing.h"
+
+namespace corbslam {
+
+// What fusing starts from: the two maps (the source empty for loops), their overlaps with the
+// anchor on the target's side, and how the source is first placed.
+struct FusingProblem {
+  const Map* target = nullptr;
+  const Map* source = nullptr;
+  std::vector<OrientedOverlap> overlaps;
+  std::vector<size_t> new_overlaps;
+  Similarity3d target_from_source;
+  bool fix_scale = true;
+
+  // The map that holds a keyframe of either.
+  const Map& MapOf(KeyframeId id) const {
+    return target->FindKeyframe(id) != nullptr ? *target : *source;
+  }
+  // Between the two maps, not inside one.
+  bool IsCrossing(const OrientedOverlap& overlap) const {
+    return &MapOf(overlap.anchor) != &MapOf(overlap.mover);
+  }
+};
+
+struct SolvedGraph {
+  // Of all keyframes, in the target's frame.
+  std::map<KeyframeId, Similarity3d> camera_from_target;
+  // Those that were held.
+  absl::btree_set<KeyframeId> fixed;
+  // The largest over all overlaps, in squared standard deviations (MapFusingOptions).
+  double worst_edge_chi2 = 0;
+};
+
+absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
+                                             const MapFusingOptions& options);
+
+// How far a loop would move its keyframe, as a share of what it may (MapFusingOptions::max_drift);
+// above 1 it is no drift. 0 where no way through the spanning tree leads from one to the other.
+double DriftOfLoop(const FusingProblem& problem, const OrientedOverlap& loop,
+                   const MapFusingOptions& options);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_FUSING_FUSING_GRAPH_H_

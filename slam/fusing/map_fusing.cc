@@ -1,0 +1,195 @@
+#include "slam/fusing/map_fusing.h"
+
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "slam/fusing/fusing_graph.h"
+#include "slam/fusing/map_alignment.h"
+#include "slam/fusing/welding.h"
+#include "slam/optimisation/pose_graph.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr double kMoved = 1e-9;
+
+absl::Status CheckOverlap(const FuseMapsRequest& request, const Overlap& overlap) {
+  const auto is_known = [&](KeyframeId id) {
+    return request.target.FindKeyframe(id) != nullptr || request.source.FindKeyframe(id) != nullptr;
+  };
+  for (const KeyframeId& id : {overlap.query, overlap.candidate}) {
+    if (!is_known(id)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("overlap names keyframe ", ToString(id), ", which is in neither view"));
+    }
+  }
+  if (overlap.query == overlap.candidate) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("overlap of keyframe ", ToString(overlap.query), " with itself"));
+  }
+  const Similarity3d& pose = overlap.candidate_from_query;
+  const bool is_finite = pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
+                         std::isfinite(pose.scale) && pose.scale > 0;
+  if (!is_finite) {
+    return absl::InvalidArgumentError(absl::StrCat("overlap of keyframes ", ToString(overlap.query),
+                                                   " and ", ToString(overlap.candidate),
+                                                   " has a similarity that is not finite"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckRequest(const FuseMapsRequest& request) {
+  if (request.new_overlaps.empty()) {
+    return absl::InvalidArgumentError("no new overlap to fuse by");
+  }
+  for (const size_t index : request.new_overlaps) {
+    if (index < request.overlaps.size()) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("new overlap ", index, " of only ", request.overlaps.size(), " overlaps"));
+  }
+  for (const Overlap& overlap : request.overlaps) RETURN_IF_ERROR(CheckOverlap(request, overlap));
+  for (const auto& [id, keyframe] : request.source.keyframes()) {
+    if (request.target.FindKeyframe(id) == nullptr) continue;
+    return absl::InvalidArgumentError(absl::StrCat("keyframe ", ToString(id), " is in both views"));
+  }
+  for (const auto& [id, point] : request.source.points()) {
+    if (request.target.FindPoint(id) == nullptr) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("map point ", ToString(id), " is in both views"));
+  }
+  return absl::OkStatus();
+}
+
+// On a robot the one that may not move is the anchor, in fusion the one in the target.
+bool AnchorIsQuery(const FuseMapsRequest& request, const Overlap& overlap, LocalMapId only_moves) {
+  const bool query_stays = request.target.FindKeyframe(overlap.query) != nullptr;
+  const bool candidate_stays = request.target.FindKeyframe(overlap.candidate) != nullptr;
+  if (query_stays != candidate_stays) return query_stays;
+  return only_moves.IsValid() && overlap.candidate.local_map == only_moves &&
+         overlap.query.local_map != only_moves;
+}
+
+FusingProblem MakeProblem(const FuseMapsRequest& request, const MapFusingOptions& options) {
+  FusingProblem problem;
+  problem.target = &request.target;
+  problem.source = &request.source;
+  problem.new_overlaps = request.new_overlaps;
+  problem.fix_scale = request.fix_scale;
+  for (const Overlap& overlap : request.overlaps) {
+    problem.overlaps.push_back(
+        Orient(overlap, AnchorIsQuery(request, overlap, options.only_moves)));
+    if (problem.fix_scale) problem.overlaps.back().anchor_from_mover.scale = 1;
+  }
+  return problem;
+}
+
+// Sets how the source first comes into the target's frame.
+absl::Status PlaceSource(FusingProblem& problem) {
+  if (problem.source->keyframes().empty()) return absl::OkStatus();
+  std::vector<OrientedOverlap> crossing;
+  for (const OrientedOverlap& overlap : problem.overlaps) {
+    if (problem.IsCrossing(overlap)) crossing.push_back(overlap);
+  }
+  const auto alignment = AlignByConsensus(*problem.target, *problem.source, crossing);
+  if (!alignment.has_value()) {
+    return absl::InvalidArgumentError("no overlap joins the source to the target");
+  }
+  problem.target_from_source = *alignment;
+  return absl::OkStatus();
+}
+
+// All points of the source, and those of the target that the graph moved, in the target's frame.
+std::map<MapPointId, Eigen::Vector3d> MovePoints(const FusingProblem& problem,
+                                                 const SolvedGraph& graph) {
+  std::map<MapPointId, Eigen::Vector3d> positions;
+  for (const PositionUpdate& update :
+       MovePointsWithReferences(*problem.target, graph.camera_from_target)) {
+    positions[update.id] = update.position_in_map;
+  }
+  for (const auto& [id, point] : problem.source->points()) {
+    positions[id] = problem.target_from_source * point.position_in_map;
+  }
+  for (const PositionUpdate& update :
+       MovePointsWithReferences(*problem.source, graph.camera_from_target)) {
+    positions[update.id] = update.position_in_map;
+  }
+  return positions;
+}
+
+void KeepPointsOfOthers(const Map& map, LocalMapId only_moves,
+                        std::map<MapPointId, Eigen::Vector3d>& positions) {
+  if (!only_moves.IsValid()) return;
+  for (const auto& [id, point] : map.points()) {
+    if (id.local_map != only_moves) positions.erase(id);
+  }
+}
+
+bool HasMoved(const Rigid3d& before, const Rigid3d& after) {
+  return (CameraCentre(before) - CameraCentre(after)).norm() > kMoved ||
+         RotationAngle(before.rotation.conjugate() * after.rotation) > kMoved;
+}
+
+void CollectPoses(const FusingProblem& problem, const SolvedGraph& graph,
+                  const WeldingResult& welding, FuseMapsResult& result) {
+  for (const auto& [id, camera_from_target] : graph.camera_from_target) {
+    Similarity3d pose = camera_from_target;
+    if (const auto it = welding.poses.find(id); it != welding.poses.end()) {
+      pose.rotation = it->second.rotation;
+      pose.translation = pose.scale * it->second.translation;
+    }
+    const Keyframe* before = problem.target->FindKeyframe(id);
+    if (before != nullptr && !HasMoved(before->camera_from_map, pose.ToRigid())) continue;
+    result.poses.push_back({id, pose});
+  }
+}
+
+void CollectPositions(const FusingProblem& problem, std::map<MapPointId, Eigen::Vector3d> positions,
+                      const WeldingResult& welding, FuseMapsResult& result) {
+  for (const auto& [id, position] : welding.positions) positions[id] = position;
+  for (const FuseMapsResult::Merge& merge : welding.merges) positions.erase(merge.member);
+  for (const auto& [id, position] : positions) {
+    const MapPoint* before = problem.target->FindPoint(id);
+    if (before != nullptr && (before->position_in_map - position).norm() <= kMoved) continue;
+    result.positions.push_back({id, position});
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
+                                        const MapFusingOptions& options,
+                                        const ProgressCallback& progress) {
+  RETURN_IF_ERROR(CheckRequest(request));
+  const auto is_cancelled = [&](double part) { return progress != nullptr && !progress(part); };
+  if (is_cancelled(0)) return absl::CancelledError("fusing was cancelled before it began");
+  FusingProblem problem = MakeProblem(request, options);
+  RETURN_IF_ERROR(PlaceSource(problem));
+
+  FuseMapsResult result;
+  result.base_revision = request.base_revision;
+  for (const size_t index : problem.new_overlaps) {
+    if (DriftOfLoop(problem, problem.overlaps[index], options) > 1) return result;
+  }
+  ASSIGN_OR_RETURN(const SolvedGraph graph, SolveFusingGraph(problem, options));
+  result.worst_edge_chi2 = graph.worst_edge_chi2;
+  if (graph.worst_edge_chi2 > options.max_edge_chi2) return result;
+  if (is_cancelled(0.5)) return absl::CancelledError("fusing was cancelled after the graph");
+
+  std::map<MapPointId, Eigen::Vector3d> positions = MovePoints(problem, graph);
+  KeepPointsOfOthers(request.target, options.only_moves, positions);
+  ASSIGN_OR_RETURN(WeldingResult welding, Weld(problem, graph, positions, options, progress));
+
+  result.accepted = true;
+  result.target_from_source = problem.target_from_source;
+  CollectPoses(problem, graph, welding, result);
+  CollectPositions(problem, std::move(positions), welding, result);
+  result.merges = std::move(welding.merges);
+  result.rejected = std::move(welding.rejected);
+  return result;
+}
+
+}  // namespace corbslam
