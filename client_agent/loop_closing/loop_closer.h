@@ -1,0 +1,114 @@
+// Finds places that the robot (or another, by what it shared) has been at before, corrects the
+// robot's own map by them, and adjusts all of it afterwards.
+#ifndef CORBSLAM_CLIENT_AGENT_LOOP_CLOSING_LOOP_CLOSER_H_
+#define CORBSLAM_CLIENT_AGENT_LOOP_CLOSING_LOOP_CLOSER_H_
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/container/btree_set.h"
+#include "absl/synchronization/mutex.h"
+#include "client_agent/loop_closing/map_correction.h"
+#include "client_agent/map/guarded_map.h"
+#include "client_agent/mapping/mapping_queue.h"
+#include "slam/exchange/overlap.h"
+#include "slam/map/map.h"
+#include "slam/verification/place_verification.h"
+
+namespace corbslam {
+
+struct LoopCloserOptions {
+  // What changes results.
+  bool fix_scale = true;  // The robot's maps are metric.
+  uint64_t seed = 1;
+  // Own keyframes nearer than this in number are no loop; nor is one so soon after the last.
+  uint32_t min_keyframe_gap = 10;
+  // The best so many candidates are verified.
+  size_t max_candidates = 3;
+  // Further keyframes that must agree.
+  int min_consistent_keyframes = 3;
+  int adjustment_iterations = 10;  // Of each round.
+  // What changes speed.
+  int solver_threads = 1;
+  size_t max_waiting_keyframes = 32;
+};
+
+struct LoopCloserCounts {
+  int queried = 0;
+  int verified = 0;
+  int closed = 0;
+  int closed_against_others = 0;  // Of `closed`: the candidate is another local map's.
+  int adjusted = 0;               // Full bundle adjustments that were applied.
+};
+
+// Keyframes of the robot's map (own and shared ones) that look like the query, best first and one
+// a group of covisible ones; none of `excluded`. Called without any lock of the LoopCloser or the
+// map held, with a keyframe that carries its words; thread-safe.
+using FindLoopCandidates = std::function<std::vector<KeyframeId>(
+    const Keyframe& query, const absl::btree_set<KeyframeId>& excluded)>;
+
+// Of one local map. Two workers drive it: one calls StepDetection, the other StepAdjustment (the
+// same thread may do both, as deterministic runs do). The map is only changed by jobs that it
+// posts to the mapping queue, one of each worker at a time. The rest is thread-safe.
+class LoopCloser {
+ public:
+  // Neither is owned; both outlive the closer and the jobs that it posted.
+  LoopCloser(const LoopCloserOptions& options, GuardedMap* map, MappingQueue* queue,
+             FindLoopCandidates find_candidates);
+  // The workers must have ended, and the queue must have run or dropped the closer's jobs.
+  ~LoopCloser() = default;
+
+  // A keyframe that the mapper is done with. When too many wait, the oldest is forgotten.
+  void Enqueue(KeyframeId keyframe);
+
+  // Looks for a loop at the next waiting keyframe, and posts the correction where there is one.
+  // False when there was nothing to do: no keyframe waits, or the last correction is not in yet.
+  bool StepDetection();
+  // Adjusts the whole map when a loop was closed since the last time, and posts the result. A
+  // newer loop cancels it (and calls for another). False when there was nothing to do.
+  bool StepAdjustment();
+
+  // Block until there is something to do: true; or Stop was called: false.
+  bool WaitForDetection();
+  bool WaitForAdjustment();
+  // Ends waiting, and cancels an adjustment under way.
+  void Stop();
+
+  // Nothing waits and nothing is under way, in either worker or posted.
+  bool IsIdle() const;
+
+  LoopCloserCounts counts() const;
+
+ private:
+  std::optional<Overlap> DetectLoop(KeyframeId query);
+  bool CloseLoop(const Overlap& loop);
+  bool DetectionIsReady() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  bool AdjustmentIsReady() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+
+  const LoopCloserOptions options_;
+  GuardedMap& map_;
+  MappingQueue& queue_;
+  const FindLoopCandidates find_candidates_;
+  // Counts closed loops; an adjustment that began at a lower one is out of date.
+  std::atomic<uint64_t> generation_ = 0;
+  std::atomic<bool> stopping_ = false;
+
+  mutable absl::Mutex mutex_;
+  std::deque<KeyframeId> waiting_ ABSL_GUARDED_BY(mutex_);
+  std::optional<KeyframeId> last_closed_at_ ABSL_GUARDED_BY(mutex_);
+  bool detecting_ ABSL_GUARDED_BY(mutex_) = false;
+  bool correction_posted_ ABSL_GUARDED_BY(mutex_) = false;
+  bool adjusting_ ABSL_GUARDED_BY(mutex_) = false;
+  bool adjustment_wanted_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
+  LoopCloserCounts counts_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_LOOP_CLOSING_LOOP_CLOSER_H_

@@ -1,0 +1,48 @@
+// A correction of the robot's own map that was computed on a copy, and how it comes into the map
+// that went on meanwhile.
+#ifndef CORBSLAM_CLIENT_AGENT_LOOP_CLOSING_MAP_CORRECTION_H_
+#define CORBSLAM_CLIENT_AGENT_LOOP_CLOSING_MAP_CORRECTION_H_
+
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "slam/exchange/fusion_worker.h"
+#include "slam/map/map.h"
+#include "slam/optimisation/bundle_adjustment.h"
+
+namespace corbslam {
+
+struct MapCorrection {
+  struct MovedKeyframe {
+    Rigid3d before;
+    Similarity3d after;
+  };
+  struct MovedPoint {
+    Eigen::Vector3d before = Eigen::Vector3d::Zero();
+    Eigen::Vector3d after = Eigen::Vector3d::Zero();
+  };
+  // Own ones that were in the copy: all of them, moved or not.
+  std::map<KeyframeId, MovedKeyframe> keyframes;
+  std::map<MapPointId, MovedPoint> points;
+  std::vector<FuseMapsResult::Merge> merges;
+  std::vector<RejectedObservation> rejected;
+  // The loop that called for it.
+  std::optional<std::pair<KeyframeId, KeyframeId>> loop_edge;
+};
+
+// Of a loop closed on the copy `map`. Items of other local maps than `own` are left out.
+MapCorrection MakeCorrection(const Map& map, LocalMapId own, const FuseMapsResult& fused);
+// Of a bundle adjustment of the copy `map`.
+MapCorrection MakeCorrection(const Map& map, LocalMapId own, const BundleResult& adjusted);
+
+// Moves own keyframes and points of `map`. What moved since the copy keeps that motion, what was
+// born since follows the nearest corrected ancestor (keyframes) or its reference (points), and
+// what is gone is skipped. Other local maps' items stay as they are. Then replaces duplicates,
+// drops rejected observations of own keyframes and adds the loop edge.
+void ApplyCorrection(const MapCorrection& correction, LocalMapId own, Map& map);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_LOOP_CLOSING_MAP_CORRECTION_H_
