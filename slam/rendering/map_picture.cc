@@ -90,8 +90,8 @@ void DrawPoints(const std::vector<Eigen::Vector2d>& points, const Layout& layout
 // A wedge that opens to where the camera looks.
 std::vector<Eigen::Vector2d> KeyframeShape(const Eigen::Vector2d& centre,
                                            const Eigen::Vector2d& view_direction) {
-  constexpr double kLength_px = 11;
-  constexpr double kHalfWidth_px = 5.5;
+  constexpr double kLength_px = 8;
+  constexpr double kHalfWidth_px = 7;
   if (view_direction.norm() < 0.1) {
     // Looks along the line of sight: a square.
     return {centre + Eigen::Vector2d(-4, -4), centre + Eigen::Vector2d(4, -4),

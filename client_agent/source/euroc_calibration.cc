@@ -1,0 +1,88 @@
+#include "client_agent/source/euroc_calibration.h"
+
+#include <cmath>
+#include <filesystem>
+#include <opencv2/core/persistence.hpp>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+absl::StatusOr<std::vector<double>> ReadNumbers(const cv::FileNode& node, const std::string& path,
+                                                absl::string_view field, size_t least,
+                                                size_t most) {
+  std::vector<double> numbers;
+  for (const cv::FileNode& entry : node) {
+    if (!entry.isInt() && !entry.isReal()) break;
+    numbers.push_back(static_cast<double>(entry));
+  }
+  if (!node.isSeq() || numbers.size() != node.size() || numbers.size() < least ||
+      numbers.size() > most) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": ", field, " is no list of ", least, " numbers"));
+  }
+  return numbers;
+}
+
+absl::StatusOr<Rigid3d> ToRigid(const std::vector<double>& m, const std::string& path) {
+  Eigen::Matrix3d rotation;
+  rotation << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
+  if ((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() > 0.01) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": T_BS holds no rotation"));
+  }
+  return Rigid3d{Eigen::Quaterniond(rotation).normalized(), Eigen::Vector3d(m[3], m[7], m[11])};
+}
+
+absl::Status ExpectWord(const cv::FileStorage& file, const std::string& path, const char* field,
+                        absl::string_view expected) {
+  const cv::FileNode node = file[field];
+  const std::string word = node.isString() ? static_cast<std::string>(node) : "";
+  if (word == expected) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": ", field, " is '", word, "', only ", expected, " is known"));
+}
+
+absl::StatusOr<EurocCamera> Parse(const cv::FileStorage& file, const std::string& path) {
+  RETURN_IF_ERROR(ExpectWord(file, path, "camera_model", "pinhole"));
+  RETURN_IF_ERROR(ExpectWord(file, path, "distortion_model", "radial-tangential"));
+  ASSIGN_OR_RETURN(const std::vector<double> pose,
+                   ReadNumbers(file["T_BS"]["data"], path, "T_BS data", 16, 16));
+  ASSIGN_OR_RETURN(const std::vector<double> size,
+                   ReadNumbers(file["resolution"], path, "resolution", 2, 2));
+  ASSIGN_OR_RETURN(const std::vector<double> f,
+                   ReadNumbers(file["intrinsics"], path, "intrinsics", 4, 4));
+  ASSIGN_OR_RETURN(const std::vector<double> d, ReadNumbers(file["distortion_coefficients"], path,
+                                                            "distortion_coefficients", 4, 5));
+  EurocCamera camera;
+  ASSIGN_OR_RETURN(camera.body_from_camera, ToRigid(pose, path));
+  camera.width_px = static_cast<int>(size[0]);
+  camera.height_px = static_cast<int>(size[1]);
+  camera.intrinsics = {f[0], f[1], f[2], f[3], {d[0], d[1], d[2], d[3], d.size() > 4 ? d[4] : 0.0}};
+  return camera;
+}
+
+}  // namespace
+
+absl::StatusOr<EurocCamera> ReadEurocCamera(const std::string& sensor_yaml_path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(sensor_yaml_path, ignored)) {
+    return absl::NotFoundError(absl::StrCat("cannot open ", sensor_yaml_path));
+  }
+  try {
+    const cv::FileStorage file(sensor_yaml_path, cv::FileStorage::READ);
+    return Parse(file, sensor_yaml_path);
+  } catch (const cv::Exception& exception) {
+    return absl::InvalidArgumentError(absl::StrCat(sensor_yaml_path, ": ", exception.what()));
+  }
+}
+
+std::string EurocRoot(const std::string& directory) {
+  std::error_code ignored;
+  const std::string mav0 = directory + "/mav0";
+  return std::filesystem::is_directory(mav0, ignored) ? mav0 : directory;
+}
+
+}  // namespace corbslam

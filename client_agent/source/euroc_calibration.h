@@ -1,0 +1,28 @@
+// The sensor.yaml of a camera in EuRoC's ASL layout.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_EUROC_CALIBRATION_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_EUROC_CALIBRATION_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "slam/camera/rectification.h"
+#include "slam/geometry/rigid3.h"
+
+namespace corbslam {
+
+struct EurocCamera {
+  Rigid3d body_from_camera;  // T_BS.
+  RawCamera intrinsics;
+  int width_px = 0;
+  int height_px = 0;
+};
+
+// Pinhole with radial-tangential distortion. Errors name the file and the field.
+absl::StatusOr<EurocCamera> ReadEurocCamera(const std::string& sensor_yaml_path);
+
+// DIR/mav0 where that is there, else DIR.
+std::string EurocRoot(const std::string& directory);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_EUROC_CALIBRATION_H_

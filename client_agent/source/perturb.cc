@@ -1,0 +1,47 @@
+#include "client_agent/source/perturb.h"
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+namespace corbslam {
+namespace {
+
+// Spreads seed and stream over all bits, so that neighbouring streams have nothing in common
+// (Steele et al., OOPSLA 2014: the finaliser of SplitMix64).
+uint64_t Mix(uint64_t seed, uint64_t stream) {
+  uint64_t x = seed * 0x9e3779b97f4a7c15u + stream + 1;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+cv::Mat ApplyGamma(const cv::Mat& image, double gamma) {
+  cv::Mat table(1, 256, CV_8UC1);
+  for (int grey = 0; grey < 256; ++grey) {
+    table.at<uint8_t>(grey) = cv::saturate_cast<uint8_t>(255 * std::pow(grey / 255.0, gamma));
+  }
+  cv::Mat result;
+  cv::LUT(image, table, result);
+  return result;
+}
+
+cv::Mat AddNoise(const cv::Mat& image, double sigma, uint64_t seed) {
+  cv::Mat noise(image.size(), CV_32FC1);
+  cv::RNG(seed).fill(noise, cv::RNG::NORMAL, 0.0, sigma);
+  cv::Mat result;
+  cv::add(image, noise, result, cv::noArray(), CV_8UC1);
+  return result;
+}
+
+}  // namespace
+
+cv::Mat Perturb(const cv::Mat& image, const Perturbation& perturbation, uint64_t stream) {
+  cv::Mat result = image;
+  if (perturbation.gamma != 1.0) result = ApplyGamma(result, perturbation.gamma);
+  if (perturbation.noise_sigma > 0) {
+    result = AddNoise(result, perturbation.noise_sigma, Mix(perturbation.seed, stream));
+  }
+  return result;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,18 @@
+// Changes a picture as another camera or another hour of the day would.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_PERTURB_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_PERTURB_H_
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+
+#include "client_agent/source/source_spec.h"
+
+namespace corbslam {
+
+// Gamma first, then noise. `image` is CV_8UC1; the same stream (frame and camera) gets the same
+// noise each time, other streams get other noise. May throw cv::Exception.
+cv::Mat Perturb(const cv::Mat& image, const Perturbation& perturbation, uint64_t stream);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_PERTURB_H_

@@ -1,0 +1,155 @@
+#include "client_agent/source/source_spec.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+using KeyAndValue = std::pair<absl::string_view, absl::string_view>;
+
+absl::Status BadOption(absl::string_view key, absl::string_view value, absl::string_view wanted) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("source option ", key, "=", value, ": wants ", wanted));
+}
+
+absl::Status ParseCount(absl::string_view key, absl::string_view value, size_t& count) {
+  uint32_t parsed = 0;
+  if (!absl::SimpleAtoi(value, &parsed)) return BadOption(key, value, "a number from 0 on");
+  count = parsed;
+  return absl::OkStatus();
+}
+
+absl::Status ParseFrames(absl::string_view value, FrameSelection& selection) {
+  const KeyAndValue range = absl::StrSplit(value, absl::MaxSplits(':', 1));
+  if (!absl::StrContains(value, ':')) return BadOption("frames", value, "FIRST:LAST");
+  RETURN_IF_ERROR(ParseCount("frames", range.first.empty() ? "0" : range.first, selection.first));
+  selection.last.reset();
+  if (range.second.empty()) return absl::OkStatus();
+  size_t last = 0;
+  RETURN_IF_ERROR(ParseCount("frames", range.second, last));
+  if (last < selection.first) return BadOption("frames", value, "FIRST not above LAST");
+  selection.last = last;
+  return absl::OkStatus();
+}
+
+absl::Status ParseReal(absl::string_view key, absl::string_view value, double least, double most,
+                       double& number) {
+  if (!absl::SimpleAtod(value, &number) || !(number >= least && number <= most)) {
+    return BadOption(key, value, absl::StrCat("a number from ", least, " to ", most));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceSpec& spec) {
+  if (key == "frames") return ParseFrames(value, spec.selection);
+  if (key == "stride") {
+    RETURN_IF_ERROR(ParseCount(key, value, spec.selection.stride));
+    return spec.selection.stride > 0 ? absl::OkStatus() : BadOption(key, value, "at least 1");
+  }
+  if (key == "offset") return ParseCount(key, value, spec.selection.offset);
+  if (key == "reverse") {
+    if (value != "" && value != "0" && value != "1") return BadOption(key, value, "0 or 1");
+    spec.selection.reverse = value != "0";
+    return absl::OkStatus();
+  }
+  if (key == "gamma") return ParseReal(key, value, 0.05, 20, spec.perturbation.gamma);
+  if (key == "noise") return ParseReal(key, value, 0, 100, spec.perturbation.noise_sigma);
+  if (key == "seed") {
+    if (absl::SimpleAtoi(value, &spec.perturbation.seed)) return absl::OkStatus();
+    return BadOption(key, value, "a number from 0 on");
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("unknown source option '", key,
+                   "': known are frames, stride, offset, reverse, gamma, noise, seed"));
+}
+
+constexpr std::pair<absl::string_view, SourceLayout> kLayouts[] = {
+    {"kitti", SourceLayout::kKitti}, {"euroc", SourceLayout::kEuroc}, {"tum", SourceLayout::kTum}};
+
+absl::StatusOr<SourceLayout> ParseLayout(absl::string_view name) {
+  for (const auto& [known, layout] : kLayouts) {
+    if (name == known) return layout;
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("unknown source layout '", name, "': known are kitti, euroc, tum"));
+}
+
+absl::string_view LayoutName(SourceLayout layout) {
+  for (const auto& [name, known] : kLayouts) {
+    if (layout == known) return name;
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<size_t> SelectFrames(const FrameSelection& selection, size_t frame_count) {
+  std::vector<size_t> frames;
+  const size_t end = std::min(frame_count, selection.last.value_or(frame_count) + 1);
+  for (size_t frame = selection.first; frame < end; ++frame) {
+    if (frame % selection.stride == selection.offset % selection.stride) frames.push_back(frame);
+  }
+  if (selection.reverse) std::reverse(frames.begin(), frames.end());
+  return frames;
+}
+
+absl::Status ApplyOptions(absl::string_view options, SourceSpec& spec) {
+  for (const absl::string_view option :
+       absl::StrSplit(options, absl::ByAnyChar("&,"), absl::SkipEmpty())) {
+    const KeyAndValue parts = absl::StrSplit(option, absl::MaxSplits('=', 1));
+    RETURN_IF_ERROR(ApplyOption(parts.first, parts.second, spec));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text) {
+  if (!absl::StrContains(text, ':')) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("source '", text, "' is not LAYOUT:DIR, for example kitti:DIR"));
+  }
+  const KeyAndValue layout_and_rest = absl::StrSplit(text, absl::MaxSplits(':', 1));
+  const KeyAndValue directory_and_options =
+      absl::StrSplit(layout_and_rest.second, absl::MaxSplits('?', 1));
+  SourceSpec spec;
+  ASSIGN_OR_RETURN(spec.layout, ParseLayout(layout_and_rest.first));
+  spec.directory = std::string(directory_and_options.first);
+  if (spec.directory.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat("source '", text, "' names no directory"));
+  }
+  while (spec.directory.size() > 1 && spec.directory.back() == '/') spec.directory.pop_back();
+  RETURN_IF_ERROR(ApplyOptions(directory_and_options.second, spec));
+  return spec;
+}
+
+std::string FormatSourceSpec(const SourceSpec& spec) {
+  const SourceSpec plain;
+  const FrameSelection& selection = spec.selection;
+  std::vector<std::string> options;
+  if (selection.first != 0 || selection.last.has_value()) {
+    options.push_back(absl::StrCat("frames=", selection.first, ":",
+                                   selection.last ? absl::StrCat(*selection.last) : ""));
+  }
+  if (selection.stride != 1) options.push_back(absl::StrCat("stride=", selection.stride));
+  if (selection.offset != 0) options.push_back(absl::StrCat("offset=", selection.offset));
+  if (selection.reverse) options.push_back("reverse=1");
+  if (spec.perturbation.gamma != plain.perturbation.gamma) {
+    options.push_back(absl::StrCat("gamma=", spec.perturbation.gamma));
+  }
+  if (spec.perturbation.noise_sigma != plain.perturbation.noise_sigma) {
+    options.push_back(absl::StrCat("noise=", spec.perturbation.noise_sigma));
+  }
+  if (spec.perturbation.seed != plain.perturbation.seed) {
+    options.push_back(absl::StrCat("seed=", spec.perturbation.seed));
+  }
+  return absl::StrCat(LayoutName(spec.layout), ":", spec.directory, options.empty() ? "" : "?",
+                      absl::StrJoin(options, "&"));
+}
+
+}  // namespace corbslam
