@@ -1,0 +1,110 @@
+#include "client_agent/map/map_history.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "client_agent/map/guarded_map.h"
+#include "slam/optimisation/testing/synthetic_scene.h"
+
+namespace corbslam {
+namespace {
+
+class CountingObserver : public MapObserver {
+ public:
+  void OnKeyframeRemoved(KeyframeId, KeyframeId, const Rigid3d&) override { ++removed; }
+  void OnPointReplaced(MapPointId, MapPointId) override { ++replaced; }
+  int removed = 0;
+  int replaced = 0;
+};
+
+class MapHistoryTest : public ::testing::Test {
+ protected:
+  MapHistoryTest() : scene_(testing::MakeSyntheticScene({.keyframes = 5, .points = 200})) {
+    map_ = scene_.map;
+    map_.SetObserver(&history_);
+  }
+
+  KeyframeId Keyframe(uint32_t i) const { return {map_.keyframes().begin()->first.local_map, i}; }
+
+  testing::SyntheticScene scene_;
+  MapHistory history_;
+  Map map_;
+};
+
+TEST_F(MapHistoryTest, RemovedKeyframeFollowsItsParent) {
+  const Rigid3d before = map_.FindKeyframe(Keyframe(3))->camera_from_map;
+  ASSERT_TRUE(map_.RemoveKeyframe(Keyframe(3)));
+  const auto after = history_.CameraFromMap(map_, Keyframe(3));
+  ASSERT_TRUE(after.has_value());
+  EXPECT_LT((after->translation - before.translation).norm(), 1e-9);
+
+  // The parent goes too, and then its own parent moves: all follow.
+  ASSERT_TRUE(map_.RemoveKeyframe(Keyframe(2)));
+  const Rigid3d shift{Eigen::Quaterniond::Identity(), {1, 2, 3}};
+  for (const auto& [id, keyframe] : Map(map_).keyframes()) {
+    map_.SetPose(id, keyframe.camera_from_map * shift);
+  }
+  const auto moved = history_.CameraFromMap(map_, Keyframe(3));
+  ASSERT_TRUE(moved.has_value());
+  EXPECT_LT((moved->translation - (before * shift).translation).norm(), 1e-9);
+}
+
+TEST_F(MapHistoryTest, UnknownKeyframeHasNoPose) {
+  EXPECT_FALSE(history_.CameraFromMap(map_, Keyframe(77)).has_value());
+}
+
+TEST_F(MapHistoryTest, FollowsReplacementsInAChain) {
+  auto it = map_.points().begin();
+  const MapPointId a = (it++)->first;
+  const MapPointId b = (it++)->first;
+  const MapPointId c = (it++)->first;
+  ASSERT_TRUE(map_.ReplacePoint(a, b));
+  ASSERT_TRUE(map_.ReplacePoint(b, c));
+  EXPECT_EQ(history_.CurrentPoint(a), c);
+  EXPECT_EQ(history_.CurrentPoint(c), c);
+}
+
+TEST_F(MapHistoryTest, PassesChangesOn) {
+  CountingObserver observer;
+  history_.SetNext(&observer);
+  auto it = map_.points().begin();
+  const MapPointId a = (it++)->first;
+  map_.ReplacePoint(a, it->first);
+  map_.RemoveKeyframe(Keyframe(4));
+  EXPECT_EQ(observer.removed, 1);
+  EXPECT_EQ(observer.replaced, 1);
+}
+
+TEST(GuardedMapTest, NumbersItemsOnceAndCountsCorrections) {
+  GuardedMap map(LocalMapId{7});
+  EXPECT_EQ(map.NewKeyframeId(), (KeyframeId{LocalMapId{7}, 0}));
+  EXPECT_EQ(map.NewKeyframeId(), (KeyframeId{LocalMapId{7}, 1}));
+  EXPECT_EQ(map.NewPointId().index, 0u);
+  EXPECT_TRUE(map.IsOwn(KeyframeId{LocalMapId{7}, 9}));
+  EXPECT_FALSE(map.IsOwn(KeyframeId{LocalMapId{8}, 9}));
+  map.CountCorrection();
+  EXPECT_EQ(map.corrections(), 1u);
+}
+
+TEST(GuardedMapTest, ReadersSeeWholeWrites) {
+  GuardedMap map(LocalMapId{7});
+  std::thread writer([&map] {
+    for (int i = 0; i < 200; ++i) {
+      map.Write([&map](Map& m) {
+        MapPoint first{.id = map.NewPointId()};
+        MapPoint second{.id = map.NewPointId()};
+        m.AddPoint(first);
+        m.AddPoint(second);
+      });
+    }
+  });
+  for (int i = 0; i < 200; ++i) {
+    EXPECT_EQ(map.Read([](const Map& m) { return m.points().size() % 2; }), 0u);
+  }
+  writer.join();
+  EXPECT_EQ(map.Read([](const Map& m) { return m.points().size(); }), 400u);
+}
+
+}  // namespace
+}  // namespace corbslam
