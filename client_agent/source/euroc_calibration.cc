@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
-#include <opencv2/core/persistence.hpp>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
