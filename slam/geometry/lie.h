@@ -35,8 +35,7 @@ Vector7d LogSim3(const Similarity3d& similarity);
 // Log(Exp(delta) * Exp(tangent)) = tangent + InverseLeftJacobian(tangent) * delta + O(delta^2).
 Eigen::Matrix3d InverseLeftJacobianSO3(const Eigen::Vector3d& rotation_rad);
 Matrix6d InverseLeftJacobianSE3(const Vector6d& tangent);
-// From the series in the adjoint; exact to rounding where |rotation| and |log of scale| are below
-// pi.
+// From the series of the left Jacobian in the adjoint.
 Matrix7d InverseLeftJacobianSim3(const Vector7d& tangent);
 
 // T * Exp(delta) * T^-1 = Exp(Adjoint(T) * delta).
