@@ -9,9 +9,9 @@
 
 namespace corbslam {
 
-// A corner in pixels of its image. The score is the largest threshold, plus one, at which the
-// pixel still is a corner: 9 neighbours in a row on the circle of 16 all brighter, or all darker,
-// than the centre by more than the threshold.
+// A corner in pixels of its image. The score is the smallest threshold at which the
+// pixel no longer is a corner: at lower ones 9 neighbours in a row on the circle of 16 all
+// brighter, or all darker, than the centre by more than the threshold.
 struct Corner {
   int16_t x_px = 0;
   int16_t y_px = 0;
@@ -35,7 +35,12 @@ class FastDetector {
   void Detect(const cv::Mat& image, const FastOptions& options, std::vector<Corner>& corners);
 
  private:
-  std::vector<uint8_t> scores_;
+  void ComputeScores(const cv::Mat& image, const FastOptions& options);
+  void CollectMaxima(const cv::Mat& image, const FastOptions& options,
+                     std::vector<Corner>& corners);
+
+  std::vector<uint8_t> scores_;  // of every pixel, row by row
+  std::vector<uint8_t> maxima_;  // of one row
   std::vector<uint8_t> cell_has_strong_;
 };
 

@@ -73,7 +73,6 @@ class OrbExtractor {
   FastDetector detector_;
   std::vector<Corner> corners_;
   cv::Mat blurred_;
-  cv::Mat blur_rows_;
 };
 
 }  // namespace corbslam

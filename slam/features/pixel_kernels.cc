@@ -1,0 +1,238 @@
+#include "slam/features/pixel_kernels.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdlib>
+
+// Every kernel is written once, as a plain loop that compilers turn into vector code, and inlined
+// into a function for each instruction set.
+#define CORBSLAM_KERNEL [[gnu::always_inline]] inline
+
+namespace corbslam {
+namespace {
+
+CORBSLAM_KERNEL uint8_t Min(uint8_t a, uint8_t b) { return a < b ? a : b; }
+CORBSLAM_KERNEL uint8_t Max(uint8_t a, uint8_t b) { return a > b ? a : b; }
+
+// The largest, over the 16 arcs of 9 pixels, of an arc's darkest pixel; Less and Greater
+// exchanged: the smallest of an arc's brightest. Two arcs share each run of 8.
+template <uint8_t (*Least)(uint8_t, uint8_t), uint8_t (*Most)(uint8_t, uint8_t)>
+CORBSLAM_KERNEL uint8_t BestArc(const uint8_t (&p)[16]) {
+  uint8_t pair[8];
+  for (int i = 0; i < 8; ++i) pair[i] = Least(p[2 * i + 1], p[(2 * i + 2) % 16]);
+  uint8_t four[8];
+  for (int i = 0; i < 8; ++i) four[i] = Least(pair[i], pair[(i + 1) % 8]);
+  uint8_t best = 0;
+  for (int i = 0; i < 8; ++i) {
+    const uint8_t eight = Least(four[i], four[(i + 2) % 8]);
+    const uint8_t nine = Least(eight, Most(p[2 * i], p[(2 * i + 9) % 16]));
+    best = i == 0 ? nine : Most(best, nine);
+  }
+  return best;
+}
+
+CORBSLAM_KERNEL void FastScores(const uint8_t* const rows[7], int begin, int end, int threshold,
+                                uint8_t* __restrict scores) {
+  const uint8_t* __restrict const r0 = rows[0];
+  const uint8_t* __restrict const r1 = rows[1];
+  const uint8_t* __restrict const r2 = rows[2];
+  const uint8_t* __restrict const r3 = rows[3];
+  const uint8_t* __restrict const r4 = rows[4];
+  const uint8_t* __restrict const r5 = rows[5];
+  const uint8_t* __restrict const r6 = rows[6];
+  const uint8_t limit = static_cast<uint8_t>(threshold);
+  for (int x = begin; x < end; ++x) {
+    const uint8_t p[16] = {r0[x],     r0[x + 1], r1[x + 2], r2[x + 3], r3[x + 3], r4[x + 3],
+                           r5[x + 2], r6[x + 1], r6[x],     r6[x - 1], r5[x - 2], r4[x - 3],
+                           r3[x - 3], r2[x - 3], r1[x - 2], r0[x - 1]};
+    const uint8_t centre = r3[x];
+    const uint8_t bright = BestArc<Min, Max>(p);
+    const uint8_t dark = BestArc<Max, Min>(p);
+    const uint8_t above = static_cast<uint8_t>(Max(bright, centre) - centre);
+    const uint8_t below = static_cast<uint8_t>(centre - Min(dark, centre));
+    const uint8_t score = Max(above, below);
+    scores[x] = score > limit ? score : uint8_t{0};
+  }
+}
+
+CORBSLAM_KERNEL void FastMaxima(const uint8_t* __restrict above, const uint8_t* __restrict row,
+                                const uint8_t* __restrict below, int begin, int end,
+                                uint8_t* __restrict maxima) {
+  for (int x = begin; x < end; ++x) {
+    const uint8_t before = Max(Max(above[x - 1], above[x]), Max(above[x + 1], row[x - 1]));
+    const uint8_t after = Max(Max(below[x - 1], below[x]), Max(below[x + 1], row[x + 1]));
+    const uint8_t score = row[x];
+    const uint8_t kept = score > before ? score : uint8_t{0};
+    maxima[x] = score >= after ? kept : uint8_t{0};
+  }
+}
+
+// exp(-i^2 / 8) for i = 0 to 3, scaled to a sum of 256 over the seven taps.
+constexpr uint16_t kTap0 = 56;
+constexpr uint16_t kTap1 = 49;
+constexpr uint16_t kTap2 = 33;
+constexpr uint16_t kTap3 = 18;
+static_assert(kTap0 + 2 * (kTap1 + kTap2 + kTap3) == 256);
+
+CORBSLAM_KERNEL uint8_t WeightedMean(uint8_t a3, uint8_t a2, uint8_t a1, uint8_t c, uint8_t b1,
+                                     uint8_t b2, uint8_t b3) {
+  // At most 255 * 256 + 128: fits 16 bits.
+  const uint16_t sum = static_cast<uint16_t>(kTap0 * c + kTap1 * (a1 + b1) + kTap2 * (a2 + b2) +
+                                             kTap3 * (a3 + b3) + 128);
+  return static_cast<uint8_t>(sum >> 8);
+}
+
+CORBSLAM_KERNEL void BlurVertical(const uint8_t* const rows[7], int width,
+                                  uint8_t* __restrict out) {
+  const uint8_t* __restrict const r0 = rows[0];
+  const uint8_t* __restrict const r1 = rows[1];
+  const uint8_t* __restrict const r2 = rows[2];
+  const uint8_t* __restrict const r3 = rows[3];
+  const uint8_t* __restrict const r4 = rows[4];
+  const uint8_t* __restrict const r5 = rows[5];
+  const uint8_t* __restrict const r6 = rows[6];
+  for (int x = 0; x < width; ++x) {
+    out[x] = WeightedMean(r0[x], r1[x], r2[x], r3[x], r4[x], r5[x], r6[x]);
+  }
+}
+
+CORBSLAM_KERNEL void BlurHorizontal(const uint8_t* __restrict row, int width,
+                                    uint8_t* __restrict out) {
+  for (int x = 0; x < width; ++x) {
+    out[x] = WeightedMean(row[x - 3], row[x - 2], row[x - 1], row[x], row[x + 1], row[x + 2],
+                          row[x + 3]);
+  }
+}
+
+constexpr int kDiscRows = 2 * kMomentRadius_px + 1;
+constexpr int kDiscStride = 32;
+using DiscMask = std::array<std::array<int16_t, kDiscStride>, kDiscRows>;
+
+constexpr DiscMask MakeDiscMask() {
+  DiscMask mask = {};
+  for (int y = -kMomentRadius_px; y <= kMomentRadius_px; ++y) {
+    for (int x = -kMomentRadius_px; x <= kMomentRadius_px; ++x) {
+      // (r + 1/2)^2 makes the rounded disc.
+      const bool inside = x * x + y * y <= kMomentRadius_px * (kMomentRadius_px + 1);
+      mask[static_cast<size_t>(y + kMomentRadius_px)][static_cast<size_t>(x + kMomentRadius_px)] =
+          inside ? int16_t{-1} : int16_t{0};
+    }
+  }
+  return mask;
+}
+constexpr DiscMask kDiscMask = MakeDiscMask();
+
+CORBSLAM_KERNEL PatchMoments DiscMoments(const uint8_t* centre, int64_t stride) {
+  // Per column: sum of grey, at most 31 * 255, and of y * grey, at most 120 * 255 either way.
+  int16_t sums[kDiscStride] = {};
+  int16_t weighted[kDiscStride] = {};
+  const uint8_t* row = centre - kMomentRadius_px * stride - kMomentRadius_px;
+  for (int y = -kMomentRadius_px; y <= kMomentRadius_px; ++y, row += stride) {
+    const auto& mask = kDiscMask[static_cast<size_t>(y + kMomentRadius_px)];
+    for (int i = 0; i < kDiscStride; ++i) {
+      const int16_t grey = static_cast<int16_t>(row[i] & mask[static_cast<size_t>(i)]);
+      sums[i] = static_cast<int16_t>(sums[i] + grey);
+      weighted[i] = static_cast<int16_t>(weighted[i] + y * grey);
+    }
+  }
+  PatchMoments moments;
+  for (int i = 0; i < kDiscStride; ++i) {
+    moments.m10 += (i - kMomentRadius_px) * sums[i];
+    moments.m01 += weighted[i];
+  }
+  return moments;
+}
+
+CORBSLAM_KERNEL int Sad11x11(const uint8_t* a, int64_t stride_a, const uint8_t* b,
+                             int64_t stride_b) {
+  int sum = 0;
+  for (int y = 0; y < kSadSide_px; ++y, a += stride_a, b += stride_b) {
+    for (int x = 0; x < kSadSide_px; ++x) sum += std::abs(a[x] - b[x]);
+  }
+  return sum;
+}
+
+struct Portable {
+  static void Scores(const uint8_t* const rows[7], int begin, int end, int threshold,
+                     uint8_t* scores) {
+    FastScores(rows, begin, end, threshold, scores);
+  }
+  static void Maxima(const uint8_t* above, const uint8_t* row, const uint8_t* below, int begin,
+                     int end, uint8_t* maxima) {
+    FastMaxima(above, row, below, begin, end, maxima);
+  }
+  static void Vertical(const uint8_t* const rows[7], int width, uint8_t* out) {
+    BlurVertical(rows, width, out);
+  }
+  static void Horizontal(const uint8_t* row, int width, uint8_t* out) {
+    BlurHorizontal(row, width, out);
+  }
+  static PatchMoments Moments(const uint8_t* centre, int64_t stride) {
+    return DiscMoments(centre, stride);
+  }
+  static int Sad(const uint8_t* a, int64_t stride_a, const uint8_t* b, int64_t stride_b) {
+    return Sad11x11(a, stride_a, b, stride_b);
+  }
+};
+
+#if defined(__x86_64__)
+struct Avx2 {
+  [[gnu::target("avx2")]] static void Scores(const uint8_t* const rows[7], int begin, int end,
+                                             int threshold, uint8_t* scores) {
+    FastScores(rows, begin, end, threshold, scores);
+  }
+  [[gnu::target("avx2")]] static void Maxima(const uint8_t* above, const uint8_t* row,
+                                             const uint8_t* below, int begin, int end,
+                                             uint8_t* maxima) {
+    FastMaxima(above, row, below, begin, end, maxima);
+  }
+  [[gnu::target("avx2")]] static void Vertical(const uint8_t* const rows[7], int width,
+                                               uint8_t* out) {
+    BlurVertical(rows, width, out);
+  }
+  [[gnu::target("avx2")]] static void Horizontal(const uint8_t* row, int width, uint8_t* out) {
+    BlurHorizontal(row, width, out);
+  }
+  [[gnu::target("avx2")]] static PatchMoments Moments(const uint8_t* centre, int64_t stride) {
+    return DiscMoments(centre, stride);
+  }
+  [[gnu::target("avx2")]] static int Sad(const uint8_t* a, int64_t stride_a, const uint8_t* b,
+                                         int64_t stride_b) {
+    return Sad11x11(a, stride_a, b, stride_b);
+  }
+};
+#endif
+
+template <typename Target>
+constexpr PixelKernels MakeKernels() {
+  return {.fast_scores = Target::Scores,
+          .fast_maxima = Target::Maxima,
+          .blur_vertical = Target::Vertical,
+          .blur_horizontal = Target::Horizontal,
+          .patch_moments = Target::Moments,
+          .sad_11x11 = Target::Sad};
+}
+
+}  // namespace
+
+const PixelKernels& PortablePixelKernels() {
+  static constexpr PixelKernels kKernels = MakeKernels<Portable>();
+  return kKernels;
+}
+
+const PixelKernels* Avx2PixelKernels() {
+#if defined(__x86_64__)
+  static constexpr PixelKernels kKernels = MakeKernels<Avx2>();
+  static const bool kSupported = __builtin_cpu_supports("avx2") != 0;
+  return kSupported ? &kKernels : nullptr;
+#else
+  return nullptr;
+#endif
+}
+
+const PixelKernels& BestPixelKernels() {
+  const PixelKernels* const avx2 = Avx2PixelKernels();
+  return avx2 != nullptr ? *avx2 : PortablePixelKernels();
+}
+
+}  // namespace corbslam

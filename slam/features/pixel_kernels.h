@@ -1,0 +1,53 @@
+// The inner loops of feature extraction over rows of 8-bit pixels. Each exists in a portable build
+// and, on x86, in one for AVX2, compiled from the same integer arithmetic: the results are equal
+// to the bit. Internal to slam/features and slam/sensor.
+#ifndef CORBSLAM_SLAM_FEATURES_PIXEL_KERNELS_H_
+#define CORBSLAM_SLAM_FEATURES_PIXEL_KERNELS_H_
+
+#include <cstdint>
+
+namespace corbslam {
+
+struct PatchMoments {
+  int m10 = 0;  // sum of x * grey
+  int m01 = 0;  // sum of y * grey
+};
+
+struct PixelKernels {
+  // FAST-9 scores of columns [begin, end) of the row rows[3]; rows[0..6] are the seven rows around
+  // it. Scores of at most `threshold` become 0. Pixels [begin - 3, end + 3) are read.
+  void (*fast_scores)(const uint8_t* const rows[7], int begin, int end, int threshold,
+                      uint8_t* scores);
+
+  // maxima[x] = row[x] where it is larger than its neighbours (equal ones before it in reading
+  // order must be smaller, those after it may be equal), 0 elsewhere; for x in [begin, end).
+  void (*fast_maxima)(const uint8_t* above, const uint8_t* row, const uint8_t* below, int begin,
+                      int end, uint8_t* maxima);
+
+  // Weighted mean of seven rows, or of seven neighbours in a row (x - 3 to x + 3), by the Gaussian
+  // of sigma 2; for x in [0, width).
+  void (*blur_vertical)(const uint8_t* const rows[7], int width, uint8_t* out);
+  void (*blur_horizontal)(const uint8_t* row, int width, uint8_t* out);
+
+  // First moments of the disc of radius 15 around `centre`; reads a square of 32 x 31 pixels from
+  // (-15, -15) to (16, 15).
+  PatchMoments (*patch_moments)(const uint8_t* centre, int64_t stride);
+
+  // Sum of absolute differences of two patches of 11 x 11 pixels, given their first pixels.
+  int (*sad_11x11)(const uint8_t* a, int64_t stride_a, const uint8_t* b, int64_t stride_b);
+};
+
+inline constexpr int kMomentRadius_px = 15;
+inline constexpr int kSadSide_px = 11;
+
+const PixelKernels& PortablePixelKernels();
+
+// Null where the processor or the architecture has no AVX2.
+const PixelKernels* Avx2PixelKernels();
+
+// The fastest that this machine can run.
+const PixelKernels& BestPixelKernels();
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_FEATURES_PIXEL_KERNELS_H_
