@@ -46,7 +46,8 @@ struct PoseGraphResult {
 };
 
 // The residual of an edge is log(b_from_a * camera_a_from_map * camera_b_from_map^-1), in the order
-// (translation, rotation, log of scale). Fixed keyframes stay. INVALID_ARGUMENT, naming the id,
+// (translation, rotation, log of scale). Fixed keyframes and those without edges stay.
+// INVALID_ARGUMENT, naming the id,
 // where an edge ends at an unknown keyframe, begins and ends at the same, a part of the graph has
 // no fixed keyframe, or a value is not finite. Pure; any thread. Source: Strasdat et al.,
 // "Scale Drift-Aware Large Scale Monocular SLAM", RSS 2010.

@@ -1,0 +1,146 @@
+#include "slam/optimisation/similarity_refinement.h"
+
+#include <ceres/ceres.h>
+
+#include <cmath>
+#include <limits>
+
+#include "absl/strings/str_cat.h"
+#include "slam/optimisation/mutual_reprojection_cost.h"
+#include "slam/optimisation/similarity_manifold.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr int kMinMatches = 3;
+constexpr int kRobustIterations = 8;
+constexpr int kFinalIterations = 10;
+
+double PixelChi2(const Camera& camera, const Eigen::Vector3d& x_in_camera,
+                 const Eigen::Vector2d& pixel, double variance_px2) {
+  if (!(x_in_camera.z() > kMinDepth)) return std::numeric_limits<double>::infinity();
+  return (Project(camera, x_in_camera) - pixel).squaredNorm() / variance_px2;
+}
+
+struct Refinement {
+  const Camera& camera_a;
+  const Camera& camera_b;
+  absl::Span<const SimilarityMatch> matches;
+  double max_chi2;
+};
+
+// With `max_chi2` infinite: whatever lies in front of both cameras.
+void Classify(const Refinement& input, double max_chi2, SimilarityRefinement& state) {
+  state.is_inlier.assign(input.matches.size(), 0);
+  state.inliers = 0;
+  for (size_t i = 0; i < input.matches.size(); ++i) {
+    const SimilarityErrors errors =
+        ReprojectionErrors(input.camera_a, input.camera_b, state.b_from_a, input.matches[i]);
+    if (!std::isfinite(errors.in_a) || !std::isfinite(errors.in_b)) continue;
+    if (errors.in_a > max_chi2 || errors.in_b > max_chi2) continue;
+    state.is_inlier[i] = 1;
+    ++state.inliers;
+  }
+}
+
+absl::Status CheckEnough(const SimilarityRefinement& state) {
+  if (state.inliers >= kMinMatches) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat("similarity refinement: ", state.inliers,
+                                                    " of ", state.is_inlier.size(),
+                                                    " matches fit, need ", kMinMatches));
+}
+
+absl::Status CheckInput(absl::Span<const SimilarityMatch> matches, const Similarity3d& initial) {
+  if (matches.size() < kMinMatches) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("similarity refinement: ", matches.size(), " matches, need ", kMinMatches));
+  }
+  for (size_t i = 0; i < matches.size(); ++i) {
+    const SimilarityMatch& m = matches[i];
+    const bool is_finite = m.x_in_a.allFinite() && m.x_in_b.allFinite() &&
+                           m.pixel_in_a.allFinite() && m.pixel_in_b.allFinite();
+    if (!is_finite || !(m.variance_a_px2 > 0) || !(m.variance_b_px2 > 0)) {
+      return absl::InvalidArgumentError(absl::StrCat("similarity refinement: match ", i,
+                                                     " is not finite or has a variance of 0"));
+    }
+  }
+  if (!(initial.scale > 0) || !initial.translation.allFinite() ||
+      !initial.rotation.coeffs().allFinite()) {
+    return absl::InvalidArgumentError("similarity refinement: initial value is not finite");
+  }
+  return absl::OkStatus();
+}
+
+void AddMatches(const Refinement& input, const SimilarityRefinement& state,
+                ceres::LossFunction* loss, double* block, ceres::Problem& problem) {
+  for (size_t i = 0; i < input.matches.size(); ++i) {
+    if (!state.is_inlier[i]) continue;
+    const SimilarityMatch& m = input.matches[i];
+    problem.AddResidualBlock(
+        new MutualReprojectionCost<false>(input.camera_b, m.x_in_a, m.pixel_in_b, m.variance_b_px2),
+        loss, block);
+    problem.AddResidualBlock(
+        new MutualReprojectionCost<true>(input.camera_a, m.x_in_b, m.pixel_in_a, m.variance_a_px2),
+        loss, block);
+  }
+}
+
+absl::Status Minimise(const Refinement& input, bool robust, bool fix_scale, int iterations,
+                      SimilarityRefinement& state) {
+  SimilarityBlock block = ToBlock(state.b_from_a);
+  ceres::Problem problem;
+  AddMatches(input, state, robust ? new ceres::HuberLoss(std::sqrt(input.max_chi2)) : nullptr,
+             block.data(), problem);
+  ceres::Manifold* manifold = nullptr;
+  if (fix_scale) {
+    manifold = new LeftPerturbation<6>();
+  } else {
+    manifold = new LeftPerturbation<7>();
+  }
+  problem.SetManifold(block.data(), manifold);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = iterations;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  if (!summary.IsSolutionUsable()) {
+    return absl::InternalError(absl::StrCat("similarity refinement: ", summary.message));
+  }
+  state.b_from_a = FromBlock(block.data());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+SimilarityErrors ReprojectionErrors(const Camera& camera_a, const Camera& camera_b,
+                                    const Similarity3d& b_from_a, const SimilarityMatch& match) {
+  return {PixelChi2(camera_a, b_from_a.Inverse() * match.x_in_b, match.pixel_in_a,
+                    match.variance_a_px2),
+          PixelChi2(camera_b, b_from_a * match.x_in_a, match.pixel_in_b, match.variance_b_px2)};
+}
+
+absl::StatusOr<SimilarityRefinement> RefineSimilarity(const Camera& camera_a,
+                                                      const Camera& camera_b,
+                                                      absl::Span<const SimilarityMatch> matches,
+                                                      const Similarity3d& initial_b_from_a,
+                                                      bool fix_scale, double max_chi2) {
+  RETURN_IF_ERROR(CheckInput(matches, initial_b_from_a));
+  const Refinement input{camera_a, camera_b, matches, max_chi2};
+  SimilarityRefinement state;
+  state.b_from_a = initial_b_from_a;
+  state.b_from_a.rotation.normalize();
+  Classify(input, std::numeric_limits<double>::infinity(), state);
+  RETURN_IF_ERROR(CheckEnough(state));
+  RETURN_IF_ERROR(Minimise(input, true, fix_scale, kRobustIterations, state));
+  Classify(input, max_chi2, state);
+  RETURN_IF_ERROR(CheckEnough(state));
+  RETURN_IF_ERROR(Minimise(input, false, fix_scale, kFinalIterations, state));
+  Classify(input, max_chi2, state);
+  RETURN_IF_ERROR(CheckEnough(state));
+  return state;
+}
+
+}  // namespace corbslam
