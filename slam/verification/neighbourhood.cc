@@ -1,6 +1,7 @@
 #include "slam/verification/neighbourhood.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace corbslam {
 
@@ -34,6 +35,26 @@ std::vector<const MapPoint*> PointsSeenBy(const Map& map,
     if (const MapPoint* point = map.FindPoint(id)) points.push_back(point);
   }
   return points;
+}
+
+Map ViewAround(const Map& map, KeyframeId centre, int count) {
+  Map view;
+  const std::vector<const Keyframe*> keyframes = Neighbourhood(map, centre, count);
+  for (const Keyframe* original : keyframes) {
+    Keyframe keyframe;
+    keyframe.payload = original->payload;
+    keyframe.words = original->words;
+    keyframe.camera_from_map = original->camera_from_map;
+    view.AddKeyframe(std::move(keyframe));
+  }
+  for (const Keyframe* keyframe : keyframes) view.SetParent(keyframe->id(), keyframe->parent);
+  for (const MapPoint* point : PointsSeenBy(map, keyframes)) {
+    view.AddPoint(*point);
+    for (const auto& [keyframe, keypoint] : point->observations) {
+      view.AddObservation(point->id, keyframe, keypoint);
+    }
+  }
+  return view;
 }
 
 }  // namespace corbslam

@@ -15,6 +15,10 @@ namespace corbslam {
 std::vector<const Keyframe*> Neighbourhood(const Map& map, KeyframeId centre, int count,
                                            const absl::btree_set<KeyframeId>& except = {});
 
+// A map of that neighbourhood alone, with the points that it sees and its part of the graph; empty
+// where `centre` is unknown.
+Map ViewAround(const Map& map, KeyframeId centre, int count);
+
 // The points that any of the keyframes sees, sorted by id, each once.
 std::vector<const MapPoint*> PointsSeenBy(const Map& map,
                                           const std::vector<const Keyframe*>& keyframes);
