@@ -1,0 +1,102 @@
+#include "tests/integration/include_rules.h"
+
+#include <map>
+#include <optional>
+#include <set>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+
+namespace corbslam {
+namespace {
+
+using Folders = std::set<absl::string_view>;
+
+// Top folders with the top folders that they may include, beside themselves.
+const std::map<absl::string_view, Folders>& TopRules() {
+  static const auto& rules = *new std::map<absl::string_view, Folders>{
+      {"slam", {}},
+      {"client_agent", {"slam"}},
+      {"map_store", {"slam"}},
+      {"fusion_worker", {"slam"}},
+      {"services", {"slam", "client_agent", "map_store", "fusion_worker", "corbslam"}},
+      {"tests", {"slam", "client_agent", "map_store", "fusion_worker", "services", "corbslam"}}};
+  return rules;
+}
+
+// Height of each folder of slam/: it may include itself and what lies lower.
+const std::map<absl::string_view, int>& SlamHeights() {
+  static const auto& heights = *new std::map<absl::string_view, int>{
+      {"util", 0},      {"geometry", 1}, {"camera", 2},       {"evaluation", 3},
+      {"rendering", 3}, {"features", 3}, {"sensor", 4},       {"vocabulary", 4},
+      {"map", 5},       {"place", 6},    {"matching", 6},     {"optimisation", 6},
+      {"solvers", 7},   {"exchange", 7}, {"verification", 8}, {"fusing", 9}};
+  return heights;
+}
+
+absl::string_view Part(absl::string_view path, size_t index) {
+  const std::vector<absl::string_view> parts = absl::StrSplit(path, '/');
+  return index + 1 < parts.size() ? parts[index] : absl::string_view();
+}
+
+// The text between quotes or angle brackets of an #include line.
+std::optional<absl::string_view> ParseInclude(absl::string_view line) {
+  absl::string_view rest = absl::StripLeadingAsciiWhitespace(line);
+  if (!absl::ConsumePrefix(&rest, "#include")) return std::nullopt;
+  rest = absl::StripAsciiWhitespace(rest);
+  if (rest.size() < 2) return std::nullopt;
+  const size_t end = rest.find_first_of("\">", 1);
+  return rest.substr(1, end - 1);
+}
+
+bool IsWire(absl::string_view include) {
+  return absl::StartsWith(include, "grpc") || absl::StartsWith(include, "google/protobuf/") ||
+         absl::EndsWith(include, ".pb.h");
+}
+
+bool IsTestCode(absl::string_view path) {
+  return absl::EndsWith(path, "_test.cc") || absl::EndsWith(path, "_benchmark.cc") ||
+         absl::StrContains(path, "/testing/");
+}
+
+// Why not; empty where it is allowed.
+std::string WhyNot(absl::string_view path, absl::string_view include) {
+  const absl::string_view top = Part(path, 0);
+  if (IsWire(include) && top != "services" && top != "tests") {
+    return "only services/ knows gRPC and protobuf";
+  }
+  const absl::string_view target = Part(include, 0);
+  if (!TopRules().contains(target) || IsWire(include)) return "";  // Not ours.
+  if (target != top && !TopRules().at(top).contains(target)) {
+    return absl::StrCat(top, "/ may not include ", target, "/");
+  }
+  if (top != "slam" || IsTestCode(path)) return "";
+  const auto from = SlamHeights().find(Part(path, 1));
+  const auto to = SlamHeights().find(Part(include, 1));
+  if (from == SlamHeights().end() || to == SlamHeights().end()) {
+    return "a folder of slam/ that include_rules.cc does not know";
+  }
+  if (from->first == to->first || to->second < from->second) return "";
+  return absl::StrCat("slam/", to->first, " does not lie below slam/", from->first);
+}
+
+}  // namespace
+
+std::vector<std::string> FindForbiddenIncludes(absl::string_view path, absl::string_view text) {
+  std::vector<std::string> forbidden;
+  if (!TopRules().contains(Part(path, 0))) return forbidden;
+  int number = 0;
+  for (const absl::string_view line : absl::StrSplit(text, '\n')) {
+    ++number;
+    const std::optional<absl::string_view> include = ParseInclude(line);
+    if (!include.has_value()) continue;
+    const std::string why = WhyNot(path, *include);
+    if (why.empty()) continue;
+    forbidden.push_back(absl::StrCat(path, ":", number, ": includes ", *include, ": ", why));
+  }
+  return forbidden;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,75 @@
+#include "tests/integration/include_rules.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "absl/strings/str_join.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST(IncludeRulesTest, FindsWhatBreaksTheLayers) {
+  const std::pair<const char*, const char*> forbidden[] = {
+      {"slam/map/map.cc", "#include \"client_agent/map/guarded_map.h\"\n"},
+      {"client_agent/agent/agent.cc", "#include \"map_store/map_store.h\"\n"},
+      {"map_store/map_store.cc", "#include \"fusion_worker/local_fusion_worker.h\"\n"},
+      {"fusion_worker/fuse.cc", "#include \"services/server/server.h\"\n"},
+      {"map_store/map_store_test.cc", "#include \"fusion_worker/local_fusion_worker.h\"\n"},
+      {"map_store/map_store.cc", "#include <grpcpp/grpcpp.h>\n"},
+      {"slam/exchange/overlap.cc", "  #include \"corbslam/v1/overlap.pb.h\"\n"},
+      {"client_agent/agent/agent.cc", "#include <google/protobuf/message.h>\n"},
+      {"slam/camera/camera.cc", "#include \"slam/features/keypoint.h\"\n"},
+      {"slam/map/map.h", "#include \"slam/matching/word_matching.h\"\n"},
+      {"slam/matching/a.cc", "#include \"slam/solvers/triangulation.h\"\n"},
+      {"slam/unheard_of/a.cc", "#include \"slam/util/ids.h\"\n"}};
+  for (const auto& [path, text] : forbidden) {
+    EXPECT_THAT(FindForbiddenIncludes(path, text), ElementsAre(HasSubstr(":1: includes")))
+        << path << " " << text;
+  }
+}
+
+TEST(IncludeRulesTest, LetsTheRestBe) {
+  const std::pair<const char*, const char*> allowed[] = {
+      {"services/server/server.cc", "#include <grpcpp/grpcpp.h>\n#include \"map_store/options.h\""},
+      {"slam/map/map.cc", "#include \"slam/map/map.h\"\n#include <vector>\n#include <Eigen/Core>"},
+      {"slam/matching/a_test.cc", "#include \"slam/optimisation/testing/synthetic_scene.h\"\n"},
+      {"client_agent/a/b.cc", "// #include \"map_store/map_store.h\"\n"},
+      {"docs/example.cc", "#include <grpcpp/grpcpp.h>\n"}};
+  for (const auto& [path, text] : allowed) {
+    EXPECT_THAT(FindForbiddenIncludes(path, text), IsEmpty()) << path;
+  }
+}
+
+TEST(IncludeRulesTest, TheProjectKeepsThem) {
+  const fs::path root = CORBSLAM_SOURCE_DIR;
+  std::vector<std::string> forbidden;
+  size_t files = 0;
+  for (const char* top :
+       {"slam", "client_agent", "map_store", "fusion_worker", "services", "tests"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {
+      if (entry.path().extension() != ".h" && entry.path().extension() != ".cc") continue;
+      std::ifstream file(entry.path());
+      std::stringstream text;
+      text << file.rdbuf();
+      const std::string path = fs::relative(entry.path(), root).generic_string();
+      for (std::string& line : FindForbiddenIncludes(path, text.str())) {
+        forbidden.push_back(std::move(line));
+      }
+      ++files;
+    }
+  }
+  EXPECT_GT(files, 50u);
+  EXPECT_THAT(forbidden, IsEmpty()) << absl::StrJoin(forbidden, "\n");
+}
+
+}  // namespace
+}  // namespace corbslam
