@@ -3,6 +3,7 @@
 #define CORBSLAM_SLAM_MATCHING_ORIENTATION_HISTOGRAM_H_
 
 #include <array>
+#include <cstddef>
 
 namespace corbslam {
 

@@ -1,17 +1,14 @@
 #include "slam/matching/word_matching.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
+
+#include "slam/matching/orientation_histogram.h"
 
 namespace corbslam {
 namespace {
 
-constexpr int kBins = 30;
-constexpr int kKeptBins = 3;
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr int kFar = 257;
 
@@ -97,33 +94,20 @@ void MatchAllNodes(const Keyframe& a, const Keyframe& b, const WordMatchingOptio
   }
 }
 
-size_t OrientationBin(const Keypoint& a, const Keypoint& b) {
-  const double turn = (static_cast<double>(a.angle_rad) - static_cast<double>(b.angle_rad)) /
-                      (2 * std::numbers::pi);
-  const int bin = static_cast<int>((turn - std::floor(turn)) * kBins);
-  return static_cast<size_t>(std::clamp(bin, 0, kBins - 1));
-}
-
 // A place seen twice is turned by the same angle everywhere.
 void DropOddOrientations(const Keyframe& a, const Keyframe& b, std::vector<Claim>& claims) {
-  std::array<int, kBins> count = {};
+  OrientationHistogram histogram;
   for (size_t j = 0; j < claims.size(); ++j) {
     if (claims[j].keypoint_a == kNone) continue;
-    ++count[OrientationBin(a.keypoints()[claims[j].keypoint_a], b.keypoints()[j])];
+    histogram.Add(a.keypoints()[claims[j].keypoint_a].angle_rad, b.keypoints()[j].angle_rad);
   }
-  std::array<size_t, kBins> order;
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](size_t x, size_t y) { return count[x] > count[y]; });
-  std::array<bool, kBins> kept = {};
-  for (size_t rank = 0; rank < kKeptBins; ++rank) {
-    // A bin far below the best is noise, not a turn.
-    kept[order[rank]] = 10 * count[order[rank]] >= count[order[0]];
-  }
+  histogram.Select();
   for (size_t j = 0; j < claims.size(); ++j) {
-    Claim& claim = claims[j];
-    if (claim.keypoint_a == kNone) continue;
-    if (!kept[OrientationBin(a.keypoints()[claim.keypoint_a], b.keypoints()[j])]) claim = {};
+    if (claims[j].keypoint_a == kNone) continue;
+    if (!histogram.IsKept(a.keypoints()[claims[j].keypoint_a].angle_rad,
+                          b.keypoints()[j].angle_rad)) {
+      claims[j] = {};
+    }
   }
 }
 

@@ -1,0 +1,152 @@
+#include "slam/verification/place_verification.h"
+
+#include <gtest/gtest.h>
+
+#include "slam/verification/testing/synthetic_world.h"
+
+namespace corbslam {
+namespace {
+
+using testing::MakeRingWorld;
+using testing::MakeSyntheticMap;
+using testing::PosesOnRing;
+using testing::SyntheticMap;
+using testing::SyntheticMapOptions;
+using testing::SyntheticWorld;
+
+constexpr LocalMapId kA{0xa};
+constexpr LocalMapId kB{0xb};
+
+class PlaceVerificationTest : public ::testing::Test {
+ protected:
+  PlaceVerificationTest() : world_(MakeRingWorld(3)), a_(MakeA()) {}
+
+  SyntheticMap MakeA() const {
+    return MakeSyntheticMap(world_, PosesOnRing(0, 3, 12), {.local_map = kA, .seed = 5});
+  }
+  // Passes the same ground with other keyframes.
+  SyntheticMap MakeB(SyntheticMapOptions options = {}) const {
+    options.local_map = kB;
+    options.seed = 6;
+    return MakeSyntheticMap(world_, PosesOnRing(13.5, 3, 12), options);
+  }
+  Overlap Verify(const SyntheticMap& b, PlaceVerificationOptions options = {}) const {
+    return VerifyPlace(b.map, query_, a_.map, candidate_, options);
+  }
+  void ExpectTruth(const SyntheticMap& b, const Overlap& overlap, double scale = 1) const {
+    const Rigid3d truth =
+        a_.true_camera_from_world.at(candidate_) * b.true_camera_from_world.at(query_).Inverse();
+    const Similarity3d& found = overlap.candidate_from_query;
+    EXPECT_LT((found.translation - truth.translation).norm(), 0.03);
+    EXPECT_LT(RotationAngle(found.rotation.conjugate() * truth.rotation), 0.005);
+    EXPECT_NEAR(found.scale * scale, 1, 0.02);
+  }
+
+  const SyntheticWorld world_;
+  const SyntheticMap a_;
+  const KeyframeId query_{kB, 2};      // At 19.5 degrees.
+  const KeyframeId candidate_{kA, 6};  // At 18 degrees.
+};
+
+TEST_F(PlaceVerificationTest, FindsHowTheKeyframesStand) {
+  const SyntheticMap b = MakeB();
+  const Overlap overlap = Verify(b);
+  ASSERT_EQ(ToString(overlap.verdict), "ACCEPTED");
+  ExpectTruth(b, overlap);
+  size_t right = 0;
+  for (const PointPair& pair : overlap.inliers) {
+    right += b.world_point.at(pair.query) == a_.world_point.at(pair.candidate);
+  }
+  EXPECT_GE(right * 100, overlap.inliers.size() * 98);
+  EXPECT_EQ(overlap.evidence.refined_inliers, static_cast<int>(overlap.inliers.size()));
+}
+
+TEST_F(PlaceVerificationTest, FindsItAmongAsManyMistakes) {
+  const SyntheticMap b = MakeB({.share_of_mistaken = 0.5});
+  const Overlap overlap = Verify(b);
+  ASSERT_EQ(ToString(overlap.verdict), "ACCEPTED");
+  ExpectTruth(b, overlap);
+}
+
+TEST_F(PlaceVerificationTest, TheOtherWayRoundIsTheInverse) {
+  const SyntheticMap b = MakeB();
+  const Overlap forth = Verify(b);
+  const Overlap back = VerifyPlace(a_.map, candidate_, b.map, query_, {});
+  ASSERT_TRUE(forth.IsAccepted());
+  ASSERT_TRUE(back.IsAccepted());
+  const Similarity3d circle = forth.candidate_from_query * back.candidate_from_query;
+  EXPECT_LT(circle.translation.norm(), 0.03);
+}
+
+TEST_F(PlaceVerificationTest, EstimatesTheScaleOfAMonocularMap) {
+  const SyntheticMap b = MakeB({.scale = 0.4});
+  const Overlap overlap = Verify(b, {.fix_scale = false});
+  ASSERT_EQ(ToString(overlap.verdict), "ACCEPTED");
+  ExpectTruth(b, overlap, 0.4);
+}
+
+TEST_F(PlaceVerificationTest, RefusesAnotherWorld) {
+  const SyntheticWorld other = MakeRingWorld(99);
+  const SyntheticMap b = MakeSyntheticMap(other, PosesOnRing(13.5, 3, 12), {.local_map = kB});
+  for (uint32_t candidate = 0; candidate < 12; ++candidate) {
+    const Overlap overlap = VerifyPlace(b.map, query_, a_.map, {kA, candidate}, {});
+    EXPECT_EQ(ToString(overlap.verdict), "TOO_FEW_WORD_MATCHES");
+    EXPECT_TRUE(overlap.inliers.empty());
+  }
+}
+
+TEST_F(PlaceVerificationTest, RefusesWhatLooksAlikeInAnotherShape) {
+  SyntheticWorld other = MakeRingWorld(99);
+  other.descriptors = world_.descriptors;
+  const SyntheticMap b = MakeSyntheticMap(other, PosesOnRing(13.5, 3, 12), {.local_map = kB});
+  int looked_alike = 0;
+  for (uint32_t candidate = 0; candidate < 12; ++candidate) {
+    const Overlap overlap = VerifyPlace(b.map, query_, a_.map, {kA, candidate}, {});
+    EXPECT_FALSE(overlap.IsAccepted());
+    looked_alike += overlap.evidence.word_matches >= 20;
+  }
+  EXPECT_GT(looked_alike, 0);
+}
+
+TEST_F(PlaceVerificationTest, RefusesOnePictureAlone) {
+  // A poster that hangs in two places: one keyframe of either map agrees, and no other.
+  const SyntheticMapOptions lone{.local_map = kB, .seed = 6, .min_observations = 1};
+  const SyntheticMap b = MakeSyntheticMap(world_, PosesOnRing(19.5, 3, 1), lone);
+  const SyntheticMapOptions other{.local_map = kA, .seed = 5, .min_observations = 1};
+  const SyntheticMap a = MakeSyntheticMap(world_, PosesOnRing(18, 3, 1), other);
+  const Overlap overlap = VerifyPlace(b.map, {kB, 0}, a.map, {kA, 0}, {});
+  EXPECT_EQ(ToString(overlap.verdict), "NO_SECOND_KEYFRAME");
+  EXPECT_GE(overlap.evidence.projected_matches, 40);
+}
+
+TEST_F(PlaceVerificationTest, RefusesAMetricMapOfTheWrongScale) {
+  SyntheticMap b = MakeB();
+  const Map before = b.map;
+  for (const auto& [id, keyframe] : before.keyframes()) {
+    Rigid3d pose = keyframe.camera_from_map;
+    pose.translation *= 1.2;
+    b.map.SetPose(id, pose);
+  }
+  for (const auto& [id, point] : before.points()) {
+    b.map.SetPosition(id, 1.2 * point.position_in_map);
+    b.map.UpdatePointGeometry(id);
+  }
+  EXPECT_EQ(ToString(Verify(b, {.fix_scale = false}).verdict), "WRONG_SCALE");
+}
+
+TEST_F(PlaceVerificationTest, IsTheSameEveryTime) {
+  const SyntheticMap b = MakeB({.share_of_mistaken = 0.3});
+  const Overlap first = Verify(b);
+  const Overlap second = Verify(b);
+  EXPECT_EQ(first.candidate_from_query.translation, second.candidate_from_query.translation);
+  EXPECT_EQ(first.inliers, second.inliers);
+}
+
+TEST_F(PlaceVerificationTest, UnknownKeyframesMatchNothing) {
+  const Overlap overlap = VerifyPlace(Map(), query_, a_.map, candidate_, {});
+  EXPECT_EQ(overlap.query, query_);
+  EXPECT_FALSE(overlap.IsAccepted());
+}
+
+}  // namespace
+}  // namespace corbslam
