@@ -1,0 +1,67 @@
+// Which keyframes look like a picture: an inverted index from words to keyframes.
+#ifndef CORBSLAM_SLAM_PLACE_KEYFRAME_DATABASE_H_
+#define CORBSLAM_SLAM_PLACE_KEYFRAME_DATABASE_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "slam/util/ids.h"
+#include "slam/vocabulary/words.h"
+
+namespace corbslam {
+
+struct PlaceCandidate {
+  KeyframeId id;
+  int shared_words = 0;
+  double score = 0;  // Similarity of the bags, 0 to 1.
+};
+
+struct QueryOptions {
+  int min_shared_words = 1;
+  // Of the most words that any admitted keyframe shares (Mur-Artal and Tardos, ICRA 2014).
+  double min_shared_fraction_of_best = 0.8;
+  double min_score = 0;
+  size_t max_results = std::numeric_limits<size_t>::max();
+  // Keyframes for which it is false are as if they were not there; null admits all.
+  std::function<bool(KeyframeId)> admit;
+};
+
+// One a local map. Not thread-safe: its owner locks.
+class KeyframeDatabase {
+ public:
+  // Replaces the words of a keyframe that is there already. Null words are an empty bag.
+  void Add(KeyframeId id, std::shared_ptr<const Words> words);
+  // False if it is not there.
+  bool Remove(KeyframeId id);
+  bool Contains(KeyframeId id) const { return slots_.contains(id); }
+  size_t size() const { return slots_.size(); }
+
+  // Best first, ties by id. Costs as much as the keyframes that share the query's words, word by
+  // word.
+  std::vector<PlaceCandidate> Query(const BagOfWords& query,
+                                    const QueryOptions& options = {}) const;
+
+ private:
+  struct Posting {
+    uint32_t slot = 0;
+    float weight = 0;
+  };
+  struct Entry {
+    KeyframeId id;
+    std::shared_ptr<const Words> words;
+  };
+
+  absl::flat_hash_map<KeyframeId, uint32_t> slots_;
+  std::vector<Entry> entries_;
+  std::vector<uint32_t> free_slots_;
+  absl::flat_hash_map<uint32_t, std::vector<Posting>> postings_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_PLACE_KEYFRAME_DATABASE_H_
