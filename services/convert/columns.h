@@ -1,0 +1,60 @@
+// Items that travel as columns, to and from the wire. A column of one message is written by one
+// call; errors are INVALID_ARGUMENT and name the column.
+#ifndef CORBSLAM_SERVICES_CONVERT_COLUMNS_H_
+#define CORBSLAM_SERVICES_CONVERT_COLUMNS_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "corbslam/v1/items.pb.h"
+#include "corbslam/v1/map_update.pb.h"
+#include "services/convert/ids.h"
+#include "slam/exchange/map_update.h"
+#include "slam/exchange/shared_update.h"
+
+namespace corbslam {
+
+using TimeColumn = google::protobuf::RepeatedField<int64_t>;
+
+template <typename Id>
+void WriteIds(std::span<const Id> ids, SlotWriter& slots, v1::ItemIds* proto) {
+  IdColumnWriter column(slots, proto);
+  for (const Id& id : ids) column.Add(id);
+}
+
+void WritePoints(std::span<const FullMapPoint> points, SlotWriter& slots, v1::FullMapPoints* proto);
+void WritePoints(std::span<const SharedMapPoint> points, SlotWriter& slots,
+                 v1::FullMapPoints* proto);
+void WritePoints(std::span<const LightMapPoint> points, SlotWriter& slots,
+                 v1::LightMapPoints* proto);
+void WritePoints(std::span<const SharedMapPointMove> points, SlotWriter& slots,
+                 v1::LightMapPoints* proto);
+void WriteObservations(std::span<const ObservationChange> changes, SlotWriter& slots,
+                       v1::ObservationChanges* proto);
+void WriteFrames(std::span<const TrackedFrame> frames, SlotWriter& slots, v1::TrackedFrames* proto);
+void WriteTimes(std::span<const int64_t> times_ns, TimeColumn* proto);
+
+absl::StatusOr<std::vector<FullMapPoint>> ReadFullPoints(const v1::FullMapPoints& proto,
+                                                         const SlotReader& slots);
+absl::StatusOr<std::vector<SharedMapPoint>> ReadSharedPoints(const v1::FullMapPoints& proto,
+                                                             const SlotReader& slots);
+absl::StatusOr<std::vector<LightMapPoint>> ReadLightPoints(const v1::LightMapPoints& proto,
+                                                           const SlotReader& slots);
+absl::StatusOr<std::vector<SharedMapPointMove>> ReadMovedPoints(const v1::LightMapPoints& proto,
+                                                                const SlotReader& slots);
+absl::StatusOr<std::vector<ObservationChange>> ReadObservations(const v1::ObservationChanges& proto,
+                                                                const SlotReader& slots);
+absl::StatusOr<std::vector<TrackedFrame>> ReadFrames(const v1::TrackedFrames& proto,
+                                                     const SlotReader& slots);
+absl::StatusOr<std::vector<int64_t>> ReadTimes(const TimeColumn& proto, absl::string_view field);
+
+// A unit vector made so if it was nearly one, or zero.
+absl::StatusOr<Eigen::Vector3d> CheckNormal(const Eigen::Vector3d& normal);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CONVERT_COLUMNS_H_

@@ -1,0 +1,58 @@
+// Keyframes' payloads to and from the wire, and the cameras that they name.
+#ifndef CORBSLAM_SERVICES_CONVERT_FEATURES_H_
+#define CORBSLAM_SERVICES_CONVERT_FEATURES_H_
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "corbslam/v1/items.pb.h"
+#include "slam/camera/camera.h"
+#include "slam/features/keypoint.h"
+#include "slam/map/keyframe.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+// The cameras that one side of a stream has named so far. Not thread-safe.
+class CameraBook {
+ public:
+  // INVALID_ARGUMENT: the index is too high, or names another camera already.
+  absl::Status Add(LocalMapId local_map, uint32_t index, std::shared_ptr<const Camera> camera);
+  // Null when it was never named.
+  std::shared_ptr<const Camera> Find(LocalMapId local_map, uint32_t index) const;
+
+ private:
+  std::map<std::pair<LocalMapId, uint32_t>, std::shared_ptr<const Camera>> cameras_;
+};
+
+// The wire keeps positions to 1/64 px, disparities to 1/128 px and angles to 2^-14 turns; what was
+// once on it passes unchanged.
+void ToProto(const Features& features, v1::Features* proto);
+void ToProto(const KeyframePayload& payload, v1::KeyframePayload* proto);
+
+// INVALID_ARGUMENT, naming the field. Descriptors may be absent if `descriptors_optional`.
+absl::StatusOr<Features> FromProto(const v1::Features& proto, const Camera& camera,
+                                   bool descriptors_optional = false);
+// The camera must be in the book.
+absl::StatusOr<std::shared_ptr<const KeyframePayload>> FromProto(const v1::KeyframePayload& proto,
+                                                                 KeyframeId id,
+                                                                 const CameraBook& cameras,
+                                                                 bool descriptors_optional = false);
+
+// 32 bytes each, least significant byte first.
+std::string DescriptorsToBytes(const std::vector<Descriptor>& descriptors);
+void AppendDescriptor(const Descriptor& descriptor, std::string* bytes);
+// `bytes` must hold at least 32 * (index + 1) bytes.
+Descriptor DescriptorFromBytes(const std::string& bytes, size_t index);
+
+// 0 to kMaxTimestamp_ns.
+absl::Status CheckTimestamp(int64_t timestamp_ns);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CONVERT_FEATURES_H_

@@ -1,0 +1,113 @@
+#include "services/convert/geometry.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/convert/errors.h"
+#include "services/convert/limits.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+template <typename Field>
+absl::StatusOr<Eigen::Quaterniond> ReadRotation(const Field& wxyz) {
+  if (wxyz.size() != 4) return BadLength("rotation_wxyz", wxyz.size(), 4);
+  return CheckRotation(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+}
+
+template <typename Field>
+absl::StatusOr<Eigen::Vector3d> ReadTranslation(const Field& xyz) {
+  if (xyz.size() != 3) return BadLength("translation", xyz.size(), 3);
+  const Eigen::Vector3d translation(xyz[0], xyz[1], xyz[2]);
+  RETURN_IF_ERROR(Locate(CheckPosition(translation), "translation"));
+  return translation;
+}
+
+template <typename Proto>
+void WriteMotion(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation,
+                 Proto* proto) {
+  for (const double value : {rotation.w(), rotation.x(), rotation.y(), rotation.z()}) {
+    proto->add_rotation_wxyz(value);
+  }
+  for (const double value : translation) proto->add_translation(value);
+}
+
+}  // namespace
+
+absl::Status CheckPosition(const Eigen::Vector3d& position) {
+  for (int i = 0; i < 3; ++i) {
+    if (!std::isfinite(position[i]) || std::abs(position[i]) > kMaxCoordinate) {
+      return OutOfRange(absl::StrCat("coordinate ", i), position[i], -kMaxCoordinate,
+                        kMaxCoordinate);
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Eigen::Quaterniond> CheckRotation(double w, double x, double y, double z) {
+  const double length = std::sqrt(w * w + x * x + y * y + z * z);
+  if (!std::isfinite(length) || std::abs(length - 1) > kQuaternionTolerance) {
+    return OutOfRange("length of the quaternion", length, 1 - kQuaternionTolerance,
+                      1 + kQuaternionTolerance);
+  }
+  // What is of unit length to rounding is kept to the bit.
+  const double scale = std::abs(length - 1) < 1e-12 ? 1 : 1 / length;
+  return Eigen::Quaterniond(w * scale, x * scale, y * scale, z * scale);
+}
+
+void ToProto(const Rigid3d& rigid, v1::Rigid* proto) {
+  WriteMotion(rigid.rotation, rigid.translation, proto);
+}
+
+void ToProto(const Similarity3d& similarity, v1::Similarity* proto) {
+  WriteMotion(similarity.rotation, similarity.translation, proto);
+  if (similarity.scale != 1) proto->set_scale(similarity.scale);
+}
+
+void ToProto(const Camera& camera, v1::Camera* proto) {
+  proto->set_fx_px(camera.fx_px);
+  proto->set_fy_px(camera.fy_px);
+  proto->set_cx_px(camera.cx_px);
+  proto->set_cy_px(camera.cy_px);
+  proto->set_width_px(static_cast<uint32_t>(camera.width_px));
+  proto->set_height_px(static_cast<uint32_t>(camera.height_px));
+  proto->set_baseline_m(camera.baseline_m);
+  proto->set_close_depth_m(camera.close_depth_m);
+}
+
+absl::StatusOr<Rigid3d> FromProto(const v1::Rigid& proto) {
+  Rigid3d rigid;
+  ASSIGN_OR_RETURN(rigid.rotation, ReadRotation(proto.rotation_wxyz()));
+  ASSIGN_OR_RETURN(rigid.translation, ReadTranslation(proto.translation()));
+  return rigid;
+}
+
+absl::StatusOr<Similarity3d> FromProto(const v1::Similarity& proto) {
+  Similarity3d similarity;
+  ASSIGN_OR_RETURN(similarity.rotation, ReadRotation(proto.rotation_wxyz()));
+  ASSIGN_OR_RETURN(similarity.translation, ReadTranslation(proto.translation()));
+  if (proto.has_scale()) similarity.scale = proto.scale();
+  // Written so that NaN fails.
+  if (!(similarity.scale >= kMinScale && similarity.scale <= kMaxScale)) {
+    return OutOfRange("scale", similarity.scale, kMinScale, kMaxScale);
+  }
+  return similarity;
+}
+
+absl::StatusOr<Camera> FromProto(const v1::Camera& proto) {
+  Camera camera;
+  camera.fx_px = proto.fx_px();
+  camera.fy_px = proto.fy_px();
+  camera.cx_px = proto.cx_px();
+  camera.cy_px = proto.cy_px();
+  // Beyond int's range is beyond Validate's.
+  camera.width_px = static_cast<int>(std::min(proto.width_px(), 1u << 30));
+  camera.height_px = static_cast<int>(std::min(proto.height_px(), 1u << 30));
+  camera.baseline_m = proto.baseline_m();
+  camera.close_depth_m = proto.close_depth_m();
+  RETURN_IF_ERROR(Validate(camera));
+  return camera;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,28 @@
+// Motions and cameras to and from the wire.
+#ifndef CORBSLAM_SERVICES_CONVERT_GEOMETRY_H_
+#define CORBSLAM_SERVICES_CONVERT_GEOMETRY_H_
+
+#include "absl/status/statusor.h"
+#include "corbslam/v1/geometry.pb.h"
+#include "slam/camera/camera.h"
+#include "slam/geometry/rigid3.h"
+
+namespace corbslam {
+
+void ToProto(const Rigid3d& rigid, v1::Rigid* proto);
+void ToProto(const Similarity3d& similarity, v1::Similarity* proto);
+void ToProto(const Camera& camera, v1::Camera* proto);
+
+// INVALID_ARGUMENT, naming the field and its limits.
+absl::StatusOr<Rigid3d> FromProto(const v1::Rigid& proto);
+absl::StatusOr<Similarity3d> FromProto(const v1::Similarity& proto);
+absl::StatusOr<Camera> FromProto(const v1::Camera& proto);
+
+// Finite and within kMaxCoordinate of 0.
+absl::Status CheckPosition(const Eigen::Vector3d& position);
+// The quaternion made of unit length, if it was nearly so.
+absl::StatusOr<Eigen::Quaterniond> CheckRotation(double w, double x, double y, double z);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CONVERT_GEOMETRY_H_

@@ -1,0 +1,41 @@
+// Map update batches to and from the wire.
+#ifndef CORBSLAM_SERVICES_CONVERT_MAP_UPDATE_H_
+#define CORBSLAM_SERVICES_CONVERT_MAP_UPDATE_H_
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "corbslam/v1/map_update.pb.h"
+#include "services/convert/features.h"
+#include "slam/exchange/map_update.h"
+
+namespace corbslam {
+
+// One or more messages of about `part_bytes` at most (a single keyframe is never split). `sent` are
+// the cameras named on this stream; it learns those of the batch.
+std::vector<v1::MapUpdateBatch> ToProto(const MapUpdateBatch& batch, CameraBook& sent,
+                                        size_t part_bytes);
+
+// One message; `continues` is the assembler's part. `cameras` are those named on this stream; it
+// learns more. INVALID_ARGUMENT names the item and the limit; PERMISSION_DENIED: somebody else's
+// item where only the sender's are allowed.
+absl::StatusOr<MapUpdateBatch> FromProto(const v1::MapUpdateBatch& proto, CameraBook& cameras);
+
+// Puts the parts of a batch together. Not thread-safe.
+class BatchAssembler {
+ public:
+  // The batch, once its last part is there. INVALID_ARGUMENT: a part of another batch came in
+  // between; RESOURCE_EXHAUSTED: more than kMaxUpdateBytes.
+  absl::StatusOr<std::optional<MapUpdateBatch>> Add(const v1::MapUpdateBatch& part,
+                                                    CameraBook& cameras);
+
+ private:
+  std::optional<MapUpdateBatch> started_;
+  size_t bytes_ = 0;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CONVERT_MAP_UPDATE_H_

@@ -1,0 +1,41 @@
+// Names of the resource style, as proto/corbslam/v1/resources.proto says.
+#ifndef CORBSLAM_SERVICES_CONVERT_RESOURCE_NAMES_H_
+#define CORBSLAM_SERVICES_CONVERT_RESOURCE_NAMES_H_
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+std::string MissionName(absl::string_view mission);
+std::string AgentName(absl::string_view mission, absl::string_view agent);
+std::string LocalMapName(absl::string_view mission, LocalMapId local_map);
+std::string KeyframeName(absl::string_view mission, KeyframeId keyframe);
+
+struct AgentPath {
+  std::string mission;
+  std::string agent;  // Empty for "-", all.
+};
+struct LocalMapPath {
+  std::string mission;
+  LocalMapId local_map;  // Invalid for "-", all.
+};
+struct KeyframePath {
+  std::string mission;
+  KeyframeId keyframe;
+};
+
+// INVALID_ARGUMENT names what was given and the form that is wanted.
+absl::Status CheckNameSegment(absl::string_view field, absl::string_view segment);
+absl::StatusOr<std::string> ParseMissionName(absl::string_view name);
+absl::StatusOr<AgentPath> ParseAgentName(absl::string_view name, bool may_be_all);
+absl::StatusOr<LocalMapPath> ParseLocalMapName(absl::string_view name, bool may_be_all);
+absl::StatusOr<KeyframePath> ParseKeyframeName(absl::string_view name);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CONVERT_RESOURCE_NAMES_H_

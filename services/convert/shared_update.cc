@@ -1,0 +1,282 @@
+#include "services/convert/shared_update.h"
+
+#include <string>
+#include <utility>
+
+#include "services/convert/columns.h"
+#include "services/convert/errors.h"
+#include "services/convert/geometry.h"
+#include "services/convert/ids.h"
+#include "services/convert/limits.h"
+#include "services/convert/parts.h"
+#include "services/convert/resource_names.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// Upper bounds of what one entry takes.
+constexpr size_t kFullPointBytes = 90;
+constexpr size_t kLightPointBytes = 30;
+constexpr size_t kIdBytes = 12;
+constexpr size_t kObservationBytes = 24;
+constexpr size_t kPoseBytes = 120;
+
+using Writer = PartWriter<v1::SharedUpdate>;
+
+void WriteCamera(const KeyframePayload& payload, CameraBook& sent, Writer& writer) {
+  const LocalMapId local_map = payload.id.local_map;
+  if (sent.Find(local_map, payload.camera_index) != nullptr) return;
+  v1::SharedCamera* proto = writer.part().add_cameras();
+  proto->set_slot(writer.slots().Slot(local_map));
+  proto->set_index(payload.camera_index);
+  ToProto(*payload.camera, proto->mutable_camera());
+  sent.Add(local_map, payload.camera_index, payload.camera).IgnoreError();
+}
+
+void WriteKeyframe(const SharedKeyframe& keyframe, CameraBook& sent, Writer& writer) {
+  v1::SharedKeyframe proto;
+  ToProto(*keyframe.payload, proto.mutable_payload());
+  ToProto(keyframe.camera_from_global, proto.mutable_camera_from_global());
+  writer.Reserve(proto.ByteSizeLong() + kPoseBytes + keyframe.points.size() * kIdBytes);
+  WriteCamera(*keyframe.payload, sent, writer);
+  writer.slots().Write(keyframe.payload->id, proto.mutable_id());
+  if (keyframe.parent.IsValid()) writer.slots().Write(keyframe.parent, proto.mutable_parent());
+  IdColumnWriter points(writer.slots(), proto.mutable_points());
+  uint32_t last = 0;
+  for (uint32_t i = 0; i < keyframe.points.size(); ++i) {
+    if (!keyframe.points[i].IsValid()) continue;
+    points.Add(keyframe.points[i]);
+    proto.add_keypoint_deltas(i - last);
+    last = i;
+  }
+  *writer.part().add_keyframes() = std::move(proto);
+}
+
+// `add` appends an empty message to the part.
+template <typename Pose, typename Add>
+void WritePoses(const std::vector<Pose>& poses, Writer& writer, const Add& add) {
+  for (const Pose& pose : poses) {
+    writer.Reserve(kPoseBytes);
+    v1::SharedKeyframePose* proto = add(writer.part());
+    writer.slots().Write(pose.id, proto->mutable_id());
+    ToProto(pose.camera_from_global, proto->mutable_camera_from_global());
+  }
+}
+
+void WriteLandmarks(const SharedUpdate& update, Writer& writer) {
+  for (const Landmark& landmark : update.landmarks) {
+    writer.Reserve((landmark.members.size() + 2) * kIdBytes);
+    v1::Landmark* proto = writer.part().add_landmarks();
+    writer.slots().Write(landmark.survivor, proto->mutable_survivor());
+    WriteIds(std::span<const MapPointId>(landmark.members), writer.slots(),
+             proto->mutable_members());
+  }
+}
+
+absl::Status ReadCameras(const v1::SharedUpdate& proto, const SlotReader& slots,
+                         CameraBook& cameras) {
+  for (const v1::SharedCamera& entry : proto.cameras()) {
+    ASSIGN_OR_RETURN(const LocalMapId local_map, slots.LocalMap(entry.slot()));
+    ASSIGN_OR_RETURN(const Camera camera, FromProto(entry.camera()));
+    RETURN_IF_ERROR(cameras.Add(local_map, entry.index(), std::make_shared<const Camera>(camera)));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadSightings(const v1::SharedKeyframe& proto, const SlotReader& slots,
+                           std::vector<MapPointId>& points) {
+  ASSIGN_OR_RETURN(const std::vector<MapPointId> seen, slots.Points(proto.points(), "points"));
+  if (static_cast<int>(seen.size()) != proto.keypoint_deltas_size()) {
+    return BadLength("keypoint_deltas", proto.keypoint_deltas_size(),
+                     static_cast<int64_t>(seen.size()));
+  }
+  uint64_t keypoint = 0;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    keypoint += proto.keypoint_deltas(static_cast<int>(i));
+    if (keypoint >= points.size()) {
+      return OutOfRange(absl::StrCat("keypoint ", i), keypoint, size_t{0}, points.size() - 1);
+    }
+    points[keypoint] = seen[i];
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SharedKeyframe> ReadKeyframe(const v1::SharedKeyframe& proto,
+                                            const SlotReader& slots, const CameraBook& cameras) {
+  SharedKeyframe keyframe;
+  ASSIGN_OR_RETURN(const KeyframeId id, slots.Keyframe(proto.id()));
+  if (!id.IsValid()) return absl::InvalidArgumentError("id is missing");
+  ASSIGN_OR_RETURN(keyframe.payload, FromProto(proto.payload(), id, cameras));
+  ASSIGN_OR_RETURN(keyframe.camera_from_global, FromProto(proto.camera_from_global()));
+  if (proto.has_parent()) {
+    ASSIGN_OR_RETURN(keyframe.parent, slots.Keyframe(proto.parent()));
+  }
+  keyframe.points.resize(keyframe.payload->features.keypoints.size());
+  RETURN_IF_ERROR(Locate(ReadSightings(proto, slots, keyframe.points), ToString(id)));
+  return keyframe;
+}
+
+template <typename Pose>
+absl::Status ReadPoses(const google::protobuf::RepeatedPtrField<v1::SharedKeyframePose>& proto,
+                       const SlotReader& slots, std::vector<Pose>& poses) {
+  for (const v1::SharedKeyframePose& entry : proto) {
+    Pose pose;
+    ASSIGN_OR_RETURN(pose.id, slots.Keyframe(entry.id()));
+    if (!pose.id.IsValid()) return absl::InvalidArgumentError("a pose names no keyframe");
+    ASSIGN_OR_RETURN(pose.camera_from_global, FromProto(entry.camera_from_global()));
+    poses.push_back(pose);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Landmark> ReadLandmark(const v1::Landmark& proto, const SlotReader& slots) {
+  Landmark landmark;
+  ASSIGN_OR_RETURN(landmark.survivor, slots.Point(proto.survivor()));
+  if (!landmark.survivor.IsValid()) return absl::InvalidArgumentError("a landmark has no survivor");
+  ASSIGN_OR_RETURN(landmark.members, slots.Points(proto.members(), "landmarks.members"));
+  return landmark;
+}
+
+void Append(SharedUpdate& update, SharedUpdate& part) {
+  update.revision = part.revision;
+  update.restart |= part.restart;
+  AppendAll(update.keyframes, part.keyframes);
+  AppendAll(update.points, part.points);
+  AppendAll(update.moved_keyframes, part.moved_keyframes);
+  AppendAll(update.moved_points, part.moved_points);
+  AppendAll(update.observations, part.observations);
+  AppendAll(update.landmarks, part.landmarks);
+  AppendAll(update.own_keyframes, part.own_keyframes);
+  AppendAll(update.removed_keyframes, part.removed_keyframes);
+  AppendAll(update.removed_points, part.removed_points);
+}
+
+}  // namespace
+
+std::vector<v1::SharedUpdate> ToProto(const SharedUpdate& update, CameraBook& sent,
+                                      size_t part_bytes) {
+  Writer writer(part_bytes, [&](v1::SharedUpdate& part) {
+    part.set_revision(update.revision);
+    part.set_continues(true);
+    return SlotWriter(part.mutable_local_maps());
+  });
+  writer.part().set_restart(update.restart);
+  for (const SharedKeyframe& keyframe : update.keyframes) WriteKeyframe(keyframe, sent, writer);
+  writer.Spread(update.points, kFullPointBytes, [&](auto points) {
+    WritePoints(points, writer.slots(), writer.part().mutable_points());
+  });
+  WritePoses(update.moved_keyframes, writer,
+             [](v1::SharedUpdate& part) { return part.add_moved_keyframes(); });
+  writer.Spread(update.moved_points, kLightPointBytes, [&](auto points) {
+    WritePoints(points, writer.slots(), writer.part().mutable_moved_points());
+  });
+  writer.Spread(update.observations, kObservationBytes, [&](auto changes) {
+    WriteObservations(changes, writer.slots(), writer.part().mutable_observations());
+  });
+  WriteLandmarks(update, writer);
+  WritePoses(update.own_keyframes, writer,
+             [](v1::SharedUpdate& part) { return part.add_own_keyframes(); });
+  writer.Spread(update.removed_keyframes, kIdBytes, [&](auto ids) {
+    WriteIds(ids, writer.slots(), writer.part().mutable_removed_keyframes());
+  });
+  writer.Spread(update.removed_points, kIdBytes, [&](auto ids) {
+    WriteIds(ids, writer.slots(), writer.part().mutable_removed_points());
+  });
+  writer.part().clear_continues();
+  return std::move(writer).Take();
+}
+
+absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook& cameras) {
+  SharedUpdate update;
+  update.revision = proto.revision();
+  update.restart = proto.restart();
+  ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(proto.local_maps()));
+  RETURN_IF_ERROR(ReadCameras(proto, slots, cameras));
+  for (int i = 0; i < proto.keyframes_size(); ++i) {
+    auto keyframe = ReadKeyframe(proto.keyframes(i), slots, cameras);
+    if (!keyframe.ok()) return Locate(keyframe.status(), absl::StrCat("keyframes[", i, "]"));
+    update.keyframes.push_back(*std::move(keyframe));
+  }
+  ASSIGN_OR_RETURN(update.points, ReadSharedPoints(proto.points(), slots));
+  RETURN_IF_ERROR(ReadPoses(proto.moved_keyframes(), slots, update.moved_keyframes));
+  ASSIGN_OR_RETURN(update.moved_points, ReadMovedPoints(proto.moved_points(), slots));
+  ASSIGN_OR_RETURN(update.observations, ReadObservations(proto.observations(), slots));
+  for (const v1::Landmark& entry : proto.landmarks()) {
+    ASSIGN_OR_RETURN(Landmark landmark, ReadLandmark(entry, slots));
+    update.landmarks.push_back(std::move(landmark));
+  }
+  RETURN_IF_ERROR(ReadPoses(proto.own_keyframes(), slots, update.own_keyframes));
+  ASSIGN_OR_RETURN(update.removed_keyframes,
+                   slots.Keyframes(proto.removed_keyframes(), "removed_keyframes"));
+  ASSIGN_OR_RETURN(update.removed_points, slots.Points(proto.removed_points(), "removed_points"));
+  return update;
+}
+
+absl::StatusOr<std::optional<SharedUpdate>> SharedUpdateAssembler::Add(const v1::SharedUpdate& part,
+                                                                       CameraBook& cameras) {
+  ASSIGN_OR_RETURN(SharedUpdate read, FromProto(part, cameras));
+  bytes_ += part.ByteSizeLong();
+  if (bytes_ > kMaxUpdateBytes) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("a shared update is longer than ", kMaxUpdateBytes, " bytes"));
+  }
+  if (started_) {
+    Append(*started_, read);
+  } else {
+    started_ = std::move(read);
+  }
+  if (part.continues()) return std::nullopt;
+  bytes_ = 0;
+  return std::exchange(started_, std::nullopt);
+}
+
+void ToProto(const SessionRequest& request, v1::OpenSession* proto) {
+  proto->set_mission(MissionName(request.mission));
+  proto->set_agent(request.agent);
+  proto->set_last_revision(request.last_revision);
+  for (const LocalMapId id : request.local_maps) proto->add_local_maps(id.value);
+}
+
+absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
+  SessionRequest request;
+  ASSIGN_OR_RETURN(request.mission, ParseMissionName(proto.mission()));
+  RETURN_IF_ERROR(CheckNameSegment("agent", proto.agent()));
+  request.agent = proto.agent();
+  request.last_revision = proto.last_revision();
+  if (proto.local_maps_size() > kMaxLocalMapsOfMessage) {
+    return OutOfRange("number of local_maps", proto.local_maps_size(), 0, kMaxLocalMapsOfMessage);
+  }
+  for (const uint64_t value : proto.local_maps()) {
+    if (value == 0) return absl::InvalidArgumentError("local_maps names 0");
+    request.local_maps.push_back({value});
+  }
+  return request;
+}
+
+void ToProto(const Acknowledgement& acknowledgement, v1::Acknowledgement* proto) {
+  proto->set_local_map(acknowledgement.local_map.value);
+  proto->set_number(acknowledgement.number);
+}
+
+absl::StatusOr<Acknowledgement> FromProto(const v1::Acknowledgement& proto) {
+  if (proto.local_map() == 0) return absl::InvalidArgumentError("acknowledgement.local_map is 0");
+  return Acknowledgement{{proto.local_map()}, proto.number()};
+}
+
+void ToProto(const SessionGrant& grant, v1::SessionGrant* proto) {
+  for (const Acknowledgement& entry : grant.acknowledged) {
+    ToProto(entry, proto->add_acknowledged());
+  }
+}
+
+absl::StatusOr<SessionGrant> FromProto(const v1::SessionGrant& proto) {
+  SessionGrant grant;
+  for (const v1::Acknowledgement& entry : proto.acknowledged()) {
+    ASSIGN_OR_RETURN(const Acknowledgement acknowledgement, FromProto(entry));
+    grant.acknowledged.push_back(acknowledgement);
+  }
+  return grant;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,25 @@
+// absl::Status and grpc::Status share their codes.
+#ifndef CORBSLAM_SERVICES_CONVERT_STATUS_H_
+#define CORBSLAM_SERVICES_CONVERT_STATUS_H_
+
+#include <grpcpp/support/status.h>
+
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace corbslam {
+
+inline grpc::Status ToGrpcStatus(const absl::Status& status) {
+  if (status.ok()) return grpc::Status::OK;
+  return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
+}
+
+inline absl::Status FromGrpcStatus(const grpc::Status& status) {
+  if (status.ok()) return absl::OkStatus();
+  return absl::Status(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
+}
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CONVERT_STATUS_H_
