@@ -1,0 +1,25 @@
+// Checks of what a source hands to a sensor. Internal to slam/sensor.
+#ifndef CORBSLAM_SLAM_SENSOR_IMAGE_CHECK_H_
+#define CORBSLAM_SLAM_SENSOR_IMAGE_CHECK_H_
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+#include "slam/camera/camera.h"
+
+namespace corbslam {
+
+// "640x480 CV_8UC1".
+std::string DescribeImage(const cv::Mat& image);
+
+// INVALID_ARGUMENT, with what was expected and given, unless CV_8UC1 of the camera's size.
+absl::Status CheckGreyImage(absl::string_view name, const cv::Mat& image, const Camera& camera);
+
+// Likewise for CV_16UC1 or CV_32FC1.
+absl::Status CheckDepthImage(const cv::Mat& image, const Camera& camera);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SENSOR_IMAGE_CHECK_H_

@@ -1,0 +1,56 @@
+#include "slam/sensor/rgbd_sensor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "slam/sensor/image_check.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// 0 where the sensor saw none.
+double DepthAt(const cv::Mat& depth, const Keypoint& raw, double units_per_m) {
+  const int x = std::clamp(static_cast<int>(std::lround(raw.x_px)), 0, depth.cols - 1);
+  const int y = std::clamp(static_cast<int>(std::lround(raw.y_px)), 0, depth.rows - 1);
+  if (depth.type() == CV_16UC1) return depth.at<uint16_t>(y, x) / units_per_m;
+  const double metres = static_cast<double>(depth.at<float>(y, x));
+  return std::isfinite(metres) && metres > 0 ? metres : 0;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Sensor>> RgbdSensor::Make(const RgbdCalibration& calibration,
+                                                         const SensorOptions& options) {
+  RETURN_IF_ERROR(Validate(calibration.camera));
+  RETURN_IF_ERROR(Validate(calibration.distortion));
+  if (!calibration.camera.IsMetric()) {
+    return absl::InvalidArgumentError("camera.baseline_m is 0, must be > 0 for RGB-D");
+  }
+  if (!(calibration.depth_units_per_m > 0 && calibration.depth_units_per_m <= 1e6)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "depth_units_per_m is ", calibration.depth_units_per_m, ", must be in (0, 1e6]"));
+  }
+  return std::unique_ptr<Sensor>(new RgbdSensor(calibration, options));
+}
+
+absl::StatusOr<Features> RgbdSensor::Process(const SensorImages& images) {
+  const Camera& camera = calibration_.camera;
+  RETURN_IF_ERROR(CheckGreyImage("grey", images.grey, camera));
+  RETURN_IF_ERROR(CheckDepthImage(images.depth, camera));
+  Features features;
+  RETURN_IF_ERROR(extractor_.Extract(images.grey, features, pyramid_));
+  for (Keypoint& keypoint : features.keypoints) {
+    const double depth_m = DepthAt(images.depth, keypoint, calibration_.depth_units_per_m);
+    if (depth_m > 0) {
+      keypoint.disparity_px = static_cast<float>(DisparityFromDepth(camera, depth_m));
+    }
+    const Eigen::Vector2d ideal = UndistortPixel(camera, calibration_.distortion, keypoint.Pixel());
+    keypoint.x_px = static_cast<float>(ideal.x());
+    keypoint.y_px = static_cast<float>(ideal.y());
+  }
+  return features;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,30 @@
+// Features of a grey image with a depth image. Internal to slam/sensor: use MakeSensor.
+#ifndef CORBSLAM_SLAM_SENSOR_RGBD_SENSOR_H_
+#define CORBSLAM_SLAM_SENSOR_RGBD_SENSOR_H_
+
+#include <memory>
+
+#include "slam/sensor/sensor.h"
+
+namespace corbslam {
+
+class RgbdSensor : public Sensor {
+ public:
+  static absl::StatusOr<std::unique_ptr<Sensor>> Make(const RgbdCalibration& calibration,
+                                                      const SensorOptions& options);
+
+  const Camera& camera() const override { return calibration_.camera; }
+  absl::StatusOr<Features> Process(const SensorImages& images) override;
+
+ private:
+  RgbdSensor(const RgbdCalibration& calibration, const SensorOptions& options)
+      : calibration_(calibration), extractor_(options.orb) {}
+
+  RgbdCalibration calibration_;
+  OrbExtractor extractor_;
+  ImagePyramid pyramid_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SENSOR_RGBD_SENSOR_H_

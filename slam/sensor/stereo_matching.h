@@ -1,0 +1,30 @@
+// Disparities of the keypoints of a rectified pair.
+#ifndef CORBSLAM_SLAM_SENSOR_STEREO_MATCHING_H_
+#define CORBSLAM_SLAM_SENSOR_STEREO_MATCHING_H_
+
+#include "slam/features/keypoint.h"
+#include "slam/features/orb_extractor.h"
+
+namespace corbslam {
+
+struct StereoMatchingOptions {
+  // Of left minus right columns, level-0 pixels; the largest belongs to the nearest point, one
+  // baseline away when it is fx.
+  double max_disparity_px = 0;
+  // Least similar descriptors that may match, bits.
+  int max_hamming = 75;
+  // Matches whose grey values differ by more than this many times the median's are dropped.
+  double max_median_ratio = 2.1;
+};
+
+// Sets disparity_px of `left` where a counterpart is found, 0 elsewhere: the most similar
+// descriptor in the band of rows that the octave allows, then the shift of least absolute
+// differences of 11 x 11 pixels, refined below a pixel by least squares. The pyramids are those
+// the features were extracted from. After ORB-SLAM2 (Mur-Artal and Tardos, T-RO 2017, III.A).
+void MatchStereo(const Features& right, const ImagePyramid& left_pyramid,
+                 const ImagePyramid& right_pyramid, const StereoMatchingOptions& options,
+                 Features& left);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SENSOR_STEREO_MATCHING_H_

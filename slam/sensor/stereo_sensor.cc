@@ -1,0 +1,73 @@
+#include "slam/sensor/stereo_sensor.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "slam/sensor/image_check.h"
+#include "slam/sensor/stereo_matching.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+absl::StatusOr<std::unique_ptr<Sensor>> StereoSensor::Make(const StereoCalibration& calibration,
+                                                           const SensorOptions& options) {
+  Camera camera = calibration.camera;
+  std::optional<StereoRectifier> rectifier;
+  if (calibration.raw.has_value()) {
+    ASSIGN_OR_RETURN(rectifier, StereoRectifier::Make(*calibration.raw));
+    camera = rectifier->camera();
+    if (calibration.camera.close_depth_m > 0) {
+      camera.close_depth_m = calibration.camera.close_depth_m;
+    }
+  }
+  RETURN_IF_ERROR(Validate(camera));
+  if (!camera.IsMetric()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("camera.baseline_m is ", camera.baseline_m, ", must be > 0 for stereo"));
+  }
+  return std::unique_ptr<Sensor>(new StereoSensor(camera, std::move(rectifier), options));
+}
+
+StereoSensor::StereoSensor(const Camera& camera, std::optional<StereoRectifier> rectifier,
+                           const SensorOptions& options)
+    : camera_(camera),
+      rectifier_(std::move(rectifier)),
+      left_(options.orb),
+      right_(options.orb),
+      worker_(options.parallel ? std::make_unique<WorkerThread>() : nullptr) {}
+
+absl::StatusOr<Features> StereoSensor::Process(const SensorImages& images) {
+  RETURN_IF_ERROR(CheckGreyImage("left", images.grey, camera_));
+  RETURN_IF_ERROR(CheckGreyImage("right", images.right, camera_));
+  const auto process_right = [&] { right_.status = ProcessRight(images.right); };
+  if (worker_ != nullptr) {
+    worker_->Start(process_right);
+  } else {
+    process_right();
+  }
+  left_.status = ProcessLeft(images.grey);
+  if (worker_ != nullptr) worker_->Wait();
+  RETURN_IF_ERROR(left_.status);
+  RETURN_IF_ERROR(right_.status);
+  MatchStereo(right_.features, left_.pyramid, right_.pyramid, {.max_disparity_px = camera_.fx_px},
+              left_.features);
+  return left_.features;
+}
+
+absl::Status StereoSensor::ProcessLeft(const cv::Mat& image) {
+  if (!rectifier_.has_value()) {
+    return left_.extractor.Extract(image, left_.features, left_.pyramid);
+  }
+  RETURN_IF_ERROR(rectifier_->RectifyLeft(image, left_.rectified));
+  return left_.extractor.Extract(left_.rectified, left_.features, left_.pyramid);
+}
+
+absl::Status StereoSensor::ProcessRight(const cv::Mat& image) {
+  if (!rectifier_.has_value()) {
+    return right_.extractor.Extract(image, right_.features, right_.pyramid);
+  }
+  RETURN_IF_ERROR(rectifier_->RectifyRight(image, right_.rectified));
+  return right_.extractor.Extract(right_.rectified, right_.features, right_.pyramid);
+}
+
+}  // namespace corbslam

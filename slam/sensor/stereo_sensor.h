@@ -1,0 +1,47 @@
+// Features of a stereo pair. Internal to slam/sensor: use MakeSensor.
+#ifndef CORBSLAM_SLAM_SENSOR_STEREO_SENSOR_H_
+#define CORBSLAM_SLAM_SENSOR_STEREO_SENSOR_H_
+
+#include <memory>
+#include <optional>
+
+#include "slam/sensor/sensor.h"
+#include "slam/sensor/worker_thread.h"
+
+namespace corbslam {
+
+class StereoSensor : public Sensor {
+ public:
+  static absl::StatusOr<std::unique_ptr<Sensor>> Make(const StereoCalibration& calibration,
+                                                      const SensorOptions& options);
+
+  const Camera& camera() const override { return camera_; }
+  absl::StatusOr<Features> Process(const SensorImages& images) override;
+
+ private:
+  // One camera's part of the work and its buffers.
+  struct Side {
+    explicit Side(const OrbOptions& options) : extractor(options) {}
+    OrbExtractor extractor;
+    cv::Mat rectified;
+    Features features;
+    ImagePyramid pyramid;
+    absl::Status status;
+  };
+
+  StereoSensor(const Camera& camera, std::optional<StereoRectifier> rectifier,
+               const SensorOptions& options);
+  absl::Status ProcessLeft(const cv::Mat& image);
+  absl::Status ProcessRight(const cv::Mat& image);
+
+  Camera camera_;
+  std::optional<StereoRectifier> rectifier_;
+  Side left_;
+  Side right_;
+  // For the right image; null: one thread does both. Last, so that it ends first.
+  std::unique_ptr<WorkerThread> worker_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SENSOR_STEREO_SENSOR_H_
