@@ -1,0 +1,117 @@
+#include "client_agent/mapping/culling.h"
+
+#include <utility>
+
+#include "client_agent/mapping/keyframe_insertion.h"
+
+namespace corbslam {
+namespace {
+
+constexpr double kMinFoundRatio = 0.25;
+// Observations with depth count twice: one keyframe, or one with and one without depth.
+constexpr int kTooFewObservations = 3;
+constexpr int kWeakObservations = 2;
+constexpr uint32_t kAgeToBeSeen = 2;
+constexpr uint32_t kAgeToBeKept = 3;
+constexpr double kRedundantShare = 0.9;
+constexpr int kEnoughOthers = 3;
+
+}  // namespace
+
+void RecentPoints::Add(const std::vector<MapPointId>& points, KeyframeId made_at) {
+  for (const MapPointId id : points) {
+    statistics_->Watch(id);
+    recent_.push_back({id, made_at.index});
+  }
+}
+
+RecentPoints::Verdict RecentPoints::Judge(const Map& map, const Recent& recent,
+                                          uint32_t newest) const {
+  const MapPoint* point = map.FindPoint(recent.id);
+  if (point == nullptr) return Verdict::kKeep;
+  if (statistics_->FoundRatio(recent.id) < kMinFoundRatio) return Verdict::kRemove;
+  const uint32_t age = newest - recent.made_at;
+  if (age >= kAgeToBeSeen && CountObservations(map, *point) <= kTooFewObservations) {
+    return Verdict::kRemove;
+  }
+  return age >= kAgeToBeKept ? Verdict::kKeep : Verdict::kWait;
+}
+
+void RecentPoints::Cull(KeyframeId newest, GuardedMap& guarded) {
+  std::vector<Recent> waiting;
+  std::vector<MapPointId> removed;
+  guarded.Read([&](const Map& map) {
+    for (const Recent& recent : recent_) {
+      const Verdict verdict = Judge(map, recent, newest.index);
+      if (verdict == Verdict::kWait) {
+        waiting.push_back(recent);
+        continue;
+      }
+      statistics_->Forget(recent.id);
+      if (verdict == Verdict::kRemove) removed.push_back(recent.id);
+    }
+  });
+  recent_ = std::move(waiting);
+  guarded.Write([&](Map& map) {
+    for (const MapPointId id : removed) map.RemovePoint(id);
+  });
+}
+
+bool IsRedundant(const Map& map, const Keyframe& keyframe) {
+  int points = 0;
+  int redundant = 0;
+  for (size_t i = 0; i < keyframe.points.size(); ++i) {
+    const MapPoint* point = map.FindPoint(keyframe.points[i]);
+    if (point == nullptr) continue;
+    const Keypoint& keypoint = keyframe.keypoints()[i];
+    if (keyframe.camera().IsMetric()) {
+      const double least_px =
+          DisparityFromDepth(keyframe.camera(), keyframe.camera().close_depth_m);
+      if (keypoint.disparity_px < least_px) continue;
+    }
+    ++points;
+    int others = 0;
+    for (const auto& [other_id, other_keypoint] : point->observations) {
+      if (other_id == keyframe.id()) continue;
+      const int octave = map.FindKeyframe(other_id)->keypoints()[other_keypoint].octave;
+      if (octave <= keypoint.octave + 1 && ++others >= kEnoughOthers) break;
+    }
+    redundant += others >= kEnoughOthers;
+  }
+  return points > 0 && redundant > kRedundantShare * points;
+}
+
+std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre, LocalMapId own) {
+  std::vector<KeyframeId> redundant;
+  for (const CovisibleKeyframe& relative : map.Covisible(centre)) {
+    const Keyframe& keyframe = *map.FindKeyframe(relative.id);
+    if (relative.id.local_map != own || !keyframe.parent.IsValid()) continue;
+    if (!keyframe.loop_edges.empty()) continue;
+    if (IsRedundant(map, keyframe)) redundant.push_back(relative.id);
+  }
+  return redundant;
+}
+
+void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map) {
+  const Keyframe* keyframe = map.FindKeyframe(id);
+  if (keyframe == nullptr) return;
+  std::vector<MapPointId> seen;
+  for (const MapPointId point : keyframe->points) {
+    if (point.IsValid()) seen.push_back(point);
+  }
+  map.RemoveKeyframe(id);
+  RemoveWeakPoints(seen, id.local_map, map);
+  for (const MapPointId point : seen) {
+    if (point.local_map == id.local_map) map.UpdatePointGeometry(point);
+  }
+}
+
+void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map& map) {
+  for (const MapPointId id : points) {
+    const MapPoint* point = map.FindPoint(id);
+    if (point == nullptr || id.local_map != own) continue;
+    if (CountObservations(map, *point) <= kWeakObservations) map.RemovePoint(id);
+  }
+}
+
+}  // namespace corbslam

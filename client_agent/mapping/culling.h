@@ -1,0 +1,54 @@
+// What the mapper takes out of the map again.
+#ifndef CORBSLAM_CLIENT_AGENT_MAPPING_CULLING_H_
+#define CORBSLAM_CLIENT_AGENT_MAPPING_CULLING_H_
+
+#include <vector>
+
+#include "client_agent/map/guarded_map.h"
+#include "client_agent/mapping/point_statistics.h"
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+// Points that must still prove themselves (ORB-SLAM, T-RO 2015, VI.B). Not thread-safe: the mapping
+// thread's.
+class RecentPoints {
+ public:
+  explicit RecentPoints(PointStatistics* statistics) : statistics_(statistics) {}
+
+  void Add(const std::vector<MapPointId>& points, KeyframeId made_at);
+
+  // Removes points found in less than a quarter of the frames that should have seen them, or seen
+  // by too few keyframes two keyframes after; three keyframes after a point has proved itself.
+  void Cull(KeyframeId newest, GuardedMap& map);
+
+ private:
+  struct Recent {
+    MapPointId id;
+    uint32_t made_at = 0;
+  };
+  enum class Verdict { kWait, kKeep, kRemove };
+  Verdict Judge(const Map& map, const Recent& recent, uint32_t newest) const;
+
+  PointStatistics* const statistics_;
+  std::vector<Recent> recent_;
+};
+
+// Own keyframes covisible with `centre` of whose close points 90 % are seen at the same or a finer
+// scale by at least three others (ORB-SLAM, VI.E; ORB-SLAM2: close points only). Not the root, not
+// `centre`, none that holds a loop edge. Pure.
+std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre, LocalMapId own);
+
+// True if the keyframe is redundant now (an earlier removal may have changed that).
+bool IsRedundant(const Map& map, const Keyframe& keyframe);
+
+// Removes the keyframe, and those of its points that too few see then.
+void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map);
+
+// Removes those of the own points that are seen only once or not at all, of which an observation
+// was dropped.
+void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map& map);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MAPPING_CULLING_H_

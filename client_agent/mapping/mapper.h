@@ -1,0 +1,68 @@
+// Builds the local map from the keyframes that tracking keeps (ORB-SLAM, T-RO 2015, section VI).
+// The one writer of the map.
+#ifndef CORBSLAM_CLIENT_AGENT_MAPPING_MAPPER_H_
+#define CORBSLAM_CLIENT_AGENT_MAPPING_MAPPER_H_
+
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "client_agent/map/guarded_map.h"
+#include "client_agent/mapping/culling.h"
+#include "client_agent/mapping/mapping_queue.h"
+#include "client_agent/mapping/point_statistics.h"
+#include "slam/optimisation/bundle_adjustment.h"
+
+namespace corbslam {
+
+struct MapperOptions {
+  BundleOptions local_bundle = {.max_iterations = 10};
+};
+
+// What the mapper works with; nothing is owned.
+struct MapperParts {
+  GuardedMap* map = nullptr;
+  MappingQueue* queue = nullptr;
+  PointStatistics* statistics = nullptr;
+  // Called on the mapping thread after a keyframe was mapped, without a lock held; may be null.
+  std::function<void(KeyframeId)> on_mapped;
+  // Called likewise when one was culled.
+  std::function<void(KeyframeId)> on_removed;
+};
+
+// Step and Run: one thread at a time, the mapping thread.
+class Mapper {
+ public:
+  Mapper(const MapperOptions& options, MapperParts parts);
+
+  // Works off one item of the queue; false when there was none.
+  bool Step();
+  // Steps until the queue is stopped; waits where there is nothing to do.
+  void Run();
+
+  // Thread-safe: how long each local bundle adjustment took.
+  std::vector<double> local_ba_ms() const;
+
+ private:
+  void Insert(const NewKeyframe& keyframe);
+  void MapPendingKeyframes();
+  void MapKeyframe(KeyframeId id);
+  void AdjustLocalBundle(KeyframeId centre);
+  void CommitBundle(const BundleResult& result, const Map& before);
+  void CullKeyframes(KeyframeId centre);
+
+  const MapperOptions options_;
+  const MapperParts parts_;
+  RecentPoints recent_points_;
+  // Inserted, not yet mapped.
+  std::deque<KeyframeId> pending_;
+
+  mutable absl::Mutex mutex_;
+  std::vector<double> local_ba_ms_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MAPPING_MAPPER_H_

@@ -1,0 +1,23 @@
+// Joins points that neighbouring keyframes hold twice, and adds observations that were missed.
+#ifndef CORBSLAM_CLIENT_AGENT_MAPPING_POINT_FUSION_H_
+#define CORBSLAM_CLIENT_AGENT_MAPPING_POINT_FUSION_H_
+
+#include "absl/types/span.h"
+#include "client_agent/map/guarded_map.h"
+#include "slam/matching/fuse_matching.h"
+
+namespace corbslam {
+
+// Projects the keyframe's points into its neighbours (ten, and five of each of theirs) and theirs
+// into it (ORB-SLAM, T-RO 2015, VI.C). Others' keyframes are not given observations; of an own and
+// a foreign point that are one, the foreign survives. Mapping thread only; writes.
+void FuseNeighbours(KeyframeId keyframe, GuardedMap& map);
+
+// Applies proposals for an own keyframe: observations are added; of duplicates the one that more
+// keyframes see survives. What is out of date is skipped.
+void ApplyFuseProposals(KeyframeId keyframe, absl::Span<const FuseProposal> proposals,
+                        LocalMapId own, Map& map);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MAPPING_POINT_FUSION_H_

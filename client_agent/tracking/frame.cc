@@ -1,0 +1,88 @@
+#include "client_agent/tracking/frame.h"
+
+#include <utility>
+
+#include "client_agent/mapping/nearest_keypoints.h"
+#include "slam/optimisation/pose_optimisation.h"
+
+namespace corbslam {
+
+Frame MakeFrame(int64_t timestamp_ns, std::shared_ptr<const Camera> camera, Features features) {
+  Frame frame;
+  frame.associations.resize(features.keypoints.size());
+  frame.payload = MakeKeyframePayload(KeyframeId(), timestamp_ns, /*camera_index=*/0,
+                                      std::move(camera), std::move(features));
+  return frame;
+}
+
+void Refresh(const Map& map, const MapHistory& history, Frame& frame) {
+  if (const auto reference = history.CameraFromMap(map, frame.reference)) {
+    frame.camera_from_map = frame.camera_from_reference * *reference;
+  }
+  const Keyframe* keyframe = map.FindKeyframe(frame.keyframe);
+  for (size_t i = 0; i < frame.associations.size(); ++i) {
+    Association& association = frame.associations[i];
+    MapPointId id = association.id;
+    if (keyframe != nullptr) id = keyframe->points[i];
+    if (!id.IsValid()) {
+      association = {};
+      continue;
+    }
+    id = history.CurrentPoint(id);
+    if (const MapPoint* point = map.FindPoint(id)) {
+      association = {Association::Kind::kMapPoint, id, point->position_in_map};
+    } else {
+      association = {};
+    }
+  }
+}
+
+InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId own,
+                              Frame& frame) {
+  std::vector<PoseObservation> observations;
+  std::vector<size_t> keypoint_of;
+  for (size_t i = 0; i < frame.associations.size(); ++i) {
+    if (frame.associations[i].kind == Association::Kind::kNone) continue;
+    const Keypoint& keypoint = frame.keypoints()[i];
+    observations.push_back({frame.associations[i].position_in_map, keypoint.Pixel(),
+                            keypoint.disparity_px, ScalePyramid::Variance_px2(keypoint.octave)});
+    keypoint_of.push_back(i);
+  }
+  const PoseEstimate estimate = OptimisePose(frame.camera(), initial_camera_from_map, observations);
+  frame.camera_from_map = estimate.camera_from_map;
+  InlierCount count;
+  for (size_t k = 0; k < keypoint_of.size(); ++k) {
+    Association& association = frame.associations[keypoint_of[k]];
+    if (!estimate.is_inlier[k]) {
+      association = {};
+    } else if (association.kind == Association::Kind::kTemporary) {
+      ++count.temporary;
+    } else {
+      ++count.map_points;
+      count.foreign += association.id.local_map != own;
+    }
+  }
+  return count;
+}
+
+void AddTemporaryPoints(Frame& frame) {
+  constexpr size_t kAtLeast = 100;
+  const Rigid3d map_from_camera = frame.camera_from_map.Inverse();
+  for (const uint32_t i : NearestKeypoints(frame.camera(), frame.keypoints(), kAtLeast)) {
+    Association& association = frame.associations[i];
+    if (association.kind != Association::Kind::kNone) continue;
+    const Keypoint& keypoint = frame.keypoints()[i];
+    const double depth_m = DepthFromDisparity(frame.camera(), keypoint.disparity_px);
+    association.kind = Association::Kind::kTemporary;
+    association.position_in_map =
+        map_from_camera * Unproject(frame.camera(), keypoint.x_px, keypoint.y_px, depth_m);
+  }
+}
+
+void DropTemporaryPoints(Frame& frame) {
+  for (Association& association : frame.associations) {
+    if (association.kind == Association::Kind::kTemporary) association = {};
+  }
+}
+
+}  // namespace corbslam

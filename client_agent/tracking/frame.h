@@ -1,0 +1,78 @@
+// One image on its way through tracking.
+#ifndef CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_H_
+#define CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_H_
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "client_agent/map/map_history.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/map/keyframe.h"
+#include "slam/map/map.h"
+#include "slam/util/ids.h"
+#include "slam/vocabulary/words.h"
+
+namespace corbslam {
+
+// What a keypoint is taken to see.
+struct Association {
+  enum class Kind : char {
+    kNone,
+    kMapPoint,
+    // A point made from the depth of one earlier frame, which is in no map ("visual odometry
+    // point", ORB-SLAM2).
+    kTemporary,
+  };
+  Kind kind = Kind::kNone;
+  MapPointId id;  // Of a map point.
+  Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
+};
+
+struct Frame {
+  // Its id is invalid: a frame is no keyframe.
+  std::shared_ptr<const KeyframePayload> payload;
+  // Computed when needed.
+  std::shared_ptr<const Words> words;
+  Rigid3d camera_from_map;
+  // The own keyframe whose later motion the frame follows.
+  KeyframeId reference;
+  Rigid3d camera_from_reference;
+  // The keyframe that the frame became, if it did.
+  KeyframeId keyframe;
+  // One entry a keypoint.
+  std::vector<Association> associations;
+
+  const Camera& camera() const { return *payload->camera; }
+  const std::vector<Keypoint>& keypoints() const { return payload->features.keypoints; }
+  const std::vector<Descriptor>& descriptors() const { return payload->features.descriptors; }
+};
+
+Frame MakeFrame(int64_t timestamp_ns, std::shared_ptr<const Camera> camera, Features features);
+
+// Brings an earlier frame up to date with the map: its pose follows its reference, its points are
+// where they are now, replaced points are their survivors, removed ones are gone. Of a frame that
+// became a keyframe the keyframe's points are taken. A reference that is not in the map (yet)
+// leaves the pose.
+void Refresh(const Map& map, const MapHistory& history, Frame& frame);
+
+struct InlierCount {
+  int map_points = 0;
+  int foreign = 0;  // Of these, made by others than `own`.
+  int temporary = 0;
+
+  int total() const { return map_points + temporary; }
+};
+
+// Finds the pose that fits the frame's associations best, from `initial`, and drops those that
+// disagree with it.
+InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId own, Frame& frame);
+
+// Temporary associations for keypoints with depth that see no map point: all close ones, and the
+// nearest hundred (ORB-SLAM2, Mur-Artal and Tardos, T-RO 2017).
+void AddTemporaryPoints(Frame& frame);
+void DropTemporaryPoints(Frame& frame);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_H_

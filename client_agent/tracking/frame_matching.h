@@ -1,0 +1,28 @@
+// The three ways in which a frame finds its first map points.
+#ifndef CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_MATCHING_H_
+#define CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_MATCHING_H_
+
+#include <vector>
+
+#include "client_agent/tracking/frame.h"
+#include "slam/matching/match_point.h"
+
+namespace corbslam {
+
+// Each replaces frame.associations or adds to them, and returns how many there are (were added).
+
+// What `previous` sees, looked for around where `predicted_camera_from_map` has it.
+int MatchPreviousFrame(const Frame& previous, const Rigid3d& predicted_camera_from_map,
+                       double radius_px, Frame& frame);
+
+// What `keyframe` sees, by words; both need them.
+int MatchKeyframe(const Map& map, const Keyframe& keyframe, Frame& frame);
+
+// Adds points of the local map that the frame's pose predicts and that it does not see yet.
+// `widening` is of the search radius. `visible` gets the ids of the points in view.
+int MatchLocalPoints(const std::vector<MatchPoint>& points, double widening, Frame& frame,
+                     std::vector<MapPointId>& visible);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_MATCHING_H_

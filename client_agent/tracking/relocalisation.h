@@ -1,0 +1,25 @@
+// Finds a frame in the map without knowing where it is.
+#ifndef CORBSLAM_CLIENT_AGENT_TRACKING_RELOCALISATION_H_
+#define CORBSLAM_CLIENT_AGENT_TRACKING_RELOCALISATION_H_
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "client_agent/map/guarded_map.h"
+#include "client_agent/tracking/frame.h"
+#include "slam/vocabulary/words.h"
+
+namespace corbslam {
+
+// Keyframes of the map that look like what has these words, best first. Thread-safe.
+using PlaceFinder = std::function<std::vector<KeyframeId>(const Words& words)>;
+
+// Tries the candidates in turn: words, PnP RANSAC, then guided search among the candidate's
+// neighbourhood; the first with 50 points that agree is taken (ORB-SLAM, T-RO 2015, V.C). Sets the
+// frame's pose and associations. The frame needs words. Deterministic given the seed.
+bool RelocaliseFrame(const GuardedMap& map, const PlaceFinder& places, uint64_t seed, Frame& frame);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_TRACKING_RELOCALISATION_H_

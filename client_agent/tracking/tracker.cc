@@ -1,0 +1,206 @@
+#include "client_agent/tracking/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "client_agent/tracking/frame_matching.h"
+
+namespace corbslam {
+namespace {
+
+// Too few in the first radius: look in twice that (ORB-SLAM, T-RO 2015, V.B).
+constexpr int kMinPreviousMatches = 20;
+constexpr int kMinKeyframeMatches = 15;
+constexpr int kMinFirstInliers = 10;
+// Frames after a relocalisation in which tracking must prove itself.
+constexpr int kProbation = 30;
+
+std::vector<MapPointId> SeenPoints(const Frame& frame) {
+  std::vector<MapPointId> seen;
+  for (const Association& association : frame.associations) {
+    if (association.kind == Association::Kind::kMapPoint) seen.push_back(association.id);
+  }
+  return seen;
+}
+
+}  // namespace
+
+Tracker::Tracker(const TrackerOptions& options, std::shared_ptr<const Camera> camera,
+                 const TrackerParts& parts)
+    : options_(options), camera_(std::move(camera)), parts_(parts) {}
+
+TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
+  Frame frame = MakeFrame(timestamp_ns, camera_, std::move(features));
+  if (state_ == TrackingState::kNotInitialised) {
+    const bool begun = Begin(frame);
+    return Conclude(std::move(frame), begun);
+  }
+  parts_.map->ReadWithHistory(
+      [&](const Map& map, const MapHistory& history) { Refresh(map, history, *previous_); });
+  const bool tracked = FindPose(frame) && TrackLocalMap(frame);
+  if (tracked) {
+    velocity_ = state_ == TrackingState::kTracking
+                    ? std::optional(frame.camera_from_map * previous_->camera_from_map.Inverse())
+                    : std::nullopt;
+    ConsiderKeyframe(frame);
+  }
+  return Conclude(std::move(frame), tracked);
+}
+
+bool Tracker::IsLostForGood() const {
+  if (state_ != TrackingState::kLost) return false;
+  return lost_frames_ > options_.max_lost_frames ||
+         local_map_.map_keyframes < options_.min_keyframes_to_wait;
+}
+
+bool Tracker::Begin(Frame& frame) {
+  const std::vector<Keypoint>& keypoints = frame.keypoints();
+  const auto with_depth = std::count_if(keypoints.begin(), keypoints.end(),
+                                        [](const Keypoint& k) { return k.HasDepth(); });
+  if (static_cast<int>(keypoints.size()) < options_.min_keypoints_to_begin) return false;
+  if (with_depth < options_.min_keypoints_to_begin / 5) return false;
+  if (!parts_.queue->HasRoom()) return false;
+  MakeKeyframe(frame);
+  return true;
+}
+
+bool Tracker::FindPose(Frame& frame) {
+  if (state_ == TrackingState::kLost) return Relocalise(frame);
+  // Of a frame that is just a keyframe mapping may have made the points, or not yet.
+  AddTemporaryPoints(*previous_);
+  return TrackPreviousFrame(frame) || TrackReferenceKeyframe(frame);
+}
+
+bool Tracker::TrackPreviousFrame(Frame& frame) {
+  const Rigid3d predicted =
+      velocity_.has_value() ? *velocity_ * previous_->camera_from_map : previous_->camera_from_map;
+  // Without a velocity the prediction is coarse.
+  const double radius_px = options_.previous_frame_radius_px * (velocity_.has_value() ? 1 : 2);
+  int matches = MatchPreviousFrame(*previous_, predicted, radius_px, frame);
+  if (matches < kMinPreviousMatches) {
+    matches = MatchPreviousFrame(*previous_, predicted, 2 * radius_px, frame);
+  }
+  if (matches < kMinPreviousMatches) return false;
+  inliers_ = OptimiseFramePose(predicted, parts_.map->local_map(), frame);
+  return inliers_.map_points >= kMinFirstInliers || inliers_.total() >= kMinPreviousMatches;
+}
+
+bool Tracker::TrackReferenceKeyframe(Frame& frame) {
+  EnsureWords(frame);
+  const int matches = parts_.map->Read([&](const Map& map) {
+    const Keyframe* reference = map.FindKeyframe(previous_->reference);
+    return reference == nullptr ? 0 : MatchKeyframe(map, *reference, frame);
+  });
+  if (matches < kMinKeyframeMatches) return false;
+  inliers_ = OptimiseFramePose(previous_->camera_from_map, parts_.map->local_map(), frame);
+  return inliers_.map_points >= kMinFirstInliers;
+}
+
+bool Tracker::Relocalise(Frame& frame) {
+  if (parts_.places == nullptr) return false;
+  EnsureWords(frame);
+  if (!RelocaliseFrame(*parts_.map, *parts_.places, options_.seed, frame)) return false;
+  frames_since_relocalisation_ = 0;
+  return true;
+}
+
+bool Tracker::TrackLocalMap(Frame& frame) {
+  const LocalMapId own = parts_.map->local_map();
+  const std::vector<MapPointId> seen = SeenPoints(frame);
+  local_map_ = parts_.map->Read(
+      [&](const Map& map) { return GatherLocalMap(map, own, seen, previous_->reference); });
+  const bool on_probation = frames_since_relocalisation_ < kProbation;
+  const double widening = frames_since_relocalisation_ < 2 ? 5 : options_.local_map_widening;
+  std::vector<MapPointId> visible;
+  MatchLocalPoints(local_map_.points, widening, frame, visible);
+  inliers_ = OptimiseFramePose(frame.camera_from_map, own, frame);
+  CountPoints(visible, frame);
+  ++frames_since_relocalisation_;
+  const int least = on_probation ? options_.min_local_map_inliers_after_relocalisation
+                                 : options_.min_local_map_inliers;
+  // Before mapping has inserted the first keyframe there are only temporary points.
+  const bool map_is_empty = local_map_.map_keyframes == 0;
+  return (map_is_empty ? inliers_.total() : inliers_.map_points) >= least;
+}
+
+void Tracker::CountPoints(const std::vector<MapPointId>& visible, const Frame& frame) {
+  parts_.statistics->Count(visible, SeenPoints(frame));
+}
+
+void Tracker::ConsiderKeyframe(Frame& frame) {
+  if (local_map_.reference.IsValid()) {
+    frame.reference = local_map_.reference;
+    frame.camera_from_reference = frame.camera_from_map * local_map_.reference_from_map.Inverse();
+  } else {
+    frame.reference = previous_->reference;
+    frame.camera_from_reference = frame.camera_from_map * previous_->camera_from_map.Inverse() *
+                                  previous_->camera_from_reference;
+  }
+  KeyframeEvidence evidence;
+  CountClosePoints(frame, evidence);
+  evidence.inliers = inliers_.map_points;
+  evidence.reference_points = local_map_.reference_points;
+  evidence.map_keyframes = local_map_.map_keyframes;
+  evidence.since_last_keyframe_s =
+      std::abs(static_cast<double>(frame.payload->timestamp_ns - last_keyframe_ns_)) * 1e-9;
+  evidence.mapper_idle = parts_.queue->IsIdle();
+  evidence.queue_has_room = parts_.queue->HasRoom();
+  // Until the last keyframe is in the map, its points can't be told from untracked ones.
+  const bool last_is_in_map = local_map_.map_keyframes > 0 && parts_.queue->keyframes() == 0;
+  if (last_is_in_map && ShouldMakeKeyframe(evidence, options_.keyframe)) MakeKeyframe(frame);
+}
+
+void Tracker::MakeKeyframe(Frame& frame) {
+  EnsureWords(frame);
+  const KeyframeId id = parts_.map->NewKeyframeId();
+  NewKeyframe keyframe;
+  keyframe.payload =
+      MakeKeyframePayload(id, frame.payload->timestamp_ns, frame.payload->camera_index, camera_,
+                          frame.payload->features);
+  keyframe.words = frame.words;
+  keyframe.reference = frame.reference;
+  keyframe.camera_from_reference =
+      frame.reference.IsValid() ? frame.camera_from_reference : frame.camera_from_map;
+  keyframe.points.reserve(frame.associations.size());
+  for (const Association& association : frame.associations) {
+    keyframe.points.push_back(association.id);
+  }
+  if (!parts_.queue->PushKeyframe(std::move(keyframe))) return;
+  frame.keyframe = id;
+  frame.reference = id;
+  frame.camera_from_reference = Rigid3d::Identity();
+  last_keyframe_ = id;
+  last_keyframe_ns_ = frame.payload->timestamp_ns;
+}
+
+void Tracker::EnsureWords(Frame& frame) const {
+  if (frame.words != nullptr) return;
+  frame.words = std::make_shared<const Words>(parts_.vocabulary->Transform(frame.descriptors()));
+}
+
+TrackingResult Tracker::Conclude(Frame frame, bool tracked) {
+  TrackingResult result;
+  result.timestamp_ns = frame.payload->timestamp_ns;
+  result.local_map = parts_.map->local_map();
+  if (tracked) {
+    DropTemporaryPoints(frame);
+    state_ = TrackingState::kTracking;
+    lost_frames_ = 0;
+    result.camera_from_local = frame.camera_from_map;
+    result.reference = frame.reference;
+    result.reference_from_camera = frame.camera_from_reference.Inverse();
+    result.points_matched = inliers_.map_points;
+    result.foreign_points_matched = inliers_.foreign;
+    result.made_keyframe = frame.keyframe.IsValid();
+    previous_ = std::move(frame);
+  } else if (state_ != TrackingState::kNotInitialised) {
+    state_ = TrackingState::kLost;
+    velocity_.reset();
+    ++lost_frames_;
+  }
+  result.state = state_;
+  return result;
+}
+
+}  // namespace corbslam

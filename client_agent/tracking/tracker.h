@@ -1,0 +1,91 @@
+// Tracks the camera in one local map: frame by frame, against the map that mapping builds
+// (ORB-SLAM, T-RO 2015, section V; ORB-SLAM2, T-RO 2017, section III).
+#ifndef CORBSLAM_CLIENT_AGENT_TRACKING_TRACKER_H_
+#define CORBSLAM_CLIENT_AGENT_TRACKING_TRACKER_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "client_agent/map/guarded_map.h"
+#include "client_agent/mapping/mapping_queue.h"
+#include "client_agent/mapping/point_statistics.h"
+#include "client_agent/tracking/frame.h"
+#include "client_agent/tracking/keyframe_policy.h"
+#include "client_agent/tracking/local_map_view.h"
+#include "client_agent/tracking/relocalisation.h"
+#include "client_agent/tracking/tracking_result.h"
+#include "slam/vocabulary/vocabulary.h"
+
+namespace corbslam {
+
+struct TrackerOptions {
+  // A local map begins with a frame of so many keypoints, a fifth of them with depth.
+  int min_keypoints_to_begin = 500;
+  // Around the constant-velocity prediction, pixels at the finest level.
+  double previous_frame_radius_px = 7;
+  // Of the radius in which local map points are sought; RGB-D depths are coarser.
+  double local_map_widening = 1;
+  int min_local_map_inliers = 30;
+  int min_local_map_inliers_after_relocalisation = 50;
+  // Lost for so many frames: the local map is given up; at once where it is this small.
+  int max_lost_frames = 30;
+  int min_keyframes_to_wait = 5;
+  uint64_t seed = 1;
+  KeyframePolicyOptions keyframe;
+};
+
+// What tracking shares with the robot's other parts; nothing is owned.
+struct TrackerParts {
+  GuardedMap* map = nullptr;
+  MappingQueue* queue = nullptr;
+  PointStatistics* statistics = nullptr;
+  const Vocabulary* vocabulary = nullptr;
+  // May be null: then a lost frame is not sought in the map.
+  const PlaceFinder* places = nullptr;
+};
+
+// One thread at a time. Waits for nothing but short locks.
+class Tracker {
+ public:
+  Tracker(const TrackerOptions& options, std::shared_ptr<const Camera> camera,
+          const TrackerParts& parts);
+
+  TrackingResult Track(int64_t timestamp_ns, Features features);
+
+  // Tracking will not find its way back: time for a new local map.
+  bool IsLostForGood() const;
+
+ private:
+  bool Begin(Frame& frame);
+  bool FindPose(Frame& frame);
+  bool TrackPreviousFrame(Frame& frame);
+  bool TrackReferenceKeyframe(Frame& frame);
+  bool Relocalise(Frame& frame);
+  bool TrackLocalMap(Frame& frame);
+  void CountPoints(const std::vector<MapPointId>& visible, const Frame& frame);
+  void ConsiderKeyframe(Frame& frame);
+  void MakeKeyframe(Frame& frame);
+  void EnsureWords(Frame& frame) const;
+  TrackingResult Conclude(Frame frame, bool tracked);
+
+  const TrackerOptions options_;
+  const std::shared_ptr<const Camera> camera_;
+  const TrackerParts parts_;
+
+  TrackingState state_ = TrackingState::kNotInitialised;
+  std::optional<Frame> previous_;
+  // now_from_previous camera motion; none after a start or relocalisation.
+  std::optional<Rigid3d> velocity_;
+  LocalMapView local_map_;
+  InlierCount inliers_;
+  KeyframeId last_keyframe_;
+  int64_t last_keyframe_ns_ = 0;
+  int lost_frames_ = 0;
+  int frames_since_relocalisation_ = 1 << 20;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_TRACKING_TRACKER_H_
