@@ -113,7 +113,11 @@ class SceneBuilder {
         if (x.z() > 0.5 && IsInImage(camera_, Project(camera_, x))) observers.push_back(k);
       }
       const auto limit = static_cast<size_t>(options_.max_observations_per_point);
-      if (limit > 0 && observers.size() > limit) observers.resize(limit);
+      if (limit > 0 && observers.size() > limit) {
+        const size_t first = random_.Bits() % (observers.size() - limit + 1);
+        observers.erase(observers.begin(), observers.begin() + static_cast<std::ptrdiff_t>(first));
+        observers.resize(limit);
+      }
       if (observers.size() < 2) continue;
       for (const size_t k : observers) sightings_[k].push_back(See(p, poses[k] * positions_[p]));
     }

@@ -24,7 +24,7 @@ struct SyntheticSceneOptions {
   double step_m = 0.5;
   double nearest_m = 4;
   double farthest_m = 20;
-  // A point is kept only in its first so many keyframes; 0: in all that see it.
+  // A point is kept only in so many keyframes, one after the other; 0: in all that see it.
   int max_observations_per_point = 0;
   // Share of observations that get a disparity.
   double share_with_depth = 1;

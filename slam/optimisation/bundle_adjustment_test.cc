@@ -1,0 +1,220 @@
+#include "slam/optimisation/bundle_adjustment.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "slam/geometry/lie.h"
+#include "slam/optimisation/testing/synthetic_scene.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::MakeSyntheticScene;
+using testing::SyntheticScene;
+using testing::SyntheticSceneOptions;
+
+SyntheticSceneOptions Disturbed() {
+  SyntheticSceneOptions options;
+  options.pose_noise_m = 0.05;
+  options.pose_noise_rad = 0.01;
+  options.point_noise_m = 0.1;
+  return options;
+}
+
+double WorstPoseError(const SyntheticScene& scene, const BundleResult& result) {
+  double worst = 0;
+  for (const PoseUpdate& pose : result.poses) {
+    worst = std::max(
+        worst,
+        LogSE3(pose.camera_from_map * scene.true_camera_from_map.at(pose.id).Inverse()).norm());
+  }
+  return worst;
+}
+
+TEST(AdjustBundleTest, FindsTheTruthFromExactPixels) {
+  const SyntheticScene scene = MakeSyntheticScene(Disturbed());
+  BundleOptions options;
+  options.max_iterations = 30;
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->poses.size(), scene.map.keyframes().size() - 1);
+  EXPECT_LT(WorstPoseError(scene, *result), 1e-4);
+  EXPECT_LT(result->final_cost, 1e-3 * result->initial_cost);
+  EXPECT_TRUE(result->outliers.empty());
+}
+
+TEST(AdjustBundleTest, AShiftedMapGivesTheShiftedResult) {
+  SyntheticScene scene = MakeSyntheticScene(Disturbed());
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), {});
+  const Rigid3d shift{ExpSO3({0.3, -0.7, 1.1}), {100, -50, 20}};
+  Map shifted = scene.map;
+  for (const auto& [id, keyframe] : scene.map.keyframes()) {
+    shifted.SetPose(id, keyframe.camera_from_map * shift.Inverse());
+  }
+  for (const auto& [id, point] : scene.map.points()) {
+    shifted.SetPosition(id, shift * point.position_in_map);
+  }
+  const auto moved = AdjustBundle(shifted, GlobalBundleScope(shifted, {}), {});
+  ASSERT_TRUE(result.ok() && moved.ok());
+  for (size_t i = 0; i < result->poses.size(); ++i) {
+    const Rigid3d back = moved->poses[i].camera_from_map * shift;
+    EXPECT_LT((back.translation - result->poses[i].camera_from_map.translation).norm(), 1e-3);
+  }
+}
+
+TEST(AdjustBundleTest, RejectsOutliersAndStaysAccurate) {
+  SyntheticSceneOptions scene_options = Disturbed();
+  scene_options.pixel_noise_px = 0.5;
+  scene_options.share_of_outliers = 0.05;
+  const SyntheticScene scene = MakeSyntheticScene(scene_options);
+  BundleOptions options;
+  options.max_iterations = 15;
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_LT(WorstPoseError(scene, *result), 0.03);
+  size_t found = 0;
+  for (const auto& [point, keyframe] : scene.outliers) {
+    const ObservationKey key{point, keyframe};
+    found += std::binary_search(result->outliers.begin(), result->outliers.end(), key) ? 1 : 0;
+  }
+  EXPECT_GT(found, scene.outliers.size() * 9 / 10);
+  EXPECT_LT(result->outliers.size(), scene.outliers.size() * 3 / 2);
+}
+
+TEST(AdjustBundleTest, MonocularMapKeepsItsReprojectionSmall) {
+  SyntheticSceneOptions scene_options = Disturbed();
+  scene_options.share_with_depth = 0;
+  const SyntheticScene scene = MakeSyntheticScene(scene_options);
+  BundleOptions options;
+  options.max_iterations = 40;
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_LT(result->final_cost, 1e-3 * result->initial_cost);
+}
+
+TEST(AdjustBundleTest, SparseSystemAgreesWithTheTruthToo) {
+  SyntheticSceneOptions scene_options = Disturbed();
+  scene_options.keyframes = 80;
+  scene_options.points = 3000;
+  scene_options.max_observations_per_point = 5;
+  const SyntheticScene scene = MakeSyntheticScene(scene_options);
+  BundleOptions options;
+  options.max_iterations = 30;
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_LT(WorstPoseError(scene, *result), 1e-2)
+      << result->iterations << " iterations, cost " << result->initial_cost << " to "
+      << result->final_cost << ", outliers " << result->outliers.size();
+}
+
+TEST(AdjustBundleTest, TheSameInputGivesTheSameBitsAndThreadsHardlyMatter) {
+  const SyntheticScene scene = MakeSyntheticScene(Disturbed());
+  const BundleScope scope = GlobalBundleScope(scene.map, {});
+  BundleOptions options;
+  const auto first = AdjustBundle(scene.map, scope, options);
+  const auto second = AdjustBundle(scene.map, scope, options);
+  options.threads = 2;
+  const auto threaded = AdjustBundle(scene.map, scope, options);
+  ASSERT_TRUE(first.ok() && second.ok() && threaded.ok());
+  for (size_t i = 0; i < first->poses.size(); ++i) {
+    const Eigen::Vector3d t = first->poses[i].camera_from_map.translation;
+    EXPECT_EQ(t, second->poses[i].camera_from_map.translation);
+    EXPECT_LT((t - threaded->poses[i].camera_from_map.translation).norm(), 1e-5);
+  }
+}
+
+TEST(AdjustBundleTest, KeepGoingSeesProgressAndCancels) {
+  const SyntheticScene scene = MakeSyntheticScene(Disturbed());
+  BundleOptions options;
+  int calls = 0;
+  double last = 0;
+  options.keep_going = [&](double progress) {
+    EXPECT_GE(progress, last);
+    EXPECT_LE(progress, 1);
+    last = progress;
+    return ++calls < 2;
+  };
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
+  ASSERT_TRUE(result.ok());
+  EXPECT_TRUE(result->cancelled);
+  EXPECT_EQ(calls, 2);
+  EXPECT_LT(result->final_cost, result->initial_cost);
+}
+
+TEST(AdjustBundleTest, RefusesImpossibleScopesAndNamesTheId) {
+  const SyntheticScene scene = MakeSyntheticScene({});
+  const BundleScope good = GlobalBundleScope(scene.map, {});
+  EXPECT_EQ(AdjustBundle(scene.map, {}, {}).status().code(), absl::StatusCode::kInvalidArgument);
+
+  BundleScope scope = good;
+  scope.free_keyframes.push_back({LocalMapId{0xabc}, 7});
+  absl::Status status = AdjustBundle(scene.map, scope, {}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("0000000000000abc:7"));
+
+  scope = good;
+  scope.fixed_points.push_back(scope.free_points[3]);
+  status = AdjustBundle(scene.map, scope, {}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr(ToString(scope.free_points[3])));
+
+  scope = good;
+  scope.fixed_keyframes.clear();
+  EXPECT_EQ(AdjustBundle(scene.map, scope, {}).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+
+  scope = good;
+  scope.free_points.clear();
+  EXPECT_EQ(AdjustBundle(scene.map, scope, {}).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(AdjustBundleTest, ApplyMovesTheMapAndDropsOutliers) {
+  SyntheticSceneOptions scene_options = Disturbed();
+  scene_options.share_of_outliers = 0.03;
+  SyntheticScene scene = MakeSyntheticScene(scene_options);
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), {});
+  ASSERT_TRUE(result.ok());
+  ASSERT_FALSE(result->outliers.empty());
+  ApplyBundle(*result, scene.map);
+  const PoseUpdate& pose = result->poses.front();
+  EXPECT_EQ(scene.map.FindKeyframe(pose.id)->camera_from_map.translation,
+            pose.camera_from_map.translation);
+  const ObservationKey& outlier = result->outliers.front();
+  EXPECT_FALSE(scene.map.FindPoint(outlier.point)->observations.contains(outlier.keyframe));
+}
+
+TEST(LocalBundleScopeTest, HoldsRootAndDistantObserversAndForeignItems) {
+  SyntheticSceneOptions options;
+  options.keyframes = 30;
+  options.points = 1500;
+  options.step_m = 1;
+  const SyntheticScene scene = MakeSyntheticScene(options);
+  const KeyframeId centre{options.local_map, 25};
+  const BundleScope scope = LocalBundleScope(scene.map, centre, options.local_map);
+  EXPECT_TRUE(std::binary_search(scope.free_keyframes.begin(), scope.free_keyframes.end(), centre));
+  EXPECT_FALSE(scope.fixed_keyframes.empty());
+  EXPECT_TRUE(AdjustBundle(scene.map, scope, {}).ok());
+  for (const KeyframeId id : scope.free_keyframes) EXPECT_NE(id.index, 0u);
+
+  const BundleScope foreign = LocalBundleScope(scene.map, centre, LocalMapId{0xf00});
+  EXPECT_TRUE(foreign.free_keyframes.empty());
+  EXPECT_TRUE(foreign.free_points.empty());
+  EXPECT_TRUE(LocalBundleScope(scene.map, {options.local_map, 999}, options.local_map)
+                  .free_keyframes.empty());
+}
+
+TEST(GlobalBundleScopeTest, HoldsWhatIsAskedElseTheRoot) {
+  const SyntheticScene scene = MakeSyntheticScene({});
+  const KeyframeId third = std::next(scene.map.keyframes().begin(), 3)->first;
+  EXPECT_EQ(GlobalBundleScope(scene.map, {third}).fixed_keyframes, std::vector{third});
+  EXPECT_EQ(GlobalBundleScope(scene.map, {}).fixed_keyframes,
+            std::vector{scene.map.keyframes().begin()->first});
+}
+
+}  // namespace
+}  // namespace corbslam

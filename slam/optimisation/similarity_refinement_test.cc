@@ -1,0 +1,102 @@
+#include "slam/optimisation/similarity_refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "slam/geometry/lie.h"
+#include "slam/optimisation/mutual_reprojection_cost.h"
+#include "slam/optimisation/testing/synthetic_scene.h"
+
+namespace corbslam {
+namespace {
+
+const Similarity3d kTruth =
+    ExpSim3((Vector7d() << 0.4, -0.2, 0.3, 0.05, -0.1, 0.08, 0.2).finished());
+
+std::vector<SimilarityMatch> Matches(const Similarity3d& b_from_a, int count) {
+  const Camera camera = testing::SyntheticCamera();
+  std::vector<SimilarityMatch> matches;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d a(std::sin(3.1 * i) * 2, std::cos(1.7 * i), 6 + 2 * std::sin(0.9 * i));
+    const Eigen::Vector3d b = b_from_a * a;
+    matches.push_back({a, b, Project(camera, a), Project(camera, b), 1, 1});
+  }
+  return matches;
+}
+
+template <bool kInverse>
+void CheckJacobian() {
+  const Camera camera = testing::SyntheticCamera();
+  const MutualReprojectionCost<kInverse> cost(camera, {0.4, 0.3, 5}, {300, 220}, 1.7);
+  const SimilarityBlock block = ToBlock(kTruth);
+  const LeftPerturbation<7> manifold;
+  const double* parameters[1] = {block.data()};
+  Eigen::Matrix<double, 2, 8, Eigen::RowMajor> J;
+  double* jacobians[1] = {J.data()};
+  Eigen::Vector2d residual;
+  ASSERT_TRUE(cost.Evaluate(parameters, residual.data(), jacobians));
+  for (int i = 0; i < 7; ++i) {
+    Eigen::Vector2d sides[2];
+    for (int side = 0; side < 2; ++side) {
+      const Vector7d step = (side == 0 ? 1e-6 : -1e-6) * Vector7d::Unit(i);
+      SimilarityBlock moved{};
+      manifold.Plus(block.data(), step.data(), moved.data());
+      const double* at[1] = {moved.data()};
+      ASSERT_TRUE(cost.Evaluate(at, sides[side].data(), nullptr));
+    }
+    EXPECT_LT(((sides[0] - sides[1]) / 2e-6 - J.col(i)).norm(), 1e-5) << i;
+  }
+}
+
+TEST(MutualReprojectionCostTest, JacobiansAgreeWithNumericDifferences) {
+  CheckJacobian<false>();
+  CheckJacobian<true>();
+}
+
+TEST(RefineSimilarityTest, FindsTheTruthBothWaysAndRejectsOutliers) {
+  const Camera camera = testing::SyntheticCamera();
+  const Similarity3d offset =
+      ExpSim3((Vector7d() << 0.05, 0.05, -0.05, 0.01, 0.01, -0.01, 0.05).finished());
+  for (const Similarity3d& truth : {kTruth, kTruth.Inverse()}) {
+    auto matches = Matches(truth, 60);
+    for (size_t i = 0; i < 12; ++i) matches[5 * i].pixel_in_b.x() += 40;
+    const auto refined = RefineSimilarity(camera, camera, matches, offset * truth, false);
+    ASSERT_TRUE(refined.ok()) << refined.status();
+    EXPECT_LT(LogSim3(refined->b_from_a * truth.Inverse()).norm(), 1e-4);
+    EXPECT_EQ(refined->inliers, 48);
+    EXPECT_FALSE(refined->is_inlier[5]);
+    EXPECT_TRUE(refined->is_inlier[6]);
+  }
+}
+
+TEST(RefineSimilarityTest, KeepsAFixedScale) {
+  const Camera camera = testing::SyntheticCamera();
+  Similarity3d truth = kTruth;
+  truth.scale = 1;
+  const Similarity3d offset =
+      ExpSim3((Vector7d() << 0.05, 0.05, -0.05, 0.01, 0.01, -0.01, 0).finished());
+  const auto refined = RefineSimilarity(camera, camera, Matches(truth, 40), offset * truth, true);
+  ASSERT_TRUE(refined.ok()) << refined.status();
+  EXPECT_NEAR(refined->b_from_a.scale, 1, 1e-12);
+  EXPECT_LT((refined->b_from_a.translation - truth.translation).norm(), 1e-4);
+}
+
+TEST(RefineSimilarityTest, RefusesTooFewAndNotFinite) {
+  const Camera camera = testing::SyntheticCamera();
+  auto matches = Matches(kTruth, 2);
+  EXPECT_EQ(RefineSimilarity(camera, camera, matches, kTruth, false).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  matches = Matches(kTruth, 10);
+  matches[3].x_in_a.x() = NAN;
+  EXPECT_EQ(RefineSimilarity(camera, camera, matches, kTruth, false).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  matches = Matches(kTruth, 10);
+  for (SimilarityMatch& match : matches) match.x_in_a.z() = -5;
+  EXPECT_EQ(RefineSimilarity(camera, camera, matches, kTruth, false).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+}
+
+}  // namespace
+}  // namespace corbslam
