@@ -185,6 +185,16 @@ TEST(EstimateTwoViewTest, FindsDirectionAndPointsUpToScale) {
   EXPECT_FALSE(found->from_homography);
 }
 
+// A plane allows two motions; here most points lie in front of both cameras in both.
+TEST(EstimateTwoViewTest, RefusesAFlatSceneThatTwoMotionsExplain) {
+  auto points = RandomPoints(200);
+  for (Eigen::Vector3d& x : points) x *= 2 / (0.5 * x.z() + 1.2 * x.y());
+  const absl::Status status =
+      EstimateTwoView(testing::SyntheticCamera(), PixelMatches(points), {}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
+  EXPECT_NE(status.message().find("two solutions alike"), absl::string_view::npos) << status;
+}
+
 TEST(EstimateTwoViewTest, RefusesUnclearGeometry) {
   const Camera camera = testing::SyntheticCamera();
   const auto matches = PixelMatches(RandomPoints(200));
