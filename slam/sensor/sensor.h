@@ -21,26 +21,26 @@ namespace corbslam {
 // What a sensor sees at one time. Matrices are shared, not copied.
 struct SensorImages {
   int64_t timestamp_ns = 0;
-  cv::Mat grey;   // CV_8UC1; of stereo the left one
-  cv::Mat right;  // CV_8UC1; stereo only
+  cv::Mat grey = {};   // CV_8UC1; of stereo the left one
+  cv::Mat right = {};  // CV_8UC1; stereo only
   // RGB-D only, registered to `grey`: CV_16UC1 in units of depth_units_per_m, or CV_32FC1 in
   // metres; 0 and NaN: none.
-  cv::Mat depth;
+  cv::Mat depth = {};
 };
 
 struct StereoCalibration {
   // Of the rectified pair, baseline_m > 0. With `raw` set only close_depth_m is read, when > 0:
   // the rest follows from the rectification.
-  Camera camera;
+  Camera camera = {};
   // Present when the images come raw and need rectifying.
-  std::optional<RawStereo> raw;
+  std::optional<RawStereo> raw = {};
 };
 
 struct RgbdCalibration {
   // baseline_m: the virtual one that makes disparities of depths.
-  Camera camera;
+  Camera camera = {};
   // Of the raw grey image.
-  RadialTangential distortion;
+  RadialTangential distortion = {};
   // Of CV_16UC1 depth images.
   double depth_units_per_m = 5000;
 };
@@ -48,7 +48,7 @@ struct RgbdCalibration {
 using SensorCalibration = std::variant<StereoCalibration, RgbdCalibration>;
 
 struct SensorOptions {
-  OrbOptions orb;
+  OrbOptions orb = {};
   // Changes speed only: the right image has a thread of its own.
   bool parallel = true;
 };

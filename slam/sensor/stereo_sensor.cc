@@ -8,6 +8,18 @@
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
+namespace {
+
+// The right image serves only to find counterparts: with more corners there, fewer of the left
+// ones miss theirs because the spread over the image chose its neighbour.
+constexpr int kRightFeaturesFactor = 2;
+
+OrbOptions OptionsOfRight(OrbOptions options) {
+  options.features *= kRightFeaturesFactor;
+  return options;
+}
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<Sensor>> StereoSensor::Make(const StereoCalibration& calibration,
                                                            const SensorOptions& options) {
@@ -33,7 +45,7 @@ StereoSensor::StereoSensor(const Camera& camera, std::optional<StereoRectifier> 
     : camera_(camera),
       rectifier_(std::move(rectifier)),
       left_(options.orb),
-      right_(options.orb),
+      right_(OptionsOfRight(options.orb)),
       worker_(options.parallel ? std::make_unique<WorkerThread>() : nullptr) {}
 
 absl::StatusOr<Features> StereoSensor::Process(const SensorImages& images) {

@@ -1,0 +1,212 @@
+#include "slam/sensor/sensor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace corbslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+const Camera kCamera = {.fx_px = 500,
+                        .fy_px = 500,
+                        .cx_px = 320,
+                        .cy_px = 240,
+                        .width_px = 640,
+                        .height_px = 480,
+                        .baseline_m = 0.1,
+                        .close_depth_m = 4};
+
+// Random discs, drawn at a sub-pixel position: the same scene seen `shift_px` further left.
+cv::Mat Scene(double shift_px) {
+  constexpr int kFractionBits = 6;
+  std::mt19937_64 random(11);
+  cv::Mat image(480, 640, CV_8UC1, cv::Scalar(128));
+  for (int i = 0; i < 1500; ++i) {
+    const double x = static_cast<double>(random() % 80000) / 100 - shift_px;
+    const double y = static_cast<double>(random() % 48000) / 100;
+    const double radius = 2 + static_cast<double>(random() % 1000) / 100;
+    const auto fixed = [](double v) { return static_cast<int>(std::lround(v * 64)); };
+    cv::circle(image, {fixed(x), fixed(y)}, fixed(radius),
+               cv::Scalar(static_cast<double>(random() % 256)), cv::FILLED, cv::LINE_AA,
+               kFractionBits);
+  }
+  cv::GaussianBlur(image, image, {5, 5}, 1.0);
+  return image;
+}
+
+std::unique_ptr<Sensor> Stereo(bool parallel = true) {
+  auto sensor = MakeSensor(StereoCalibration{.camera = kCamera, .raw = {}},
+                           {.orb = {.features = 1000}, .parallel = parallel});
+  EXPECT_TRUE(sensor.ok()) << sensor.status();
+  return *std::move(sensor);
+}
+
+std::vector<double> DisparityErrors(const Features& features, double truth_px) {
+  std::vector<double> errors;
+  for (const Keypoint& keypoint : features.keypoints) {
+    if (keypoint.HasDepth()) errors.push_back(std::abs(keypoint.disparity_px - truth_px));
+  }
+  std::ranges::sort(errors);
+  return errors;
+}
+
+TEST(StereoSensorTest, MeasuresDisparitiesBelowAPixel) {
+  const auto sensor = Stereo();
+  for (const double truth_px : {3.25, 12.5, 30.8}) {
+    const auto features = sensor->Process({.grey = Scene(0), .right = Scene(truth_px)});
+    ASSERT_TRUE(features.ok()) << features.status();
+    const std::vector<double> errors = DisparityErrors(*features, truth_px);
+    ASSERT_GT(errors.size(), features->keypoints.size() / 2) << truth_px;
+    EXPECT_LT(errors[errors.size() / 2], 0.08) << truth_px;
+    EXPECT_LT(errors[errors.size() * 9 / 10], 0.35) << truth_px;
+  }
+}
+
+TEST(StereoSensorTest, ExchangedCamerasGiveNoDisparities) {
+  const auto features = Stereo()->Process({.grey = Scene(20), .right = Scene(0)});
+  ASSERT_TRUE(features.ok());
+  EXPECT_LT(DisparityErrors(*features, 20).size(), features->keypoints.size() / 10);  // by chance
+}
+
+TEST(StereoSensorTest, APointAtInfinityHasTheLeastDisparity) {
+  const auto features = Stereo()->Process({.grey = Scene(0), .right = Scene(0)});
+  ASSERT_TRUE(features.ok());
+  const std::vector<double> errors = DisparityErrors(*features, 0);
+  ASSERT_GT(errors.size(), features->keypoints.size() / 2);
+  EXPECT_LT(errors[errors.size() * 9 / 10], 0.05);
+}
+
+TEST(StereoSensorTest, ADifferenceOfExposureDoesNotMatter) {
+  cv::Mat right = Scene(12.5);
+  right.convertTo(right, CV_8UC1, 1.0, 12);
+  const auto features = Stereo()->Process({.grey = Scene(0), .right = right});
+  ASSERT_TRUE(features.ok());
+  const std::vector<double> errors = DisparityErrors(*features, 12.5);
+  ASSERT_GT(errors.size(), features->keypoints.size() / 2);
+  EXPECT_LT(errors[errors.size() / 2], 0.08);
+}
+
+TEST(StereoSensorTest, ThreadsDoNotChangeTheResult) {
+  const SensorImages images = {.grey = Scene(0), .right = Scene(7.7)};
+  const auto one = Stereo(false)->Process(images);
+  const auto sensor = Stereo(true);
+  for (int i = 0; i < 3; ++i) {
+    const auto two = sensor->Process(images);
+    ASSERT_TRUE(one.ok() && two.ok());
+    EXPECT_EQ(one->keypoints, two->keypoints);
+    EXPECT_EQ(one->descriptors, two->descriptors);
+  }
+}
+
+TEST(StereoSensorTest, RefusesWrongImages) {
+  const auto sensor = Stereo();
+  const cv::Mat right_size(480, 640, CV_8UC1, cv::Scalar(0));
+  const cv::Mat wrong_size(240, 320, CV_8UC1, cv::Scalar(0));
+  const absl::Status status = sensor->Process({.grey = right_size, .right = wrong_size}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("right image: expected 640x480 CV_8UC1"));
+  EXPECT_THAT(status.message(), HasSubstr("320x240"));
+  EXPECT_THAT(sensor->Process({.grey = right_size}).status().message(), HasSubstr("no image"));
+}
+
+TEST(StereoSensorTest, RefusesACameraWithoutBaseline) {
+  Camera camera = kCamera;
+  camera.baseline_m = 0;
+  EXPECT_THAT(MakeSensor(StereoCalibration{.camera = camera, .raw = {}}, {}).status().message(),
+              HasSubstr("baseline_m is 0"));
+}
+
+TEST(RgbdSensorTest, ReadsDepthInUnitsAndInMetres) {
+  const auto sensor = MakeSensor(RgbdCalibration{.camera = kCamera, .distortion = {}}, {});
+  ASSERT_TRUE(sensor.ok());
+  // 2 m on the left, none on the right.
+  cv::Mat units(480, 640, CV_16UC1, cv::Scalar(10000));
+  units.colRange(320, 640).setTo(0);
+  cv::Mat metres(480, 640, CV_32FC1, cv::Scalar(2));
+  metres.colRange(320, 640).setTo(std::numeric_limits<float>::quiet_NaN());
+  for (const cv::Mat& depth : {units, metres}) {
+    const auto features = (*sensor)->Process({.grey = Scene(0), .depth = depth});
+    ASSERT_TRUE(features.ok()) << features.status();
+    ASSERT_GT(features->keypoints.size(), 500U);
+    for (const Keypoint& keypoint : features->keypoints) {
+      const bool left = std::lround(keypoint.x_px) < 320;
+      EXPECT_FLOAT_EQ(keypoint.disparity_px, left ? 25.0F : 0.0F);  // 500 * 0.1 / 2
+    }
+  }
+}
+
+TEST(RgbdSensorTest, UndistortsKeypointsAndReadsDepthWhereTheyWereSeen) {
+  const RadialTangential distortion = {.k1 = -0.3, .k2 = 0.1};
+  const auto ideal = MakeSensor(RgbdCalibration{.camera = kCamera, .distortion = {}}, {});
+  const auto lens = MakeSensor(RgbdCalibration{.camera = kCamera, .distortion = distortion}, {});
+  ASSERT_TRUE(ideal.ok() && lens.ok());
+  cv::Mat depth(480, 640, CV_16UC1);
+  for (int x = 0; x < 640; ++x) depth.col(x).setTo(5000 + 20 * x);
+  const auto raw = (*ideal)->Process({.grey = Scene(0), .depth = depth});
+  const auto undistorted = (*lens)->Process({.grey = Scene(0), .depth = depth});
+  ASSERT_TRUE(raw.ok() && undistorted.ok());
+  ASSERT_EQ(raw->keypoints.size(), undistorted->keypoints.size());
+  for (size_t i = 0; i < raw->keypoints.size(); ++i) {
+    const Eigen::Vector2d pixel = UndistortPixel(kCamera, distortion, raw->keypoints[i].Pixel());
+    EXPECT_NEAR((pixel - undistorted->keypoints[i].Pixel()).norm(), 0, 1e-3);
+    EXPECT_EQ(raw->keypoints[i].disparity_px, undistorted->keypoints[i].disparity_px);
+  }
+}
+
+TEST(RgbdSensorTest, RefusesWrongDepthImages) {
+  const auto sensor = MakeSensor(RgbdCalibration{.camera = kCamera, .distortion = {}}, {});
+  ASSERT_TRUE(sensor.ok());
+  const auto result =
+      (*sensor)->Process({.grey = Scene(0), .depth = cv::Mat(480, 640, CV_8UC1, cv::Scalar(1))});
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(result.status().message(), HasSubstr("CV_8UC1"));
+}
+
+TEST(StereoSensorTest, RecordedStreetHasPlausibleDepths) {
+  const char* const folder = std::getenv("CORBSLAM_DATA_DIR");
+  if (folder == nullptr) {
+    ASSERT_EQ(std::getenv("CI"), nullptr) << "CORBSLAM_DATA_DIR must be set";
+    GTEST_SKIP() << "CORBSLAM_DATA_DIR is not set";
+  }
+  const std::string sequence = std::string(folder) + "/kitti_00_first201";
+  const cv::Mat left = cv::imread(sequence + "/image_0/000100.png", cv::IMREAD_GRAYSCALE);
+  const cv::Mat right = cv::imread(sequence + "/image_1/000100.png", cv::IMREAD_GRAYSCALE);
+  const Camera camera = {.fx_px = 718.856,
+                         .fy_px = 718.856,
+                         .cx_px = 607.1928,
+                         .cy_px = 185.2157,
+                         .width_px = 1241,
+                         .height_px = 376,
+                         .baseline_m = 0.53716,
+                         .close_depth_m = 18.8};
+  const auto sensor = MakeSensor(StereoCalibration{.camera = camera, .raw = {}}, {});
+  ASSERT_TRUE(sensor.ok());
+  const auto features = (*sensor)->Process({.grey = left, .right = right});
+  ASSERT_TRUE(features.ok()) << features.status();
+  int with_depth = 0;
+  int below_street = 0;
+  for (const Keypoint& keypoint : features->keypoints) {
+    if (!keypoint.HasDepth()) continue;
+    ++with_depth;
+    // The camera is 1.65 m above the street: nothing is seen much below it.
+    const Eigen::Vector3d point = Unproject(camera, keypoint.x_px, keypoint.y_px,
+                                            DepthFromDisparity(camera, keypoint.disparity_px));
+    below_street += point.y() > 2.5 && point.z() < 30;
+  }
+  EXPECT_GT(with_depth, 1000);
+  EXPECT_LT(below_street, with_depth / 50);
+}
+
+}  // namespace
+}  // namespace corbslam
