@@ -233,6 +233,16 @@ void LoopCloser::Stop() {
 
 bool LoopCloser::IsIdle() const {
   absl::MutexLock lock(&mutex_);
+  return Idle();
+}
+
+bool LoopCloser::WaitUntilIdle(absl::Time deadline) const {
+  absl::MutexLock lock(&mutex_);
+  const auto idle = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return Idle(); };
+  return mutex_.AwaitWithDeadline(absl::Condition(&idle), deadline);
+}
+
+bool LoopCloser::Idle() const {
   if (stopped_) return !detecting_ && !adjusting_;
   return waiting_.empty() && !detecting_ && !correction_posted_ && !adjusting_ &&
          !adjustment_wanted_;

@@ -13,6 +13,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/container/btree_set.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
 #include "client_agent/loop_closing/map_correction.h"
 #include "client_agent/map/guarded_map.h"
 #include "client_agent/mapping/mapping_queue.h"
@@ -81,12 +82,15 @@ class LoopCloser {
 
   // Nothing waits and nothing is under way, in either worker or posted.
   bool IsIdle() const;
+  // Returns when it is: true; or false at the deadline.
+  bool WaitUntilIdle(absl::Time deadline) const;
 
   LoopCloserCounts counts() const;
 
  private:
   std::optional<Overlap> DetectLoop(KeyframeId query);
   bool CloseLoop(const Overlap& loop);
+  bool Idle() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   bool DetectionIsReady() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   bool AdjustmentIsReady() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
 

@@ -42,7 +42,8 @@ TEST_F(MapHistoryTest, RemovedKeyframeFollowsItsParent) {
   // The parent goes too, and then its own parent moves: all follow.
   ASSERT_TRUE(map_.RemoveKeyframe(Keyframe(2)));
   const Rigid3d shift{Eigen::Quaterniond::Identity(), {1, 2, 3}};
-  for (const auto& [id, keyframe] : Map(map_).keyframes()) {
+  const Map copy = map_;
+  for (const auto& [id, keyframe] : copy.keyframes()) {
     map_.SetPose(id, keyframe.camera_from_map * shift);
   }
   const auto moved = history_.CameraFromMap(map_, Keyframe(3));
@@ -92,10 +93,11 @@ TEST(GuardedMapTest, ReadersSeeWholeWrites) {
   std::thread writer([&map] {
     for (int i = 0; i < 200; ++i) {
       map.Write([&map](Map& m) {
-        MapPoint first{.id = map.NewPointId()};
-        MapPoint second{.id = map.NewPointId()};
-        m.AddPoint(first);
-        m.AddPoint(second);
+        for (int k = 0; k < 2; ++k) {
+          MapPoint point;
+          point.id = map.NewPointId();
+          m.AddPoint(point);
+        }
       });
     }
   });

@@ -18,7 +18,7 @@
 namespace corbslam {
 
 struct MapperOptions {
-  BundleOptions local_bundle = {.max_iterations = 10};
+  BundleOptions local_bundle;
 };
 
 // What the mapper works with; nothing is owned.

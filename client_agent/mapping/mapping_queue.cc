@@ -68,10 +68,10 @@ bool MappingQueue::WaitForItem() {
   return !stopped_;
 }
 
-void MappingQueue::WaitUntilIdle() {
+bool MappingQueue::WaitUntilIdle(absl::Time deadline) {
   absl::MutexLock lock(&mutex_);
   const auto idle = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return stopped_ || Idle(); };
-  mutex_.Await(absl::Condition(&idle));
+  return mutex_.AwaitWithDeadline(absl::Condition(&idle), deadline);
 }
 
 void MappingQueue::Stop() {

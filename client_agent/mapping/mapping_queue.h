@@ -13,6 +13,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
 #include "client_agent/map/guarded_map.h"
 #include "slam/map/keyframe.h"
 
@@ -57,8 +58,8 @@ class MappingQueue {
   void Done();
   // Returns when an item waits or Stop was called: true when there is an item.
   bool WaitForItem();
-  // Returns when the queue is idle (or stopped).
-  void WaitUntilIdle();
+  // Returns when the queue is idle (or stopped): true; or false at the deadline.
+  bool WaitUntilIdle(absl::Time deadline);
   // Wakes everybody; items that wait are dropped.
   void Stop();
 

@@ -1,0 +1,84 @@
+#include "client_agent/agent/local_map_session.h"
+
+#include <utility>
+
+#include "absl/time/clock.h"
+
+namespace corbslam {
+
+LocalMapSession::LocalMapSession(const LocalMapSessionOptions& options,
+                                 std::shared_ptr<const Camera> camera,
+                                 std::shared_ptr<const Vocabulary> vocabulary)
+    : vocabulary_(std::move(vocabulary)),
+      map_(options.local_map),
+      places_(&map_),
+      find_places_([this](const Words& words) { return places_.Find(words); }),
+      loop_closer_(options.loop_closer, &map_, &queue_,
+                   [this](const Keyframe& query, const absl::btree_set<KeyframeId>& excluded) {
+                     return places_.FindLoops(query, excluded);
+                   }),
+      mapper_(options.mapper, MakeMapperParts()),
+      tracker_(options.tracker, std::move(camera),
+               {&map_, &queue_, &statistics_, vocabulary_.get(), &find_places_}) {}
+
+LocalMapSession::~LocalMapSession() { Stop(); }
+
+MapperParts LocalMapSession::MakeMapperParts() {
+  MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr};
+  parts.on_mapped = [this](KeyframeId id) {
+    const auto words = map_.Read([&](const Map& map) {
+      const Keyframe* keyframe = map.FindKeyframe(id);
+      return keyframe == nullptr ? nullptr : keyframe->words;
+    });
+    if (words == nullptr) return;
+    places_.Add(id, words);
+    loop_closer_.Enqueue(id);
+  };
+  parts.on_removed = [this](KeyframeId id) { places_.Remove(id); };
+  return parts;
+}
+
+void LocalMapSession::Start() {
+  threads_.emplace_back([this] { mapper_.Run(); });
+  threads_.emplace_back([this] {
+    while (loop_closer_.WaitForDetection()) loop_closer_.StepDetection();
+  });
+  threads_.emplace_back([this] {
+    while (loop_closer_.WaitForAdjustment()) loop_closer_.StepAdjustment();
+  });
+}
+
+void LocalMapSession::Step() {
+  while (mapper_.Step() || loop_closer_.StepDetection() || loop_closer_.StepAdjustment()) {
+  }
+}
+
+bool LocalMapSession::WaitUntilIdle(absl::Time deadline) {
+  if (threads_.empty()) {
+    Step();
+    return true;
+  }
+  while (true) {
+    if (!queue_.WaitUntilIdle(deadline) || !loop_closer_.WaitUntilIdle(deadline)) return false;
+    // A loop that closed meanwhile has posted its correction.
+    if (queue_.IsIdle() && loop_closer_.IsIdle()) return true;
+  }
+}
+
+void LocalMapSession::Stop() {
+  loop_closer_.Stop();
+  queue_.Stop();
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
+}
+
+void LocalMapSession::OnPlaced(const PlacementChange& change, const Map& map) {
+  for (const KeyframeId id : change.removed_keyframes) places_.Remove(id);
+  for (const KeyframeId id : change.added_keyframes) {
+    const Keyframe* keyframe = map.FindKeyframe(id);
+    if (keyframe != nullptr) places_.Add(id, keyframe->words);
+  }
+  map_.CountCorrection();
+}
+
+}  // namespace corbslam

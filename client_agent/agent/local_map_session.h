@@ -1,0 +1,71 @@
+// All that works on one local map: its map, tracking, mapping and loop closing, and their threads.
+#ifndef CORBSLAM_CLIENT_AGENT_AGENT_LOCAL_MAP_SESSION_H_
+#define CORBSLAM_CLIENT_AGENT_AGENT_LOCAL_MAP_SESSION_H_
+
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "client_agent/agent/place_index.h"
+#include "client_agent/loop_closing/loop_closer.h"
+#include "client_agent/map/guarded_map.h"
+#include "client_agent/mapping/mapper.h"
+#include "client_agent/mapping/mapping_queue.h"
+#include "client_agent/mapping/point_statistics.h"
+#include "client_agent/memory/shared_map.h"
+#include "client_agent/tracking/tracker.h"
+
+namespace corbslam {
+
+struct LocalMapSessionOptions {
+  LocalMapId local_map;
+  TrackerOptions tracker;
+  MapperOptions mapper;
+  LoopCloserOptions loop_closer;
+};
+
+// Without Start it has no threads, and Step does their work.
+class LocalMapSession {
+ public:
+  LocalMapSession(const LocalMapSessionOptions& options, std::shared_ptr<const Camera> camera,
+                  std::shared_ptr<const Vocabulary> vocabulary);
+  ~LocalMapSession();
+  LocalMapSession(const LocalMapSession&) = delete;
+  LocalMapSession& operator=(const LocalMapSession&) = delete;
+
+  void Start();
+  // Mapping, then loop closing, until both are idle.
+  void Step();
+  // The same with threads: returns when all is idle, or false at the deadline.
+  bool WaitUntilIdle(absl::Time deadline);
+  // Ends the threads; the map stays. What waits in the queue is dropped.
+  void Stop();
+
+  // Keeps the place index in step with others' keyframes; on the mapping thread.
+  void OnPlaced(const PlacementChange& change, const Map& map);
+
+  Tracker& tracker() { return tracker_; }
+  GuardedMap& map() { return map_; }
+  const GuardedMap& map() const { return map_; }
+  MappingQueue& queue() { return queue_; }
+  const Mapper& mapper() const { return mapper_; }
+  const LoopCloser& loop_closer() const { return loop_closer_; }
+
+ private:
+  MapperParts MakeMapperParts();
+
+  const std::shared_ptr<const Vocabulary> vocabulary_;
+  GuardedMap map_;
+  MappingQueue queue_;
+  PointStatistics statistics_;
+  PlaceIndex places_;
+  const PlaceFinder find_places_;
+  LoopCloser loop_closer_;
+  Mapper mapper_;
+  Tracker tracker_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_AGENT_LOCAL_MAP_SESSION_H_

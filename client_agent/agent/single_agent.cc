@@ -1,0 +1,218 @@
+#include "client_agent/agent/single_agent.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "client_agent/agent/trajectory_log.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// The agent's name makes the ids of two agents with one seed differ (FNV-1a).
+uint64_t SeedOf(const AgentOptions& options) {
+  uint64_t hash = 14695981039346656037ull ^ options.seed;
+  for (const char c : options.name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  return hash;
+}
+
+MemoryOptions MakeMemoryOptions(const AgentOptions& options) {
+  MemoryOptions memory;
+  memory.mission = options.mission;
+  memory.agent = options.name;
+  memory.seed = options.seed;
+  return memory;
+}
+
+}  // namespace
+
+absl::Status AgentOptions::Validate() const {
+  if (name.empty()) return absl::InvalidArgumentError("agent options: the name is empty");
+  if (mission.empty()) return absl::InvalidArgumentError("agent options: the mission is empty");
+  if (solver_threads < 1) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("agent options: solver_threads is ", solver_threads, ", not at least 1"));
+  }
+  return sensor.orb.Validate();
+}
+
+absl::StatusOr<std::unique_ptr<Agent>> Agent::Create(const AgentOptions& options,
+                                                     const SensorCalibration& calibration,
+                                                     std::shared_ptr<const Vocabulary> vocabulary,
+                                                     Uplink* uplink) {
+  RETURN_IF_ERROR(options.Validate());
+  if (vocabulary == nullptr) return absl::InvalidArgumentError("agent: no vocabulary");
+  ASSIGN_OR_RETURN(std::unique_ptr<Sensor> sensor, MakeSensor(calibration, options.sensor));
+  const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
+  return std::make_unique<SingleAgent>(options, std::move(sensor), is_stereo, std::move(vocabulary),
+                                       uplink);
+}
+
+SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
+                         bool is_stereo, std::shared_ptr<const Vocabulary> vocabulary,
+                         Uplink* uplink)
+    : options_(options),
+      is_stereo_(is_stereo),
+      created_(absl::Now()),
+      sensor_(std::move(sensor)),
+      camera_(std::make_shared<const Camera>(sensor_->camera())),
+      vocabulary_(std::move(vocabulary)),
+      random_(SeedOf(options)),
+      memory_(std::make_unique<MemoryManager>(
+          MakeMemoryOptions(options), uplink,
+          [vocabulary = vocabulary_](const std::vector<Descriptor>& descriptors) {
+            return std::make_shared<const Words>(vocabulary->Transform(descriptors));
+          })) {
+  OpenLocalMap();
+  if (!options_.deterministic) memory_->Start();
+}
+
+SingleAgent::~SingleAgent() {
+  for (const LocalMapSession* session : Sessions()) const_cast<LocalMapSession*>(session)->Stop();
+}
+
+void SingleAgent::OpenLocalMap() {
+  LocalMapSessionOptions options;
+  while (!options.local_map.IsValid()) options.local_map.value = random_();
+  options.tracker.seed = options_.seed;
+  // Depths of RGB-D cameras are coarser than disparities.
+  options.tracker.local_map_widening = is_stereo_ ? 1 : 3;
+  options.mapper.local_bundle.threads = options_.solver_threads;
+  options.loop_closer.seed = options_.seed;
+  options.loop_closer.fix_scale = camera_->IsMetric();
+  options.loop_closer.solver_threads = options_.solver_threads;
+  auto session = std::make_unique<LocalMapSession>(options, camera_, vocabulary_);
+  LocalMapSession* opened = session.get();
+  MapAccess access;
+  access.local_map = options.local_map;
+  access.read = [opened](const std::function<void(const Map&)>& f) { opened->map().Read(f); };
+  access.post = [opened](std::function<void(Map&)> f) {
+    opened->queue().PostJob([f = std::move(f)](GuardedMap& map) { map.Write(f); });
+  };
+  access.on_placed = [opened](const PlacementChange& change, const Map& map) {
+    opened->OnPlaced(change, map);
+  };
+  opened->map().SetObserver(memory_->BeginLocalMap(std::move(access)));
+  if (!options_.deterministic) opened->Start();
+  absl::MutexLock lock(&mutex_);
+  sessions_.push_back(std::move(session));
+  current_session_ = opened;
+  status_.local_maps = static_cast<int>(sessions_.size());
+  status_.local_map = options.local_map;
+}
+
+absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
+  const absl::Time start = absl::Now();
+  ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
+  TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
+  Record(result, absl::ToDoubleMilliseconds(absl::Now() - start));
+  if (current().tracker().IsLostForGood()) {
+    current().WaitUntilIdle(absl::Now() + absl::Seconds(1));
+    current().Stop();
+    OpenLocalMap();
+  }
+  if (options_.deterministic) Step();
+  return result;
+}
+
+void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
+  const bool tracked = result.state == TrackingState::kTracking;
+  const size_t foreign_keyframes = memory_->shared_keyframes();
+  {
+    absl::MutexLock lock(&mutex_);
+    status_.state = result.state;
+    ++status_.frames;
+    ++(tracked ? status_.tracked : status_.lost);
+    status_.tracking_ms.push_back(tracking_ms);
+    if (tracked) {
+      status_.timestamp_ns = result.timestamp_ns;
+      status_.local_from_camera = result.camera_from_local.Inverse();
+      tracked_frames_.push_back(
+          {result.timestamp_ns, result.reference, result.reference_from_camera});
+    }
+    if (tracked && foreign_keyframes > 0) {
+      points_matched_ += result.points_matched;
+      foreign_points_matched_ += result.foreign_points_matched;
+    }
+  }
+  if (tracked) {
+    memory_->AddTrackedFrame({result.timestamp_ns, result.reference, result.reference_from_camera});
+  } else {
+    memory_->AddLostFrame(result.timestamp_ns);
+  }
+}
+
+void SingleAgent::Step() {
+  if (!options_.deterministic) return;
+  current().Step();
+  memory_->Step();
+  // What came back while sending.
+  current().Step();
+}
+
+absl::Status SingleAgent::Finish(absl::Duration timeout) {
+  const absl::Time deadline = absl::Now() + timeout;
+  if (!current().WaitUntilIdle(deadline)) {
+    return absl::DeadlineExceededError("mapping and loop closing have not come to an end yet");
+  }
+  return memory_->Finish(deadline - absl::Now());
+}
+
+std::vector<const LocalMapSession*> SingleAgent::Sessions() const {
+  absl::MutexLock lock(&mutex_);
+  std::vector<const LocalMapSession*> sessions;
+  for (const auto& session : sessions_) sessions.push_back(session.get());
+  return sessions;
+}
+
+AgentStatus SingleAgent::GetStatus() const {
+  AgentStatus status;
+  {
+    absl::MutexLock lock(&mutex_);
+    status = status_;
+    if (points_matched_ > 0) {
+      status.foreign_points_percent = 100.0 * static_cast<double>(foreign_points_matched_) /
+                                      static_cast<double>(points_matched_);
+    }
+  }
+  for (const LocalMapSession* session : Sessions()) {
+    session->map().Read([&](const Map& map) {
+      for (const auto& [id, keyframe] : map.keyframes()) {
+        status.keyframes += session->map().IsOwn(id);
+      }
+      for (const auto& [id, point] : map.points()) status.map_points += session->map().IsOwn(id);
+    });
+    const LoopCloserCounts loops = session->loop_closer().counts();
+    status.loops_closed += loops.closed;
+    status.foreign_loops_closed += loops.closed_against_others;
+    const std::vector<double> local_ba_ms = session->mapper().local_ba_ms();
+    status.local_ba_ms.insert(status.local_ba_ms.end(), local_ba_ms.begin(), local_ba_ms.end());
+  }
+  status.global_from_local = memory_->GlobalFromLocal();
+  status.foreign_keyframes = static_cast<int>(memory_->shared_keyframes());
+  if (const auto first = memory_->first_acknowledged()) {
+    status.first_upload_s = absl::ToDoubleSeconds(*first - created_);
+  }
+  return status;
+}
+
+std::vector<TrajectoryPose> SingleAgent::LocalTrajectory() const {
+  std::vector<TrackedFrame> frames;
+  {
+    absl::MutexLock lock(&mutex_);
+    frames = tracked_frames_;
+  }
+  std::vector<TrajectoryPose> trajectory;
+  for (const LocalMapSession* session : Sessions()) {
+    AppendTrajectory(frames, session->map(), trajectory);
+  }
+  return trajectory;
+}
+
+Map SingleAgent::CopyMap() const {
+  return current().map().Read([](const Map& map) { return map; });
+}
+
+}  // namespace corbslam

@@ -1,0 +1,124 @@
+// Runs one robot over a recorded sequence, without a map store and in the deterministic mode, and
+// prints how far its trajectory is from the truth.
+//   single_robot SOURCE VOCABULARY TRUTH [FEATURES] [--threads] [--frames]
+// SOURCE as in docs ("kitti:DIR?frames=0:100"); TRUTH is a KITTI poses.txt beside a times.txt, or a
+// TUM trajectory.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/time/clock.h"
+#include "client_agent/agent/agent.h"
+#include "client_agent/source/image_source.h"
+#include "slam/evaluation/trajectory_error.h"
+#include "slam/evaluation/trajectory_io.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+struct Options {
+  std::string source;
+  std::string vocabulary;
+  std::string truth;
+  int features = 2000;
+  bool threads = false;
+  bool frames = false;
+};
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+absl::StatusOr<Trajectory> ReadTruth(const std::string& path) {
+  if (!absl::EndsWith(path, "poses.txt")) return ReadTumTrajectory(path);
+  return ReadKittiTrajectory(path, path.substr(0, path.size() - 9) + "times.txt");
+}
+
+Trajectory ToTrajectory(const std::vector<TrajectoryPose>& poses) {
+  Trajectory trajectory;
+  for (const TrajectoryPose& pose : poses) {
+    trajectory.push_back({pose.timestamp_ns, pose.local_from_camera});
+  }
+  return trajectory;
+}
+
+void PrintFrames(const std::vector<PosePair>& pairs, const AbsoluteError& error) {
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const Eigen::Vector3d aligned =
+        error.truth_from_estimate * pairs[i].estimate.world_from_camera.translation;
+    const Eigen::Vector3d off = pairs[i].truth.world_from_camera.rotation.conjugate() *
+                                (aligned - pairs[i].truth.world_from_camera.translation);
+    std::printf("frame %3zu  off in camera %7.3f %7.3f %7.3f  |%.3f| m\n", i, off.x(), off.y(),
+                off.z(), off.norm());
+  }
+}
+
+absl::Status PrintErrors(const Agent& agent, const Options& options) {
+  ASSIGN_OR_RETURN(const Trajectory truth, ReadTruth(options.truth));
+  const Trajectory estimate = ToTrajectory(agent.LocalTrajectory());
+  std::vector<PosePair> pairs = AssociateByTime(estimate, truth);
+  ASSIGN_OR_RETURN(const AbsoluteError all, ComputeAbsoluteError(pairs, Alignment::kSe3));
+  if (pairs.size() > 18) {
+    pairs.erase(pairs.begin(), pairs.begin() + 15);
+  }
+  ASSIGN_OR_RETURN(const AbsoluteError later, ComputeAbsoluteError(pairs, Alignment::kSe3));
+  if (options.frames) PrintFrames(pairs, later);
+  const AgentStatus status = agent.GetStatus();
+  std::printf("ate %.4f m, from frame 15 %.4f m; %d of %d frames tracked, %d local maps\n",
+              all.rmse_m, later.rmse_m, status.tracked, status.frames, status.local_maps);
+  std::printf("%d keyframes, %d points, %d loops; tracking %.1f ms, local BA %.1f ms (medians)\n",
+              status.keyframes, status.map_points, status.loops_closed, Median(status.tracking_ms),
+              Median(status.local_ba_ms));
+  return absl::OkStatus();
+}
+
+absl::Status Run(const Options& options) {
+  ASSIGN_OR_RETURN(auto source, OpenSource(options.source));
+  ASSIGN_OR_RETURN(auto vocabulary, Vocabulary::Load(options.vocabulary));
+  AgentOptions agent_options;
+  agent_options.deterministic = !options.threads;
+  agent_options.sensor.orb.features = options.features;
+  ASSIGN_OR_RETURN(auto agent,
+                   Agent::Create(agent_options, source->calibration(), vocabulary, nullptr));
+  const absl::Time start = absl::Now();
+  while (true) {
+    ASSIGN_OR_RETURN(const std::optional<SensorImages> images, source->Next());
+    if (!images.has_value()) break;
+    RETURN_IF_ERROR(agent->Track(*images).status());
+  }
+  RETURN_IF_ERROR(agent->Finish(absl::Minutes(1)));
+  std::printf("%.1f s\n", absl::ToDoubleSeconds(absl::Now() - start));
+  return PrintErrors(*agent, options);
+}
+
+}  // namespace
+}  // namespace corbslam
+
+int main(int argc, char** argv) {
+  if (argc < 4) {
+    std::fprintf(stderr,
+                 "usage: single_robot SOURCE VOCABULARY TRUTH [FEATURES] [--threads] [--frames]\n");
+    return 2;
+  }
+  corbslam::Options options{argv[1], argv[2], argv[3]};
+  for (int i = 4; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--threads") {
+      options.threads = true;
+    } else if (argument == "--frames") {
+      options.frames = true;
+    } else {
+      options.features = std::atoi(argv[i]);
+    }
+  }
+  const absl::Status status = corbslam::Run(options);
+  if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
+  return status.ok() ? 0 : 1;
+}
