@@ -26,9 +26,10 @@ struct MapFusingOptions {
   int threads = 1;
 };
 
-// The result's poses have the scale of their keyframe's own unit over the target's: 1 for all of
-// the target with `fix_scale`. INVALID_ARGUMENT, naming the id, for overlaps whose keyframes are in
-// neither view, indices out of range, no new overlap or an id in both views; CANCELLED. Pure.
+// Rejected observations name points as they are after the merges. The result's poses have the scale
+// of their keyframe's own unit over the target's: 1 for all of the target with `fix_scale`.
+// INVALID_ARGUMENT, naming the id, for overlaps whose keyframes are in neither view, indices out of
+// range, no new overlap or an id in both views; CANCELLED. Pure.
 absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
                                         const MapFusingOptions& options,
                                         const ProgressCallback& progress);

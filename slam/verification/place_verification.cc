@@ -20,6 +20,8 @@ namespace {
 constexpr double kMaxChi2 = 9.21;  // 99 % of two degrees of freedom.
 // Of a pixel that is computed because the keyframe itself does not see the point.
 constexpr double kVirtualVariance_px2 = 4;
+// A fifth of the matches being right is found in 99 of 100 cases.
+constexpr int kRansacIterations = 600;
 constexpr double kFirstRadius_px = 10;
 constexpr double kLastRadius_px = 5;
 
@@ -157,6 +159,7 @@ std::optional<Similarity3d> EstimateByRansac(const Side& query, const Side& cand
   ransac.min_inliers = 3;  // The count is judged here, to be told whatever it is.
   ransac.max_chi2 = kMaxChi2;
   ransac.seed = options.seed;
+  ransac.max_iterations = kRansacIterations;
   const auto similarity =
       EstimateSimilarity(query.centre.camera(), candidate.centre.camera(), matches, ransac);
   if (similarity.ok()) inliers = similarity->inliers;
