@@ -1,5 +1,4 @@
-// The inner loops over Hamming distances, with the population count instruction where the
-// processor has it.
+// The inner loops over Hamming distances.
 #ifndef CORBSLAM_SLAM_VOCABULARY_HAMMING_KERNELS_H_
 #define CORBSLAM_SLAM_VOCABULARY_HAMMING_KERNELS_H_
 
