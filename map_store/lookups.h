@@ -3,12 +3,14 @@
 #define CORBSLAM_MAP_STORE_LOOKUPS_H_
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "slam/exchange/overlap.h"
 #include "slam/geometry/rigid3.h"
+#include "slam/map/keyframe.h"
 #include "slam/util/ids.h"
 
 namespace corbslam {
@@ -73,6 +75,7 @@ struct KeyframeInfo {
   KeyframeId parent;
   size_t keypoints = 0;
   size_t observed_points = 0;
+  std::shared_ptr<const KeyframePayload> payload;
 };
 
 struct TransferStatistics {

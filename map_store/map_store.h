@@ -144,6 +144,7 @@ class MapStore {
   const std::shared_ptr<const Vocabulary> vocabulary_;
   const std::unique_ptr<Journal> journal_;
   const Clock clock_;
+  const bool has_worker_;
   std::unique_ptr<map_store::FusionExecutor> executor_;
 
   mutable absl::Mutex mutex_;

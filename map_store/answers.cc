@@ -1,0 +1,178 @@
+#include "map_store/answers.h"
+
+#include <set>
+
+#include "map_store/island_view.h"
+#include "map_store/placement.h"
+
+namespace corbslam::map_store {
+namespace {
+
+size_t CountKeyframes(const MissionState& state) {
+  size_t count = 0;
+  for (const auto& [id, local_map] : state.local_maps) count += local_map.map.keyframes().size();
+  return count;
+}
+
+// Points of the local layers, each landmark once.
+size_t CountPoints(const MissionState& state) {
+  size_t count = 0;
+  for (const auto& [id, local_map] : state.local_maps) {
+    for (const auto& [point_id, point] : local_map.map.points()) {
+      if (state.global.landmarks.Survivor(point_id) == point_id) ++count;
+    }
+  }
+  return count;
+}
+
+std::string DefaultNote(const OverlapEntry& entry) {
+  if (!entry.note.empty()) return entry.note;
+  return entry.state == OverlapState::kWaiting ? "waits for fusing" : "";
+}
+
+bool Matches(const OverlapFilter& filter, const Overlap& overlap) {
+  if (filter.accepted.has_value() && *filter.accepted != overlap.IsAccepted()) return false;
+  if (!filter.local_map.IsValid()) return true;
+  return overlap.query.local_map == filter.local_map ||
+         overlap.candidate.local_map == filter.local_map;
+}
+
+}  // namespace
+
+MissionInfo DescribeMission(const MissionState& state) {
+  MissionInfo info;
+  info.name = state.name;
+  info.revision = state.global.revision;
+  info.agents = state.agents.size();
+  info.local_maps = state.local_maps.size();
+  info.islands = state.global.islands.size();
+  info.keyframes = CountKeyframes(state);
+  info.map_points = CountPoints(state);
+  return info;
+}
+
+std::vector<AgentInfo> DescribeAgents(const MissionState& state) {
+  std::vector<AgentInfo> agents;
+  for (const auto& [name, agent] : state.agents) {
+    agents.push_back({name, agent.session != 0, agent.local_maps});
+  }
+  return agents;
+}
+
+LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& local_map) {
+  LocalMapInfo info;
+  info.id = local_map.id;
+  info.agent = local_map.agent;
+  info.island = state.global.island_of.at(local_map.id);
+  info.in_reference_island = info.island == state.ReferenceIsland();
+  info.closed = local_map.closed;
+  info.last_batch = local_map.last_batch;
+  info.keyframes = local_map.map.keyframes().size();
+  for (const auto& [id, keyframe] : local_map.map.keyframes()) {
+    if (local_map.IsSettled(id)) ++info.settled_keyframes;
+    if (state.global.keyframes.contains(id)) ++info.placed_keyframes;
+  }
+  info.map_points = local_map.map.points().size();
+  info.tracked_frames = local_map.frames.size();
+  info.lost_frames = local_map.lost_frames_ns.size();
+  info.parked_references = local_map.parked.size();
+  return info;
+}
+
+std::vector<KeyframeInfo> DescribeKeyframes(const MissionState& state,
+                                            const LocalMapState& local_map) {
+  const IslandPoses poses = ComputePoses(local_map, state.global);
+  std::vector<KeyframeInfo> keyframes;
+  for (const auto& [id, keyframe] : local_map.map.keyframes()) {
+    KeyframeInfo info;
+    info.id = id;
+    info.agent = local_map.agent;
+    info.timestamp_ns = keyframe.payload->timestamp_ns;
+    info.camera_from_local = keyframe.camera_from_map;
+    info.island = state.global.island_of.at(local_map.id);
+    info.camera_from_island = poses.at(id);
+    const auto placed = state.global.keyframes.find(id);
+    info.placed = placed != state.global.keyframes.end();
+    info.revision = info.placed ? placed->second.revision : 0;
+    info.settled = local_map.IsSettled(id);
+    info.parent = keyframe.parent;
+    info.payload = keyframe.payload;
+    info.keypoints = keyframe.keypoints().size();
+    for (const MapPointId& point : ObservedPoints(state, local_map, keyframe)) {
+      if (point.IsValid()) ++info.observed_points;
+    }
+    keyframes.push_back(std::move(info));
+  }
+  return keyframes;
+}
+
+MissionStatistics DescribeStatistics(const MissionState& state) {
+  MissionStatistics statistics = state.statistics;
+  statistics.revision = state.global.revision;
+  statistics.islands = state.global.islands.size();
+  statistics.keyframes = CountKeyframes(state);
+  statistics.map_points = CountPoints(state);
+  return statistics;
+}
+
+std::vector<OverlapInfo> DescribeOverlaps(const MissionState& state, const OverlapFilter& filter) {
+  std::vector<OverlapInfo> overlaps;
+  for (const auto& [id, entry] : state.global.overlaps) {
+    if (!Matches(filter, entry.overlap)) continue;
+    OverlapInfo info;
+    info.id = id;
+    info.overlap = entry.overlap;
+    const auto a = state.global.island_of.find(entry.overlap.query.local_map);
+    const auto b = state.global.island_of.find(entry.overlap.candidate.local_map);
+    info.fused = a != state.global.island_of.end() && b != state.global.island_of.end() &&
+                 a->second == b->second;
+    info.revision = entry.revision;
+    info.note = DefaultNote(entry);
+    overlaps.push_back(std::move(info));
+  }
+  return overlaps;
+}
+
+IslandView DescribeIsland(const MissionState& state, const Island& island) {
+  IslandView view;
+  view.id = island.id;
+  view.is_reference = island.id == state.ReferenceIsland();
+  view.local_maps = island.local_maps;
+  std::map<LocalMapId, IslandPoses> poses;
+  std::map<MapPointId, uint32_t> observations;
+  for (const LocalMapId& id :
+       std::set<LocalMapId>(island.local_maps.begin(), island.local_maps.end())) {
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    poses[id] = ComputePoses(local_map, state.global);
+    for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
+      view.keyframes.push_back({keyframe_id, local_map.agent, keyframe.payload->timestamp_ns,
+                                poses[id].at(keyframe_id).ToRigid(), keyframe.parent,
+                                state.global.keyframes.contains(keyframe_id)});
+      for (const MapPointId& point : ObservedPoints(state, local_map, keyframe)) {
+        if (point.IsValid()) ++observations[point];
+      }
+    }
+  }
+  for (const auto& [id, count] : observations) {
+    const LocalMapState& owner = *state.FindLocalMap(id.local_map);
+    view.points.push_back(
+        {id, ComputePosition(*owner.map.FindPoint(id), owner, state.global, poses.at(owner.id)),
+         count});
+  }
+  return view;
+}
+
+std::vector<const Island*> OrderedIslands(const MissionState& state) {
+  std::vector<const Island*> islands;
+  const IslandId reference = state.ReferenceIsland();
+  for (const auto& [id, island] : state.global.islands) {
+    if (id == reference) {
+      islands.insert(islands.begin(), &island);
+    } else {
+      islands.push_back(&island);
+    }
+  }
+  return islands;
+}
+
+}  // namespace corbslam::map_store

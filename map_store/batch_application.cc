@@ -1,0 +1,152 @@
+#include "map_store/batch_application.h"
+
+#include <set>
+#include <utility>
+#include <variant>
+
+#include "map_store/graph_changes.h"
+#include "map_store/local_motion.h"
+#include "map_store/settling.h"
+
+namespace corbslam::map_store {
+namespace {
+
+Rigid3d Normalised(const Rigid3d& pose) { return {pose.rotation.normalized(), pose.translation}; }
+
+// The payload with the store's own camera: batches from the wire may come without.
+std::shared_ptr<const KeyframePayload> WithCamera(std::shared_ptr<const KeyframePayload> payload,
+                                                  const LocalMapState& local_map) {
+  if (payload->camera != nullptr) return payload;
+  return MakeKeyframePayload(payload->id, payload->timestamp_ns, payload->camera_index,
+                             local_map.cameras[payload->camera_index], payload->features);
+}
+
+void AddCameras(const MapUpdateBatch& batch, LocalMapState& local_map) {
+  for (size_t i = 0; i < batch.cameras.size(); ++i) {
+    if (batch.first_camera_index + i < local_map.cameras.size()) continue;
+    local_map.cameras.push_back(batch.cameras[i]);
+  }
+}
+
+void AddKeyframe(const FullKeyframe& full, const BatchWords& words, LocalMapState& local_map) {
+  const KeyframeId id = full.payload->id;
+  if (local_map.arrival.contains(id) || local_map.removed_keyframes.contains(id)) return;
+  Keyframe keyframe;
+  keyframe.payload = WithCamera(full.payload, local_map);
+  keyframe.camera_from_map = Normalised(full.camera_from_local);
+  if (const auto it = words.find(id); it != words.end()) keyframe.words = it->second;
+  if (keyframe.words != nullptr) local_map.database.Add(id, keyframe.words);
+  local_map.map.AddKeyframe(std::move(keyframe));
+  local_map.arrival[id] = local_map.arrived.size();
+  local_map.arrived.push_back(id);
+}
+
+void AddPoint(const FullMapPoint& full, LocalMapState& local_map) {
+  if (local_map.removed_points.contains(full.id) || local_map.replaced_points.contains(full.id)) {
+    return;
+  }
+  MapPoint point;
+  point.id = full.id;
+  point.position_in_map = full.position_in_local;
+  point.reference = full.reference;
+  point.descriptor = full.descriptor;
+  point.normal_in_map = full.normal_in_local;
+  point.min_distance = full.min_distance;
+  point.max_distance = full.max_distance;
+  local_map.map.AddPoint(std::move(point));
+}
+
+bool TryParked(const ParkedReference& reference, MissionState& state, LocalMapState& local_map) {
+  if (const auto* change = std::get_if<ObservationChange>(&reference)) {
+    return ApplyObservation(state, *change, local_map);
+  }
+  if (const auto* edge = std::get_if<LoopEdge>(&reference)) {
+    return ApplyLoopEdge(*edge, state, local_map);
+  }
+  const auto& parent = std::get<ParkedParent>(reference);
+  return ApplyParent(parent.child, parent.parent, local_map);
+}
+
+void RetryParked(MissionState& state, LocalMapState& local_map) {
+  std::deque<ParkedReference> waiting;
+  waiting.swap(local_map.parked);
+  for (ParkedReference& reference : waiting) {
+    if (!TryParked(reference, state, local_map)) local_map.parked.push_back(std::move(reference));
+  }
+}
+
+void TakeParent(KeyframeId child, KeyframeId parent, LocalMapState& local_map) {
+  if (ApplyParent(child, parent, local_map)) return;
+  local_map.parked.push_back(ParkedParent{child, parent});
+}
+
+void AddFullItems(const MapUpdateBatch& batch, const BatchWords& words, MissionState& state,
+                  LocalMapState& local_map) {
+  AddCameras(batch, local_map);
+  std::set<KeyframeId> added;
+  for (const FullKeyframe& keyframe : batch.full_keyframes) {
+    const bool known = local_map.arrival.contains(keyframe.payload->id);
+    AddKeyframe(keyframe, words, local_map);
+    if (!known) added.insert(keyframe.payload->id);
+  }
+  for (const FullKeyframe& keyframe : batch.full_keyframes) {
+    if (!added.contains(keyframe.payload->id)) continue;
+    TakeParent(keyframe.payload->id, keyframe.parent, local_map);
+  }
+  for (const FullMapPoint& point : batch.full_points) AddPoint(point, local_map);
+  if (!batch.full_keyframes.empty() || !batch.full_points.empty()) RetryParked(state, local_map);
+}
+
+void MoveLightItems(const MapUpdateBatch& batch, LocalMapState& local_map) {
+  for (const LightKeyframe& light : batch.light_keyframes) {
+    if (local_map.map.FindKeyframe(light.id) == nullptr) continue;
+    local_map.map.SetPose(light.id, Normalised(light.camera_from_local));
+    TakeParent(light.id, light.parent, local_map);
+  }
+  for (const LightMapPoint& light : batch.light_points) {
+    local_map.map.SetPosition(light.id, light.position_in_local);
+  }
+}
+
+void ChangeGraph(const MapUpdateBatch& batch, MissionState& state, LocalMapState& local_map) {
+  for (const PointReplacement& replacement : batch.replacements) {
+    ApplyReplacement(replacement, state, local_map);
+  }
+  for (const ObservationChange& change : batch.observations) {
+    if (!ApplyObservation(state, change, local_map)) local_map.parked.push_back(change);
+  }
+  for (const MapPointId& point : batch.removed_points) {
+    ApplyPointRemoval(point, state, local_map);
+  }
+  for (const KeyframeRemoval& removal : batch.removed_keyframes) {
+    ApplyKeyframeRemoval(removal, state, local_map);
+  }
+  for (const LoopEdge& edge : batch.loop_edges) {
+    if (!ApplyLoopEdge(edge, state, local_map)) local_map.parked.push_back(edge);
+  }
+}
+
+}  // namespace
+
+void ApplyBatch(const MapUpdateBatch& batch, const BatchWords& words,
+                const MapStoreOptions& options, MissionState& state, LocalMapState& local_map) {
+  AddFullItems(batch, words, state, local_map);
+  MoveLightItems(batch, local_map);
+  ChangeGraph(batch, state, local_map);
+  local_map.frames.insert(local_map.frames.end(), batch.tracked_frames.begin(),
+                          batch.tracked_frames.end());
+  local_map.lost_frames_ns.insert(local_map.lost_frames_ns.end(), batch.lost_frames_ns.begin(),
+                                  batch.lost_frames_ns.end());
+  local_map.closed = local_map.closed || batch.closes_local_map;
+  local_map.last_batch = batch.number;
+  for (const LightKeyframe& light : batch.light_keyframes) {
+    NoteLocalMotion(light.id, options.local_motion_px, state, local_map);
+  }
+  const size_t settled_before = local_map.settled;
+  SettleKeyframes(options.settle_after, state, local_map);
+  const bool share = local_map.settled != settled_before || !batch.removed_keyframes.empty() ||
+                     !batch.removed_points.empty() || !batch.replacements.empty();
+  TouchByOwner(state, local_map.id, share);
+}
+
+}  // namespace corbslam::map_store

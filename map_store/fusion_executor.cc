@@ -1,0 +1,79 @@
+#include "map_store/fusion_executor.h"
+
+#include <utility>
+
+namespace corbslam::map_store {
+
+void FusionExecutor::Start(ListMissions missions) {
+  missions_ = std::move(missions);
+  if (worker_ == nullptr) return;
+  threads_.emplace_back([this] { RunLane(FusionLane::kGraph); });
+  threads_.emplace_back([this] { RunLane(FusionLane::kAdjustment); });
+}
+
+void FusionExecutor::Stop() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stop_ = true;
+    changed_.SignalAll();
+  }
+  if (threads_.empty()) return;
+  for (const std::shared_ptr<Mission>& mission : missions_()) mission->CancelJobs();
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
+}
+
+void FusionExecutor::Wake() {
+  absl::MutexLock lock(&mutex_);
+  ++wakes_;
+  changed_.SignalAll();
+}
+
+bool FusionExecutor::RunOne(Mission& mission, FusionLane lane, bool& unavailable) {
+  const std::optional<FusionJob> job = mission.StartJob(lane);
+  if (!job.has_value()) return false;
+  const ProgressCallback progress = [this, &job](double) {
+    if (job->cancelled->load()) return false;
+    absl::MutexLock lock(&mutex_);
+    return !stop_;
+  };
+  if (mission.FinishJob(lane, *job, RunRequest(job->work, *worker_, progress))) return true;
+  unavailable = true;
+  return false;
+}
+
+void FusionExecutor::RunLane(FusionLane lane) {
+  uint64_t seen = 0;
+  bool unavailable = false;
+  while (WaitForWork(seen, unavailable)) {
+    unavailable = false;
+    bool did_something = false;
+    // A round: each mission's turn comes after one request of each other.
+    for (const std::shared_ptr<Mission>& mission : missions_()) {
+      did_something = RunOne(*mission, lane, unavailable) || did_something;
+    }
+    // The other lane may have something to do now, and this one again.
+    if (did_something) Wake();
+  }
+}
+
+bool FusionExecutor::WaitForWork(uint64_t& seen, bool unavailable) {
+  absl::MutexLock lock(&mutex_);
+  const absl::Time retry = unavailable ? absl::Now() + retry_after_ : absl::InfiniteFuture();
+  // While the worker is away, new work is no reason to hurry.
+  while (!stop_ && (unavailable || wakes_ == seen)) {
+    if (changed_.WaitWithDeadline(&mutex_, retry)) break;
+  }
+  seen = wakes_;
+  return !stop_;
+}
+
+void FusionExecutor::RunUntilIdle(Mission& mission) {
+  if (worker_ == nullptr) return;
+  bool unavailable = false;
+  while (RunOne(mission, FusionLane::kGraph, unavailable) ||
+         RunOne(mission, FusionLane::kAdjustment, unavailable)) {
+  }
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,202 @@
+#include "map_store/fusion_job.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "map_store/overlap_query.h"
+#include "map_store/placement.h"
+
+namespace corbslam::map_store {
+namespace {
+
+const Island* FindIsland(const MissionState& state, IslandId id) {
+  const auto it = state.global.islands.find(id);
+  return it == state.global.islands.end() ? nullptr : &it->second;
+}
+
+bool LiesIn(const MissionState& state, KeyframeId keyframe, const FusionAction& action) {
+  const auto it = state.global.island_of.find(keyframe.local_map);
+  if (it == state.global.island_of.end()) return false;
+  return it->second == action.target || it->second == action.source;
+}
+
+bool Touches(const Overlap& overlap, const std::vector<LocalMapId>& local_maps) {
+  return std::any_of(local_maps.begin(), local_maps.end(), [&overlap](LocalMapId id) {
+    return overlap.query.local_map == id || overlap.candidate.local_map == id;
+  });
+}
+
+// A local map that bent itself is held to its island by the overlaps that it already has: the first
+// of them calls for the work again.
+void CallAgain(const std::vector<LocalMapId>& relaxed, FuseMapsRequest& request) {
+  if (!request.new_overlaps.empty()) return;
+  for (size_t i = 0; i < request.overlaps.size(); ++i) {
+    if (!Touches(request.overlaps[i], relaxed)) continue;
+    request.new_overlaps.push_back(i);
+    return;
+  }
+}
+
+// All overlaps in the graph of both islands, and those that are to become so.
+void CollectOverlaps(const MissionState& state, const FusionAction& action,
+                     FuseMapsRequest& request) {
+  const std::set<uint64_t> called_for(action.overlaps.begin(), action.overlaps.end());
+  for (const auto& [id, entry] : state.global.overlaps) {
+    const bool is_new = called_for.contains(id);
+    if (!is_new && entry.state != OverlapState::kInGraph) continue;
+    if (!LiesIn(state, entry.overlap.query, action)) continue;
+    if (!LiesIn(state, entry.overlap.candidate, action)) continue;
+    std::optional<Overlap> overlap = ChainOverlap(state, entry.overlap);
+    if (!overlap.has_value()) continue;
+    if (is_new) request.new_overlaps.push_back(request.overlaps.size());
+    request.overlaps.push_back(*std::move(overlap));
+  }
+}
+
+// Pairs that fusion has made one since, or that nobody in the views sees any more, say nothing.
+void DropIdlePairs(FuseMapsRequest& request) {
+  const auto is_seen = [&request](MapPointId id) {
+    return request.target.FindPoint(id) != nullptr || request.source.FindPoint(id) != nullptr;
+  };
+  for (Overlap& overlap : request.overlaps) {
+    std::erase_if(overlap.inliers, [&is_seen](const PointPair& pair) {
+      return pair.query == pair.candidate || !is_seen(pair.query) || !is_seen(pair.candidate);
+    });
+  }
+}
+
+bool IsMetric(const MissionState& state, const IslandSnapshot& snapshot) {
+  for (const auto& [id, keyframe] : snapshot.view.keyframes()) {
+    if (!keyframe.camera().IsMetric()) return false;
+  }
+  return state.global.islands.contains(snapshot.island);
+}
+
+std::optional<FusionRequest> PrepareFuse(const MissionState& state, const FusionAction& action) {
+  const Island* target = FindIsland(state, action.target);
+  const Island* source = FindIsland(state, action.source);
+  const bool weld = action.kind == FusionAction::Kind::kWeld;
+  if (target == nullptr || (!weld && (source == nullptr || source == target))) return std::nullopt;
+  FuseJob job;
+  job.action = action;
+  Unplaced unplaced = target->displaced;
+  if (weld) {
+    for (const LocalMapId& id : target->relaxed) {
+      unplaced.merge(FindRelaxedKeyframes(state, *target, id));
+      job.relaxed.push_back(id);
+    }
+  }
+  CollectOverlaps(state, action, job.request);
+  CallAgain(job.relaxed, job.request);
+  // The keyframes that called for it have gone.
+  if (job.request.new_overlaps.empty()) return std::nullopt;
+  job.target = TakeIslandSnapshot(state, *target, unplaced);
+  job.request.fix_scale = IsMetric(state, job.target);
+  if (!weld) {
+    job.source = TakeIslandSnapshot(state, *source, source->displaced);
+    job.request.fix_scale = job.request.fix_scale && IsMetric(state, *job.source);
+    job.request.source = std::move(job.source->view);
+  }
+  job.request.base_revision = state.global.revision;
+  job.request.target = std::move(job.target.view);
+  DropIdlePairs(job.request);
+  return FusionRequest(std::move(job));
+}
+
+std::optional<FusionRequest> PrepareAdjust(const MissionState& state, const FusionAction& action,
+                                           const MapStoreOptions& options) {
+  const Island* island = FindIsland(state, action.target);
+  if (island == nullptr) return std::nullopt;
+  AdjustJob job;
+  job.snapshot = TakeIslandSnapshot(state, *island, island->displaced);
+  const Map& view = job.snapshot.view;
+  if (view.keyframes().size() < 2) return std::nullopt;
+  // The first keyframe of the local map whose frame it is holds the frame.
+  auto fixed = view.keyframes().lower_bound(KeyframeId{island->id, 0});
+  if (fixed == view.keyframes().end()) fixed = view.keyframes().begin();
+  job.request.fixed = {fixed->first};
+  job.request.base_revision = state.global.revision;
+  job.request.max_iterations = options.adjust_iterations;
+  job.request.threads = options.deterministic ? 1 : options.adjust_threads;
+  job.request.view = std::move(job.snapshot.view);
+  return FusionRequest(std::move(job));
+}
+
+}  // namespace
+
+std::optional<Overlap> ChainOverlap(const MissionState& state, const Overlap& overlap) {
+  LivingRelative query;
+  LivingRelative candidate;
+  if (!FindLivingRelative(state, overlap.query, query)) return std::nullopt;
+  if (!FindLivingRelative(state, overlap.candidate, candidate)) return std::nullopt;
+  if (query.id == candidate.id) return std::nullopt;
+  Overlap chained = overlap;
+  chained.query = query.id;
+  chained.candidate = candidate.id;
+  chained.candidate_from_query = Similarity3d::FromRigid(candidate.relative_from_id) *
+                                 overlap.candidate_from_query *
+                                 Similarity3d::FromRigid(query.relative_from_id.Inverse());
+  chained.inliers.clear();
+  for (const PointPair& pair : overlap.inliers) {
+    const PointPair living = {ResolvePoint(state, pair.query), ResolvePoint(state, pair.candidate)};
+    if (living.query.IsValid() && living.candidate.IsValid()) chained.inliers.push_back(living);
+  }
+  return chained;
+}
+
+Unplaced FindRelaxedKeyframes(const MissionState& state, const Island& island,
+                              LocalMapId local_map_id) {
+  const LocalMapState& local_map = *state.FindLocalMap(local_map_id);
+  Unplaced placed;
+  for (const auto& [id, keyframe] : local_map.map.keyframes()) {
+    if (state.global.keyframes.contains(id)) placed.insert(id);
+  }
+  if (placed.empty()) return placed;
+  KeyframeId anchor = *placed.begin();
+  if (local_map_id != island.id) {
+    for (const auto& [id, entry] : state.global.overlaps) {
+      if (entry.state != OverlapState::kInGraph) continue;
+      const Overlap& overlap = entry.overlap;
+      if (overlap.query.local_map == overlap.candidate.local_map) continue;
+      const KeyframeId own =
+          overlap.query.local_map == local_map_id ? overlap.query : overlap.candidate;
+      if (!placed.contains(own)) continue;
+      anchor = own;
+      break;
+    }
+  }
+  placed.erase(anchor);
+  return placed;
+}
+
+std::optional<FusionRequest> PrepareRequest(const MissionState& state, const FusionAction& action,
+                                            const MapStoreOptions& options) {
+  switch (action.kind) {
+    case FusionAction::Kind::kQuery: {
+      if (state.queries.empty()) return std::nullopt;
+      auto request = BuildVerifyRequest(state, state.queries.front(), options);
+      if (!request.has_value()) return std::nullopt;
+      return FusionRequest(QueryJob{state.queries.front(), *std::move(request)});
+    }
+    case FusionAction::Kind::kFuse:
+    case FusionAction::Kind::kWeld:
+      return PrepareFuse(state, action);
+    case FusionAction::Kind::kAdjust:
+      return PrepareAdjust(state, action, options);
+  }
+  return std::nullopt;
+}
+
+absl::StatusOr<FusionResult> RunRequest(const FusionRequest& work, FusionWorker& worker,
+                                        const ProgressCallback& progress) {
+  if (const auto* query = std::get_if<QueryJob>(&work)) {
+    return worker.VerifyOverlap(query->request, progress);
+  }
+  if (const auto* fuse = std::get_if<FuseJob>(&work)) {
+    return worker.FuseMaps(fuse->request, progress);
+  }
+  return worker.AdjustBundle(std::get<AdjustJob>(work).request, progress);
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,104 @@
+#include "map_store/fusion_policy.h"
+
+#include <algorithm>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+namespace corbslam::map_store {
+namespace {
+
+using IslandSummary = FusionSummary::IslandSummary;
+using OverlapSummary = FusionSummary::OverlapSummary;
+
+const IslandSummary* Find(const FusionSummary& summary, IslandId id) {
+  for (const IslandSummary& island : summary.islands) {
+    if (island.id == id) return &island;
+  }
+  return nullptr;
+}
+
+// The reference island keeps its frame, then the larger, then the earlier.
+bool KeepsFrame(const IslandSummary& a, const IslandSummary& b) {
+  const auto rank = [](const IslandSummary& island) {
+    return std::make_tuple(island.order != 0, -static_cast<int64_t>(island.keyframes),
+                           island.order);
+  };
+  return rank(a) < rank(b);
+}
+
+std::optional<FusionAction> DecideFuse(const FusionSummary& summary) {
+  for (const OverlapSummary& first : summary.waiting) {
+    if (first.a == first.b) continue;
+    const IslandSummary* a = Find(summary, first.a);
+    const IslandSummary* b = Find(summary, first.b);
+    if (a == nullptr || b == nullptr) continue;
+    if (!KeepsFrame(*a, *b)) std::swap(a, b);
+    FusionAction action{FusionAction::Kind::kFuse, a->id, b->id, {}};
+    for (const OverlapSummary& overlap : summary.waiting) {
+      const bool same = std::minmax(overlap.a, overlap.b) == std::minmax(first.a, first.b);
+      if (same) action.overlaps.push_back(overlap.id);
+    }
+    return action;
+  }
+  return std::nullopt;
+}
+
+std::optional<FusionAction> DecideWeld(const FusionSummary& summary, const PolicyLimits& limits) {
+  for (const IslandSummary& island : summary.islands) {
+    FusionAction action{FusionAction::Kind::kWeld, island.id, {}, {}};
+    bool urgent = island.relaxed > 0;
+    for (const OverlapSummary& overlap : summary.waiting) {
+      if (overlap.a != island.id || overlap.b != island.id) continue;
+      action.overlaps.push_back(overlap.id);
+      urgent = urgent || overlap.urgent;
+    }
+    const bool last = island.quiet && summary.queries == 0 && !action.overlaps.empty();
+    if (urgent || last || action.overlaps.size() >= limits.weld_every) return action;
+  }
+  return std::nullopt;
+}
+
+// The graph lane has work that will change the island.
+bool IsAboutToChange(const FusionSummary& summary, const IslandSummary& island) {
+  return std::any_of(summary.waiting.begin(), summary.waiting.end(),
+                     [&island](const OverlapSummary& overlap) {
+                       const bool touches = overlap.a == island.id || overlap.b == island.id;
+                       return touches && (overlap.a != overlap.b || overlap.urgent);
+                     });
+}
+
+std::optional<FusionAction> DecideAdjust(const FusionSummary& summary, const PolicyLimits& limits) {
+  for (const IslandSummary& island : summary.islands) {
+    if (!island.fused || IsAboutToChange(summary, island)) continue;
+    const bool waits = std::any_of(
+        summary.waiting.begin(), summary.waiting.end(),
+        [&island](const OverlapSummary& o) { return o.a == island.id || o.b == island.id; });
+    const bool last = island.quiet && island.dirty && summary.queries == 0 && !waits;
+    if (last || island.needs_adjustment || island.displaced >= limits.refresh_every ||
+        island.overlaps_since_adjustment >= limits.adjust_every) {
+      return FusionAction{FusionAction::Kind::kAdjust, island.id, {}, {}};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<FusionAction> DecideActions(const FusionSummary& summary, const PolicyLimits& limits) {
+  std::vector<FusionAction> actions;
+  if (!summary.graph_lane_busy) {
+    std::optional<FusionAction> action = DecideFuse(summary);
+    if (!action.has_value()) action = DecideWeld(summary, limits);
+    if (!action.has_value() && summary.queries > 0) {
+      action = FusionAction{FusionAction::Kind::kQuery, {}, {}, {}};
+    }
+    if (action.has_value()) actions.push_back(*std::move(action));
+  }
+  if (!summary.adjustment_lane_busy) {
+    if (auto action = DecideAdjust(summary, limits)) actions.push_back(*std::move(action));
+  }
+  return actions;
+}
+
+}  // namespace corbslam::map_store

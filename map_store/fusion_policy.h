@@ -1,0 +1,69 @@
+// What fusion should do next: a pure function of a summary of the mission, so that every rule can
+// be tested with a table. Knows nothing of threads, workers or maps.
+#ifndef CORBSLAM_MAP_STORE_FUSION_POLICY_H_
+#define CORBSLAM_MAP_STORE_FUSION_POLICY_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "map_store/lookups.h"
+
+namespace corbslam::map_store {
+
+struct FusionSummary {
+  struct IslandSummary {
+    IslandId id;
+    size_t order = 0;  // Of its first local map's arrival; 0: the reference island.
+    size_t keyframes = 0;
+    bool fused = false;
+    // All its local maps are closed or their agents gone.
+    bool quiet = false;
+    bool dirty = false;
+    bool needs_adjustment = false;
+    size_t overlaps_since_adjustment = 0;
+    size_t displaced = 0;
+    size_t relaxed = 0;
+  };
+  // Accepted, not yet in the graph.
+  struct OverlapSummary {
+    uint64_t id = 0;
+    IslandId a;
+    IslandId b;  // The same: a loop within the island.
+    bool urgent = false;
+  };
+  std::vector<IslandSummary> islands;   // By order.
+  std::vector<OverlapSummary> waiting;  // By id.
+  size_t queries = 0;
+  // What runs now. Verification and fusing share a lane: verdicts depend on the graph.
+  bool graph_lane_busy = false;
+  bool adjustment_lane_busy = false;
+};
+
+struct PolicyLimits {
+  size_t weld_every = 3;
+  size_t adjust_every = 5;
+  // Displaced keyframes that call for an adjustment while the streams still run.
+  size_t refresh_every = 20;
+};
+
+struct FusionAction {
+  enum class Kind {
+    kQuery,   // The first query of the queue.
+    kFuse,    // `source` moves into `target`'s frame.
+    kWeld,    // Overlaps and loop edges inside `target` become part of its graph.
+    kAdjust,  // Global bundle adjustment of `target`.
+  };
+  Kind kind = Kind::kQuery;
+  IslandId target;
+  IslandId source;
+  std::vector<uint64_t> overlaps;
+  friend bool operator==(const FusionAction&, const FusionAction&) = default;
+};
+
+// At most one action for each idle lane.
+std::vector<FusionAction> DecideActions(const FusionSummary& summary, const PolicyLimits& limits);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_FUSION_POLICY_H_

@@ -1,0 +1,186 @@
+#include "map_store/graph_changes.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace corbslam::map_store {
+namespace {
+
+void RemoveForeignObservation(KeyframeId keyframe, uint32_t keypoint, LocalMapState& local_map) {
+  const auto it = local_map.foreign_observations.find(keyframe);
+  if (it == local_map.foreign_observations.end()) return;
+  it->second.erase(keypoint);
+  if (it->second.empty()) local_map.foreign_observations.erase(it);
+}
+
+// The keypoint of `keyframe` that sees one of another local map's points.
+std::optional<uint32_t> FindForeignObservation(const LocalMapState& local_map, KeyframeId keyframe,
+                                               MapPointId point) {
+  const auto it = local_map.foreign_observations.find(keyframe);
+  if (it == local_map.foreign_observations.end()) return std::nullopt;
+  for (const auto& [keypoint, seen] : it->second) {
+    if (seen == point) return keypoint;
+  }
+  return std::nullopt;
+}
+
+void ClearKeypoint(KeyframeId keyframe, uint32_t keypoint, LocalMapState& local_map) {
+  const MapPointId own = local_map.map.FindKeyframe(keyframe)->points[keypoint];
+  if (own.IsValid()) local_map.map.RemoveObservation(own, keyframe);
+  RemoveForeignObservation(keyframe, keypoint, local_map);
+}
+
+void ObserveForeign(KeyframeId keyframe, uint32_t keypoint, MapPointId point,
+                    LocalMapState& local_map) {
+  if (const auto old = FindForeignObservation(local_map, keyframe, point)) {
+    RemoveForeignObservation(keyframe, *old, local_map);
+  }
+  ClearKeypoint(keyframe, keypoint, local_map);
+  local_map.foreign_observations[keyframe][keypoint] = point;
+}
+
+// What the owner's own point became through the owner's own replacements: another own point, or
+// somebody else's.
+MapPointId FollowReplacements(const LocalMapState& local_map, MapPointId point) {
+  auto it = local_map.replaced_points.find(point);
+  for (size_t step = 0; it != local_map.replaced_points.end(); ++step) {
+    point = it->second;
+    if (step > local_map.replaced_points.size()) return MapPointId();
+    it = local_map.replaced_points.find(point);
+  }
+  return point;
+}
+
+void RemoveObservation(const ObservationChange& change, LocalMapState& local_map) {
+  const MapPointId point = FollowReplacements(local_map, change.point);
+  if (local_map.map.RemoveObservation(point, change.keyframe)) return;
+  if (const auto keypoint = FindForeignObservation(local_map, change.keyframe, point)) {
+    RemoveForeignObservation(change.keyframe, *keypoint, local_map);
+  }
+}
+
+// The global position of a landmark goes over to whoever stands for it now.
+void HandOverPosition(MapPointId from, MapPointId to, GlobalLayer& global) {
+  const auto it = global.points.find(from);
+  if (it == global.points.end()) return;
+  const PlacedPoint placed = it->second;
+  global.points.erase(it);
+  if (to.IsValid()) global.points.try_emplace(to, placed);
+}
+
+}  // namespace
+
+bool ApplyObservation(const MissionState&, const ObservationChange& change,
+                      LocalMapState& local_map) {
+  if (local_map.removed_keyframes.contains(change.keyframe)) return true;
+  const Keyframe* keyframe = local_map.map.FindKeyframe(change.keyframe);
+  if (keyframe == nullptr) return false;
+  if (change.kind == ObservationChange::Kind::kRemoved) {
+    RemoveObservation(change, local_map);
+    return true;
+  }
+  if (change.keypoint >= keyframe->points.size()) return true;
+  const MapPointId point = FollowReplacements(local_map, change.point);
+  if (!point.IsValid() || local_map.removed_points.contains(point)) return true;
+  if (point.local_map != local_map.id) {
+    ObserveForeign(change.keyframe, change.keypoint, point, local_map);
+    return true;
+  }
+  const MapPoint* own = local_map.map.FindPoint(point);
+  if (own == nullptr) return false;
+  if (keyframe->points[change.keypoint] == point) return true;
+  ClearKeypoint(change.keyframe, change.keypoint, local_map);
+  local_map.map.RemoveObservation(point, change.keyframe);
+  local_map.map.AddObservation(point, change.keyframe, change.keypoint);
+  return true;
+}
+
+bool ApplyParent(KeyframeId child_id, KeyframeId parent, LocalMapState& local_map) {
+  const Keyframe* child = local_map.map.FindKeyframe(child_id);
+  if (child == nullptr || !parent.IsValid()) return true;
+  if (parent.local_map != local_map.id) {
+    // The tree of a local map is its own: hang it on the keyframe before.
+    const size_t order = local_map.arrival.at(child_id);
+    for (size_t before = order; before > 0; --before) {
+      if (local_map.map.SetParent(child_id, local_map.arrived[before - 1])) break;
+    }
+    return true;
+  }
+  // A removed parent's children hang where it hung.
+  for (size_t step = 0; step <= local_map.removed_keyframes.size(); ++step) {
+    const auto it = local_map.removed_keyframes.find(parent);
+    if (it == local_map.removed_keyframes.end()) break;
+    parent = it->second.parent;
+  }
+  if (!parent.IsValid()) return true;
+  if (local_map.map.FindKeyframe(parent) == nullptr) return false;
+  local_map.map.SetParent(child_id, parent);
+  return true;
+}
+
+bool ApplyLoopEdge(const LoopEdge& edge, MissionState& state, LocalMapState& local_map) {
+  if (local_map.removed_keyframes.contains(edge.a)) return true;
+  if (edge.b.local_map != local_map.id) {
+    local_map.foreign_loop_edges.push_back(edge);
+  } else {
+    if (local_map.removed_keyframes.contains(edge.b)) return true;
+    if (!local_map.map.FindKeyframe(edge.a) || !local_map.map.FindKeyframe(edge.b)) return false;
+    if (!local_map.map.AddLoopEdge(edge.a, edge.b)) return true;
+  }
+  Island& island = *state.FindIslandOf(local_map.id);
+  if (island.fused) island.relaxed.insert(local_map.id);
+  return true;
+}
+
+void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
+                      LocalMapState& local_map) {
+  const MapPointId replaced = replacement.replaced;
+  if (local_map.replaced_points.contains(replaced) || local_map.removed_points.contains(replaced)) {
+    return;
+  }
+  const MapPointId survivor = FollowReplacements(local_map, replacement.survivor);
+  // Two robots may each have put the other's point in the place of its own: then the point stays,
+  // and stands for both.
+  const MapPointId stands_for = ResolvePoint(state, survivor);
+  if (survivor == replaced || stands_for == replaced || !survivor.IsValid()) return;
+  if (survivor.local_map == local_map.id) {
+    if (!local_map.map.ReplacePoint(replaced, survivor)) local_map.map.RemovePoint(replaced);
+  } else if (const MapPoint* point = local_map.map.FindPoint(replaced)) {
+    const auto observations = point->observations;
+    local_map.map.RemovePoint(replaced);
+    for (const auto& [keyframe, keypoint] : observations) {
+      if (FindForeignObservation(local_map, keyframe, survivor).has_value()) continue;
+      ObserveForeign(keyframe, keypoint, survivor, local_map);
+    }
+  }
+  local_map.replaced_points[replaced] = survivor;
+  const MapPointId elected =
+      state.global.landmarks.Replace(replaced, stands_for.IsValid() ? stands_for : survivor);
+  HandOverPosition(replaced, elected, state.global);
+}
+
+void ApplyPointRemoval(MapPointId point, MissionState& state, LocalMapState& local_map) {
+  if (local_map.replaced_points.contains(point)) return;
+  if (!local_map.removed_points.insert(point).second) return;
+  local_map.map.RemovePoint(point);
+  const MapPointId elected = state.global.landmarks.Remove(point);
+  HandOverPosition(point, elected, state.global);
+  // Others' keyframes that saw this very point still see the landmark.
+  if (elected.IsValid()) local_map.replaced_points[point] = elected;
+}
+
+void ApplyKeyframeRemoval(const KeyframeRemoval& removal, MissionState& state,
+                          LocalMapState& local_map) {
+  const bool is_new =
+      local_map.removed_keyframes
+          .try_emplace(removal.id, Tombstone{removal.parent, removal.parent_from_removed})
+          .second;
+  if (!is_new) return;
+  local_map.database.Remove(removal.id);
+  local_map.map.RemoveKeyframe(removal.id);
+  local_map.foreign_observations.erase(removal.id);
+  state.global.keyframes.erase(removal.id);
+  state.FindIslandOf(local_map.id)->displaced.erase(removal.id);
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,134 @@
+#include "map_store/map_store.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/batch_validation.h"
+#include "map_store/fusion_executor.h"
+#include "map_store/mission.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+using map_store::FusionExecutor;
+using map_store::Mission;
+
+MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabulary> vocabulary,
+                   std::unique_ptr<Journal> journal, FusionWorker* worker, Clock clock)
+    : options_(options),
+      vocabulary_(std::move(vocabulary)),
+      journal_(std::move(journal)),
+      clock_(std::move(clock)),
+      has_worker_(worker != nullptr),
+      executor_(std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms))) {
+  if (options_.deterministic) return;
+  executor_->Start([this] {
+    std::vector<std::shared_ptr<Mission>> missions;
+    absl::MutexLock lock(&mutex_);
+    for (const auto& [name, mission] : missions_) missions.push_back(mission);
+    return missions;
+  });
+}
+
+MapStore::~MapStore() { executor_->Stop(); }
+
+absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view name) const {
+  absl::MutexLock lock(&mutex_);
+  const auto it = missions_.find(std::string(name));
+  if (it != missions_.end()) return it->second;
+  return absl::NotFoundError(absl::StrCat("there is no mission ", name));
+}
+
+absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindOrCreateMission(const std::string& name) {
+  absl::MutexLock lock(&mutex_);
+  if (const auto it = missions_.find(name); it != missions_.end()) return it->second;
+  if (missions_.size() >= options_.max_missions) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat(missions_.size(), " missions; that is the limit"));
+  }
+  Mission::Environment environment;
+  environment.options = &options_;
+  environment.vocabulary = vocabulary_.get();
+  environment.journal = journal_.get();
+  environment.clock = clock_;
+  environment.wake_fusion = [this] { executor_->Wake(); };
+  environment.has_worker = has_worker_;
+  return missions_[name] = std::make_shared<Mission>(name, std::move(environment));
+}
+
+absl::StatusOr<MapStore::Session> MapStore::FindSession(uint64_t session_id) const {
+  absl::MutexLock lock(&mutex_);
+  const auto it = sessions_.find(session_id);
+  if (it != sessions_.end()) return it->second;
+  return absl::NotFoundError(absl::StrCat("there is no session ", session_id));
+}
+
+absl::StatusOr<MapStore::OpenedSession> MapStore::OpenSession(const SessionRequest& request) {
+  RETURN_IF_ERROR(map_store::ValidateName("mission", request.mission));
+  RETURN_IF_ERROR(map_store::ValidateName("agent", request.agent));
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindOrCreateMission(request.mission));
+  OpenedSession opened;
+  {
+    absl::MutexLock lock(&mutex_);
+    opened.session_id = next_session_++;
+  }
+  ASSIGN_OR_RETURN(opened.grant, mission->OpenSession(opened.session_id, request));
+  absl::MutexLock lock(&mutex_);
+  sessions_[opened.session_id] = {request.agent, mission};
+  return opened;
+}
+
+absl::StatusOr<Acknowledgement> MapStore::Apply(uint64_t session_id, const MapUpdateBatch& batch,
+                                                const BatchTransfer* measured) {
+  ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
+  return session.mission->Apply(session_id, session.agent, batch, measured);
+}
+
+void MapStore::CloseSession(uint64_t session_id) {
+  const absl::StatusOr<Session> session = FindSession(session_id);
+  if (!session.ok()) return;
+  session->mission->CloseSession(session_id, session->agent);
+  absl::MutexLock lock(&mutex_);
+  sessions_.erase(session_id);
+}
+
+absl::StatusOr<std::optional<SharedUpdate>> MapStore::NextShared(uint64_t session_id,
+                                                                 size_t byte_budget) {
+  ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
+  return session.mission->NextShared(session_id, session.agent, byte_budget);
+}
+
+void MapStore::SetSharedListener(uint64_t session_id, std::function<void()> listener) {
+  const absl::StatusOr<Session> session = FindSession(session_id);
+  if (session.ok()) session->mission->SetSharedListener(session_id, std::move(listener));
+}
+
+absl::Status MapStore::RunFusionUntilIdle(absl::string_view mission_name) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  executor_->RunUntilIdle(*mission);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<bool> MapStore::IsFusionIdle(absl::string_view mission_name) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->IsFusionIdle();
+}
+
+absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
+                                           absl::Duration timeout) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  if (mission->WaitUntilFusionIdle(absl::Now() + timeout)) return absl::OkStatus();
+  return absl::DeadlineExceededError(absl::StrCat(
+      "fusion of mission ", mission_name, " is busy after ", absl::FormatDuration(timeout)));
+}
+
+absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  RETURN_IF_ERROR(journal_->Append(MissionDeletedRecord{std::string(mission_name)}));
+  mission->Delete();
+  absl::MutexLock lock(&mutex_);
+  missions_.erase(std::string(mission_name));
+  return absl::OkStatus();
+}
+
+}  // namespace corbslam

@@ -1,0 +1,190 @@
+// MapStore's look-ups: each finds its mission and reads the answer under the mission's lock.
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/answers.h"
+#include "map_store/map_store.h"
+#include "map_store/mission.h"
+#include "map_store/trajectory.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+using map_store::LocalMapState;
+using map_store::Mission;
+using map_store::MissionState;
+using map_store::TakePage;
+
+namespace {
+
+absl::Status NoLocalMap(LocalMapId id) {
+  return absl::NotFoundError(absl::StrCat("there is no local map ", ToString(id)));
+}
+
+MissionInfo Describe(const Mission& mission) {
+  MissionInfo info = mission.WithState(map_store::DescribeMission);
+  info.fusion_idle = mission.IsFusionIdle();
+  return info;
+}
+
+}  // namespace
+
+absl::StatusOr<Page<MissionInfo>> MapStore::ListMissions(const PageRequest& page) const {
+  std::vector<std::shared_ptr<Mission>> missions;
+  {
+    absl::MutexLock lock(&mutex_);
+    for (const auto& [name, mission] : missions_) missions.push_back(mission);
+  }
+  std::vector<MissionInfo> infos;
+  for (const auto& mission : missions) infos.push_back(Describe(*mission));
+  return TakePage(std::move(infos), page, options_.max_page_size);
+}
+
+absl::StatusOr<MissionInfo> MapStore::GetMission(absl::string_view mission_name) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return Describe(*mission);
+}
+
+absl::StatusOr<Page<AgentInfo>> MapStore::ListAgents(absl::string_view mission_name,
+                                                     const PageRequest& page) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return TakePage(mission->WithState(map_store::DescribeAgents), page, options_.max_page_size);
+}
+
+absl::StatusOr<Page<LocalMapInfo>> MapStore::ListLocalMaps(absl::string_view mission_name,
+                                                           const PageRequest& page) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return TakePage(mission->WithState([](const MissionState& state) {
+    std::vector<LocalMapInfo> infos;
+    for (const LocalMapId& id : state.order) {
+      infos.push_back(map_store::DescribeLocalMap(state, *state.FindLocalMap(id)));
+    }
+    return infos;
+  }),
+                  page, options_.max_page_size);
+}
+
+absl::StatusOr<LocalMapInfo> MapStore::GetLocalMap(absl::string_view mission_name,
+                                                   LocalMapId id) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->WithState([id](const MissionState& state) -> absl::StatusOr<LocalMapInfo> {
+    const LocalMapState* local_map = state.FindLocalMap(id);
+    if (local_map == nullptr) return NoLocalMap(id);
+    return map_store::DescribeLocalMap(state, *local_map);
+  });
+}
+
+absl::StatusOr<Page<KeyframeInfo>> MapStore::ListKeyframes(absl::string_view mission_name,
+                                                           LocalMapId local_map_id,
+                                                           const PageRequest& page) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  std::vector<KeyframeInfo> infos;
+  const absl::Status status = mission->WithState([&](const MissionState& state) {
+    if (local_map_id.IsValid()) {
+      const LocalMapState* local_map = state.FindLocalMap(local_map_id);
+      if (local_map == nullptr) return NoLocalMap(local_map_id);
+      infos = map_store::DescribeKeyframes(state, *local_map);
+      return absl::OkStatus();
+    }
+    for (const LocalMapId& id : state.order) {
+      auto some = map_store::DescribeKeyframes(state, *state.FindLocalMap(id));
+      infos.insert(infos.end(), some.begin(), some.end());
+    }
+    return absl::OkStatus();
+  });
+  RETURN_IF_ERROR(status);
+  return TakePage(std::move(infos), page, options_.max_page_size);
+}
+
+absl::StatusOr<KeyframeInfo> MapStore::GetKeyframe(absl::string_view mission_name,
+                                                   KeyframeId id) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->WithState([id](const MissionState& state) -> absl::StatusOr<KeyframeInfo> {
+    if (state.FindKeyframe(id) != nullptr) {
+      for (const KeyframeInfo& info :
+           map_store::DescribeKeyframes(state, *state.FindLocalMap(id.local_map))) {
+        if (info.id == id) return info;
+      }
+    }
+    return absl::NotFoundError(absl::StrCat("there is no keyframe ", ToString(id)));
+  });
+}
+
+absl::StatusOr<MissionStatistics> MapStore::GetStatistics(absl::string_view mission_name) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->WithState(map_store::DescribeStatistics);
+}
+
+absl::StatusOr<std::vector<AgentTrajectory>> MapStore::GetTrajectory(absl::string_view mission_name,
+                                                                     absl::string_view agent,
+                                                                     TrajectoryFrame frame,
+                                                                     bool all_islands) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  std::vector<AgentTrajectory> trajectories;
+  mission->WithState([&](const MissionState& state) {
+    for (const auto& [name, agent_state] : state.agents) {
+      if (!agent.empty() && agent != name) continue;
+      trajectories.push_back(map_store::ComputeTrajectory(state, name, frame, all_islands));
+    }
+    return 0;
+  });
+  if (trajectories.empty() && !agent.empty()) {
+    return absl::NotFoundError(absl::StrCat("there is no agent ", agent));
+  }
+  return trajectories;
+}
+
+absl::StatusOr<Page<OverlapInfo>> MapStore::ListOverlaps(absl::string_view mission_name,
+                                                         const OverlapFilter& filter,
+                                                         const PageRequest& page) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return TakePage(mission->WithState([&filter](const MissionState& state) {
+    return map_store::DescribeOverlaps(state, filter);
+  }),
+                  page, options_.max_page_size);
+}
+
+absl::StatusOr<std::vector<IslandView>> MapStore::GlobalMapView(
+    absl::string_view mission_name) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->WithState([](const MissionState& state) {
+    std::vector<IslandView> views;
+    for (const map_store::Island* island : map_store::OrderedIslands(state)) {
+      views.push_back(map_store::DescribeIsland(state, *island));
+    }
+    return views;
+  });
+}
+
+absl::StatusOr<std::optional<MapChanges>> MapStore::ChangesSince(absl::string_view mission_name,
+                                                                 uint64_t version) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->WithState([version](const MissionState& state) -> std::optional<MapChanges> {
+    if (state.version <= version) return std::nullopt;
+    MapChanges changes;
+    changes.version = state.version;
+    changes.revision = state.global.revision;
+    for (const map_store::Island* island : map_store::OrderedIslands(state)) {
+      if (island->version <= version) continue;
+      changes.islands.push_back(map_store::DescribeIsland(state, *island));
+    }
+    for (const LocalMapId& id : state.order) {
+      if (!state.global.islands.contains(id)) changes.removed_islands.push_back(id);
+    }
+    return changes;
+  });
+}
+
+absl::StatusOr<uint64_t> MapStore::AddMapListener(absl::string_view mission_name,
+                                                  std::function<void()> listener) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->AddMapListener(std::move(listener));
+}
+
+void MapStore::RemoveMapListener(absl::string_view mission_name, uint64_t token) {
+  const auto mission = FindMission(mission_name);
+  if (mission.ok()) (*mission)->RemoveMapListener(token);
+}
+
+}  // namespace corbslam

@@ -1,0 +1,240 @@
+#include "map_store/mission.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/batch_validation.h"
+#include "map_store/map_store.h"
+#include "map_store/sharing.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// About what items take on the wire, where the transport does not say.
+BatchTransfer EstimateTransfer(const MapUpdateBatch& batch) {
+  constexpr uint64_t kBytesPerKeypoint = 48;
+  BatchTransfer transfer;
+  for (const FullKeyframe& keyframe : batch.full_keyframes) {
+    transfer.full_keyframe_bytes +=
+        100 + kBytesPerKeypoint * keyframe.payload->features.keypoints.size();
+  }
+  transfer.full_map_point_bytes = 90 * batch.full_points.size();
+  transfer.light_keyframe_bytes = 70 * batch.light_keyframes.size();
+  transfer.light_map_point_bytes = 30 * batch.light_points.size();
+  return transfer;
+}
+
+void Count(TransferStatistics& statistics, size_t items, uint64_t bytes, double ms) {
+  statistics.count += items;
+  statistics.bytes += bytes;
+  statistics.ms += ms;
+}
+
+absl::Status CheckNumber(const LocalMapState* local_map, const MapUpdateBatch& batch,
+                         std::optional<Acknowledgement>& known) {
+  const uint64_t last = local_map == nullptr ? 0 : local_map->last_batch;
+  if (batch.number == 0) return absl::InvalidArgumentError("batch without a number");
+  if (batch.number <= last) {
+    known = Acknowledgement{batch.local_map, last};
+    return absl::OkStatus();
+  }
+  if (batch.number == last + 1) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat("batch ", batch.number, " of local map ",
+                                                    ToString(batch.local_map), ": expected ",
+                                                    last + 1));
+}
+
+}  // namespace
+
+Mission::Mission(std::string name, Environment environment)
+    : name_(std::move(name)), environment_(std::move(environment)) {
+  state_.name = name_;
+}
+
+absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
+                                                  const SessionRequest& request) {
+  SessionGrant grant;
+  uint64_t fenced = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (deleted_) return absl::NotFoundError(absl::StrCat("mission ", name_, " is deleted"));
+    for (const LocalMapId& id : request.local_maps) {
+      const LocalMapState* local_map = state_.FindLocalMap(id);
+      if (local_map != nullptr && local_map->agent != request.agent) {
+        return absl::PermissionDeniedError(
+            absl::StrCat("local map ", ToString(id), " is another agent's"));
+      }
+      grant.acknowledged.push_back({id, local_map == nullptr ? 0 : local_map->last_batch});
+    }
+    AgentState& agent = state_.agents[request.agent];
+    fenced = std::exchange(agent.session, session_id);
+    ResumeSharing(request.last_revision, agent.share);
+    ++state_.version;
+  }
+  std::function<void()> listener;
+  {
+    absl::MutexLock lock(&listener_mutex_);
+    if (const auto it = shared_listeners_.find(fenced); it != shared_listeners_.end()) {
+      listener = std::move(it->second);
+      shared_listeners_.erase(it);
+    }
+  }
+  if (listener) listener();
+  return grant;
+}
+
+absl::Status Mission::CheckSession(uint64_t session_id, const std::string& agent) const {
+  if (deleted_) return absl::AbortedError(absl::StrCat("mission ", name_, " was deleted"));
+  const auto it = state_.agents.find(agent);
+  if (it != state_.agents.end() && it->second.session == session_id) return absl::OkStatus();
+  return absl::AbortedError(
+      absl::StrCat("a newer session of agent ", agent, " has taken the place of this one"));
+}
+
+absl::Status Mission::CheckBatch(uint64_t session_id, const std::string& agent,
+                                 const MapUpdateBatch& batch,
+                                 std::optional<Acknowledgement>& known) const {
+  RETURN_IF_ERROR(CheckSession(session_id, agent));
+  const LocalMapState* local_map = state_.FindLocalMap(batch.local_map);
+  if (local_map != nullptr && local_map->agent != agent) {
+    return absl::PermissionDeniedError(
+        absl::StrCat("local map ", ToString(batch.local_map), " is another agent's"));
+  }
+  if (local_map == nullptr &&
+      state_.local_maps.size() >= environment_.options->max_local_maps_per_mission) {
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "mission ", name_, " has ", state_.local_maps.size(), " local maps; that is the limit"));
+  }
+  return CheckNumber(local_map, batch, known);
+}
+
+BatchWords Mission::ComputeWords(const MapUpdateBatch& batch) const {
+  BatchWords words;
+  if (environment_.vocabulary == nullptr) return words;
+  for (const FullKeyframe& keyframe : batch.full_keyframes) {
+    words[keyframe.payload->id] = std::make_shared<const Words>(
+        environment_.vocabulary->Transform(keyframe.payload->features.descriptors));
+  }
+  return words;
+}
+
+absl::StatusOr<Acknowledgement> Mission::Apply(uint64_t session_id, const std::string& agent,
+                                               const MapUpdateBatch& batch,
+                                               const BatchTransfer* measured) {
+  const absl::Time begin = environment_.clock();
+  std::optional<Acknowledgement> known;
+  {
+    absl::ReaderMutexLock lock(&mutex_);
+    RETURN_IF_ERROR(CheckBatch(session_id, agent, batch, known));
+    if (known.has_value()) return *known;
+    RETURN_IF_ERROR(
+        ValidateBatch(state_.FindLocalMap(batch.local_map), batch, *environment_.options));
+  }
+  const BatchWords words = ComputeWords(batch);
+  {
+    absl::MutexLock turn(&writer_mutex_);
+    {
+      absl::ReaderMutexLock lock(&mutex_);
+      // As long as this is the next batch, its local map is as it was validated against.
+      RETURN_IF_ERROR(CheckBatch(session_id, agent, batch, known));
+      if (known.has_value()) return *known;
+    }
+    // Not owned: the record lives as long as the call.
+    const std::shared_ptr<const MapUpdateBatch> record(std::shared_ptr<void>(), &batch);
+    RETURN_IF_ERROR(environment_.journal->Append(BatchRecord{name_, agent, record}));
+    absl::MutexLock lock(&mutex_);
+    LocalMapState* local_map = state_.FindLocalMap(batch.local_map);
+    if (local_map == nullptr) local_map = &AddLocalMap(state_, batch.local_map, agent);
+    ApplyBatch(batch, words, *environment_.options, state_, *local_map);
+    CountTransfer(batch, measured, absl::ToDoubleMilliseconds(environment_.clock() - begin));
+  }
+  environment_.wake_fusion();
+  NotifyAll(session_id);
+  return Acknowledgement{batch.local_map, batch.number};
+}
+
+void Mission::CountTransfer(const MapUpdateBatch& batch, const BatchTransfer* measured, double ms) {
+  const BatchTransfer transfer = measured != nullptr ? *measured : EstimateTransfer(batch);
+  const double bytes =
+      static_cast<double>(transfer.full_keyframe_bytes + transfer.full_map_point_bytes +
+                          transfer.light_keyframe_bytes + transfer.light_map_point_bytes);
+  // The batch's time, shared out by bytes.
+  const double ms_per_byte = bytes > 0 ? ms / bytes : 0;
+  const auto count = [ms_per_byte](TransferStatistics& statistics, size_t items, uint64_t size) {
+    Count(statistics, items, size, ms_per_byte * static_cast<double>(size));
+  };
+  MissionStatistics& statistics = state_.statistics;
+  count(statistics.full_keyframes, batch.full_keyframes.size(), transfer.full_keyframe_bytes);
+  count(statistics.full_map_points, batch.full_points.size(), transfer.full_map_point_bytes);
+  count(statistics.light_keyframes, batch.light_keyframes.size(), transfer.light_keyframe_bytes);
+  count(statistics.light_map_points, batch.light_points.size(), transfer.light_map_point_bytes);
+}
+
+void Mission::CloseSession(uint64_t session_id, const std::string& agent) {
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto it = state_.agents.find(agent);
+    if (it != state_.agents.end() && it->second.session == session_id) it->second.session = 0;
+  }
+  SetSharedListener(session_id, nullptr);
+  environment_.wake_fusion();
+}
+
+absl::StatusOr<std::optional<SharedUpdate>> Mission::NextShared(uint64_t session_id,
+                                                                const std::string& agent,
+                                                                size_t byte_budget) {
+  absl::MutexLock lock(&mutex_);
+  RETURN_IF_ERROR(CheckSession(session_id, agent));
+  return TakeSharedUpdate(state_, *environment_.options, byte_budget, state_.agents.at(agent));
+}
+
+void Mission::SetSharedListener(uint64_t session_id, std::function<void()> listener) {
+  absl::MutexLock lock(&listener_mutex_);
+  if (listener == nullptr) {
+    shared_listeners_.erase(session_id);
+  } else {
+    shared_listeners_[session_id] = std::move(listener);
+  }
+}
+
+uint64_t Mission::AddMapListener(std::function<void()> listener) {
+  absl::MutexLock lock(&listener_mutex_);
+  map_listeners_[next_listener_] = std::move(listener);
+  return next_listener_++;
+}
+
+void Mission::RemoveMapListener(uint64_t token) {
+  absl::MutexLock lock(&listener_mutex_);
+  map_listeners_.erase(token);
+}
+
+std::vector<std::function<void()>> Mission::ListenersExcept(uint64_t session_id) const {
+  std::vector<std::function<void()>> listeners;
+  absl::MutexLock lock(&listener_mutex_);
+  for (const auto& [id, listener] : shared_listeners_) {
+    if (id != session_id) listeners.push_back(listener);
+  }
+  for (const auto& [token, listener] : map_listeners_) listeners.push_back(listener);
+  return listeners;
+}
+
+void Mission::NotifyAll(uint64_t except_session) {
+  for (const std::function<void()>& listener : ListenersExcept(except_session)) listener();
+}
+
+void Mission::Delete() {
+  {
+    absl::MutexLock turn(&writer_mutex_);
+    absl::MutexLock lock(&mutex_);
+    deleted_ = true;
+    state_.queries.clear();
+    for (Lane& lane : lanes_) {
+      if (lane.cancelled != nullptr) lane.cancelled->store(true);
+    }
+    lane_released_.SignalAll();
+  }
+  NotifyAll(0);
+}
+
+}  // namespace corbslam::map_store

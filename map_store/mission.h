@@ -1,0 +1,142 @@
+// One mission: its state behind a lock, a strand of writers, its sessions and its fusion lanes.
+#ifndef CORBSLAM_MAP_STORE_MISSION_H_
+#define CORBSLAM_MAP_STORE_MISSION_H_
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "map_store/batch_application.h"
+#include "map_store/fusion_job.h"
+#include "map_store/fusion_policy.h"
+#include "map_store/journal.h"
+#include "map_store/mission_state.h"
+#include "map_store/options.h"
+#include "map_store/revision.h"
+#include "slam/exchange/uplink.h"
+#include "slam/vocabulary/vocabulary.h"
+
+namespace corbslam {
+struct BatchTransfer;
+}  // namespace corbslam
+
+namespace corbslam::map_store {
+
+// Verification and fusing, one after the other; bundle adjustment beside them.
+enum class FusionLane { kGraph, kAdjustment };
+
+// Thread-safe. Writers take their turn on a strand (writer_mutex_) that is held while the journal
+// writes; the state's own lock is held only to read or to change memory, never across the journal,
+// a worker or a listener.
+class Mission {
+ public:
+  struct Environment {
+    const MapStoreOptions* options = nullptr;
+    const Vocabulary* vocabulary = nullptr;
+    Journal* journal = nullptr;
+    std::function<absl::Time()> clock;
+    // Called, without locks, when there may be something to fuse.
+    std::function<void()> wake_fusion;
+    bool has_worker = false;
+  };
+
+  Mission(std::string name, Environment environment);
+
+  // Fences an older session of the agent.
+  absl::StatusOr<SessionGrant> OpenSession(uint64_t session_id, const SessionRequest& request);
+  absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const std::string& agent,
+                                        const MapUpdateBatch& batch, const BatchTransfer* measured);
+  void CloseSession(uint64_t session_id, const std::string& agent);
+  absl::StatusOr<std::optional<SharedUpdate>> NextShared(uint64_t session_id,
+                                                         const std::string& agent,
+                                                         size_t byte_budget);
+  void SetSharedListener(uint64_t session_id, std::function<void()> listener);
+  uint64_t AddMapListener(std::function<void()> listener);
+  void RemoveMapListener(uint64_t token);
+
+  // Ends everything: sessions are fenced, jobs cancelled, nothing is written any more.
+  void Delete();
+
+  // Reads the state under its lock; `read` must be quick and must not call back.
+  template <typename Read>
+  auto WithState(Read read) const {
+    absl::ReaderMutexLock lock(&mutex_);
+    return read(static_cast<const MissionState&>(state_));
+  }
+
+  // Fusion. The next piece of work of a lane, which then is busy until the job is finished.
+  std::optional<FusionJob> StartJob(FusionLane lane);
+  // Commits the result, or notes the failure. False: the worker is not there, try again later.
+  bool FinishJob(FusionLane lane, const FusionJob& job, absl::StatusOr<FusionResult> result);
+  void CancelJobs();
+  bool IsFusionIdle() const;
+  bool WaitUntilFusionIdle(absl::Time deadline) const;
+
+ private:
+  struct Lane {
+    bool busy = false;
+    IslandId target;
+    std::shared_ptr<std::atomic<bool>> cancelled;
+  };
+
+  absl::Status CheckSession(uint64_t session_id, const std::string& agent) const
+      ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  absl::Status CheckBatch(uint64_t session_id, const std::string& agent,
+                          const MapUpdateBatch& batch, std::optional<Acknowledgement>& known) const
+      ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  BatchWords ComputeWords(const MapUpdateBatch& batch) const;
+  void CountTransfer(const MapUpdateBatch& batch, const BatchTransfer* measured, double ms)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  FusionSummary Summarise() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  std::optional<FusionAction> NextAction(FusionLane lane) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  bool IsIdleLocked() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  // The action needs no worker: says so in the state.
+  void SkipAction(const FusionAction& action) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  absl::Status CommitQuery(const QueryJob& job, const VerifyOverlapResult& result);
+  absl::Status CommitFuse(const FuseJob& job, const FuseMapsResult& result);
+  absl::Status CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result);
+  absl::Status Commit(const FusionJob& job, const FusionResult& result);
+  void RefuseFuse(const FuseJob& job, const FuseMapsResult& result)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void AfterFuse(const FuseJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void NoteFailure(const FusionJob& job, const absl::Status& status)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ReleaseLane(FusionLane lane);
+
+  std::vector<std::function<void()>> ListenersExcept(uint64_t session_id) const
+      ABSL_LOCKS_EXCLUDED(listener_mutex_);
+  void NotifyAll(uint64_t except_session);
+
+  const std::string name_;
+  const Environment environment_;
+
+  absl::Mutex writer_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
+  mutable absl::Mutex mutex_;
+  mutable absl::CondVar lane_released_;
+  MissionState state_ ABSL_GUARDED_BY(mutex_);
+  std::array<Lane, 2> lanes_ ABSL_GUARDED_BY(mutex_);
+  std::map<IslandId, int> adjust_attempts_ ABSL_GUARDED_BY(mutex_);
+  bool deleted_ ABSL_GUARDED_BY(mutex_) = false;
+
+  mutable absl::Mutex listener_mutex_;
+  std::map<uint64_t, std::function<void()>> shared_listeners_ ABSL_GUARDED_BY(listener_mutex_);
+  std::map<uint64_t, std::function<void()>> map_listeners_ ABSL_GUARDED_BY(listener_mutex_);
+  uint64_t next_listener_ ABSL_GUARDED_BY(listener_mutex_) = 1;
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_MISSION_H_

@@ -1,0 +1,333 @@
+// Mission's fusion lanes: what to do next, and what to do with results.
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/mission.h"
+#include "map_store/overlap_query.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+FusionLane LaneOf(const FusionAction& action) {
+  return action.kind == FusionAction::Kind::kAdjust ? FusionLane::kAdjustment : FusionLane::kGraph;
+}
+
+bool IsQuiet(const MissionState& state, const Island& island) {
+  return std::all_of(island.local_maps.begin(), island.local_maps.end(), [&state](LocalMapId id) {
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    return local_map.closed || state.agents.at(local_map.agent).session == 0;
+  });
+}
+
+FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Island& island) {
+  FusionSummary::IslandSummary summary;
+  summary.id = island.id;
+  summary.order = state.FindLocalMap(island.local_maps.front())->order;
+  for (const LocalMapId& id : island.local_maps) {
+    summary.keyframes += state.FindLocalMap(id)->map.keyframes().size();
+  }
+  summary.fused = island.fused;
+  summary.quiet = IsQuiet(state, island);
+  summary.dirty = island.dirty;
+  summary.needs_adjustment = island.needs_adjustment;
+  summary.overlaps_since_adjustment = island.overlaps_since_adjustment;
+  summary.displaced = island.displaced.size();
+  summary.relaxed = island.relaxed.size();
+  return summary;
+}
+
+void Refuse(const std::string& note, OverlapState state, OverlapEntry& entry) {
+  entry.state = state;
+  entry.note = note;
+}
+
+// A local loop that could not be welded: bundle adjustment alone has to bring it in.
+void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
+                       Island& island) {
+  for (const LocalMapId& id : relaxed) {
+    island.displaced.merge(FindRelaxedKeyframes(state, island, id));
+    island.relaxed.erase(id);
+    island.needs_adjustment = true;
+  }
+}
+
+void GiveUpAdjustment(Island& island) {
+  island.needs_adjustment = false;
+  island.dirty = false;
+  island.overlaps_since_adjustment = 0;
+  island.displaced.clear();
+}
+
+bool IsSound(const Overlap& overlap, const QueryTask& task) {
+  return overlap.query == task.query && overlap.candidate.local_map == task.against &&
+         overlap.candidate_from_query.scale > 0 &&
+         overlap.candidate_from_query.rotation.coeffs().allFinite() &&
+         overlap.candidate_from_query.translation.allFinite();
+}
+
+}  // namespace
+
+FusionSummary Mission::Summarise() const {
+  FusionSummary summary;
+  for (const auto& [id, island] : state_.global.islands) {
+    summary.islands.push_back(SummariseIsland(state_, island));
+  }
+  std::sort(summary.islands.begin(), summary.islands.end(),
+            [](const auto& a, const auto& b) { return a.order < b.order; });
+  for (const auto& [id, entry] : state_.global.overlaps) {
+    if (entry.state != OverlapState::kWaiting) continue;
+    const LocalMapId a = entry.overlap.query.local_map;
+    const LocalMapId b = entry.overlap.candidate.local_map;
+    summary.waiting.push_back(
+        {id, state_.global.island_of.at(a), state_.global.island_of.at(b), entry.urgent});
+  }
+  summary.queries = state_.queries.size();
+  summary.graph_lane_busy = lanes_[static_cast<size_t>(FusionLane::kGraph)].busy;
+  summary.adjustment_lane_busy = lanes_[static_cast<size_t>(FusionLane::kAdjustment)].busy;
+  return summary;
+}
+
+std::optional<FusionAction> Mission::NextAction(FusionLane lane) const {
+  if (deleted_ || !environment_.has_worker) return std::nullopt;
+  PolicyLimits limits;
+  limits.weld_every = environment_.options->weld_every;
+  limits.adjust_every = environment_.options->adjust_every;
+  for (const FusionAction& action : DecideActions(Summarise(), limits)) {
+    if (LaneOf(action) == lane) return action;
+  }
+  return std::nullopt;
+}
+
+std::optional<FusionJob> Mission::StartJob(FusionLane lane_id) {
+  while (true) {
+    absl::MutexLock lock(&mutex_);
+    Lane& lane = lanes_[static_cast<size_t>(lane_id)];
+    if (lane.busy) return std::nullopt;
+    const std::optional<FusionAction> action = NextAction(lane_id);
+    if (!action.has_value()) {
+      lane_released_.SignalAll();
+      return std::nullopt;
+    }
+    std::optional<FusionRequest> request = PrepareRequest(state_, *action, *environment_.options);
+    if (!request.has_value()) {
+      SkipAction(*action);
+      continue;
+    }
+    lane.busy = true;
+    lane.target = action->target;
+    lane.cancelled = std::make_shared<std::atomic<bool>>(false);
+    return FusionJob{*std::move(request), lane.cancelled};
+  }
+}
+
+void Mission::SkipAction(const FusionAction& action) {
+  if (action.kind == FusionAction::Kind::kQuery) {
+    state_.queries.pop_front();
+    return;
+  }
+  if (action.kind == FusionAction::Kind::kAdjust) {
+    GiveUpAdjustment(state_.global.islands.at(action.target));
+    return;
+  }
+  for (const uint64_t id : action.overlaps) {
+    Refuse("its keyframes were removed", OverlapState::kFailed, state_.global.overlaps.at(id));
+  }
+  Island& island = state_.global.islands.at(action.target);
+  const std::vector<LocalMapId> relaxed(island.relaxed.begin(), island.relaxed.end());
+  LeaveToAdjustment(relaxed, state_, island);
+}
+
+bool Mission::FinishJob(FusionLane lane, const FusionJob& job,
+                        absl::StatusOr<FusionResult> result) {
+  absl::Status status = result.ok() ? Commit(job, *result) : result.status();
+  const bool deterministic = environment_.options->deterministic;
+  const bool try_later =
+      !deterministic && (absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status));
+  if (!status.ok() && !try_later && !job.cancelled->load()) {
+    absl::MutexLock lock(&mutex_);
+    NoteFailure(job, status);
+  }
+  ReleaseLane(lane);
+  if (status.ok()) NotifyAll(0);
+  return !try_later;
+}
+
+void Mission::ReleaseLane(FusionLane lane_id) {
+  absl::MutexLock lock(&mutex_);
+  Lane& lane = lanes_[static_cast<size_t>(lane_id)];
+  lane.busy = false;
+  lane.cancelled.reset();
+  lane_released_.SignalAll();
+}
+
+void Mission::CancelJobs() {
+  absl::MutexLock lock(&mutex_);
+  for (Lane& lane : lanes_) {
+    if (lane.cancelled != nullptr) lane.cancelled->store(true);
+  }
+}
+
+bool Mission::IsIdleLocked() const {
+  for (const Lane& lane : lanes_) {
+    if (lane.busy) return false;
+  }
+  return !NextAction(FusionLane::kGraph).has_value() &&
+         !NextAction(FusionLane::kAdjustment).has_value();
+}
+
+bool Mission::IsFusionIdle() const {
+  absl::ReaderMutexLock lock(&mutex_);
+  return IsIdleLocked();
+}
+
+bool Mission::WaitUntilFusionIdle(absl::Time deadline) const {
+  absl::MutexLock lock(&mutex_);
+  while (!IsIdleLocked()) {
+    if (lane_released_.WaitWithDeadline(&mutex_, deadline)) return IsIdleLocked();
+  }
+  return true;
+}
+
+absl::Status Mission::Commit(const FusionJob& job, const FusionResult& result) {
+  absl::MutexLock turn(&writer_mutex_);
+  if (const auto* query = std::get_if<QueryJob>(&job.work)) {
+    return CommitQuery(*query, std::get<VerifyOverlapResult>(result));
+  }
+  if (const auto* fuse = std::get_if<FuseJob>(&job.work)) {
+    return CommitFuse(*fuse, std::get<FuseMapsResult>(result));
+  }
+  return CommitAdjust(std::get<AdjustJob>(job.work), std::get<AdjustBundleResult>(result));
+}
+
+absl::Status Mission::CommitQuery(const QueryJob& job, const VerifyOverlapResult& result) {
+  RETURN_IF_ERROR(
+      environment_.journal->Append(OverlapRecordSet{name_, job.task.query, result.overlaps}));
+  const absl::Time now = environment_.clock();
+  absl::MutexLock lock(&mutex_);
+  if (deleted_) return absl::OkStatus();
+  state_.queries.pop_front();
+  for (const Overlap& overlap : result.overlaps) {
+    if (!IsSound(overlap, job.task)) continue;
+    OverlapEntry entry;
+    entry.id = state_.next_overlap++;
+    entry.overlap = overlap;
+    entry.state = overlap.IsAccepted() ? OverlapState::kWaiting : OverlapState::kRefused;
+    entry.verified_at = now;
+    ++state_.statistics.overlaps_verified;
+    if (overlap.IsAccepted()) {
+      ++state_.statistics.overlaps_accepted;
+      const bool inside = state_.global.island_of.at(overlap.query.local_map) ==
+                          state_.global.island_of.at(overlap.candidate.local_map);
+      entry.urgent =
+          inside && GraphResidualPx(state_, overlap) > environment_.options->loop_residual_px;
+    }
+    state_.global.overlaps.emplace(entry.id, std::move(entry));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Mission::CommitFuse(const FuseJob& job, const FuseMapsResult& result) {
+  RevisionPlan plan;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (deleted_) return absl::OkStatus();
+    if (!result.accepted) {
+      RefuseFuse(job, result);
+      return absl::OkStatus();
+    }
+    plan = PlanFuse(state_, job, result);
+  }
+  // Only writers change what the plan was made of, and this one has the turn.
+  RETURN_IF_ERROR(environment_.journal->Append(
+      WithState([&](const MissionState& state) { return ToRecord(name_, state, plan); })));
+  absl::MutexLock lock(&mutex_);
+  CommitRevision(plan, *environment_.options, state_);
+  AfterFuse(job);
+  return absl::OkStatus();
+}
+
+void Mission::RefuseFuse(const FuseJob& job, const FuseMapsResult& result) {
+  for (const uint64_t id : job.action.overlaps) {
+    OverlapEntry& entry = state_.global.overlaps.at(id);
+    Refuse(absl::StrCat("bends the graph: worst edge chi2 ", result.worst_edge_chi2),
+           OverlapState::kRefused, entry);
+    entry.overlap.verdict = OverlapVerdict::kBendsGraph;
+    --state_.statistics.overlaps_accepted;
+  }
+  LeaveToAdjustment(job.relaxed, state_, state_.global.islands.at(job.action.target));
+}
+
+void Mission::AfterFuse(const FuseJob& job) {
+  Island& island = state_.global.islands.at(job.action.target);
+  bool urgent = job.source.has_value() || !job.relaxed.empty();
+  absl::Time first = absl::InfiniteFuture();
+  for (const uint64_t id : job.action.overlaps) {
+    const OverlapEntry& entry = state_.global.overlaps.at(id);
+    urgent = urgent || entry.urgent;
+    first = std::min(first, entry.verified_at);
+  }
+  for (const LocalMapId& id : job.relaxed) island.relaxed.erase(id);
+  island.overlaps_since_adjustment += job.action.overlaps.size();
+  if (job.source.has_value()) {
+    state_.statistics.merge_ms.push_back(absl::ToDoubleMilliseconds(environment_.clock() - first));
+  }
+  if (!urgent) return;
+  // What is being adjusted now is not this graph any more.
+  ++island.generation;
+  island.needs_adjustment = true;
+  const Lane& lane = lanes_[static_cast<size_t>(FusionLane::kAdjustment)];
+  const bool stale = lane.target == job.action.target || lane.target == job.action.source;
+  if (stale && lane.cancelled != nullptr) lane.cancelled->store(true);
+}
+
+absl::Status Mission::CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result) {
+  RevisionPlan plan;
+  {
+    absl::ReaderMutexLock lock(&mutex_);
+    const auto it = state_.global.islands.find(job.snapshot.island);
+    if (deleted_ || it == state_.global.islands.end()) return absl::OkStatus();
+    if (it->second.generation != job.snapshot.generation) return absl::OkStatus();
+    plan = PlanAdjust(state_, job, result);
+  }
+  RETURN_IF_ERROR(environment_.journal->Append(
+      WithState([&](const MissionState& state) { return ToRecord(name_, state, plan); })));
+  absl::MutexLock lock(&mutex_);
+  CommitRevision(plan, *environment_.options, state_);
+  Island& island = state_.global.islands.at(plan.target);
+  island.needs_adjustment = false;
+  // What arrived while the worker was busy waits for the next one.
+  island.dirty = island.version_of_owners > job.snapshot.version_of_owners;
+  island.overlaps_since_adjustment = 0;
+  adjust_attempts_.erase(island.id);
+  state_.statistics.global_adjustments.push_back(
+      {result.keyframes, result.points, result.iterations, result.seconds * 1e3});
+  return absl::OkStatus();
+}
+
+void Mission::NoteFailure(const FusionJob& job, const absl::Status& status) {
+  if (deleted_) return;
+  ++state_.statistics.failed_requests;
+  const int max_attempts = environment_.options->max_attempts;
+  if (std::holds_alternative<QueryJob>(job.work)) {
+    if (++state_.queries.front().attempts >= max_attempts) state_.queries.pop_front();
+    return;
+  }
+  if (const auto* fuse = std::get_if<FuseJob>(&job.work)) {
+    for (const uint64_t id : fuse->action.overlaps) {
+      OverlapEntry& entry = state_.global.overlaps.at(id);
+      if (++entry.attempts < max_attempts) continue;
+      Refuse(absl::StrCat("worker failed: ", status.message()), OverlapState::kFailed, entry);
+    }
+    LeaveToAdjustment(fuse->relaxed, state_, state_.global.islands.at(fuse->action.target));
+    return;
+  }
+  const IslandId id = std::get<AdjustJob>(job.work).snapshot.island;
+  const auto island = state_.global.islands.find(id);
+  if (++adjust_attempts_[id] < max_attempts || island == state_.global.islands.end()) return;
+  adjust_attempts_.erase(id);
+  GiveUpAdjustment(island->second);
+}
+
+}  // namespace corbslam::map_store

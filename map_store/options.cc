@@ -1,0 +1,37 @@
+#include "map_store/options.h"
+
+#include "absl/strings/str_cat.h"
+
+namespace corbslam {
+namespace {
+
+absl::Status CheckPositive(absl::string_view field, double value) {
+  if (value > 0) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(field, " is ", value, ", must be above 0"));
+}
+
+}  // namespace
+
+absl::Status MapStoreOptions::Validate() const {
+  absl::Status status;
+  status.Update(CheckPositive("min_shared_words", min_shared_words));
+  status.Update(CheckPositive("max_candidate_groups", static_cast<double>(max_candidate_groups)));
+  status.Update(CheckPositive("neighbourhood", neighbourhood));
+  status.Update(CheckPositive("min_shared_landmarks", min_shared_landmarks));
+  status.Update(CheckPositive("loop_residual_px", loop_residual_px));
+  status.Update(CheckPositive("weld_every", static_cast<double>(weld_every)));
+  status.Update(CheckPositive("adjust_every", static_cast<double>(adjust_every)));
+  status.Update(CheckPositive("adjust_iterations", adjust_iterations));
+  status.Update(CheckPositive("local_motion_px", local_motion_px));
+  status.Update(CheckPositive("adjust_threads", adjust_threads));
+  status.Update(CheckPositive("max_attempts", max_attempts));
+  status.Update(CheckPositive("retry_ms", retry_ms));
+  status.Update(CheckPositive("max_page_size", static_cast<double>(max_page_size)));
+  if (min_shared_words_ratio < 0 || min_shared_words_ratio > 1) {
+    status.Update(absl::InvalidArgumentError(
+        absl::StrCat("min_shared_words_ratio is ", min_shared_words_ratio, ", must be 0 to 1")));
+  }
+  return status;
+}
+
+}  // namespace corbslam

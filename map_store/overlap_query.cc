@@ -1,0 +1,133 @@
+#include "map_store/overlap_query.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "map_store/island_view.h"
+#include "map_store/local_motion.h"
+#include "map_store/placement.h"
+#include "slam/place/candidate_groups.h"
+#include "slam/place/keyframe_database.h"
+
+namespace corbslam::map_store {
+namespace {
+
+size_t Gap(const LocalMapState& local_map, KeyframeId a, KeyframeId b) {
+  const size_t first = local_map.arrival.at(a);
+  const size_t second = local_map.arrival.at(b);
+  return first > second ? first - second : second - first;
+}
+
+// An accepted overlap of `query` itself, or of a keyframe next to it, with `against`.
+bool HasOverlapNearby(const MissionState& state, const QueryTask& task, size_t spacing) {
+  const LocalMapState& own = *state.FindLocalMap(task.query.local_map);
+  const auto is_near = [&](KeyframeId near, KeyframeId far) {
+    return near.local_map == own.id && far.local_map == task.against &&
+           Gap(own, near, task.query) < spacing;
+  };
+  for (const auto& [id, entry] : state.global.overlaps) {
+    const bool counts =
+        entry.state == OverlapState::kWaiting || entry.state == OverlapState::kInGraph;
+    if (!counts) continue;
+    const Overlap& overlap = entry.overlap;
+    if (is_near(overlap.query, overlap.candidate) || is_near(overlap.candidate, overlap.query)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::vector<PlaceCandidate> FindSharingWords(const MissionState& state, const QueryTask& task,
+                                             const Keyframe& query,
+                                             const MapStoreOptions& options) {
+  const LocalMapState& against = *state.FindLocalMap(task.against);
+  const bool own = task.against == task.query.local_map;
+  QueryOptions query_options;
+  query_options.min_shared_words = options.min_shared_words;
+  query_options.min_shared_fraction_of_best = options.min_shared_words_ratio;
+  query_options.admit = [&](KeyframeId id) {
+    if (id == task.query || !against.IsSettled(id)) return false;
+    return !own || Gap(against, id, task.query) >= options.min_loop_gap;
+  };
+  return against.database.Query(query.words->bag, query_options);
+}
+
+void AddWithNeighbours(const MissionState& state, KeyframeId id, int neighbours,
+                       std::set<KeyframeId>& keyframes) {
+  keyframes.insert(id);
+  const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
+  for (const CovisibleKeyframe& other : local_map.map.BestCovisible(id, neighbours)) {
+    keyframes.insert(other.id);
+  }
+}
+
+}  // namespace
+
+bool BothMetric(const LocalMapState& a, const LocalMapState& b) {
+  const auto is_metric = [](const std::shared_ptr<const Camera>& camera) {
+    return camera->IsMetric();
+  };
+  return std::all_of(a.cameras.begin(), a.cameras.end(), is_metric) &&
+         std::all_of(b.cameras.begin(), b.cameras.end(), is_metric);
+}
+
+std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& state,
+                                                            const QueryTask& task,
+                                                            const MapStoreOptions& options) {
+  const Keyframe* query = state.FindKeyframe(task.query);
+  const LocalMapState* against = state.FindLocalMap(task.against);
+  if (query == nullptr || query->words == nullptr || against == nullptr) return {};
+  if (HasOverlapNearby(state, task, options.overlap_spacing)) return {};
+  const std::vector<PlaceCandidate> found = FindSharingWords(state, task, *query, options);
+  std::vector<VerifyOverlapRequest::Candidate> candidates;
+  for (const CandidateGroup& group :
+       GroupByCovisibility(against->map, found, options.max_candidate_groups)) {
+    const KeyframeId best = group.best.id;
+    if (CountSharedLandmarks(state, task.query, best) >= options.min_shared_landmarks) {
+      // The best of all is linked already: there is no news to be had here.
+      if (candidates.empty()) return {};
+      continue;
+    }
+    candidates.push_back({best, group.best.shared_words});
+  }
+  return candidates;
+}
+
+std::optional<VerifyOverlapRequest> BuildVerifyRequest(const MissionState& state,
+                                                       const QueryTask& task,
+                                                       const MapStoreOptions& options) {
+  VerifyOverlapRequest request;
+  request.candidates = FindCandidates(state, task, options);
+  if (request.candidates.empty()) return std::nullopt;
+  request.base_revision = state.global.revision;
+  request.query = task.query;
+  request.fix_scale =
+      BothMetric(*state.FindLocalMap(task.query.local_map), *state.FindLocalMap(task.against));
+  std::set<KeyframeId> around_query;
+  AddWithNeighbours(state, task.query, options.neighbourhood, around_query);
+  request.query_view =
+      BuildPartialView(state, *state.FindIslandOf(task.query.local_map), around_query);
+  std::set<KeyframeId> around_candidates;
+  for (const VerifyOverlapRequest::Candidate& candidate : request.candidates) {
+    AddWithNeighbours(state, candidate.id, options.neighbourhood, around_candidates);
+  }
+  request.candidate_view =
+      BuildPartialView(state, *state.FindIslandOf(task.against), around_candidates);
+  return request;
+}
+
+double GraphResidualPx(const MissionState& state, const Overlap& overlap) {
+  const LocalMapState& query_map = *state.FindLocalMap(overlap.query.local_map);
+  const LocalMapState& candidate_map = *state.FindLocalMap(overlap.candidate.local_map);
+  const Keyframe* query = query_map.map.FindKeyframe(overlap.query);
+  const Keyframe* candidate = candidate_map.map.FindKeyframe(overlap.candidate);
+  if (query == nullptr || candidate == nullptr) return 0;
+  const Similarity3d expected = ComputePoses(candidate_map, state.global).at(overlap.candidate) *
+                                ComputePoses(query_map, state.global).at(overlap.query).Inverse();
+  const Similarity3d difference = overlap.candidate_from_query * expected.Inverse();
+  return PixelMotion(difference.ToRigid(), MedianDepth(candidate_map, *candidate),
+                     candidate->camera().fx_px);
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,237 @@
+#include "map_store/revision.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "map_store/local_motion.h"
+#include "map_store/placement.h"
+
+namespace corbslam::map_store {
+namespace {
+
+using NewPoses = std::map<KeyframeId, Similarity3d>;
+using NewPositions = std::map<MapPointId, Eigen::Vector3d>;
+
+NewPoses Index(const std::vector<KeyframePose>& poses) {
+  NewPoses indexed;
+  for (const KeyframePose& pose : poses) indexed[pose.id] = pose.camera_from_map;
+  return indexed;
+}
+
+NewPositions Index(const std::vector<PointPosition>& positions) {
+  NewPositions indexed;
+  for (const PointPosition& position : positions) indexed[position.id] = position.position_in_map;
+  return indexed;
+}
+
+// The worker saw cameras whose units were rescaled to the view's: put the scale back.
+Similarity3d Rescale(const Similarity3d& pose, double scale) {
+  return {pose.scale * scale, pose.rotation, pose.translation * scale};
+}
+
+void PlanKeyframes(const MissionState& state, const IslandSnapshot& snapshot,
+                   const NewPoses& new_poses, const Similarity3d& snapshot_from_target,
+                   RevisionPlan& plan) {
+  for (const auto& [id, pose] : snapshot.poses) {
+    const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
+    if (!local_map.IsSettled(id) || local_map.map.FindKeyframe(id) == nullptr) continue;
+    const auto moved = new_poses.find(id);
+    const Similarity3d placed =
+        moved == new_poses.end() ? pose * snapshot_from_target : Rescale(moved->second, pose.scale);
+    plan.keyframes[id] = {placed, snapshot.local_poses.at(id), plan.revision};
+  }
+}
+
+void PlanPoints(const MissionState& state, const Map& view, const NewPositions& new_positions,
+                const Similarity3d& target_from_view, RevisionPlan& plan) {
+  for (const auto& [id, point] : view.points()) {
+    const MapPoint* own = state.FindPoint(id);
+    if (own == nullptr || !plan.keyframes.contains(own->reference)) continue;
+    if (state.global.landmarks.Survivor(id) != id) continue;
+    const auto moved = new_positions.find(id);
+    const Eigen::Vector3d position =
+        moved == new_positions.end() ? target_from_view * point.position_in_map : moved->second;
+    plan.points[id] = {position, plan.revision};
+  }
+}
+
+// The keypoint by which `keyframe` saw `point`, or one of the points that were merged into it, in
+// the views; false when none.
+bool FindKeypoint(const std::vector<const Map*>& views,
+                  const std::vector<FuseMapsResult::Merge>& merges,
+                  const RejectedObservation& rejected, uint32_t& keypoint) {
+  std::vector<MapPointId> names = {rejected.point};
+  for (const FuseMapsResult::Merge& merge : merges) {
+    if (merge.survivor == rejected.point) names.push_back(merge.member);
+  }
+  for (const Map* view : views) {
+    for (const MapPointId& name : names) {
+      const MapPoint* point = view->FindPoint(name);
+      if (point == nullptr) continue;
+      const auto it = point->observations.find(rejected.keyframe);
+      if (it == point->observations.end()) continue;
+      keypoint = it->second;
+      return true;
+    }
+  }
+  return false;
+}
+
+void PlanRejected(const MissionState& state, const std::vector<const Map*>& views,
+                  const std::vector<RejectedObservation>& rejected, RevisionPlan& plan) {
+  for (const RejectedObservation& observation : rejected) {
+    const LocalMapState* local_map = state.FindLocalMap(observation.keyframe.local_map);
+    uint32_t keypoint = 0;
+    if (local_map == nullptr || !FindKeypoint(views, plan.merges, observation, keypoint)) continue;
+    const MapPointId raw = RawObservation(*local_map, observation.keyframe, keypoint);
+    if (!raw.IsValid()) continue;
+    plan.rejected.push_back(observation);
+    plan.rejected_raw[{observation.keyframe, keypoint}] = raw;
+  }
+}
+
+// What an adjustment placed in the source's own frame after the snapshot was taken.
+void ForgetOldFrame(const RevisionPlan& plan, const Island& source, GlobalLayer& global) {
+  const std::set<LocalMapId> moved(source.local_maps.begin(), source.local_maps.end());
+  const auto is_moved = [&moved](const auto& item) { return moved.contains(item.first.local_map); };
+  std::erase_if(global.keyframes, is_moved);
+  std::erase_if(global.points, is_moved);
+  for (const LocalMapId& id : source.local_maps) {
+    global.island_of[id] = plan.target;
+    global.island_from_local.erase(id);
+  }
+}
+
+void MergeIslands(const RevisionPlan& plan, MissionState& state) {
+  Island& target = state.global.islands.at(plan.target);
+  const auto it = state.global.islands.find(plan.source);
+  if (it == state.global.islands.end()) return;
+  Island source = std::move(it->second);
+  state.global.islands.erase(it);
+  target.relaxed.merge(source.relaxed);
+  target.version_of_owners = std::max(target.version_of_owners, source.version_of_owners);
+  std::set<LocalMapId> members(target.local_maps.begin(), target.local_maps.end());
+  members.insert(source.local_maps.begin(), source.local_maps.end());
+  target.local_maps.clear();
+  for (const LocalMapId& id : state.order) {
+    if (members.contains(id)) target.local_maps.push_back(id);
+  }
+  ForgetOldFrame(plan, source, state.global);
+}
+
+void PlaceItems(const RevisionPlan& plan, GlobalLayer& global) {
+  for (const auto& [id, placed] : plan.keyframes) global.keyframes[id] = placed;
+  for (const auto& [id, placed] : plan.points) global.points[id] = placed;
+  for (const auto& [observation, raw] : plan.rejected_raw) global.rejected[observation] = raw;
+}
+
+void MergeLandmarks(const RevisionPlan& plan, MissionState& state) {
+  GlobalLayer& global = state.global;
+  for (const FuseMapsResult::Merge& merge : plan.merges) {
+    const MapPointId survivor = ResolvePoint(state, merge.survivor);
+    const MapPointId member = ResolvePoint(state, merge.member);
+    if (!survivor.IsValid() || !member.IsValid() || survivor == member) continue;
+    global.landmarks.Merge(survivor, member);
+    const auto lost = global.points.find(member);
+    if (lost == global.points.end()) continue;
+    global.points.try_emplace(survivor, lost->second);
+    global.points.erase(lost);
+  }
+}
+
+// What owners moved while the worker was busy counts from here on.
+void NoteMotionSince(const RevisionPlan& plan, double threshold_px, MissionState& state) {
+  state.global.islands.at(plan.target).displaced.clear();
+  for (const auto& [id, placed] : plan.keyframes) {
+    const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
+    NoteLocalMotion(id, threshold_px, state, local_map);
+  }
+}
+
+void RememberIslandFrames(const Island& island, MissionState& state) {
+  for (const LocalMapId& id : island.local_maps) {
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    const IslandPoses poses = ComputePoses(local_map, state.global);
+    if (poses.empty()) continue;
+    state.global.island_from_local[id] =
+        IslandFromLocal(poses.rbegin()->first, local_map, state.global, poses);
+  }
+}
+
+}  // namespace
+
+RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseMapsResult& result) {
+  RevisionPlan plan;
+  plan.revision = state.global.revision + 1;
+  plan.target = job.action.target;
+  plan.source = job.action.source;
+  plan.merges = result.merges;
+  plan.overlaps = job.action.overlaps;
+  const NewPoses poses = Index(result.poses);
+  const NewPositions positions = Index(result.positions);
+  PlanKeyframes(state, job.target, poses, Similarity3d(), plan);
+  std::vector<const Map*> views = {&job.request.target};
+  if (job.source.has_value()) {
+    PlanKeyframes(state, *job.source, poses, result.target_from_source.Inverse(), plan);
+    views.push_back(&job.request.source);
+  }
+  PlanPoints(state, job.request.target, positions, Similarity3d(), plan);
+  PlanPoints(state, job.request.source, positions, result.target_from_source, plan);
+  PlanRejected(state, views, result.rejected, plan);
+  return plan;
+}
+
+RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
+                        const AdjustBundleResult& result) {
+  RevisionPlan plan;
+  plan.revision = state.global.revision + 1;
+  plan.target = job.snapshot.island;
+  PlanKeyframes(state, job.snapshot, Index(result.poses), Similarity3d(), plan);
+  PlanPoints(state, job.request.view, Index(result.positions), Similarity3d(), plan);
+  PlanRejected(state, {&job.request.view}, result.rejected, plan);
+  return plan;
+}
+
+RevisionRecord ToRecord(const std::string& mission, const MissionState& state,
+                        const RevisionPlan& plan) {
+  RevisionRecord record;
+  record.mission = mission;
+  record.revision = plan.revision;
+  record.anchor = plan.target;
+  for (const IslandId& id : {plan.target, plan.source}) {
+    const auto it = state.global.islands.find(id);
+    if (it == state.global.islands.end()) continue;
+    const std::vector<LocalMapId>& local_maps = it->second.local_maps;
+    record.local_maps.insert(record.local_maps.end(), local_maps.begin(), local_maps.end());
+  }
+  for (const auto& [id, placed] : plan.keyframes) {
+    record.poses.push_back({id, placed.camera_from_island});
+  }
+  for (const auto& [id, placed] : plan.points) {
+    record.positions.push_back({id, placed.position_in_island});
+  }
+  record.merges = plan.merges;
+  record.rejected = plan.rejected;
+  return record;
+}
+
+void CommitRevision(const RevisionPlan& plan, const MapStoreOptions& options, MissionState& state) {
+  state.global.revision = plan.revision;
+  MergeIslands(plan, state);
+  PlaceItems(plan, state.global);
+  MergeLandmarks(plan, state);
+  Island& island = state.global.islands.at(plan.target);
+  island.fused = true;
+  NoteMotionSince(plan, options.local_motion_px, state);
+  RememberIslandFrames(island, state);
+  for (const uint64_t id : plan.overlaps) {
+    OverlapEntry& entry = state.global.overlaps.at(id);
+    entry.state = OverlapState::kInGraph;
+    entry.revision = plan.revision;
+    entry.note.clear();
+  }
+  TouchByFusion(state, plan.target);
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,47 @@
+// From a worker's result to a committed revision of the global layer. Planning reads the state as
+// it is now, so that what came, moved or went since the snapshot is respected; applying only writes
+// what was planned.
+#ifndef CORBSLAM_MAP_STORE_REVISION_H_
+#define CORBSLAM_MAP_STORE_REVISION_H_
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/time/time.h"
+#include "map_store/fusion_job.h"
+#include "map_store/journal.h"
+#include "map_store/mission_state.h"
+#include "map_store/options.h"
+
+namespace corbslam::map_store {
+
+struct RevisionPlan {
+  uint64_t revision = 0;
+  IslandId target;
+  IslandId source;  // Moves into `target`; invalid: none does.
+  std::map<KeyframeId, PlacedKeyframe> keyframes;
+  std::map<MapPointId, PlacedPoint> points;
+  std::vector<FuseMapsResult::Merge> merges;
+  std::vector<RejectedObservation> rejected;
+  // Raw observations behind `rejected`.
+  RejectedObservations rejected_raw;
+  std::vector<uint64_t> overlaps;  // Now in the graph.
+};
+
+// Keyframes get the result's pose, else the one of the snapshot that the worker saw. Only settled
+// ones are placed: provisional ones still follow their robot's adjustment. Removed ones, and points
+// whose reference keyframe is not placed, are skipped.
+RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseMapsResult& result);
+RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
+                        const AdjustBundleResult& result);
+
+RevisionRecord ToRecord(const std::string& mission, const MissionState& state,
+                        const RevisionPlan& plan);
+
+// Writes the plan: what every revision does.
+void CommitRevision(const RevisionPlan& plan, const MapStoreOptions& options, MissionState& state);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_REVISION_H_
