@@ -1,0 +1,29 @@
+#include "services/convert/features.h"
+#include "services/convert/resource_names.h"
+#include "services/map_store_service/lookups_to_proto.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/map_store_service/paging.h"
+#include "services/server/unary.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+grpc::ServerUnaryReactor* MapStoreService::GetKeyframe(grpc::CallbackServerContext* context,
+                                                       const v1::GetKeyframeRequest* request,
+                                                       v1::Keyframe* response) {
+  return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
+    if (!v1::KeyframeView_IsValid(request->view())) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("view is ", static_cast<int>(request->view()), ", must be 0 to 2"));
+    }
+    ASSIGN_OR_RETURN(const KeyframePath path, ParseKeyframeName(request->name()));
+    ASSIGN_OR_RETURN(const KeyframeInfo info, store_.GetKeyframe(path.mission, path.keyframe));
+    ToProto(path.mission, info, response);
+    if (request->view() == v1::KEYFRAME_VIEW_FULL) {
+      ToProto(*info.payload, response->mutable_payload());
+    }
+    return absl::OkStatus();
+  });
+}
+
+}  // namespace corbslam

@@ -1,0 +1,21 @@
+#include "services/convert/resource_names.h"
+#include "services/map_store_service/lookups_to_proto.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/map_store_service/paging.h"
+#include "services/server/unary.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+grpc::ServerUnaryReactor* MapStoreService::GetMission(grpc::CallbackServerContext* context,
+                                                      const v1::GetMissionRequest* request,
+                                                      v1::Mission* response) {
+  return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
+    ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->name()));
+    ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(mission));
+    ToProto(info, response);
+    return absl::OkStatus();
+  });
+}
+
+}  // namespace corbslam

@@ -1,0 +1,82 @@
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "services/convert/geometry.h"
+#include "services/convert/resource_names.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/server/unary.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr size_t kPosesPerMessage = 1000;
+
+// A walk over all poses of all agents.
+struct Walk {
+  std::string mission;
+  bool global = false;
+  uint64_t revision = 0;
+  std::vector<AgentTrajectory> trajectories;
+  size_t agent = 0;
+  size_t pose = 0;
+
+  bool AtEnd() {
+    while (agent < trajectories.size() && pose == trajectories[agent].poses.size()) {
+      ++agent;
+      pose = 0;
+    }
+    return agent == trajectories.size();
+  }
+};
+
+template <typename Pose>
+void ToProto(const Walk& walk, const std::string& agent, const Pose& pose,
+             v1::TrajectoryPose* proto) {
+  proto->set_agent(AgentName(walk.mission, agent));
+  proto->set_timestamp_ns(pose.timestamp_ns);
+  ToProto(pose.frame_from_camera, proto->mutable_frame_from_camera());
+  proto->set_local_map(LocalMapName(walk.mission, pose.local_map));
+  if (walk.global) proto->set_island(LocalMapName(walk.mission, pose.island));
+  proto->set_after_gap(pose.after_gap);
+}
+
+bool FillNext(Walk& walk, v1::GetTrajectoryResponse& response) {
+  if (walk.AtEnd()) return false;
+  response.set_revision(walk.revision);
+  while (!walk.AtEnd() && static_cast<size_t>(response.poses_size()) < kPosesPerMessage) {
+    const AgentTrajectory& trajectory = walk.trajectories[walk.agent];
+    ToProto(walk, trajectory.agent, trajectory.poses[walk.pose++], response.add_poses());
+  }
+  return true;
+}
+
+absl::StatusOr<TrajectoryFrame> ReadFrame(v1::TrajectoryFrame frame) {
+  if (frame == v1::TRAJECTORY_FRAME_LOCAL) return TrajectoryFrame::kLocal;
+  if (frame == v1::TRAJECTORY_FRAME_GLOBAL) return TrajectoryFrame::kGlobal;
+  return absl::InvalidArgumentError(
+      absl::StrCat("frame is ", static_cast<int>(frame), ", must be 1 (local) or 2 (global)"));
+}
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* MapStoreService::GetTrajectory(
+    grpc::CallbackServerContext*, const v1::GetTrajectoryRequest* request) {
+  using Reactor = StreamReactor<v1::GetTrajectoryResponse>;
+  return Reactor::Start(pool_, [this, request = *request]() -> absl::StatusOr<Reactor::Next> {
+    ASSIGN_OR_RETURN(const AgentPath path, ParseAgentName(request.name(), /*may_be_all=*/true));
+    ASSIGN_OR_RETURN(const TrajectoryFrame frame, ReadFrame(request.frame()));
+    auto walk = std::make_shared<Walk>();
+    walk->mission = path.mission;
+    walk->global = frame == TrajectoryFrame::kGlobal;
+    ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(path.mission));
+    walk->revision = info.revision;
+    ASSIGN_OR_RETURN(walk->trajectories,
+                     store_.GetTrajectory(path.mission, path.agent, frame, request.all_islands()));
+    return [walk](v1::GetTrajectoryResponse& response) { return FillNext(*walk, response); };
+  });
+}
+
+}  // namespace corbslam

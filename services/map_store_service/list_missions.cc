@@ -1,0 +1,22 @@
+#include "services/convert/resource_names.h"
+#include "services/map_store_service/lookups_to_proto.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/map_store_service/paging.h"
+#include "services/server/unary.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+grpc::ServerUnaryReactor* MapStoreService::ListMissions(grpc::CallbackServerContext* context,
+                                                        const v1::ListMissionsRequest* request,
+                                                        v1::ListMissionsResponse* response) {
+  return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
+    ASSIGN_OR_RETURN(const PageRequest page, ReadPage(*request));
+    ASSIGN_OR_RETURN(const auto found, store_.ListMissions(page));
+    for (const auto& item : found.items) ToProto(item, response->add_missions());
+    response->set_next_page_token(found.next_page_token);
+    return absl::OkStatus();
+  });
+}
+
+}  // namespace corbslam

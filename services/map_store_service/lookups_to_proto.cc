@@ -1,0 +1,138 @@
+#include "services/map_store_service/lookups_to_proto.h"
+
+#include <map>
+#include <set>
+#include <utility>
+
+#include "services/convert/geometry.h"
+#include "services/convert/overlap.h"
+#include "services/convert/resource_names.h"
+
+namespace corbslam {
+namespace {
+
+std::string NameOrEmpty(absl::string_view mission, LocalMapId id) {
+  return id.IsValid() ? LocalMapName(mission, id) : std::string();
+}
+
+void ToProto(const TransferStatistics& transfer, v1::TransferCount* proto) {
+  proto->set_count(transfer.count);
+  proto->set_bytes(transfer.bytes);
+  proto->set_ms(transfer.ms);
+}
+
+uint32_t Count(size_t value) { return static_cast<uint32_t>(value); }
+
+}  // namespace
+
+void ToProto(const MissionInfo& info, v1::Mission* proto) {
+  proto->set_name(MissionName(info.name));
+  proto->set_revision(info.revision);
+  proto->set_agents(Count(info.agents));
+  proto->set_local_maps(Count(info.local_maps));
+  proto->set_islands(Count(info.islands));
+  proto->set_keyframes(info.keyframes);
+  proto->set_map_points(info.map_points);
+  proto->set_fusion_idle(info.fusion_idle);
+}
+
+void ToProto(absl::string_view mission, const AgentInfo& info, v1::MissionAgent* proto) {
+  proto->set_name(AgentName(mission, info.name));
+  proto->set_connected(info.connected);
+  for (const LocalMapId id : info.local_maps) proto->add_local_maps(LocalMapName(mission, id));
+}
+
+void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* proto) {
+  proto->set_name(LocalMapName(mission, info.id));
+  proto->set_agent(AgentName(mission, info.agent));
+  proto->set_island(NameOrEmpty(mission, info.island));
+  proto->set_in_global_frame(info.in_reference_island);
+  proto->set_closed(info.closed);
+  proto->set_last_batch(info.last_batch);
+  proto->set_keyframes(info.keyframes);
+  proto->set_settled_keyframes(info.settled_keyframes);
+  proto->set_placed_keyframes(info.placed_keyframes);
+  proto->set_map_points(info.map_points);
+  proto->set_tracked_frames(info.tracked_frames);
+  proto->set_lost_frames(info.lost_frames);
+  proto->set_parked_references(info.parked_references);
+}
+
+void ToProto(absl::string_view mission, const KeyframeInfo& info, v1::Keyframe* proto) {
+  proto->set_name(KeyframeName(mission, info.id));
+  proto->set_agent(AgentName(mission, info.agent));
+  proto->set_timestamp_ns(info.timestamp_ns);
+  ToProto(info.camera_from_local, proto->mutable_camera_from_local());
+  proto->set_island(NameOrEmpty(mission, info.island));
+  ToProto(info.camera_from_island, proto->mutable_camera_from_island());
+  proto->set_placed(info.placed);
+  proto->set_settled(info.settled);
+  proto->set_revision(info.revision);
+  if (info.parent.IsValid()) proto->set_parent(KeyframeName(mission, info.parent));
+  proto->set_keypoints(Count(info.keypoints));
+  proto->set_observed_points(Count(info.observed_points));
+}
+
+void ToProto(absl::string_view mission, const OverlapInfo& info, v1::Overlap* proto) {
+  proto->set_query(KeyframeName(mission, info.overlap.query));
+  proto->set_candidate(KeyframeName(mission, info.overlap.candidate));
+  if (info.overlap.IsAccepted() || !info.overlap.inliers.empty()) {
+    ToProto(info.overlap.candidate_from_query, proto->mutable_candidate_from_query());
+  }
+  proto->set_inliers(Count(info.overlap.inliers.size()));
+  ToProto(info.overlap.evidence, proto->mutable_evidence());
+  proto->set_verdict(ToProto(info.overlap.verdict));
+  proto->set_revision(info.revision);
+  proto->set_fused(info.fused);
+  proto->set_number(info.id);
+  proto->set_note(info.note);
+}
+
+void ToProto(absl::string_view mission, const MissionStatistics& statistics,
+             v1::MissionStatistics* proto) {
+  proto->set_mission(MissionName(mission));
+  proto->set_revision(statistics.revision);
+  proto->set_keyframes(statistics.keyframes);
+  proto->set_map_points(statistics.map_points);
+  proto->set_overlaps_queried(statistics.overlaps_queried);
+  proto->set_overlaps_verified(statistics.overlaps_verified);
+  proto->set_overlaps_accepted(statistics.overlaps_accepted);
+  for (const double ms : statistics.merge_ms) proto->add_merge_ms(ms);
+  for (const GlobalAdjustmentStatistics& adjustment : statistics.global_adjustments) {
+    v1::AdjustmentRecord* record = proto->add_adjustments();
+    record->set_keyframes(static_cast<uint32_t>(adjustment.keyframes));
+    record->set_map_points(static_cast<uint32_t>(adjustment.map_points));
+    record->set_iterations(static_cast<uint32_t>(adjustment.iterations));
+    record->set_ms(adjustment.ms);
+  }
+  v1::TransferStatistics* transfer = proto->mutable_transfer();
+  ToProto(statistics.full_keyframes, transfer->mutable_full_keyframes());
+  ToProto(statistics.full_map_points, transfer->mutable_full_map_points());
+  ToProto(statistics.light_keyframes, transfer->mutable_light_keyframes());
+  ToProto(statistics.light_map_points, transfer->mutable_light_map_points());
+  proto->set_failed_requests(statistics.failed_requests);
+}
+
+void AddIslands(absl::string_view mission, const std::vector<LocalMapInfo>& local_maps,
+                v1::MissionStatistics* proto) {
+  // The reference island sorts first.
+  std::map<std::pair<bool, IslandId>, std::vector<const LocalMapInfo*>> islands;
+  for (const LocalMapInfo& info : local_maps) {
+    islands[{!info.in_reference_island, info.island}].push_back(&info);
+  }
+  for (const auto& [key, members] : islands) {
+    v1::IslandStatistics* island = proto->add_islands();
+    island->set_in_global_frame(!key.first);
+    std::set<std::string> agents;
+    uint64_t keyframes = 0;
+    for (const LocalMapInfo* info : members) {
+      island->add_local_maps(LocalMapName(mission, info->id));
+      agents.insert(AgentName(mission, info->agent));
+      keyframes += info->keyframes;
+    }
+    for (const std::string& agent : agents) island->add_agents(agent);
+    island->set_keyframes(keyframes);
+  }
+}
+
+}  // namespace corbslam

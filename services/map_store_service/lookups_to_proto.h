@@ -1,0 +1,28 @@
+// What the map store answers, in the words of the contract.
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_LOOKUPS_TO_PROTO_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_LOOKUPS_TO_PROTO_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/strings/string_view.h"
+#include "corbslam/v1/overlap.pb.h"
+#include "corbslam/v1/resources.pb.h"
+#include "map_store/lookups.h"
+
+namespace corbslam {
+
+void ToProto(const MissionInfo& info, v1::Mission* proto);
+void ToProto(absl::string_view mission, const AgentInfo& info, v1::MissionAgent* proto);
+void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* proto);
+void ToProto(absl::string_view mission, const KeyframeInfo& info, v1::Keyframe* proto);
+void ToProto(absl::string_view mission, const OverlapInfo& info, v1::Overlap* proto);
+void ToProto(absl::string_view mission, const MissionStatistics& statistics,
+             v1::MissionStatistics* proto);
+// Groups local maps by their islands, the reference island first.
+void AddIslands(absl::string_view mission, const std::vector<LocalMapInfo>& local_maps,
+                v1::MissionStatistics* proto);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_LOOKUPS_TO_PROTO_H_

@@ -1,0 +1,116 @@
+#include "services/map_store_service/map_changes_to_proto.h"
+
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "services/convert/geometry.h"
+#include "services/convert/ids.h"
+#include "services/convert/limits.h"
+#include "services/convert/parts.h"
+
+namespace corbslam {
+namespace {
+
+constexpr size_t kKeyframeBytes = 140;
+constexpr size_t kPointBytes = 30;
+constexpr size_t kSlotBytes = 80;
+
+using Writer = PartWriter<v1::WatchMapResponse>;
+using Island = v1::WatchMapResponse::Island;
+
+// The last island of the part being written; begins it there if it began in a part before.
+class IslandWriter {
+ public:
+  IslandWriter(const IslandView& view, Writer& writer) : view_(view), writer_(writer) {}
+
+  Island* InThisPart() {
+    if (island_ != nullptr && part_ == &writer_.part()) return island_;
+    const bool resumed = island_ != nullptr;
+    part_ = &writer_.part();
+    island_ = part_->add_islands();
+    island_->set_slot(writer_.slots().Slot(view_.id));
+    island_->set_in_global_frame(view_.is_reference);
+    island_->set_resumed(resumed);
+    if (resumed) return island_;
+    for (const LocalMapId id : view_.local_maps) {
+      island_->add_local_map_slots(writer_.slots().Slot(id));
+    }
+    return island_;
+  }
+
+ private:
+  const IslandView& view_;
+  Writer& writer_;
+  v1::WatchMapResponse* part_ = nullptr;
+  Island* island_ = nullptr;
+};
+
+void WriteKeyframes(const IslandView& view, IslandWriter& islands, Writer& writer) {
+  for (const IslandView::KeyframePlace& place : view.keyframes) {
+    writer.Reserve(kKeyframeBytes);
+    v1::WatchMapResponse::IslandKeyframe* proto = islands.InThisPart()->add_keyframes();
+    writer.slots().Write(place.id, proto->mutable_id());
+    proto->set_timestamp_ns(place.timestamp_ns);
+    ToProto(place.camera_from_island, proto->mutable_camera_from_island());
+    if (place.parent.IsValid()) writer.slots().Write(place.parent, proto->mutable_parent());
+    proto->set_placed(place.placed);
+  }
+}
+
+void WritePoints(const IslandView& view, IslandWriter& islands, Writer& writer) {
+  writer.Spread(view.points, kPointBytes, [&](std::span<const IslandView::Point> points) {
+    v1::LightMapPoints* proto = islands.InThisPart()->mutable_points();
+    IdColumnWriter ids(writer.slots(), proto->mutable_ids());
+    for (const IslandView::Point& point : points) {
+      ids.Add(point.id);
+      for (const double value : point.position_in_island) {
+        proto->add_positions(static_cast<float>(value));
+      }
+    }
+  });
+}
+
+std::map<LocalMapId, std::string> AgentsOf(const MapChanges& changes) {
+  std::map<LocalMapId, std::string> agents;
+  for (const IslandView& island : changes.islands) {
+    for (const auto& keyframe : island.keyframes) {
+      agents.try_emplace(keyframe.id.local_map, keyframe.agent);
+    }
+  }
+  return agents;
+}
+
+}  // namespace
+
+std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes, bool include_points) {
+  Writer writer(kPartBytes, [&](v1::WatchMapResponse& part) {
+    part.set_version(changes.version);
+    part.set_revision(changes.revision);
+    part.set_continues(true);
+    return SlotWriter(part.mutable_local_maps());
+  });
+  for (const IslandId id : changes.removed_islands) {
+    writer.part().add_removed_island_slots(writer.slots().Slot(id));
+  }
+  for (const IslandView& view : changes.islands) {
+    writer.Reserve(kSlotBytes * (1 + view.local_maps.size()));
+    IslandWriter islands(view, writer);
+    islands.InThisPart();
+    WriteKeyframes(view, islands, writer);
+    if (include_points) WritePoints(view, islands, writer);
+  }
+  writer.part().clear_continues();
+  std::vector<v1::WatchMapResponse> parts = std::move(writer).Take();
+  const std::map<LocalMapId, std::string> agents = AgentsOf(changes);
+  for (v1::WatchMapResponse& part : parts) {
+    for (const uint64_t value : part.local_maps()) {
+      const auto it = agents.find({value});
+      part.add_local_map_agents(it == agents.end() ? std::string() : it->second);
+    }
+  }
+  return parts;
+}
+
+}  // namespace corbslam

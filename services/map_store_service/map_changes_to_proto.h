@@ -1,0 +1,17 @@
+// Changes of the map, for those who watch it.
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_CHANGES_TO_PROTO_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_CHANGES_TO_PROTO_H_
+
+#include <vector>
+
+#include "corbslam/v1/map_store_service.pb.h"
+#include "map_store/lookups.h"
+
+namespace corbslam {
+
+// One or more messages, the parts of one change.
+std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes, bool include_points);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_CHANGES_TO_PROTO_H_

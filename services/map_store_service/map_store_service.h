@@ -1,0 +1,72 @@
+// The map store behind its contract: MapStore of proto/corbslam/v1/map_store_service.proto.
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_STORE_SERVICE_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_STORE_SERVICE_H_
+
+#include <cstddef>
+
+#include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "map_store/map_store.h"
+#include "services/server/task_pool.h"
+
+namespace corbslam {
+
+struct MapStoreServiceOptions {
+  // Threads that read and apply batches and answer look-ups.
+  int threads = 2;
+  // Of one shared update, about. Smaller ones let a robot on a slow link see something sooner.
+  size_t shared_bytes = 512u << 10;
+};
+
+// Each RPC is in the file of its name. Thread-safe. `store` is not owned and must outlive it; the
+// server must be shut down before it is destroyed.
+class MapStoreService : public v1::MapStore::CallbackService {
+ public:
+  explicit MapStoreService(MapStore* store, const MapStoreServiceOptions& options = {})
+      : store_(*store), options_(options), pool_(options.threads) {}
+
+  grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* Sync(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerWriteReactor<v1::WatchMapResponse>* WatchMap(
+      grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) override;
+  grpc::ServerUnaryReactor* ListMissions(grpc::CallbackServerContext* context,
+                                         const v1::ListMissionsRequest* request,
+                                         v1::ListMissionsResponse* response) override;
+  grpc::ServerUnaryReactor* GetMission(grpc::CallbackServerContext* context,
+                                       const v1::GetMissionRequest* request,
+                                       v1::Mission* response) override;
+  grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
+                                          const v1::DeleteMissionRequest* request,
+                                          v1::DeleteMissionResponse* response) override;
+  grpc::ServerUnaryReactor* ListAgents(grpc::CallbackServerContext* context,
+                                       const v1::ListAgentsRequest* request,
+                                       v1::ListAgentsResponse* response) override;
+  grpc::ServerUnaryReactor* ListLocalMaps(grpc::CallbackServerContext* context,
+                                          const v1::ListLocalMapsRequest* request,
+                                          v1::ListLocalMapsResponse* response) override;
+  grpc::ServerUnaryReactor* GetLocalMap(grpc::CallbackServerContext* context,
+                                        const v1::GetLocalMapRequest* request,
+                                        v1::LocalMap* response) override;
+  grpc::ServerUnaryReactor* ListKeyframes(grpc::CallbackServerContext* context,
+                                          const v1::ListKeyframesRequest* request,
+                                          v1::ListKeyframesResponse* response) override;
+  grpc::ServerUnaryReactor* GetKeyframe(grpc::CallbackServerContext* context,
+                                        const v1::GetKeyframeRequest* request,
+                                        v1::Keyframe* response) override;
+  grpc::ServerUnaryReactor* GetStatistics(grpc::CallbackServerContext* context,
+                                          const v1::GetStatisticsRequest* request,
+                                          v1::GetStatisticsResponse* response) override;
+  grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* GetTrajectory(
+      grpc::CallbackServerContext* context, const v1::GetTrajectoryRequest* request) override;
+  grpc::ServerUnaryReactor* ListOverlaps(grpc::CallbackServerContext* context,
+                                         const v1::ListOverlapsRequest* request,
+                                         v1::ListOverlapsResponse* response) override;
+
+ private:
+  MapStore& store_;
+  const MapStoreServiceOptions options_;
+  TaskPool pool_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_STORE_SERVICE_H_

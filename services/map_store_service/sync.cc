@@ -1,0 +1,227 @@
+#include <utility>
+
+#include "services/convert/limits.h"
+#include "services/convert/shared_update.h"
+#include "services/convert/status.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/map_store_service/sync_reactor.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// An agent that does not read its acknowledgements is not read either.
+constexpr size_t kMaxReplies = 64;
+
+}  // namespace
+
+SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, size_t shared_bytes)
+    : store_(store), pool_(pool), shared_bytes_(shared_bytes), link_(std::make_shared<Link>()) {
+  {
+    absl::MutexLock lock(&link_->mutex);
+    link_->reactor = this;
+  }
+  StartRead(&request_);
+}
+
+void SyncReactor::OnReadDone(bool ok) {
+  {
+    absl::MutexLock lock(&mutex_);
+    (ok ? has_request_ : read_to_end_) = true;
+  }
+  Kick();
+}
+
+void SyncReactor::OnWriteDone(bool ok) {
+  {
+    absl::MutexLock lock(&mutex_);
+    writing_ = false;
+    replies_.pop_front();
+    cancelled_ |= !ok;
+  }
+  Kick();
+}
+
+void SyncReactor::OnCancel() {
+  {
+    absl::MutexLock lock(&mutex_);
+    cancelled_ = true;
+  }
+  Kick();
+}
+
+void SyncReactor::OnShareable() {
+  {
+    absl::MutexLock lock(&mutex_);
+    shareable_ = true;
+  }
+  Kick();
+}
+
+void SyncReactor::OnDone() {
+  {
+    absl::MutexLock lock(&link_->mutex);
+    link_->reactor = nullptr;
+  }
+  delete this;
+}
+
+void SyncReactor::Kick() {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (working_ || finished_ || NextJob() == Job::kNone) return;
+    working_ = true;
+  }
+  pool_.Schedule([this] { Work(); });
+}
+
+SyncReactor::Job SyncReactor::NextJob() const {
+  if (cancelled_) return writing_ ? Job::kNone : Job::kFinish;
+  if (!writing_ && !replies_.empty()) return Job::kWrite;
+  if (end_) return writing_ ? Job::kNone : Job::kFinish;
+  if (has_request_ && replies_.size() < kMaxReplies) return Job::kRequest;
+  if (read_to_end_ && !has_request_) return writing_ ? Job::kNone : Job::kFinish;
+  if (shareable_ && replies_.empty()) return Job::kShare;
+  return Job::kNone;
+}
+
+void SyncReactor::Work() {
+  while (true) {
+    Job job;
+    {
+      absl::MutexLock lock(&mutex_);
+      job = NextJob();
+      working_ = job != Job::kNone;
+      writing_ |= job == Job::kWrite;
+      finished_ |= job == Job::kFinish;
+    }
+    switch (job) {
+      case Job::kNone:
+        return;
+      case Job::kWrite: {
+        const v1::SyncResponse* reply = nullptr;
+        {
+          absl::MutexLock lock(&mutex_);
+          reply = &replies_.front();
+        }
+        StartWrite(reply);
+        break;
+      }
+      case Job::kRequest:
+        HandleRequest();
+        break;
+      case Job::kShare:
+        Share();
+        break;
+      case Job::kFinish: {
+        if (session_id_) store_.SetSharedListener(*session_id_, nullptr);
+        if (session_id_) store_.CloseSession(*session_id_);
+        absl::Status status;
+        {
+          absl::MutexLock lock(&mutex_);
+          status = end_.value_or(cancelled_ ? absl::CancelledError("the stream broke")
+                                            : absl::OkStatus());
+        }
+        // The reactor may be gone once this is called.
+        Finish(ToGrpcStatus(status));
+        return;
+      }
+    }
+  }
+}
+
+void SyncReactor::HandleRequest() {
+  const absl::Status status = Handle(request_);
+  if (!status.ok()) return End(status);
+  {
+    absl::MutexLock lock(&mutex_);
+    has_request_ = false;
+  }
+  StartRead(&request_);
+}
+
+absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
+  if (request.has_open()) return Open(request.open());
+  if (!session_id_) {
+    return absl::InvalidArgumentError("the first message must have the part open");
+  }
+  if (request.has_batch()) return Apply(request.batch());
+  return absl::InvalidArgumentError("a message has no part that is known");
+}
+
+absl::Status SyncReactor::Open(const v1::OpenSession& open) {
+  if (session_id_) return absl::InvalidArgumentError("the session is open already");
+  ASSIGN_OR_RETURN(const SessionRequest request, FromProto(open));
+  ASSIGN_OR_RETURN(const MapStore::OpenedSession opened, store_.OpenSession(request));
+  session_id_ = opened.session_id;
+  v1::SyncResponse response;
+  ToProto(opened.grant, response.mutable_grant());
+  Reply(std::move(response));
+  store_.SetSharedListener(opened.session_id, [link = link_] {
+    absl::MutexLock lock(&link->mutex);
+    if (link->reactor != nullptr) link->reactor->OnShareable();
+  });
+  // What was shareable before anybody listened.
+  absl::MutexLock lock(&mutex_);
+  shareable_ = true;
+  return absl::OkStatus();
+}
+
+absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
+  for (const v1::FullKeyframe& keyframe : part.full_keyframes()) {
+    transfer_.full_keyframe_bytes += keyframe.ByteSizeLong();
+  }
+  for (const v1::LightKeyframe& keyframe : part.light_keyframes()) {
+    transfer_.light_keyframe_bytes += keyframe.ByteSizeLong();
+  }
+  if (part.has_full_points()) transfer_.full_map_point_bytes += part.full_points().ByteSizeLong();
+  if (part.has_light_points()) {
+    transfer_.light_map_point_bytes += part.light_points().ByteSizeLong();
+  }
+  ASSIGN_OR_RETURN(const std::optional<MapUpdateBatch> batch,
+                   assembler_.Add(part, received_cameras_));
+  if (!batch) return absl::OkStatus();
+  const BatchTransfer transfer = std::exchange(transfer_, {});
+  ASSIGN_OR_RETURN(const Acknowledgement stored, store_.Apply(*session_id_, *batch, &transfer));
+  v1::SyncResponse response;
+  ToProto(stored, response.mutable_acknowledgement());
+  Reply(std::move(response));
+  return absl::OkStatus();
+}
+
+void SyncReactor::Share() {
+  {
+    // Before asking: what comes meanwhile is asked for again.
+    absl::MutexLock lock(&mutex_);
+    shareable_ = false;
+  }
+  const absl::StatusOr<std::optional<SharedUpdate>> update =
+      store_.NextShared(*session_id_, shared_bytes_);
+  if (!update.ok()) return End(update.status());
+  if (!update->has_value()) return;
+  for (v1::SharedUpdate& part : ToProto(**update, sent_cameras_, kPartBytes)) {
+    v1::SyncResponse response;
+    *response.mutable_shared() = std::move(part);
+    Reply(std::move(response));
+  }
+  // There may be more.
+  absl::MutexLock lock(&mutex_);
+  shareable_ = true;
+}
+
+void SyncReactor::Reply(v1::SyncResponse response) {
+  absl::MutexLock lock(&mutex_);
+  replies_.push_back(std::move(response));
+}
+
+void SyncReactor::End(const absl::Status& status) {
+  absl::MutexLock lock(&mutex_);
+  end_ = status;
+}
+
+grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* MapStoreService::Sync(
+    grpc::CallbackServerContext*) {
+  return new SyncReactor(store_, pool_, options_.shared_bytes);
+}
+
+}  // namespace corbslam

@@ -1,0 +1,84 @@
+// One agent's stream at the map store.
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "map_store/map_store.h"
+#include "services/convert/features.h"
+#include "services/convert/map_update.h"
+#include "services/server/task_pool.h"
+
+namespace corbslam {
+
+// gRPC's reactions only note what happened; all work is done by Work, which the pool runs once at a
+// time. Back-pressure: the next message is read when the one before was applied, and the next
+// shared update is asked for when the one before was written. Owns itself.
+class SyncReactor : public grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse> {
+ public:
+  SyncReactor(MapStore& store, TaskPool& pool, size_t shared_bytes);
+
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnCancel() override;
+  void OnDone() override;
+
+ private:
+  // What the store's listener holds: it may be called when the reactor is gone.
+  struct Link {
+    absl::Mutex mutex;
+    SyncReactor* reactor ABSL_GUARDED_BY(mutex) = nullptr;
+  };
+  enum class Job { kNone, kWrite, kFinish, kRequest, kShare };
+
+  void OnShareable();
+  // Makes sure that Work will see what was noted.
+  void Kick();
+  void Work();
+  Job NextJob() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+
+  void HandleRequest();
+  absl::Status Handle(const v1::SyncRequest& request);
+  absl::Status Open(const v1::OpenSession& open);
+  absl::Status Apply(const v1::MapUpdateBatch& part);
+  void Share();
+  void Reply(v1::SyncResponse response);
+  void End(const absl::Status& status);
+
+  MapStore& store_;
+  TaskPool& pool_;
+  const size_t shared_bytes_;
+  const std::shared_ptr<Link> link_;
+
+  // Of Work, and of gRPC while it reads.
+  v1::SyncRequest request_;
+  // Of Work.
+  std::optional<uint64_t> session_id_;
+  CameraBook received_cameras_;
+  CameraBook sent_cameras_;
+  BatchAssembler assembler_;
+  BatchTransfer transfer_;
+
+  absl::Mutex mutex_;
+  bool working_ ABSL_GUARDED_BY(mutex_) = false;
+  bool has_request_ ABSL_GUARDED_BY(mutex_) = false;
+  bool shareable_ ABSL_GUARDED_BY(mutex_) = false;
+  bool read_to_end_ ABSL_GUARDED_BY(mutex_) = false;
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
+  std::deque<v1::SyncResponse> replies_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_

@@ -1,0 +1,169 @@
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "services/convert/resource_names.h"
+#include "services/convert/status.h"
+#include "services/map_store_service/map_changes_to_proto.h"
+#include "services/map_store_service/map_store_service.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// As SyncReactor: reactions note, Work works.
+class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
+ public:
+  WatchMapReactor(MapStore& store, TaskPool& pool, const v1::WatchMapRequest& request)
+      : store_(store),
+        pool_(pool),
+        name_(request.mission()),
+        include_points_(request.include_points()),
+        version_(request.from_version()),
+        link_(std::make_shared<Link>()) {
+    {
+      absl::MutexLock lock(&link_->mutex);
+      link_->reactor = this;
+    }
+    Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { changed_ = true; });
+  }
+
+  void OnWriteDone(bool ok) override {
+    Note([this, ok]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      writing_ = false;
+      parts_.pop_front();
+      cancelled_ |= !ok;
+    });
+  }
+  void OnCancel() override {
+    Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { cancelled_ = true; });
+  }
+  void OnDone() override {
+    {
+      absl::MutexLock lock(&link_->mutex);
+      link_->reactor = nullptr;
+    }
+    delete this;
+  }
+
+ private:
+  struct Link {
+    absl::Mutex mutex;
+    WatchMapReactor* reactor ABSL_GUARDED_BY(mutex) = nullptr;
+  };
+  enum class Job { kNone, kWrite, kFinish, kLook };
+
+  template <typename Change>
+  void Note(const Change& change) {
+    {
+      absl::MutexLock lock(&mutex_);
+      change();
+      if (working_ || finished_ || NextJob() == Job::kNone) return;
+      working_ = true;
+    }
+    pool_.Schedule([this] { Work(); });
+  }
+
+  Job NextJob() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    if (writing_) return Job::kNone;
+    if (cancelled_ || end_) return Job::kFinish;
+    if (!parts_.empty()) return Job::kWrite;
+    return changed_ ? Job::kLook : Job::kNone;
+  }
+
+  void Work() {
+    while (true) {
+      Job job;
+      const v1::WatchMapResponse* part = nullptr;
+      {
+        absl::MutexLock lock(&mutex_);
+        job = NextJob();
+        working_ = job != Job::kNone;
+        writing_ = writing_ || job == Job::kWrite;
+        finished_ = job == Job::kFinish;
+        if (job == Job::kWrite) part = &parts_.front();
+        if (job == Job::kLook) changed_ = false;
+      }
+      if (job == Job::kNone) return;
+      // The reactor may be gone once this returns.
+      if (job == Job::kFinish) return End();
+      if (job == Job::kWrite) StartWrite(part);
+      if (job == Job::kLook) {
+        const absl::Status status = Look();
+        absl::MutexLock lock(&mutex_);
+        if (!status.ok()) end_ = status;
+      }
+    }
+  }
+
+  absl::Status Look() {
+    if (!token_) RETURN_IF_ERROR(Subscribe());
+    ASSIGN_OR_RETURN(const std::optional<MapChanges> changes,
+                     store_.ChangesSince(mission_, version_));
+    if (!changes) return absl::OkStatus();
+    std::vector<v1::WatchMapResponse> parts = ToProto(*changes, include_points_);
+    version_ = changes->version;
+    absl::MutexLock lock(&mutex_);
+    for (v1::WatchMapResponse& part : parts) parts_.push_back(std::move(part));
+    return absl::OkStatus();
+  }
+
+  absl::Status Subscribe() {
+    ASSIGN_OR_RETURN(mission_, ParseMissionName(name_));
+    ASSIGN_OR_RETURN(token_, store_.AddMapListener(mission_, [link = link_] {
+      absl::MutexLock lock(&link->mutex);
+      WatchMapReactor* reactor = link->reactor;
+      if (reactor == nullptr) return;
+      reactor->OnChange();
+    }));
+    return absl::OkStatus();
+  }
+
+  void OnChange() {
+    Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { changed_ = true; });
+  }
+
+  void End() {
+    if (token_) store_.RemoveMapListener(mission_, *token_);
+    absl::Status status;
+    {
+      absl::MutexLock lock(&mutex_);
+      status = end_.value_or(absl::CancelledError("the caller went away"));
+    }
+    Finish(ToGrpcStatus(status));
+  }
+
+  MapStore& store_;
+  TaskPool& pool_;
+  const std::string name_;
+  const bool include_points_;
+  // Of Work.
+  uint64_t version_;
+  std::string mission_;
+  std::optional<uint64_t> token_;
+  const std::shared_ptr<Link> link_;
+
+  absl::Mutex mutex_;
+  bool working_ ABSL_GUARDED_BY(mutex_) = false;
+  bool changed_ ABSL_GUARDED_BY(mutex_) = false;
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
+  std::deque<v1::WatchMapResponse> parts_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::WatchMapResponse>* MapStoreService::WatchMap(
+    grpc::CallbackServerContext*, const v1::WatchMapRequest* request) {
+  return new WatchMapReactor(store_, pool_, *request);
+}
+
+}  // namespace corbslam

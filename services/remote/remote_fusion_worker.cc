@@ -1,0 +1,138 @@
+#include "services/remote/remote_fusion_worker.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "corbslam/v1/fusion_worker_service.grpc.pb.h"
+#include "services/convert/status.h"
+#include "services/convert/work.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// Reads progress and the result.
+template <typename Result, typename Stream, typename Response>
+absl::StatusOr<Result> ReadResult(Stream& stream, grpc::ClientContext& context,
+                                  const ProgressCallback& progress) {
+  WorkReader<ResultReader<Response>, v1::ResultChunk> reader;
+  absl::Status failure;
+  Response response;
+  while (stream.Read(&response)) {
+    if (response.has_progress()) {
+      if (progress && !progress(response.progress().fraction())) {
+        failure.Update(absl::CancelledError("the caller cancelled"));
+      }
+    } else {
+      failure.Update(reader.Add(response));
+    }
+    if (failure.ok()) continue;
+    context.TryCancel();
+    break;
+  }
+  const absl::Status status = FromGrpcStatus(stream.Finish());
+  if (!failure.ok()) return failure;
+  RETURN_IF_ERROR(status);
+  if (!reader.ended()) return absl::UnavailableError("the worker ended before its result did");
+  return reader.Finish();
+}
+
+class RemoteFusionWorker : public FusionWorker {
+ public:
+  RemoteFusionWorker(const std::vector<std::shared_ptr<grpc::Channel>>& channels,
+                     const RemoteFusionWorkerOptions& options)
+      : options_(options) {
+    for (const auto& channel : channels) stubs_.push_back(v1::FusionWorker::NewStub(channel));
+    running_.resize(stubs_.size(), 0);
+  }
+
+  absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
+                                                    const ProgressCallback& progress) override {
+    return Run<VerifyOverlapResult, v1::VerifyOverlapRequest, v1::VerifyOverlapResponse>(
+        request, progress, &v1::FusionWorker::Stub::VerifyOverlap);
+  }
+  absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
+                                          const ProgressCallback& progress) override {
+    return Run<FuseMapsResult, v1::FuseMapsRequest, v1::FuseMapsResponse>(
+        request, progress, &v1::FusionWorker::Stub::FuseMaps);
+  }
+  absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest& request,
+                                                  const ProgressCallback& progress) override {
+    return Run<AdjustBundleResult, v1::AdjustBundleRequest, v1::AdjustBundleResponse>(
+        request, progress, &v1::FusionWorker::Stub::AdjustBundle);
+  }
+
+ private:
+  // Tries the workers, the least busy first, until one answers.
+  template <typename Result, typename RequestMessage, typename ResponseMessage, typename Request,
+            typename Method>
+  absl::StatusOr<Result> Run(const Request& request, const ProgressCallback& progress,
+                             Method method) {
+    absl::Status last = absl::UnavailableError("there are no workers");
+    std::vector<bool> tried(stubs_.size(), false);
+    for (size_t attempt = 0; attempt < stubs_.size(); ++attempt) {
+      const size_t worker = Acquire(tried);
+      tried[worker] = true;
+      absl::StatusOr<Result> result = RunOn<Result, RequestMessage, ResponseMessage>(
+          *stubs_[worker], request, progress, method);
+      Release(worker);
+      if (!absl::IsUnavailable(result.status())) return result;
+      last = result.status();
+    }
+    return last;
+  }
+
+  template <typename Result, typename RequestMessage, typename ResponseMessage, typename Request,
+            typename Method>
+  absl::StatusOr<Result> RunOn(v1::FusionWorker::Stub& stub, const Request& request,
+                               const ProgressCallback& progress, Method method) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() +
+                         absl::ToChronoMilliseconds(options_.deadline));
+    const auto stream = (stub.*method)(&context);
+    // A worker that refuses the request early ends the stream: then writing fails, and reading
+    // tells why.
+    WriteWork<RequestMessage>(request,
+                              std::function<bool(RequestMessage)>(
+                                  [&](RequestMessage message) { return stream->Write(message); }));
+    stream->WritesDone();
+    return ReadResult<Result, std::remove_reference_t<decltype(*stream)>, ResponseMessage>(
+        *stream, context, progress);
+  }
+
+  size_t Acquire(const std::vector<bool>& tried) {
+    absl::MutexLock lock(&mutex_);
+    size_t best = stubs_.size();
+    for (size_t i = 0; i < stubs_.size(); ++i) {
+      if (tried[i]) continue;
+      if (best == stubs_.size() || running_[i] < running_[best]) best = i;
+    }
+    ++running_[best];
+    return best;
+  }
+  void Release(size_t worker) {
+    absl::MutexLock lock(&mutex_);
+    --running_[worker];
+  }
+
+  const RemoteFusionWorkerOptions options_;
+  std::vector<std::unique_ptr<v1::FusionWorker::Stub>> stubs_;
+  absl::Mutex mutex_;
+  // Requests under way, one entry a stub.
+  std::vector<int> running_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace
+
+std::unique_ptr<FusionWorker> MakeRemoteFusionWorker(
+    std::vector<std::shared_ptr<grpc::Channel>> workers, const RemoteFusionWorkerOptions& options) {
+  return std::make_unique<RemoteFusionWorker>(workers, options);
+}
+
+}  // namespace corbslam
