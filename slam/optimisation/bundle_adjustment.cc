@@ -7,7 +7,9 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
+#include "slam/optimisation/block_schur_solver.h"
 #include "slam/optimisation/bundle_problem.h"
+#include "slam/optimisation/ceres_bundle_solver.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -142,6 +144,12 @@ std::vector<int> MeasuredCoordinates(const BundleProblem& problem) {
   return coordinates;
 }
 
+absl::StatusOr<MinimiseSummary> Minimise(BundleSolver solver, const MinimiseOptions& options,
+                                         BundleProblem& problem) {
+  if (solver == BundleSolver::kCeres) return MinimiseWithCeres(options, problem);
+  return MinimiseWithBlockSchur(options, problem);
+}
+
 void ReadOut(const BundleScope& scope, const BundleIndex& index, const BundleProblem& problem,
              BundleResult& result) {
   for (uint32_t i = 0; i < problem.free_poses; ++i) {
@@ -175,14 +183,14 @@ absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& sco
   const int rounds = std::max(options.outlier_rounds, 0) + 1;
   for (int round = 0; round < rounds && !result.cancelled; ++round) {
     MinimiseOptions minimise{options.max_iterations, options.use_robust_loss && round == 0,
-                             options.threads, nullptr};
+                             options.threads, nullptr, options.converged_cost_change};
     if (options.keep_going) {
       minimise.keep_going = [&](int iteration) {
         const double part = static_cast<double>(iteration) / std::max(options.max_iterations, 1);
         return options.keep_going((round + std::min(part, 1.0)) / rounds);
       };
     }
-    const MinimiseSummary summary = Minimise(minimise, problem);
+    ASSIGN_OR_RETURN(const MinimiseSummary summary, Minimise(options.solver, minimise, problem));
     if (round == 0) result.initial_cost = summary.initial_cost;
     result.final_cost = summary.final_cost;
     result.iterations += summary.iterations;

@@ -15,6 +15,13 @@
 
 namespace corbslam {
 
+enum class BundleSolver {
+  // Our own: fastest where the window is small.
+  kBlockSchur,
+  // Ceres, with SuiteSparse where there are many keyframes.
+  kCeres,
+};
+
 struct BundleOptions {
   // Of each round: there are outlier_rounds + 1 of them, the last ones shorter where converged.
   int max_iterations = 10;
@@ -28,6 +35,10 @@ struct BundleOptions {
   int threads = 1;
   // Called after every iteration with the part done, in [0, 1]; false cancels. Null: never.
   std::function<bool(double progress)> keep_going;
+  // Both find the same minimum; docs/adr/0002-bundle-adjustment-solver.md says which is for what.
+  BundleSolver solver = BundleSolver::kBlockSchur;
+  // A round ends where an iteration changes the cost by less than this share of it.
+  double converged_cost_change = 1e-5;
 };
 
 struct PoseUpdate {
@@ -64,7 +75,8 @@ struct BundleResult {
 
 // Reads `map`, changes nothing. Only observations between the scope's keyframes and points count.
 // INVALID_ARGUMENT, naming the id, where the scope names an unknown or repeated item, or nothing
-// is free or nothing observed; FAILED_PRECONDITION where no keyframe is fixed. Pure; any thread.
+// is free or nothing observed; FAILED_PRECONDITION where no keyframe is fixed; INTERNAL where Ceres
+// fails. Pure; any thread.
 absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& scope,
                                           const BundleOptions& options);
 

@@ -1,11 +1,11 @@
-// Time of pose optimisation, local and global bundle adjustment on synthetic scenes.
+// Time of local and global bundle adjustment on synthetic scenes, by both solvers.
 #include <benchmark/benchmark.h>
 
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "slam/optimisation/bundle_adjustment.h"
-#include "slam/optimisation/pose_optimisation.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
 
 namespace corbslam {
@@ -32,43 +32,35 @@ size_t CountObservations(const Map& map) {
   return count;
 }
 
-// Arguments: keyframes, points, threads, iterations a round.
+// Arguments: keyframes, points, threads, solver.
 void BM_AdjustBundle(benchmark::State& state) {
   const auto scene = MakeScene(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   const BundleScope scope = GlobalBundleScope(scene.map, {});
   BundleOptions options;
   options.threads = static_cast<int>(state.range(2));
-  options.max_iterations = static_cast<int>(state.range(3));
+  options.solver = static_cast<BundleSolver>(state.range(3));
   for (auto _ : state) {
     const auto result = AdjustBundle(scene.map, scope, options);
+    if (!result.ok()) {
+      state.SkipWithError(std::string(result.status().message()).c_str());
+      break;
+    }
     state.counters["iterations"] = result->iterations;
-    benchmark::DoNotOptimize(result);
+    state.counters["final_cost"] = result->final_cost;
   }
   state.counters["observations"] = static_cast<double>(CountObservations(scene.map));
+  state.SetLabel(options.solver == BundleSolver::kCeres ? "Ceres" : "block Schur");
 }
-BENCHMARK(BM_AdjustBundle)
-    ->Args({20, 2000, 1, 5})
-    ->Args({64, 10000, 1, 10})
-    ->Args({64, 10000, 2, 10})
-    ->Args({500, 60000, 2, 10})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-
-void BM_OptimisePose(benchmark::State& state) {
-  const auto scene = MakeScene(2, 2600);
-  const Keyframe& keyframe = scene.map.keyframes().rbegin()->second;
-  std::vector<PoseObservation> observations;
-  for (size_t i = 0; i < keyframe.points.size() && i < 1000; ++i) {
-    const Keypoint& keypoint = keyframe.keypoints()[i];
-    observations.push_back({scene.true_position_in_map.at(keyframe.points[i]), keypoint.Pixel(),
-                            keypoint.disparity_px, ScalePyramid::Variance_px2(keypoint.octave)});
+void Sizes(benchmark::internal::Benchmark* benchmark) {
+  for (const auto& [keyframes, points] : {std::pair(20, 2000), {64, 10000}, {500, 60000}}) {
+    for (const int threads : {1, 2}) {
+      for (const BundleSolver solver : {BundleSolver::kBlockSchur, BundleSolver::kCeres}) {
+        benchmark->Args({keyframes, points, threads, static_cast<int>(solver)});
+      }
+    }
   }
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(OptimisePose(scene.camera, keyframe.camera_from_map, observations));
-  }
-  state.counters["observations"] = static_cast<double>(observations.size());
 }
-BENCHMARK(BM_OptimisePose)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_AdjustBundle)->Apply(Sizes)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 }  // namespace corbslam

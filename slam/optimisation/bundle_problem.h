@@ -1,9 +1,4 @@
-// A bundle adjustment as flat arrays, and the solver of its normal equations' shape.
-//
-// Our own solver, not Ceres: with poses of six and residuals of three parameters Ceres has no
-// compiled specialisation of its Schur eliminator, and the general one takes several times as long
-// as these fixed-size blocks. Method: Levenberg-Marquardt with the points eliminated first (Triggs
-// et al., "Bundle Adjustment - A Modern Synthesis", 1999, 6.1).
+// A bundle adjustment as flat arrays, which both solvers take.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_BUNDLE_PROBLEM_H_
 #define CORBSLAM_SLAM_OPTIMISATION_BUNDLE_PROBLEM_H_
 
@@ -49,9 +44,12 @@ struct MinimiseOptions {
   int threads = 1;
   // Called after every iteration with its number from 1; false stops. May be null.
   std::function<bool(int iteration)> keep_going;
+  // Relative change of cost at which the minimum counts as reached.
+  double converged_cost_change = 1e-5;
 };
 
 struct MinimiseSummary {
+  // Steps tried, taken or not.
   int iterations = 0;
   // 0.5 * sum of (robust) squared errors over variances.
   double initial_cost = 0;
@@ -61,9 +59,6 @@ struct MinimiseSummary {
 
 // Squared error over variance; infinite behind the camera.
 double ObservationChi2(const BundleProblem& problem, const BundleObservation& observation);
-
-// Moves the free poses and points of `problem`; its cost never rises.
-MinimiseSummary Minimise(const MinimiseOptions& options, BundleProblem& problem);
 
 }  // namespace corbslam
 

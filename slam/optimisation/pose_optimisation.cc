@@ -14,8 +14,6 @@ constexpr int kRounds = 4;
 constexpr int kRobustRounds = 2;
 constexpr int kIterations = 10;
 constexpr int kMinObservations = 3;
-// The cost of an observation that cannot be seen, in multiples of the inliers' bound.
-constexpr double kUnseenFactor = 100;
 
 struct Measurement {
   Eigen::Vector3d x_in_map;

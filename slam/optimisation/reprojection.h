@@ -14,6 +14,8 @@ inline constexpr double kChi2Mono = 5.991;
 inline constexpr double kChi2Stereo = 7.815;
 // Nearer than this (or behind) a point is not seen; small against any scene, also without scale.
 inline constexpr double kMinDepth = 1e-3;
+// The cost of an observation that cannot be seen, in multiples of the inliers' bound.
+inline constexpr double kUnseenFactor = 100;
 
 // What a keypoint measured.
 struct PixelMeasurement {
