@@ -8,6 +8,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "client_agent/source/source_spec.h"
 #include "slam/sensor/sensor.h"
 
 namespace corbslam {
@@ -35,6 +36,9 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const std::string& direct
 // has lines "fx: 525" (fx fy cx cy k1 k2 p1 p2 k3 depth_units_per_m); without it the published
 // values of freiburg 1, 2 or 3 are taken, as the directory's name says (else 1).
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const std::string& directory);
+
+// The one that `spec` names; its selection and perturbation are not applied.
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec);
 
 }  // namespace corbslam
 

@@ -17,18 +17,6 @@ namespace {
 // Pictures that are decoded and not yet taken: enough to even out the disk, little memory.
 constexpr size_t kReadAheadFrames = 3;
 
-absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) {
-  switch (spec.layout) {
-    case SourceLayout::kKitti:
-      return OpenKitti(spec.directory);
-    case SourceLayout::kEuroc:
-      return OpenEuroc(spec.directory);
-    case SourceLayout::kTum:
-      return OpenTum(spec.directory);
-  }
-  return absl::InvalidArgumentError("unknown source layout");
-}
-
 absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t frame,
                                            const Perturbation& perturbation) {
   ASSIGN_OR_RETURN(SensorImages images, reader.Read(frame));
@@ -67,6 +55,18 @@ class RecordedSource : public ImageSource {
 };
 
 }  // namespace
+
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) {
+  switch (spec.layout) {
+    case SourceLayout::kKitti:
+      return OpenKitti(spec.directory);
+    case SourceLayout::kEuroc:
+      return OpenEuroc(spec.directory);
+    case SourceLayout::kTum:
+      return OpenTum(spec.directory);
+  }
+  return absl::InvalidArgumentError("unknown source layout");
+}
 
 absl::StatusOr<std::unique_ptr<ImageSource>> OpenSource(const SourceSpec& spec) {
   ASSIGN_OR_RETURN(std::unique_ptr<FrameReader> reader, OpenReader(spec));

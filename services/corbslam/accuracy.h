@@ -1,0 +1,60 @@
+// Holds what the store serves against the truth. Nothing else under `corbslam run` opens ground
+// truth.
+#ifndef CORBSLAM_SERVICES_CORBSLAM_ACCURACY_H_
+#define CORBSLAM_SERVICES_CORBSLAM_ACCURACY_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client_agent/source/source_spec.h"
+#include "services/corbslam/stored_mission.h"
+#include "slam/evaluation/trajectory.h"
+#include "slam/evaluation/trajectory_error.h"
+
+namespace corbslam {
+
+// The truth that lies beside a recorded sequence: poses.txt, groundtruth.txt or
+// state_groundtruth_estimate0; nullopt where there is none.
+absl::StatusOr<std::optional<Trajectory>> ReadGroundTruth(const SourceSpec& source);
+
+struct RobotPaths {
+  std::string name;
+  SourceSpec source;
+  StoredTrajectory local;
+  StoredTrajectory global;
+};
+
+struct RobotAccuracy {
+  // Of the local trajectory under an alignment of its own; of the global one where tracking began
+  // more than one local map.
+  std::optional<double> ate_m;
+  std::optional<double> ate_from_frame_m;
+  // Of the global trajectory under an alignment of its own.
+  std::optional<double> ate_global_m;
+};
+
+struct FusedAccuracy {
+  // Of all robots under one alignment; only when all local maps are connected to the global
+  // frame and all are of one sequence.
+  std::optional<AbsoluteError> all;
+  std::optional<AbsoluteError> from_frame;
+  std::optional<RelativeError> relative;
+  // For pictures: from whatever lies in the global frame, and the truth of that time.
+  std::optional<Similarity3d> truth_from_global;
+  std::optional<Trajectory> truth;
+};
+
+struct Accuracy {
+  std::vector<RobotAccuracy> robots;  // In the order of the paths.
+  FusedAccuracy fused;
+};
+
+// `from_frame` is a frame's number in its sequence.
+absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,
+                                         Alignment alignment);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CORBSLAM_ACCURACY_H_

@@ -1,0 +1,109 @@
+#include "services/corbslam/accuracy.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "slam/evaluation/trajectory_io.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::DoubleNear;
+using ::testing::Optional;
+
+constexpr int kFrames = 40;
+
+// The truth of frame i: a bent road, 10 Hz.
+StampedPose TruthAt(int i) {
+  StampedPose pose;
+  pose.timestamp_ns = i * 100'000'000;
+  pose.world_from_camera.translation = {0.02 * i * i, 0.3 * std::sin(0.3 * i), 1.0 * i};
+  return pose;
+}
+
+// A KITTI folder of kFrames frames with pictures that nobody looks at (but the first).
+SourceSpec MakeSequence(const std::string& name) {
+  const fs::path directory = fs::path(::testing::TempDir()) / ("accuracy_" + name);
+  fs::create_directories(directory / "image_0");
+  std::ofstream(directory / "calib.txt")
+      << "P0: 50 0 20 0 0 50 15 0 0 0 1 0\nP1: 50 0 20 -25 0 50 15 0 0 0 1 0\n";
+  cv::imwrite((directory / "image_0/000000.png").string(), cv::Mat::zeros(30, 40, CV_8UC1));
+  std::ofstream times(directory / "times.txt");
+  Trajectory truth;
+  for (int i = 0; i < kFrames; ++i) {
+    truth.push_back(TruthAt(i));
+    times << FormatSeconds(TruthAt(i).timestamp_ns) << "\n";
+  }
+  EXPECT_TRUE(WriteKittiTrajectory(truth, (directory / "poses.txt").string()).ok());
+  return *ParseSourceSpec(absl::StrCat("kitti:", directory.string()));
+}
+
+// Frames first to last, seen from another frame and `offset` beside the truth.
+StoredTrajectory MakePoses(int first, int last, const Eigen::Vector3d& offset) {
+  const Rigid3d other_from_world{Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), {1, 2, 3}};
+  StoredTrajectory trajectory;
+  for (int i = first; i <= last; ++i) {
+    StampedPose truth = TruthAt(i);
+    truth.world_from_camera.translation += offset;
+    trajectory.push_back(
+        {truth.timestamp_ns, other_from_world * truth.world_from_camera, "missions/m/localMaps/1"});
+  }
+  return trajectory;
+}
+
+RobotPaths MakeRobot(const SourceSpec& source, int first, int last, const Eigen::Vector3d& offset,
+                     bool in_global) {
+  const StoredTrajectory poses = MakePoses(first, last, offset);
+  return {"robot", source, poses, in_global ? poses : StoredTrajectory{}};
+}
+
+TEST(ComputeAccuracyTest, AlignsEachRobotAndAllTogether) {
+  const SourceSpec source = MakeSequence("two");
+  const absl::StatusOr<Accuracy> accuracy = ComputeAccuracy(
+      {MakeRobot(source, 0, 39, {0, 0, 0}, true), MakeRobot(source, 0, 39, {0, 4, 0}, true)}, 10,
+      Alignment::kSe3);
+  ASSERT_TRUE(accuracy.ok()) << accuracy.status();
+  EXPECT_THAT(accuracy->robots[0].ate_m, Optional(DoubleNear(0, 1e-6)));
+  EXPECT_THAT(accuracy->robots[1].ate_m, Optional(DoubleNear(0, 1e-6)));
+  EXPECT_THAT(accuracy->robots[1].ate_global_m, Optional(DoubleNear(0, 1e-6)));
+  ASSERT_TRUE(accuracy->fused.all.has_value());
+  EXPECT_NEAR(accuracy->fused.all->rmse_m, 2, 1e-6);
+  EXPECT_EQ(accuracy->fused.all->poses, 80u);
+  ASSERT_TRUE(accuracy->fused.from_frame.has_value());
+  EXPECT_EQ(accuracy->fused.from_frame->poses, 60u);
+}
+
+TEST(ComputeAccuracyTest, HasNoFusedErrorForTwoIslands) {
+  const SourceSpec source = MakeSequence("islands");
+  const absl::StatusOr<Accuracy> accuracy = ComputeAccuracy(
+      {MakeRobot(source, 0, 20, {0, 0, 0}, true), MakeRobot(source, 20, 39, {0, 0, 0}, false)}, 10,
+      Alignment::kSe3);
+  ASSERT_TRUE(accuracy.ok()) << accuracy.status();
+  EXPECT_TRUE(accuracy->robots[1].ate_m.has_value());
+  EXPECT_FALSE(accuracy->robots[1].ate_global_m.has_value());
+  EXPECT_FALSE(accuracy->fused.all.has_value());
+  // For the picture there is still the part that lies in the global frame.
+  EXPECT_TRUE(accuracy->fused.truth_from_global.has_value());
+  EXPECT_EQ(accuracy->fused.truth->size(), 21u);
+}
+
+TEST(ComputeAccuracyTest, IsEmptyWithoutTruth) {
+  const SourceSpec source = MakeSequence("none");
+  fs::remove(source.directory + "/poses.txt");
+  const absl::StatusOr<Accuracy> accuracy =
+      ComputeAccuracy({MakeRobot(source, 0, 39, {0, 0, 0}, true)}, 10, Alignment::kSe3);
+  ASSERT_TRUE(accuracy.ok()) << accuracy.status();
+  EXPECT_FALSE(accuracy->robots[0].ate_m.has_value());
+  EXPECT_FALSE(accuracy->fused.truth.has_value());
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,67 @@
+// Lets robots map a mission, and reads what came of it.
+#ifndef CORBSLAM_SERVICES_CORBSLAM_MISSION_RUN_H_
+#define CORBSLAM_SERVICES_CORBSLAM_MISSION_RUN_H_
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "services/corbslam/accuracy.h"
+#include "services/corbslam/plan.h"
+#include "services/corbslam/report.h"
+#include "services/corbslam/store_reader.h"
+#include "services/corbslam/stored_mission.h"
+
+namespace corbslam {
+
+struct MissionRunOptions {
+  std::string mission = "demo";
+  std::vector<RobotPlan> robots;
+  // One robot after the other instead of all at once.
+  bool sequential = false;
+  // Of local map ids and of every random choice (deterministic runs).
+  uint64_t seed = 1;
+  std::string vocabulary_path;  // Empty: the one that ships.
+  // Processes only. A running map store; empty: one is started, with a worker.
+  std::string server;
+  std::string pace = "max";
+  std::string log_folder;
+  // How long the store may take to fuse after the last robot ended.
+  absl::Duration fusion_timeout = absl::Minutes(20);
+};
+
+// What a run left behind, with everything of the report but accuracy.
+struct MissionOutcome {
+  RunReport report;
+  std::vector<RobotPaths> paths;  // In the order of the robots.
+  StoredMap map;
+};
+
+// Frames done so far, by robot; what a progress line shows.
+struct Progress {
+  std::string stage;
+  std::vector<std::pair<std::string, std::string>> robots;  // Name, "54/121".
+};
+using ProgressListener = std::function<void(const Progress&)>;
+
+// Map store, fusion worker and agents each as a process of their own. Errors name the process and
+// show the end of its log.
+absl::StatusOr<MissionOutcome> RunProcesses(const MissionRunOptions& options,
+                                            const ProgressListener& on_progress);
+
+// All in this process, in lockstep, on one thread: every agent takes a frame, then the store fuses
+// until idle, then shared updates go to the agents in the order of the robots. The same to the bit
+// every time.
+absl::StatusOr<MissionOutcome> RunLockstep(const MissionRunOptions& options,
+                                           const ProgressListener& on_progress);
+
+// Fills paths, map and what the store's statistics know.
+absl::Status ReadOutcome(StoreReader& store, const std::vector<RobotPlan>& robots,
+                         MissionOutcome& outcome);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CORBSLAM_MISSION_RUN_H_

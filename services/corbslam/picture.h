@@ -1,0 +1,20 @@
+// The picture of a fused map.
+#ifndef CORBSLAM_SERVICES_CORBSLAM_PICTURE_H_
+#define CORBSLAM_SERVICES_CORBSLAM_PICTURE_H_
+
+#include <string>
+
+#include "services/corbslam/accuracy.h"
+#include "services/corbslam/stored_mission.h"
+#include "slam/rendering/map_picture.h"
+
+namespace corbslam {
+
+// Robots in the order of their names; `own` is the one shown as own. The truth, where there is one,
+// is moved into the map's frame.
+MapPicture ComposePicture(const StoredMap& map, const std::string& own,
+                          const FusedAccuracy& accuracy);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CORBSLAM_PICTURE_H_

@@ -1,0 +1,78 @@
+#include "services/corbslam/plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace corbslam {
+namespace {
+
+using Range = std::pair<size_t, size_t>;
+using ::testing::ElementsAre;
+
+std::vector<Range> Ranges(size_t count, size_t robots, size_t overlap) {
+  std::vector<Range> ranges;
+  for (const FrameSelection& part : SplitFrames(0, count, {robots, overlap, SplitMode::kHalves})) {
+    ranges.push_back({part.first, *part.last});
+  }
+  return ranges;
+}
+
+TEST(SplitFramesTest, IsThePapersForTwo) {
+  EXPECT_THAT(Ranges(201, 2, 20), ElementsAre(Range(0, 120), Range(80, 200)));
+  EXPECT_THAT(Ranges(396, 2, 20), ElementsAre(Range(0, 217), Range(178, 395)));
+}
+
+TEST(SplitFramesTest, ReachesBothWaysInTheMiddle) {
+  EXPECT_THAT(Ranges(201, 3, 20), ElementsAre(Range(0, 86), Range(47, 153), Range(114, 200)));
+}
+
+TEST(SplitFramesTest, StaysWithinTheSequence) {
+  EXPECT_THAT(Ranges(10, 1, 20), ElementsAre(Range(0, 9)));
+  EXPECT_THAT(Ranges(10, 2, 20), ElementsAre(Range(0, 9), Range(0, 9)));
+  EXPECT_TRUE(SplitFrames(5, 5, {}).empty());
+}
+
+TEST(SplitFramesTest, InterleavedRobotsShareNoFrame) {
+  const std::vector<FrameSelection> parts = SplitFrames(0, 201, {2, 20, SplitMode::kInterleaved});
+  EXPECT_THAT(SelectFrames(parts[0], 201), ::testing::Each(::testing::Truly([](size_t frame) {
+                return frame % 2 == 0 && frame <= 120;
+              })));
+  EXPECT_THAT(SelectFrames(parts[1], 201), ::testing::Each(::testing::Truly([](size_t frame) {
+                return frame % 2 == 1 && frame >= 80;
+              })));
+}
+
+TEST(PlanRobotsTest, GivesEachOfSeveralSourcesARobot) {
+  PlanOptions options;
+  options.sources = {*ParseSourceSpec("kitti:a"), *ParseSourceSpec("tum:b")};
+  options.perturbations[2] = "gamma=0.8,reverse";
+  const absl::StatusOr<std::vector<RobotPlan>> robots = PlanRobots(options);
+  ASSERT_TRUE(robots.ok()) << robots.status();
+  ASSERT_EQ(robots->size(), 2u);
+  EXPECT_EQ((*robots)[0].name, "alpha");
+  EXPECT_EQ((*robots)[1].name, "bravo");
+  EXPECT_EQ(FormatSourceSpec((*robots)[1].source), "tum:b?reverse=1&gamma=0.8");
+}
+
+TEST(PlanRobotsTest, RefusesAPerturbationOfNobody) {
+  PlanOptions options;
+  options.sources = {*ParseSourceSpec("kitti:a"), *ParseSourceSpec("tum:b")};
+  options.perturbations[3] = "gamma=0.8";
+  EXPECT_EQ(PlanRobots(options).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(ParsePerturbationTest, NeedsARobotAndOptions) {
+  EXPECT_EQ(ParsePerturbation("2:gamma=0.8,noise=4,reverse")->second, "gamma=0.8,noise=4,reverse");
+  EXPECT_EQ(ParsePerturbation("2:gamma=0.8")->first, 2u);
+  for (const char* text : {"", "2", "2:", "x:gamma=1"}) {
+    EXPECT_FALSE(ParsePerturbation(text).ok()) << text;
+  }
+}
+
+TEST(RobotNameTest, GoesOnBeyondTheAlphabet) {
+  EXPECT_EQ(RobotName(2), "charlie");
+  EXPECT_EQ(RobotName(26), "robot27");
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,78 @@
+#include "services/corbslam/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace corbslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+RunReport MakeReport() {
+  RunReport report;
+  report.robots.resize(2);
+  report.robots[0].name = "alpha";
+  report.robots[0].ate_m = 0.25;
+  report.robots[0].tracking_ms = {20, 22, 40};
+  report.robots[1].name = "bravo";
+  report.fused.islands = 1;
+  report.fused.ate_m = 0.3;
+  report.merge_ms = {120.5};
+  report.global_ba_ms.push_back({64, 10000, 12, 800});
+  report.servers["map_store"] = {100, 3};
+  return report;
+}
+
+TEST(ComputeSpreadTest, HasKnownValues) {
+  const Spread even = ComputeSpread({4, 1, 3, 2});
+  EXPECT_DOUBLE_EQ(even.median, 2.5);
+  EXPECT_DOUBLE_EQ(even.mean, 2.5);
+  EXPECT_DOUBLE_EQ(even.p99, 4);
+  std::vector<double> hundred;
+  for (int i = 1; i <= 100; ++i) hundred.push_back(i);
+  EXPECT_DOUBLE_EQ(ComputeSpread(hundred).p99, 99);
+  EXPECT_DOUBLE_EQ(ComputeSpread({}).median, 0);
+}
+
+TEST(ToJsonTest, KeepsTheInterface) {
+  const nlohmann::ordered_json json = ToJson(MakeReport());
+  EXPECT_EQ(json["robots"][0]["ate_m"], 0.25);
+  EXPECT_TRUE(json["robots"][1]["ate_m"].is_null());
+  EXPECT_EQ(json["robots"][0]["tracking_ms"]["p99"], 40);
+  EXPECT_EQ(json["fused"]["islands"], 1);
+  EXPECT_EQ(json["merge_ms"][0], 120.5);
+  EXPECT_EQ(json["global_ba_ms"][0]["map_points"], 10000);
+  EXPECT_EQ(json["servers"]["map_store"]["cpu_s"], 3);
+  for (const char* key : {"robots", "fused", "overlaps", "merge_ms", "global_ba_ms", "transfer",
+                          "servers", "wall_s", "version", "command"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  for (const char* key : {"name", "frames", "tracked", "dropped", "lost", "local_maps",
+                          "first_upload_s", "shared", "keyframes", "map_points", "ate_m",
+                          "tracking_ms", "local_ba_ms", "peak_rss_mb", "bytes_up", "bytes_down"}) {
+    EXPECT_TRUE(json["robots"][0].contains(key)) << key;
+  }
+  for (const char* key : {"keyframes_held", "points_matched_percent", "loops_closed"}) {
+    EXPECT_TRUE(json["robots"][0]["shared"].contains(key)) << key;
+  }
+  for (const char* key : {"islands", "robots", "keyframes", "map_points", "ate_m", "t_rel_percent",
+                          "r_rel_deg_per_100m"}) {
+    EXPECT_TRUE(json["fused"].contains(key)) << key;
+  }
+  for (const char* key :
+       {"full_keyframes", "full_map_points", "light_keyframes", "light_map_points"}) {
+    for (const char* part : {"count", "bytes", "ms"}) {
+      EXPECT_TRUE(json["transfer"][key].contains(part)) << key << part;
+    }
+  }
+}
+
+TEST(ToMarkdownTest, ShowsTheFigures) {
+  const std::string text = ToMarkdown(MakeReport());
+  EXPECT_THAT(text, HasSubstr("| alpha |"));
+  EXPECT_THAT(text, HasSubstr("0.2500"));
+  EXPECT_THAT(text, HasSubstr("64 keyframes, 10000 points, 12 iterations, 800 ms"));
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,184 @@
+#include "services/corbslam/store_reader.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/time/clock.h"
+#include "services/convert/columns.h"
+#include "services/convert/geometry.h"
+#include "services/convert/ids.h"
+#include "services/convert/resource_names.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr absl::Duration kCallTimeout = absl::Seconds(60);
+// How often a store is asked whether it is idle; it has no call that waits for that.
+constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
+
+void SetDeadline(grpc::ClientContext& context) {
+  context.set_deadline(absl::ToChronoTime(absl::Now() + kCallTimeout));
+  context.set_wait_for_ready(true);
+}
+
+absl::Status ToStatus(const grpc::Status& status, absl::string_view call) {
+  if (status.ok()) return absl::OkStatus();
+  return absl::Status(static_cast<absl::StatusCode>(status.error_code()),
+                      absl::StrCat(call, ": ", status.error_message()));
+}
+
+std::string LastSegment(absl::string_view name) {
+  const std::vector<absl::string_view> parts = absl::StrSplit(name, '/');
+  return std::string(parts.back());
+}
+
+// Adds the keyframes and points of an island in the global frame.
+absl::Status AddIsland(const v1::WatchMapResponse::Island& island, const SlotReader& slots,
+                       const std::map<LocalMapId, std::string>& agents, StoredMap& map) {
+  for (const v1::WatchMapResponse::IslandKeyframe& proto : island.keyframes()) {
+    StoredMap::Keyframe& keyframe = map.keyframes.emplace_back();
+    ASSIGN_OR_RETURN(keyframe.id, slots.Keyframe(proto.id()));
+    if (proto.parent().slot() != 0) {
+      ASSIGN_OR_RETURN(keyframe.parent, slots.Keyframe(proto.parent()));
+    }
+    ASSIGN_OR_RETURN(const Rigid3d camera_from_island, FromProto(proto.camera_from_island()));
+    keyframe.global_from_camera = camera_from_island.Inverse();
+    const auto agent = agents.find(keyframe.id.local_map);
+    if (agent != agents.end()) keyframe.agent = agent->second;
+  }
+  ASSIGN_OR_RETURN(const std::vector<LightMapPoint> points,
+                   ReadLightPoints(island.points(), slots));
+  for (const LightMapPoint& point : points) map.points.push_back(point.position_in_local);
+  return absl::OkStatus();
+}
+
+absl::Status AddResponse(const v1::WatchMapResponse& response, StoredMap& map) {
+  ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(response.local_maps()));
+  std::map<LocalMapId, std::string> agents;
+  for (int i = 0; i < std::min(response.local_maps_size(), response.local_map_agents_size()); ++i) {
+    agents[LocalMapId{response.local_maps(i)}] = LastSegment(response.local_map_agents(i));
+  }
+  for (const v1::WatchMapResponse::Island& island : response.islands()) {
+    if (island.in_global_frame()) RETURN_IF_ERROR(AddIsland(island, slots, agents, map));
+  }
+  return absl::OkStatus();
+}
+
+TransferReport FromProto(const v1::TransferCount& proto) {
+  return {proto.count(), proto.bytes(), proto.ms()};
+}
+
+}  // namespace
+
+StoreReader::StoreReader(std::shared_ptr<grpc::Channel> channel, std::string mission)
+    : mission_(std::move(mission)), stub_(v1::MapStore::NewStub(channel)) {}
+
+absl::StatusOr<v1::GetStatisticsResponse> StoreReader::Statistics() {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::GetStatisticsRequest request;
+  request.set_mission(MissionName(mission_));
+  v1::GetStatisticsResponse response;
+  RETURN_IF_ERROR(ToStatus(stub_->GetStatistics(&context, request, &response), "GetStatistics"));
+  return response;
+}
+
+absl::Status StoreReader::WaitUntilFused(absl::Duration timeout) {
+  const absl::Time deadline = absl::Now() + timeout;
+  while (true) {
+    ASSIGN_OR_RETURN(const v1::GetStatisticsResponse response, Statistics());
+    if (response.mission().fusion_idle()) return absl::OkStatus();
+    if (absl::Now() > deadline) {
+      return absl::DeadlineExceededError(
+          absl::StrCat("fusion is not idle after ", absl::FormatDuration(timeout)));
+    }
+    absl::SleepFor(kAskAgain);
+  }
+}
+
+absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames() {
+  v1::ListLocalMapsRequest request;
+  request.set_parent(MissionName(mission_));
+  std::map<std::string, uint64_t> frames;
+  do {
+    grpc::ClientContext context;
+    SetDeadline(context);
+    v1::ListLocalMapsResponse response;
+    const grpc::Status status = stub_->ListLocalMaps(&context, request, &response);
+    if (status.error_code() == grpc::StatusCode::NOT_FOUND) return frames;
+    RETURN_IF_ERROR(ToStatus(status, "ListLocalMaps"));
+    for (const v1::LocalMap& local_map : response.local_maps()) {
+      frames[LastSegment(local_map.agent())] +=
+          local_map.tracked_frames() + local_map.lost_frames();
+    }
+    request.set_page_token(response.next_page_token());
+  } while (!request.page_token().empty());
+  return frames;
+}
+
+absl::StatusOr<StoredTrajectory> StoreReader::ReadTrajectory(const std::string& agent,
+                                                             v1::TrajectoryFrame frame) {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::GetTrajectoryRequest request;
+  request.set_name(AgentName(mission_, agent));
+  request.set_frame(frame);
+  StoredTrajectory trajectory;
+  const auto reader = stub_->GetTrajectory(&context, request);
+  v1::GetTrajectoryResponse response;
+  while (reader->Read(&response)) {
+    for (const v1::TrajectoryPose& pose : response.poses()) {
+      ASSIGN_OR_RETURN(const Rigid3d frame_from_camera, FromProto(pose.frame_from_camera()));
+      trajectory.push_back({pose.timestamp_ns(), frame_from_camera, pose.local_map()});
+    }
+  }
+  RETURN_IF_ERROR(ToStatus(reader->Finish(), absl::StrCat("GetTrajectory of ", agent)));
+  return trajectory;
+}
+
+absl::StatusOr<StoredMap> StoreReader::ReadGlobalMap() {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::WatchMapRequest request;
+  request.set_mission(MissionName(mission_));
+  request.set_include_points(true);
+  const auto reader = stub_->WatchMap(&context, request);
+  StoredMap map;
+  v1::WatchMapResponse response;
+  bool is_whole = false;
+  while (!is_whole && reader->Read(&response)) {
+    RETURN_IF_ERROR(AddResponse(response, map));
+    is_whole = !response.continues();
+  }
+  context.TryCancel();
+  const grpc::Status status = reader->Finish();
+  if (!is_whole) return ToStatus(status, "WatchMap");
+  return map;
+}
+
+void AddStatistics(const v1::MissionStatistics& statistics, RunReport& report) {
+  report.fused.islands = statistics.islands_size();
+  for (const v1::IslandStatistics& island : statistics.islands()) {
+    if (!island.in_global_frame()) continue;
+    report.fused.robots = island.agents_size();
+    report.fused.keyframes = island.keyframes();
+  }
+  report.overlaps = {statistics.overlaps_queried(), statistics.overlaps_verified(),
+                     statistics.overlaps_accepted()};
+  report.merge_ms.assign(statistics.merge_ms().begin(), statistics.merge_ms().end());
+  for (const v1::AdjustmentRecord& adjustment : statistics.adjustments()) {
+    report.global_ba_ms.push_back({adjustment.keyframes(), adjustment.map_points(),
+                                   adjustment.iterations(), adjustment.ms()});
+  }
+  const v1::TransferStatistics& transfer = statistics.transfer();
+  report.full_keyframes = FromProto(transfer.full_keyframes());
+  report.full_map_points = FromProto(transfer.full_map_points());
+  report.light_keyframes = FromProto(transfer.light_keyframes());
+  report.light_map_points = FromProto(transfer.light_map_points());
+}
+
+}  // namespace corbslam

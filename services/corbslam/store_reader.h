@@ -1,0 +1,47 @@
+// Reads a mission from a running map store.
+#ifndef CORBSLAM_SERVICES_CORBSLAM_STORE_READER_H_
+#define CORBSLAM_SERVICES_CORBSLAM_STORE_READER_H_
+
+#include <grpcpp/channel.h>
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/corbslam/report.h"
+#include "services/corbslam/stored_mission.h"
+
+namespace corbslam {
+
+// Thread-safe. Each call has a deadline of its own. Errors are those of the store, with the call
+// that met them.
+class StoreReader {
+ public:
+  StoreReader(std::shared_ptr<grpc::Channel> channel, std::string mission);
+
+  absl::StatusOr<v1::GetStatisticsResponse> Statistics();
+  // Returns once everything that came was looked up, verified, fused and adjusted.
+  absl::Status WaitUntilFused(absl::Duration timeout);
+  // Frames that the agents reported so far, tracked or lost, by agent; empty before the first.
+  absl::StatusOr<std::map<std::string, uint64_t>> CountReportedFrames();
+
+  absl::StatusOr<StoredTrajectory> ReadTrajectory(const std::string& agent,
+                                                  v1::TrajectoryFrame frame);
+  // The island in the global frame.
+  absl::StatusOr<StoredMap> ReadGlobalMap();
+
+ private:
+  const std::string mission_;
+  const std::unique_ptr<v1::MapStore::Stub> stub_;
+};
+
+// Sets what the statistics know: fused, overlaps, merge and adjustment times, transfer.
+void AddStatistics(const v1::MissionStatistics& statistics, RunReport& report);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CORBSLAM_STORE_READER_H_
