@@ -1,0 +1,67 @@
+// A robot for tests of the store: streams a synthetic local map, keyframe by keyframe.
+#ifndef CORBSLAM_MAP_STORE_TESTING_TEST_AGENT_H_
+#define CORBSLAM_MAP_STORE_TESTING_TEST_AGENT_H_
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "map_store/map_store.h"
+#include "slam/verification/testing/synthetic_world.h"
+
+namespace corbslam::testing {
+
+// A small vocabulary of the world's own descriptors.
+std::shared_ptr<const Vocabulary> MakeTestVocabulary(const SyntheticWorld& world);
+
+// What an agent holds of the global layer after applying its updates.
+struct SharedMirror {
+  std::map<KeyframeId, SharedKeyframe> keyframes;
+  std::map<MapPointId, SharedMapPoint> points;
+  std::map<KeyframeId, Similarity3d> own;
+  std::map<MapPointId, std::vector<MapPointId>> landmarks;
+  int restarts = 0;
+  int updates = 0;
+  uint64_t revision = 0;
+
+  void Apply(const SharedUpdate& update);
+};
+
+// Not thread-safe.
+class TestAgent {
+ public:
+  // `store` and `made` must outlive it. Opens its session.
+  TestAgent(MapStore& store, std::string mission, std::string name, const SyntheticMap& made);
+
+  // The next batch of `keyframes` keyframes with their points and a tracked frame each; numbered.
+  MapUpdateBatch NextBatch(size_t keyframes);
+  // An empty batch with the next number.
+  MapUpdateBatch EmptyBatch();
+  absl::Status Send(const MapUpdateBatch& batch);
+  // One keyframe a batch; all that are left by default.
+  absl::Status Stream(size_t keyframes = 1000000);
+  absl::Status Close();
+  // Until there is no more; applied to `mirror`.
+  absl::Status TakeShared(size_t byte_budget = 1 << 20);
+
+  uint64_t session() const { return session_; }
+  LocalMapId local_map() const { return local_map_; }
+  KeyframeId Id(uint32_t index) const { return {local_map_, index}; }
+  const SharedMirror& mirror() const { return mirror_; }
+  const SyntheticMap& made() const { return made_; }
+
+ private:
+  void AddPoints(const Keyframe& keyframe, MapUpdateBatch& batch);
+
+  MapStore& store_;
+  const SyntheticMap& made_;
+  const LocalMapId local_map_;
+  uint64_t session_ = 0;
+  uint64_t next_number_ = 1;
+  uint32_t next_keyframe_ = 0;
+  SharedMirror mirror_;
+};
+
+}  // namespace corbslam::testing
+
+#endif  // CORBSLAM_MAP_STORE_TESTING_TEST_AGENT_H_
