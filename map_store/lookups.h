@@ -113,7 +113,7 @@ struct MissionStatistics {
 
 enum class TrajectoryFrame { kLocal, kGlobal };
 
-struct TrajectoryPose {
+struct StoredPose {
   int64_t timestamp_ns = 0;
   LocalMapId local_map;
   // x_in_frame = frame_from_camera * x_in_camera, of scale 1: the camera's units are the frame's.
@@ -127,7 +127,7 @@ struct TrajectoryPose {
 
 struct AgentTrajectory {
   std::string agent;
-  std::vector<TrajectoryPose> poses;  // Every tracked frame, by local map, in time.
+  std::vector<StoredPose> poses;  // Every tracked frame, by local map, in time.
 };
 
 struct OverlapInfo {
