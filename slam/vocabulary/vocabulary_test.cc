@@ -144,7 +144,7 @@ TEST(Trainer, FindsWellSeparatedClusters) {
   const std::vector<Descriptor> centres = RandomDescriptors(8, 3);
   PictureDescriptors pictures(4);
   std::mt19937_64 random(9);
-  for (int i = 0; i < 400; ++i) {
+  for (size_t i = 0; i < 400; ++i) {
     Descriptor descriptor = centres[i % 8];
     for (int flip = 0; flip < 10; ++flip) {
       const uint64_t bit = random() % 256;
