@@ -1,0 +1,57 @@
+// The robot's own service: Agent of proto/corbslam/v1/agent_service.proto.
+#ifndef CORBSLAM_SERVICES_AGENT_SERVICE_AGENT_SERVICE_H_
+#define CORBSLAM_SERVICES_AGENT_SERVICE_AGENT_SERVICE_H_
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "client_agent/agent/agent.h"
+#include "corbslam/v1/agent_service.grpc.pb.h"
+#include "services/agent_service/pose_board.h"
+#include "services/server/task_pool.h"
+#include "slam/exchange/uplink.h"
+
+namespace corbslam {
+
+struct AgentServiceOptions {
+  // Empty without a map store.
+  std::string mission;
+  std::string agent;
+};
+
+// Thread-safe. `agent` and `uplink` (null: no map store) are not owned and must outlive it; the
+// server must be shut down before it is destroyed.
+class AgentService : public v1::Agent::CallbackService {
+ public:
+  AgentService(const Agent* agent, const Uplink* uplink, const AgentServiceOptions& options)
+      : agent_(*agent), uplink_(uplink), options_(options), pool_(1) {}
+
+  // Tells those who watch of a frame; `dropped` counts the frames that came too fast so far.
+  void OnFrame(const TrackingResult& result, uint64_t dropped);
+
+  grpc::ServerWriteReactor<v1::WatchPoseResponse>* WatchPose(
+      grpc::CallbackServerContext* context, const v1::WatchPoseRequest* request) override;
+  grpc::ServerUnaryReactor* GetStatus(grpc::CallbackServerContext* context,
+                                      const v1::GetStatusRequest* request,
+                                      v1::AgentStatus* response) override;
+  grpc::ServerWriteReactor<v1::GetAgentTrajectoryResponse>* GetTrajectory(
+      grpc::CallbackServerContext* context, const v1::GetAgentTrajectoryRequest* request) override;
+
+ private:
+  const Agent& agent_;
+  const Uplink* const uplink_;
+  const AgentServiceOptions options_;
+  PoseBoard poses_;
+  TaskPool pool_;
+};
+
+v1::TrackingState ToProto(TrackingState state);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_AGENT_SERVICE_AGENT_SERVICE_H_

@@ -1,0 +1,56 @@
+#include "services/agent_service/agent_service.h"
+#include "services/convert/geometry.h"
+#include "services/convert/resource_names.h"
+#include "services/server/unary.h"
+
+namespace corbslam {
+namespace {
+
+uint64_t Count(int value) { return static_cast<uint64_t>(value); }
+
+}  // namespace
+
+v1::TrackingState ToProto(TrackingState state) {
+  switch (state) {
+    case TrackingState::kNotInitialised:
+      return v1::TRACKING_STATE_INITIALISING;
+    case TrackingState::kTracking:
+      return v1::TRACKING_STATE_TRACKING;
+    case TrackingState::kLost:
+      return v1::TRACKING_STATE_LOST;
+  }
+  return v1::TRACKING_STATE_UNSPECIFIED;
+}
+
+grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* context,
+                                                  const v1::GetStatusRequest* request,
+                                                  v1::AgentStatus* response) {
+  return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
+    const std::string mission =
+        options_.mission.empty() ? std::string() : MissionName(options_.mission);
+    if (!request->mission().empty() && request->mission() != mission) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("this agent's mission is \"", mission, "\""));
+    }
+    const AgentStatus status = agent_.GetStatus();
+    response->set_mission(mission);
+    response->set_agent(options_.agent);
+    response->set_state(ToProto(status.state));
+    response->set_local_map(ToString(status.local_map));
+    response->set_frames(Count(status.frames));
+    response->set_tracked(Count(status.tracked));
+    response->set_dropped(poses_.dropped());
+    response->set_lost(Count(status.lost));
+    response->set_keyframes(Count(status.keyframes));
+    response->set_map_points(Count(status.map_points));
+    response->set_shared_keyframes(Count(status.foreign_keyframes));
+    if (uplink_ != nullptr) response->set_bytes_up(uplink_->bytes_up());
+    if (uplink_ != nullptr) response->set_bytes_down(uplink_->bytes_down());
+    if (status.global_from_local) {
+      ToProto(*status.global_from_local, response->mutable_global_from_local());
+    }
+    return absl::OkStatus();
+  });
+}
+
+}  // namespace corbslam

@@ -1,0 +1,125 @@
+#include <atomic>
+#include <cstdlib>
+#include <optional>
+#include <utility>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
+#include "services/agent_service/agent_service.h"
+#include "services/convert/geometry.h"
+#include "services/convert/status.h"
+
+namespace corbslam {
+namespace {
+
+constexpr double kMinRate_hz = 0.1;
+constexpr double kMaxRate_hz = 1000;
+
+// Writes the newest pose whenever the one before is written. Owns itself.
+class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> {
+ public:
+  // Frames nearer in the agent's own time than `interval_ns` are left out.
+  WatchPoseReactor(PoseBoard& board, int64_t interval_ns)
+      : board_(board), interval_ns_(interval_ns) {
+    const uint64_t token = board_.Add([this](const v1::WatchPoseResponse& pose) { OnPose(pose); });
+    token_.store(token);
+  }
+
+  void OnWriteDone(bool ok) override {
+    {
+      absl::MutexLock lock(&mutex_);
+      writing_ = false;
+      cancelled_ |= !ok;
+    }
+    Advance();
+  }
+  void OnCancel() override {
+    {
+      absl::MutexLock lock(&mutex_);
+      cancelled_ = true;
+    }
+    Advance();
+  }
+  void OnDone() override {
+    board_.Remove(token_);
+    delete this;
+  }
+
+ private:
+  void OnPose(const v1::WatchPoseResponse& pose) {
+    {
+      absl::MutexLock lock(&mutex_);
+      // A sequence may be played backwards.
+      const int64_t step_ns = std::abs(pose.timestamp_ns() - last_ns_.value_or(0));
+      if (last_ns_ && step_ns < interval_ns_) return;
+      next_ = pose;
+    }
+    Advance();
+  }
+
+  void Advance() {
+    bool finish = false;
+    {
+      absl::MutexLock lock(&mutex_);
+      if (writing_ || finished_ || (!cancelled_ && !next_)) return;
+      finish = finished_ = cancelled_;
+      if (!finish) {
+        writing_ = true;
+        written_ = *std::exchange(next_, std::nullopt);
+        last_ns_ = written_.timestamp_ns();
+      }
+    }
+    if (finish) return Finish(grpc::Status::CANCELLED);
+    StartWrite(&written_);
+  }
+
+  PoseBoard& board_;
+  const int64_t interval_ns_;
+  std::atomic<uint64_t> token_{0};
+  // Being written while writing_ is set.
+  v1::WatchPoseResponse written_;
+
+  absl::Mutex mutex_;
+  std::optional<v1::WatchPoseResponse> next_ ABSL_GUARDED_BY(mutex_);
+  std::optional<int64_t> last_ns_ ABSL_GUARDED_BY(mutex_);
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+// Refuses a call.
+class RefusedPose : public grpc::ServerWriteReactor<v1::WatchPoseResponse> {
+ public:
+  explicit RefusedPose(const absl::Status& status) { Finish(ToGrpcStatus(status)); }
+  void OnDone() override { delete this; }
+};
+
+}  // namespace
+
+void AgentService::OnFrame(const TrackingResult& result, uint64_t dropped) {
+  v1::WatchPoseResponse pose;
+  pose.set_timestamp_ns(result.timestamp_ns);
+  pose.set_state(ToProto(result.state));
+  pose.set_local_map(ToString(result.local_map));
+  if (result.state == TrackingState::kTracking) {
+    ToProto(result.camera_from_local.Inverse(), pose.mutable_local_from_camera());
+  }
+  const std::optional<Similarity3d> global_from_local = agent_.GetStatus().global_from_local;
+  if (global_from_local) ToProto(*global_from_local, pose.mutable_global_from_local());
+  poses_.Post(std::move(pose), dropped);
+}
+
+grpc::ServerWriteReactor<v1::WatchPoseResponse>* AgentService::WatchPose(
+    grpc::CallbackServerContext*, const v1::WatchPoseRequest* request) {
+  const double rate_hz = request->max_rate_hz();
+  // Written so that NaN is refused.
+  if (rate_hz != 0 && !(rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz)) {
+    return new RefusedPose(absl::InvalidArgumentError(
+        absl::StrCat("max_rate_hz is ", rate_hz, ", must be 0 or in [0.1, 1000]")));
+  }
+  const int64_t interval_ns = rate_hz == 0 ? 0 : static_cast<int64_t>(1e9 / rate_hz);
+  return new WatchPoseReactor(poses_, interval_ns);
+}
+
+}  // namespace corbslam

@@ -1,0 +1,16 @@
+#include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/fusion_worker_service/work_reactor.h"
+
+namespace corbslam {
+
+grpc::ServerBidiReactor<v1::AdjustBundleRequest, v1::AdjustBundleResponse>*
+FusionWorkerService::AdjustBundle(grpc::CallbackServerContext*) {
+  using Reactor = WorkReactor<AdjustBundleRequestReader, AdjustBundleResult,
+                              v1::AdjustBundleRequest, v1::AdjustBundleResponse>;
+  return new Reactor(pool_, requests_, options_.max_requests,
+                     [this](const AdjustBundleRequest& request, const ProgressCallback& progress) {
+                       return worker_.AdjustBundle(request, progress);
+                     });
+}
+
+}  // namespace corbslam

@@ -1,0 +1,16 @@
+#include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/fusion_worker_service/work_reactor.h"
+
+namespace corbslam {
+
+grpc::ServerBidiReactor<v1::FuseMapsRequest, v1::FuseMapsResponse>* FusionWorkerService::FuseMaps(
+    grpc::CallbackServerContext*) {
+  using Reactor =
+      WorkReactor<FuseMapsRequestReader, FuseMapsResult, v1::FuseMapsRequest, v1::FuseMapsResponse>;
+  return new Reactor(pool_, requests_, options_.max_requests,
+                     [this](const FuseMapsRequest& request, const ProgressCallback& progress) {
+                       return worker_.FuseMaps(request, progress);
+                     });
+}
+
+}  // namespace corbslam

@@ -1,0 +1,45 @@
+// A fusion worker behind its contract: FusionWorker of
+// proto/corbslam/v1/fusion_worker_service.proto.
+#ifndef CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_FUSION_WORKER_SERVICE_H_
+#define CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_FUSION_WORKER_SERVICE_H_
+
+#include <atomic>
+
+#include "corbslam/v1/fusion_worker_service.grpc.pb.h"
+#include "services/server/task_pool.h"
+#include "slam/exchange/fusion_worker.h"
+
+namespace corbslam {
+
+struct FusionWorkerServiceOptions {
+  // Requests that are worked on at once; the rest wait.
+  int threads = 2;
+  // Requests that are received, worked on or wait, at most; further ones get UNAVAILABLE, so that
+  // the caller asks another worker.
+  int max_requests = 16;
+};
+
+// Thread-safe. `worker` is not owned and must outlive it; the server must be shut down before it is
+// destroyed.
+class FusionWorkerService : public v1::FusionWorker::CallbackService {
+ public:
+  explicit FusionWorkerService(FusionWorker* worker, const FusionWorkerServiceOptions& options = {})
+      : worker_(*worker), options_(options), pool_(options.threads) {}
+
+  grpc::ServerBidiReactor<v1::VerifyOverlapRequest, v1::VerifyOverlapResponse>* VerifyOverlap(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerBidiReactor<v1::FuseMapsRequest, v1::FuseMapsResponse>* FuseMaps(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerBidiReactor<v1::AdjustBundleRequest, v1::AdjustBundleResponse>* AdjustBundle(
+      grpc::CallbackServerContext* context) override;
+
+ private:
+  FusionWorker& worker_;
+  const FusionWorkerServiceOptions options_;
+  std::atomic<int> requests_{0};
+  TaskPool pool_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_FUSION_WORKER_SERVICE_H_

@@ -1,0 +1,16 @@
+#include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/fusion_worker_service/work_reactor.h"
+
+namespace corbslam {
+
+grpc::ServerBidiReactor<v1::VerifyOverlapRequest, v1::VerifyOverlapResponse>*
+FusionWorkerService::VerifyOverlap(grpc::CallbackServerContext*) {
+  using Reactor = WorkReactor<VerifyOverlapRequestReader, VerifyOverlapResult,
+                              v1::VerifyOverlapRequest, v1::VerifyOverlapResponse>;
+  return new Reactor(pool_, requests_, options_.max_requests,
+                     [this](const VerifyOverlapRequest& request, const ProgressCallback& progress) {
+                       return worker_.VerifyOverlap(request, progress);
+                     });
+}
+
+}  // namespace corbslam

@@ -1,0 +1,153 @@
+// One request to a fusion worker: receives it, works, and sends progress and the result.
+#ifndef CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_WORK_REACTOR_H_
+#define CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_WORK_REACTOR_H_
+
+#include <grpcpp/support/server_callback.h>
+
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "services/convert/status.h"
+#include "services/convert/work.h"
+#include "services/server/task_pool.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+// Reads on gRPC's threads, works on the pool. At most one progress message waits to be written.
+// Owns itself.
+template <typename RequestReader, typename Result, typename RequestMessage,
+          typename ResponseMessage>
+class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessage> {
+ public:
+  using Request = typename decltype(std::declval<RequestReader>().Finish())::value_type;
+  using Compute = std::function<absl::StatusOr<Result>(const Request&, const ProgressCallback&)>;
+
+  // `requests` counts those under way.
+  WorkReactor(TaskPool& pool, std::atomic<int>& requests, int max_requests, Compute compute)
+      : pool_(pool), requests_(requests), compute_(std::move(compute)) {
+    if (++requests_ <= max_requests) {
+      this->StartRead(&message_);
+    } else {
+      End(absl::UnavailableError(
+          absl::StrCat("this worker has ", max_requests, " requests already")));
+    }
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) return End(absl::InvalidArgumentError("the request ended before its end came"));
+    const absl::Status status = reader_.Add(message_);
+    if (!status.ok()) return End(status);
+    if (!reader_.ended()) return this->StartRead(&message_);
+    pool_.Schedule([this] { Work(); });
+  }
+
+  void OnWriteDone(bool ok) override {
+    {
+      absl::MutexLock lock(&mutex_);
+      writing_ = false;
+      queue_.pop_front();
+    }
+    if (!ok) cancelled_ = true;
+    Advance();
+  }
+
+  void OnCancel() override { cancelled_ = true; }
+
+  void OnDone() override {
+    --requests_;
+    delete this;
+  }
+
+ private:
+  void Work() {
+    const absl::Status status = TryWork();
+    End(cancelled_ ? absl::CancelledError("the caller went away") : status);
+  }
+
+  absl::Status TryWork() {
+    if (cancelled_) return absl::OkStatus();
+    absl::StatusOr<Result> result = [&]() -> absl::StatusOr<Result> {
+      ASSIGN_OR_RETURN(const Request request, reader_.Finish());
+      return compute_(request, [this](double fraction) { return ReportProgress(fraction); });
+    }();
+    RETURN_IF_ERROR(result.status());
+    WriteWork<ResponseMessage>(
+        *result, std::function<bool(ResponseMessage)>(
+                     [this](ResponseMessage message) { return Send(std::move(message)); }));
+    return absl::OkStatus();
+  }
+
+  bool ReportProgress(double fraction) {
+    if (cancelled_) return false;
+    {
+      absl::MutexLock lock(&mutex_);
+      if (!queue_.empty()) return true;
+    }
+    ResponseMessage message;
+    message.mutable_progress()->set_fraction(fraction);
+    return Send(std::move(message));
+  }
+
+  bool Send(ResponseMessage message) {
+    if (cancelled_) return false;
+    {
+      absl::MutexLock lock(&mutex_);
+      queue_.push_back(std::move(message));
+    }
+    Advance();
+    return true;
+  }
+
+  void End(const absl::Status& status) {
+    {
+      absl::MutexLock lock(&mutex_);
+      if (end_) return;
+      end_ = status;
+    }
+    Advance();
+  }
+
+  // Writes what waits; finishes when nothing does and the end is known.
+  void Advance() {
+    const ResponseMessage* next = nullptr;
+    std::optional<absl::Status> end;
+    {
+      absl::MutexLock lock(&mutex_);
+      if (writing_ || finished_) return;
+      if (!queue_.empty() && !cancelled_) {
+        next = &queue_.front();
+        writing_ = true;
+      } else if (end_) {
+        end = end_;
+        finished_ = true;
+      }
+    }
+    if (next != nullptr) return this->StartWrite(next);
+    // The reactor may be gone once this is called.
+    if (end) this->Finish(ToGrpcStatus(*end));
+  }
+
+  TaskPool& pool_;
+  std::atomic<int>& requests_;
+  const Compute compute_;
+  std::atomic<bool> cancelled_{false};
+  RequestMessage message_;
+  WorkReader<RequestReader, v1::MapChunk> reader_;
+
+  absl::Mutex mutex_;
+  std::deque<ResponseMessage> queue_ ABSL_GUARDED_BY(mutex_);
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_WORK_REACTOR_H_
