@@ -38,7 +38,7 @@ TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
   }
   parts_.map->ReadWithHistory(
       [&](const Map& map, const MapHistory& history) { Refresh(map, history, *previous_); });
-  const bool tracked = FindPose(frame) && TrackLocalMap(frame);
+  const bool tracked = FindPose(frame);
   if (tracked) {
     velocity_ = state_ == TrackingState::kTracking
                     ? std::optional(frame.camera_from_map * previous_->camera_from_map.Inverse())
@@ -66,66 +66,103 @@ bool Tracker::Begin(Frame& frame) {
 }
 
 bool Tracker::FindPose(Frame& frame) {
-  if (state_ == TrackingState::kLost) return Relocalise(frame);
-  // Of a frame that is just a keyframe mapping may have made the points, or not yet.
-  AddTemporaryPoints(*previous_);
-  return TrackPreviousFrame(frame) || TrackReferenceKeyframe(frame);
+  const bool is_lost = state_ == TrackingState::kLost;
+  std::vector<FirstPose> ways = {&Tracker::Relocalise};
+  if (!is_lost) {
+    // Of a frame that is just a keyframe mapping may have made the points, or not yet.
+    AddTemporaryPoints(*previous_);
+    ways = {&Tracker::FollowMotion, &Tracker::SearchAroundPrevious,
+            &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise};
+  }
+  std::optional<Solution> solution = Solve(ways, frame);
+  if (!solution.has_value()) return false;
+  frames_since_relocalisation_ = is_lost ? 0 : frames_since_relocalisation_ + 1;
+  frame = std::move(solution->frame);
+  local_map_ = std::move(solution->local_map);
+  inliers_ = solution->inliers;
+  parts_.statistics->Count(solution->visible, SeenPoints(frame));
+  return true;
 }
 
-bool Tracker::TrackPreviousFrame(Frame& frame) {
-  const Rigid3d predicted =
-      velocity_.has_value() ? *velocity_ * previous_->camera_from_map : previous_->camera_from_map;
-  // Without a velocity the prediction is coarse.
-  const double radius_px = options_.previous_frame_radius_px * (velocity_.has_value() ? 1 : 2);
+// Tries the ways in turn until one leads to a pose beyond doubt; else the best supported.
+std::optional<Tracker::Solution> Tracker::Solve(const std::vector<FirstPose>& ways,
+                                                const Frame& frame) const {
+  std::optional<Solution> best;
+  for (const FirstPose way : ways) {
+    Solution solution;
+    solution.frame = frame;
+    if (best.has_value()) solution.frame.words = best->frame.words;
+    if (!(this->*way)(solution.frame) || !TrackLocalMap(solution)) continue;
+    const bool is_sure = !IsDoubtful(solution);
+    if (!best.has_value() || Support(solution) > Support(*best)) best = std::move(solution);
+    if (is_sure) break;
+  }
+  return best;
+}
+
+int Tracker::Support(const Solution& solution) {
+  return solution.local_map.map_keyframes == 0 ? solution.inliers.total()
+                                               : solution.inliers.map_points;
+}
+
+bool Tracker::IsDoubtful(const Solution& solution) const {
+  return Support(solution) < options_.doubtful_share * static_cast<double>(solution.visible.size());
+}
+
+bool Tracker::FollowMotion(Frame& frame) const {
+  if (!velocity_.has_value()) return false;
+  return TrackPreviousFrame(*velocity_ * previous_->camera_from_map,
+                            options_.previous_frame_radius_px, frame);
+}
+
+bool Tracker::SearchAroundPrevious(Frame& frame) const {
+  return TrackPreviousFrame(previous_->camera_from_map, 3 * options_.previous_frame_radius_px,
+                            frame);
+}
+
+bool Tracker::TrackPreviousFrame(const Rigid3d& predicted, double radius_px, Frame& frame) const {
   int matches = MatchPreviousFrame(*previous_, predicted, radius_px, frame);
   if (matches < kMinPreviousMatches) {
     matches = MatchPreviousFrame(*previous_, predicted, 2 * radius_px, frame);
   }
   if (matches < kMinPreviousMatches) return false;
-  inliers_ = OptimiseFramePose(predicted, parts_.map->local_map(), frame);
-  return inliers_.map_points >= kMinFirstInliers || inliers_.total() >= kMinPreviousMatches;
+  const InlierCount inliers = OptimiseFramePose(predicted, parts_.map->local_map(), frame);
+  return inliers.map_points >= kMinFirstInliers || inliers.total() >= kMinPreviousMatches;
 }
 
-bool Tracker::TrackReferenceKeyframe(Frame& frame) {
+bool Tracker::MatchReferenceKeyframe(Frame& frame) const {
   EnsureWords(frame);
   const int matches = parts_.map->Read([&](const Map& map) {
     const Keyframe* reference = map.FindKeyframe(previous_->reference);
     return reference == nullptr ? 0 : MatchKeyframe(map, *reference, frame);
   });
   if (matches < kMinKeyframeMatches) return false;
-  inliers_ = OptimiseFramePose(previous_->camera_from_map, parts_.map->local_map(), frame);
-  return inliers_.map_points >= kMinFirstInliers;
+  const InlierCount inliers =
+      OptimiseFramePose(previous_->camera_from_map, parts_.map->local_map(), frame);
+  return inliers.map_points >= kMinFirstInliers;
 }
 
-bool Tracker::Relocalise(Frame& frame) {
+bool Tracker::Relocalise(Frame& frame) const {
   if (parts_.places == nullptr) return false;
   EnsureWords(frame);
-  if (!RelocaliseFrame(*parts_.map, *parts_.places, options_.seed, frame)) return false;
-  frames_since_relocalisation_ = 0;
-  return true;
+  return RelocaliseFrame(*parts_.map, *parts_.places, options_.seed, frame);
 }
 
-bool Tracker::TrackLocalMap(Frame& frame) {
+bool Tracker::TrackLocalMap(Solution& solution) const {
   const LocalMapId own = parts_.map->local_map();
+  Frame& frame = solution.frame;
   const std::vector<MapPointId> seen = SeenPoints(frame);
-  local_map_ = parts_.map->Read(
+  solution.local_map = parts_.map->Read(
       [&](const Map& map) { return GatherLocalMap(map, own, seen, previous_->reference); });
-  const bool on_probation = frames_since_relocalisation_ < kProbation;
-  const double widening = frames_since_relocalisation_ < 2 ? 5 : options_.local_map_widening;
-  std::vector<MapPointId> visible;
-  MatchLocalPoints(local_map_.points, widening, frame, visible);
-  inliers_ = OptimiseFramePose(frame.camera_from_map, own, frame);
-  CountPoints(visible, frame);
-  ++frames_since_relocalisation_;
+  const bool is_lost = state_ == TrackingState::kLost;
+  const bool is_fresh = is_lost || frames_since_relocalisation_ < 2;
+  const bool on_probation = is_lost || frames_since_relocalisation_ < kProbation;
+  MatchLocalPoints(solution.local_map.points, is_fresh ? 5 : options_.local_map_widening, frame,
+                   solution.visible);
+  solution.inliers = OptimiseFramePose(frame.camera_from_map, own, frame);
   const int least = on_probation ? options_.min_local_map_inliers_after_relocalisation
                                  : options_.min_local_map_inliers;
-  // Before mapping has inserted the first keyframe there are only temporary points.
-  const bool map_is_empty = local_map_.map_keyframes == 0;
-  return (map_is_empty ? inliers_.total() : inliers_.map_points) >= least;
-}
-
-void Tracker::CountPoints(const std::vector<MapPointId>& visible, const Frame& frame) {
-  parts_.statistics->Count(visible, SeenPoints(frame));
+  return Support(solution) >= least;
 }
 
 void Tracker::ConsiderKeyframe(Frame& frame) {

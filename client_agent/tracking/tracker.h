@@ -29,6 +29,9 @@ struct TrackerOptions {
   double local_map_widening = 1;
   int min_local_map_inliers = 30;
   int min_local_map_inliers_after_relocalisation = 50;
+  // A pose that so small a share of the points in view agree with is doubtful: other ways to it are
+  // tried, and the best supported one is taken.
+  double doubtful_share = 0.15;
   // Lost for so many frames: the local map is given up; at once where it is this small.
   int max_lost_frames = 30;
   int min_keyframes_to_wait = 5;
@@ -59,12 +62,27 @@ class Tracker {
 
  private:
   bool Begin(Frame& frame);
+  // A pose for the frame with what it rests on.
+  struct Solution {
+    Frame frame;
+    LocalMapView local_map;
+    InlierCount inliers;
+    std::vector<MapPointId> visible;
+  };
+  using FirstPose = bool (Tracker::*)(Frame&) const;
+
   bool FindPose(Frame& frame);
-  bool TrackPreviousFrame(Frame& frame);
-  bool TrackReferenceKeyframe(Frame& frame);
-  bool Relocalise(Frame& frame);
-  bool TrackLocalMap(Frame& frame);
-  void CountPoints(const std::vector<MapPointId>& visible, const Frame& frame);
+  std::optional<Solution> Solve(const std::vector<FirstPose>& ways, const Frame& frame) const;
+  bool FollowMotion(Frame& frame) const;
+  bool SearchAroundPrevious(Frame& frame) const;
+  bool MatchReferenceKeyframe(Frame& frame) const;
+  bool Relocalise(Frame& frame) const;
+  bool TrackPreviousFrame(const Rigid3d& predicted, double radius_px, Frame& frame) const;
+  bool TrackLocalMap(Solution& solution) const;
+  // How many of the inliers count: before mapping has inserted the first keyframe there are only
+  // temporary points.
+  static int Support(const Solution& solution);
+  bool IsDoubtful(const Solution& solution) const;
   void ConsiderKeyframe(Frame& frame);
   void MakeKeyframe(Frame& frame);
   void EnsureWords(Frame& frame) const;

@@ -79,6 +79,15 @@ absl::Status PrintErrors(const Agent& agent, const Options& options) {
   return absl::OkStatus();
 }
 
+void PrintResult(const TrackingResult& result) {
+  const Eigen::Vector3d centre = CameraCentre(result.camera_from_local);
+  std::printf("time %.3f %s%s %4d points at %.3f %.3f %.3f\n",
+              static_cast<double>(result.timestamp_ns) * 1e-9,
+              result.state == TrackingState::kTracking ? "tracking" : "lost",
+              result.made_keyframe ? ", keyframe," : "", result.points_matched, centre.x(),
+              centre.y(), centre.z());
+}
+
 absl::Status Run(const Options& options) {
   ASSIGN_OR_RETURN(auto source, OpenSource(options.source));
   ASSIGN_OR_RETURN(auto vocabulary, Vocabulary::Load(options.vocabulary));
@@ -91,7 +100,8 @@ absl::Status Run(const Options& options) {
   while (true) {
     ASSIGN_OR_RETURN(const std::optional<SensorImages> images, source->Next());
     if (!images.has_value()) break;
-    RETURN_IF_ERROR(agent->Track(*images).status());
+    ASSIGN_OR_RETURN(const TrackingResult result, agent->Track(*images));
+    if (options.frames) PrintResult(result);
   }
   RETURN_IF_ERROR(agent->Finish(absl::Minutes(1)));
   std::printf("%.1f s\n", absl::ToDoubleSeconds(absl::Now() - start));
