@@ -36,9 +36,23 @@ double WorstPoseError(const SyntheticScene& scene, const BundleResult& result) {
   return worst;
 }
 
-TEST(AdjustBundleTest, FindsTheTruthFromExactPixels) {
+class AdjustBundleTest : public ::testing::TestWithParam<BundleSolver> {
+ protected:
+  static BundleOptions Options() {
+    BundleOptions options;
+    options.solver = GetParam();
+    return options;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Solvers, AdjustBundleTest,
+                         ::testing::Values(BundleSolver::kBlockSchur, BundleSolver::kCeres),
+                         [](const auto& solver) {
+                           return solver.param == BundleSolver::kCeres ? "Ceres" : "BlockSchur";
+                         });
+
+TEST_P(AdjustBundleTest, FindsTheTruthFromExactPixels) {
   const SyntheticScene scene = MakeSyntheticScene(Disturbed());
-  BundleOptions options;
+  BundleOptions options = Options();
   options.max_iterations = 30;
   const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
   ASSERT_TRUE(result.ok()) << result.status();
@@ -48,9 +62,9 @@ TEST(AdjustBundleTest, FindsTheTruthFromExactPixels) {
   EXPECT_TRUE(result->outliers.empty());
 }
 
-TEST(AdjustBundleTest, AShiftedMapGivesTheShiftedResult) {
+TEST_P(AdjustBundleTest, AShiftedMapGivesTheShiftedResult) {
   SyntheticScene scene = MakeSyntheticScene(Disturbed());
-  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), {});
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), Options());
   const Rigid3d shift{ExpSO3({0.3, -0.7, 1.1}), {100, -50, 20}};
   Map shifted = scene.map;
   for (const auto& [id, keyframe] : scene.map.keyframes()) {
@@ -59,7 +73,7 @@ TEST(AdjustBundleTest, AShiftedMapGivesTheShiftedResult) {
   for (const auto& [id, point] : scene.map.points()) {
     shifted.SetPosition(id, shift * point.position_in_map);
   }
-  const auto moved = AdjustBundle(shifted, GlobalBundleScope(shifted, {}), {});
+  const auto moved = AdjustBundle(shifted, GlobalBundleScope(shifted, {}), Options());
   ASSERT_TRUE(result.ok() && moved.ok());
   for (size_t i = 0; i < result->poses.size(); ++i) {
     const Rigid3d back = moved->poses[i].camera_from_map * shift;
@@ -67,12 +81,12 @@ TEST(AdjustBundleTest, AShiftedMapGivesTheShiftedResult) {
   }
 }
 
-TEST(AdjustBundleTest, RejectsOutliersAndStaysAccurate) {
+TEST_P(AdjustBundleTest, RejectsOutliersAndStaysAccurate) {
   SyntheticSceneOptions scene_options = Disturbed();
   scene_options.pixel_noise_px = 0.5;
   scene_options.share_of_outliers = 0.05;
   const SyntheticScene scene = MakeSyntheticScene(scene_options);
-  BundleOptions options;
+  BundleOptions options = Options();
   options.max_iterations = 15;
   const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
   ASSERT_TRUE(result.ok()) << result.status();
@@ -86,24 +100,24 @@ TEST(AdjustBundleTest, RejectsOutliersAndStaysAccurate) {
   EXPECT_LT(result->outliers.size(), scene.outliers.size() * 3 / 2);
 }
 
-TEST(AdjustBundleTest, MonocularMapKeepsItsReprojectionSmall) {
+TEST_P(AdjustBundleTest, MonocularMapKeepsItsReprojectionSmall) {
   SyntheticSceneOptions scene_options = Disturbed();
   scene_options.share_with_depth = 0;
   const SyntheticScene scene = MakeSyntheticScene(scene_options);
-  BundleOptions options;
+  BundleOptions options = Options();
   options.max_iterations = 40;
   const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_LT(result->final_cost, 1e-3 * result->initial_cost);
 }
 
-TEST(AdjustBundleTest, SparseSystemAgreesWithTheTruthToo) {
+TEST_P(AdjustBundleTest, SparseSystemAgreesWithTheTruthToo) {
   SyntheticSceneOptions scene_options = Disturbed();
   scene_options.keyframes = 80;
   scene_options.points = 3000;
   scene_options.max_observations_per_point = 5;
   const SyntheticScene scene = MakeSyntheticScene(scene_options);
-  BundleOptions options;
+  BundleOptions options = Options();
   options.max_iterations = 30;
   const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
   ASSERT_TRUE(result.ok()) << result.status();
@@ -112,10 +126,10 @@ TEST(AdjustBundleTest, SparseSystemAgreesWithTheTruthToo) {
       << result->final_cost << ", outliers " << result->outliers.size();
 }
 
-TEST(AdjustBundleTest, TheSameInputGivesTheSameBitsAndThreadsHardlyMatter) {
+TEST_P(AdjustBundleTest, TheSameInputGivesTheSameBitsAndThreadsHardlyMatter) {
   const SyntheticScene scene = MakeSyntheticScene(Disturbed());
   const BundleScope scope = GlobalBundleScope(scene.map, {});
-  BundleOptions options;
+  BundleOptions options = Options();
   const auto first = AdjustBundle(scene.map, scope, options);
   const auto second = AdjustBundle(scene.map, scope, options);
   options.threads = 2;
@@ -128,9 +142,9 @@ TEST(AdjustBundleTest, TheSameInputGivesTheSameBitsAndThreadsHardlyMatter) {
   }
 }
 
-TEST(AdjustBundleTest, KeepGoingSeesProgressAndCancels) {
+TEST_P(AdjustBundleTest, KeepGoingSeesProgressAndCancels) {
   const SyntheticScene scene = MakeSyntheticScene(Disturbed());
-  BundleOptions options;
+  BundleOptions options = Options();
   int calls = 0;
   double last = 0;
   options.keep_going = [&](double progress) {
@@ -146,38 +160,40 @@ TEST(AdjustBundleTest, KeepGoingSeesProgressAndCancels) {
   EXPECT_LT(result->final_cost, result->initial_cost);
 }
 
-TEST(AdjustBundleTest, RefusesImpossibleScopesAndNamesTheId) {
+TEST_P(AdjustBundleTest, RefusesImpossibleScopesAndNamesTheId) {
   const SyntheticScene scene = MakeSyntheticScene({});
   const BundleScope good = GlobalBundleScope(scene.map, {});
-  EXPECT_EQ(AdjustBundle(scene.map, {}, {}).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(AdjustBundle(scene.map, {}, Options()).status().code(),
+            absl::StatusCode::kInvalidArgument);
 
   BundleScope scope = good;
   scope.free_keyframes.push_back({LocalMapId{0xabc}, 7});
-  absl::Status status = AdjustBundle(scene.map, scope, {}).status();
+  absl::Status status = AdjustBundle(scene.map, scope, Options()).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(status.message()), HasSubstr("0000000000000abc:7"));
 
   scope = good;
   scope.fixed_points.push_back(scope.free_points[3]);
-  status = AdjustBundle(scene.map, scope, {}).status();
+  status = AdjustBundle(scene.map, scope, Options()).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(status.message()), HasSubstr(ToString(scope.free_points[3])));
 
   scope = good;
   scope.fixed_keyframes.clear();
-  EXPECT_EQ(AdjustBundle(scene.map, scope, {}).status().code(),
+  EXPECT_EQ(AdjustBundle(scene.map, scope, Options()).status().code(),
             absl::StatusCode::kFailedPrecondition);
 
   scope = good;
   scope.free_points.clear();
-  EXPECT_EQ(AdjustBundle(scene.map, scope, {}).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(AdjustBundle(scene.map, scope, Options()).status().code(),
+            absl::StatusCode::kInvalidArgument);
 }
 
-TEST(AdjustBundleTest, ApplyMovesTheMapAndDropsOutliers) {
+TEST_P(AdjustBundleTest, ApplyMovesTheMapAndDropsOutliers) {
   SyntheticSceneOptions scene_options = Disturbed();
   scene_options.share_of_outliers = 0.03;
   SyntheticScene scene = MakeSyntheticScene(scene_options);
-  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), {});
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), Options());
   ASSERT_TRUE(result.ok());
   ASSERT_FALSE(result->outliers.empty());
   ApplyBundle(*result, scene.map);

@@ -17,7 +17,7 @@ namespace corbslam {
 namespace {
 
 // The reduced system of so many poses is solved faster densely.
-constexpr uint32_t kMaxDensePoses = 40;
+constexpr uint32_t kMaxDensePoses = 80;
 
 ceres::Problem::Options NothingOwned() {
   ceres::Problem::Options options;
@@ -126,6 +126,7 @@ ceres::Solver::Options SolverOptions(const MinimiseOptions& options, uint32_t fr
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = std::max(options.threads, 1);
   solver.function_tolerance = options.converged_cost_change;
+  solver.parameter_tolerance = 0;
   // Near the minimum: the first step is nearly Gauss and Newton's.
   solver.initial_trust_region_radius = 1e5;
   solver.logging_type = ceres::SILENT;

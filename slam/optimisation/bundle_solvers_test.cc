@@ -1,0 +1,114 @@
+// The two solvers of bundle adjustment against each other.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "slam/geometry/lie.h"
+#include "slam/optimisation/bundle_adjustment.h"
+#include "slam/optimisation/ceres_bundle_solver.h"
+#include "slam/optimisation/testing/synthetic_scene.h"
+
+namespace corbslam {
+namespace {
+
+testing::SyntheticScene NoisyScene(int keyframes, int points) {
+  testing::SyntheticSceneOptions options;
+  options.keyframes = keyframes;
+  options.points = points;
+  options.share_with_depth = 0.7;
+  options.pixel_noise_px = 0.6;
+  options.share_of_outliers = 0.04;
+  options.pose_noise_m = 0.05;
+  options.pose_noise_rad = 0.01;
+  options.point_noise_m = 0.1;
+  options.max_observations_per_point = 6;
+  return testing::MakeSyntheticScene(options);
+}
+
+BundleOptions UntilTheMinimum(BundleSolver solver) {
+  BundleOptions options;
+  options.solver = solver;
+  options.max_iterations = 200;
+  options.converged_cost_change = 1e-15;
+  return options;
+}
+
+void ExpectTheSame(const BundleResult& a, const BundleResult& b) {
+  EXPECT_NEAR(a.initial_cost, b.initial_cost, 1e-9 * a.initial_cost);
+  EXPECT_NEAR(a.final_cost, b.final_cost, 1e-6 * a.final_cost);
+  EXPECT_EQ(a.outliers, b.outliers);
+  ASSERT_EQ(a.poses.size(), b.poses.size());
+  for (size_t i = 0; i < a.poses.size(); ++i) {
+    const Rigid3d& pose_a = a.poses[i].camera_from_map;
+    const Rigid3d& pose_b = b.poses[i].camera_from_map;
+    ASSERT_EQ(a.poses[i].id, b.poses[i].id);
+    EXPECT_LT((CameraCentre(pose_a) - CameraCentre(pose_b)).norm(), 1e-6) << i;
+    EXPECT_LT(pose_a.rotation.angularDistance(pose_b.rotation), 1e-7) << i;
+  }
+  ASSERT_EQ(a.positions.size(), b.positions.size());
+  for (size_t i = 0; i < a.positions.size(); ++i) EXPECT_EQ(a.positions[i].id, b.positions[i].id);
+}
+
+void CompareSolvers(const Map& map, const BundleScope& scope) {
+  const auto own = AdjustBundle(map, scope, UntilTheMinimum(BundleSolver::kBlockSchur));
+  const auto ceres = AdjustBundle(map, scope, UntilTheMinimum(BundleSolver::kCeres));
+  ASSERT_TRUE(own.ok()) << own.status();
+  ASSERT_TRUE(ceres.ok()) << ceres.status();
+  EXPECT_FALSE(own->outliers.empty());
+  ExpectTheSame(*own, *ceres);
+}
+
+TEST(BundleSolversTest, ReachTheSameMinimumWithFewPoses) {
+  const auto scene = NoisyScene(12, 400);
+  CompareSolvers(scene.map, GlobalBundleScope(scene.map, {}));
+}
+
+// Both solve the poses' equations by a sparse factorisation here.
+TEST(BundleSolversTest, ReachTheSameMinimumWithManyPoses) {
+  const auto scene = NoisyScene(90, 1500);
+  CompareSolvers(scene.map, GlobalBundleScope(scene.map, {}));
+}
+
+TEST(BundleSolversTest, ReachTheSameMinimumWithHeldPoints) {
+  const auto scene = NoisyScene(12, 400);
+  BundleScope scope = GlobalBundleScope(scene.map, {});
+  const auto half = scope.free_points.begin() + std::ssize(scope.free_points) / 2;
+  scope.fixed_points.assign(half, scope.free_points.end());
+  scope.free_points.erase(half, scope.free_points.end());
+  CompareSolvers(scene.map, scope);
+}
+
+TEST(BundleSolversTest, ReachTheSameMinimumWithPosesAlone) {
+  const auto scene = NoisyScene(12, 400);
+  BundleScope scope = GlobalBundleScope(scene.map, {});
+  scope.fixed_points.swap(scope.free_points);
+  CompareSolvers(scene.map, scope);
+}
+
+TEST(BundleSolversTest, ReachTheSameMinimumWithPointsAlone) {
+  const auto scene = NoisyScene(6, 200);
+  BundleScope scope = GlobalBundleScope(scene.map, {});
+  scope.fixed_keyframes.insert(scope.fixed_keyframes.end(), scope.free_keyframes.begin(),
+                               scope.free_keyframes.end());
+  scope.free_keyframes.clear();
+  CompareSolvers(scene.map, scope);
+}
+
+TEST(CeresBundleSolverTest, SaysWhereAValueIsNotFiniteAndMovesNothing) {
+  const Camera camera = testing::SyntheticCamera();
+  BundleProblem problem;
+  problem.poses = {{Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero(), &camera}};
+  problem.points = {Eigen::Vector3d(0, 0, 5)};
+  problem.free_points = 1;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  problem.observations = {{0, 0, MakeMeasurement({nan, 200}, 5, 1), true}};
+  EXPECT_EQ(MinimiseWithCeres({}, problem).status().code(), absl::StatusCode::kInternal);
+  EXPECT_EQ(problem.points[0], Eigen::Vector3d(0, 0, 5));
+  problem.observations[0].is_used = false;
+  EXPECT_TRUE(MinimiseWithCeres({}, problem).ok());
+}
+
+}  // namespace
+}  // namespace corbslam
