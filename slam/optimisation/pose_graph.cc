@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/optimisation/geman_mcclure_loss.h"
 #include "slam/optimisation/relative_pose_cost.h"
 #include "slam/optimisation/similarity_manifold.h"
 #include "slam/util/status_macros.h"
@@ -21,6 +22,8 @@ using Blocks = std::map<KeyframeId, SimilarityBlock>;
 // 95 % bounds of chi2 with six and seven degrees of freedom.
 constexpr double kChi2Rigid = 12.592;
 constexpr double kChi2Similarity = 14.067;
+// Of the second stage's loss to the last one's.
+constexpr double kWideFactor = 10;
 
 bool IsFinite(const Similarity3d& s) {
   return std::isfinite(s.scale) && s.scale > 0 && s.rotation.coeffs().allFinite() &&
@@ -94,16 +97,13 @@ absl::Status CheckAnchored(const Poses& poses, absl::Span<const PoseGraphEdge> e
   return absl::OkStatus();
 }
 
+// `loss` is that of the robust edges; the caller's.
 template <int kTangent>
 void AddEdges(absl::Span<const PoseGraphEdge> edges, const absl::btree_set<KeyframeId>& fixed,
-              Blocks& blocks, ceres::Problem& problem) {
+              ceres::LossFunction* loss, Blocks& blocks, ceres::Problem& problem) {
+  // Shared; the problem deletes it once.
   auto* manifold = new LeftPerturbation<kTangent>();
-  // Shared; the problem deletes each once.
-  ceres::LossFunction* loss = nullptr;
   for (const PoseGraphEdge& edge : edges) {
-    if (edge.robust && loss == nullptr) {
-      loss = new ceres::HuberLoss(std::sqrt(kTangent == 6 ? kChi2Rigid : kChi2Similarity));
-    }
     problem.AddResidualBlock(new RelativePoseCost<kTangent>(edge.b_from_a, edge.weight),
                              edge.robust ? loss : nullptr, blocks.at(edge.a).data(),
                              blocks.at(edge.b).data());
@@ -134,6 +134,45 @@ ceres::Solver::Options SolverOptions(const PoseGraphOptions& options) {
   return solver;
 }
 
+absl::Status Solve(const PoseGraphOptions& options, ceres::Problem& problem,
+                   PoseGraphResult& result) {
+  ceres::Solver::Summary summary;
+  ceres::Solve(SolverOptions(options), &problem, &summary);
+  if (!summary.IsSolutionUsable()) {
+    return absl::InternalError(absl::StrCat("pose graph: ", summary.message));
+  }
+  result.iterations += static_cast<int>(summary.iterations.size());
+  return absl::OkStatus();
+}
+
+double CostOf(ceres::Problem& problem) {
+  double cost = 0;
+  problem.Evaluate({}, &cost, nullptr, nullptr, nullptr);
+  return cost;
+}
+
+// One stage where no edge is robust, else one for each loss of `robust_loss`.
+absl::Status SolveInStages(const PoseGraphOptions& options, bool any_robust,
+                           ceres::LossFunctionWrapper& robust_loss, ceres::Problem& problem,
+                           PoseGraphResult& result) {
+  const double max_chi2 = options.fix_scale ? kChi2Rigid : kChi2Similarity;
+  const auto use = [&](ceres::LossFunction* loss) {
+    robust_loss.Reset(loss, ceres::TAKE_OWNERSHIP);
+  };
+  use(new GemanMcClureLoss(max_chi2));
+  result.initial_cost = CostOf(problem);
+  if (any_robust) {
+    use(new ceres::HuberLoss(std::sqrt(max_chi2)));
+    RETURN_IF_ERROR(Solve(options, problem, result));
+    use(new GemanMcClureLoss(kWideFactor * max_chi2));
+    RETURN_IF_ERROR(Solve(options, problem, result));
+    use(new GemanMcClureLoss(max_chi2));
+  }
+  RETURN_IF_ERROR(Solve(options, problem, result));
+  result.final_cost = CostOf(problem);
+  return absl::OkStatus();
+}
+
 PoseGraphEdge PresentEdge(const Map& map, KeyframeId a, KeyframeId b) {
   const Rigid3d b_from_a =
       map.FindKeyframe(b)->camera_from_map * map.FindKeyframe(a)->camera_from_map.Inverse();
@@ -151,23 +190,21 @@ absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const Poses& initial,
   RETURN_IF_ERROR(CheckAnchored(initial, edges, fixed));
   Blocks blocks;
   for (const auto& [id, pose] : initial) blocks[id] = ToBlock(pose);
-  PoseGraphResult result;
-  ceres::Problem problem;
+  ceres::LossFunctionWrapper robust_loss(nullptr, ceres::TAKE_OWNERSHIP);
+  ceres::Problem::Options problem_options;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(problem_options);
   if (options.fix_scale) {
     std::vector<PoseGraphEdge> rigid(edges.begin(), edges.end());
     for (PoseGraphEdge& edge : rigid) edge.b_from_a.scale = 1;
-    AddEdges<6>(rigid, fixed, blocks, problem);
+    AddEdges<6>(rigid, fixed, &robust_loss, blocks, problem);
   } else {
-    AddEdges<7>(edges, fixed, blocks, problem);
+    AddEdges<7>(edges, fixed, &robust_loss, blocks, problem);
   }
-  ceres::Solver::Summary summary;
-  ceres::Solve(SolverOptions(options), &problem, &summary);
-  if (!summary.IsSolutionUsable()) {
-    return absl::InternalError(absl::StrCat("pose graph: ", summary.message));
-  }
-  result.initial_cost = summary.initial_cost;
-  result.final_cost = summary.final_cost;
-  result.iterations = static_cast<int>(summary.iterations.size());
+  const bool any_robust = std::any_of(edges.begin(), edges.end(),
+                                      [](const PoseGraphEdge& edge) { return edge.robust; });
+  PoseGraphResult result;
+  RETURN_IF_ERROR(SolveInStages(options, any_robust, robust_loss, problem, result));
   for (const auto& [id, block] : blocks) {
     result.camera_from_map[id] = fixed.contains(id) ? initial.at(id) : FromBlock(block.data());
   }
