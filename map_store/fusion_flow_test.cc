@@ -155,21 +155,48 @@ TEST_F(FusionFlowTest, NewKeyframesFollowTheirCorrectedParentWithoutASeam) {
   }
 }
 
-TEST_F(FusionFlowTest, FusedMapsAreStillQueried) {
+// B crosses A's way twice, at places far from each other.
+class SecondOverlapTest : public ::testing::Test {
+ protected:
+  static SyntheticMap MakeCrossing() {
+    SyntheticMapOptions options;
+    options.local_map = {0xb};
+    options.seed = 5;
+    options.drift_yaw_rad = 0.004;
+    std::vector<Rigid3d> poses = PosesOnRing(0, 4, 8);
+    const std::vector<Rigid3d> later = PosesOnRing(100, 4, 8);
+    poses.insert(poses.end(), later.begin(), later.end());
+    return MakeSyntheticMap(TheWorld().world, poses, options);
+  }
+
+  SyntheticMap map_a_ = MakeMap(0xa, 0, 36);
+  SyntheticMap map_b_ = MakeCrossing();
+  TruthfulWorker worker_{{&map_a_, &map_b_}};
+  MapStore store_{DeterministicOptions(), TheWorld().vocabulary,
+                  std::make_unique<InMemoryJournal>(), &worker_};
+};
+
+TEST_F(SecondOverlapTest, MergedMapsAreStillCheckedAndTheNewOverlapJoinsTheGraph) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);
   ASSERT_TRUE(a.Stream().ok());
-  ASSERT_TRUE(b.Stream(5).ok());
-  Fuse();
-  ASSERT_EQ(Statistics().islands, 1u);
-  const size_t asked = worker_.asked().size();
-  const uint64_t accepted = Statistics().overlaps_accepted;
+  ASSERT_TRUE(b.Stream(8).ok());
+  ASSERT_TRUE(store_.RunFusionUntilIdle(kMission).ok());
+  ASSERT_EQ(store_.GetStatistics(kMission)->islands, 1u);
+  const uint64_t accepted = store_.GetStatistics(kMission)->overlaps_accepted;
   ASSERT_TRUE(b.Stream().ok());
-  ASSERT_TRUE(b.Close().ok());
   ASSERT_TRUE(a.Close().ok());
-  Fuse();
-  EXPECT_GT(worker_.asked().size(), asked);
-  EXPECT_GE(Statistics().overlaps_accepted, accepted);
+  ASSERT_TRUE(b.Close().ok());
+  ASSERT_TRUE(store_.RunFusionUntilIdle(kMission).ok());
+  EXPECT_GT(store_.GetStatistics(kMission)->overlaps_accepted, accepted);
+  EXPECT_EQ(store_.GetStatistics(kMission)->merge_ms.size(), 1u);
+  // The last fusing welded inside the island.
+  EXPECT_TRUE(worker_.fused().back().source.keyframes().empty());
+  const auto overlaps = store_.ListOverlaps(kMission, {true, {}}, {});
+  for (const OverlapInfo& info : overlaps->items) {
+    EXPECT_TRUE(info.fused);
+    EXPECT_GT(info.revision, 0u);
+  }
 }
 
 TEST_F(FusionFlowTest, EachPairIsAskedOnceAndAnOverlapGivesAHandful) {

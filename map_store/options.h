@@ -28,7 +28,7 @@ struct MapStoreOptions {
   // Keyframes of one local map nearer than this in its order are no loop.
   size_t min_loop_gap = 30;
   // Query and candidate that share this many landmarks are linked already.
-  int min_shared_landmarks = 15;
+  int min_shared_landmarks = 30;
   // An overlap within an island that agrees with the graph to this is not urgent: it is welded
   // together with others, `weld_every` at a time, or when nothing else is left to do.
   double loop_residual_px = 5.0;

@@ -1,0 +1,150 @@
+#include "map_store/fusion_policy.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace corbslam::map_store {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using Kind = FusionAction::Kind;
+
+constexpr IslandId kFirst = {1};
+constexpr IslandId kSecond = {2};
+constexpr IslandId kThird = {3};
+
+FusionSummary::IslandSummary MakeIsland(IslandId id, size_t order, size_t keyframes) {
+  FusionSummary::IslandSummary island;
+  island.id = id;
+  island.order = order;
+  island.keyframes = keyframes;
+  return island;
+}
+
+// The second is the larger, the first is the reference.
+FusionSummary MakeSummary() {
+  FusionSummary summary;
+  summary.islands = {MakeIsland(kFirst, 0, 10), MakeIsland(kSecond, 1, 30),
+                     MakeIsland(kThird, 2, 20)};
+  return summary;
+}
+
+TEST(FusionPolicyTest, NothingToDo) { EXPECT_THAT(DecideActions(MakeSummary(), {}), IsEmpty()); }
+
+TEST(FusionPolicyTest, QueriesRunWhenTheGraphLaneIsFree) {
+  FusionSummary summary = MakeSummary();
+  summary.queries = 3;
+  EXPECT_THAT(DecideActions(summary, {}), ElementsAre(FusionAction{Kind::kQuery, {}, {}, {}}));
+  summary.graph_lane_busy = true;
+  EXPECT_THAT(DecideActions(summary, {}), IsEmpty());
+}
+
+TEST(FusionPolicyTest, TheReferenceIslandKeepsItsFrameElseTheLarger) {
+  FusionSummary summary = MakeSummary();
+  summary.queries = 3;
+  summary.waiting = {{7, kSecond, kFirst, false}};
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kFirst, kSecond, {7}}));
+  summary.waiting = {{7, kThird, kSecond, false}};
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kSecond, kThird, {7}}));
+  summary.islands[2].keyframes = 30;
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kSecond, kThird, {7}}))
+      << "the earlier of equals";
+}
+
+TEST(FusionPolicyTest, AllOverlapsOfAPairGoIntoOneFusing) {
+  FusionSummary summary = MakeSummary();
+  summary.waiting = {
+      {1, kFirst, kSecond, false}, {2, kThird, kSecond, false}, {3, kSecond, kFirst, false}};
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kFirst, kSecond, {1, 3}}));
+}
+
+TEST(FusionPolicyTest, OverlapsInsideAnIslandWaitForEachOther) {
+  FusionSummary summary = MakeSummary();
+  summary.queries = 1;
+  const FusionAction query{Kind::kQuery, {}, {}, {}};
+  summary.waiting = {{1, kFirst, kFirst, false}, {2, kFirst, kFirst, false}};
+  EXPECT_THAT(DecideActions(summary, {.weld_every = 3}), ElementsAre(query));
+  summary.waiting.push_back({4, kFirst, kFirst, false});
+  EXPECT_THAT(DecideActions(summary, {.weld_every = 3}),
+              ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {1, 2, 4}}));
+}
+
+TEST(FusionPolicyTest, AnUrgentOneOrTheEndOfTheStreamsOrALocalLoopDoesNotWait) {
+  FusionSummary urgent = MakeSummary();
+  urgent.waiting = {{1, kFirst, kFirst, true}};
+  EXPECT_THAT(DecideActions(urgent, {}), ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {1}}));
+  FusionSummary last = MakeSummary();
+  last.waiting = {{1, kFirst, kFirst, false}};
+  EXPECT_THAT(DecideActions(last, {}), IsEmpty());
+  last.islands[0].quiet = true;
+  EXPECT_THAT(DecideActions(last, {}), ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {1}}));
+  FusionSummary loop = MakeSummary();
+  loop.islands[0].relaxed = 1;
+  EXPECT_THAT(DecideActions(loop, {}), ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {}}));
+}
+
+TEST(FusionPolicyTest, AdjustmentFollowsFusingAndRunsBesideQueries) {
+  FusionSummary summary = MakeSummary();
+  summary.islands[0].fused = true;
+  summary.islands[0].needs_adjustment = true;
+  summary.queries = 5;
+  const FusionAction query{Kind::kQuery, {}, {}, {}};
+  const FusionAction adjust{Kind::kAdjust, kFirst, {}, {}};
+  EXPECT_THAT(DecideActions(summary, {}), ElementsAre(query, adjust));
+  summary.adjustment_lane_busy = true;
+  EXPECT_THAT(DecideActions(summary, {}), ElementsAre(query));
+}
+
+TEST(FusionPolicyTest, AdjustmentWaitsForFusingThatWouldUndoIt) {
+  FusionSummary summary = MakeSummary();
+  summary.islands[0].fused = true;
+  summary.islands[0].needs_adjustment = true;
+  summary.waiting = {{9, kFirst, kSecond, false}};
+  summary.graph_lane_busy = true;
+  EXPECT_THAT(DecideActions(summary, {}), IsEmpty());
+}
+
+TEST(FusionPolicyTest, LoneMapsAreNotAdjusted) {
+  FusionSummary summary = MakeSummary();
+  summary.islands[0].dirty = true;
+  summary.islands[0].quiet = true;
+  EXPECT_THAT(DecideActions(summary, {}), IsEmpty());
+}
+
+struct AdjustCase {
+  size_t overlaps;
+  size_t displaced;
+  bool dirty;
+  bool quiet;
+  size_t queries;
+  bool adjusts;
+};
+
+TEST(FusionPolicyTest, AdjustmentIsDebounced) {
+  const std::vector<AdjustCase> cases = {
+      {4, 0, true, false, 0, false}, {5, 0, true, false, 0, true}, {0, 19, true, false, 0, false},
+      {0, 20, true, false, 0, true}, {0, 0, true, true, 0, true},  {0, 0, false, true, 0, false},
+      {0, 0, true, true, 1, false},
+  };
+  for (const AdjustCase& one : cases) {
+    FusionSummary summary = MakeSummary();
+    summary.islands[0].fused = true;
+    summary.islands[0].overlaps_since_adjustment = one.overlaps;
+    summary.islands[0].displaced = one.displaced;
+    summary.islands[0].dirty = one.dirty;
+    summary.islands[0].quiet = one.quiet;
+    summary.queries = one.queries;
+    summary.graph_lane_busy = true;
+    const auto actions = DecideActions(summary, {.adjust_every = 5, .refresh_every = 20});
+    EXPECT_EQ(actions.size(), one.adjusts ? 1u : 0u)
+        << one.overlaps << one.displaced << one.dirty << one.quiet << one.queries;
+  }
+}
+
+}  // namespace
+}  // namespace corbslam::map_store
