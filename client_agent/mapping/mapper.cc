@@ -37,6 +37,14 @@ void MoveBorn(const Map& before, KeyframeId born, Map& map) {
   }
 }
 
+Map CopyScope(const Map& map, const BundleScope& scope) {
+  std::vector<KeyframeId> keyframes = scope.free_keyframes;
+  keyframes.insert(keyframes.end(), scope.fixed_keyframes.begin(), scope.fixed_keyframes.end());
+  std::vector<MapPointId> points = scope.free_points;
+  points.insert(points.end(), scope.fixed_points.begin(), scope.fixed_points.end());
+  return map.CopyPart(keyframes, points);
+}
+
 }  // namespace
 
 Mapper::Mapper(const MapperOptions& options, MapperParts parts)
@@ -86,9 +94,13 @@ void Mapper::MapKeyframe(KeyframeId id) {
 
 void Mapper::AdjustLocalBundle(KeyframeId centre) {
   const absl::Time start = absl::Now();
-  const Map copy = parts_.map->Read([](const Map& map) { return map; });
-  if (copy.keyframes().size() < kMinKeyframesToAdjust) return;
-  const BundleScope scope = LocalBundleScope(copy, centre, parts_.map->local_map());
+  BundleScope scope;
+  const Map copy = parts_.map->Read([&](const Map& map) {
+    if (map.keyframes().size() < kMinKeyframesToAdjust) return Map();
+    scope = LocalBundleScope(map, centre, parts_.map->local_map());
+    return CopyScope(map, scope);
+  });
+  if (scope.free_keyframes.empty()) return;
   BundleOptions options = options_.local_bundle;
   options.keep_going = [this](double) {
     // Tracking needs the points of new keyframes at once.

@@ -77,6 +77,12 @@ class Map {
                           const Eigen::Vector3d& normal_in_map, double min_distance,
                           double max_distance, KeyframeId reference);
 
+  // The named keyframes and points (each once; unknown ones are skipped) with what lies between
+  // them, for an optimisation to work on: observations, covisibility counts (the whole map's) and
+  // edges that lead elsewhere are left out. Costs as much as the part is large.
+  Map CopyPart(const std::vector<KeyframeId>& keyframes,
+               const std::vector<MapPointId>& points) const;
+
   // Keyframes that share at least `min_weight` points with `id`, most first, ties by id.
   std::vector<CovisibleKeyframe> Covisible(KeyframeId id, int min_weight = 15) const;
   // The first `count` of them, of any weight.

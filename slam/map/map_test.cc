@@ -189,6 +189,21 @@ TEST(MapTest, CopyIsDeepAndHasNoObserver) {
   EXPECT_EQ(counter.removed, 1);
 }
 
+TEST(MapTest, PartHoldsWhatLiesBetweenItsItems) {
+  const Map map = MakeChain();
+  const Map part = map.CopyPart({K(1), K(2), K(99)}, {P(4), P(5), P(99)});
+  ASSERT_EQ(part.keyframes().size(), 2U);
+  ASSERT_EQ(part.points().size(), 2U);
+  EXPECT_EQ(part.FindPoint(P(4))->observations.size(), 1U);  // Keyframe 0 is left out.
+  EXPECT_EQ(part.FindPoint(P(5))->observations.size(), 2U);
+  EXPECT_EQ(part.FindKeyframe(K(1))->points[5], P(5));
+  EXPECT_FALSE(part.FindKeyframe(K(1))->points[6].IsValid());
+  EXPECT_EQ(part.FindKeyframe(K(2))->parent, K(1));
+  EXPECT_FALSE(part.FindKeyframe(K(1))->parent.IsValid());
+  EXPECT_EQ(part.FindKeyframe(K(1))->covisible.size(), 1U);
+  EXPECT_EQ(map.FindPoint(P(4))->observations.size(), 2U);
+}
+
 TEST(MapTest, ObserverHearsARemovedKeyframesPlaceInTheTree) {
   struct Recorder : MapObserver {
     void OnKeyframeRemoved(KeyframeId id, KeyframeId to, const Rigid3d& motion) override {
