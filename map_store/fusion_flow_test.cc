@@ -6,47 +6,24 @@
 #include <set>
 
 #include "map_store/map_store.h"
+#include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
 
 namespace corbslam {
 namespace {
 
-using testing::MakeRingWorld;
+using testing::DeterministicOptions;
+using testing::MakeRingMap;
 using testing::MakeSyntheticMap;
-using testing::MakeTestVocabulary;
 using testing::PosesOnRing;
 using testing::SyntheticMap;
 using testing::SyntheticMapOptions;
 using testing::TestAgent;
+using testing::TheWorld;
 using testing::TruthfulWorker;
 
 constexpr char kMission[] = "m";
-
-struct World {
-  testing::SyntheticWorld world = MakeRingWorld(7, 2500);
-  std::shared_ptr<const Vocabulary> vocabulary = MakeTestVocabulary(world);
-};
-const World& TheWorld() {
-  static const World* const world = new World();
-  return *world;
-}
-
-SyntheticMap MakeMap(uint64_t local_map, double begin_degrees, int keyframes,
-                     double drift_yaw_rad = 0.002) {
-  SyntheticMapOptions options;
-  options.local_map = {local_map};
-  options.seed = local_map;
-  options.drift_yaw_rad = drift_yaw_rad;
-  return MakeSyntheticMap(TheWorld().world, PosesOnRing(begin_degrees, 4, keyframes), options);
-}
-
-MapStoreOptions DeterministicOptions() {
-  MapStoreOptions options;
-  options.deterministic = true;
-  options.settle_after = 3;
-  return options;
-}
 
 class FusionFlowTest : public ::testing::Test {
  protected:
@@ -69,8 +46,8 @@ class FusionFlowTest : public ::testing::Test {
     return difference.translation.norm() + RotationAngle(difference.rotation);
   }
 
-  SyntheticMap map_a_ = MakeMap(0xa, 0, 14);
-  SyntheticMap map_b_ = MakeMap(0xb, 32, 14);
+  SyntheticMap map_a_ = MakeRingMap(0xa, 0, 14);
+  SyntheticMap map_b_ = MakeRingMap(0xb, 32, 14);
   TruthfulWorker worker_{{&map_a_, &map_b_}};
   MapStore store_;
 };
@@ -169,7 +146,7 @@ class SecondOverlapTest : public ::testing::Test {
     return MakeSyntheticMap(TheWorld().world, poses, options);
   }
 
-  SyntheticMap map_a_ = MakeMap(0xa, 0, 36);
+  SyntheticMap map_a_ = MakeRingMap(0xa, 0, 36);
   SyntheticMap map_b_ = MakeCrossing();
   TruthfulWorker worker_{{&map_a_, &map_b_}};
   MapStore store_{DeterministicOptions(), TheWorld().vocabulary,

@@ -1,0 +1,130 @@
+// The store with its own threads: streams, fusion, look-ups and sharing at once; a worker that is
+// away; an end in the middle of work.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "absl/synchronization/notification.h"
+#include "map_store/map_store.h"
+#include "map_store/testing/shared_world.h"
+#include "map_store/testing/test_agent.h"
+#include "map_store/testing/truthful_worker.h"
+
+namespace corbslam {
+namespace {
+
+using testing::MakeRingMap;
+using testing::SyntheticMap;
+using testing::TestAgent;
+using testing::TheWorld;
+using testing::TruthfulWorker;
+
+constexpr char kMission[] = "m";
+
+class ThreadedStoreTest : public ::testing::Test {
+ protected:
+  static MapStoreOptions Options() {
+    MapStoreOptions options;
+    options.settle_after = 3;
+    options.retry_ms = 1;
+    return options;
+  }
+  std::unique_ptr<MapStore> MakeStore() {
+    return std::make_unique<MapStore>(Options(), TheWorld().vocabulary,
+                                      std::make_unique<InMemoryJournal>(), &worker_);
+  }
+
+  SyntheticMap map_a_ = MakeRingMap(0xa, 0, 14);
+  SyntheticMap map_b_ = MakeRingMap(0xb, 32, 14);
+  TruthfulWorker worker_{{&map_a_, &map_b_}};
+};
+
+TEST_F(ThreadedStoreTest, TwoStreamsAtOnceBecomeOneIsland) {
+  const auto store = MakeStore();
+  TestAgent a(*store, kMission, "a", map_a_);
+  TestAgent b(*store, kMission, "b", map_b_);
+  std::atomic<bool> done = false;
+  std::thread reader([&] {
+    while (!done) {
+      EXPECT_TRUE(store->GlobalMapView(kMission).ok());
+      EXPECT_TRUE(store->GetTrajectory(kMission, "", TrajectoryFrame::kGlobal).ok());
+      EXPECT_TRUE(store->GetMission(kMission).ok());
+    }
+  });
+  const auto stream = [](TestAgent& agent) {
+    for (int k = 0; k < 14; ++k) {
+      EXPECT_TRUE(agent.Stream(1).ok());
+      EXPECT_TRUE(agent.TakeShared().ok());
+    }
+    EXPECT_TRUE(agent.Close().ok());
+  };
+  std::thread first([&] { stream(a); });
+  std::thread second([&] { stream(b); });
+  first.join();
+  second.join();
+  EXPECT_TRUE(store->WaitUntilFusionIdle(kMission, absl::Seconds(30)).ok());
+  done = true;
+  reader.join();
+  EXPECT_EQ(store->GetStatistics(kMission)->islands, 1u);
+  EXPECT_EQ(store->GetStatistics(kMission)->keyframes, 28u);
+  EXPECT_TRUE(*store->IsFusionIdle(kMission));
+  EXPECT_TRUE(b.TakeShared().ok());
+  EXPECT_EQ(b.mirror().keyframes.size(), 14u);
+}
+
+TEST_F(ThreadedStoreTest, WaitsForAWorkerThatIsAway) {
+  worker_.verify_failures.assign(7, absl::UnavailableError("no worker"));
+  worker_.fuse_failures.assign(7, absl::UnavailableError("no worker"));
+  const auto store = MakeStore();
+  TestAgent a(*store, kMission, "a", map_a_);
+  TestAgent b(*store, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  EXPECT_TRUE(store->WaitUntilFusionIdle(kMission, absl::Seconds(30)).ok());
+  EXPECT_EQ(store->GetStatistics(kMission)->islands, 1u);
+  EXPECT_EQ(store->GetStatistics(kMission)->failed_requests, 0u);
+}
+
+TEST_F(ThreadedStoreTest, IngestionDoesNotWaitForAdjustmentAndTheEndCancelsIt) {
+  absl::Notification adjusting;
+  worker_.during_adjust = [&](const ProgressCallback& progress) {
+    if (!adjusting.HasBeenNotified()) adjusting.Notify();
+    // Never ends by itself.
+    while (progress(0.5)) absl::SleepFor(absl::Milliseconds(1));
+    return false;
+  };
+  auto store = MakeStore();
+  TestAgent a(*store, kMission, "a", map_a_);
+  TestAgent b(*store, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream(10).ok());
+  ASSERT_TRUE(adjusting.WaitForNotificationWithTimeout(absl::Seconds(30)));
+  EXPECT_TRUE(b.Stream().ok());
+  EXPECT_EQ(store->GetStatistics(kMission)->keyframes, 28u);
+  EXPECT_EQ(store->WaitUntilFusionIdle(kMission, absl::Milliseconds(1)).code(),
+            absl::StatusCode::kDeadlineExceeded);
+  store.reset();
+}
+
+TEST_F(ThreadedStoreTest, DeletingAMissionEndsItsWork) {
+  absl::Notification adjusting;
+  worker_.during_adjust = [&](const ProgressCallback& progress) {
+    if (!adjusting.HasBeenNotified()) adjusting.Notify();
+    while (progress(0.5)) absl::SleepFor(absl::Milliseconds(1));
+    return false;
+  };
+  const auto store = MakeStore();
+  TestAgent a(*store, kMission, "a", map_a_);
+  TestAgent b(*store, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  ASSERT_TRUE(adjusting.WaitForNotificationWithTimeout(absl::Seconds(30)));
+  ASSERT_TRUE(store->DeleteMission(kMission).ok());
+  EXPECT_EQ(b.Send(b.EmptyBatch()).code(), absl::StatusCode::kAborted);
+  EXPECT_TRUE(store->ListMissions({})->items.empty());
+}
+
+}  // namespace
+}  // namespace corbslam
