@@ -185,6 +185,29 @@ TEST(EstimateTwoViewTest, FindsDirectionAndPointsUpToScale) {
   EXPECT_FALSE(found->from_homography);
 }
 
+// Of the two motions that a plane allows, one puts half of these points behind a camera (sideways),
+// or both are one (towards the plane).
+TEST(EstimateTwoViewTest, FindsMotionsBeforeAPlane) {
+  const Camera camera = testing::SyntheticCamera();
+  auto points = RandomPoints(300);
+  for (Eigen::Vector3d& x : points) x *= 5 / x.z();
+  const Rigid3d sideways{ExpSO3({0.01, -0.03, 0.05}), {0.8, 0.1, 0}};
+  const Rigid3d towards{ExpSO3({0, 0, 0.05}), {0, 0, -1.5}};
+  for (const Rigid3d& motion : {sideways, towards}) {
+    std::vector<PixelMatch> matches;
+    for (const Eigen::Vector3d& x : points) {
+      matches.push_back({Project(camera, x), Project(camera, motion * x)});
+    }
+    for (size_t i = 0; i < 40; ++i) matches[i].pixel_in_b.y() += 30;
+    const auto found = EstimateTwoView(camera, matches, {});
+    ASSERT_TRUE(found.ok()) << found.status();
+    EXPECT_TRUE(found->from_homography);
+    EXPECT_LT(found->b_from_a.rotation.angularDistance(motion.rotation), 5e-3);
+    EXPECT_GT(found->b_from_a.translation.dot(motion.translation.normalized()), 0.999);
+    EXPECT_GE(found->triangulated, 250);
+  }
+}
+
 // A plane allows two motions; here most points lie in front of both cameras in both.
 TEST(EstimateTwoViewTest, RefusesAFlatSceneThatTwoMotionsExplain) {
   auto points = RandomPoints(200);

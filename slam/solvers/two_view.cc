@@ -16,6 +16,10 @@ constexpr size_t kMinMatches = 8;
 constexpr double kHomographyShare = 0.45;
 // A second solution with this share of the best one's points makes the geometry unclear.
 constexpr double kAmbiguousShare = 0.7;
+// Motions nearer than this are one solution: a homography's two fall together where the camera
+// moves along the plane's normal.
+constexpr double kSameRotation_rad = 0.01;
+constexpr double kSameDirection_rad = 0.05;
 constexpr size_t kParallaxRank = 50;
 // Triangulated points may miss their pixels by this many times the model's bound.
 constexpr double kReprojectionFactor = 2;
@@ -110,6 +114,11 @@ Models FitModels(const Pixels& pixels, const cv::Matx33d& K, const TwoViewOption
   return models;
 }
 
+bool IsSameMotion(const Rigid3d& a, const Rigid3d& b) {
+  return a.rotation.angularDistance(b.rotation) < kSameRotation_rad &&
+         a.translation.dot(b.translation) > std::cos(kSameDirection_rad);
+}
+
 absl::StatusOr<TwoViewResult> ChooseClearBest(std::vector<TwoViewResult> candidates, size_t matches,
                                               const TwoViewOptions& options) {
   if (candidates.empty()) return absl::NotFoundError("two views: no model fits");
@@ -126,9 +135,11 @@ absl::StatusOr<TwoViewResult> ChooseClearBest(std::vector<TwoViewResult> candida
     return absl::NotFoundError(absl::StrCat("two views: parallax is ", best.parallax_rad,
                                             " rad, need ", options.min_parallax_rad));
   }
-  if (candidates.size() > 1 && candidates[1].triangulated > kAmbiguousShare * best.triangulated) {
+  for (size_t i = 1; i < candidates.size(); ++i) {
+    if (candidates[i].triangulated <= kAmbiguousShare * best.triangulated) break;
+    if (IsSameMotion(candidates[i].b_from_a, best.b_from_a)) continue;
     return absl::NotFoundError(absl::StrCat("two views: two solutions alike, with ",
-                                            best.triangulated, " and ", candidates[1].triangulated,
+                                            best.triangulated, " and ", candidates[i].triangulated,
                                             " points"));
   }
   return std::move(best);
