@@ -1,0 +1,38 @@
+// Plays a recorded sequence into an agent.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_AGENT_RUN_H_
+#define CORBSLAM_SERVICES_PROGRAMS_AGENT_RUN_H_
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/synchronization/notification.h"
+#include "client_agent/agent/agent.h"
+#include "client_agent/source/image_source.h"
+
+namespace corbslam {
+
+enum class Pace {
+  kSensor,  // In the sequence's own time; frames that come too fast are dropped.
+  kMax,     // As fast as the agent takes them.
+};
+
+struct PlayedFrames {
+  uint64_t played = 0;
+  uint64_t dropped = 0;
+};
+
+// Until the last frame, or until `stop`. `on_frame` hears each result and the frames dropped so
+// far.
+absl::StatusOr<PlayedFrames> PlaySource(
+    ImageSource& source, Agent& agent, Pace pace, const absl::Notification& stop,
+    const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame);
+
+// The agent's part of report.json (docs/report.md) as JSON text.
+std::string StatisticsJson(const std::string& name, const AgentStatus& status,
+                           const PlayedFrames& played, uint64_t bytes_up, uint64_t bytes_down);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_AGENT_RUN_H_

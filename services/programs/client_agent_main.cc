@@ -1,0 +1,157 @@
+// client_agent: one robot, from a recorded sequence to its map; with --server a part of a mission.
+#include <glog/logging.h>
+
+#include <fstream>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <variant>
+
+#include "client_agent/agent/agent.h"
+#include "client_agent/source/image_source.h"
+#include "services/agent_service/agent_service.h"
+#include "services/programs/agent_run.h"
+#include "services/programs/default_vocabulary.h"
+#include "services/programs/program.h"
+#include "services/remote/channel.h"
+#include "services/remote/remote_uplink.h"
+#include "services/server/server.h"
+#include "slam/evaluation/trajectory_io.h"
+#include "slam/util/status_macros.h"
+#include "slam/vocabulary/vocabulary.h"
+
+namespace corbslam {
+namespace {
+
+struct Flags {
+  std::string source;
+  std::string frames;
+  std::string server;
+  std::string mission = "default";
+  std::string agent = "agent";
+  Pace pace = Pace::kMax;
+  std::string listen;
+  std::string stats;
+  std::string trajectory;
+  std::string vocabulary = DefaultVocabularyPath();
+  int features = 0;
+  uint64_t seed = 0;
+  int solver_threads = 1;
+  double finish_s = 120;
+};
+
+absl::StatusOr<std::unique_ptr<ImageSource>> OpenFlaggedSource(const Flags& flags) {
+  ASSIGN_OR_RETURN(SourceSpec spec, ParseSourceSpec(flags.source));
+  if (!flags.frames.empty()) RETURN_IF_ERROR(ApplyOptions("frames=" + flags.frames, spec));
+  return OpenSource(spec);
+}
+
+AgentOptions MakeAgentOptions(const Flags& flags, const SensorCalibration& calibration) {
+  AgentOptions options;
+  options.mission = flags.mission;
+  options.name = flags.agent;
+  // Ids of local maps are drawn from it: another one each time, unless told.
+  options.seed = flags.seed != 0
+                     ? flags.seed
+                     : (uint64_t{std::random_device()()} << 32) | std::random_device()();
+  options.solver_threads = flags.solver_threads;
+  const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
+  options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
+  return options;
+}
+
+absl::Status WriteText(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << text;
+  file.close();
+  if (!file) return absl::UnavailableError(absl::StrCat("can't write ", path));
+  return absl::OkStatus();
+}
+
+absl::Status WriteResults(const Flags& flags, const Agent& agent, const PlayedFrames& played,
+                          const Uplink* uplink) {
+  if (!flags.trajectory.empty()) {
+    Trajectory trajectory;
+    for (const TrajectoryPose& pose : agent.LocalTrajectory()) {
+      trajectory.push_back({pose.timestamp_ns, pose.local_from_camera});
+    }
+    RETURN_IF_ERROR(WriteTumTrajectory(trajectory, flags.trajectory));
+  }
+  const std::string statistics = StatisticsJson(flags.agent, agent.GetStatus(), played,
+                                                uplink != nullptr ? uplink->bytes_up() : 0,
+                                                uplink != nullptr ? uplink->bytes_down() : 0);
+  LOG(INFO) << "done\n" << statistics;
+  return flags.stats.empty() ? absl::OkStatus() : WriteText(flags.stats, statistics);
+}
+
+absl::Status Run(const Flags& flags) {
+  const StopWatcher stop;
+  ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
+  ASSIGN_OR_RETURN(const auto source, OpenFlaggedSource(flags));
+  // Outlives the agent, which closes it.
+  std::unique_ptr<Uplink> uplink;
+  if (!flags.server.empty()) uplink = MakeRemoteUplink(MakeChannel(flags.server));
+  ASSIGN_OR_RETURN(const auto agent,
+                   Agent::Create(MakeAgentOptions(flags, source->calibration()),
+                                 source->calibration(), vocabulary, uplink.get()));
+  AgentService service(agent.get(), uplink.get(),
+                       {.mission = uplink != nullptr ? flags.mission : "", .agent = flags.agent});
+  std::unique_ptr<Server> server;
+  if (!flags.listen.empty()) {
+    ASSIGN_OR_RETURN(server, Server::Start(flags.listen, {&service}));
+    AnnounceAddress(server->address());
+  }
+  ASSIGN_OR_RETURN(const PlayedFrames played,
+                   PlaySource(*source, *agent, flags.pace, stop.stopped(),
+                              [&](const TrackingResult& result, uint64_t dropped) {
+                                if (server != nullptr) service.OnFrame(result, dropped);
+                              }));
+  const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
+  RETURN_IF_ERROR(WriteResults(flags, *agent, played, uplink.get()));
+  return finished;
+}
+
+void AddFlags(CLI::App& app, Flags& flags) {
+  app.add_option("--source", flags.source,
+                 "kitti:DIR, euroc:DIR or tum:DIR, with options: kitti:DIR?frames=0:120&stride=2")
+      ->required();
+  app.add_option("--frames", flags.frames, "First and last frame, A:B");
+  app.add_option("--server", flags.server, "HOST:PORT of a map store; without: one robot alone");
+  app.add_option("--mission", flags.mission, "The exploration that is shared")
+      ->capture_default_str();
+  app.add_option("--agent", flags.agent, "This robot's name in it")->capture_default_str();
+  app.add_option("--pace", flags.pace, "sensor: frames that come too fast are dropped; max: wait")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Pace>{{"sensor", Pace::kSensor}, {"max", Pace::kMax}}));
+  app.add_option("--listen", flags.listen, "HOST:PORT for other programs on the robot");
+  app.add_option("--stats", flags.stats, "File to write statistics to, as JSON");
+  app.add_option("--trajectory", flags.trajectory,
+                 "File to write the trajectory to in the local map's frame, as TUM");
+  app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
+      ->capture_default_str();
+  app.add_option("--features", flags.features,
+                 "Features of a picture; 0: 2000 for stereo, 1000 for RGB-D")
+      ->check(CLI::Range(0, 20000))
+      ->capture_default_str();
+  app.add_option("--seed", flags.seed, "Of ids and random samples; 0: another one each time")
+      ->capture_default_str();
+  app.add_option("--threads", flags.solver_threads, "Solver threads")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_option("--finish", flags.finish_s,
+                 "Seconds to wait after the last frame until the map store has everything")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
+}
+
+}  // namespace
+}  // namespace corbslam
+
+int main(int argc, char** argv) {
+  corbslam::BlockStopSignals();
+  corbslam::Flags flags;
+  CLI::App app("One robot of a shared exploration", "client_agent");
+  corbslam::AddFlags(app, flags);
+  return corbslam::RunProgram(app, argc, argv, [&] { return corbslam::Run(flags); });
+}

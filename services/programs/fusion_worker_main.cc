@@ -1,0 +1,55 @@
+// fusion_worker: computes for map stores.
+#include <memory>
+#include <string>
+
+#include "fusion_worker/local_fusion_worker.h"
+#include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/programs/program.h"
+#include "services/server/server.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+struct Flags {
+  std::string listen = "127.0.0.1:50052";
+  FusionWorkerOptions worker;
+  FusionWorkerServiceOptions service;
+  double drain_s = 2;
+};
+
+absl::Status Run(const Flags& flags) {
+  const std::unique_ptr<FusionWorker> worker = MakeLocalFusionWorker(flags.worker);
+  FusionWorkerService service(worker.get(), flags.service);
+  ASSIGN_OR_RETURN(const std::unique_ptr<Server> server, Server::Start(flags.listen, {&service}));
+  AnnounceAddress(server->address());
+  WaitForStopSignal();
+  server->Shutdown(absl::Seconds(flags.drain_s));
+  return absl::OkStatus();
+}
+
+}  // namespace
+}  // namespace corbslam
+
+int main(int argc, char** argv) {
+  corbslam::BlockStopSignals();
+  corbslam::Flags flags;
+  CLI::App app("Verifies overlaps, fuses maps and adjusts bundles for map stores", "fusion_worker");
+  app.add_option("--listen", flags.listen, "HOST:PORT to serve on; port 0: any free one")
+      ->capture_default_str();
+  app.add_option("--requests", flags.service.threads, "Requests that are worked on at once")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--max-requests", flags.service.max_requests,
+                 "Requests that are held at once; further ones are sent elsewhere")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  app.add_option("--threads", flags.worker.threads, "Solver threads of fusing a request")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_option("--seed", flags.worker.seed, "Of all random choices")->capture_default_str();
+  app.add_option("--drain", flags.drain_s, "Seconds that requests have to end after SIGTERM")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  return corbslam::RunProgram(app, argc, argv, [&] { return corbslam::Run(flags); });
+}

@@ -1,0 +1,95 @@
+// map_store: collects the agents' maps, has them fused, and shares the result.
+#include <glog/logging.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fusion_worker/local_fusion_worker.h"
+#include "map_store/map_store.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/programs/default_vocabulary.h"
+#include "services/programs/program.h"
+#include "services/remote/channel.h"
+#include "services/remote/remote_fusion_worker.h"
+#include "services/server/server.h"
+#include "slam/util/status_macros.h"
+#include "slam/vocabulary/vocabulary.h"
+
+namespace corbslam {
+namespace {
+
+struct Flags {
+  std::string listen = "127.0.0.1:50051";
+  std::vector<std::string> workers;
+  bool in_process_worker = false;
+  std::string vocabulary = DefaultVocabularyPath();
+  MapStoreOptions store;
+  MapStoreServiceOptions service;
+  double drain_s = 2;
+};
+
+// Null: no worker was named.
+absl::StatusOr<std::unique_ptr<FusionWorker>> MakeWorker(const Flags& flags) {
+  if (flags.in_process_worker && !flags.workers.empty()) {
+    return absl::InvalidArgumentError("--worker and --in-process-worker exclude each other");
+  }
+  if (flags.in_process_worker) return MakeLocalFusionWorker();
+  if (flags.workers.empty()) {
+    LOG(WARNING) << "no --worker and no --in-process-worker: maps are collected but never fused";
+    return nullptr;
+  }
+  std::vector<std::shared_ptr<grpc::Channel>> channels;
+  for (const std::string& address : flags.workers) channels.push_back(MakeChannel(address));
+  return MakeRemoteFusionWorker(channels);
+}
+
+absl::Status Run(const Flags& flags) {
+  RETURN_IF_ERROR(flags.store.Validate());
+  ASSIGN_OR_RETURN(std::shared_ptr<const Vocabulary> vocabulary,
+                   Vocabulary::Load(flags.vocabulary));
+  ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> worker, MakeWorker(flags));
+  MapStore store(flags.store, vocabulary, std::make_unique<InMemoryJournal>(), worker.get());
+  MapStoreService service(&store, flags.service);
+  ASSIGN_OR_RETURN(const std::unique_ptr<Server> server, Server::Start(flags.listen, {&service}));
+  AnnounceAddress(server->address());
+  WaitForStopSignal();
+  server->Shutdown(absl::Seconds(flags.drain_s));
+  return absl::OkStatus();
+}
+
+void AddFlags(CLI::App& app, Flags& flags) {
+  app.add_option("--listen", flags.listen, "HOST:PORT to serve on; port 0: any free one")
+      ->capture_default_str();
+  app.add_option("--worker", flags.workers, "HOST:PORT of a fusion worker; may be repeated");
+  app.add_flag("--in-process-worker", flags.in_process_worker, "Fuse in this process");
+  app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
+      ->capture_default_str();
+  app.add_option("--threads", flags.service.threads, "Threads that apply batches and answer")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--adjust-threads", flags.store.adjust_threads,
+                 "Solver threads of a bundle adjustment")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_option("--max-shared-keyframes", flags.store.max_shared_keyframes,
+                 "Others' keyframes that one agent is sent at most")
+      ->capture_default_str();
+  app.add_option("--shared-bytes", flags.service.shared_bytes, "Bytes of one shared update, about")
+      ->check(CLI::Range(size_t{1024}, size_t{2} << 20))
+      ->capture_default_str();
+  app.add_option("--drain", flags.drain_s, "Seconds that streams have to end after SIGTERM")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+}
+
+}  // namespace
+}  // namespace corbslam
+
+int main(int argc, char** argv) {
+  corbslam::BlockStopSignals();
+  corbslam::Flags flags;
+  CLI::App app("Collects the maps of agents, has them fused, and shares the result", "map_store");
+  corbslam::AddFlags(app, flags);
+  return corbslam::RunProgram(app, argc, argv, [&] { return corbslam::Run(flags); });
+}
