@@ -1,0 +1,109 @@
+#include "services/convert/shared_update.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "services/convert/limits.h"
+#include "services/convert/test_data.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+template <typename Pose>
+void ExpectSamePoses(const std::vector<Pose>& a, const std::vector<Pose>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].id, b[i].id);
+    EXPECT_EQ(a[i].camera_from_global.scale, b[i].camera_from_global.scale);
+    EXPECT_EQ(a[i].camera_from_global.translation, b[i].camera_from_global.translation);
+  }
+}
+
+void ExpectSame(const SharedUpdate& a, const SharedUpdate& b) {
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_EQ(a.restart, b.restart);
+  ASSERT_EQ(a.keyframes.size(), b.keyframes.size());
+  for (size_t i = 0; i < a.keyframes.size(); ++i) {
+    EXPECT_EQ(a.keyframes[i].payload->id, b.keyframes[i].payload->id);
+    EXPECT_EQ(a.keyframes[i].payload->features.descriptors,
+              b.keyframes[i].payload->features.descriptors);
+    EXPECT_EQ(a.keyframes[i].parent, b.keyframes[i].parent);
+    EXPECT_EQ(a.keyframes[i].points, b.keyframes[i].points);
+    EXPECT_EQ(a.keyframes[i].camera_from_global.scale, b.keyframes[i].camera_from_global.scale);
+  }
+  ASSERT_EQ(a.points.size(), b.points.size());
+  EXPECT_EQ(a.points[0].id, b.points[0].id);
+  EXPECT_EQ(a.points[0].position_in_global, b.points[0].position_in_global);
+  ExpectSamePoses(a.moved_keyframes, b.moved_keyframes);
+  ExpectSamePoses(a.own_keyframes, b.own_keyframes);
+  ASSERT_EQ(a.moved_points.size(), b.moved_points.size());
+  EXPECT_EQ(a.moved_points[0].position_in_global, b.moved_points[0].position_in_global);
+  ASSERT_EQ(a.observations.size(), b.observations.size());
+  for (size_t i = 0; i < a.observations.size(); ++i) {
+    EXPECT_EQ(a.observations[i].kind, b.observations[i].kind);
+    EXPECT_EQ(a.observations[i].point, b.observations[i].point);
+    EXPECT_EQ(a.observations[i].keyframe, b.observations[i].keyframe);
+  }
+  ASSERT_EQ(a.landmarks.size(), b.landmarks.size());
+  EXPECT_EQ(a.landmarks[0].survivor, b.landmarks[0].survivor);
+  EXPECT_EQ(a.landmarks[0].members, b.landmarks[0].members);
+  EXPECT_EQ(a.removed_keyframes, b.removed_keyframes);
+  EXPECT_EQ(a.removed_points, b.removed_points);
+}
+
+TEST(SharedUpdateTest, PassesTheWireUnchangedInOneOrManyParts) {
+  std::mt19937 random(1);
+  const SharedUpdate update = test_data::MakeSharedUpdate(random);
+  for (const size_t part_bytes : {kPartBytes, size_t{400}}) {
+    CameraBook sent;
+    CameraBook received;
+    SharedUpdateAssembler assembler;
+    const auto parts = ToProto(update, sent, part_bytes);
+    EXPECT_EQ(parts.size() > 1, part_bytes != kPartBytes);
+    for (size_t i = 0; i < parts.size(); ++i) {
+      const auto whole = assembler.Add(parts[i], received);
+      ASSERT_TRUE(whole.ok()) << whole.status();
+      ASSERT_EQ(whole->has_value(), i + 1 == parts.size());
+      if (whole->has_value()) ExpectSame(update, **whole);
+    }
+  }
+}
+
+TEST(SharedUpdateTest, ACameraIsNamedOnceAStream) {
+  std::mt19937 random(2);
+  const SharedUpdate update = test_data::MakeSharedUpdate(random);
+  CameraBook sent;
+  EXPECT_EQ(ToProto(update, sent, kPartBytes)[0].cameras_size(), 1);
+  EXPECT_EQ(ToProto(update, sent, kPartBytes)[0].cameras_size(), 0);
+}
+
+TEST(SharedUpdateTest, SightingsBeyondTheKeypointsAreRefused) {
+  std::mt19937 random(3);
+  CameraBook sent;
+  v1::SharedUpdate proto = ToProto(test_data::MakeSharedUpdate(random), sent, kPartBytes)[0];
+  proto.mutable_keyframes(1)->set_keypoint_deltas(1, 4000000000u);
+  CameraBook received;
+  const absl::Status status = FromProto(proto, received).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("keyframes[1]"));
+}
+
+TEST(SessionTest, RequestAndGrantPassTheWire) {
+  const SessionRequest request{"m", "alpha", 5, {test_data::kMap, test_data::kOtherMap}};
+  v1::OpenSession proto;
+  ToProto(request, &proto);
+  EXPECT_EQ(proto.mission(), "missions/m");
+  const auto read = FromProto(proto);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->mission, "m");
+  EXPECT_EQ(read->agent, "alpha");
+  EXPECT_EQ(read->last_revision, 5u);
+  EXPECT_EQ(read->local_maps, request.local_maps);
+  proto.set_agent("a/b");
+  EXPECT_FALSE(FromProto(proto).ok());
+}
+
+}  // namespace
+}  // namespace corbslam
