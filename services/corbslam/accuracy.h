@@ -9,7 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "client_agent/source/source_spec.h"
-#include "services/corbslam/stored_mission.h"
+#include "services/corbslam/served_mission.h"
 #include "slam/evaluation/trajectory.h"
 #include "slam/evaluation/trajectory_error.h"
 
@@ -22,8 +22,8 @@ absl::StatusOr<std::optional<Trajectory>> ReadGroundTruth(const SourceSpec& sour
 struct RobotPaths {
   std::string name;
   SourceSpec source;
-  StoredTrajectory local;
-  StoredTrajectory global;
+  ServedTrajectory local;
+  ServedTrajectory global;
 };
 
 struct RobotAccuracy {

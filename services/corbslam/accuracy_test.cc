@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "slam/evaluation/trajectory_io.h"
+#include "slam/util/text_file.h"
 
 namespace corbslam {
 namespace {
@@ -47,9 +48,9 @@ SourceSpec MakeSequence(const std::string& name) {
 }
 
 // Frames first to last, seen from another frame and `offset` beside the truth.
-StoredTrajectory MakePoses(int first, int last, const Eigen::Vector3d& offset) {
+ServedTrajectory MakePoses(int first, int last, const Eigen::Vector3d& offset) {
   const Rigid3d other_from_world{Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), {1, 2, 3}};
-  StoredTrajectory trajectory;
+  ServedTrajectory trajectory;
   for (int i = first; i <= last; ++i) {
     StampedPose truth = TruthAt(i);
     truth.world_from_camera.translation += offset;
@@ -61,8 +62,8 @@ StoredTrajectory MakePoses(int first, int last, const Eigen::Vector3d& offset) {
 
 RobotPaths MakeRobot(const SourceSpec& source, int first, int last, const Eigen::Vector3d& offset,
                      bool in_global) {
-  const StoredTrajectory poses = MakePoses(first, last, offset);
-  return {"robot", source, poses, in_global ? poses : StoredTrajectory{}};
+  const ServedTrajectory poses = MakePoses(first, last, offset);
+  return {"robot", source, poses, in_global ? poses : ServedTrajectory{}};
 }
 
 TEST(ComputeAccuracyTest, AlignsEachRobotAndAllTogether) {

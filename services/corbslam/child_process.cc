@@ -102,7 +102,7 @@ void ChildProcess::Reap() {
   }
   ProcessEnd end;
   end.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  end.peak_rss_mb = static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
+  end.peak_rss_mb = static_cast<double>(usage.ru_maxrss) / 1024;
   end.cpu_s = ToSeconds(usage.ru_utime) + ToSeconds(usage.ru_stime);
   absl::MutexLock lock(&mutex_);
   end_ = end;

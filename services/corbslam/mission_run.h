@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,8 @@
 #include "services/corbslam/accuracy.h"
 #include "services/corbslam/plan.h"
 #include "services/corbslam/report.h"
+#include "services/corbslam/served_mission.h"
 #include "services/corbslam/store_reader.h"
-#include "services/corbslam/stored_mission.h"
 
 namespace corbslam {
 
@@ -22,8 +23,9 @@ struct MissionRunOptions {
   std::vector<RobotPlan> robots;
   // One robot after the other instead of all at once.
   bool sequential = false;
-  // Of local map ids and of every random choice (deterministic runs).
-  uint64_t seed = 1;
+  // Of local map ids and of every random choice. None: 1 in lockstep, another one each time for
+  // processes, so that a mission can be taken up again.
+  std::optional<uint64_t> seed;
   std::string vocabulary_path;  // Empty: the one that ships.
   // Processes only. A running map store; empty: one is started, with a worker.
   std::string server;
@@ -37,7 +39,7 @@ struct MissionRunOptions {
 struct MissionOutcome {
   RunReport report;
   std::vector<RobotPaths> paths;  // In the order of the robots.
-  StoredMap map;
+  ServedMap map;
 };
 
 // Frames done so far, by robot; what a progress line shows.

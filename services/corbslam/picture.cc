@@ -10,10 +10,10 @@ namespace corbslam {
 namespace {
 
 // Robots by name, with edges to parents of the same robot.
-std::vector<MapPicture::Robot> GroupByRobot(const StoredMap& map, const std::string& own) {
+std::vector<MapPicture::Robot> GroupByRobot(const ServedMap& map, const std::string& own) {
   std::map<std::string, MapPicture::Robot> robots;
   std::map<KeyframeId, size_t> index_of;  // Within its robot.
-  for (const StoredMap::Keyframe& keyframe : map.keyframes) {
+  for (const ServedMap::Keyframe& keyframe : map.keyframes) {
     MapPicture::Robot& robot = robots[keyframe.agent];
     robot.name = keyframe.agent;
     robot.is_own = keyframe.agent == own;
@@ -21,10 +21,10 @@ std::vector<MapPicture::Robot> GroupByRobot(const StoredMap& map, const std::str
     robot.keyframes.push_back(keyframe.global_from_camera);
   }
   std::map<KeyframeId, std::string> agent_of;
-  for (const StoredMap::Keyframe& keyframe : map.keyframes) {
+  for (const ServedMap::Keyframe& keyframe : map.keyframes) {
     agent_of[keyframe.id] = keyframe.agent;
   }
-  for (const StoredMap::Keyframe& keyframe : map.keyframes) {
+  for (const ServedMap::Keyframe& keyframe : map.keyframes) {
     const auto parent = agent_of.find(keyframe.parent);
     if (parent == agent_of.end() || parent->second != keyframe.agent) continue;
     robots[keyframe.agent].edges.push_back({index_of[keyframe.parent], index_of[keyframe.id]});
@@ -36,7 +36,7 @@ std::vector<MapPicture::Robot> GroupByRobot(const StoredMap& map, const std::str
 
 }  // namespace
 
-MapPicture ComposePicture(const StoredMap& map, const std::string& own,
+MapPicture ComposePicture(const ServedMap& map, const std::string& own,
                           const FusedAccuracy& accuracy) {
   MapPicture picture;
   picture.robots = GroupByRobot(map, own);

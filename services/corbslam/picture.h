@@ -5,14 +5,14 @@
 #include <string>
 
 #include "services/corbslam/accuracy.h"
-#include "services/corbslam/stored_mission.h"
+#include "services/corbslam/served_mission.h"
 #include "slam/rendering/map_picture.h"
 
 namespace corbslam {
 
 // Robots in the order of their names; `own` is the one shown as own. The truth, where there is one,
 // is moved into the map's frame.
-MapPicture ComposePicture(const StoredMap& map, const std::string& own,
+MapPicture ComposePicture(const ServedMap& map, const std::string& own,
                           const FusedAccuracy& accuracy);
 
 }  // namespace corbslam

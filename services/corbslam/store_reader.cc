@@ -38,9 +38,9 @@ std::string LastSegment(absl::string_view name) {
 
 // Adds the keyframes and points of an island in the global frame.
 absl::Status AddIsland(const v1::WatchMapResponse::Island& island, const SlotReader& slots,
-                       const std::map<LocalMapId, std::string>& agents, StoredMap& map) {
+                       const std::map<LocalMapId, std::string>& agents, ServedMap& map) {
   for (const v1::WatchMapResponse::IslandKeyframe& proto : island.keyframes()) {
-    StoredMap::Keyframe& keyframe = map.keyframes.emplace_back();
+    ServedMap::Keyframe& keyframe = map.keyframes.emplace_back();
     ASSIGN_OR_RETURN(keyframe.id, slots.Keyframe(proto.id()));
     if (proto.parent().slot() != 0) {
       ASSIGN_OR_RETURN(keyframe.parent, slots.Keyframe(proto.parent()));
@@ -56,7 +56,7 @@ absl::Status AddIsland(const v1::WatchMapResponse::Island& island, const SlotRea
   return absl::OkStatus();
 }
 
-absl::Status AddResponse(const v1::WatchMapResponse& response, StoredMap& map) {
+absl::Status AddResponse(const v1::WatchMapResponse& response, ServedMap& map) {
   ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(response.local_maps()));
   std::map<LocalMapId, std::string> agents;
   for (int i = 0; i < std::min(response.local_maps_size(), response.local_map_agents_size()); ++i) {
@@ -120,14 +120,14 @@ absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames
   return frames;
 }
 
-absl::StatusOr<StoredTrajectory> StoreReader::ReadTrajectory(const std::string& agent,
+absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& agent,
                                                              v1::TrajectoryFrame frame) {
   grpc::ClientContext context;
   SetDeadline(context);
   v1::GetTrajectoryRequest request;
   request.set_name(AgentName(mission_, agent));
   request.set_frame(frame);
-  StoredTrajectory trajectory;
+  ServedTrajectory trajectory;
   const auto reader = stub_->GetTrajectory(&context, request);
   v1::GetTrajectoryResponse response;
   while (reader->Read(&response)) {
@@ -140,14 +140,14 @@ absl::StatusOr<StoredTrajectory> StoreReader::ReadTrajectory(const std::string& 
   return trajectory;
 }
 
-absl::StatusOr<StoredMap> StoreReader::ReadGlobalMap() {
+absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
   grpc::ClientContext context;
   SetDeadline(context);
   v1::WatchMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(true);
   const auto reader = stub_->WatchMap(&context, request);
-  StoredMap map;
+  ServedMap map;
   v1::WatchMapResponse response;
   bool is_whole = false;
   while (!is_whole && reader->Read(&response)) {

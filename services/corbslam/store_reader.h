@@ -13,7 +13,7 @@
 #include "absl/time/time.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "services/corbslam/report.h"
-#include "services/corbslam/stored_mission.h"
+#include "services/corbslam/served_mission.h"
 
 namespace corbslam {
 
@@ -29,10 +29,10 @@ class StoreReader {
   // Frames that the agents reported so far, tracked or lost, by agent; empty before the first.
   absl::StatusOr<std::map<std::string, uint64_t>> CountReportedFrames();
 
-  absl::StatusOr<StoredTrajectory> ReadTrajectory(const std::string& agent,
+  absl::StatusOr<ServedTrajectory> ReadTrajectory(const std::string& agent,
                                                   v1::TrajectoryFrame frame);
   // The island in the global frame.
-  absl::StatusOr<StoredMap> ReadGlobalMap();
+  absl::StatusOr<ServedMap> ReadGlobalMap();
 
  private:
   const std::string mission_;

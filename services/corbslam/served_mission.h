@@ -1,6 +1,6 @@
 // A mission as a map store holds it, read once and kept: for reports, trajectories and pictures.
-#ifndef CORBSLAM_SERVICES_CORBSLAM_STORED_MISSION_H_
-#define CORBSLAM_SERVICES_CORBSLAM_STORED_MISSION_H_
+#ifndef CORBSLAM_SERVICES_CORBSLAM_SERVED_MISSION_H_
+#define CORBSLAM_SERVICES_CORBSLAM_SERVED_MISSION_H_
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace corbslam {
 
-struct StoredPose {
+struct ServedPose {
   int64_t timestamp_ns = 0;
   // "Frame" is that of `local_map` in a local trajectory, the mission's in a global one.
   Rigid3d frame_from_camera;
@@ -22,13 +22,13 @@ struct StoredPose {
 
 // Every tracked frame of one agent, by local map, in time. A global one leaves out local maps that
 // are not connected to the global frame.
-using StoredTrajectory = std::vector<StoredPose>;
+using ServedTrajectory = std::vector<ServedPose>;
 
-Trajectory ToTrajectory(const StoredTrajectory& stored);
-size_t CountLocalMaps(const StoredTrajectory& stored);
+Trajectory ToTrajectory(const ServedTrajectory& stored);
+size_t CountLocalMaps(const ServedTrajectory& stored);
 
 // What lies in the mission's global frame.
-struct StoredMap {
+struct ServedMap {
   struct Keyframe {
     KeyframeId id;
     KeyframeId parent;  // Invalid: none.
@@ -41,4 +41,4 @@ struct StoredMap {
 
 }  // namespace corbslam
 
-#endif  // CORBSLAM_SERVICES_CORBSLAM_STORED_MISSION_H_
+#endif  // CORBSLAM_SERVICES_CORBSLAM_SERVED_MISSION_H_

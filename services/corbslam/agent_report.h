@@ -1,0 +1,21 @@
+// What a robot says of itself, as part of the report.
+#ifndef CORBSLAM_SERVICES_CORBSLAM_AGENT_REPORT_H_
+#define CORBSLAM_SERVICES_CORBSLAM_AGENT_REPORT_H_
+
+#include <nlohmann/json.hpp>
+
+#include "absl/status/statusor.h"
+#include "client_agent/agent/agent.h"
+#include "services/corbslam/report.h"
+
+namespace corbslam {
+
+// Without name, source, dropped frames, bytes, memory and accuracy.
+RobotReport MakeRobotReport(const AgentStatus& status);
+
+// What `client_agent --stats` writes. DATA_LOSS names the field that is missing or of another kind.
+absl::StatusOr<RobotReport> ParseRobotReport(const nlohmann::json& json);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CORBSLAM_AGENT_REPORT_H_

@@ -1,0 +1,184 @@
+#include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "absl/strings/str_cat.h"
+#include "client_agent/agent/agent.h"
+#include "client_agent/source/image_source.h"
+#include "fusion_worker/local_fusion_worker.h"
+#include "map_store/map_store.h"
+#include "services/corbslam/agent_report.h"
+#include "services/corbslam/mission_run.h"
+#include "services/lockstep/direct_uplink.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/programs/default_vocabulary.h"
+#include "services/server/process_usage.h"
+#include "services/server/server.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr absl::Duration kFinishTimeout = absl::Minutes(10);
+constexpr size_t kProgressEvery = 10;  // Frames.
+// As client_agent's.
+constexpr int kStereoFeatures = 2000;
+constexpr int kRgbdFeatures = 1000;
+constexpr uint64_t kSeed = 1;
+
+struct LockstepRobot {
+  RobotPlan plan;
+  std::unique_ptr<ImageSource> source;
+  std::unique_ptr<DirectUplink> uplink;
+  std::unique_ptr<Agent> agent;  // Before the uplink goes.
+  size_t frames = 0;
+  bool has_ended = false;
+};
+
+// Everything on the caller's thread.
+class Lockstep {
+ public:
+  Lockstep(const MissionRunOptions& options, const ProgressListener& on_progress)
+      : options_(options), on_progress_(on_progress) {}
+
+  absl::StatusOr<MissionOutcome> Run();
+
+ private:
+  absl::Status StartStore();
+  absl::Status AddRobot(const RobotPlan& plan);
+  // Plays robots [first, end) to their ends.
+  absl::Status Play(size_t first, size_t end);
+  absl::Status TakeFrame(LockstepRobot& robot);
+  absl::Status Settle();
+  absl::StatusOr<MissionOutcome> ReadAll();
+  void ShowProgress(const std::string& stage) const;
+
+  const MissionRunOptions& options_;
+  const ProgressListener& on_progress_;
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  std::unique_ptr<FusionWorker> worker_;
+  std::unique_ptr<MapStore> store_;
+  std::vector<LockstepRobot> robots_;  // Before the store goes.
+};
+
+absl::Status Lockstep::StartStore() {
+  const std::string path =
+      options_.vocabulary_path.empty() ? DefaultVocabularyPath() : options_.vocabulary_path;
+  ASSIGN_OR_RETURN(vocabulary_, Vocabulary::Load(path));
+  FusionWorkerOptions worker_options;
+  worker_options.seed = options_.seed.value_or(kSeed);
+  worker_ = MakeLocalFusionWorker(worker_options);
+  MapStoreOptions store_options;
+  store_options.deterministic = true;
+  store_ = std::make_unique<MapStore>(store_options, vocabulary_,
+                                      std::make_unique<InMemoryJournal>(), worker_.get());
+  return absl::OkStatus();
+}
+
+absl::Status Lockstep::AddRobot(const RobotPlan& plan) {
+  LockstepRobot robot;
+  robot.plan = plan;
+  ASSIGN_OR_RETURN(robot.source, OpenSource(plan.source));
+  robot.uplink = std::make_unique<DirectUplink>(store_.get());
+  AgentOptions options;
+  options.mission = options_.mission;
+  options.name = plan.name;
+  options.seed = options_.seed.value_or(kSeed);
+  options.deterministic = true;
+  const bool is_stereo = std::holds_alternative<StereoCalibration>(robot.source->calibration());
+  options.sensor.orb.features = is_stereo ? kStereoFeatures : kRgbdFeatures;
+  ASSIGN_OR_RETURN(robot.agent, Agent::Create(options, robot.source->calibration(), vocabulary_,
+                                              robot.uplink.get()));
+  robots_.push_back(std::move(robot));
+  return absl::OkStatus();
+}
+
+absl::Status Lockstep::TakeFrame(LockstepRobot& robot) {
+  if (robot.has_ended) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const std::optional<SensorImages> images, robot.source->Next());
+  if (!images.has_value()) {
+    robot.has_ended = true;
+    return absl::OkStatus();
+  }
+  ++robot.frames;
+  return robot.agent->Track(*images).status();
+}
+
+// The store fuses until idle, then hands out what is new.
+absl::Status Lockstep::Settle() {
+  RETURN_IF_ERROR(store_->RunFusionUntilIdle(options_.mission));
+  for (LockstepRobot& robot : robots_) {
+    robot.uplink->DeliverShared();
+    robot.agent->Step();
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Lockstep::Play(size_t first, size_t end) {
+  for (size_t step = 0, playing = end - first; playing > 0; ++step) {
+    playing = 0;
+    for (size_t i = first; i < end; ++i) {
+      RETURN_IF_ERROR(TakeFrame(robots_[i]));
+      if (!robots_[i].has_ended) ++playing;
+    }
+    RETURN_IF_ERROR(Settle());
+    if (step % kProgressEvery == 0) ShowProgress("mapping");
+  }
+  ShowProgress("fusing");
+  for (size_t i = first; i < end; ++i) {
+    RETURN_IF_ERROR(robots_[i].agent->Finish(kFinishTimeout));
+  }
+  return Settle();
+}
+
+void Lockstep::ShowProgress(const std::string& stage) const {
+  if (on_progress_ == nullptr) return;
+  Progress progress;
+  progress.stage = stage;
+  for (const LockstepRobot& robot : robots_) {
+    progress.robots.push_back(
+        {robot.plan.name, absl::StrCat(robot.frames, "/", robot.source->size())});
+  }
+  on_progress_(progress);
+}
+
+absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {
+  MapStoreService service(store_.get());
+  ASSIGN_OR_RETURN(const std::unique_ptr<Server> server, Server::Start("", {&service}));
+  StoreReader reader(server->InProcessChannel(), options_.mission);
+  MissionOutcome outcome;
+  RETURN_IF_ERROR(ReadOutcome(reader, options_.robots, outcome));
+  for (const LockstepRobot& robot : robots_) {
+    RobotReport report = MakeRobotReport(robot.agent->GetStatus());
+    report.name = robot.plan.name;
+    report.source = FormatSourceSpec(robot.plan.source);
+    report.bytes_up = robot.uplink->bytes_up();
+    report.bytes_down = robot.uplink->bytes_down();
+    outcome.report.robots.push_back(std::move(report));
+  }
+  const ProcessUsage usage = GetProcessUsage();
+  outcome.report.servers["corbslam"] = {static_cast<double>(usage.peak_rss_bytes) / (1 << 20),
+                                        usage.cpu_s};
+  server->Shutdown(absl::Seconds(5));
+  return outcome;
+}
+
+absl::StatusOr<MissionOutcome> Lockstep::Run() {
+  RETURN_IF_ERROR(StartStore());
+  for (size_t i = 0; i < options_.robots.size(); ++i) {
+    RETURN_IF_ERROR(AddRobot(options_.robots[i]));
+    if (options_.sequential) RETURN_IF_ERROR(Play(i, i + 1));
+  }
+  if (!options_.sequential) RETURN_IF_ERROR(Play(0, robots_.size()));
+  return ReadAll();
+}
+
+}  // namespace
+
+absl::StatusOr<MissionOutcome> RunLockstep(const MissionRunOptions& options,
+                                           const ProgressListener& on_progress) {
+  return Lockstep(options, on_progress).Run();
+}
+
+}  // namespace corbslam

@@ -1,0 +1,30 @@
+// corbslam: the tool for people. Runs missions, measures, draws, and makes vocabularies.
+#include <glog/logging.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_join.h"
+#include "services/corbslam/commands.h"
+
+int main(int argc, char** argv) {
+  google::InitGoogleLogging(argv[0]);
+  FLAGS_logtostderr = true;
+  FLAGS_minloglevel = google::GLOG_WARNING;
+  const std::string command_line = absl::StrJoin(std::vector<std::string>(argv, argv + argc), " ");
+  CLI::App app("Several robots, one map");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", std::string(CORBSLAM_VERSION));
+  corbslam::Command chosen;
+  corbslam::AddRunCommand(app, command_line, chosen);
+  corbslam::AddEvalCommand(app, chosen);
+  corbslam::AddRenderCommand(app, chosen);
+  corbslam::AddVocabularyCommand(app, chosen);
+  CLI11_PARSE(app, argc, argv);
+  const absl::Status status = chosen();
+  if (status.ok()) return 0;
+  std::fprintf(stderr, "corbslam: %s\n", status.ToString().c_str());
+  return 1;
+}

@@ -1,0 +1,191 @@
+#include <grpcpp/channel.h>
+
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "client_agent/source/image_source.h"
+#include "services/corbslam/agent_report.h"
+#include "services/corbslam/child_process.h"
+#include "services/corbslam/mission_run.h"
+#include "services/remote/channel.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr absl::Duration kStartTimeout = absl::Seconds(60);
+constexpr absl::Duration kStopGrace = absl::Seconds(10);
+constexpr absl::Duration kProgressInterval = absl::Seconds(1);
+
+struct RunningAgent {
+  RobotPlan plan;
+  size_t frames = 0;
+  std::string statistics_path;
+  std::unique_ptr<ChildProcess> process;
+};
+
+class ProcessRun {
+ public:
+  ProcessRun(const MissionRunOptions& options, const ProgressListener& on_progress)
+      : options_(options), on_progress_(on_progress) {}
+
+  absl::StatusOr<MissionOutcome> Run();
+
+ private:
+  // Program, then arguments; the vocabulary, when one is named, comes with it.
+  absl::StatusOr<std::vector<std::string>> MakeCommand(const std::string& program,
+                                                       std::vector<std::string> arguments,
+                                                       bool needs_vocabulary) const;
+  absl::StatusOr<std::string> StartServer(const std::string& program,
+                                          std::vector<std::string> arguments,
+                                          bool needs_vocabulary);
+  absl::Status StartServers();
+  absl::Status StartAgent(const RobotPlan& plan);
+  // Until every agent that was started has ended.
+  absl::Status WaitForAgents();
+  void ShowProgress(const std::string& stage);
+  void StopServers(MissionOutcome& outcome);
+
+  const MissionRunOptions& options_;
+  const ProgressListener& on_progress_;
+  std::string store_address_;
+  std::vector<std::unique_ptr<ChildProcess>> servers_;
+  std::vector<RunningAgent> agents_;
+  std::unique_ptr<StoreReader> store_;
+};
+
+absl::StatusOr<std::vector<std::string>> ProcessRun::MakeCommand(const std::string& program,
+                                                                 std::vector<std::string> arguments,
+                                                                 bool needs_vocabulary) const {
+  ASSIGN_OR_RETURN(const std::string path, FindProgramBeside(program));
+  arguments.insert(arguments.begin(), path);
+  if (needs_vocabulary && !options_.vocabulary_path.empty()) {
+    arguments.insert(arguments.end(), {"--vocabulary", options_.vocabulary_path});
+  }
+  return arguments;
+}
+
+absl::StatusOr<std::string> ProcessRun::StartServer(const std::string& program,
+                                                    std::vector<std::string> arguments,
+                                                    bool needs_vocabulary) {
+  arguments.insert(arguments.end(), {"--listen", "127.0.0.1:0"});
+  ASSIGN_OR_RETURN(const std::vector<std::string> command,
+                   MakeCommand(program, std::move(arguments), needs_vocabulary));
+  ASSIGN_OR_RETURN(std::unique_ptr<ChildProcess> server,
+                   ChildProcess::Start(program, command,
+                                       absl::StrCat(options_.log_folder, "/", program, ".log")));
+  servers_.push_back(std::move(server));
+  return servers_.back()->WaitForAddress(kStartTimeout);
+}
+
+absl::Status ProcessRun::StartServers() {
+  store_address_ = options_.server;
+  if (!store_address_.empty()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const std::string worker, StartServer("fusion_worker", {}, false));
+  ASSIGN_OR_RETURN(store_address_, StartServer("map_store", {"--worker", worker}, true));
+  return absl::OkStatus();
+}
+
+absl::Status ProcessRun::StartAgent(const RobotPlan& plan) {
+  RunningAgent agent;
+  agent.plan = plan;
+  {
+    ASSIGN_OR_RETURN(const std::unique_ptr<ImageSource> source, OpenSource(plan.source));
+    agent.frames = source->size();
+  }
+  agent.statistics_path = absl::StrCat(options_.log_folder, "/", plan.name, ".json");
+  std::vector<std::string> arguments = {"--source",  FormatSourceSpec(plan.source),
+                                        "--server",  store_address_,
+                                        "--mission", options_.mission,
+                                        "--agent",   plan.name,
+                                        "--pace",    options_.pace,
+                                        "--stats",   agent.statistics_path};
+  if (options_.seed.has_value()) {
+    arguments.insert(arguments.end(), {"--seed", absl::StrCat(*options_.seed)});
+  }
+  ASSIGN_OR_RETURN(const std::vector<std::string> command,
+                   MakeCommand("client_agent", std::move(arguments), true));
+  ASSIGN_OR_RETURN(agent.process,
+                   ChildProcess::Start(plan.name, command,
+                                       absl::StrCat(options_.log_folder, "/", plan.name, ".log")));
+  agents_.push_back(std::move(agent));
+  return absl::OkStatus();
+}
+
+absl::Status ProcessRun::WaitForAgents() {
+  if (store_ == nullptr) {
+    store_ = std::make_unique<StoreReader>(MakeChannel(store_address_), options_.mission);
+  }
+  for (RunningAgent& agent : agents_) {
+    while (!agent.process->WaitForEnd(kProgressInterval)) ShowProgress("mapping");
+    RETURN_IF_ERROR(agent.process->EndStatus());
+  }
+  return absl::OkStatus();
+}
+
+void ProcessRun::ShowProgress(const std::string& stage) {
+  if (on_progress_ == nullptr) return;
+  Progress progress;
+  progress.stage = stage;
+  const auto frames = store_->CountReportedFrames();
+  for (const RunningAgent& agent : agents_) {
+    const auto found = frames.ok() ? frames->find(agent.plan.name) : decltype(frames->end()){};
+    const uint64_t done = frames.ok() && found != frames->end() ? found->second : 0;
+    progress.robots.push_back({agent.plan.name, absl::StrCat(done, "/", agent.frames)});
+  }
+  on_progress_(progress);
+}
+
+absl::StatusOr<RobotReport> ReadRobotReport(const RunningAgent& agent) {
+  std::ifstream file(agent.statistics_path);
+  nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
+  if (json.is_discarded()) {
+    return absl::DataLossError(
+        absl::StrCat(agent.plan.name, " left no statistics in ", agent.statistics_path));
+  }
+  ASSIGN_OR_RETURN(RobotReport report, ParseRobotReport(json));
+  report.name = agent.plan.name;
+  report.source = FormatSourceSpec(agent.plan.source);
+  report.peak_rss_mb = agent.process->end()->peak_rss_mb;
+  return report;
+}
+
+void ProcessRun::StopServers(MissionOutcome& outcome) {
+  // The store first, so that it does not miss its worker.
+  for (auto server = servers_.rbegin(); server != servers_.rend(); ++server) {
+    const ProcessEnd end = (*server)->Stop(kStopGrace);
+    outcome.report.servers[(*server)->name()] = {end.peak_rss_mb, end.cpu_s};
+  }
+}
+
+absl::StatusOr<MissionOutcome> ProcessRun::Run() {
+  RETURN_IF_ERROR(StartServers());
+  for (const RobotPlan& plan : options_.robots) {
+    RETURN_IF_ERROR(StartAgent(plan));
+    if (options_.sequential) RETURN_IF_ERROR(WaitForAgents());
+  }
+  RETURN_IF_ERROR(WaitForAgents());
+  ShowProgress("fusing");
+  RETURN_IF_ERROR(store_->WaitUntilFused(options_.fusion_timeout));
+  MissionOutcome outcome;
+  RETURN_IF_ERROR(ReadOutcome(*store_, options_.robots, outcome));
+  for (const RunningAgent& agent : agents_) {
+    ASSIGN_OR_RETURN(outcome.report.robots.emplace_back(), ReadRobotReport(agent));
+  }
+  StopServers(outcome);
+  return outcome;
+}
+
+}  // namespace
+
+absl::StatusOr<MissionOutcome> RunProcesses(const MissionRunOptions& options,
+                                            const ProgressListener& on_progress) {
+  return ProcessRun(options, on_progress).Run();
+}
+
+}  // namespace corbslam

@@ -1,0 +1,182 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "services/corbslam/commands.h"
+#include "services/corbslam/mission_run.h"
+#include "services/corbslam/picture.h"
+#include "slam/evaluation/trajectory_io.h"
+#include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RunArguments {
+  std::vector<std::string> sources;
+  size_t robots = 0;
+  size_t overlap = 20;
+  std::string split = "halves";
+  std::vector<std::string> perturbations;
+  std::string own;
+  std::string out = "out/run";
+  size_t from_frame = 15;
+  MissionRunOptions mission;
+  std::string command_line;
+};
+
+absl::StatusOr<std::vector<RobotPlan>> Plan(const RunArguments& arguments) {
+  PlanOptions plan;
+  for (const std::string& text : arguments.sources) {
+    ASSIGN_OR_RETURN(plan.sources.emplace_back(), ParseSourceSpec(text));
+  }
+  if (arguments.sources.size() > 1 && arguments.robots != 0 &&
+      arguments.robots != arguments.sources.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--robots ", arguments.robots, " with ", arguments.sources.size(),
+                     " sources: one source is split, or each robot has a source of its own"));
+  }
+  plan.split.robots = arguments.robots == 0 ? 2 : arguments.robots;
+  plan.split.overlap = arguments.overlap;
+  plan.split.mode = arguments.split == "interleaved" ? SplitMode::kInterleaved : SplitMode::kHalves;
+  for (const std::string& text : arguments.perturbations) {
+    ASSIGN_OR_RETURN(auto perturbation, ParsePerturbation(text));
+    plan.perturbations.insert(std::move(perturbation));
+  }
+  return PlanRobots(plan);
+}
+
+// One line that is written over; nothing where nobody watches.
+void ShowOnTerminal(const Progress& progress) {
+  std::string line = progress.stage;
+  for (const auto& [name, frames] : progress.robots)
+    absl::StrAppend(&line, "  ", name, " ", frames);
+  std::fprintf(stderr, "\r%-78s", line.substr(0, 78).c_str());
+}
+
+absl::Status MakeFolder(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (!error) return absl::OkStatus();
+  return absl::UnavailableError(
+      absl::StrCat("cannot make the folder ", path, ": ", error.message()));
+}
+
+absl::Status WriteTrajectories(const MissionOutcome& outcome, const std::string& folder) {
+  for (const RobotPaths& paths : outcome.paths) {
+    const std::string stem = absl::StrCat(folder, "/", paths.name);
+    RETURN_IF_ERROR(WriteTumTrajectory(ToTrajectory(paths.local), stem + ".local.tum"));
+    RETURN_IF_ERROR(WriteTumTrajectory(ToTrajectory(paths.global), stem + ".global.tum"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status WritePicture(const MissionOutcome& outcome, const Accuracy& accuracy,
+                          const std::string& own, const std::string& path) {
+  ASSIGN_OR_RETURN(const cv::Mat image,
+                   RenderMap(ComposePicture(outcome.map, own, accuracy.fused)));
+  return WritePng(image, path);
+}
+
+std::optional<double> RmseOf(const std::optional<AbsoluteError>& error) {
+  return error.has_value() ? std::optional(error->rmse_m) : std::nullopt;
+}
+
+void AddAccuracy(const Accuracy& accuracy, RunReport& report) {
+  for (size_t i = 0; i < std::min(accuracy.robots.size(), report.robots.size()); ++i) {
+    report.robots[i].ate_m = accuracy.robots[i].ate_m;
+    report.robots[i].ate_from_frame_m = accuracy.robots[i].ate_from_frame_m;
+    report.robots[i].ate_global_m = accuracy.robots[i].ate_global_m;
+  }
+  report.fused.ate_m = RmseOf(accuracy.fused.all);
+  report.fused.ate_from_frame_m = RmseOf(accuracy.fused.from_frame);
+  if (accuracy.fused.relative.has_value()) {
+    report.fused.t_rel_percent = accuracy.fused.relative->translation_percent;
+    report.fused.r_rel_deg_per_100m = accuracy.fused.relative->rotation_deg_per_100m;
+  }
+}
+
+absl::Status WriteAll(const RunArguments& arguments, MissionOutcome& outcome) {
+  RETURN_IF_ERROR(WriteTrajectories(outcome, arguments.out));
+  ASSIGN_OR_RETURN(const Accuracy accuracy,
+                   ComputeAccuracy(outcome.paths, arguments.from_frame, Alignment::kSe3));
+  AddAccuracy(accuracy, outcome.report);
+  RETURN_IF_ERROR(WriteLines({ToJson(outcome.report).dump(2)}, arguments.out + "/report.json"));
+  RETURN_IF_ERROR(WriteLines({ToMarkdown(outcome.report)}, arguments.out + "/report.md"));
+  const std::string own = arguments.own.empty() ? outcome.paths.front().name : arguments.own;
+  return WritePicture(outcome, accuracy, own, arguments.out + "/map.png");
+}
+
+absl::Status Run(RunArguments arguments) {
+  const absl::Time start = absl::Now();
+  ASSIGN_OR_RETURN(arguments.mission.robots, Plan(arguments));
+  arguments.mission.log_folder = arguments.out + "/logs";
+  RETURN_IF_ERROR(MakeFolder(arguments.mission.log_folder));
+  const bool is_terminal = isatty(STDERR_FILENO) != 0;
+  const ProgressListener on_progress = is_terminal ? ShowOnTerminal : ProgressListener();
+  absl::StatusOr<MissionOutcome> outcome = arguments.mission.pace == "step"
+                                               ? RunLockstep(arguments.mission, on_progress)
+                                               : RunProcesses(arguments.mission, on_progress);
+  if (is_terminal) std::fprintf(stderr, "\r%-78s\r", "");
+  RETURN_IF_ERROR(outcome.status());
+  RunReport& report = outcome->report;
+  report.mission = arguments.mission.mission;
+  report.pace = arguments.mission.pace;
+  report.from_frame = arguments.from_frame;
+  report.version = CORBSLAM_VERSION;
+  report.command = arguments.command_line;
+  report.wall_s = absl::ToDoubleSeconds(absl::Now() - start);
+  return WriteAll(arguments, *outcome);
+}
+
+void AddMissionOptions(CLI::App& run, RunArguments& arguments) {
+  MissionRunOptions& mission = arguments.mission;
+  run.add_option("--pace", mission.pace,
+                 "sensor: as recorded, frames that come too fast are dropped; max: as fast as the "
+                 "robots go; step: deterministic, in one process")
+      ->check(CLI::IsMember({"sensor", "max", "step"}))
+      ->capture_default_str();
+  run.add_flag("--sequential", mission.sequential, "One robot after the other");
+  run.add_option("--server", mission.server, "A running map store, HOST:PORT; else one is started");
+  run.add_option("--mission", mission.mission, "Name of the mission")->capture_default_str();
+  run.add_option("--seed", mission.seed, "Of every random choice")->capture_default_str();
+  run.add_option("--vocabulary", mission.vocabulary_path, "Instead of the one that ships");
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chosen) {
+  auto arguments = std::make_shared<RunArguments>();
+  arguments->command_line = command_line;
+  CLI::App* run = app.add_subcommand("run", "Let robots map recorded sequences together");
+  run->add_option("--source", arguments->sources,
+                  "kitti:DIR, euroc:DIR or tum:DIR; several: one robot each")
+      ->required();
+  run->add_option("--robots", arguments->robots, "Among how many one source is split (2)");
+  run->add_option("--overlap", arguments->overlap, "Frames by which parts reach beyond their share")
+      ->capture_default_str();
+  run->add_option("--split", arguments->split, "halves, or interleaved: every n-th frame of a part")
+      ->check(CLI::IsMember({"halves", "interleaved"}))
+      ->capture_default_str();
+  run->add_option("--perturb", arguments->perturbations,
+                  "What robot N sees differently, as 2:gamma=0.8,noise=4,reverse");
+  run->add_option("--own", arguments->own, "The robot drawn as own (the first)");
+  run->add_option("--from-frame", arguments->from_frame,
+                  "Errors are given also from this frame of the sequence on")
+      ->capture_default_str();
+  run->add_option("--out", arguments->out, "Folder for all results")->capture_default_str();
+  AddMissionOptions(*run, *arguments);
+  run->callback([arguments, &chosen] { chosen = [arguments] { return Run(*arguments); }; });
+}
+
+}  // namespace corbslam

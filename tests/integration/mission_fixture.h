@@ -1,0 +1,48 @@
+// Runs the real programs on a mission and reads what `corbslam run` wrote.
+#ifndef CORBSLAM_TESTS_INTEGRATION_MISSION_FIXTURE_H_
+#define CORBSLAM_TESTS_INTEGRATION_MISSION_FIXTURE_H_
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace corbslam {
+
+// The part of TUM fr1_xyz that ships.
+std::string DemoSource();
+
+// A folder of the shared recordings (CORBSLAM_DATA_DIR); nullopt where there are none. Without them
+// a test must skip, or fail under continuous integration: see SKIP_WITHOUT_RECORDINGS.
+std::optional<std::string> RecordingsFolder();
+
+#define SKIP_WITHOUT_RECORDINGS()                                              \
+  do {                                                                         \
+    if (!RecordingsFolder().has_value()) {                                     \
+      ASSERT_EQ(std::getenv("CI"), nullptr) << "CORBSLAM_DATA_DIR is not set"; \
+      GTEST_SKIP() << "CORBSLAM_DATA_DIR is not set";                          \
+    }                                                                          \
+  } while (false)
+
+// Runs `corbslam` with the arguments and a time limit; fails the test when it fails. Returns what
+// it printed.
+std::string RunTool(const std::vector<std::string>& arguments, int timeout_s = 600);
+
+struct Mission {
+  nlohmann::json report;
+  std::string folder;  // Of all results.
+};
+
+// `corbslam run` with the arguments and an --out folder of its own, named after the test and
+// `name`.
+Mission RunMission(std::vector<std::string> arguments, const std::string& name = "run",
+                   int timeout_s = 900);
+
+std::string ReadText(const std::string& path);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_INTEGRATION_MISSION_FIXTURE_H_

@@ -1,0 +1,119 @@
+// Two robots and one map, by the real programs on ports that the system chooses, on the recording
+// that ships.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "absl/strings/str_cat.h"
+#include "tests/integration/mission_fixture.h"
+
+namespace corbslam {
+namespace {
+
+using nlohmann::json;
+
+// The demo's bound: some robots' width of a thumb.
+constexpr double kMaxAte_m = 0.03;
+
+void ExpectFields(const json& object, const std::vector<std::string>& fields) {
+  for (const std::string& field : fields) EXPECT_TRUE(object.contains(field)) << field;
+}
+
+void ExpectWholeReport(const json& report) {
+  ExpectFields(report, {"robots", "fused", "overlaps", "merge_ms", "global_ba_ms", "transfer",
+                        "servers", "wall_s", "version", "command"});
+  for (const json& robot : report["robots"]) {
+    ExpectFields(robot, {"name", "frames", "tracked", "dropped", "lost", "local_maps",
+                         "first_upload_s", "shared", "keyframes", "map_points", "ate_m",
+                         "tracking_ms", "local_ba_ms", "peak_rss_mb", "bytes_up", "bytes_down"});
+    ExpectFields(robot["shared"], {"keyframes_held", "points_matched_percent", "loops_closed"});
+    ExpectFields(robot["tracking_ms"], {"median", "mean", "p99"});
+  }
+  ExpectFields(report["fused"], {"islands", "robots", "keyframes", "map_points", "ate_m",
+                                 "t_rel_percent", "r_rel_deg_per_100m"});
+  ExpectFields(report["overlaps"], {"queried", "verified", "accepted"});
+  ExpectFields(report["transfer"],
+               {"full_keyframes", "full_map_points", "light_keyframes", "light_map_points"});
+}
+
+size_t CountLines(const std::string& path) {
+  const std::string text = ReadText(path);
+  return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST(MissionTest, TwoRobotsMakeOneMap) {
+  const Mission mission = RunMission({"--source", DemoSource(), "--robots", "2"});
+  const json& report = mission.report;
+  ExpectWholeReport(report);
+  ASSERT_EQ(report["robots"].size(), 2u);
+  for (const json& robot : report["robots"]) {
+    EXPECT_EQ(robot["frames"], 86);
+    EXPECT_GE(robot["tracked"], 84);
+    EXPECT_EQ(robot["dropped"], 0);
+    EXPECT_LE(robot["ate_m"], kMaxAte_m);
+    EXPECT_GT(robot["bytes_up"], 100'000);
+    EXPECT_GT(robot["first_upload_s"], 0);
+    EXPECT_GT(robot["peak_rss_mb"], 10);
+    const std::string name = robot["name"];
+    EXPECT_EQ(CountLines(absl::StrCat(mission.folder, "/", name, ".local.tum")), robot["tracked"]);
+    EXPECT_EQ(CountLines(absl::StrCat(mission.folder, "/", name, ".global.tum")), robot["tracked"]);
+  }
+  EXPECT_EQ(report["fused"]["islands"], 1);
+  EXPECT_EQ(report["fused"]["robots"], 2);
+  EXPECT_LE(report["fused"]["ate_m"], kMaxAte_m);
+  EXPECT_GE(report["overlaps"]["accepted"], 1);
+  EXPECT_GE(report["merge_ms"].size(), 1u);
+  EXPECT_GE(report["global_ba_ms"].size(), 1u);
+  EXPECT_EQ(
+      report["transfer"]["full_keyframes"]["count"],
+      report["robots"][0]["keyframes"].get<int>() + report["robots"][1]["keyframes"].get<int>());
+  ExpectFields(report["servers"], {"map_store", "fusion_worker"});
+  EXPECT_GT(std::filesystem::file_size(mission.folder + "/map.png"), 5'000u);
+  EXPECT_THAT(ReadText(mission.folder + "/report.md"), ::testing::HasSubstr("| alpha |"));
+}
+
+TEST(MissionTest, EvaluationOfTheFilesAgreesWithTheReport) {
+  const Mission mission = RunMission({"--source", DemoSource(), "--pace", "step"});
+  const std::string table = mission.folder + "/eval.json";
+  RunTool({"eval", "--truth", DemoSource(), mission.folder + "/alpha.global.tum",
+           mission.folder + "/bravo.global.tum", "--json", table});
+  const json rows = json::parse(ReadText(table), nullptr, false);
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[2]["name"], "fused");
+  EXPECT_NEAR(rows[2]["ate_m"], mission.report["fused"]["ate_m"], 1e-5);
+  EXPECT_NEAR(rows[0]["ate_m"], mission.report["robots"][0]["ate_global_m"], 1e-5);
+}
+
+TEST(MissionTest, LockstepRepeatsToTheBit) {
+  const std::vector<std::string> arguments = {"--source", DemoSource(), "--pace", "step"};
+  const Mission first = RunMission(arguments, "first");
+  const Mission second = RunMission(arguments, "second");
+  EXPECT_EQ(first.report["fused"]["islands"], 1);
+  EXPECT_LE(first.report["fused"]["ate_m"], kMaxAte_m);
+  for (const char* file :
+       {"alpha.local.tum", "alpha.global.tum", "bravo.local.tum", "bravo.global.tum", "map.png"}) {
+    const std::string text = ReadText(absl::StrCat(first.folder, "/", file));
+    EXPECT_FALSE(text.empty()) << file;
+    EXPECT_EQ(text, ReadText(absl::StrCat(second.folder, "/", file))) << file;
+  }
+}
+
+TEST(MissionTest, TheSecondRobotTracksAgainstTheFirstOnesMap) {
+  const Mission mission = RunMission({"--source", DemoSource(), "--pace", "step", "--sequential"});
+  EXPECT_EQ(mission.report["fused"]["islands"], 1);
+  const json& second = mission.report["robots"][1];
+  EXPECT_GT(second["shared"]["keyframes_held"], 0);
+  EXPECT_GE(second["shared"]["points_matched_percent"], 20);
+}
+
+TEST(MissionTest, FindsItsPlaceInOtherPictures) {
+  const Mission mission = RunMission(
+      {"--source", DemoSource(), "--pace", "step", "--perturb", "2:gamma=0.8,noise=4,reverse"});
+  EXPECT_EQ(mission.report["fused"]["islands"], 1);
+  EXPECT_LE(mission.report["fused"]["ate_m"], 1.3 * kMaxAte_m);
+}
+
+}  // namespace
+}  // namespace corbslam
