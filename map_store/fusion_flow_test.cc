@@ -296,6 +296,54 @@ TEST_F(FusionFlowTest, LocalLoopBringsAnIslandUpToDate) {
   EXPECT_GT(Statistics().global_adjustments.size(), adjustments);
 }
 
+TEST_F(FusionFlowTest, OwnersGoOnChangingPointsThatAreLandmarks) {
+  const SyntheticMap map_c = MakeRingMap(0xc, 180, 5);
+  TestAgent a(store_, kMission, "a", map_a_);
+  TestAgent b(store_, kMission, "b", map_b_);
+  TestAgent c(store_, kMission, "c", map_c);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  // Not settled, so never compared.
+  ASSERT_TRUE(c.Stream(3).ok());
+  Fuse();
+  ASSERT_FALSE(worker_.fused().empty());
+  const FuseMapsRequest fused = worker_.fused().at(0);
+  const std::vector<PointPair> pairs = fused.overlaps.at(0).inliers;
+  ASSERT_GT(pairs.size(), 20u);
+  const auto own_of = [&pairs](size_t i, LocalMapId id) {
+    return pairs[i].query.local_map == id ? pairs[i].query : pairs[i].candidate;
+  };
+  const size_t landmarks = store_.GetMission(kMission)->map_points;
+  // The survivor goes, and with it one point, but the other robot's stands for both.
+  MapUpdateBatch of_a = a.EmptyBatch();
+  of_a.removed_points = {own_of(0, a.local_map())};
+  ASSERT_TRUE(a.Send(of_a).ok());
+  EXPECT_EQ(store_.GetMission(kMission)->map_points, landmarks);
+  // Members are replaced: by one of this island, by one of another, by one that nobody knows.
+  MapUpdateBatch of_b = b.EmptyBatch();
+  of_b.replacements = {{own_of(1, b.local_map()), own_of(2, a.local_map())},
+                       {own_of(3, b.local_map()), map_c.map.points().begin()->first},
+                       {own_of(4, b.local_map()), {c.local_map(), 4000000}},
+                       {own_of(5, b.local_map()), own_of(5, a.local_map())}};
+  ASSERT_TRUE(b.Send(of_b).ok());
+  MapUpdateBatch more_of_a = a.EmptyBatch();
+  for (size_t i = 1; i < 6; ++i) more_of_a.removed_points.push_back(own_of(i, a.local_map()));
+  ASSERT_TRUE(a.Send(more_of_a).ok());
+  EXPECT_EQ(store_.GlobalMapView(kMission)->size(), 2u);
+  ASSERT_TRUE(a.Close().ok());
+  ASSERT_TRUE(b.Close().ok());
+  Fuse();
+  EXPECT_TRUE(b.TakeShared().ok());
+  std::set<MapPointId> seen;
+  const auto views = store_.GlobalMapView(kMission);
+  for (const IslandView& view : *views) {
+    for (const IslandView::Point& point : view.points) seen.insert(point.id);
+  }
+  EXPECT_TRUE(seen.contains(own_of(0, b.local_map())));
+  EXPECT_TRUE(seen.contains(own_of(2, b.local_map())));
+  EXPECT_FALSE(seen.contains(own_of(5, b.local_map()))) << "both owners let go of it";
+}
+
 TEST_F(FusionFlowTest, RunsTwiceTheSame) {
   const auto run = [this] {
     MapStore store(DeterministicOptions(), TheWorld().vocabulary,

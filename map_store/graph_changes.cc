@@ -154,8 +154,11 @@ void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
     }
   }
   local_map.replaced_points[replaced] = survivor;
-  const MapPointId elected =
-      state.global.landmarks.Replace(replaced, stands_for.IsValid() ? stands_for : survivor);
+  // A landmark lies in one island, and its points are there.
+  const bool joins = stands_for.IsValid() && state.global.island_of.at(stands_for.local_map) ==
+                                                 state.global.island_of.at(local_map.id);
+  const MapPointId elected = joins ? state.global.landmarks.Replace(replaced, stands_for)
+                                   : state.global.landmarks.Remove(replaced);
   HandOverPosition(replaced, elected, state.global);
 }
 

@@ -84,23 +84,26 @@ class ViewBuilder {
 
 std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMapState& local_map,
                                        const Keyframe& keyframe) {
+  const IslandId island = state.global.island_of.at(local_map.id);
+  // What the local map's own graph holds is alive: only fusion can have given it another name.
   std::vector<MapPointId> points = keyframe.points;
+  for (MapPointId& point : points) {
+    if (point.IsValid()) point = state.global.landmarks.Survivor(point);
+  }
   const auto foreign = local_map.foreign_observations.find(keyframe.id());
   if (foreign != local_map.foreign_observations.end()) {
-    for (const auto& [keypoint, point] : foreign->second) points[keypoint] = point;
-  }
-  const IslandId island = state.global.island_of.at(local_map.id);
-  for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
-    MapPointId& point = points[keypoint];
-    if (!point.IsValid()) continue;
-    const auto rejected = state.global.rejected.find({keyframe.id(), keypoint});
-    if (rejected != state.global.rejected.end() && rejected->second == point) {
-      point = MapPointId();
-      continue;
+    for (const auto& [keypoint, raw] : foreign->second) {
+      const MapPointId point = ResolvePoint(state, raw);
+      const bool here = point.IsValid() && state.global.island_of.at(point.local_map) == island;
+      points[keypoint] = here ? point : MapPointId();
     }
-    point = ResolvePoint(state, point);
-    if (point.IsValid() && state.global.island_of.at(point.local_map) != island) {
-      point = MapPointId();
+  }
+  const RejectedObservations& rejected = state.global.rejected;
+  for (auto it = rejected.lower_bound({keyframe.id(), 0});
+       it != rejected.end() && it->first.first == keyframe.id(); ++it) {
+    const uint32_t keypoint = it->first.second;
+    if (RawObservation(local_map, keyframe.id(), keypoint) == it->second) {
+      points[keypoint] = MapPointId();
     }
   }
   return points;

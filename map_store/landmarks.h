@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "absl/container/flat_hash_map.h"
 #include "slam/util/ids.h"
 
 namespace corbslam::map_store {
@@ -29,7 +30,8 @@ class Landmarks {
 
  private:
   Sets members_;
-  std::map<MapPointId, MapPointId> survivor_of_;  // Of members.
+  // Of members. Only looked up, never walked through.
+  absl::flat_hash_map<MapPointId, MapPointId> survivor_of_;
 };
 
 }  // namespace corbslam::map_store

@@ -67,6 +67,12 @@ absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
       }
       grant.acknowledged.push_back({id, local_map == nullptr ? 0 : local_map->last_batch});
     }
+    const size_t agents = state_.agents.size();
+    if (agents >= environment_.options->max_agents_per_mission &&
+        !state_.agents.contains(request.agent)) {
+      return absl::ResourceExhaustedError(
+          absl::StrCat("mission ", name_, " has ", agents, " agents; that is the limit"));
+    }
     AgentState& agent = state_.agents[request.agent];
     fenced = std::exchange(agent.session, session_id);
     ResumeSharing(request.last_revision, agent.share);

@@ -52,6 +52,7 @@ struct MapStoreOptions {
   int max_attempts = 3;
   int retry_ms = 1000;
   size_t max_missions = 1000;
+  size_t max_agents_per_mission = 1000;
   size_t max_local_maps_per_mission = 1000;
   size_t max_keypoints_per_keyframe = 20000;
   size_t max_items_per_batch = 1000000;

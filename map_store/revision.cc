@@ -132,6 +132,9 @@ void MergeLandmarks(const RevisionPlan& plan, MissionState& state) {
     const MapPointId survivor = ResolvePoint(state, merge.survivor);
     const MapPointId member = ResolvePoint(state, merge.member);
     if (!survivor.IsValid() || !member.IsValid() || survivor == member) continue;
+    const bool here = global.island_of.at(survivor.local_map) == plan.target &&
+                      global.island_of.at(member.local_map) == plan.target;
+    if (!here) continue;
     global.landmarks.Merge(survivor, member);
     const auto lost = global.points.find(member);
     if (lost == global.points.end()) continue;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_set.h"
 #include "map_store/island_view.h"
 #include "map_store/placement.h"
 
@@ -103,7 +104,7 @@ class ShareStep {
   bool IsKnown(MapPointId point) const { return IsOwn(point) || share_.points.contains(point); }
 
   void CollectForeign() {
-    std::set<MapPointId> own_landmarks;
+    absl::flat_hash_set<MapPointId> own_landmarks;
     std::vector<Eigen::Vector3d> own_centres;
     const LocalMapState& own = *state_.FindLocalMap(share_.local_map);
     for (const auto& [id, keyframe] : own.map.keyframes()) {
@@ -127,7 +128,7 @@ class ShareStep {
     }
   }
 
-  static void MeasureNearness(const std::set<MapPointId>& own_landmarks,
+  static void MeasureNearness(const absl::flat_hash_set<MapPointId>& own_landmarks,
                               const std::vector<Eigen::Vector3d>& own_centres,
                               ForeignKeyframe& foreign) {
     for (const auto& [keypoint, point] : foreign.points) {
