@@ -1,0 +1,169 @@
+// Tracking and mapping together, on the features of a synthetic scene.
+#include "client_agent/tracking/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "client_agent/mapping/mapper.h"
+#include "slam/optimisation/testing/synthetic_scene.h"
+
+namespace corbslam {
+namespace {
+
+testing::SyntheticSceneOptions SceneOptions() {
+  testing::SyntheticSceneOptions options;
+  options.keyframes = 40;
+  options.points = 4000;
+  options.step_m = 0.1;
+  options.nearest_m = 2;
+  options.farthest_m = 8;
+  options.pixel_noise_px = 0.1;
+  return options;
+}
+
+const testing::SyntheticScene& Scene() {
+  static const auto* scene = new testing::SyntheticScene(MakeSyntheticScene(SceneOptions()));
+  return *scene;
+}
+
+TrackerOptions Options() {
+  TrackerOptions options;
+  options.min_keyframes_to_wait = 2;
+  return options;
+}
+
+class TrackerTest : public ::testing::Test {
+ protected:
+  TrackerTest()
+      : map_(LocalMapId{42}),
+        vocabulary_(*Vocabulary::Load(std::string(CORBSLAM_SOURCE_DIR) +
+                                      "/slam/vocabulary/data/corbslam.voc")),
+        find_places_([this](const Words&) { return places_; }),
+        mapper_({}, {&map_, &queue_, &statistics_,
+                     [this](KeyframeId id) { places_.insert(places_.begin(), id); }, nullptr}),
+        tracker_(Options(), std::make_shared<const Camera>(Scene().camera),
+                 {&map_, &queue_, &statistics_, vocabulary_.get(), &find_places_}) {}
+
+  static const Keyframe& Seen(uint32_t index) {
+    return *Scene().map.FindKeyframe({SceneOptions().local_map, index});
+  }
+
+  TrackingResult Track(uint32_t index) {
+    return Finish(tracker_.Track(index * 100'000'000, Seen(index).payload->features));
+  }
+
+  TrackingResult TrackNothing() { return Finish(tracker_.Track(1, Features())); }
+
+  TrackingResult Finish(const TrackingResult& result) {
+    while (mapper_.Step()) {
+    }
+    return result;
+  }
+
+  // Distance of the estimated camera from the truth, in the first camera's frame.
+  static double Error(const TrackingResult& result, uint32_t index) {
+    const auto& truth = Scene().true_camera_from_map;
+    const Rigid3d expected = truth.at(Seen(index).id()) * truth.at(Seen(0).id()).Inverse();
+    return (CameraCentre(result.camera_from_local) - CameraCentre(expected)).norm();
+  }
+
+  GuardedMap map_;
+  MappingQueue queue_;
+  PointStatistics statistics_;
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  std::vector<KeyframeId> places_;
+  PlaceFinder find_places_;
+  Mapper mapper_;
+  Tracker tracker_;
+};
+
+TEST_F(TrackerTest, FollowsTheWayAndMakesKeyframes) {
+  int keyframes = 0;
+  for (uint32_t i = 0; i < 40; ++i) {
+    const TrackingResult result = Track(i);
+    ASSERT_EQ(result.state, TrackingState::kTracking) << i;
+    EXPECT_LT(Error(result, i), 0.02) << i;
+    keyframes += result.made_keyframe;
+  }
+  EXPECT_GE(keyframes, 3);
+  EXPECT_LE(keyframes, 38);
+}
+
+TEST_F(TrackerTest, PoseFollowsItsReference) {
+  for (uint32_t i = 0; i < 5; ++i) {
+    const TrackingResult result = Track(i);
+    const auto reference = map_.ReadWithHistory([&](const Map& map, const MapHistory& history) {
+      return history.CameraFromMap(map, result.reference);
+    });
+    ASSERT_TRUE(reference.has_value());
+    const Rigid3d chained = result.reference_from_camera.Inverse() * *reference;
+    EXPECT_LT((chained.translation - result.camera_from_local.translation).norm(), 0.02);
+  }
+}
+
+TEST_F(TrackerTest, BeginsOnlyWithEnoughKeypoints) {
+  EXPECT_EQ(TrackNothing().state, TrackingState::kNotInitialised);
+  Features few = Seen(0).payload->features;
+  few.keypoints.resize(100);
+  few.descriptors.resize(100);
+  EXPECT_EQ(tracker_.Track(2, few).state, TrackingState::kNotInitialised);
+  EXPECT_FALSE(tracker_.IsLostForGood());
+  EXPECT_EQ(Track(0).state, TrackingState::kTracking);
+}
+
+TEST_F(TrackerTest, FindsItsWayBackAfterBlackImages) {
+  for (uint32_t i = 0; i < 40; ++i) Track(i);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(TrackNothing().state, TrackingState::kLost);
+  EXPECT_FALSE(tracker_.IsLostForGood());
+  // Somewhere else than where it got lost.
+  const TrackingResult result = Track(20);
+  ASSERT_EQ(result.state, TrackingState::kTracking);
+  EXPECT_LT(Error(result, 20), 0.02);
+}
+
+TEST_F(TrackerTest, ASuddenJumpIsNoFalsePose) {
+  for (uint32_t i = 0; i < 20; ++i) Track(i);
+  const TrackingResult result = Track(35);
+  if (result.state == TrackingState::kTracking) {
+    EXPECT_LT(Error(result, 35), 0.05);
+  }
+}
+
+TEST_F(TrackerTest, AFreshMapIsGivenUpAtOnceALargeOneLater) {
+  Track(0);
+  TrackNothing();
+  EXPECT_TRUE(tracker_.IsLostForGood());
+}
+
+TEST_F(TrackerTest, ALargeMapIsGivenUpAfterManyLostFrames) {
+  for (uint32_t i = 0; i < 40; ++i) Track(i);
+  int frames = 0;
+  while (!tracker_.IsLostForGood()) {
+    TrackNothing();
+    ASSERT_LT(++frames, 100);
+  }
+  EXPECT_GT(frames, 10);
+}
+
+TEST_F(TrackerTest, PointsOfOthersAreUsedAndCounted) {
+  for (uint32_t i = 0; i < 10; ++i) Track(i);
+  // All points become another local map's.
+  map_.Write([](Map& map) {
+    const Map copy = map;
+    for (const auto& [id, point] : copy.points()) {
+      MapPoint foreign = point;
+      foreign.id.local_map = LocalMapId{77};
+      map.AddPoint(foreign);
+      map.ReplacePoint(id, foreign.id);
+    }
+  });
+  const TrackingResult result = Track(10);
+  ASSERT_EQ(result.state, TrackingState::kTracking);
+  EXPECT_GT(result.foreign_points_matched, result.points_matched / 2);
+  EXPECT_LT(Error(result, 10), 0.02);
+}
+
+}  // namespace
+}  // namespace corbslam
