@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <set>
 
@@ -342,6 +343,27 @@ TEST_F(FusionFlowTest, OwnersGoOnChangingPointsThatAreLandmarks) {
   EXPECT_TRUE(seen.contains(own_of(0, b.local_map())));
   EXPECT_TRUE(seen.contains(own_of(2, b.local_map())));
   EXPECT_FALSE(seen.contains(own_of(5, b.local_map()))) << "both owners let go of it";
+}
+
+TEST_F(FusionFlowTest, RejectedObservationsGetASecondChance) {
+  TestAgent a(store_, kMission, "a", map_a_);
+  TestAgent b(store_, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  const KeyframeId keyframe = a.Id(1);
+  const auto seen = map_a_.map.FindKeyframe(keyframe)->points;
+  const auto first = std::find_if(seen.begin(), seen.end(), [](auto id) { return id.IsValid(); });
+  ASSERT_NE(first, seen.end());
+  const size_t observed = store_.GetKeyframe(kMission, keyframe)->observed_points;
+  worker_.reject = {{*first, keyframe}};
+  Fuse();
+  EXPECT_EQ(store_.GetKeyframe(kMission, keyframe)->observed_points, observed - 1);
+  // The owner's layer is untouched, and the next adjustment sees it again.
+  worker_.reject.clear();
+  ASSERT_TRUE(a.Close().ok());
+  ASSERT_TRUE(b.Close().ok());
+  Fuse();
+  EXPECT_EQ(store_.GetKeyframe(kMission, keyframe)->observed_points, observed);
 }
 
 TEST_F(FusionFlowTest, RunsTwiceTheSame) {

@@ -109,7 +109,8 @@ std::optional<FusionRequest> PrepareAdjust(const MissionState& state, const Fusi
   const Island* island = FindIsland(state, action.target);
   if (island == nullptr) return std::nullopt;
   AdjustJob job;
-  job.snapshot = TakeIslandSnapshot(state, *island, island->displaced);
+  // With the whole in view, it decides anew which observations are wrong.
+  job.snapshot = TakeIslandSnapshot(state, *island, island->displaced, Rejected::kTryAgain);
   const Map& view = job.snapshot.view;
   if (view.keyframes().size() < 2) return std::nullopt;
   // The first keyframe of the local map whose frame it is holds the frame.

@@ -8,8 +8,9 @@ namespace {
 // Builds a Map of an island's keyframes and what they see.
 class ViewBuilder {
  public:
-  ViewBuilder(const MissionState& state, const Island& island, const Unplaced& unplaced)
-      : state_(state), unplaced_(unplaced) {
+  ViewBuilder(const MissionState& state, const Island& island, const Unplaced& unplaced,
+              Rejected rejected)
+      : state_(state), unplaced_(unplaced), rejected_(rejected) {
     for (const LocalMapId& id : island.local_maps) {
       poses_[id] = ComputePoses(*state.FindLocalMap(id), state.global, unplaced);
     }
@@ -52,7 +53,7 @@ class ViewBuilder {
   }
 
   void AddObservations(const LocalMapState& local_map, const Keyframe& from) {
-    const std::vector<MapPointId> points = ObservedPoints(state_, local_map, from);
+    const std::vector<MapPointId> points = ObservedPoints(state_, local_map, from, rejected_);
     for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
       const MapPointId id = points[keypoint];
       if (!id.IsValid()) continue;
@@ -76,6 +77,7 @@ class ViewBuilder {
 
   const MissionState& state_;
   const Unplaced& unplaced_;
+  const Rejected rejected_;
   std::map<LocalMapId, IslandPoses> poses_;
   Map view_;
 };
@@ -83,7 +85,7 @@ class ViewBuilder {
 }  // namespace
 
 std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMapState& local_map,
-                                       const Keyframe& keyframe) {
+                                       const Keyframe& keyframe, Rejected treatment) {
   const IslandId island = state.global.island_of.at(local_map.id);
   // What the local map's own graph holds is alive: only fusion can have given it another name.
   std::vector<MapPointId> points = keyframe.points;
@@ -98,6 +100,7 @@ std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMap
       points[keypoint] = here ? point : MapPointId();
     }
   }
+  if (treatment == Rejected::kTryAgain) return points;
   const RejectedObservations& rejected = state.global.rejected;
   for (auto it = rejected.lower_bound({keyframe.id(), 0});
        it != rejected.end() && it->first.first == keyframe.id(); ++it) {
@@ -110,13 +113,13 @@ std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMap
 }
 
 IslandSnapshot TakeIslandSnapshot(const MissionState& state, const Island& island,
-                                  const Unplaced& unplaced) {
+                                  const Unplaced& unplaced, Rejected rejected) {
   IslandSnapshot snapshot;
   snapshot.island = island.id;
   snapshot.revision = state.global.revision;
   snapshot.generation = island.generation;
   snapshot.version_of_owners = island.version_of_owners;
-  ViewBuilder builder(state, island, unplaced);
+  ViewBuilder builder(state, island, unplaced, rejected);
   for (const LocalMapId& id : island.local_maps) {
     const LocalMapState& local_map = *state.FindLocalMap(id);
     snapshot.poses.insert(builder.poses(id).begin(), builder.poses(id).end());
@@ -133,7 +136,7 @@ IslandSnapshot TakeIslandSnapshot(const MissionState& state, const Island& islan
 Map BuildPartialView(const MissionState& state, const Island& island,
                      const std::set<KeyframeId>& keyframes) {
   const Unplaced none;
-  ViewBuilder builder(state, island, none);
+  ViewBuilder builder(state, island, none, Rejected::kLeaveOut);
   for (const KeyframeId& id : keyframes) {
     const LocalMapState* local_map = state.FindLocalMap(id.local_map);
     const Keyframe* keyframe = local_map == nullptr ? nullptr : local_map->map.FindKeyframe(id);

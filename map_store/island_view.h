@@ -27,18 +27,23 @@ struct IslandSnapshot {
   std::map<KeyframeId, Rigid3d> local_poses;
 };
 
+// What becomes of observations that fusion has rejected before.
+enum class Rejected { kLeaveOut, kTryAgain };
+
 // The whole island. `unplaced`: see placement.h.
 IslandSnapshot TakeIslandSnapshot(const MissionState& state, const Island& island,
-                                  const Unplaced& unplaced = {});
+                                  const Unplaced& unplaced = {},
+                                  Rejected rejected = Rejected::kLeaveOut);
 
 // Only some of the island's keyframes, and what they see.
 Map BuildPartialView(const MissionState& state, const Island& island,
                      const std::set<KeyframeId>& keyframes);
 
-// One entry a keypoint: the landmark or point that it sees, rejected observations left out. Only
-// what lies in the same island as the keyframe.
+// One entry a keypoint: the landmark or point that it sees. Only what lies in the same island as
+// the keyframe.
 std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMapState& local_map,
-                                       const Keyframe& keyframe);
+                                       const Keyframe& keyframe,
+                                       Rejected rejected = Rejected::kLeaveOut);
 
 // Landmarks and points that two keyframes of one island both see; 0 across islands.
 int CountSharedLandmarks(const MissionState& state, KeyframeId a, KeyframeId b);

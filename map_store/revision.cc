@@ -123,6 +123,9 @@ void MergeIslands(const RevisionPlan& plan, MissionState& state) {
 void PlaceItems(const RevisionPlan& plan, GlobalLayer& global) {
   for (const auto& [id, placed] : plan.keyframes) global.keyframes[id] = placed;
   for (const auto& [id, placed] : plan.points) global.points[id] = placed;
+  std::erase_if(global.rejected, [&plan](const auto& rejected) {
+    return plan.decided_anew.contains(rejected.first.first);
+  });
   for (const auto& [observation, raw] : plan.rejected_raw) global.rejected[observation] = raw;
 }
 
@@ -193,6 +196,7 @@ RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
   PlanKeyframes(state, job.snapshot, Index(result.poses), Similarity3d(), plan);
   PlanPoints(state, job.request.view, Index(result.positions), Similarity3d(), plan);
   PlanRejected(state, {&job.request.view}, result.rejected, plan);
+  for (const auto& [id, keyframe] : job.request.view.keyframes()) plan.decided_anew.insert(id);
   return plan;
 }
 

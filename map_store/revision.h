@@ -5,6 +5,7 @@
 #define CORBSLAM_MAP_STORE_REVISION_H_
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,9 @@ struct RevisionPlan {
   std::map<MapPointId, PlacedPoint> points;
   std::vector<FuseMapsResult::Merge> merges;
   std::vector<RejectedObservation> rejected;
-  // Raw observations behind `rejected`.
+  // Raw observations behind `rejected`, and keyframes whose earlier rejections it takes back.
   RejectedObservations rejected_raw;
+  std::set<KeyframeId> decided_anew;
   std::vector<uint64_t> overlaps;  // Now in the graph.
 };
 

@@ -124,6 +124,7 @@ absl::StatusOr<AdjustBundleResult> TruthfulWorker::AdjustBundle(const AdjustBund
     result.poses.push_back(
         {id, Similarity3d::FromRigid(camera_from_world_.at(id) * world_from_map)});
   }
+  result.rejected = reject;
   result.keyframes = static_cast<int>(request.view.keyframes().size());
   result.points = static_cast<int>(request.view.points().size());
   absl::MutexLock lock(&mutex_);

@@ -44,6 +44,8 @@ class TruthfulWorker : public FusionWorker {
   std::deque<absl::Status> fuse_failures;
   std::deque<absl::Status> adjust_failures;
   bool refuse_fusing = false;
+  // Observations that an adjustment finds to be wrong.
+  std::vector<RejectedObservation> reject;
   // Keyframes farther apart show different places.
   double same_place_m = 4;
 
