@@ -212,7 +212,7 @@ std::vector<TrajectoryPose> SingleAgent::LocalTrajectory() const {
 }
 
 Map SingleAgent::CopyMap() const {
-  return current().map().Read([](const Map& map) { return map; });
+  return Sessions().back()->map().Read([](const Map& map) { return map; });
 }
 
 }  // namespace corbslam

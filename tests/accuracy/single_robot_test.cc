@@ -1,0 +1,90 @@
+// One robot against the truth of recorded sequences: the bars of docs/measurements.md.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "client_agent/agent/agent.h"
+#include "client_agent/source/image_source.h"
+#include "slam/evaluation/trajectory_error.h"
+#include "slam/evaluation/trajectory_io.h"
+
+namespace corbslam {
+namespace {
+
+constexpr int64_t kBeforeFrame15_ns = 1'500'000'000;  // KITTI: 10 Hz, times from zero.
+
+class SingleRobotTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* folder = std::getenv("CORBSLAM_DATA_DIR");
+    if (folder == nullptr) {
+      ASSERT_EQ(std::getenv("CI"), nullptr) << "CORBSLAM_DATA_DIR must be set";
+      GTEST_SKIP() << "CORBSLAM_DATA_DIR is not set";
+    }
+    data_ = folder;
+  }
+
+  // Plays the whole source; the trajectory of every tracked frame.
+  static Trajectory Run(const std::string& spec, int features) {
+    auto source = OpenSource(spec);
+    EXPECT_TRUE(source.ok()) << source.status();
+    AgentOptions options;
+    options.deterministic = true;
+    options.sensor.orb.features = features;
+    const auto vocabulary =
+        Vocabulary::Load(std::string(CORBSLAM_SOURCE_DIR) + "/slam/vocabulary/data/corbslam.voc");
+    auto agent = Agent::Create(options, (*source)->calibration(), *vocabulary, nullptr);
+    EXPECT_TRUE(agent.ok()) << agent.status();
+    for (size_t i = 0; i < (*source)->size(); ++i) {
+      const auto images = (*source)->Next();
+      EXPECT_TRUE(images.ok()) << images.status();
+      EXPECT_TRUE((*agent)->Track(**images).ok());
+    }
+    EXPECT_TRUE((*agent)->Finish(absl::Minutes(1)).ok());
+    EXPECT_EQ((*agent)->GetStatus().local_maps, 1);
+    Trajectory trajectory;
+    for (const TrajectoryPose& pose : (*agent)->LocalTrajectory()) {
+      trajectory.push_back({pose.timestamp_ns, pose.local_from_camera});
+    }
+    return trajectory;
+  }
+
+  static double Rmse(const Trajectory& estimate, const Trajectory& truth) {
+    return ComputeAbsoluteError(AssociateByTime(estimate, truth), Alignment::kSe3)->rmse_m;
+  }
+
+  std::string data_;
+};
+
+TEST_F(SingleRobotTest, KittiStreet) {
+  const std::string folder = data_ + "/kitti_00_first201";
+  const auto truth = ReadKittiTrajectory(folder + "/poses.txt", folder + "/times.txt");
+  ASSERT_TRUE(truth.ok()) << truth.status();
+  const Trajectory estimate = Run("kitti:" + folder, 2000);
+  ASSERT_EQ(estimate.size(), 201u);
+  EXPECT_LE(Rmse(estimate, *truth), 0.36);
+  EXPECT_LE(Rmse(KeepFrom(estimate, kBeforeFrame15_ns), *truth), 0.215);
+}
+
+TEST_F(SingleRobotTest, TumDesk) {
+  const std::string folder = data_ + "/tum_fr1_xyz_15hz";
+  const auto truth = ReadTumTrajectory(folder + "/groundtruth.txt");
+  ASSERT_TRUE(truth.ok()) << truth.status();
+  const Trajectory estimate = Run("tum:" + folder, 1000);
+  ASSERT_EQ(estimate.size(), 396u);
+  EXPECT_LE(Rmse(estimate, *truth), 0.011);
+}
+
+// Large steps between frames: half the frames are missing.
+TEST_F(SingleRobotTest, TumDeskInLargeSteps) {
+  const std::string folder = data_ + "/tum_fr1_xyz_15hz";
+  const auto truth = ReadTumTrajectory(folder + "/groundtruth.txt");
+  ASSERT_TRUE(truth.ok()) << truth.status();
+  const Trajectory estimate = Run("tum:" + folder + "?stride=2", 1000);
+  EXPECT_GE(estimate.size(), 196u);
+  EXPECT_LE(Rmse(estimate, *truth), 0.015);
+}
+
+}  // namespace
+}  // namespace corbslam
