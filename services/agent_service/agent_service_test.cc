@@ -1,0 +1,152 @@
+// The robot's own service, through the real stubs in one process.
+#include "services/agent_service/agent_service.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "services/server/server.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FakeAgent : public Agent {
+ public:
+  absl::StatusOr<TrackingResult> Track(const SensorImages&) override { return TrackingResult(); }
+  void Step() override {}
+  absl::Status Finish(absl::Duration) override { return absl::OkStatus(); }
+  AgentStatus GetStatus() const override {
+    AgentStatus status;
+    status.state = TrackingState::kLost;
+    status.local_map = {0xabc};
+    status.frames = 12;
+    status.lost = 3;
+    status.keyframes = 4;
+    status.global_from_local = Similarity3d::Identity();
+    return status;
+  }
+  std::vector<TrajectoryPose> LocalTrajectory() const override {
+    std::vector<TrajectoryPose> poses;
+    for (int i = 0; i < 2500; ++i) {
+      poses.push_back({i * 1000, {0xabc}, {Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}}});
+    }
+    return poses;
+  }
+  Map CopyMap() const override { return {}; }
+};
+
+class AgentServiceTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto server = Server::Start("", {&service_});
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    stub_ = v1::Agent::NewStub(server_->InProcessChannel());
+  }
+  void TearDown() override { server_->Shutdown(absl::ZeroDuration()); }
+
+  void Track(int64_t time_ns, TrackingState state = TrackingState::kTracking) {
+    TrackingResult result;
+    result.timestamp_ns = time_ns;
+    result.state = state;
+    result.local_map = {0xabc};
+    result.camera_from_local.translation = {0, 0, -2};
+    service_.OnFrame(result, 5);
+  }
+
+  FakeAgent agent_;
+  AgentService service_{&agent_, nullptr, {.mission = "m", .agent = "alpha"}};
+  std::unique_ptr<Server> server_;
+  std::unique_ptr<v1::Agent::Stub> stub_;
+};
+
+TEST_F(AgentServiceTest, TellsHowItIs) {
+  Track(1);
+  grpc::ClientContext context;
+  v1::AgentStatus status;
+  ASSERT_TRUE(stub_->GetStatus(&context, {}, &status).ok());
+  EXPECT_EQ(status.mission(), "missions/m");
+  EXPECT_EQ(status.agent(), "alpha");
+  EXPECT_EQ(status.state(), v1::TRACKING_STATE_LOST);
+  EXPECT_EQ(status.local_map(), "0000000000000abc");
+  EXPECT_EQ(status.frames(), 12u);
+  EXPECT_EQ(status.dropped(), 5u);
+  EXPECT_TRUE(status.has_global_from_local());
+}
+
+TEST_F(AgentServiceTest, RefusesWhoeverExpectsAnotherMission) {
+  grpc::ClientContext context;
+  v1::GetStatusRequest request;
+  request.set_mission("missions/other");
+  v1::AgentStatus status;
+  EXPECT_EQ(stub_->GetStatus(&context, request, &status).error_code(),
+            grpc::StatusCode::FAILED_PRECONDITION);
+}
+
+TEST_F(AgentServiceTest, WatchersGetTheNewestPose) {
+  Track(1000);
+  grpc::ClientContext context;
+  const auto stream = stub_->WatchPose(&context, {});
+  v1::WatchPoseResponse pose;
+  ASSERT_TRUE(stream->Read(&pose));
+  EXPECT_EQ(pose.timestamp_ns(), 1000);
+  EXPECT_EQ(pose.local_from_camera().translation(2), 2);
+  Track(2000, TrackingState::kLost);
+  ASSERT_TRUE(stream->Read(&pose));
+  EXPECT_EQ(pose.timestamp_ns(), 2000);
+  EXPECT_EQ(pose.state(), v1::TRACKING_STATE_LOST);
+  EXPECT_FALSE(pose.has_local_from_camera());
+  context.TryCancel();
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+}
+
+TEST_F(AgentServiceTest, ARateLeavesPosesOut) {
+  grpc::ClientContext context;
+  v1::WatchPoseRequest request;
+  request.set_max_rate_hz(10);
+  Track(0);
+  const auto stream = stub_->WatchPose(&context, request);
+  v1::WatchPoseResponse pose;
+  ASSERT_TRUE(stream->Read(&pose));
+  Track(50'000'000);
+  Track(100'000'000);
+  ASSERT_TRUE(stream->Read(&pose));
+  EXPECT_EQ(pose.timestamp_ns(), 100'000'000);
+  context.TryCancel();
+  stream->Finish();
+}
+
+TEST_F(AgentServiceTest, AnImpossibleRateIsRefused) {
+  grpc::ClientContext context;
+  v1::WatchPoseRequest request;
+  request.set_max_rate_hz(-1);
+  const auto stream = stub_->WatchPose(&context, request);
+  v1::WatchPoseResponse pose;
+  EXPECT_FALSE(stream->Read(&pose));
+  const grpc::Status status = stream->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("max_rate_hz is -1"));
+}
+
+TEST_F(AgentServiceTest, StreamsItsTrajectory) {
+  grpc::ClientContext context;
+  v1::GetAgentTrajectoryRequest request;
+  request.set_from_timestamp_ns(100'000);
+  const auto stream = stub_->GetTrajectory(&context, request);
+  v1::GetAgentTrajectoryResponse response;
+  int poses = 0;
+  while (stream->Read(&response)) {
+    EXPECT_LE(response.poses_size(), 1000);
+    EXPECT_GE(response.poses(0).timestamp_ns(), 100'000);
+    poses += response.poses_size();
+  }
+  EXPECT_TRUE(stream->Finish().ok());
+  EXPECT_EQ(poses, 2400);
+}
+
+}  // namespace
+}  // namespace corbslam
