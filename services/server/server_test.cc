@@ -22,8 +22,11 @@ std::string CheckHealth(const std::shared_ptr<grpc::Channel>& channel) {
   grpc::CompletionQueue queue;
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
+  // No service named: all of the server. Kept until the call is started.
+  const grpc::Slice nothing;
+  const grpc::ByteBuffer request(&nothing, 1);
   const auto call =
-      stub.PrepareUnaryCall(&context, "/grpc.health.v1.Health/Check", grpc::ByteBuffer(), &queue);
+      stub.PrepareUnaryCall(&context, "/grpc.health.v1.Health/Check", request, &queue);
   call->StartCall();
   grpc::ByteBuffer response;
   grpc::Status status;
