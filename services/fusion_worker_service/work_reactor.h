@@ -60,10 +60,7 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
 
   void OnCancel() override { cancelled_ = true; }
 
-  void OnDone() override {
-    --requests_;
-    delete this;
-  }
+  void OnDone() override { delete this; }
 
  private:
   void Work() {
@@ -130,8 +127,11 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
       }
     }
     if (next != nullptr) return this->StartWrite(next);
+    if (!end) return;
+    // Before the caller knows: its next request must find room.
+    --requests_;
     // The reactor may be gone once this is called.
-    if (end) this->Finish(ToGrpcStatus(*end));
+    this->Finish(ToGrpcStatus(*end));
   }
 
   TaskPool& pool_;

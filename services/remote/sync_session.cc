@@ -67,6 +67,8 @@ void SyncSession::Push(v1::SyncRequest request) {
 const v1::SyncRequest* SyncSession::NextWrite() {
   if (writing_ || broken_ || queue_.empty()) return nullptr;
   writing_ = true;
+  // Counted before the store can answer.
+  transport_->bytes_up += queue_.front().ByteSizeLong() + kFrameBytes;
   return &queue_.front();
 }
 
@@ -90,9 +92,7 @@ void SyncSession::OnWriteDone(bool ok) {
   bool release = false;
   {
     absl::MutexLock lock(&mutex_);
-    const size_t bytes = queue_.front().ByteSizeLong() + kFrameBytes;
-    if (ok) transport_->bytes_up += bytes;
-    queued_bytes_ -= bytes;
+    queued_bytes_ -= queue_.front().ByteSizeLong() + kFrameBytes;
     queue_.pop_front();
     writing_ = false;
     broken_ |= !ok;
