@@ -101,6 +101,8 @@ class Mission {
 
   FusionSummary Summarise() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   std::optional<FusionAction> NextAction(FusionLane lane) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  // Starts the next piece of work, if there is any; true: it turned out to be nothing, go on.
+  bool TryStart(FusionLane lane, std::optional<FusionJob>& job) ABSL_LOCKS_EXCLUDED(mutex_);
   bool IsIdleLocked() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   // The action needs no worker: says so in the state.
   void SkipAction(const FusionAction& action) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -101,25 +101,33 @@ std::optional<FusionAction> Mission::NextAction(FusionLane lane) const {
 }
 
 std::optional<FusionJob> Mission::StartJob(FusionLane lane_id) {
-  while (true) {
-    absl::MutexLock lock(&mutex_);
-    Lane& lane = lanes_[static_cast<size_t>(lane_id)];
-    if (lane.busy) return std::nullopt;
-    const std::optional<FusionAction> action = NextAction(lane_id);
-    if (!action.has_value()) {
-      lane_released_.SignalAll();
-      return std::nullopt;
-    }
-    std::optional<FusionRequest> request = PrepareRequest(state_, *action, *environment_.options);
-    if (!request.has_value()) {
-      SkipAction(*action);
-      continue;
-    }
-    lane.busy = true;
-    lane.target = action->target;
-    lane.cancelled = std::make_shared<std::atomic<bool>>(false);
-    return FusionJob{*std::move(request), lane.cancelled};
+  bool skipped = false;
+  std::optional<FusionJob> job;
+  while (TryStart(lane_id, job)) skipped = true;
+  // What was skipped may have been all that the other lane waited for.
+  if (skipped) environment_.wake_fusion();
+  return job;
+}
+
+bool Mission::TryStart(FusionLane lane_id, std::optional<FusionJob>& job) {
+  absl::MutexLock lock(&mutex_);
+  Lane& lane = lanes_[static_cast<size_t>(lane_id)];
+  if (lane.busy) return false;
+  const std::optional<FusionAction> action = NextAction(lane_id);
+  if (!action.has_value()) {
+    lane_released_.SignalAll();
+    return false;
   }
+  std::optional<FusionRequest> request = PrepareRequest(state_, *action, *environment_.options);
+  if (!request.has_value()) {
+    SkipAction(*action);
+    return true;
+  }
+  lane.busy = true;
+  lane.target = action->target;
+  lane.cancelled = std::make_shared<std::atomic<bool>>(false);
+  job = FusionJob{*std::move(request), lane.cancelled};
+  return false;
 }
 
 void Mission::SkipAction(const FusionAction& action) {
