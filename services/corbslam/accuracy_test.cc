@@ -25,7 +25,7 @@ constexpr int kFrames = 40;
 // The truth of frame i: a bent road, 10 Hz.
 StampedPose TruthAt(int i) {
   StampedPose pose;
-  pose.timestamp_ns = i * 100'000'000;
+  pose.timestamp_ns = int64_t{100'000'000} * i;
   pose.world_from_camera.translation = {0.02 * i * i, 0.3 * std::sin(0.3 * i), 1.0 * i};
   return pose;
 }

@@ -22,7 +22,9 @@
 namespace corbslam {
 namespace {
 
+// What our programs say (services/server/server.h).
 constexpr absl::string_view kAnnouncement = "listening on ";
+constexpr absl::string_view kFinished = "finished";
 
 double ToSeconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
@@ -84,15 +86,20 @@ void ChildProcess::ReadOutput(int output) {
   size_t capacity = 0;
   while (getline(&text, &capacity, stream) >= 0) {
     log << text << std::flush;
-    absl::string_view line = absl::StripAsciiWhitespace(text);
-    if (!absl::ConsumePrefix(&line, kAnnouncement)) continue;
-    absl::MutexLock lock(&mutex_);
-    if (!address_.has_value()) address_ = std::string(line);
+    NoteLine(absl::StripAsciiWhitespace(text));
   }
   free(text);
   fclose(stream);
   absl::MutexLock lock(&mutex_);
   output_ended_ = true;
+}
+
+void ChildProcess::NoteLine(absl::string_view line) {
+  absl::MutexLock lock(&mutex_);
+  if (line == kFinished) finished_ = true;
+  if (absl::ConsumePrefix(&line, kAnnouncement) && !address_.has_value()) {
+    address_ = std::string(line);
+  }
 }
 
 void ChildProcess::Reap() {
@@ -121,6 +128,15 @@ absl::StatusOr<std::string> ChildProcess::WaitForAddress(absl::Duration timeout)
     if (address_.has_value()) return *address_;
   }
   return absl::UnavailableError(absl::StrCat(name_, " ended without an address:\n", LastLines()));
+}
+
+bool ChildProcess::WaitUntilFinished(absl::Duration timeout) {
+  absl::MutexLock lock(&mutex_);
+  const auto is_done = [this] {
+    mutex_.AssertReaderHeld();
+    return finished_ || (end_.has_value() && output_ended_);
+  };
+  return mutex_.AwaitWithTimeout(absl::Condition(&is_done), timeout);
 }
 
 bool ChildProcess::WaitForEnd(absl::Duration timeout) {

@@ -13,6 +13,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 
@@ -41,6 +42,8 @@ class ChildProcess {
   // The HOST:PORT of the line "listening on HOST:PORT". DEADLINE_EXCEEDED, or UNAVAILABLE with the
   // end of the log when the program ended without it.
   absl::StatusOr<std::string> WaitForAddress(absl::Duration timeout);
+  // Waits until it said "finished" or ended; false when it did neither within `timeout`.
+  bool WaitUntilFinished(absl::Duration timeout);
   // False when it still runs after `timeout`.
   bool WaitForEnd(absl::Duration timeout);
   // Once it has ended.
@@ -54,6 +57,7 @@ class ChildProcess {
  private:
   ChildProcess(std::string name, std::string log_path, pid_t pid, int output);
   void ReadOutput(int output);
+  void NoteLine(absl::string_view line);
   void Reap();
   std::string LastLines() const;
 
@@ -62,6 +66,7 @@ class ChildProcess {
   const pid_t pid_;
   mutable absl::Mutex mutex_;
   std::optional<std::string> address_ ABSL_GUARDED_BY(mutex_);
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   bool output_ended_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<ProcessEnd> end_ ABSL_GUARDED_BY(mutex_);
   std::thread reader_;

@@ -16,7 +16,8 @@ absl::StatusOr<std::unique_ptr<ChildProcess>> RunShell(const std::string& name,
 }
 
 TEST(ChildProcessTest, ReadsTheAddressAndStops) {
-  const auto child = RunShell("server", "echo hello; echo listening on 127.0.0.1:123; sleep 100");
+  const auto child =
+      RunShell("server", "echo hello; echo listening on 127.0.0.1:123; exec sleep 100");
   ASSERT_TRUE(child.ok()) << child.status();
   const absl::StatusOr<std::string> address = (*child)->WaitForAddress(absl::Seconds(10));
   ASSERT_TRUE(address.ok()) << address.status();

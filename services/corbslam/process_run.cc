@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client_agent/source/image_source.h"
+#include "corbslam/v1/agent_service.grpc.pb.h"
 #include "services/corbslam/agent_report.h"
 #include "services/corbslam/child_process.h"
 #include "services/corbslam/mission_run.h"
@@ -21,12 +22,17 @@ namespace {
 constexpr absl::Duration kStartTimeout = absl::Seconds(60);
 constexpr absl::Duration kStopGrace = absl::Seconds(10);
 constexpr absl::Duration kProgressInterval = absl::Seconds(1);
+// After fusion an agent has all that is for it when nothing came for this long.
+constexpr absl::Duration kQuiet = absl::Seconds(1);
+constexpr absl::Duration kSharingTimeout = absl::Seconds(30);
+constexpr absl::Duration kAgentStopGrace = absl::Seconds(60);
 
 struct RunningAgent {
   RobotPlan plan;
   size_t frames = 0;
   std::string statistics_path;
   std::unique_ptr<ChildProcess> process;
+  std::unique_ptr<v1::Agent::Stub> stub;  // Null: it does not stay.
 };
 
 class ProcessRun {
@@ -45,9 +51,13 @@ class ProcessRun {
                                           std::vector<std::string> arguments,
                                           bool needs_vocabulary);
   absl::Status StartServers();
-  absl::Status StartAgent(const RobotPlan& plan);
-  // Until every agent that was started has ended.
+  // One that stays is connected until it is stopped, and takes in what others made.
+  absl::Status StartAgent(const RobotPlan& plan, bool stays);
+  // Until every agent that was started has mapped its last frame.
   absl::Status WaitForAgents();
+  // Until the agents that stay have what the store has for them.
+  void WaitUntilShared();
+  absl::Status StopAgents();
   void ShowProgress(const std::string& stage);
   void StopServers(MissionOutcome& outcome);
 
@@ -91,7 +101,7 @@ absl::Status ProcessRun::StartServers() {
   return absl::OkStatus();
 }
 
-absl::Status ProcessRun::StartAgent(const RobotPlan& plan) {
+absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
   RunningAgent agent;
   agent.plan = plan;
   {
@@ -108,11 +118,16 @@ absl::Status ProcessRun::StartAgent(const RobotPlan& plan) {
   if (options_.seed.has_value()) {
     arguments.insert(arguments.end(), {"--seed", absl::StrCat(*options_.seed)});
   }
+  if (stays) arguments.insert(arguments.end(), {"--stay", "--listen", "127.0.0.1:0"});
   ASSIGN_OR_RETURN(const std::vector<std::string> command,
                    MakeCommand("client_agent", std::move(arguments), true));
   ASSIGN_OR_RETURN(agent.process,
                    ChildProcess::Start(plan.name, command,
                                        absl::StrCat(options_.log_folder, "/", plan.name, ".log")));
+  if (stays) {
+    ASSIGN_OR_RETURN(const std::string address, agent.process->WaitForAddress(kStartTimeout));
+    agent.stub = v1::Agent::NewStub(std::shared_ptr<grpc::ChannelInterface>(MakeChannel(address)));
+  }
   agents_.push_back(std::move(agent));
   return absl::OkStatus();
 }
@@ -122,7 +137,36 @@ absl::Status ProcessRun::WaitForAgents() {
     store_ = std::make_unique<StoreReader>(MakeChannel(store_address_), options_.mission);
   }
   for (RunningAgent& agent : agents_) {
-    while (!agent.process->WaitForEnd(kProgressInterval)) ShowProgress("mapping");
+    while (!agent.process->WaitUntilFinished(kProgressInterval)) ShowProgress("mapping");
+    if (agent.process->end().has_value()) RETURN_IF_ERROR(agent.process->EndStatus());
+  }
+  return absl::OkStatus();
+}
+
+// 0 where it does not answer.
+uint64_t AskBytesDown(v1::Agent::Stub& stub) {
+  grpc::ClientContext context;
+  context.set_deadline(absl::ToChronoTime(absl::Now() + absl::Seconds(10)));
+  v1::AgentStatus status;
+  return stub.GetStatus(&context, {}, &status).ok() ? status.bytes_down() : 0;
+}
+
+void ProcessRun::WaitUntilShared() {
+  const absl::Time deadline = absl::Now() + kSharingTimeout;
+  for (const RunningAgent& agent : agents_) {
+    if (agent.stub == nullptr) continue;
+    uint64_t before = AskBytesDown(*agent.stub);
+    for (uint64_t now = before + 1; now != before && absl::Now() < deadline;) {
+      before = now;
+      absl::SleepFor(kQuiet);
+      now = AskBytesDown(*agent.stub);
+    }
+  }
+}
+
+absl::Status ProcessRun::StopAgents() {
+  for (const RunningAgent& agent : agents_) {
+    agent.process->Stop(kAgentStopGrace);
     RETURN_IF_ERROR(agent.process->EndStatus());
   }
   return absl::OkStatus();
@@ -166,12 +210,15 @@ void ProcessRun::StopServers(MissionOutcome& outcome) {
 absl::StatusOr<MissionOutcome> ProcessRun::Run() {
   RETURN_IF_ERROR(StartServers());
   for (const RobotPlan& plan : options_.robots) {
-    RETURN_IF_ERROR(StartAgent(plan));
+    const bool is_last = agents_.size() + 1 == options_.robots.size();
+    RETURN_IF_ERROR(StartAgent(plan, is_last || !options_.sequential));
     if (options_.sequential) RETURN_IF_ERROR(WaitForAgents());
   }
   RETURN_IF_ERROR(WaitForAgents());
   ShowProgress("fusing");
   RETURN_IF_ERROR(store_->WaitUntilFused(options_.fusion_timeout));
+  WaitUntilShared();
+  RETURN_IF_ERROR(StopAgents());
   MissionOutcome outcome;
   RETURN_IF_ERROR(ReadOutcome(*store_, options_.robots, outcome));
   for (const RunningAgent& agent : agents_) {

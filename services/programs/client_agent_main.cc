@@ -39,6 +39,7 @@ struct Flags {
   uint64_t seed = 0;
   int solver_threads = 1;
   double finish_s = 120;
+  bool stay = false;
 };
 
 absl::StatusOr<std::unique_ptr<ImageSource>> OpenFlaggedSource(const Flags& flags) {
@@ -108,6 +109,10 @@ absl::Status Run(const Flags& flags) {
                                 if (server != nullptr) service.OnFrame(result, dropped);
                               }));
   const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
+  if (flags.stay && finished.ok()) {
+    AnnounceFinished();
+    stop.stopped().WaitForNotification();
+  }
   RETURN_IF_ERROR(WriteResults(flags, *agent, played, uplink.get()));
   return finished;
 }
@@ -143,6 +148,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "Seconds to wait after the last frame until the map store has everything")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
+  app.add_flag("--stay", flags.stay,
+               "Then say \"finished\" and stay connected, and take in what others made, until "
+               "SIGTERM");
 }
 
 }  // namespace

@@ -95,4 +95,6 @@ void AnnounceAddress(const std::string& address) {
   std::cout << "listening on " << address << std::endl;
 }
 
+void AnnounceFinished() { std::cout << "finished" << std::endl; }
+
 }  // namespace corbslam

@@ -50,6 +50,8 @@ void BlockStopSignals();
 void WaitForStopSignal();
 // Writes "listening on HOST:PORT" to standard output and flushes it.
 void AnnounceAddress(const std::string& address);
+// Likewise "finished": the program's work is done and it waits to be stopped.
+void AnnounceFinished();
 
 }  // namespace corbslam
 
