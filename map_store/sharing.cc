@@ -150,15 +150,13 @@ class ShareStep {
       update_.removed_keyframes.push_back(it->first);
       it = share_.keyframes.erase(it);
     }
-    for (auto it = share_.points.begin(); it != share_.points.end();) {
-      if (state_.FindPoint(it->first) != nullptr || !budget_.Take(kIdBytes)) {
-        ++it;
-        continue;
-      }
-      const MapPointId gone = it->first;
-      it = share_.points.erase(it);
-      TakeReplacement(gone);
+    // Apart from the walk: what replaces a point may take others off the list.
+    std::vector<MapPointId> gone;
+    for (const auto& [id, position] : share_.points) {
+      if (state_.FindPoint(id) == nullptr && budget_.Take(kIdBytes)) gone.push_back(id);
     }
+    for (const MapPointId& id : gone) share_.points.erase(id);
+    for (const MapPointId& id : gone) TakeReplacement(id);
   }
 
   // A point whose owner replaced it goes on as the point that stands for it now.

@@ -197,6 +197,35 @@ TEST_F(SharingTest, AResumedSessionGoesOnOrStartsAgain) {
   EXPECT_FALSE((*update)->keyframes.empty());
 }
 
+// What stands for a replaced point may take the next one off the list of what the agent holds.
+TEST_F(SharingTest, ReplacedPointsGoOnAsTheirLandmarks) {
+  TestAgent a(store_, kMission, "a", map_a_);
+  TestAgent b(store_, kMission, "b", map_b_);
+  TestAgent c(store_, kMission, "c", map_c_);
+  for (TestAgent* agent : {&a, &b, &c}) {
+    ASSERT_TRUE(agent->Stream().ok());
+    ASSERT_TRUE(agent->Close().ok());
+  }
+  Fuse();
+  ASSERT_TRUE(c.TakeShared().ok());
+  std::vector<MapPointId> held;
+  for (const auto& [id, point] : c.mirror().points) {
+    if (id.local_map == a.local_map()) held.push_back(id);
+  }
+  ASSERT_GT(held.size(), 20u);
+  MapUpdateBatch batch = a.EmptyBatch();
+  for (size_t i = 0; i + 1 < held.size(); i += 2) {
+    batch.replacements.push_back({held[i], held[i + 1]});
+  }
+  ASSERT_TRUE(a.Send(batch).ok());
+  Fuse();
+  ASSERT_TRUE(c.TakeShared().ok());
+  ExpectSound(c);
+  const int updates = c.mirror().updates;
+  ASSERT_TRUE(c.TakeShared().ok());
+  EXPECT_EQ(c.mirror().updates, updates);
+}
+
 TEST_F(SharingTest, ListenersHearOfARevision) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);
