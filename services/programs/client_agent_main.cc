@@ -128,7 +128,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--agent", flags.agent, "This robot's name in it")->capture_default_str();
   app.add_option("--pace", flags.pace, "sensor: frames that come too fast are dropped; max: wait")
       ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Pace>{{"sensor", Pace::kSensor}, {"max", Pace::kMax}}));
+          std::map<std::string, Pace>{{"sensor", Pace::kSensor}, {"max", Pace::kMax}}))
+      ->default_str("max");
   app.add_option("--listen", flags.listen, "HOST:PORT for other programs on the robot");
   app.add_option("--stats", flags.stats, "File to write statistics to, as JSON");
   app.add_option("--trajectory", flags.trajectory,

@@ -11,8 +11,9 @@
 #include <iostream>
 #include <utility>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/string_view.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
@@ -27,6 +28,19 @@ void RegisterPlugins() {
   (void)once;
 }
 
+// gRPC takes ports modulo 65536.
+absl::Status CheckAddress(const std::string& address) {
+  const size_t colon = address.rfind(':');
+  int port = 0;
+  if (address.empty() ||
+      (colon != std::string::npos && absl::SimpleAtoi(address.substr(colon + 1), &port) &&
+       port >= 0 && port <= 65535)) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("address is \"", address, "\", must be HOST:PORT with a port of 0 to 65535"));
+}
+
 sigset_t StopSignals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -39,6 +53,7 @@ sigset_t StopSignals() {
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const std::string& address,
                                                       const std::vector<grpc::Service*>& services) {
+  RETURN_IF_ERROR(CheckAddress(address));
   RegisterPlugins();
   grpc::ServerBuilder builder;
   builder.SetMaxReceiveMessageSize(kMaxMessageBytes);

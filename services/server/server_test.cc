@@ -56,6 +56,13 @@ TEST(ServerTest, TwoServersDoNotShareAPort) {
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
 }
 
+TEST(ServerTest, RefusesWhatIsNoAddress) {
+  for (const char* address : {"127.0.0.1", "127.0.0.1:99999", "127.0.0.1:-1", "127.0.0.1:x"}) {
+    EXPECT_EQ(Server::Start(address, {}).status().code(), absl::StatusCode::kInvalidArgument)
+        << address;
+  }
+}
+
 TEST(ServerTest, AnnouncesItsAddressForWhoeverStartedIt) {
   ::testing::internal::CaptureStdout();
   AnnounceAddress("127.0.0.1:12");
