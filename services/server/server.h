@@ -22,8 +22,9 @@ inline constexpr int kMaxMessageBytes = 4 << 20;
 class Server {
  public:
   // Serves `services` (not owned, must outlive the server) on "HOST:PORT", with health, reflection
-  // and channelz. Port 0: the system chooses one. UNAVAILABLE where it can't listen. The address
-  // may be empty: then only InProcessChannel reaches it.
+  // and channelz. Port 0: the system chooses one. INVALID_ARGUMENT for an address of another form,
+  // UNAVAILABLE where it can't listen. The address may be empty: then only InProcessChannel reaches
+  // it.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const std::string& address,
                                                        const std::vector<grpc::Service*>& services);
   ~Server();
