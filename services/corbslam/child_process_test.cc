@@ -25,6 +25,16 @@ TEST(ChildProcessTest, ReadsTheAddressAndStops) {
   EXPECT_FALSE((*child)->end().has_value());
 }
 
+TEST(ChildProcessTest, HearsThatTheWorkIsDone) {
+  const auto child = RunShell("worker", "echo half; echo finished; exec sleep 100");
+  ASSERT_TRUE(child.ok());
+  EXPECT_TRUE((*child)->WaitUntilFinished(absl::Seconds(10)));
+  EXPECT_FALSE((*child)->end().has_value());
+  const auto busy = RunShell("busy", "echo not finished; exec sleep 100");
+  ASSERT_TRUE(busy.ok());
+  EXPECT_FALSE((*busy)->WaitUntilFinished(absl::Milliseconds(200)));
+}
+
 TEST(ChildProcessTest, TellsHowItEnded) {
   const auto child = RunShell("failing", "echo no such vocabulary >&2; exit 3");
   ASSERT_TRUE(child.ok());

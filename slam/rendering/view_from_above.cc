@@ -72,7 +72,7 @@ Bounds ChooseBounds(const std::vector<Eigen::Vector2d>& paths,
     bounds.high = bounds.high.cwiseMax(x);
   }
   const double extent = std::max(bounds.Size().maxCoeff(), 1e-3);
-  const Bounds reach{bounds.low.array() - 2 * extent, bounds.high.array() + 2 * extent};
+  const Bounds reach{bounds.low.array() - 1.4 * extent, bounds.high.array() + 1.4 * extent};
   for (int axis = 0; axis < 2 && !points.empty(); ++axis) {
     std::vector<double> values;
     for (const Eigen::Vector2d& x : points) values.push_back(x[axis]);

@@ -27,7 +27,7 @@ struct Bounds {
 };
 
 // What the picture shows: all of `paths`, and the middle 96 % of `points` as far as they lie within
-// two paths' extents of the paths. Never of zero size. `paths` must not be empty.
+// 1.4 times the paths' extent. Never of zero size. `paths` must not be empty.
 Bounds ChooseBounds(const std::vector<Eigen::Vector2d>& paths,
                     const std::vector<Eigen::Vector2d>& points);
 

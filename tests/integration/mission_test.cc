@@ -56,6 +56,8 @@ TEST(MissionTest, TwoRobotsMakeOneMap) {
     EXPECT_GT(robot["bytes_up"], 100'000);
     EXPECT_GT(robot["first_upload_s"], 0);
     EXPECT_GT(robot["peak_rss_mb"], 10);
+    // The map came back.
+    EXPECT_GT(robot["shared"]["keyframes_held"], 0) << robot["name"];
     const std::string name = robot["name"];
     EXPECT_EQ(CountLines(absl::StrCat(mission.folder, "/", name, ".local.tum")), robot["tracked"]);
     EXPECT_EQ(CountLines(absl::StrCat(mission.folder, "/", name, ".global.tum")), robot["tracked"]);
@@ -105,7 +107,7 @@ TEST(MissionTest, TheSecondRobotTracksAgainstTheFirstOnesMap) {
   EXPECT_EQ(mission.report["fused"]["islands"], 1);
   const json& second = mission.report["robots"][1];
   EXPECT_GT(second["shared"]["keyframes_held"], 0);
-  EXPECT_GE(second["shared"]["points_matched_percent"], 20);
+  EXPECT_GE(second["shared"]["points_matched_percent"], 10);
 }
 
 TEST(MissionTest, FindsItsPlaceInOtherPictures) {

@@ -1,5 +1,4 @@
-// The accuracy bars of docs/measurements.md on the shared recordings, in the deterministic run.
-// Bounds leave room for what a change of a few percent does; measurements.md has the figures.
+// The accuracy bars of the project on the shared recordings, in the deterministic run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,6 +39,35 @@ TEST(RecordedMissionTest, KittiInterleavedDarkAndNoisy) {
   ExpectFused(RunMission({"--source", Kitti(), "--robots", "2", "--pace", "step", "--split",
                           "interleaved", "--perturb", "2:gamma=0.8,noise=4"}),
               1.3 * 0.37, 1.3 * 0.23);
+}
+
+TEST(RecordedMissionTest, KittiThreeRobots) {
+  SKIP_WITHOUT_RECORDINGS();
+  ExpectFused(RunMission({"--source", Kitti(), "--robots", "3", "--pace", "step"}), 0.38, 0.24);
+}
+
+TEST(RecordedMissionTest, KittiSecondRobotTracksAgainstTheFirstOnesMap) {
+  SKIP_WITHOUT_RECORDINGS();
+  const Mission mission =
+      RunMission({"--source", Kitti(), "--robots", "2", "--pace", "step", "--sequential"});
+  ExpectFused(mission, 0.37, 0.23);
+  EXPECT_GT(mission.report["robots"][1]["shared"]["keyframes_held"], 0);
+  EXPECT_GE(mission.report["robots"][1]["shared"]["points_matched_percent"], 20);
+}
+
+TEST(RecordedMissionTest, TumOneRobot) {
+  SKIP_WITHOUT_RECORDINGS();
+  ExpectFused(RunMission({"--source", Tum(), "--robots", "1", "--pace", "step"}), 0.011, 0.011);
+}
+
+TEST(RecordedMissionTest, TumTwoRobots) {
+  SKIP_WITHOUT_RECORDINGS();
+  ExpectFused(RunMission({"--source", Tum(), "--robots", "2", "--pace", "step"}), 0.012, 0.012);
+}
+
+TEST(RecordedMissionTest, TumThreeRobots) {
+  SKIP_WITHOUT_RECORDINGS();
+  ExpectFused(RunMission({"--source", Tum(), "--robots", "3", "--pace", "step"}), 0.013, 0.013);
 }
 
 TEST(RecordedMissionTest, TumTwoRobotsOneBackwards) {
