@@ -12,8 +12,9 @@ struct MapStoreOptions {
   // What changes results.
 
   // Keyframes of a local map that are provisional: not queried for overlaps, not placed by fusion
-  // and not shared until this many newer ones have arrived, or the local map is closed.
-  size_t settle_after = 10;
+  // and not shared until this many newer ones have arrived, or the local map is closed. The
+  // robot's local adjustment has then moved them as often (docs/adr/0003-settled-keyframes.md).
+  size_t settle_after = 3;
   // A candidate must share at least this many words with the query, and this share of what the
   // best one shares.
   int min_shared_words = 10;
