@@ -2,10 +2,21 @@
 
 #include <utility>
 
+#include "services/convert/map_update.h"
+#include "services/convert/shared_update.h"
+
 namespace corbslam {
 namespace {
 
 constexpr size_t kSharedBudget_bytes = 1 << 20;
+
+// Of the messages that would carry `update`.
+template <typename Update>
+uint64_t WireBytes(const Update& update, CameraBook& sent) {
+  uint64_t bytes = 0;
+  for (const auto& part : ToProto(update, sent, kSharedBudget_bytes)) bytes += part.ByteSizeLong();
+  return bytes;
+}
 
 }  // namespace
 
@@ -14,6 +25,8 @@ void DirectUplink::Open(const SessionRequest& request, UplinkListener* listener)
   absl::StatusOr<MapStore::OpenedSession> opened = store_->OpenSession(request);
   if (!opened.ok()) return End(opened.status());
   session_ = opened->session_id;
+  sent_up_ = {};
+  sent_down_ = {};
   listener_->OnSessionOpened(opened->grant);
 }
 
@@ -24,6 +37,7 @@ bool DirectUplink::Send(const MapUpdateBatch& batch) {
     End(stored.status());
     return false;
   }
+  bytes_up_ += WireBytes(batch, sent_up_);
   listener_->OnAcknowledged(*stored);
   return true;
 }
@@ -34,6 +48,7 @@ void DirectUplink::DeliverShared() {
         store_->NextShared(*session_, kSharedBudget_bytes);
     if (!update.ok()) return End(update.status());
     if (!update->has_value()) return;
+    bytes_down_ += WireBytes(**update, sent_down_);
     listener_->OnShared(std::move(**update));
   }
 }

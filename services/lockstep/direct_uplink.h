@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "map_store/map_store.h"
+#include "services/convert/features.h"
 #include "slam/exchange/uplink.h"
 
 namespace corbslam {
@@ -34,6 +35,9 @@ class DirectUplink : public Uplink {
   MapStore* const store_;
   UplinkListener* listener_ = nullptr;
   std::optional<uint64_t> session_;
+  // Cameras that a stream would have named already.
+  CameraBook sent_up_;
+  CameraBook sent_down_;
   uint64_t bytes_up_ = 0;
   uint64_t bytes_down_ = 0;
 };
