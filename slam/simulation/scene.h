@@ -39,6 +39,7 @@ enum class Material : uint8_t {
   kCarpet,      // indoors
   kShelf,       // indoors: boards with books
   kCeiling,     // indoors: panels
+  kSky,         // what is seen where no patch is
 };
 
 // A flat convex quadrilateral, seen from both sides.

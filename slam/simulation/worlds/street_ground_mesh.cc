@@ -1,0 +1,1 @@
+// How the ground's fields become patches.
