@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "slam/simulation/surface_patterns.h"
-
 namespace corbslam {
+
+constexpr int kNumbers = 8;
 
 using Floats = float __attribute__((vector_size(32)));
 using Ints = int32_t __attribute__((vector_size(32)));

@@ -67,6 +67,7 @@ BuiltMesh BuildMesh(RTCDevice device, const Mesh& mesh) {
   BuiltMesh built;
   built.patches.reserve(mesh.patches.size());
   built.scene = EmbreeScene(rtcNewScene(device));
+  rtcSetSceneBuildQuality(built.scene.get(), RTC_BUILD_QUALITY_HIGH);
   rtcSetSceneFlags(built.scene.get(), RTC_SCENE_FLAG_ROBUST);
   const EmbreeGeometry geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD));
   const size_t count = mesh.patches.size();
@@ -103,17 +104,17 @@ uint32_t PatchKey(uint32_t instance, uint32_t patch) {
   return (((instance + 1) * 0x9E3779B1U) ^ ((patch + 1) * 0x85EBCA77U)) | 1U;
 }
 
-void Trace(RTCScene scene, const RayPacket& rays, RTCRayHit8& packet) {
-  alignas(32) std::array<int, kLanes> valid;
+void Trace(RTCScene scene, const RayPacket& rays, RTCRayHit16& packet) {
+  alignas(64) std::array<int, kLanes> valid;
   for (size_t i = 0; i < kLanes; ++i) valid[i] = rays.active[i] ? -1 : 0;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(valid.data(), scene, &context, &packet);
+  rtcIntersect16(valid.data(), scene, &context, &packet);
 }
 
-RTCRayHit8 MakeQuery(const RayPacket& rays) {
-  RTCRayHit8 packet = {};
+RTCRayHit16 MakeQuery(const RayPacket& rays) {
+  RTCRayHit16 packet = {};
   for (size_t i = 0; i < kLanes; ++i) {
     packet.ray.org_x[i] = rays.origin.x();
     packet.ray.org_y[i] = rays.origin.y();
@@ -147,6 +148,7 @@ class EmbreeRayCaster final : public RayCaster {
       : scene_(std::move(scene)), device_(std::move(device)) {
     for (const Mesh& mesh : scene_.meshes) meshes_.push_back(BuildMesh(device_.get(), mesh));
     top_ = EmbreeScene(rtcNewScene(device_.get()));
+    rtcSetSceneBuildQuality(top_.get(), RTC_BUILD_QUALITY_HIGH);
     rtcSetSceneFlags(top_.get(), RTC_SCENE_FLAG_ROBUST);
     for (const Instance& instance : scene_.instances) {
       const BuiltMesh& mesh = meshes_[instance.mesh];
@@ -163,6 +165,7 @@ class EmbreeRayCaster final : public RayCaster {
     if (scene_.movers.empty()) return nullptr;
     auto poses = std::make_shared<MoverPoses>();
     poses->scene = EmbreeScene(rtcNewScene(device_.get()));
+    rtcSetSceneBuildQuality(poses->scene.get(), RTC_BUILD_QUALITY_HIGH);
     rtcSetSceneFlags(poses->scene.get(), RTC_SCENE_FLAG_ROBUST);
     for (const Mover& mover : scene_.movers) {
       const BuiltMesh& mesh = meshes_[mover.mesh];
@@ -175,14 +178,14 @@ class EmbreeRayCaster final : public RayCaster {
   }
 
   void Cast(const RayPacket& rays, const MoverPoses* movers, HitPacket& hits) const override {
-    RTCRayHit8 packet = MakeQuery(rays);
+    RTCRayHit16 packet = MakeQuery(rays);
     Trace(top_.get(), rays, packet);
     if (movers == nullptr) {
       for (size_t i = 0; i < kLanes; ++i) Describe(rays, packet, i, placements_, 0, hits);
       return;
     }
     // A second query that starts with the first one's distances finds what is nearer.
-    RTCRayHit8 nearer = MakeQuery(rays);
+    RTCRayHit16 nearer = MakeQuery(rays);
     std::copy(std::begin(packet.ray.tfar), std::end(packet.ray.tfar), std::begin(nearer.ray.tfar));
     Trace(movers->scene.get(), rays, nearer);
     for (size_t i = 0; i < kLanes; ++i) {
@@ -196,7 +199,7 @@ class EmbreeRayCaster final : public RayCaster {
 
  private:
   // What lane `i` hit.
-  void Describe(const RayPacket& rays, const RTCRayHit8& packet, size_t i,
+  void Describe(const RayPacket& rays, const RTCRayHit16& packet, size_t i,
                 const std::vector<Placement>& placements, uint32_t first_key,
                 HitPacket& hits) const {
     const bool hit = rays.active[i] && packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;

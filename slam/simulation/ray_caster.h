@@ -14,9 +14,9 @@
 
 namespace corbslam {
 
-// Eight rays from one eye. Directions reach depth 1 (along the camera's z), so distances along
+// Sixteen rays from one eye. Directions reach depth 1 (along the camera's z), so distances along
 // them are depths.
-struct alignas(32) RayPacket {
+struct alignas(64) RayPacket {
   Eigen::Vector3f origin;
   std::array<float, kLanes> direction_x;
   std::array<float, kLanes> direction_y;

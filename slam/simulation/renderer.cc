@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <opencv2/core.hpp>
 #include <utility>
@@ -53,15 +54,35 @@ void SetRay(const View& view, float x, float y, size_t lane, RayPacket& rays) {
   rays.active[lane] = true;
 }
 
-// The rays of the centres of eight pixels of a row, from column `x` on.
-RayPacket RowPacket(const View& view, int x, int y, int width) {
-  RayPacket rays = StartPacket(view);
-  for (int lane = 0; lane < kLanes && x + lane < width; ++lane) {
-    SetRay(view, static_cast<float>(x + lane), static_cast<float>(y), static_cast<size_t>(lane),
-           rays);
+// Pixels of a packet: a small square, so that their rays stay together.
+constexpr int kBlockColumns = 4;
+constexpr int kBlockRows = 4;
+static_assert(kBlockColumns * kBlockRows == kLanes);
+
+// Where surfaces meet, a pixel is the mean of this many rays.
+constexpr size_t kPlaces = 4;
+constexpr size_t kRefinedAtOnce = kLanes / kPlaces;
+
+// Calls `visit(lane, x, y)` for the pixels of the block at (x, y) that are in the picture.
+template <typename Visit>
+void ForBlock(const cv::Mat& picture, int x, int y, Visit visit) {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int column = x + lane % kBlockColumns;
+    const int row = y + lane / kBlockColumns;
+    if (column < picture.cols && row < picture.rows) visit(static_cast<size_t>(lane), column, row);
   }
+}
+
+// The rays of the centres of the block's pixels.
+RayPacket BlockPacket(const View& view, const cv::Mat& picture, int x, int y) {
+  RayPacket rays = StartPacket(view);
+  ForBlock(picture, x, y, [&](size_t lane, int column, int row) {
+    SetRay(view, static_cast<float>(column), static_cast<float>(row), lane, rays);
+  });
   return rays;
 }
+
+int BlocksDown(const cv::Mat& picture) { return (picture.rows + kBlockRows - 1) / kBlockRows; }
 
 // Light of pixels by one ray each, then of those where surfaces meet by four more.
 class LightPainter {
@@ -76,36 +97,40 @@ class LightPainter {
         patches_(camera.height_px, camera.width_px, CV_32SC1) {}
 
   cv::Mat Paint() {
-    ParallelRows(threads_, light_.rows, [this](int y) { PaintRow(y); });
+    ParallelRows(threads_, BlocksDown(light_), [this](int i) { PaintBlocks(i * kBlockRows); });
     cv::Mat smooth = light_.clone();
     ParallelRows(threads_, light_.rows, [&](int y) { RefineRow(y, smooth); });
     return smooth;
   }
 
  private:
-  void PaintRow(int y) {
-    for (int x = 0; x < light_.cols; x += kLanes) {
-      const LightPacket packet =
-          ComputeLight(caster_, movers_, RowPacket(view_, x, y, light_.cols));
-      for (int lane = 0; lane < kLanes && x + lane < light_.cols; ++lane) {
-        light_.at<float>(y, x + lane) = packet.light[static_cast<size_t>(lane)];
-        patches_.at<int32_t>(y, x + lane) =
-            static_cast<int32_t>(packet.patch[static_cast<size_t>(lane)]);
-      }
+  void PaintBlocks(int y) {
+    for (int x = 0; x < light_.cols; x += kBlockColumns) {
+      const LightPacket packet = ComputeLight(caster_, movers_, BlockPacket(view_, light_, x, y));
+      ForBlock(light_, x, y, [&](size_t lane, int column, int row) {
+        light_.at<float>(row, column) = packet.light[lane];
+        patches_.at<int32_t>(row, column) = static_cast<int32_t>(packet.patch[lane]);
+      });
     }
   }
 
+  // Whether another surface of another brightness lies within a pixel.
+  bool Differs(int x, int y, int32_t patch, float light) const {
+    constexpr float kVisible = 0.03F;
+    return x >= 0 && y >= 0 && x < light_.cols && y < light_.rows &&
+           patches_.at<int32_t>(y, x) != patch &&
+           std::abs(light_.at<float>(y, x) - light) > kVisible;
+  }
   bool IsEdge(int x, int y) const {
-    const int32_t here = patches_.at<int32_t>(y, x);
-    return (x > 0 && patches_.at<int32_t>(y, x - 1) != here) ||
-           (x + 1 < patches_.cols && patches_.at<int32_t>(y, x + 1) != here) ||
-           (y > 0 && patches_.at<int32_t>(y - 1, x) != here) ||
-           (y + 1 < patches_.rows && patches_.at<int32_t>(y + 1, x) != here);
+    const int32_t patch = patches_.at<int32_t>(y, x);
+    const float light = light_.at<float>(y, x);
+    return Differs(x - 1, y, patch, light) || Differs(x + 1, y, patch, light) ||
+           Differs(x, y - 1, patch, light) || Differs(x, y + 1, patch, light);
   }
 
-  // Two pixels a packet, four places of a rotated grid each.
+  // A few pixels a packet, four places of a rotated grid each.
   void RefineRow(int y, cv::Mat& smooth) const {
-    std::array<int, 2> columns;
+    std::array<int, kRefinedAtOnce> columns;
     size_t waiting = 0;
     for (int x = 0; x < light_.cols; ++x) {
       if (!IsEdge(x, y)) continue;
@@ -117,8 +142,8 @@ class LightPainter {
     if (waiting > 0) RefinePixels(columns, waiting, y, smooth);
   }
 
-  void RefinePixels(const std::array<int, 2>& columns, size_t count, int y, cv::Mat& smooth) const {
-    constexpr size_t kPlaces = 4;
+  void RefinePixels(const std::array<int, kRefinedAtOnce>& columns, size_t count, int y,
+                    cv::Mat& smooth) const {
     constexpr std::array<float, kPlaces> kRight = {-0.125F, 0.375F, -0.375F, 0.125F};
     constexpr std::array<float, kPlaces> kDown = {-0.375F, -0.125F, 0.125F, 0.375F};
     RayPacket rays = StartPacket(view_);
@@ -179,13 +204,14 @@ class RayCastingRenderer final : public Renderer {
     const auto movers = caster_->PlaceMovers(shot.time_s);
     const View view = MakeView(camera, shot.world_from_camera);
     cv::Mat depth(camera.height_px, camera.width_px, CV_32FC1);
-    ParallelRows(options_.threads, depth.rows, [&](int y) {
+    ParallelRows(options_.threads, BlocksDown(depth), [&](int i) {
       HitPacket hits;
-      for (int x = 0; x < depth.cols; x += kLanes) {
-        caster_->Cast(RowPacket(view, x, y, depth.cols), movers.get(), hits);
-        for (int lane = 0; lane < kLanes && x + lane < depth.cols; ++lane) {
-          depth.at<float>(y, x + lane) = hits.depth_m[static_cast<size_t>(lane)];
-        }
+      const int y = i * kBlockRows;
+      for (int x = 0; x < depth.cols; x += kBlockColumns) {
+        caster_->Cast(BlockPacket(view, depth, x, y), movers.get(), hits);
+        ForBlock(depth, x, y, [&](size_t lane, int column, int row) {
+          depth.at<float>(row, column) = hits.depth_m[lane];
+        });
       }
     });
     return depth;

@@ -249,26 +249,32 @@ CORBSLAM_LANES Floats Pattern(Material material, const SurfacePlace& at) {
 }
 
 template <typename T, size_t N>
-CORBSLAM_LANES void Load(const std::array<T, N>& from, auto& to) {
-  static_assert(sizeof(from) == sizeof(to));
-  std::memcpy(&to, from.data(), sizeof(to));
+CORBSLAM_LANES void Load(const std::array<T, N>& from, int first, auto& to) {
+  static_assert(sizeof(to) == kNumbers * sizeof(T));
+  std::memcpy(&to, from.data() + first, sizeof(to));
 }
 
-// Each material among the lanes is drawn for all of them and kept where it is theirs.
-CORBSLAM_LANES void Compute(const SurfacePacket& surface, std::array<float, kLanes>& reflectance) {
+CORBSLAM_LANES SurfacePlace PlaceOf(const SurfacePacket& surface, int first) {
   SurfacePlace at;
-  Load(surface.u_m, at.u);
-  Load(surface.v_m, at.v);
-  Load(surface.pixel_u_m, at.pixel_u);
-  Load(surface.pixel_v_m, at.pixel_v);
-  Load(surface.seed, at.seed);
+  Load(surface.u_m, first, at.u);
+  Load(surface.v_m, first, at.v);
+  Load(surface.pixel_u_m, first, at.pixel_u);
+  Load(surface.pixel_v_m, first, at.pixel_v);
+  Load(surface.seed, first, at.seed);
+  return at;
+}
+
+// Each material among eight lanes is drawn for all of them and kept where it is theirs.
+CORBSLAM_LANES void Compute(const SurfacePacket& surface, std::array<float, kLanes>& reflectance) {
   std::array<bool, kLanes> open = surface.hit;
-  for (int lane = 0; lane < kLanes; ++lane) {
+  for (size_t lane = 0; lane < kLanes; ++lane) {
     if (!open[lane]) continue;
+    const size_t first = lane - lane % kNumbers;
+    const SurfacePlace at = PlaceOf(surface, static_cast<int>(first));
     const Floats values = Clamp01(Pattern(surface.material[lane], at));
-    for (int other = lane; other < kLanes; ++other) {
+    for (size_t other = lane; other < first + kNumbers; ++other) {
       if (!open[other] || surface.material[other] != surface.material[lane]) continue;
-      reflectance[other] = values[other];
+      reflectance[other] = values[other - first];
       open[other] = false;
     }
   }

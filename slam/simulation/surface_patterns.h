@@ -10,10 +10,10 @@
 
 namespace corbslam {
 
-constexpr int kLanes = 8;
+constexpr int kLanes = 16;
 
-// Eight places on surfaces, one a lane; lanes that hit nothing are not `hit`.
-struct alignas(32) SurfacePacket {
+// Sixteen places on surfaces, one a lane; lanes that hit nothing are not `hit`.
+struct alignas(64) SurfacePacket {
   std::array<float, kLanes> u_m;
   std::array<float, kLanes> v_m;
   std::array<float, kLanes> pixel_u_m;

@@ -9,9 +9,8 @@ namespace {
 
 using Eigen::Vector3f;
 
-Finish Face(const Finish& finish, uint32_t face) {
-  return {finish.material, finish.seed * 31U + face, finish.tone};
-}
+// Faces of one shape are of one stuff and colour, but no two have the same pattern.
+constexpr float kBetweenFacesM = 37;
 
 }  // namespace
 
@@ -51,10 +50,9 @@ void AddBox(const Vector3f& low, const Vector3f& high, const Finish& finish, Mes
   const Vector3f x(size.x(), 0, 0);
   const Vector3f y(0, size.y(), 0);
   const Vector3f z(0, 0, size.z());
-  const auto add = [&](const Vector3f& origin, const Vector3f& u, const Vector3f& v,
-                       uint32_t face) {
-    const Finish own = Face(finish, face);
-    mesh->patches.push_back(Rectangle(origin, u, v, own.material, own.seed, own.tone));
+  const auto add = [&](const Vector3f& origin, const Vector3f& u, const Vector3f& v, int face) {
+    mesh->patches.push_back(Rectangle(origin, u, v, finish.material, finish.seed, finish.tone));
+    mesh->patches.back().u_offset_m += kBetweenFacesM * static_cast<float>(face);
   };
   add(low, x, y, 0);
   add(low + x + z, -x, y, 1);
@@ -70,14 +68,15 @@ void AddTube(const Vector3f& from, const Vector3f& to, float from_radius, float 
   const Vector3f across = along.unitOrthogonal();
   const Vector3f third = along.cross(across);
   const auto rim = [&](int i) -> Vector3f {
-    const float angle =
-        static_cast<float>(2 * std::numbers::pi) * static_cast<float>(i) / static_cast<float>(sides);
+    const float angle = static_cast<float>(2 * std::numbers::pi) * static_cast<float>(i) /
+                        static_cast<float>(sides);
     return std::cos(angle) * across + std::sin(angle) * third;
   };
   for (int i = 0; i < sides; ++i) {
     // A trapezium of equal sides is flat.
     AddQuad(to + to_radius * rim(i), to + to_radius * rim(i + 1), from + from_radius * rim(i + 1),
-            from + from_radius * rim(i), Face(finish, static_cast<uint32_t>(i)), mesh);
+            from + from_radius * rim(i), finish, mesh);
+    mesh->patches.back().u_offset_m += kBetweenFacesM * static_cast<float>(i);
   }
 }
 

@@ -1,13 +1,9 @@
 #include "slam/simulation/worlds/street_ground.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-
-#include "slam/simulation/worlds/dice.h"
-#include "slam/simulation/worlds/mesh_shapes.h"
 
 namespace corbslam {
 namespace {
@@ -15,16 +11,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3f;
 
-constexpr double kCellM = 4;
-constexpr int kFine = 2;  // Fine cells along a coarse one.
-constexpr double kFineM = kCellM / kFine;
 constexpr double kReachM = 72;  // Ground this far from the path.
 // Where passes of one street disagree in height, no camera comes closer to the ground than this.
 constexpr double kLowestCameraM = 1.22;
 constexpr double kSameGroundM = 4;
-// Patches whose corners lie this near to a plane count as flat.
-constexpr float kFlatM = 0.002F;
-constexpr int kHeadings = 6;
 
 template <typename Visit>
 void VisitLattice(const Vector2d& at, double reach_m, double step_m, int corners_x, int corners_z,
@@ -47,15 +37,6 @@ int HeadingOf(const Vector2d& ahead) {
   const double quarters = std::atan2(ahead.y(), ahead.x()) / (std::numbers::pi / 2);
   const double share = quarters - std::floor(quarters);
   return static_cast<int>(std::lround(share * kHeadings)) % kHeadings;
-}
-
-// Lays the texture along the street's heading, the same for all the ground of that heading.
-void AlignTexture(int heading, Patch* patch) {
-  const float angle = static_cast<float>(heading * std::numbers::pi / 2 / kHeadings);
-  patch->u_axis = Vector3f(std::cos(angle), 0, std::sin(angle));
-  patch->v_axis = Vector3f(-std::sin(angle), 0, std::cos(angle));
-  patch->u_offset_m = 0;
-  patch->v_offset_m = 0;
 }
 
 }  // namespace
@@ -131,10 +112,9 @@ double StreetGround::RoadY(const Vector2d& at) const {
         height_[static_cast<size_t>(z + dz) * row + static_cast<size_t>(x + dx)]);
   };
   // The diagonal runs from corner (0, 0) to (1, 1).
-  const double y = u > v ? corner(0, 0) + u * (corner(1, 0) - corner(0, 0)) +
-                               v * (corner(1, 1) - corner(1, 0))
-                         : corner(0, 0) + v * (corner(0, 1) - corner(0, 0)) +
-                               u * (corner(1, 1) - corner(0, 1));
+  const double y =
+      u > v ? corner(0, 0) + u * (corner(1, 0) - corner(0, 0)) + v * (corner(1, 1) - corner(1, 0))
+            : corner(0, 0) + v * (corner(0, 1) - corner(0, 0)) + u * (corner(1, 1) - corner(0, 1));
   return std::isfinite(y) ? y : 0;
 }
 
@@ -147,9 +127,9 @@ double StreetGround::MiddleDistance(const Vector2d& at) const {
   const double u = cell.x() - x;
   const double v = cell.y() - z;
   const auto corner = [&](int dx, int dz) {
-    return static_cast<double>(middle_m_[static_cast<size_t>(z + dz) *
-                                             static_cast<size_t>(corners_x) +
-                                         static_cast<size_t>(x + dx)]);
+    return static_cast<double>(
+        middle_m_[static_cast<size_t>(z + dz) * static_cast<size_t>(corners_x) +
+                  static_cast<size_t>(x + dx)]);
   };
   return (1 - v) * ((1 - u) * corner(0, 0) + u * corner(1, 0)) +
          v * ((1 - u) * corner(0, 1) + u * corner(1, 1));

@@ -1,0 +1,23 @@
+// Cars as prototypes, to be parked and to be driven.
+#ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_CARS_H_
+#define CORBSLAM_SLAM_SIMULATION_WORLDS_CARS_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "slam/simulation/scene.h"
+
+namespace corbslam {
+
+struct CarPrototype {
+  Mesh mesh;  // Origin on the ground below the middle, z ahead, y down.
+  float length = 4.2F;
+  float width = 1.76F;
+};
+
+// Hatchback, saloon, estate, van, off-roader and a small car.
+std::vector<CarPrototype> BuildCarPrototypes(uint64_t seed);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SIMULATION_WORLDS_CARS_H_

@@ -1,0 +1,44 @@
+// Who stands where: upright boxes on the ground plane that may not overlap.
+#ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_FOOTPRINTS_H_
+#define CORBSLAM_SLAM_SIMULATION_WORLDS_FOOTPRINTS_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "slam/simulation/worlds/street_path.h"
+
+namespace corbslam {
+
+// A rectangle of the plane (x, z).
+struct Footprint {
+  Eigen::Vector2d centre;
+  Eigen::Vector2d ahead;  // Unit vector of its length.
+  double half_length = 0;
+  double half_width = 0;
+};
+
+// Zero inside.
+double DistanceTo(const Footprint& footprint, const Eigen::Vector2d& from);
+bool Overlap(const Footprint& a, const Footprint& b);
+
+// Not thread-safe.
+class Footprints {
+ public:
+  // Keeps a reference: the path must outlive this.
+  explicit Footprints(const StreetPath& path) : path_(path), index_(16) {}
+
+  // Takes the place if it is free and no station lies within the clearance; else false.
+  bool Take(const Footprint& footprint, double clearance_m);
+  bool IsFree(const Footprint& footprint, double clearance_m) const;
+  const std::vector<Footprint>& taken() const { return taken_; }
+
+ private:
+  const StreetPath& path_;
+  PlaneIndex index_;
+  std::vector<Footprint> taken_;
+  double largest_reach_ = 0;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SIMULATION_WORLDS_FOOTPRINTS_H_

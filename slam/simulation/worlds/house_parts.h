@@ -1,0 +1,35 @@
+// The parts that BuildHouse puts together. Frame of house.h.
+#ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_PARTS_H_
+#define CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_PARTS_H_
+
+#include "slam/simulation/scene.h"
+#include "slam/simulation/worlds/dice.h"
+#include "slam/simulation/worlds/house.h"
+#include "slam/simulation/worlds/mesh_shapes.h"
+
+namespace corbslam {
+
+inline float EavesM(const HouseStyle& style) {
+  return kPlinthM + kStoreyM * static_cast<float>(style.storeys);
+}
+
+// Windows, door with steps, balconies and bay of the front.
+void AddFront(const HouseStyle& style, const Finish& wall, Dice* dice, Mesh* mesh);
+
+// Roof, gables, dormers, chimneys and gutters.
+void AddRoof(const HouseStyle& style, const Finish& wall, Dice* dice, Mesh* mesh);
+
+// A window that stands out of the wall z = `z` a little; (x, y) is its upper left corner.
+struct WindowShape {
+  float width = 1.2F;
+  float height = 1.4F;
+  bool shutters = false;
+  bool cross = false;  // Bars both ways, otherwise one upright.
+  Finish frame = {Material::kPlaster, 0, 1.4F};
+  uint32_t seed = 0;
+};
+void AddWindow(const WindowShape& shape, float x, float y, float z, Mesh* mesh);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_PARTS_H_
