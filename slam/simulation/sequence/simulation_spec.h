@@ -1,0 +1,94 @@
+// What a simulated recording is: a world, a way through it, a camera, and what goes wrong.
+#ifndef CORBSLAM_SLAM_SIMULATION_SEQUENCE_SIMULATION_SPEC_H_
+#define CORBSLAM_SLAM_SIMULATION_SEQUENCE_SIMULATION_SPEC_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "slam/simulation/lens.h"
+
+namespace corbslam {
+
+enum class SimulatedWorld {
+  kCity,   // A car's tour through streets, made from the seed.
+  kPath,   // Streets built along the poses of a file.
+  kFloor,  // Rooms and corridors.
+};
+
+enum class CameraRig {
+  kKitti,  // Rectified stereo 1241 x 376, 10 Hz: the cameras of KITTI's sequence 00.
+  kEuroc,  // Rectified stereo 752 x 480, 20 Hz, baseline 0.11 m.
+  kRgbd,   // Grey and depth 640 x 480, 30 Hz.
+};
+
+enum class FloorMotion { kWalk, kFly };
+
+// Seconds of the sequence's own time, from its first frame on.
+struct Blackout {
+  double from_s = 0;
+  double duration_s = 0;  // 0: none.
+  friend bool operator==(const Blackout&, const Blackout&) = default;
+};
+
+// At at_s the camera is moved to where it is at to_s of the way, and goes on from there.
+struct Kidnap {
+  double at_s = 0;
+  double to_s = 0;
+  friend bool operator==(const Kidnap&, const Kidnap&) = default;
+};
+
+struct SimulationSpec {
+  SimulatedWorld world = SimulatedWorld::kCity;
+
+  // The world and the way: robots with the same of these are in the same place.
+  uint64_t seed = 1;                   // Of the way, and of the world unless:
+  std::optional<uint64_t> world_seed;  // option world=
+  double length_m = 1500;              // kCity: of the tour.
+  double hills_m = 2;                  // kCity.
+  std::string poses;                   // kPath: a file in KITTI's or TUM's form.
+  std::string times;                   // kPath: the times.txt of a KITTI file.
+  double camera_height_m = 1.65;       // kPath: of the poses above the ground.
+  int rooms_x = 4;                     // kFloor.
+  int rooms_z = 3;                     // kFloor.
+  bool look_alike = false;
+  int moving_cars = 0;  // kCity and kPath.
+
+  // The robot. Absent: rgbd for floors, else kitti.
+  std::optional<CameraRig> rig;
+  FloorMotion motion = FloorMotion::kWalk;  // kFloor.
+  double rate_hz = 0;                       // 0: the rig's.
+  double picture_scale = 1;                 // Of the rig's width and height.
+  double phase = 0;     // Pictures are taken this share of a frame later on the way.
+  bool turned = false;  // Drives the way from its end to its start, looking ahead.
+  double start_s = 0;   // Time of the first frame.
+  Blackout blackout;
+  std::optional<Kidnap> kidnap;
+
+  // The pictures.
+  Lens lens;
+  double shutter_s = 0.005;  // What lens.motion_blur_samples are spread over.
+  // Errors of the calibration that the robot believes in.
+  double epipolar_error_px = 0;   // The right picture lies lower by this in its middle.
+  double disparity_error_px = 0;  // Disparities are too small by this.
+  double scale_error = 0;         // The true baseline is longer by this share.
+  // Standard deviation of a depth of 1 m in metres; grows with the square of the depth (Khoshelham
+  // and Elberink, Sensors 2012).
+  double depth_noise_m = 1.425e-3;
+
+  int threads = 1;  // Changes speed only.
+};
+
+CameraRig RigOf(const SimulationSpec& spec);
+
+// INVALID_ARGUMENT, naming the option and its value.
+absl::Status Validate(const SimulationSpec& spec);
+
+// The part of a spec that says where its frame of the world is: equal for specs whose poses may be
+// held against each other.
+std::string WorldName(const SimulationSpec& spec);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SIMULATION_SEQUENCE_SIMULATION_SPEC_H_
