@@ -22,9 +22,9 @@ struct RenderOptions {
 
 // One picture to be taken.
 struct Shot {
-  Rigid3d world_from_camera;
+  Rigid3d world_from_camera = {};
   // Where the camera is when the shutter closes: what motion blur is drawn from.
-  std::optional<Rigid3d> world_from_camera_at_close;
+  std::optional<Rigid3d> world_from_camera_at_close = {};
   double time_s = 0;    // Of the sequence: where the movers are.
   uint64_t stream = 0;  // Noise differs between streams: make one of frame and camera.
 };

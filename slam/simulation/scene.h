@@ -69,7 +69,7 @@ struct Mesh {
 // mesh differ in their surface.
 struct Instance {
   uint32_t mesh = 0;  // Index into Scene::meshes.
-  Similarity3d world_from_mesh;
+  Similarity3d world_from_mesh = {};
   uint32_t seed = 0;
 };
 
@@ -82,7 +82,7 @@ struct Mover {
   };
   uint32_t mesh = 0;
   uint32_t seed = 0;
-  std::vector<Waypoint> path;  // At least one, times grow.
+  std::vector<Waypoint> path = {};  // At least one, times grow.
 };
 
 // Where a mover is at a time of the sequence.
