@@ -44,9 +44,14 @@ bool Footprints::IsFree(const Footprint& footprint, double clearance_m) const {
     free = free && DistanceTo(footprint, station.at) >= clearance_m;
   });
   if (!free) return false;
-  index_.Visit(footprint.centre, reach + largest_reach_,
-               [&](uint32_t id) { free = free && !Overlap(footprint, taken_[id]); });
+  VisitNear(footprint, [&](const Footprint& other) { free = free && !Overlap(footprint, other); });
   return free;
+}
+
+void Footprints::VisitNear(const Footprint& footprint,
+                           const std::function<void(const Footprint&)>& visit) const {
+  index_.Visit(footprint.centre, Reach(footprint) + largest_reach_,
+               [&](uint32_t id) { visit(taken_[id]); });
 }
 
 bool Footprints::Take(const Footprint& footprint, double clearance_m) {

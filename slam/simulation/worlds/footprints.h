@@ -3,6 +3,7 @@
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_FOOTPRINTS_H_
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "slam/simulation/worlds/street_path.h"
@@ -30,6 +31,9 @@ class Footprints {
   // Takes the place if it is free and no station lies within the clearance; else false.
   bool Take(const Footprint& footprint, double clearance_m);
   bool IsFree(const Footprint& footprint, double clearance_m) const;
+  // Those that may overlap it.
+  void VisitNear(const Footprint& footprint,
+                 const std::function<void(const Footprint&)>& visit) const;
   const std::vector<Footprint>& taken() const { return taken_; }
 
  private:

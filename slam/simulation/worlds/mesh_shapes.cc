@@ -12,6 +12,11 @@ using Eigen::Vector3f;
 // Faces of one shape are of one stuff and colour, but no two have the same pattern.
 constexpr float kBetweenFacesM = 37;
 
+// Whether the first three corners say which plane it is.
+bool SpansPlane(const std::vector<Vector3f>& corners) {
+  return (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm() > 1e-7F;
+}
+
 }  // namespace
 
 void AddQuad(const Vector3f& a, const Vector3f& b, const Vector3f& c, const Vector3f& d,
@@ -30,7 +35,7 @@ void AddQuad(const Vector3f& a, const Vector3f& b, const Vector3f& c, const Vect
 }
 
 void AddPolygon(const std::vector<Vector3f>& corners, const Finish& finish, Mesh* mesh) {
-  if (corners.size() < 3) return;
+  if (corners.size() < 3 || !SpansPlane(corners)) return;
   const size_t first = mesh->patches.size();
   for (size_t i = 1; i + 1 < corners.size(); i += 2) {
     const size_t last = std::min(i + 2, corners.size() - 1);

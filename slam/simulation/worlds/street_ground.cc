@@ -33,10 +33,11 @@ void VisitLattice(const Vector2d& at, double reach_m, double step_m, int corners
   }
 }
 
-int HeadingOf(const Vector2d& ahead) {
+// In parts of a right angle.
+int HeadingOf(const Vector2d& ahead, int parts) {
   const double quarters = std::atan2(ahead.y(), ahead.x()) / (std::numbers::pi / 2);
   const double share = quarters - std::floor(quarters);
-  return static_cast<int>(std::lround(share * kHeadings)) % kHeadings;
+  return static_cast<int>(std::lround(share * parts)) % parts;
 }
 
 }  // namespace
@@ -64,7 +65,7 @@ void StreetGround::MeasureMiddles(const StreetPath& path) {
   heading_.assign(middle_m_.size(), 0);
   for (const Station& station : path.stations()) {
     const Vector2d middle = station.at - StreetProfile::kMiddleLeftOfPath * station.Right();
-    const auto heading = static_cast<uint8_t>(HeadingOf(station.ahead));
+    const auto heading = static_cast<uint8_t>(HeadingOf(station.ahead, kHeadings));
     VisitLattice(middle - origin_, kFarM, kFineM, corners_x, corners_z,
                  [&](size_t corner, double distance) {
                    if (distance >= static_cast<double>(middle_m_[corner])) return;

@@ -13,6 +13,7 @@ using Eigen::Vector3f;
 
 // Four corners this near to a plane count as flat.
 constexpr float kFlatM = 0.002F;
+constexpr float kSamePlaceM = 1e-4F;
 
 // Lays the texture along the street's heading, the same for all the ground of that heading.
 void AlignTexture(double angle_rad, Patch* patch) {
@@ -56,7 +57,10 @@ void StreetGround::AddLevel(const std::vector<Corner>& polygon, Material materia
                             float raised_m, Mesh* mesh) {
   if (polygon.size() < 3) return;
   std::vector<Vector3f> corners;
-  for (const Corner& corner : polygon) corners.push_back(corner.at - Vector3f(0, raised_m, 0));
+  for (const Corner& corner : polygon) {
+    const Vector3f at = corner.at - Vector3f(0, raised_m, 0);
+    if (corners.empty() || (at - corners.back()).norm() > kSamePlaceM) corners.push_back(at);
+  }
   const size_t first = mesh->patches.size();
   AddPolygon(corners, {material, static_cast<uint32_t>(soil.seed), 1}, mesh);
   const double angle = soil.heading * std::numbers::pi / 2 / kHeadings;

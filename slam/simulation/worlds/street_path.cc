@@ -121,7 +121,7 @@ void StreetPath::AddBranch(const Station& from, const Vector2d& ahead, double le
     branch.push_back(station);
   }
   // A stub that ends at the next street's back gardens is worse than none.
-  if (branch.size() * kStepM < kShortestBranchM) return;
+  if (static_cast<double>(branch.size()) * kStepM < kShortestBranchM) return;
   for (const Station& station : branch) Add(station);
 }
 
