@@ -24,7 +24,8 @@ CORBSLAM_LANES Floats Asphalt(const SurfacePlace& at) {
   const SurfacePlace turned = Turned(at, 0.955F, 0.296F);
   const Floats mended = CellNoise(turned, 4.1F, 2.3F, 0.02F, 11);
   return 0.30F + 0.05F * mended + 0.13F * Mottle(at, 1.3F, 12) +
-         0.05F * CellNoise(at, 0.035F, 0.035F, 0.3F, 17);
+         0.09F * CellNoise(at, 0.05F, 0.035F, 0.2F, 17) +
+         0.08F * CellNoise(turned, 0.017F, 0.017F, 0.2F, 18);
 }
 
 CORBSLAM_LANES Floats Pavement(const SurfacePlace& at) {
@@ -107,11 +108,13 @@ CORBSLAM_LANES Floats Wood(const SurfacePlace& at) {
          0.08F * CellNoise(at, 0.02F, 0.4F, 0.4F, 92) + 0.06F * Mottle(at, 0.8F, 93);
 }
 
-CORBSLAM_LANES Floats Foliage(const SurfacePlace& at, float leaf, float contrast) {
+// Leaves in the sun and dark gaps between them.
+CORBSLAM_LANES Floats Foliage(const SurfacePlace& at, float leaf) {
   const SurfacePlace turned = Turned(at, 0.6F, 0.8F);
-  return 0.25F + contrast * (0.9F * CellNoise(at, 3.1F * leaf, 2.7F * leaf, 0.3F, 101) +
-                             0.8F * CellNoise(turned, leaf, 1.4F * leaf, 0.15F, 102) +
-                             0.4F * CellNoise(at, 0.4F * leaf, 0.4F * leaf, 0.4F, 103));
+  const Floats leaves = CellNoise(turned, leaf, 1.4F * leaf, 0.12F, 102);
+  return 0.24F + 0.13F * CellNoise(at, 3.1F * leaf, 2.7F * leaf, 0.3F, 101) +
+         0.24F * leaves * Magnitude(leaves) + 0.1F * leaves +
+         0.12F * CellNoise(at, 0.45F * leaf, 0.4F * leaf, 0.2F, 103);
 }
 
 CORBSLAM_LANES Floats Bark(const SurfacePlace& at) {
@@ -215,11 +218,11 @@ CORBSLAM_LANES Floats Pattern(Material material, const SurfacePlace& at) {
     case Material::kWood:
       return Wood(at);
     case Material::kHedge:
-      return Foliage(at, 0.06F, 0.14F);
+      return Foliage(at, 0.06F);
     case Material::kBark:
       return Bark(at);
     case Material::kLeaves:
-      return Foliage(at, 0.08F, 0.17F);
+      return Foliage(at, 0.075F);
     case Material::kMetal:
       return Metal(at);
     case Material::kCarPaint:

@@ -52,7 +52,8 @@ HouseStyle RandomHouseStyle(uint64_t seed, double width_m, double depth_m) {
   HouseStyle style;
   style.width = static_cast<float>(width_m);
   style.depth = static_cast<float>(depth_m);
-  style.storeys = width_m < 9 ? dice.Integer(2, 3) : dice.Integer(2, 4);
+  style.storeys = dice.Chance(0.12) ? 4 : dice.Integer(1, 3);
+  if (style.storeys == 1 && width_m > 14) style.storeys = 2;
   const double roof = dice.Uniform(0, 1);
   style.roof = roof < 0.55   ? RoofKind::kRidgeAlongStreet
                : roof < 0.75 ? RoofKind::kHipped

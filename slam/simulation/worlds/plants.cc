@@ -106,7 +106,7 @@ Mesh BuildTree(const TreeShape& shape, uint64_t seed) {
 Mesh BuildBush(float radius, int clumps, uint64_t seed) {
   Mesh mesh;
   Dice dice(seed);
-  AddCrown({0, -0.8F * radius, 0}, {radius, 0.9F * radius, radius}, clumps, 0.42F * radius, &dice,
+  AddCrown({0, -0.8F * radius, 0}, {radius, 0.9F * radius, radius}, clumps, 0.2F * radius, &dice,
            &mesh);
   return mesh;
 }
@@ -118,14 +118,14 @@ Mesh BuildHedge(float length, float height, float thickness, uint64_t seed) {
   const float core = 0.08F;  // Leaves stand out of the dark core.
   AddBox({core, -height + core, -half + core}, {length - core, 0.5F, half - core},
          {Material::kHedge, dice.Seed(), 0.6F}, &mesh);
-  const int clumps = static_cast<int>(length * (2 * height + thickness) * 5);
+  const int clumps = static_cast<int>(length * (2 * height + thickness) * 9);
   for (int i = 0; i < clumps; ++i) {
     const float x = dice.Uniformf(0, length);
     const float way = dice.Uniformf(-height, height + thickness);  // Up one side, over, down.
     const bool top = way > height;
     const float y = top ? -height : -std::abs(way);
     const float z = top ? way - height - half : (way < 0 ? -half : half);
-    AddClump({x, y, z}, dice.Uniformf(0.18, 0.4), dice.Uniformf(0.5, 1.0) + (top ? 0.2F : 0.0F),
+    AddClump({x, y, z}, dice.Uniformf(0.14, 0.3), dice.Uniformf(0.5, 1.0) + (top ? 0.2F : 0.0F),
              &dice, &mesh);
   }
   return mesh;
@@ -141,8 +141,8 @@ TreePrototypes BuildTreePrototypes(uint64_t seed) {
     shape.crown_radius = dice.Uniformf(2.1, 3.0);
     shape.trunk_radius = dice.Uniformf(0.13, 0.24);
     shape.branches = dice.Integer(6, 10);
-    shape.clumps = dice.Integer(420, 620);
-    shape.clump = dice.Uniformf(0.34, 0.5);
+    shape.clumps = dice.Integer(1300, 2000);
+    shape.clump = dice.Uniformf(0.2, 0.3);
     trees.street.push_back(BuildTree(shape, dice.Next()));
   }
   for (int i = 0; i < 6; ++i) {
@@ -152,12 +152,12 @@ TreePrototypes BuildTreePrototypes(uint64_t seed) {
     shape.trunk = shape.conifer ? 0.3F : dice.Uniformf(0.9, 2.2);
     shape.crown_radius = shape.conifer ? dice.Uniformf(1.2, 2.4) : dice.Uniformf(1.8, 3.4);
     shape.trunk_radius = dice.Uniformf(0.1, 0.25);
-    shape.clumps = dice.Integer(420, 700);
-    shape.clump = dice.Uniformf(0.36, 0.55);
+    shape.clumps = dice.Integer(1300, 2200);
+    shape.clump = dice.Uniformf(0.22, 0.34);
     trees.garden.push_back(BuildTree(shape, dice.Next()));
   }
   for (int i = 0; i < 4; ++i) {
-    trees.bushes.push_back(BuildBush(dice.Uniformf(0.6, 1.2), dice.Integer(110, 180), dice.Next()));
+    trees.bushes.push_back(BuildBush(dice.Uniformf(0.6, 1.2), dice.Integer(450, 700), dice.Next()));
   }
   return trees;
 }

@@ -40,7 +40,7 @@ StreetBlock BlockAt(const StreetSite& site, const Station& station) {
   Dice dice = site.DiceFor(StreetDice::kBlock, site.Kind(number), station.driven ? 0 : 1);
   StreetBlock block;
   const bool terraces = dice.Chance(0.35);
-  block.setback_m = terraces ? dice.Uniform(6.9, 9) : dice.Uniform(7.5, 12);
+  block.setback_m = terraces ? dice.Uniform(6.9, 9.5) : dice.Uniform(7.5, 13);
   block.gap_low_m = terraces ? 0 : 2;
   block.gap_high_m = terraces ? 1.5 : dice.Uniform(4, 9);
   block.width_low_m = terraces ? 8 : 9;
@@ -48,7 +48,7 @@ StreetBlock BlockAt(const StreetSite& site, const Station& station) {
   block.parked_right = dice.Chance(0.8) ? dice.Uniform(0.25, 0.85) : 0.05;
   block.parked_left = dice.Chance(0.8) ? dice.Uniform(0.25, 0.85) : 0.05;
   block.bays_left = block.setback_m > 8.5 && dice.Chance(0.4);
-  block.tree_spacing_m = dice.Chance(0.6) ? dice.Uniform(8, 15) : 0;
+  block.tree_spacing_m = dice.Chance(0.75) ? dice.Uniform(7, 13) : dice.Uniform(25, 45);
   block.border = dice.Uniform(0.45, 0.95);
   block.middle_line = dice.Chance(0.25);
   return block;

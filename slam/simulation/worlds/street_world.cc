@@ -5,6 +5,11 @@
 #include "slam/simulation/worlds/street_site.h"
 
 namespace corbslam {
+namespace {
+
+constexpr float kAmbient = 0.4F;  // A sunny day.
+
+}  // namespace
 
 Scene BuildStreetScene(const std::vector<Rigid3d>& world_from_camera,
                        const StreetOptions& options) {
@@ -12,6 +17,7 @@ Scene BuildStreetScene(const std::vector<Rigid3d>& world_from_camera,
   const StreetPath path(world_from_camera);
   StreetSite site(path, options);
   site.scene.seed = static_cast<uint32_t>(options.seed);
+  site.scene.light.ambient = kAmbient;
   site.ground.AddTo(site.DiceFor(StreetDice::kGround, 0).Next(), &site.chunks);
   BuildFrontHouses(&site);
   ParkCars(&site);
