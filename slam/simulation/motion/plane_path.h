@@ -10,7 +10,7 @@ namespace corbslam {
 // Samples `spacing_m` apart. Headings are those of travel, radians from +z towards +x, and run on
 // beyond pi: a full turn to the right ends 2 pi higher.
 struct PlanePath {
-  double spacing_m = 0.25;
+  double spacing_m = 0.1;
   std::vector<Eigen::Vector2d> points;  // (x, z), metres.
   std::vector<double> headings_rad;
 
@@ -20,7 +20,7 @@ struct PlanePath {
 };
 
 struct PlanePathOptions {
-  double spacing_m = 0.25;
+  double spacing_m = 0.1;
   // Corners are replaced by arcs that begin and end this far before and behind, or as far as half
   // of the shorter leg allows.
   double corner_m = 8;
@@ -38,6 +38,9 @@ struct PlanePathOptions {
 // the one before are left out; an empty path for fewer than two.
 PlanePath MakePlanePath(const std::vector<Eigen::Vector2d>& waypoints,
                         const PlanePathOptions& options, const std::vector<double>& corners_m = {});
+
+// Of travel along points, by central differences; they run on beyond pi.
+std::vector<double> ComputeHeadings(const std::vector<Eigen::Vector2d>& points);
 
 }  // namespace corbslam
 
