@@ -6,6 +6,7 @@
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_FLOOR_WORLD_H_
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,7 +18,8 @@ struct FloorOptions {
   uint64_t seed = 1;
   int rooms_x = 4;  // Rooms of a row, at least 1.
   int rooms_z = 3;  // Rows of rooms, at least 1; a corridor runs before and behind each.
-  // Two corridors have the same surfaces and furniture: a trap for place recognition.
+  // Two corridors, the second and the third, have the same surfaces, doors and furniture: a trap
+  // for place recognition. It takes three rows of rooms at least.
   bool look_alike_corridors = false;
 };
 
@@ -46,12 +48,22 @@ struct Poster {
   uint32_t seed = 0;
 };
 
-// A wall of no thickness from one end to the other, open where a doorway is.
+// A wall from one end to the other along its middle, kWallM thick.
 struct Wall {
   Eigen::Vector2d from;
   Eigen::Vector2d to;
-  bool doorway = false;    // The wall reaches from the lintel to the ceiling only.
-  uint32_t seeds[2] = {};  // Left and right of the direction from -> to, seen from above.
+  bool doorway = false;  // The wall reaches from the lintel to the ceiling only.
+  bool windows = false;  // An outer wall.
+  // Of the side that (-z, x) of the direction (x, z) points to, and of the other.
+  std::array<uint32_t, 2> seeds = {};
+};
+constexpr double kWallM = 0.12;
+constexpr double kDoorwayM = 1.0;
+
+struct FloorDoor {
+  Eigen::Vector2d at;  // Middle of the doorway, in the wall.
+  int room = 0;
+  int corridor = 0;
 };
 
 struct FloorPlan {
@@ -60,15 +72,18 @@ struct FloorPlan {
   double door_height_m = 2.1;
   double camera_height_m = 1.5;
   FloorBox outline;
-  std::vector<FloorBox> rooms;         // Row by row, rooms_x to the row.
-  std::vector<FloorBox> corridors;     // Those along x, front to back, then the two along z.
-  std::vector<Eigen::Vector2d> doors;  // Middles of the doorways, two to the room at most.
+  std::vector<FloorBox> rooms;      // Row by row, rooms_x to the row.
+  std::vector<FloorBox> corridors;  // Those along x, front to back, then the two along z.
+  std::vector<FloorDoor> doors;
   std::vector<Wall> walls;
   std::vector<Furniture> furniture;
   std::vector<Poster> posters;
 };
 
-// Deterministic in the options; counts below 1 are taken as 1.
+// What may not be built over: the walk's straight lines keep this far from furniture.
+constexpr double kFloorClearanceM = 0.4;
+
+// Deterministic in the options; counts below 1 are taken as 1. Pure, as are the other two.
 FloorPlan MakeFloorPlan(const FloorOptions& options);
 
 Scene BuildFloorScene(const FloorPlan& plan);

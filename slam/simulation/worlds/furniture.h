@@ -1,0 +1,15 @@
+// Pieces of furniture as meshes.
+#ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_FURNITURE_H_
+#define CORBSLAM_SLAM_SIMULATION_WORLDS_FURNITURE_H_
+
+#include "slam/simulation/scene.h"
+#include "slam/simulation/worlds/floor_world.h"
+
+namespace corbslam {
+
+// Origin on the floor in the middle of the footprint, y down, the front towards +z.
+Mesh BuildFurniture(const Furniture& furniture);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SIMULATION_WORLDS_FURNITURE_H_
