@@ -1,0 +1,143 @@
+#include "slam/simulation/sequence/simulated_sequence.h"
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <utility>
+#include <variant>
+
+#include "absl/base/call_once.h"
+#include "absl/strings/str_cat.h"
+#include "slam/simulation/motion/pose_sequence.h"
+#include "slam/simulation/renderer.h"
+#include "slam/simulation/sequence/camera_rig.h"
+#include "slam/simulation/sequence/depth_image.h"
+#include "slam/simulation/sequence/frame_clock.h"
+#include "slam/simulation/sequence/simulated_world.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+class DrawnSequence : public SimulatedSequence {
+ public:
+  DrawnSequence(const SimulationSpec& spec, PoseSequence way)
+      : spec_(spec),
+        way_(std::move(way)),
+        rig_(MakeRig(spec)),
+        clock_(spec, rig_.rate_hz, way_.duration_ns()) {}
+
+  const SimulationSpec& spec() const override { return spec_; }
+  const SensorCalibration& calibration() const override { return rig_.calibration; }
+  double rate_hz() const override { return rig_.rate_hz; }
+  size_t frame_count() const override { return clock_.frame_count(); }
+  int64_t timestamp_ns(size_t frame) const override { return clock_.TimestampAt(frame); }
+  Rigid3d world_from_camera(size_t frame) const override { return PoseAt(frame, 0); }
+  absl::StatusOr<SensorImages> Render(size_t frame) const override;
+
+ private:
+  Rigid3d PoseAt(size_t frame, int64_t since_ns) const;
+  // The renderer's shot of the left or right (1) camera.
+  Shot ShotOf(size_t frame, int camera) const;
+  absl::StatusOr<const Renderer*> GetRenderer() const;
+  SensorImages Draw(const Renderer& renderer, size_t frame) const;
+  SensorImages Dark(size_t frame) const;
+
+  const SimulationSpec spec_;
+  const PoseSequence way_;
+  const SimulatedRig rig_;
+  const FrameClock clock_;
+  // Set once, under once_.
+  mutable absl::once_flag once_;
+  mutable absl::StatusOr<std::unique_ptr<Renderer>> renderer_;
+};
+
+Rigid3d DrawnSequence::PoseAt(size_t frame, int64_t since_ns) const {
+  const Rigid3d pose = way_.PoseAt(clock_.WayTimeAt(frame, since_ns));
+  return spec_.turned ? TurnedBack(pose) : pose;
+}
+
+Shot DrawnSequence::ShotOf(size_t frame, int camera) const {
+  const Rigid3d left_from_camera = camera == 1 ? *rig_.left_from_right : Rigid3d::Identity();
+  Shot shot;
+  shot.world_from_camera = PoseAt(frame, 0) * left_from_camera;
+  if (spec_.lens.motion_blur_samples > 1) {
+    shot.world_from_camera_at_close =
+        PoseAt(frame, std::llround(spec_.shutter_s * 1e9)) * left_from_camera;
+  }
+  shot.time_s = 1e-9 * static_cast<double>(clock_.ElapsedAt(frame));
+  shot.stream = 2 * frame + static_cast<uint64_t>(camera);
+  return shot;
+}
+
+absl::StatusOr<const Renderer*> DrawnSequence::GetRenderer() const {
+  absl::call_once(once_, [this] {
+    renderer_ = Renderer::Make(BuildWorld(spec_, way_), {spec_.lens, spec_.threads});
+  });
+  RETURN_IF_ERROR(renderer_.status());
+  return renderer_->get();
+}
+
+SensorImages DrawnSequence::Draw(const Renderer& renderer, size_t frame) const {
+  const Shot left = ShotOf(frame, 0);
+  SensorImages images;
+  images.timestamp_ns = timestamp_ns(frame);
+  images.grey = renderer.DrawGrey(rig_.camera, left);
+  if (rig_.left_from_right.has_value()) {
+    images.right = renderer.DrawGrey(rig_.camera, ShotOf(frame, 1));
+  } else {
+    DepthImageOptions depth;
+    depth.units_per_m = std::get<RgbdCalibration>(rig_.calibration).depth_units_per_m;
+    depth.noise_m = spec_.depth_noise_m;
+    depth.noise_seed = spec_.lens.noise_seed;
+    images.depth = MakeDepthImage(renderer.DrawDepth(rig_.camera, left), depth, frame);
+  }
+  return images;
+}
+
+SensorImages DrawnSequence::Dark(size_t frame) const {
+  const cv::Size size(rig_.camera.width_px, rig_.camera.height_px);
+  SensorImages images;
+  images.timestamp_ns = timestamp_ns(frame);
+  images.grey = cv::Mat::zeros(size, CV_8UC1);
+  cv::Mat& other = rig_.left_from_right.has_value() ? images.right : images.depth;
+  other = cv::Mat::zeros(size, rig_.left_from_right.has_value() ? CV_8UC1 : CV_16UC1);
+  return images;
+}
+
+absl::StatusOr<SensorImages> DrawnSequence::Render(size_t frame) const {
+  if (frame >= frame_count()) {
+    return absl::OutOfRangeError(
+        absl::StrCat("frame ", frame, ": the sequence has ", frame_count()));
+  }
+  try {
+    if (clock_.IsDark(frame)) return Dark(frame);
+    ASSIGN_OR_RETURN(const Renderer* renderer, GetRenderer());
+    return Draw(*renderer, frame);
+  } catch (const cv::Exception& exception) {
+    return absl::InternalError(absl::StrCat("frame ", frame, ": ", exception.what()));
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<SimulatedSequence>> SimulatedSequence::Make(
+    const SimulationSpec& spec) {
+  RETURN_IF_ERROR(Validate(spec));
+  ASSIGN_OR_RETURN(PoseSequence way, MakeWay(spec));
+  auto sequence = std::make_unique<DrawnSequence>(spec, std::move(way));
+  if (sequence->frame_count() == 0) {
+    return absl::InvalidArgumentError("the simulated way ends before its first frame");
+  }
+  return sequence;
+}
+
+Trajectory TrueTrajectory(const SimulatedSequence& sequence) {
+  Trajectory trajectory;
+  trajectory.reserve(sequence.frame_count());
+  for (size_t i = 0; i < sequence.frame_count(); ++i) {
+    trajectory.push_back({sequence.timestamp_ns(i), sequence.world_from_camera(i)});
+  }
+  return trajectory;
+}
+
+}  // namespace corbslam
