@@ -24,19 +24,19 @@ CORBSLAM_LANES Floats Asphalt(const SurfacePlace& at) {
   const SurfacePlace turned = Turned(at, 0.955F, 0.296F);
   const Floats mended = CellNoise(turned, 4.1F, 2.3F, 0.02F, 11);
   return 0.30F + 0.05F * mended + 0.13F * Mottle(at, 1.3F, 12) +
-         0.09F * CellNoise(at, 0.05F, 0.035F, 0.2F, 17) +
-         0.08F * CellNoise(turned, 0.017F, 0.017F, 0.2F, 18);
+         0.12F * CellNoise(at, 0.05F, 0.035F, 0.2F, 17) +
+         0.11F * CellNoise(turned, 0.017F, 0.017F, 0.2F, 18);
 }
 
 CORBSLAM_LANES Floats Pavement(const SurfacePlace& at) {
   const Floats joint = Most(Bars(at.u, at.pixel_u, All(0.5F), All(0.02F)),
                             Bars(at.v, at.pixel_v, All(0.5F), All(0.02F)));
   return 0.48F - 0.25F * joint + 0.07F * CellNoise(at, 0.5F, 0.5F, 0.0F, 21) +
-         0.12F * Mottle(at, 0.9F, 22);
+         0.12F * Mottle(at, 0.9F, 22) + 0.09F * CellNoise(at, 0.03F, 0.03F, 0.2F, 26);
 }
 
 CORBSLAM_LANES Floats Grass(const SurfacePlace& at) {
-  return 0.27F + 0.2F * Mottle(at, 1.1F, 31) + 0.1F * CellNoise(at, 0.05F, 0.12F, 0.3F, 36);
+  return 0.27F + 0.2F * Mottle(at, 1.1F, 31) + 0.2F * CellNoise(at, 0.05F, 0.12F, 0.2F, 36);
 }
 
 CORBSLAM_LANES Floats Plaster(const SurfacePlace& at) {
