@@ -1,4 +1,4 @@
-// One recorded layout: what frames there are and how to read one.
+// One layout: what frames there are and how to read one.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_FRAME_READER_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_FRAME_READER_H_
 
@@ -37,8 +37,15 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const std::string& direct
 // values of freiburg 1, 2 or 3 are taken, as the directory's name says (else 1).
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const std::string& directory);
 
+// Drawn, not read: Read's errors are those of SimulatedSequence::Render.
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenSimulation(const SimulationSpec& spec);
+
 // The one that `spec` names; its selection and perturbation are not applied.
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec);
+
+// A frame as it is played: read, then perturbed.
+absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t frame,
+                                           const Perturbation& perturbation);
 
 }  // namespace corbslam
 

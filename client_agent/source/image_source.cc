@@ -17,18 +17,6 @@ namespace {
 // Pictures that are decoded and not yet taken: enough to even out the disk, little memory.
 constexpr size_t kReadAheadFrames = 3;
 
-absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t frame,
-                                           const Perturbation& perturbation) {
-  ASSIGN_OR_RETURN(SensorImages images, reader.Read(frame));
-  try {
-    images.grey = Perturb(images.grey, perturbation, 2 * frame);
-    if (!images.right.empty()) images.right = Perturb(images.right, perturbation, 2 * frame + 1);
-  } catch (const cv::Exception& exception) {
-    return absl::InternalError(absl::StrCat("frame ", frame, ": ", exception.what()));
-  }
-  return images;
-}
-
 class RecordedSource : public ImageSource {
  public:
   RecordedSource(std::unique_ptr<FrameReader> reader, std::vector<size_t> frames,
@@ -56,6 +44,18 @@ class RecordedSource : public ImageSource {
 
 }  // namespace
 
+absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t frame,
+                                           const Perturbation& perturbation) {
+  ASSIGN_OR_RETURN(SensorImages images, reader.Read(frame));
+  try {
+    images.grey = Perturb(images.grey, perturbation, 2 * frame);
+    if (!images.right.empty()) images.right = Perturb(images.right, perturbation, 2 * frame + 1);
+  } catch (const cv::Exception& exception) {
+    return absl::InternalError(absl::StrCat("frame ", frame, ": ", exception.what()));
+  }
+  return images;
+}
+
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) {
   switch (spec.layout) {
     case SourceLayout::kKitti:
@@ -64,13 +64,15 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) 
       return OpenEuroc(spec.directory);
     case SourceLayout::kTum:
       return OpenTum(spec.directory);
+    case SourceLayout::kSim:
+      return OpenSimulation(spec.simulation);
   }
   return absl::InvalidArgumentError("unknown source layout");
 }
 
 absl::StatusOr<std::unique_ptr<ImageSource>> OpenSource(const SourceSpec& spec) {
   ASSIGN_OR_RETURN(std::unique_ptr<FrameReader> reader, OpenReader(spec));
-  std::vector<size_t> frames = SelectFrames(spec.selection, reader->frame_count());
+  std::vector<size_t> frames = FramesOf(spec, reader->frame_count());
   if (frames.empty()) {
     return absl::InvalidArgumentError(absl::StrCat(
         "source ", FormatSourceSpec(spec), " selects none of ", reader->frame_count(), " frames"));

@@ -272,5 +272,26 @@ INSTANTIATE_TEST_SUITE_P(All, RecordedSourceTest,
                                            Recorded{"tum:tum_fr1_xyz_15hz", 396},
                                            Recorded{"euroc:euroc_v1_01_first40", 40}));
 
+TEST(SimulatedSourceTest, PlaysAPartAndDisturbsItsPictures) {
+  const char* plain_spec = "sim:city?seed=3&length=120&picture_scale=0.1&robot=2/2&overlap=3";
+  auto plain = OpenSource(plain_spec);
+  ASSERT_TRUE(plain.ok()) << plain.status();
+  auto noisy = OpenSource(absl::StrCat(plain_spec, "&gamma=0.5&threads=2"));
+  ASSERT_TRUE(noisy.ok()) << noisy.status();
+  const size_t frames = (*OpenSource("sim:city?seed=3&length=120"))->size();
+  EXPECT_EQ((*plain)->size(), frames - frames / 2 + 3);
+  EXPECT_EQ((*plain)->frame(0).number, frames / 2 - 3);
+  const SensorImages first = **(*plain)->Next();
+  EXPECT_EQ(first.timestamp_ns, (*plain)->frame(0).timestamp_ns);
+  EXPECT_EQ(first.grey.size(), first.right.size());
+  const SensorImages brighter = **(*noisy)->Next();
+  EXPECT_GT(cv::mean(brighter.grey)[0], cv::mean(first.grey)[0] + 10);
+}
+
+TEST(SimulatedSourceTest, NamesAFileThatIsNotThere) {
+  EXPECT_EQ(OpenSource("sim:path?poses=/nowhere/00.txt").status().code(),
+            absl::StatusCode::kNotFound);
+}
+
 }  // namespace
 }  // namespace corbslam

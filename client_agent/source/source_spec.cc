@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "slam/simulation/sequence/simulation_options.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -47,7 +48,36 @@ absl::Status ParseReal(absl::string_view key, absl::string_view value, double le
   return absl::OkStatus();
 }
 
+SequencePart& PartOf(SourceSpec& spec) {
+  return spec.selection.part.has_value() ? *spec.selection.part : spec.selection.part.emplace();
+}
+
+absl::Status ParseRobot(absl::string_view value, SequencePart& part) {
+  const KeyAndValue parts = absl::StrSplit(value, absl::MaxSplits('/', 1));
+  RETURN_IF_ERROR(ParseCount("robot", parts.first, part.robot));
+  RETURN_IF_ERROR(ParseCount("robot", parts.second, part.robots));
+  if (part.robot >= 1 && part.robot <= part.robots) return absl::OkStatus();
+  return BadOption("robot", value, "K/N with K from 1 to N");
+}
+
+std::string ListKnownOptions(const SourceSpec& spec) {
+  std::vector<absl::string_view> names = {"frames", "stride",  "offset", "reverse",
+                                          "robot",  "overlap", "gamma",  "noise"};
+  if (spec.layout != SourceLayout::kSim) {
+    names.push_back("seed");
+  } else {
+    const std::vector<absl::string_view> more = SimulationOptionNames();
+    names.insert(names.end(), more.begin(), more.end());
+  }
+  return absl::StrJoin(names, ", ");
+}
+
 absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceSpec& spec) {
+  if (spec.layout == SourceLayout::kSim && IsSimulationOption(key)) {
+    RETURN_IF_ERROR(ApplySimulationOption(key, value, spec.simulation));
+    spec.perturbation.seed = spec.simulation.lens.noise_seed;
+    return absl::OkStatus();
+  }
   if (key == "frames") return ParseFrames(value, spec.selection);
   if (key == "stride") {
     RETURN_IF_ERROR(ParseCount(key, value, spec.selection.stride));
@@ -59,26 +89,29 @@ absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceS
     spec.selection.reverse = value != "0";
     return absl::OkStatus();
   }
+  if (key == "robot") return ParseRobot(value, PartOf(spec));
+  if (key == "overlap") return ParseCount(key, value, PartOf(spec).overlap);
   if (key == "gamma") return ParseReal(key, value, 0.05, 20, spec.perturbation.gamma);
   if (key == "noise") return ParseReal(key, value, 0, 100, spec.perturbation.noise_sigma);
-  if (key == "seed") {
+  if (key == "seed" && spec.layout != SourceLayout::kSim) {
     if (absl::SimpleAtoi(value, &spec.perturbation.seed)) return absl::OkStatus();
     return BadOption(key, value, "a number from 0 on");
   }
   return absl::InvalidArgumentError(
-      absl::StrCat("unknown source option '", key,
-                   "': known are frames, stride, offset, reverse, gamma, noise, seed"));
+      absl::StrCat("unknown source option '", key, "': known are ", ListKnownOptions(spec)));
 }
 
-constexpr std::pair<absl::string_view, SourceLayout> kLayouts[] = {
-    {"kitti", SourceLayout::kKitti}, {"euroc", SourceLayout::kEuroc}, {"tum", SourceLayout::kTum}};
+constexpr std::pair<absl::string_view, SourceLayout> kLayouts[] = {{"kitti", SourceLayout::kKitti},
+                                                                   {"euroc", SourceLayout::kEuroc},
+                                                                   {"tum", SourceLayout::kTum},
+                                                                   {"sim", SourceLayout::kSim}};
 
 absl::StatusOr<SourceLayout> ParseLayout(absl::string_view name) {
   for (const auto& [known, layout] : kLayouts) {
     if (name == known) return layout;
   }
   return absl::InvalidArgumentError(
-      absl::StrCat("unknown source layout '", name, "': known are kitti, euroc, tum"));
+      absl::StrCat("unknown source layout '", name, "': known are kitti, euroc, tum, sim"));
 }
 
 absl::string_view LayoutName(SourceLayout layout) {
@@ -90,13 +123,41 @@ absl::string_view LayoutName(SourceLayout layout) {
 
 }  // namespace
 
+FrameRange TakePart(const FrameRange& frames, const SequencePart& part) {
+  if (frames.end <= frames.begin) return frames;
+  const size_t count = frames.end - frames.begin;
+  const size_t k = part.robot - 1;
+  const size_t share = k * count / part.robots;
+  const size_t share_end = ((k + 1) * count + part.robots - 1) / part.robots;
+  FrameRange range = frames;
+  if (k > 0) range.begin = frames.begin + share - std::min(share, part.overlap);
+  if (k + 1 < part.robots) {
+    range.end = frames.begin + std::min(count, share_end + part.overlap);
+  }
+  return range;
+}
+
+FrameRange SelectRange(const FrameSelection& selection, size_t frame_count) {
+  const FrameRange all = {selection.first,
+                          std::min(frame_count, selection.last.value_or(frame_count) + 1)};
+  return selection.part.has_value() ? TakePart(all, *selection.part) : all;
+}
+
 std::vector<size_t> SelectFrames(const FrameSelection& selection, size_t frame_count) {
   std::vector<size_t> frames;
-  const size_t end = std::min(frame_count, selection.last.value_or(frame_count) + 1);
-  for (size_t frame = selection.first; frame < end; ++frame) {
+  const FrameRange range = SelectRange(selection, frame_count);
+  for (size_t frame = range.begin; frame < range.end; ++frame) {
     if (frame % selection.stride == selection.offset % selection.stride) frames.push_back(frame);
   }
   if (selection.reverse) std::reverse(frames.begin(), frames.end());
+  return frames;
+}
+
+std::vector<size_t> FramesOf(const SourceSpec& spec, size_t frame_count) {
+  std::vector<size_t> frames = SelectFrames(spec.selection, frame_count);
+  if (spec.layout != SourceLayout::kSim || !spec.simulation.turned) return frames;
+  for (size_t& frame : frames) frame = frame_count - 1 - frame;
+  std::reverse(frames.begin(), frames.end());
   return frames;
 }
 
@@ -124,13 +185,17 @@ absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text) {
     return absl::InvalidArgumentError(absl::StrCat("source '", text, "' names no directory"));
   }
   while (spec.directory.size() > 1 && spec.directory.back() == '/') spec.directory.pop_back();
+  if (spec.layout == SourceLayout::kSim) {
+    ASSIGN_OR_RETURN(spec.simulation.world, ParseSimulatedWorld(spec.directory));
+  }
   RETURN_IF_ERROR(ApplyOptions(directory_and_options.second, spec));
+  if (spec.layout == SourceLayout::kSim) RETURN_IF_ERROR(Validate(spec.simulation));
   return spec;
 }
 
-std::string FormatSourceSpec(const SourceSpec& spec) {
-  const SourceSpec plain;
-  const FrameSelection& selection = spec.selection;
+namespace {
+
+std::vector<std::string> FormatSelection(const FrameSelection& selection) {
   std::vector<std::string> options;
   if (selection.first != 0 || selection.last.has_value()) {
     options.push_back(absl::StrCat("frames=", selection.first, ":",
@@ -139,13 +204,37 @@ std::string FormatSourceSpec(const SourceSpec& spec) {
   if (selection.stride != 1) options.push_back(absl::StrCat("stride=", selection.stride));
   if (selection.offset != 0) options.push_back(absl::StrCat("offset=", selection.offset));
   if (selection.reverse) options.push_back("reverse=1");
+  if (selection.part.has_value()) {
+    const SequencePart& part = *selection.part;
+    options.push_back(absl::StrCat("robot=", part.robot, "/", part.robots));
+    if (part.overlap != SequencePart().overlap) {
+      options.push_back(absl::StrCat("overlap=", part.overlap));
+    }
+  }
+  return options;
+}
+
+}  // namespace
+
+std::string FormatSourceSpec(const SourceSpec& spec) {
+  const SourceSpec plain;
+  const bool is_simulated = spec.layout == SourceLayout::kSim;
+  std::vector<std::string> options;
+  if (is_simulated) {
+    for (const auto& [key, value] : FormatSimulationOptions(spec.simulation)) {
+      options.push_back(absl::StrCat(key, "=", value));
+    }
+  }
+  for (std::string& option : FormatSelection(spec.selection)) {
+    options.push_back(std::move(option));
+  }
   if (spec.perturbation.gamma != plain.perturbation.gamma) {
     options.push_back(absl::StrCat("gamma=", spec.perturbation.gamma));
   }
   if (spec.perturbation.noise_sigma != plain.perturbation.noise_sigma) {
     options.push_back(absl::StrCat("noise=", spec.perturbation.noise_sigma));
   }
-  if (spec.perturbation.seed != plain.perturbation.seed) {
+  if (!is_simulated && spec.perturbation.seed != plain.perturbation.seed) {
     options.push_back(absl::StrCat("seed=", spec.perturbation.seed));
   }
   return absl::StrCat(LayoutName(spec.layout), ":", spec.directory, options.empty() ? "" : "?",

@@ -1,5 +1,6 @@
-// How a recorded sequence is named: "LAYOUT:DIR?OPTIONS", for example
-// "kitti:DIR?frames=0:120&stride=2&offset=1&gamma=0.8&noise=4".
+// How a sequence is named: "LAYOUT:DIR?OPTIONS", for example
+// "kitti:DIR?frames=0:120&stride=2&offset=1&gamma=0.8&noise=4"; or one that is made when it is
+// played: "sim:WORLD?OPTIONS", for example "sim:city?seed=7&robot=2/3&phase=0.5".
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_SPEC_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_SPEC_H_
 
@@ -11,6 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "slam/simulation/sequence/simulation_spec.h"
 
 namespace corbslam {
 
@@ -18,6 +20,15 @@ enum class SourceLayout {
   kKitti,  // KITTI odometry: image_0, image_1, calib.txt, times.txt.
   kEuroc,  // ASL: mav0/cam0, mav0/cam1 (or cam0, cam1 directly).
   kTum,    // TUM RGB-D: associated.txt, or rgb.txt and depth.txt.
+  kSim,    // Drawn from a simulated world.
+};
+
+// A robot's part of a sequence that several share, in the order in which it was driven.
+struct SequencePart {
+  size_t robot = 1;  // From 1 on.
+  size_t robots = 1;
+  // Frames by which a part reaches beyond its share, on each side where there is another.
+  size_t overlap = 20;
 };
 
 // Which frames of a sequence, and in which order.
@@ -29,7 +40,22 @@ struct FrameSelection {
   size_t offset = 0;
   // From the last to the first. Timestamps stay the sequence's own, so they fall.
   bool reverse = false;
+  // robot=2/3, overlap=20: only this part of the frames between first and last.
+  std::optional<SequencePart> part;
 };
+
+// Frames [begin, end) as they are shared: part k of n, k from 0 on, is
+// [begin + floor(k t / n) - overlap, begin + ceil((k + 1) t / n) + overlap), within [begin, end).
+// For two robots and t frames: [0, t/2 + d] and [t/2 - d, t] (CORB-SLAM, section 4). An empty range
+// stays empty.
+struct FrameRange {
+  size_t begin = 0;
+  size_t end = 0;
+};
+FrameRange TakePart(const FrameRange& frames, const SequencePart& part);
+
+// What lies between first and last of `frame_count` frames, and of that the part.
+FrameRange SelectRange(const FrameSelection& selection, size_t frame_count);
 
 // Numbers of the selected frames, in the order in which they are played.
 std::vector<size_t> SelectFrames(const FrameSelection& selection, size_t frame_count);
@@ -43,10 +69,16 @@ struct Perturbation {
 
 struct SourceSpec {
   SourceLayout layout = SourceLayout::kKitti;
-  std::string directory;
+  std::string directory;      // Of kSim the world's name.
+  SimulationSpec simulation;  // kSim only.
   FrameSelection selection;
   Perturbation perturbation;
 };
+
+// Numbers of the selected frames in the sequence itself, in the order in which they are played. For
+// a way that is driven the other way round, the selection counts frames as if it weren't: it means
+// the same places.
+std::vector<size_t> FramesOf(const SourceSpec& spec, size_t frame_count);
 
 // INVALID_ARGUMENT, naming the option and its value.
 absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text);

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace corbslam {
 namespace {
 
@@ -25,7 +28,10 @@ TEST(SourceSpecTest, ReadsEveryOption) {
 TEST(SourceSpecTest, ComesBackAsFormatted) {
   for (const char* text :
        {"kitti:a", "euroc:/b/c?frames=5:", "tum:d?frames=1:2&stride=2&offset=1&reverse=1",
-        "kitti:e?gamma=0.8&noise=4&seed=9"}) {
+        "kitti:e?gamma=0.8&noise=4&seed=9", "kitti:f?robot=2/3",
+        "tum:g?frames=10:90&robot=1/2&overlap=5", "sim:city", "sim:floor?rig=rgbd&motion=fly",
+        "sim:city?seed=7&world=3&length=812.5&turned=1&noise_seed=5&frames=3:9&robot=2/3&noise=2",
+        "sim:path?poses=/a/00.txt&blackout=10:2&kidnap=5:20.25&threads=2"}) {
     EXPECT_EQ(FormatSourceSpec(*ParseSourceSpec(text)), text);
   }
 }
@@ -42,7 +48,18 @@ TEST(SourceSpecTest, NamesWhatItDoesNotUnderstand) {
                                                        {"kitti:a?colour=blue", "'colour'"},
                                                        {"kitti:a?reverse=maybe", "reverse=maybe"},
                                                        {"kitti:a?frames=1:2e9", "frames=2e9"},
-                                                       {"kitti:a?seed=x", "seed=x"}};
+                                                       {"kitti:a?seed=x", "seed=x"},
+                                                       {"kitti:a?robot=3/2", "robot=3/2"},
+                                                       {"kitti:a?robot=0/2", "robot=0/2"},
+                                                       {"kitti:a?robot=2", "robot"},
+                                                       {"kitti:a?phase=0.5", "'phase'"},
+                                                       {"sim:moon", "city, path, floor"},
+                                                       {"sim:city?sead=7", "'sead': known are"},
+                                                       {"sim:city?sead=7", "blackout"},
+                                                       {"sim:city?seed=x", "seed=x"},
+                                                       {"sim:city?rig=gopro", "rig=gopro"},
+                                                       {"sim:city?phase=2", "phase=2"},
+                                                       {"sim:path", "poses"}};
   for (const auto& [text, expected] : cases) {
     const absl::Status status = ParseSourceSpec(text).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
@@ -55,6 +72,57 @@ TEST(SourceSpecTest, TakesOptionsWithCommas) {
   ASSERT_TRUE(ApplyOptions("gamma=0.8,noise=4,reverse", spec).ok());
   EXPECT_TRUE(spec.selection.reverse);
   EXPECT_EQ(spec.perturbation.noise_sigma, 4);
+}
+
+TEST(SourceSpecTest, SimulationsHaveASeedOfTheirPictures) {
+  const SourceSpec spec = *ParseSourceSpec("sim:city?seed=7&noise_seed=5&gamma=0.9");
+  EXPECT_EQ(spec.simulation.seed, 7u);
+  EXPECT_EQ(spec.simulation.lens.noise_seed, 5u);
+  EXPECT_EQ(spec.perturbation.seed, 5u);
+  EXPECT_EQ(spec.perturbation.gamma, 0.9);
+}
+
+TEST(TakePartTest, SharesAsThePaperDoes) {
+  const auto part = [](size_t robot, size_t robots, size_t overlap, FrameRange all) {
+    const FrameRange range = TakePart(all, {robot, robots, overlap});
+    return std::pair(range.begin, range.end);
+  };
+  using Range = std::pair<size_t, size_t>;
+  // Two robots: [0, t/2 + d] and [t/2 - d, t].
+  EXPECT_EQ(part(1, 2, 20, {0, 4541}), Range(0, 2291));
+  EXPECT_EQ(part(2, 2, 20, {0, 4541}), Range(2250, 4541));
+  // Three: [0, t/3 + d], [t/3 - d, 2t/3 + d], [2t/3 - d, t].
+  EXPECT_EQ(part(1, 3, 10, {0, 2760}), Range(0, 930));
+  EXPECT_EQ(part(2, 3, 10, {0, 2760}), Range(910, 1850));
+  EXPECT_EQ(part(3, 3, 10, {0, 2760}), Range(1830, 2760));
+  // Overlaps end with the sequence; a range that does not begin at 0 is shared as others are.
+  EXPECT_EQ(part(2, 2, 1000, {100, 200}), Range(100, 200));
+  EXPECT_EQ(part(1, 2, 0, {100, 200}), Range(100, 150));
+  EXPECT_EQ(part(1, 1, 20, {5, 9}), Range(5, 9));
+  EXPECT_EQ(part(2, 3, 20, {5, 5}), Range(5, 5));
+}
+
+TEST(TakePartTest, TogetherAllFramesAreTaken) {
+  for (size_t robots = 1; robots <= 9; ++robots) {
+    for (size_t count = 1; count <= 40; ++count) {
+      size_t reached = 0;
+      for (size_t robot = 1; robot <= robots; ++robot) {
+        const FrameRange range = TakePart({0, count}, {robot, robots, 0});
+        EXPECT_LE(range.begin, reached);
+        reached = std::max(reached, range.end);
+      }
+      EXPECT_EQ(reached, count);
+    }
+  }
+}
+
+TEST(FramesOfTest, TurnedMeansTheSamePlaces) {
+  const auto frames = [](const char* text) { return FramesOf(*ParseSourceSpec(text), 10); };
+  EXPECT_THAT(frames("sim:city?frames=1:3"), ElementsAre(1, 2, 3));
+  EXPECT_THAT(frames("sim:city?frames=1:3&turned"), ElementsAre(6, 7, 8));
+  EXPECT_THAT(frames("sim:city?frames=1:3&turned&reverse"), ElementsAre(8, 7, 6));
+  EXPECT_THAT(frames("sim:city?robot=2/2&overlap=1"), ElementsAre(4, 5, 6, 7, 8, 9));
+  EXPECT_THAT(frames("sim:city?robot=2/2&overlap=1&turned"), ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
 TEST(SelectFramesTest, StrideCountsFromTheSequencesStart) {
