@@ -59,8 +59,8 @@ constexpr int kBlockColumns = 4;
 constexpr int kBlockRows = 4;
 static_assert(kBlockColumns * kBlockRows == kLanes);
 
-// Where surfaces meet, a pixel is the mean of this many rays.
-constexpr size_t kPlaces = 4;
+// Where surfaces meet, a pixel is the mean of its centre's ray and this many more.
+constexpr size_t kPlaces = 2;
 constexpr size_t kRefinedAtOnce = kLanes / kPlaces;
 
 // Calls `visit(lane, x, y)` for the pixels of the block at (x, y) that are in the picture.
@@ -84,7 +84,7 @@ RayPacket BlockPacket(const View& view, const cv::Mat& picture, int x, int y) {
 
 int BlocksDown(const cv::Mat& picture) { return (picture.rows + kBlockRows - 1) / kBlockRows; }
 
-// Light of pixels by one ray each, then of those where surfaces meet by four more.
+// Light of pixels by one ray each, then of those where surfaces meet by more.
 class LightPainter {
  public:
   LightPainter(const RayCaster& caster, const MoverPoses* movers, const Camera& camera,
@@ -116,7 +116,7 @@ class LightPainter {
 
   // Whether another surface of another brightness lies within a pixel.
   bool Differs(int x, int y, int32_t patch, float light) const {
-    constexpr float kVisible = 0.03F;
+    constexpr float kVisible = 0.04F;
     return x >= 0 && y >= 0 && x < light_.cols && y < light_.rows &&
            patches_.at<int32_t>(y, x) != patch &&
            std::abs(light_.at<float>(y, x) - light) > kVisible;
@@ -128,7 +128,7 @@ class LightPainter {
            Differs(x, y - 1, patch, light) || Differs(x, y + 1, patch, light);
   }
 
-  // A few pixels a packet, four places of a rotated grid each.
+  // Several pixels a packet.
   void RefineRow(int y, cv::Mat& smooth) const {
     std::array<int, kRefinedAtOnce> columns;
     size_t waiting = 0;
@@ -144,8 +144,8 @@ class LightPainter {
 
   void RefinePixels(const std::array<int, kRefinedAtOnce>& columns, size_t count, int y,
                     cv::Mat& smooth) const {
-    constexpr std::array<float, kPlaces> kRight = {-0.125F, 0.375F, -0.375F, 0.125F};
-    constexpr std::array<float, kPlaces> kDown = {-0.375F, -0.125F, 0.125F, 0.375F};
+    constexpr std::array<float, kPlaces> kRight = {-0.33F, 0.33F};
+    constexpr std::array<float, kPlaces> kDown = {0.25F, -0.25F};
     RayPacket rays = StartPacket(view_);
     for (size_t i = 0; i < count; ++i) {
       for (size_t k = 0; k < kPlaces; ++k) {
@@ -155,9 +155,9 @@ class LightPainter {
     }
     const LightPacket packet = ComputeLight(caster_, movers_, rays);
     for (size_t i = 0; i < count; ++i) {
-      float sum = 0;
+      float sum = light_.at<float>(y, columns[i]);
       for (size_t k = 0; k < kPlaces; ++k) sum += packet.light[kPlaces * i + k];
-      smooth.at<float>(y, columns[i]) = sum / kPlaces;
+      smooth.at<float>(y, columns[i]) = sum / (kPlaces + 1);
     }
   }
 
