@@ -146,7 +146,7 @@ void HangPosters(FloorPlan* plan) {
     const Vector2d along = (wall.to - wall.from).normalized();
     const double length = (wall.to - wall.from).norm();
     if (wall.doorway || wall.windows || length < 1.3) continue;
-    for (const size_t side : {0, 1}) {
+    for (const size_t side : {size_t{0}, size_t{1}}) {
       Dice dice = Dice::For(plan->options.seed, kPosterDice, wall.seeds[side],
                             std::lround(100 * wall.from.x()));
       for (double at = dice.Uniform(0.7, 1.6); at < length - 0.7; at += dice.Uniform(1.3, 3)) {

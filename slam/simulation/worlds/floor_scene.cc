@@ -119,7 +119,7 @@ void AddWall(const FloorPlan& plan, const Wall& wall, Mesh* mesh) {
   const Vector2d along = (wall.to - wall.from).normalized();
   const Vector2d normal(-along.y(), along.x());
   const double low = wall.doorway ? plan.door_height_m : 0;
-  for (const size_t side : {0, 1}) {
+  for (const size_t side : {size_t{0}, size_t{1}}) {
     const Vector2d out = (side == 0 ? 0.5 : -0.5) * kWallM * normal;
     AddFace(plan, wall.from + out, wall.to + out, low, plan.wall_height_m,
             WallFinish(wall.seeds[side]), mesh);
