@@ -161,7 +161,9 @@ CORBSLAM_LANES Floats Wallpaper(const SurfacePlace& at) {
   const Floats stripes = Bars(at.u, at.pixel_u, All(0.53F), All(0.02F));
   const Floats board = Bars(at.v - 2.68F, at.pixel_v, All(60), All(0.12F));
   return Mix(0.55F + 0.25F * OfSurface(at, 1) - 0.04F * stripes +
-                 (0.04F + 0.08F * OfSurface(at, 2)) * Mottle(at, 1.1F, 181),
+                 (0.04F + 0.08F * OfSurface(at, 2)) * Mottle(at, 1.1F, 181) +
+                 0.06F * CellNoise(at, 0.09F, 0.13F, 0.1F, 186) +
+                 0.05F * CellNoise(at, 0.021F, 0.017F, 0.2F, 187),
              All(0.2F), board);
 }
 
@@ -174,7 +176,7 @@ CORBSLAM_LANES Floats FloorTiles(const SurfacePlace& at) {
 
 CORBSLAM_LANES Floats Carpet(const SurfacePlace& at) {
   return 0.25F + 0.2F * OfSurface(at, 1) + 0.12F * CellNoise(at, 0.4F, 0.4F, 0.05F, 201) +
-         0.1F * Mottle(at, 0.3F, 202);
+         0.1F * Mottle(at, 0.3F, 202) + 0.07F * CellNoise(at, 0.02F, 0.03F, 0.2F, 207);
 }
 
 CORBSLAM_LANES Floats Shelf(const SurfacePlace& at) {
@@ -187,7 +189,8 @@ CORBSLAM_LANES Floats Shelf(const SurfacePlace& at) {
 CORBSLAM_LANES Floats Ceiling(const SurfacePlace& at) {
   const Floats joint = Most(Bars(at.u, at.pixel_u, All(0.6F), All(0.02F)),
                             Bars(at.v, at.pixel_v, All(0.6F), All(0.02F)));
-  return 0.75F - 0.25F * joint + 0.06F * Mottle(at, 0.3F, 221);
+  return 0.75F - 0.25F * joint + 0.06F * Mottle(at, 0.3F, 221) +
+         0.07F * CellNoise(at, 0.025F, 0.025F, 0.1F, 226);
 }
 
 // Clouds, soft at every scale.

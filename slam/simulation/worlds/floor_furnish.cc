@@ -149,7 +149,7 @@ void HangPosters(FloorPlan* plan) {
     for (const size_t side : {size_t{0}, size_t{1}}) {
       Dice dice = Dice::For(plan->options.seed, kPosterDice, wall.seeds[side],
                             std::lround(100 * wall.from.x()));
-      for (double at = dice.Uniform(0.7, 1.6); at < length - 0.7; at += dice.Uniform(1.3, 3)) {
+      for (double at = dice.Uniform(0.7, 1.6); at < length - 0.7; at += dice.Uniform(1.2, 2)) {
         Poster poster;
         const Vector2d normal = (side == 0 ? 1.0 : -1.0) * Vector2d(-along.y(), along.x());
         poster.centre = wall.from + at * along + (kWallM / 2 + 0.02) * normal;
