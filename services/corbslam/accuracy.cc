@@ -9,21 +9,34 @@
 #include "client_agent/source/euroc_calibration.h"
 #include "client_agent/source/frame_reader.h"
 #include "slam/evaluation/trajectory_io.h"
+#include "slam/simulation/sequence/simulated_sequence.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
 
-// One recorded sequence: its truth and the time from which errors count again.
+// One sequence: its truth and the time from which errors count again.
 struct Sequence {
   std::optional<Trajectory> truth;
   std::optional<int64_t> from_ns;  // None: it is shorter than that.
 };
 
-using Sequences = std::map<std::pair<SourceLayout, std::string>, Sequence>;
+using Sequences = std::map<std::string, Sequence>;
 
-std::pair<SourceLayout, std::string> KeyOf(const SourceSpec& source) {
-  return {source.layout, source.directory};
+// Equal for sources that share times and truth.
+std::string KeyOf(const SourceSpec& source) {
+  SourceSpec sequence;
+  sequence.layout = source.layout;
+  sequence.directory = source.directory;
+  sequence.simulation = source.simulation;
+  sequence.simulation.lens = {};
+  sequence.simulation.threads = 1;
+  return FormatSourceSpec(sequence);
+}
+
+// Equal for sources whose truths are in one frame.
+std::string WorldOf(const SourceSpec& source) {
+  return source.layout == SourceLayout::kSim ? WorldName(source.simulation) : KeyOf(source);
 }
 
 absl::StatusOr<Sequence> ReadSequence(const SourceSpec& source, size_t from_frame) {
@@ -69,31 +82,47 @@ RobotAccuracy ComputeRobotAccuracy(const RobotPaths& robot, const Sequence& sequ
   return accuracy;
 }
 
-// The pairs of all robots that played `key`.
-std::vector<PosePair> PairToTrajectory(const std::vector<RobotPaths>& robots,
-                                       const std::pair<SourceLayout, std::string>& key,
-                                       const Trajectory& truth, int64_t from_ns) {
+// The pairs of all robots that were in `world`; only from the frame on that counts again, if so
+// wished.
+std::vector<PosePair> PairToTruth(const std::vector<RobotPaths>& robots, const Sequences& sequences,
+                                  const std::string& world, bool from_frame) {
   std::vector<PosePair> pairs;
   for (const RobotPaths& robot : robots) {
-    if (KeyOf(robot.source) != key) continue;
+    const Sequence& sequence = sequences.at(KeyOf(robot.source));
+    if (WorldOf(robot.source) != world || !sequence.truth.has_value()) continue;
+    if (from_frame && !sequence.from_ns.has_value()) continue;
+    const int64_t from_ns = from_frame ? *sequence.from_ns : std::numeric_limits<int64_t>::min();
     const std::vector<PosePair> own =
-        AssociateByTime(KeepFrom(ToTrajectory(robot.global), from_ns), truth);
+        AssociateByTime(KeepFrom(ToTrajectory(robot.global), from_ns), *sequence.truth);
     pairs.insert(pairs.end(), own.begin(), own.end());
   }
   return pairs;
 }
 
-// Over one path that runs through all robots' parts.
+// For each sequence over one path that runs through all its robots' parts.
 std::optional<RelativeError> FusedRelativeError(const std::vector<RobotPaths>& robots,
-                                                const Trajectory& truth) {
-  std::vector<Trajectory> parts;
-  for (const RobotPaths& robot : robots) parts.push_back(ToTrajectory(robot.global));
-  return ComputeRelativeError(AssociateByTime(MergeByTime(parts), truth));
+                                                const Sequences& sequences) {
+  RelativeError sum;
+  for (const auto& [key, sequence] : sequences) {
+    std::vector<Trajectory> parts;
+    for (const RobotPaths& robot : robots) {
+      if (KeyOf(robot.source) == key) parts.push_back(ToTrajectory(robot.global));
+    }
+    const std::optional<RelativeError> error =
+        ComputeRelativeError(AssociateByTime(MergeByTime(parts), *sequence.truth));
+    if (!error.has_value()) continue;
+    sum.translation_percent += error->segments * error->translation_percent;
+    sum.rotation_deg_per_100m += error->segments * error->rotation_deg_per_100m;
+    sum.segments += error->segments;
+  }
+  if (sum.segments == 0) return std::nullopt;
+  return RelativeError{sum.translation_percent / sum.segments,
+                       sum.rotation_deg_per_100m / sum.segments, sum.segments};
 }
 
 // The truth while the robots that played `key` were on their way.
-Trajectory CutTruth(const std::vector<RobotPaths>& robots,
-                    const std::pair<SourceLayout, std::string>& key, const Trajectory& truth) {
+Trajectory CutTruth(const std::vector<RobotPaths>& robots, const std::string& key,
+                    const Trajectory& truth) {
   int64_t first_ns = std::numeric_limits<int64_t>::max();
   int64_t last_ns = std::numeric_limits<int64_t>::min();
   for (const RobotPaths& robot : robots) {
@@ -124,20 +153,17 @@ FusedAccuracy ComputeFusedAccuracy(const std::vector<RobotPaths>& robots,
   if (!sequence.truth.has_value()) return {};
   FusedAccuracy accuracy;
   accuracy.truth = CutTruth(robots, KeyOf(in_global->source), *sequence.truth);
-  const auto pairs_from = [&](int64_t from_ns) {
-    return PairToTrajectory(robots, KeyOf(in_global->source), *sequence.truth, from_ns);
-  };
+  const std::string world = WorldOf(in_global->source);
   const std::optional<AbsoluteError> all =
-      ErrorOf(pairs_from(std::numeric_limits<int64_t>::min()), alignment);
+      ErrorOf(PairToTruth(robots, sequences, world, false), alignment);
   if (all.has_value()) accuracy.truth_from_global = all->truth_from_estimate;
-  if (sequences.size() > 1 || !std::all_of(robots.begin(), robots.end(), IsAllGlobal)) {
-    return accuracy;
-  }
+  const auto belongs = [&](const RobotPaths& robot) {
+    return WorldOf(robot.source) == world && IsAllGlobal(robot);
+  };
+  if (!std::all_of(robots.begin(), robots.end(), belongs)) return accuracy;
   accuracy.all = all;
-  if (sequence.from_ns.has_value()) {
-    accuracy.from_frame = ErrorOf(pairs_from(*sequence.from_ns), alignment);
-  }
-  accuracy.relative = FusedRelativeError(robots, *sequence.truth);
+  accuracy.from_frame = ErrorOf(PairToTruth(robots, sequences, world, true), alignment);
+  accuracy.relative = FusedRelativeError(robots, sequences);
   return accuracy;
 }
 
@@ -159,6 +185,11 @@ absl::StatusOr<std::optional<Trajectory>> ReadGroundTruth(const SourceSpec& sour
       truth = ReadEurocTrajectory(root + "/state_groundtruth_estimate0/data.csv",
                                   camera.body_from_camera);
       break;
+    }
+    case SourceLayout::kSim: {
+      ASSIGN_OR_RETURN(const std::unique_ptr<SimulatedSequence> sequence,
+                       SimulatedSequence::Make(source.simulation));
+      return TrueTrajectory(*sequence);
     }
   }
   if (absl::IsNotFound(truth.status())) return std::nullopt;

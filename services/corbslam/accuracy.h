@@ -16,7 +16,7 @@
 namespace corbslam {
 
 // The truth that lies beside a recorded sequence: poses.txt, groundtruth.txt or
-// state_groundtruth_estimate0; nullopt where there is none.
+// state_groundtruth_estimate0; nullopt where there is none. A simulation's is where its camera is.
 absl::StatusOr<std::optional<Trajectory>> ReadGroundTruth(const SourceSpec& source);
 
 struct RobotPaths {
@@ -37,9 +37,11 @@ struct RobotAccuracy {
 
 struct FusedAccuracy {
   // Of all robots under one alignment; only when all local maps are connected to the global
-  // frame and all are of one sequence.
+  // frame and all are of one sequence or of one simulated world.
   std::optional<AbsoluteError> all;
   std::optional<AbsoluteError> from_frame;
+  // Over the path that robots of one sequence drove together; of several sequences in one world
+  // the mean over all segments.
   std::optional<RelativeError> relative;
   // For pictures: from whatever lies in the global frame, and the truth of that time.
   std::optional<Similarity3d> truth_from_global;

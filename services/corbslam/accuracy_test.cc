@@ -106,5 +106,47 @@ TEST(ComputeAccuracyTest, IsEmptyWithoutTruth) {
   EXPECT_FALSE(accuracy->fused.truth.has_value());
 }
 
+// What a robot that made no mistake would have mapped of a simulation.
+RobotPaths MakePerfectRobot(const std::string& text) {
+  const Rigid3d other_from_world{Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), {1, 2, 3}};
+  RobotPaths robot;
+  robot.source = *ParseSourceSpec(text);
+  const std::optional<Trajectory> truth = *ReadGroundTruth(robot.source);
+  for (const size_t frame : FramesOf(robot.source, truth->size())) {
+    const StampedPose& pose = (*truth)[frame];
+    robot.local.push_back(
+        {pose.timestamp_ns, other_from_world * pose.world_from_camera, "missions/m/localMaps/1"});
+  }
+  robot.global = robot.local;
+  return robot;
+}
+
+TEST(ComputeAccuracyTest, HoldsRobotsOfOneSimulatedWorldAgainstOneTruth) {
+  const std::string city = "sim:city?seed=3&length=400&";
+  const absl::StatusOr<Accuracy> accuracy =
+      ComputeAccuracy({MakePerfectRobot(city + "robot=1/2"),
+                       MakePerfectRobot(city + "robot=2/2&phase=0.5&noise_seed=4"),
+                       MakePerfectRobot(city + "turned=1&start_s=3600")},
+                      15, Alignment::kSe3);
+  ASSERT_TRUE(accuracy.ok()) << accuracy.status();
+  for (const RobotAccuracy& robot : accuracy->robots) {
+    EXPECT_THAT(robot.ate_m, Optional(DoubleNear(0, 1e-6)));
+  }
+  ASSERT_TRUE(accuracy->fused.all.has_value());
+  EXPECT_NEAR(accuracy->fused.all->rmse_m, 0, 1e-6);
+  ASSERT_TRUE(accuracy->fused.relative.has_value());
+  EXPECT_NEAR(accuracy->fused.relative->translation_percent, 0, 1e-6);
+}
+
+TEST(ComputeAccuracyTest, HasNoFusedErrorForTwoSimulatedWorlds) {
+  const absl::StatusOr<Accuracy> accuracy =
+      ComputeAccuracy({MakePerfectRobot("sim:city?seed=3&length=200"),
+                       MakePerfectRobot("sim:city?seed=4&length=200")},
+                      15, Alignment::kSe3);
+  ASSERT_TRUE(accuracy.ok()) << accuracy.status();
+  EXPECT_THAT(accuracy->robots[1].ate_m, Optional(DoubleNear(0, 1e-6)));
+  EXPECT_FALSE(accuracy->fused.all.has_value());
+}
+
 }  // namespace
 }  // namespace corbslam

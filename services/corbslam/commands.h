@@ -17,6 +17,8 @@ using Command = std::function<absl::Status()>;
 void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chosen);
 void AddEvalCommand(CLI::App& app, Command& chosen);
 void AddRenderCommand(CLI::App& app, Command& chosen);
+void AddSimulateCommand(CLI::App& app, Command& chosen);
+void AddSplitCommand(CLI::App& app, Command& chosen);
 void AddVocabularyCommand(CLI::App& app, Command& chosen);
 
 }  // namespace corbslam

@@ -67,7 +67,7 @@ absl::StatusOr<Truth> ReadTruthFile(const EvalArguments& arguments) {
 }
 
 absl::StatusOr<Truth> ReadTruth(const EvalArguments& arguments) {
-  for (const char* layout : {"kitti:", "tum:", "euroc:"}) {
+  for (const char* layout : {"kitti:", "tum:", "euroc:", "sim:"}) {
     if (absl::StartsWith(arguments.truth, layout)) return ReadRecordedTruth(arguments);
   }
   return ReadTruthFile(arguments);
@@ -140,9 +140,10 @@ void AddEvalCommand(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<EvalArguments>();
   CLI::App* eval = app.add_subcommand(
       "eval", "Errors of trajectories against the truth, each and all under one alignment");
-  eval->add_option("--truth", arguments->truth,
-                   "kitti:DIR, tum:DIR or euroc:DIR; or a file in TUM's form; or KITTI's with "
-                   "--truth-times")
+  eval->add_option(
+          "--truth", arguments->truth,
+          "kitti:DIR, tum:DIR, euroc:DIR or sim:WORLD; or a file in TUM's form; or KITTI's "
+          "with --truth-times")
       ->required();
   eval->add_option("--truth-times", arguments->truth_times, "The times.txt of a KITTI file");
   eval->add_option("estimates", arguments->estimates, "Trajectories in TUM's form")->required();

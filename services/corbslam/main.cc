@@ -1,4 +1,5 @@
-// corbslam: the tool for people. Runs missions, measures, draws, and makes vocabularies.
+// corbslam: the tool for people. Runs missions, simulates, measures, draws, and makes
+// vocabularies.
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>
@@ -21,6 +22,8 @@ int main(int argc, char** argv) {
   corbslam::AddRunCommand(app, command_line, chosen);
   corbslam::AddEvalCommand(app, chosen);
   corbslam::AddRenderCommand(app, chosen);
+  corbslam::AddSimulateCommand(app, chosen);
+  corbslam::AddSplitCommand(app, chosen);
   corbslam::AddVocabularyCommand(app, chosen);
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = chosen();

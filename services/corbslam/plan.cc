@@ -26,6 +26,11 @@ absl::StatusOr<std::vector<SourceSpec>> SplitSource(const SourceSpec& source,
   if (options.mode == SplitMode::kInterleaved && source.selection.stride != 1) {
     return absl::InvalidArgumentError("an interleaved split sets the stride itself");
   }
+  if (source.selection.part.has_value() && options.robots > 1) {
+    return absl::InvalidArgumentError(absl::StrCat(FormatSourceSpec(source),
+                                                   " is one robot's part: it can't be split among ",
+                                                   options.robots));
+  }
   std::vector<SourceSpec> parts;
   for (const FrameSelection& selection : SplitFrames(source.selection.first, end, options)) {
     SourceSpec part = source;
@@ -48,17 +53,14 @@ absl::StatusOr<std::vector<SourceSpec>> SplitSource(const SourceSpec& source,
 }  // namespace
 
 std::vector<FrameSelection> SplitFrames(size_t begin, size_t end, const SplitOptions& options) {
-  const size_t count = end > begin ? end - begin : 0;
-  const size_t robots = options.robots;
   std::vector<FrameSelection> parts;
-  for (size_t k = 0; k < robots && count > 0; ++k) {
-    const size_t first = k * count / robots;
-    const size_t past = ((k + 1) * count + robots - 1) / robots;
+  for (size_t k = 0; k < options.robots && begin < end; ++k) {
+    const FrameRange range = TakePart({begin, end}, {k + 1, options.robots, options.overlap});
     FrameSelection part;
-    part.first = begin + (k == 0 ? 0 : first - std::min(first, options.overlap));
-    part.last = begin + (k + 1 == robots ? count : std::min(count, past + options.overlap)) - 1;
+    part.first = range.begin;
+    part.last = range.end - 1;
     if (options.mode == SplitMode::kInterleaved) {
-      part.stride = robots;
+      part.stride = options.robots;
       part.offset = k;
     }
     parts.push_back(part);

@@ -1,4 +1,4 @@
-// Which robot plays which part of which recorded sequence.
+// Which robot plays which part of which sequence.
 #ifndef CORBSLAM_SERVICES_CORBSLAM_PLAN_H_
 #define CORBSLAM_SERVICES_CORBSLAM_PLAN_H_
 
@@ -25,9 +25,7 @@ struct SplitOptions {
   SplitMode mode = SplitMode::kHalves;
 };
 
-// Frames [begin, end) in `robots` parts: part k is
-// [begin + floor(k t / n) - overlap, begin + ceil((k + 1) t / n) + overlap), within [begin, end).
-// For two robots and t frames: [0, t/2 + d] and [t/2 - d, t] (CORB-SLAM, section 4).
+// Frames [begin, end) in `robots` parts: TakePart's.
 std::vector<FrameSelection> SplitFrames(size_t begin, size_t end, const SplitOptions& options);
 
 struct RobotPlan {
@@ -43,8 +41,8 @@ struct PlanOptions {
 };
 
 // One source is split among the robots; of several sources each goes to a robot of its own, whole.
-// INVALID_ARGUMENT for a split that leaves a robot without frames and for a perturbation of a robot
-// that is not there.
+// INVALID_ARGUMENT for a split that leaves a robot without frames, for a source that is already one
+// robot's part, and for a perturbation of a robot that is not there.
 absl::StatusOr<std::vector<RobotPlan>> PlanRobots(const PlanOptions& options);
 
 // alpha, bravo, charlie, ...; from the 27th on robot27, ...

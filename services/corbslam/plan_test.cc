@@ -54,6 +54,28 @@ TEST(PlanRobotsTest, GivesEachOfSeveralSourcesARobot) {
   EXPECT_EQ(FormatSourceSpec((*robots)[1].source), "tum:b?reverse=1&gamma=0.8");
 }
 
+TEST(PlanRobotsTest, SplitsASimulation) {
+  PlanOptions options;
+  options.sources = {*ParseSourceSpec("sim:city?seed=3&length=160")};
+  options.perturbations[2] = "phase=0.5,turned,noise_seed=9";
+  const absl::StatusOr<std::vector<RobotPlan>> robots = PlanRobots(options);
+  ASSERT_TRUE(robots.ok()) << robots.status();
+  ASSERT_EQ(robots->size(), 2u);
+  EXPECT_EQ((*robots)[0].source.selection.first, 0u);
+  EXPECT_TRUE((*robots)[1].source.simulation.turned);
+  EXPECT_EQ((*robots)[1].source.simulation.seed, 3u);
+  // The parts overlap in place.
+  EXPECT_LT((*robots)[1].source.selection.first, *(*robots)[0].source.selection.last);
+}
+
+TEST(PlanRobotsTest, DoesNotSplitAPartAgain) {
+  PlanOptions options;
+  options.sources = {*ParseSourceSpec("sim:city?seed=3&length=160&robot=1/3")};
+  EXPECT_EQ(PlanRobots(options).status().code(), absl::StatusCode::kInvalidArgument);
+  options.split.robots = 1;
+  EXPECT_TRUE(PlanRobots(options).ok());
+}
+
 TEST(PlanRobotsTest, RefusesAPerturbationOfNobody) {
   PlanOptions options;
   options.sources = {*ParseSourceSpec("kitti:a"), *ParseSourceSpec("tum:b")};

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "client_agent/source/image_source.h"
+#include "client_agent/source/frame_reader.h"
 #include "corbslam/v1/agent_service.grpc.pb.h"
 #include "services/corbslam/agent_report.h"
 #include "services/corbslam/child_process.h"
@@ -105,8 +105,8 @@ absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
   RunningAgent agent;
   agent.plan = plan;
   {
-    ASSIGN_OR_RETURN(const std::unique_ptr<ImageSource> source, OpenSource(plan.source));
-    agent.frames = source->size();
+    ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(plan.source));
+    agent.frames = FramesOf(plan.source, reader->frame_count()).size();
   }
   agent.statistics_path = absl::StrCat(options_.log_folder, "/", plan.name, ".json");
   std::vector<std::string> arguments = {"--source",  FormatSourceSpec(plan.source),

@@ -61,7 +61,8 @@ void AddRenderCommand(CLI::App& app, Command& chosen) {
   render->add_option("--server", arguments->server, "The map store, HOST:PORT")->required();
   render->add_option("--mission", arguments->mission)->capture_default_str();
   render->add_option("--own", arguments->own, "The robot drawn as own (the first)");
-  render->add_option("--truth", arguments->truth, "kitti:DIR, tum:DIR or euroc:DIR, drawn dashed");
+  render->add_option("--truth", arguments->truth,
+                     "kitti:DIR, tum:DIR, euroc:DIR or sim:WORLD, drawn dashed");
   render->add_option("--width", arguments->picture.width_px, "Pixels")->capture_default_str();
   render->add_option("--out", arguments->out, "The PNG to write")->capture_default_str();
   render->callback([arguments, &chosen] { chosen = [arguments] { return Render(*arguments); }; });

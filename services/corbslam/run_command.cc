@@ -158,9 +158,10 @@ void AddMissionOptions(CLI::App& run, RunArguments& arguments) {
 void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chosen) {
   auto arguments = std::make_shared<RunArguments>();
   arguments->command_line = command_line;
-  CLI::App* run = app.add_subcommand("run", "Let robots map recorded sequences together");
-  run->add_option("--source", arguments->sources,
-                  "kitti:DIR, euroc:DIR or tum:DIR; several: one robot each")
+  CLI::App* run = app.add_subcommand("run", "Let robots map sequences together");
+  run->add_option(
+         "--source", arguments->sources,
+         "kitti:DIR, euroc:DIR, tum:DIR or sim:WORLD, each with ?OPTIONS; several: one robot each")
       ->required();
   run->add_option("--robots", arguments->robots, "Among how many one source is split (2)");
   run->add_option("--overlap", arguments->overlap, "Frames by which parts reach beyond their share")
