@@ -10,11 +10,11 @@
 namespace corbslam {
 
 struct Lens {
-  double exposure = 1.0;        // Multiplies the light; 1: a white surface in the sun is white.
+  double exposure = 1.5;        // Multiplies the light; at 1 a white surface in the sun is white.
   double exposure_drift = 0.0;  // Swings the exposure by this share, slowly, over the sequence.
-  double gamma = 0.7;           // grey = 255 light^gamma.
+  double gamma = 1.0;           // grey = 255 light^gamma.
   double vignetting = 0.1;      // Share of light that is missing in the corners.
-  double blur_px = 0.4;         // Standard deviation of the lens's blur.
+  double blur_px = 0.5;         // Standard deviation of the lens's blur.
   double read_noise = 1.0;      // Standard deviation in grey levels, everywhere.
   double shot_noise = 1.0;      // Standard deviation in grey levels of a white pixel.
   int motion_blur_samples = 1;  // Pictures averaged while the shutter is open; 1: none.

@@ -31,7 +31,8 @@ Scene SceneOf(std::vector<Patch> patches) {
 }
 
 Lens NoiselessLens() {
-  return {.gamma = 1, .vignetting = 0, .blur_px = 0, .read_noise = 0, .shot_noise = 0};
+  return {
+      .exposure = 1, .gamma = 1, .vignetting = 0, .blur_px = 0, .read_noise = 0, .shot_noise = 0};
 }
 
 std::unique_ptr<Renderer> MakeRenderer(Scene scene, const Lens& lens, int threads = 1) {
