@@ -48,7 +48,9 @@ void AddStretch(float z0, float y0, float z1, float y1, float half, float sill, 
 
 // The cabin's half width at the roof is less than at the belt.
 void AddCabin(const CarShape& car, const Paints& paint, Mesh* mesh) {
-  const float low = car.width / 2 - 0.04F;
+  // No ledge at the belt: in the sun it would be a bright line thinner than a pixel, which comes
+  // and goes along its length.
+  const float low = car.width / 2;
   const float high = car.width / 2 - 0.2F;
   const Vector3f screen_low(low, -car.belt, car.windscreen);
   const Vector3f screen_high(high, -car.roof, car.roof_front);
@@ -96,14 +98,29 @@ void AddWheels(const CarShape& car, const Paints& paint, Mesh* mesh) {
   }
 }
 
+// Slopes out from the body: a flat top would be a ledge as well.
+void AddBumper(float half, float z, float way, const Paints& paint, Mesh* mesh) {
+  const float out = z + way * 0.09F;
+  const auto across = [&](float top, float top_z, float low, float low_z) {
+    AddQuad({-half, top, top_z}, {half, top, top_z}, {half, low, low_z}, {-half, low, low_z},
+            paint.body, mesh);
+    mesh->patches.back().u_offset_m += 120;
+  };
+  across(-0.62F, z, -0.5F, out);
+  across(-0.5F, out, -0.3F, out);
+  across(-0.3F, out, -0.26F, z);
+  for (const float x : {-half, half}) {
+    AddQuad({x, -0.62F, z}, {x, -0.5F, out}, {x, -0.3F, out}, {x, -0.26F, z}, paint.body, mesh);
+  }
+}
+
 void AddEnd(const CarShape& car, float z, float top, bool nose, const Paints& paint, Mesh* mesh) {
   const float half = car.width / 2;
   const float way = nose ? 1.0F : -1.0F;
   const float out = z + way * 0.015F;
   mesh->patches.push_back(Rectangle({-half, -top, z}, {car.width, 0, 0}, {0, top - car.sill, 0},
                                     paint.body.material, paint.body.seed, paint.body.tone));
-  AddBox({-half - 0.02F, -0.55F, std::min(z - way * 0.1F, z + way * 0.1F)},
-         {half + 0.02F, -0.32F, std::max(z - way * 0.1F, z + way * 0.1F)}, paint.body, mesh);
+  AddBumper(half, z, way, paint, mesh);
   const auto plate = [&](float x, float y, float width, float height, const Finish& finish,
                          float layer) {
     mesh->patches.push_back(Rectangle({x - width / 2, y, out + way * layer}, {width, 0, 0},
@@ -113,7 +130,7 @@ void AddEnd(const CarShape& car, float z, float top, bool nose, const Paints& pa
     plate(x, -top + 0.06F, 0.38F, 0.18F, paint.lamp, 0);
     plate(x, -top + 0.1F, 0.14F, 0.09F, paint.black, 0.01F);
   }
-  plate(0, -0.5F, 0.52F, 0.12F, paint.plate, 0.1F);
+  plate(0, -0.47F, 0.52F, 0.12F, paint.plate, 0.09F);
   if (nose) plate(0, -top + 0.1F, 0.8F, 0.14F, paint.black, 0);
 }
 
