@@ -2,11 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <map>
+#include <opencv2/core.hpp>
+#include <string>
 #include <thread>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "slam/fusing/testing/fused_maps.h"
 #include "slam/matching/word_matching.h"
+#include "slam/rendering/map_picture.h"
 #include "slam/verification/testing/synthetic_world.h"
 
 namespace corbslam {
@@ -50,6 +56,50 @@ Map Moved(const Map& map, const Rigid3d& target_from_map) {
   }
   for (const auto& [id, point] : map.points()) moved.UpdatePointGeometry(id);
   return moved;
+}
+
+MapPicture::Robot DrawRobot(const Map& map, LocalMapId local_map, const std::string& name) {
+  MapPicture::Robot robot;
+  robot.name = name;
+  robot.is_own = local_map == kOwn;
+  std::map<KeyframeId, size_t> drawn;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (id.local_map != local_map) continue;
+    drawn[id] = robot.keyframes.size();
+    robot.keyframes.push_back(keyframe.camera_from_map.Inverse());
+  }
+  for (const auto& [id, entry] : drawn) {
+    const auto parent = drawn.find(map.FindKeyframe(id)->parent);
+    if (parent != drawn.end()) robot.edges.push_back({parent->second, entry});
+  }
+  return robot;
+}
+
+// The own robot's map, what it holds of the other, and where the own one truly was.
+cv::Mat Draw(const Map& map, const SyntheticMap& own, const std::string& title) {
+  MapPicture picture;
+  picture.title = title;
+  picture.robots = {DrawRobot(map, kOwn, "bravo"), DrawRobot(map, kOther, "alpha, shared")};
+  for (const auto& [id, point] : map.points()) picture.points.push_back(point.position_in_map);
+  const Rigid3d map_from_world = own.true_camera_from_world.at({kOwn, 0});
+  for (auto& path = picture.truth.emplace_back();
+       const auto& [id, camera_from_world] : own.true_camera_from_world) {
+    path.push_back((map_from_world * camera_from_world.Inverse()).translation);
+  }
+  const auto image = RenderMap(picture, {.width_px = 800});
+  EXPECT_TRUE(image.ok()) << image.status();
+  return image.ok() ? *image : cv::Mat(1, 800, CV_8UC3);
+}
+
+// For people, where CORBSLAM_PICTURE_DIR names a folder.
+void SavePicture(const Map& before, const Map& after, const SyntheticMap& own) {
+  const char* folder = std::getenv("CORBSLAM_PICTURE_DIR");
+  if (folder == nullptr) return;
+  cv::Mat both;
+  cv::vconcat(Draw(before, own, "Before: bravo has drifted away from its truth"),
+              Draw(after, own, "After: a loop closed against alpha's keyframes"), both);
+  const absl::Status written = WritePng(both, std::string(folder) + "/shared_loop.png");
+  EXPECT_TRUE(written.ok()) << written;
 }
 
 // Stands in for the keyframe database: whoever shares the most matches.
@@ -160,12 +210,17 @@ TEST_F(LoopCloserTest, OthersKeyframesCloseALoopAndStay) {
   Load(placed);
   const auto closer = MakeCloser();
   closer->Enqueue({kOwn, 57});
-  const double before_m = AteRmse_m(PosesOf(Copy()), own.true_camera_from_world);
+  const Map before = Copy();
+  const double before_m = AteRmse_m(PosesOf(before), own.true_camera_from_world);
   StepUntilIdle(*closer);
   EXPECT_EQ(closer->counts().closed, 1);
   EXPECT_EQ(closer->counts().closed_against_others, 1);
   const Map closed = Copy();
-  EXPECT_LT(AteRmse_m(PosesOf(closed), own.true_camera_from_world), 0.5 * before_m);
+  const double after_m = AteRmse_m(PosesOf(closed), own.true_camera_from_world);
+  EXPECT_LT(after_m, 0.5 * before_m);
+  RecordProperty("before_m", absl::StrCat(before_m));
+  RecordProperty("after_m", absl::StrCat(after_m));
+  SavePicture(before, closed, own);
   for (const auto& [id, keyframe] : placed.keyframes()) {
     EXPECT_EQ(closed.FindKeyframe(id)->camera_from_map.translation,
               keyframe.camera_from_map.translation);
