@@ -5,10 +5,10 @@
 #include <fstream>
 #include <memory>
 #include <sstream>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "services/corbslam/child_process.h"
 
 namespace corbslam {
 namespace {
@@ -59,6 +59,38 @@ Mission RunMission(std::vector<std::string> arguments, const std::string& name, 
   EXPECT_FALSE(mission.report.is_discarded()) << "no report.json";
   if (mission.report.is_discarded()) mission.report = nlohmann::json::object();
   return mission;
+}
+
+RunningServers::RunningServers() : log_folder_(MakeFolder("servers")) {
+  const std::string worker = Start("fusion_worker", {});
+  if (!worker.empty()) store_address_ = Start("map_store", {"--worker", worker});
+}
+
+RunningServers::~RunningServers() {
+  // The store first, so that it does not miss its worker.
+  for (auto server = servers_.rbegin(); server != servers_.rend(); ++server) {
+    (*server)->Stop(absl::Seconds(10));
+  }
+}
+
+std::string RunningServers::Start(const std::string& program, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
+  arguments.insert(arguments.end(), {"--listen", "127.0.0.1:0"});
+  auto server =
+      ChildProcess::Start(program, arguments, absl::StrCat(log_folder_, "/", program, ".log"));
+  EXPECT_TRUE(server.ok()) << server.status();
+  if (!server.ok()) return "";
+  servers_.push_back(std::move(*server));
+  const auto address = servers_.back()->WaitForAddress(absl::Seconds(60));
+  EXPECT_TRUE(address.ok()) << address.status();
+  return address.value_or("");
+}
+
+bool RunningServers::Run() const {
+  for (const auto& server : servers_) {
+    if (server->end().has_value()) return false;
+  }
+  return servers_.size() == 2;
 }
 
 std::string ReadText(const std::string& path) {

@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "services/corbslam/child_process.h"
 
 namespace corbslam {
 
@@ -40,6 +43,28 @@ struct Mission {
 // `name`.
 Mission RunMission(std::vector<std::string> arguments, const std::string& name = "run",
                    int timeout_s = 900);
+
+// A map store and its worker as processes of their own, on ports that the system chooses; stopped
+// with the object. Without an address when one did not start (which fails the test).
+class RunningServers {
+ public:
+  RunningServers();
+  ~RunningServers();
+  RunningServers(const RunningServers&) = delete;
+  RunningServers& operator=(const RunningServers&) = delete;
+
+  const std::string& store_address() const { return store_address_; }
+  // Neither has ended.
+  bool Run() const;
+
+ private:
+  // Empty when it does not start.
+  std::string Start(const std::string& program, std::vector<std::string> arguments);
+
+  const std::string log_folder_;
+  std::vector<std::unique_ptr<ChildProcess>> servers_;
+  std::string store_address_;
+};
 
 std::string ReadText(const std::string& path);
 

@@ -5,8 +5,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "absl/strings/str_cat.h"
+#include "services/remote/channel.h"
+#include "services/testing/generic_client.h"
+#include "slam/evaluation/trajectory_error.h"
+#include "slam/evaluation/trajectory_io.h"
 #include "tests/integration/mission_fixture.h"
 
 namespace corbslam {
@@ -74,6 +79,74 @@ TEST(MissionTest, TwoRobotsMakeOneMap) {
   ExpectFields(report["servers"], {"map_store", "fusion_worker"});
   EXPECT_GT(std::filesystem::file_size(mission.folder + "/map.png"), 5'000u);
   EXPECT_THAT(ReadText(mission.folder + "/report.md"), ::testing::HasSubstr("| alpha |"));
+}
+
+// All poses in an answer, each by "agent nanoseconds".
+std::map<std::string, Rigid3d> ReadPoses(const std::vector<std::string>& answers) {
+  std::map<std::string, Rigid3d> poses;
+  for (const std::string& answer : answers) {
+    const json response = json::parse(answer);
+    for (const json& pose : response["poses"]) {
+      const json& rotation = pose["frameFromCamera"]["rotationWxyz"];
+      const json& translation = pose["frameFromCamera"]["translation"];
+      Rigid3d& global_from_camera = poses[absl::StrCat(pose["agent"].get<std::string>(), " ",
+                                                       pose["timestampNs"].get<std::string>())];
+      global_from_camera.rotation =
+          Eigen::Quaterniond(rotation[0], rotation[1], rotation[2], rotation[3]);
+      global_from_camera.translation =
+          Eigen::Vector3d(translation[0], translation[1], translation[2]);
+    }
+  }
+  return poses;
+}
+
+double Ate_m(const std::map<std::string, Rigid3d>& poses) {
+  const auto truth = ReadTumTrajectory(DemoSource().substr(4) + "/groundtruth.txt");
+  EXPECT_TRUE(truth.ok()) << truth.status();
+  if (!truth.ok()) return 1e9;
+  Trajectory estimate;
+  for (const auto& [key, pose] : poses) {
+    estimate.push_back({std::stoll(key.substr(key.find(' ') + 1)), pose});
+  }
+  const auto error = ComputeAbsoluteError(AssociateByTime(estimate, *truth), Alignment::kSe3);
+  EXPECT_TRUE(error.ok()) << error.status();
+  return error.ok() ? error->rmse_m : 1e9;
+}
+
+// The servers outlive the tool and the agents. Whoever knows no more than the store's address
+// learns from its reflection how to ask, and gets every robot's poses in the one global frame.
+TEST(MissionTest, ARunningStoreTellsAGenericClientWhereTheRobotsAre) {
+  RunningServers servers;
+  ASSERT_FALSE(servers.store_address().empty());
+  const Mission mission = RunMission(
+      {"--source", DemoSource(), "--server", servers.store_address(), "--mission", "asked"});
+  ASSERT_TRUE(servers.Run());
+  GenericClient client(MakeChannel(servers.store_address()));
+  const auto services = client.ListServices();
+  ASSERT_TRUE(services.ok()) << services.status();
+  EXPECT_THAT(*services, ::testing::Contains("corbslam.v1.MapStore"));
+  const auto answers =
+      client.Call("corbslam.v1.MapStore/GetTrajectory",
+                  R"({"name": "missions/asked/agents/-", "frame": "TRAJECTORY_FRAME_GLOBAL"})");
+  ASSERT_TRUE(answers.ok()) << answers.status();
+  const auto poses = ReadPoses(*answers);
+  size_t tracked = 0;
+  for (const json& robot : mission.report["robots"]) {
+    tracked += robot["tracked"].get<size_t>();
+    const std::string name = robot["name"];
+    const auto written = ReadTumTrajectory(absl::StrCat(mission.folder, "/", name, ".global.tum"));
+    ASSERT_TRUE(written.ok()) << written.status();
+    for (const StampedPose& expected : *written) {
+      const auto served =
+          poses.find(absl::StrCat("missions/asked/agents/", name, " ", expected.timestamp_ns));
+      ASSERT_NE(served, poses.end()) << name << " at " << expected.timestamp_ns << " ns";
+      const Rigid3d difference = served->second.Inverse() * expected.world_from_camera;
+      EXPECT_LT(difference.translation.norm(), 1e-5);
+      EXPECT_LT(difference.rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-5);
+    }
+  }
+  EXPECT_EQ(poses.size(), tracked);
+  EXPECT_LE(Ate_m(poses), kMaxAte_m);
 }
 
 TEST(MissionTest, EvaluationOfTheFilesAgreesWithTheReport) {
