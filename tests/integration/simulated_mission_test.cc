@@ -1,0 +1,33 @@
+// Two robots in a simulated town, with no file in between.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/integration/mission_fixture.h"
+
+namespace corbslam {
+namespace {
+
+using nlohmann::json;
+
+// Round one block in two fifths of the cameras' resolution.
+constexpr char kBlock[] = "sim:city?seed=3&length=100&picture_scale=0.4&frames=:110";
+
+// Robots of different pictures: half a frame apart, in other light, with other noise.
+TEST(SimulatedMissionTest, TwoRobotsMakeOneMapOfATown) {
+  const Mission mission = RunMission({"--source", kBlock, "--robots", "2", "--overlap", "20",
+                                      "--perturb", "2:phase=0.5,exposure=0.85,noise_seed=2"});
+  const json& report = mission.report;
+  ASSERT_EQ(report["robots"].size(), 2u);
+  for (const json& robot : report["robots"]) {
+    EXPECT_EQ(robot["lost"], 0) << robot["name"];
+    EXPECT_EQ(robot["dropped"], 0) << robot["name"];
+    EXPECT_LE(robot["ate_m"], 0.25) << robot["name"];
+  }
+  EXPECT_EQ(report["fused"]["islands"], 1);
+  EXPECT_EQ(report["fused"]["robots"], 2);
+  EXPECT_LE(report["fused"]["ate_m"], 0.25);
+}
+
+}  // namespace
+}  // namespace corbslam
