@@ -59,7 +59,7 @@ TEST(StreetTourTest, ShortOnesGoRoundOneBlock) {
 }
 
 TEST(DriveThroughTownTest, KeepsTheLawsOfDriving) {
-  for (uint64_t seed : {1, 2, 3, 4, 5}) {
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
     const std::vector<TravelSample> drive = PlanDriveThroughTown({.seed = seed, .length_m = 1500});
     const TravelLimits limits;
     EXPECT_THAT(drive, Each(Field(&TravelSample::speed_mps, AllOf(Ge(2.0), Le(12.0)))));
