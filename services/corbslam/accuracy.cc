@@ -76,6 +76,7 @@ RobotAccuracy ComputeRobotAccuracy(const RobotPaths& robot, const Sequence& sequ
   RobotAccuracy accuracy;
   accuracy.ate_m = AteOf(estimate, sequence, alignment);
   accuracy.ate_global_m = AteOf(global, sequence, alignment);
+  accuracy.relative = ComputeRelativeError(AssociateByTime(estimate, *sequence.truth));
   if (sequence.from_ns.has_value()) {
     accuracy.ate_from_frame_m = AteOf(KeepFrom(estimate, *sequence.from_ns), sequence, alignment);
   }

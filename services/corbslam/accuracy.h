@@ -33,6 +33,8 @@ struct RobotAccuracy {
   std::optional<double> ate_from_frame_m;
   // Of the global trajectory under an alignment of its own.
   std::optional<double> ate_global_m;
+  // Of what ate_m is of.
+  std::optional<RelativeError> relative;
 };
 
 struct FusedAccuracy {

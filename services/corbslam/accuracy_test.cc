@@ -82,6 +82,30 @@ TEST(ComputeAccuracyTest, AlignsEachRobotAndAllTogether) {
   EXPECT_EQ(accuracy->fused.from_frame->poses, 60u);
 }
 
+// A straight road of 160 m and an estimate of it that is one percent too long.
+TEST(ComputeAccuracyTest, MeasuresEachRobotsRelativeErrorOfItsOwnTrajectory) {
+  const SourceSpec source = MakeSequence("relative");
+  Trajectory truth;
+  ServedTrajectory estimate;
+  for (int i = 0; i < kFrames; ++i) {
+    StampedPose& pose = truth.emplace_back();
+    pose.timestamp_ns = TruthAt(i).timestamp_ns;
+    pose.world_from_camera.translation = {0, 0, 4.0 * i};
+    estimate.push_back(
+        {pose.timestamp_ns, Rigid3d{Eigen::Quaterniond::Identity(), {0, 0, 4.04 * i}}, "one"});
+  }
+  ASSERT_TRUE(WriteKittiTrajectory(truth, source.directory + "/poses.txt").ok());
+  const ServedTrajectory begin(estimate.begin(), estimate.begin() + 20);
+  const absl::StatusOr<Accuracy> accuracy = ComputeAccuracy(
+      {{"long", source, estimate, {}}, {"short", source, begin, {}}}, 10, Alignment::kSe3);
+  ASSERT_TRUE(accuracy.ok()) << accuracy.status();
+  ASSERT_TRUE(accuracy->robots[0].relative.has_value());
+  EXPECT_NEAR(accuracy->robots[0].relative->translation_percent, 1, 0.05);
+  EXPECT_NEAR(accuracy->robots[0].relative->rotation_deg_per_100m, 0, 1e-6);
+  // 76 m hold no segment of 100 m.
+  EXPECT_FALSE(accuracy->robots[1].relative.has_value());
+}
+
 TEST(ComputeAccuracyTest, HasNoFusedErrorForTwoIslands) {
   const SourceSpec source = MakeSequence("islands");
   const absl::StatusOr<Accuracy> accuracy = ComputeAccuracy(

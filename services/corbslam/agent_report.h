@@ -10,7 +10,7 @@
 
 namespace corbslam {
 
-// Without name, source, dropped frames, bytes, memory and accuracy.
+// Without name, source, dropped frames, bytes, memory, processor time and accuracy.
 RobotReport MakeRobotReport(const AgentStatus& status);
 
 // What `client_agent --stats` writes. DATA_LOSS names the field that is missing or of another kind.

@@ -37,10 +37,13 @@ struct RobotReport {
   std::optional<double> ate_m;
   std::optional<double> ate_from_frame_m;
   std::optional<double> ate_global_m;
+  std::optional<double> t_rel_percent;
+  std::optional<double> r_rel_deg_per_100m;
   Spread tracking_ms;
   Spread local_ba_ms;
   int local_ba_count = 0;
   std::optional<double> peak_rss_mb;
+  std::optional<double> cpu_s;
   uint64_t bytes_up = 0;
   uint64_t bytes_down = 0;
 };

@@ -37,6 +37,8 @@ Json ToJson(const RobotReport& robot) {
           {"ate_m", OrNull(robot.ate_m)},
           {"ate_from_frame_m", OrNull(robot.ate_from_frame_m)},
           {"ate_global_m", OrNull(robot.ate_global_m)},
+          {"t_rel_percent", OrNull(robot.t_rel_percent)},
+          {"r_rel_deg_per_100m", OrNull(robot.r_rel_deg_per_100m)},
           {"tracking_ms", ToJson(robot.tracking_ms)},
           {"local_ba_ms", robot.local_ba_ms.median},
           {"local_ba",
@@ -44,6 +46,7 @@ Json ToJson(const RobotReport& robot) {
             {"mean_ms", robot.local_ba_ms.mean},
             {"p99_ms", robot.local_ba_ms.p99}}},
           {"peak_rss_mb", OrNull(robot.peak_rss_mb)},
+          {"cpu_s", OrNull(robot.cpu_s)},
           {"bytes_up", robot.bytes_up},
           {"bytes_down", robot.bytes_down}};
 }

@@ -16,20 +16,24 @@ double ToMegabytes(uint64_t bytes) { return static_cast<double>(bytes) / 1e6; }
 
 std::string RobotRow(const RobotReport& robot) {
   return absl::StrFormat(
-      "| %s | %d / %d / %d / %d | %s | %s | %d | %d | %.1f / %.1f | %.1f | %d / %.1f %% | %s | "
-      "%.2f / %.2f |\n",
+      "| %s | %d / %d / %d / %d | %s | %s | %s / %s | %d | %d | %.1f / %.1f | %.1f | %d / %.1f %% "
+      "| "
+      "%s | %s | %.2f / %.2f |\n",
       robot.name, robot.frames, robot.tracked, robot.dropped, robot.lost, Number(robot.ate_m, 4),
-      Number(robot.ate_from_frame_m, 4), robot.keyframes, robot.map_points,
+      Number(robot.ate_from_frame_m, 4), Number(robot.t_rel_percent, 2),
+      Number(robot.r_rel_deg_per_100m, 2), robot.keyframes, robot.map_points,
       robot.tracking_ms.median, robot.tracking_ms.p99, robot.local_ba_ms.median,
       robot.keyframes_held, robot.points_matched_percent, Number(robot.peak_rss_mb, 0),
-      ToMegabytes(robot.bytes_up), ToMegabytes(robot.bytes_down));
+      Number(robot.cpu_s, 1), ToMegabytes(robot.bytes_up), ToMegabytes(robot.bytes_down));
 }
 
 std::string RobotTable(const RunReport& report) {
   std::string table = absl::StrFormat(
-      "| robot | frames / tracked / dropped / lost | ATE, m | from frame %d | keyframes | points | "
-      "tracking, median / p99 ms | local BA, ms | shared keyframes / points matched | memory, MB | "
-      "up / down, MB |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+      "| robot | frames / tracked / dropped / lost | ATE, m | from frame %d | "
+      "t_rel, %% / r_rel, deg/100 m | keyframes | points | tracking, median / p99 ms | "
+      "local BA, ms | shared keyframes / points matched | memory, MB | processor, s | "
+      "up / down, MB |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
       report.from_frame);
   for (const RobotReport& robot : report.robots) absl::StrAppend(&table, RobotRow(robot));
   return table;

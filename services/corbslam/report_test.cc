@@ -13,6 +13,9 @@ RunReport MakeReport() {
   report.robots.resize(2);
   report.robots[0].name = "alpha";
   report.robots[0].ate_m = 0.25;
+  report.robots[0].t_rel_percent = 0.75;
+  report.robots[0].r_rel_deg_per_100m = 0.125;
+  report.robots[0].cpu_s = 12.5;
   report.robots[0].tracking_ms = {20, 22, 40};
   report.robots[1].name = "bravo";
   report.fused.islands = 1;
@@ -38,6 +41,13 @@ TEST(ToJsonTest, KeepsTheInterface) {
   const nlohmann::ordered_json json = ToJson(MakeReport());
   EXPECT_EQ(json["robots"][0]["ate_m"], 0.25);
   EXPECT_TRUE(json["robots"][1]["ate_m"].is_null());
+  EXPECT_EQ(json["robots"][0]["t_rel_percent"], 0.75);
+  EXPECT_EQ(json["robots"][0]["r_rel_deg_per_100m"], 0.125);
+  EXPECT_EQ(json["robots"][0]["cpu_s"], 12.5);
+  for (const char* key : {"t_rel_percent", "r_rel_deg_per_100m", "cpu_s"}) {
+    EXPECT_TRUE(json["robots"][1].contains(key)) << key;
+    EXPECT_TRUE(json["robots"][1][key].is_null()) << key;
+  }
   EXPECT_EQ(json["robots"][0]["tracking_ms"]["p99"], 40);
   EXPECT_EQ(json["fused"]["islands"], 1);
   EXPECT_EQ(json["merge_ms"][0], 120.5);
@@ -70,7 +80,8 @@ TEST(ToJsonTest, KeepsTheInterface) {
 TEST(ToMarkdownTest, ShowsTheFigures) {
   const std::string text = ToMarkdown(MakeReport());
   EXPECT_THAT(text, HasSubstr("| alpha |"));
-  EXPECT_THAT(text, HasSubstr("0.2500"));
+  EXPECT_THAT(text, HasSubstr("| 0.2500 | - | 0.75 / 0.12 |"));
+  EXPECT_THAT(text, HasSubstr("| - | 12.5 |"));
   EXPECT_THAT(text, HasSubstr("64 keyframes, 10000 points, 12 iterations, 800 ms"));
 }
 
