@@ -1,10 +1,12 @@
 #include "services/corbslam/picture.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 
 namespace corbslam {
 namespace {
@@ -35,6 +37,15 @@ std::vector<MapPicture::Robot> GroupByRobot(const ServedMap& map, const std::str
 }
 
 }  // namespace
+
+absl::StatusOr<std::string> ChooseOwn(const std::string& wanted,
+                                      const std::vector<std::string>& robots) {
+  if (robots.empty()) return absl::InvalidArgumentError("there are no robots");
+  if (wanted.empty()) return robots.front();
+  if (std::find(robots.begin(), robots.end(), wanted) != robots.end()) return wanted;
+  return absl::InvalidArgumentError(
+      absl::StrCat("--own ", wanted, ": no robot is called so, but ", absl::StrJoin(robots, ", ")));
+}
 
 MapPicture ComposePicture(const ServedMap& map, const std::string& own,
                           const FusedAccuracy& accuracy) {

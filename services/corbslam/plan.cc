@@ -18,6 +18,24 @@ constexpr absl::string_view kNames[] = {
     "juliet", "kilo",  "lima",    "mike",   "november", "oscar",   "papa",   "quebec", "romeo",
     "sierra", "tango", "uniform", "victor", "whiskey",  "xray",    "yankee", "zulu"};
 
+// Of the share that is one robot's own: fewer make no map.
+constexpr size_t kMinOwnFrames = 10;
+
+// Refuses shares that are too short.
+absl::Status CheckShares(const SourceSpec& source, size_t end, const SplitOptions& options) {
+  const size_t frames = SelectFrames(source.selection, end).size();
+  const auto own_frames = [&](size_t robots) {
+    const size_t share = frames / robots;
+    return options.mode == SplitMode::kInterleaved ? share / robots : share;
+  };
+  if (options.robots == 1 || own_frames(options.robots) >= kMinOwnFrames) return absl::OkStatus();
+  size_t most = 1;
+  while (own_frames(most + 1) >= kMinOwnFrames) ++most;
+  return absl::InvalidArgumentError(absl::StrCat(
+      options.robots, " robots share ", frames, " frames of ", FormatSourceSpec(source),
+      ": at most ", most, " can, for ", kMinOwnFrames, " frames of its own each"));
+}
+
 absl::StatusOr<std::vector<SourceSpec>> SplitSource(const SourceSpec& source,
                                                     const SplitOptions& options) {
   ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(source));
@@ -31,6 +49,7 @@ absl::StatusOr<std::vector<SourceSpec>> SplitSource(const SourceSpec& source,
                                                    " is one robot's part: it can't be split among ",
                                                    options.robots));
   }
+  RETURN_IF_ERROR(CheckShares(source, end, options));
   std::vector<SourceSpec> parts;
   for (const FrameSelection& selection : SplitFrames(source.selection.first, end, options)) {
     SourceSpec part = source;

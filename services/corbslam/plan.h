@@ -41,8 +41,8 @@ struct PlanOptions {
 };
 
 // One source is split among the robots; of several sources each goes to a robot of its own, whole.
-// INVALID_ARGUMENT for a split that leaves a robot without frames, for a source that is already one
-// robot's part, and for a perturbation of a robot that is not there.
+// INVALID_ARGUMENT for a split that leaves a robot fewer than 10 frames of its own share, for a
+// source that is already one robot's part, and for a perturbation of a robot that is not there.
 absl::StatusOr<std::vector<RobotPlan>> PlanRobots(const PlanOptions& options);
 
 // alpha, bravo, charlie, ...; from the 27th on robot27, ...

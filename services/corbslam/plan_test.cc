@@ -3,11 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "absl/strings/str_cat.h"
+
 namespace corbslam {
 namespace {
 
 using Range = std::pair<size_t, size_t>;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 std::vector<Range> Ranges(size_t count, size_t robots, size_t overlap) {
   std::vector<Range> ranges;
@@ -74,6 +80,31 @@ TEST(PlanRobotsTest, DoesNotSplitAPartAgain) {
   EXPECT_EQ(PlanRobots(options).status().code(), absl::StatusCode::kInvalidArgument);
   options.split.robots = 1;
   EXPECT_TRUE(PlanRobots(options).ok());
+}
+
+// frames=:99 are 100 of them.
+TEST(PlanRobotsTest, LeavesEachRobotTenFramesOfItsOwnShare) {
+  PlanOptions options;
+  options.sources = {*ParseSourceSpec("sim:city?seed=3&length=160&frames=:99")};
+  for (const auto& [mode, most] :
+       {std::pair(SplitMode::kHalves, size_t{10}), std::pair(SplitMode::kInterleaved, size_t{3})}) {
+    options.split.mode = mode;
+    options.split.robots = most;
+    EXPECT_TRUE(PlanRobots(options).ok()) << PlanRobots(options).status();
+    options.split.robots = most + 1;
+    const absl::Status status = PlanRobots(options).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(status.message()),
+                AllOf(HasSubstr(absl::StrCat(most + 1, " robots share 100 frames")),
+                      HasSubstr(absl::StrCat("at most ", most, " can"))));
+  }
+}
+
+TEST(PlanRobotsTest, OneRobotTakesAShortSequence) {
+  PlanOptions options;
+  options.sources = {*ParseSourceSpec("sim:city?seed=3&length=160&frames=:4")};
+  options.split.robots = 1;
+  EXPECT_TRUE(PlanRobots(options).ok()) << PlanRobots(options).status();
 }
 
 TEST(PlanRobotsTest, RefusesAPerturbationOfNobody) {

@@ -95,7 +95,11 @@ absl::StatusOr<std::string> ProcessRun::StartServer(const std::string& program,
 
 absl::Status ProcessRun::StartServers() {
   store_address_ = options_.server;
-  if (!store_address_.empty()) return absl::OkStatus();
+  if (!store_address_.empty()) {
+    ASSIGN_OR_RETURN(std::shared_ptr<grpc::Channel> channel, ConnectToStore(store_address_));
+    store_ = std::make_unique<StoreReader>(std::move(channel), options_.mission);
+    return absl::OkStatus();
+  }
   ASSIGN_OR_RETURN(const std::string worker, StartServer("fusion_worker", {}, false));
   ASSIGN_OR_RETURN(store_address_, StartServer("map_store", {"--worker", worker}, true));
   return absl::OkStatus();
@@ -195,7 +199,9 @@ absl::StatusOr<RobotReport> ReadRobotReport(const RunningAgent& agent) {
   ASSIGN_OR_RETURN(RobotReport report, ParseRobotReport(json));
   report.name = agent.plan.name;
   report.source = FormatSourceSpec(agent.plan.source);
-  report.peak_rss_mb = agent.process->end()->peak_rss_mb;
+  const std::optional<ProcessEnd> end = agent.process->end();
+  report.peak_rss_mb = end->peak_rss_mb;
+  report.cpu_s = end->cpu_s;
   return report;
 }
 

@@ -2,11 +2,11 @@
 #include <set>
 #include <utility>
 
+#include "services/convert/resource_names.h"
 #include "services/corbslam/accuracy.h"
 #include "services/corbslam/commands.h"
 #include "services/corbslam/picture.h"
 #include "services/corbslam/store_reader.h"
-#include "services/remote/channel.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -21,13 +21,17 @@ struct RenderArguments {
   MapPictureOptions picture;
 };
 
+std::vector<std::string> ListAgents(const ServedMap& map) {
+  std::set<std::string> agents;
+  for (const ServedMap::Keyframe& keyframe : map.keyframes) agents.insert(keyframe.agent);
+  return {agents.begin(), agents.end()};
+}
+
 // Aligns the truth of one sequence to whoever lies in the global frame.
-absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const ServedMap& map,
+absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<std::string>& agents,
                                          const std::string& truth) {
   if (truth.empty()) return FusedAccuracy{};
   ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(truth));
-  std::set<std::string> agents;
-  for (const ServedMap::Keyframe& keyframe : map.keyframes) agents.insert(keyframe.agent);
   std::vector<RobotPaths> robots;
   for (const std::string& agent : agents) {
     RobotPaths& paths = robots.emplace_back();
@@ -41,13 +45,21 @@ absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const ServedMap& ma
 }
 
 absl::Status Render(const RenderArguments& arguments) {
-  StoreReader store(MakeChannel(arguments.server), arguments.mission);
-  ASSIGN_OR_RETURN(const ServedMap map, store.ReadGlobalMap());
+  RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
+  ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel, ConnectToStore(arguments.server));
+  StoreReader store(channel, arguments.mission);
+  // A mission without keyframes has no map that could be waited for.
+  ASSIGN_OR_RETURN(const v1::GetStatisticsResponse statistics, store.Statistics());
+  ServedMap map;
+  if (statistics.mission().islands_size() > 0) {
+    ASSIGN_OR_RETURN(map, store.ReadGlobalMap());
+  }
   if (map.keyframes.empty()) {
     return absl::NotFoundError("mission " + arguments.mission + " has no keyframes yet");
   }
-  ASSIGN_OR_RETURN(const FusedAccuracy accuracy, AlignTruth(store, map, arguments.truth));
-  const std::string own = arguments.own.empty() ? map.keyframes.front().agent : arguments.own;
+  const std::vector<std::string> agents = ListAgents(map);
+  ASSIGN_OR_RETURN(const std::string own, ChooseOwn(arguments.own, agents));
+  ASSIGN_OR_RETURN(const FusedAccuracy accuracy, AlignTruth(store, agents, arguments.truth));
   ASSIGN_OR_RETURN(const cv::Mat image,
                    RenderMap(ComposePicture(map, own, accuracy), arguments.picture));
   return WritePng(image, arguments.out);

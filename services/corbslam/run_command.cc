@@ -9,7 +9,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
+#include "services/convert/resource_names.h"
 #include "services/corbslam/commands.h"
 #include "services/corbslam/mission_run.h"
 #include "services/corbslam/picture.h"
@@ -56,6 +58,29 @@ absl::StatusOr<std::vector<RobotPlan>> Plan(const RunArguments& arguments) {
   return PlanRobots(plan);
 }
 
+std::string DescribeStore(const MissionRunOptions& mission) {
+  if (mission.pace == "step") return "in one process, in lockstep";
+  return mission.server.empty() ? "with a map store of its own"
+                                : absl::StrCat("on the map store ", mission.server);
+}
+
+// One line that also a log without a terminal gets.
+void SayStart(const RunArguments& arguments, const std::vector<std::string>& names) {
+  std::printf(
+      "%s\n",
+      absl::StrCat("Mission ", arguments.mission.mission, " ", DescribeStore(arguments.mission),
+                   ": ", absl::StrJoin(names, ", "), " map ",
+                   absl::StrJoin(arguments.sources, ", "), "; results go to ", arguments.out)
+          .c_str());
+  std::fflush(stdout);
+}
+
+std::vector<std::string> NamesOf(const std::vector<RobotPlan>& robots) {
+  std::vector<std::string> names;
+  for (const RobotPlan& robot : robots) names.push_back(robot.name);
+  return names;
+}
+
 // One line that is written over; nothing where nobody watches.
 void ShowOnTerminal(const Progress& progress) {
   std::string line = progress.stage;
@@ -97,6 +122,10 @@ void AddAccuracy(const Accuracy& accuracy, RunReport& report) {
     report.robots[i].ate_m = accuracy.robots[i].ate_m;
     report.robots[i].ate_from_frame_m = accuracy.robots[i].ate_from_frame_m;
     report.robots[i].ate_global_m = accuracy.robots[i].ate_global_m;
+    if (accuracy.robots[i].relative.has_value()) {
+      report.robots[i].t_rel_percent = accuracy.robots[i].relative->translation_percent;
+      report.robots[i].r_rel_deg_per_100m = accuracy.robots[i].relative->rotation_deg_per_100m;
+    }
   }
   report.fused.ate_m = RmseOf(accuracy.fused.all);
   report.fused.ate_from_frame_m = RmseOf(accuracy.fused.from_frame);
@@ -113,15 +142,18 @@ absl::Status WriteAll(const RunArguments& arguments, MissionOutcome& outcome) {
   AddAccuracy(accuracy, outcome.report);
   RETURN_IF_ERROR(WriteLines({ToJson(outcome.report).dump(2)}, arguments.out + "/report.json"));
   RETURN_IF_ERROR(WriteLines({ToMarkdown(outcome.report)}, arguments.out + "/report.md"));
-  const std::string own = arguments.own.empty() ? outcome.paths.front().name : arguments.own;
-  return WritePicture(outcome, accuracy, own, arguments.out + "/map.png");
+  return WritePicture(outcome, accuracy, arguments.own, arguments.out + "/map.png");
 }
 
 absl::Status Run(RunArguments arguments) {
   const absl::Time start = absl::Now();
+  RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission.mission));
   ASSIGN_OR_RETURN(arguments.mission.robots, Plan(arguments));
+  const std::vector<std::string> names = NamesOf(arguments.mission.robots);
+  ASSIGN_OR_RETURN(arguments.own, ChooseOwn(arguments.own, names));
   arguments.mission.log_folder = arguments.out + "/logs";
   RETURN_IF_ERROR(MakeFolder(arguments.mission.log_folder));
+  SayStart(arguments, names);
   const bool is_terminal = isatty(STDERR_FILENO) != 0;
   const ProgressListener on_progress = is_terminal ? ShowOnTerminal : ProgressListener();
   absl::StatusOr<MissionOutcome> outcome = arguments.mission.pace == "step"
@@ -136,7 +168,10 @@ absl::Status Run(RunArguments arguments) {
   report.version = CORBSLAM_VERSION;
   report.command = arguments.command_line;
   report.wall_s = absl::ToDoubleSeconds(absl::Now() - start);
-  return WriteAll(arguments, *outcome);
+  RETURN_IF_ERROR(WriteAll(arguments, *outcome));
+  std::printf("Done in %.0f s: %s/report.md, report.json, map.png\n", report.wall_s,
+              arguments.out.c_str());
+  return absl::OkStatus();
 }
 
 void AddMissionOptions(CLI::App& run, RunArguments& arguments) {

@@ -11,6 +11,7 @@
 #include "services/convert/geometry.h"
 #include "services/convert/ids.h"
 #include "services/convert/resource_names.h"
+#include "services/remote/channel.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -73,6 +74,13 @@ TransferReport FromProto(const v1::TransferCount& proto) {
 }
 
 }  // namespace
+
+absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(const std::string& address,
+                                                              absl::Duration patience) {
+  std::shared_ptr<grpc::Channel> channel = MakeChannel(address);
+  if (channel->WaitForConnected(absl::ToChronoTime(absl::Now() + patience))) return channel;
+  return absl::UnavailableError(absl::StrCat("no map store answers at ", address));
+}
 
 StoreReader::StoreReader(std::shared_ptr<grpc::Channel> channel, std::string mission)
     : mission_(std::move(mission)), stub_(v1::MapStore::NewStub(channel)) {}
@@ -150,14 +158,18 @@ absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
   ServedMap map;
   v1::WatchMapResponse response;
   bool is_whole = false;
-  while (!is_whole && reader->Read(&response)) {
-    RETURN_IF_ERROR(AddResponse(response, map));
+  absl::Status added;
+  while (!is_whole && added.ok() && reader->Read(&response)) {
+    added = AddResponse(response, map);
     is_whole = !response.continues();
   }
-  context.TryCancel();
+  // Later revisions would follow. A stream that the store ended keeps its own reason.
+  if (is_whole || !added.ok()) context.TryCancel();
   const grpc::Status status = reader->Finish();
-  if (!is_whole) return ToStatus(status, "WatchMap");
-  return map;
+  RETURN_IF_ERROR(added);
+  if (is_whole) return map;
+  if (status.ok()) return absl::DataLossError("WatchMap: the map came only in part");
+  return ToStatus(status, "WatchMap");
 }
 
 void AddStatistics(const v1::MissionStatistics& statistics, RunReport& report) {

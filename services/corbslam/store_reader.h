@@ -17,6 +17,10 @@
 
 namespace corbslam {
 
+// A channel to the map store at HOST:PORT, connected. UNAVAILABLE where none answers in time.
+absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(
+    const std::string& address, absl::Duration patience = absl::Seconds(10));
+
 // Thread-safe. Each call has a deadline of its own. Errors are those of the store, with the call
 // that met them.
 class StoreReader {

@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -37,8 +39,9 @@ absl::Status Train(const TrainArguments& arguments) {
   orb.features = arguments.features;
   RETURN_IF_ERROR(orb.Validate());
   RETURN_IF_ERROR(arguments.training.Validate());
+  const TrainingProgress progress = isatty(STDERR_FILENO) != 0 ? ShowTraining : TrainingProgress();
   ASSIGN_OR_RETURN(const VocabularyTree tree,
-                   TrainFromPictures(paths, orb, arguments.training, ShowTraining));
+                   TrainFromPictures(paths, orb, arguments.training, progress));
   return WriteVocabulary(tree, arguments.out);
 }
 

@@ -11,6 +11,7 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/image_source.h"
 #include "services/agent_service/agent_service.h"
+#include "services/convert/resource_names.h"
 #include "services/programs/agent_run.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/program.h"
@@ -87,6 +88,8 @@ absl::Status WriteResults(const Flags& flags, const Agent& agent, const PlayedFr
 }
 
 absl::Status Run(const Flags& flags) {
+  RETURN_IF_ERROR(CheckNameSegment("--mission", flags.mission));
+  RETURN_IF_ERROR(CheckNameSegment("--agent", flags.agent));
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
   ASSIGN_OR_RETURN(const auto source, OpenFlaggedSource(flags));
