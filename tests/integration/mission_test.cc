@@ -30,9 +30,10 @@ void ExpectWholeReport(const json& report) {
   ExpectFields(report, {"robots", "fused", "overlaps", "merge_ms", "global_ba_ms", "transfer",
                         "servers", "wall_s", "version", "command"});
   for (const json& robot : report["robots"]) {
-    ExpectFields(robot, {"name", "frames", "tracked", "dropped", "lost", "local_maps",
-                         "first_upload_s", "shared", "keyframes", "map_points", "ate_m",
-                         "tracking_ms", "local_ba_ms", "peak_rss_mb", "bytes_up", "bytes_down"});
+    ExpectFields(
+        robot, {"name", "frames", "tracked", "dropped", "lost", "local_maps", "first_upload_s",
+                "shared", "keyframes", "map_points", "ate_m", "t_rel_percent", "r_rel_deg_per_100m",
+                "cpu_s", "tracking_ms", "local_ba_ms", "peak_rss_mb", "bytes_up", "bytes_down"});
     ExpectFields(robot["shared"], {"keyframes_held", "points_matched_percent", "loops_closed"});
     ExpectFields(robot["tracking_ms"], {"median", "mean", "p99"});
   }
@@ -61,6 +62,7 @@ TEST(MissionTest, TwoRobotsMakeOneMap) {
     EXPECT_GT(robot["bytes_up"], 100'000);
     EXPECT_GT(robot["first_upload_s"], 0);
     EXPECT_GT(robot["peak_rss_mb"], 10);
+    EXPECT_GT(robot["cpu_s"], 0.1);
     // The map came back.
     EXPECT_GT(robot["shared"]["keyframes_held"], 0) << robot["name"];
     const std::string name = robot["name"];

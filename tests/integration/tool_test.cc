@@ -1,0 +1,96 @@
+// What the tool says where nobody watches, and what it refuses before anything starts.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "services/corbslam/child_process.h"
+#include "tests/integration/mission_fixture.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Nobody listens there: it is reserved for tcpmux, which nobody runs.
+constexpr char kNobody[] = "127.0.0.1:1";
+
+// What `program` says when it fails, as it must, within `limit`.
+std::string Complaint(const std::string& program, std::vector<std::string> command,
+                      absl::Duration limit) {
+  command.insert(command.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
+  const auto process =
+      ChildProcess::Start(program, command, ::testing::TempDir() + "/corbslam_complaint.txt");
+  EXPECT_TRUE(process.ok()) << process.status();
+  if (!process.ok()) return "";
+  EXPECT_TRUE((*process)->WaitForEnd(limit)) << "still runs";
+  EXPECT_EQ((*process)->Stop(absl::ZeroDuration()).exit_code, 1);
+  return std::string((*process)->EndStatus().message());
+}
+
+TEST(ToolTest, RefusesBadArgumentsBeforeAnythingStarts) {
+  struct {
+    std::string program;
+    std::vector<std::string> arguments;
+    std::string complaint;
+  } const cases[] = {
+      {"corbslam", {"run", "--mission", "a b/c"}, "--mission is \"a b/c\""},
+      {"corbslam", {"run", "--own", "zulu"}, "no robot is called so, but alpha, bravo"},
+      {"corbslam", {"run", "--robots", "99"}, "99 robots share 132 frames"},
+      {"client_agent", {"--agent", "a b"}, "--agent is \"a b\""},
+      {"client_agent", {"--mission", "a b/c"}, "--mission is \"a b/c\""},
+  };
+  for (const auto& [program, arguments, complaint] : cases) {
+    std::vector<std::string> command = arguments;
+    command.insert(command.end(), {"--source", DemoSource()});
+    EXPECT_THAT(Complaint(program, command, absl::Seconds(10)),
+                AllOf(HasSubstr("INVALID_ARGUMENT"), HasSubstr(complaint)));
+  }
+  EXPECT_THAT(Complaint("corbslam", {"render", "--server", kNobody, "--mission", "a b/c"},
+                        absl::Seconds(10)),
+              HasSubstr("--mission is \"a b/c\""));
+}
+
+TEST(ToolTest, SaysThatNoStoreAnswers) {
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"render", "--server", kNobody},
+        {"run", "--server", kNobody, "--source", DemoSource(), "--out",
+         ::testing::TempDir() + "/corbslam_dead_store"}}) {
+    EXPECT_THAT(Complaint("corbslam", command, absl::Seconds(25)),
+                HasSubstr(absl::StrCat("UNAVAILABLE: no map store answers at ", kNobody)));
+  }
+}
+
+TEST(ToolTest, SaysThatThereIsNoSuchMission) {
+  RunningServers servers;
+  ASSERT_FALSE(servers.store_address().empty());
+  EXPECT_THAT(
+      Complaint("corbslam", {"render", "--server", servers.store_address(), "--mission", "nowhere"},
+                absl::Seconds(10)),
+      AllOf(HasSubstr("NOT_FOUND"), HasSubstr("there is no mission nowhere")));
+}
+
+TEST(ToolTest, SaysInTwoLinesWhatItDoesWhereNobodyWatches) {
+  const std::string folder = ::testing::TempDir() + "/corbslam_tool_run";
+  const std::string text = RunTool({"run", "--source", DemoSource() + "?frames=0:19", "--robots",
+                                    "1", "--pace", "step", "--out", folder});
+  EXPECT_THAT(text, AllOf(HasSubstr("alpha map tum:"), HasSubstr("results go to " + folder),
+                          HasSubstr(folder + "/report.md"), Not(HasSubstr("\r"))));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << text;
+}
+
+TEST(ToolTest, TrainsAVocabularyInSilenceWhereNobodyWatches) {
+  const std::string text = RunTool({"vocabulary", "train", DemoSource().substr(4) + "/rgb",
+                                    "--features", "100", "--branching", "4", "--levels", "2",
+                                    "--out", ::testing::TempDir() + "/corbslam_tool.voc"});
+  EXPECT_THAT(text, Not(HasSubstr("\r")));
+}
+
+}  // namespace
+}  // namespace corbslam
