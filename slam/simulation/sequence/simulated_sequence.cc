@@ -13,6 +13,7 @@
 #include "slam/simulation/sequence/depth_image.h"
 #include "slam/simulation/sequence/frame_clock.h"
 #include "slam/simulation/sequence/simulated_world.h"
+#include "slam/simulation/sequence/truth_error.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -132,10 +133,14 @@ absl::StatusOr<std::unique_ptr<SimulatedSequence>> SimulatedSequence::Make(
 }
 
 Trajectory TrueTrajectory(const SimulatedSequence& sequence) {
+  const SimulationSpec& spec = sequence.spec();
+  const TruthError error{spec.truth_error_m, spec.truth_error_deg, spec.seed};
   Trajectory trajectory;
   trajectory.reserve(sequence.frame_count());
   for (size_t i = 0; i < sequence.frame_count(); ++i) {
-    trajectory.push_back({sequence.timestamp_ns(i), sequence.world_from_camera(i)});
+    const int64_t time_ns = sequence.timestamp_ns(i);
+    const double time_s = 1e-9 * static_cast<double>(time_ns);
+    trajectory.push_back({time_ns, MeasuredPose(sequence.world_from_camera(i), time_s, error)});
   }
   return trajectory;
 }

@@ -193,6 +193,8 @@ std::vector<Option> PictureOptions() {
           Real("disparity_error_px", [](Spec& s) -> double& { return s.disparity_error_px; }),
           Real("scale_error", [](Spec& s) -> double& { return s.scale_error; }),
           Real("depth_noise", [](Spec& s) -> double& { return s.depth_noise_m; }),
+          Real("truth_error_m", [](Spec& s) -> double& { return s.truth_error_m; }),
+          Real("truth_error_deg", [](Spec& s) -> double& { return s.truth_error_deg; }),
           Whole<int>("threads", [](Spec& s) -> int& { return s.threads; })};
 }
 

@@ -45,6 +45,8 @@ const std::map<std::string, std::string> kOthers = {{"seed", "7"},
                                                     {"disparity_error_px", "-0.11"},
                                                     {"scale_error", "0.0123"},
                                                     {"depth_noise", "0.002"},
+                                                    {"truth_error_m", "0.2"},
+                                                    {"truth_error_deg", "0.5"},
                                                     {"threads", "2"}};
 
 TEST(SimulationOptionsTest, EveryOptionComesBackAsWritten) {
@@ -87,6 +89,7 @@ TEST(SimulationSpecTest, RefusesWhatCannotBe) {
                                     {"rate", "-3"},
                                     {"picture_scale", "0"},
                                     {"scale_error", "nan"},
+                                    {"truth_error_deg", "-1"},
                                     {"vignetting", "7"},
                                     {"threads", "0"}}) {
     SimulationSpec spec;

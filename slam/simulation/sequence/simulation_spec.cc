@@ -54,6 +54,8 @@ absl::Status ValidatePictures(const SimulationSpec& spec) {
   RETURN_IF_ERROR(Require("epipolar_error_px", spec.epipolar_error_px, -20, 20));
   RETURN_IF_ERROR(Require("disparity_error_px", spec.disparity_error_px, -20, 20));
   RETURN_IF_ERROR(Require("scale_error", spec.scale_error, -0.5, 0.5));
+  RETURN_IF_ERROR(Require("truth_error_m", spec.truth_error_m, 0, 10));
+  RETURN_IF_ERROR(Require("truth_error_deg", spec.truth_error_deg, 0, 10));
   RETURN_IF_ERROR(Require("depth_noise", spec.depth_noise_m, 0, 1));
   return Require("threads", spec.threads, 1, 256);
 }

@@ -77,6 +77,10 @@ struct SimulationSpec {
   // and Elberink, Sensors 2012).
   double depth_noise_m = 1.425e-3;
 
+  // Of the ground truth that goes with the pictures; 0: exact.
+  double truth_error_m = 0;
+  double truth_error_deg = 0;
+
   int threads = 1;  // Changes speed only.
 };
 
