@@ -250,6 +250,23 @@ int CountProjected(const std::vector<const MapPoint*>& points, const Keyframe& k
   return static_cast<int>(FindByProjection(points, keyframe, camera_from_points, search).size());
 }
 
+// The most that is found right beside where it should be.
+int CountByChance(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
+                  const Rigid3d& camera_from_points, const PlaceVerificationOptions& options) {
+  constexpr double kAside = 2.0;  // The next window, without a gap.
+  int most = 0;
+  for (const Eigen::Vector2d& displacement_radii :
+       {Eigen::Vector2d(kAside, 0), Eigen::Vector2d(-kAside, 0), Eigen::Vector2d(0, kAside),
+        Eigen::Vector2d(0, -kAside)}) {
+    const ProjectionSearchOptions search{.radius_px = kLastRadius_px,
+                                         .check_disparity = options.fix_scale,
+                                         .displacement_radii = displacement_radii};
+    const size_t found = FindByProjection(points, keyframe, camera_from_points, search).size();
+    most = std::max(most, static_cast<int>(found));
+  }
+  return most;
+}
+
 // Neighbours of either side that find the other side's points where they should be.
 int CountConsistentKeyframes(const Side& query, const Side& candidate,
                              const PlaceVerificationOptions& options,
@@ -292,7 +309,10 @@ OverlapVerdict Judge(const Side& query, const Side& candidate,
       overlap.candidate_from_query, query.centre, candidate.centre, query.centre);
   evidence.projected_matches =
       CountProjected(candidate.points, query.centre, query_from_candidate_map, options);
-  if (evidence.projected_matches < options.min_projected_matches) {
+  evidence.chance_matches =
+      CountByChance(candidate.points, query.centre, query_from_candidate_map, options);
+  if (evidence.projected_matches < options.min_projected_matches ||
+      evidence.projected_matches < options.min_projected_to_chance * evidence.chance_matches) {
     return OverlapVerdict::kTooFewProjectedMatches;
   }
 

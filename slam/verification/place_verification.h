@@ -21,6 +21,9 @@ struct PlaceVerificationOptions {
   int min_ransac_inliers = 15;
   int min_refined_inliers = 25;
   int min_projected_matches = 40;
+  // ... and this many times what is found when looking beside where the points should be: where
+  // many keypoints are, some match by chance.
+  double min_projected_to_chance = 5;
   // Further pairs of keyframes that agree, and the matches that make a pair agree.
   int min_consistent_keyframes = 2;
   int min_matches_per_keyframe = 25;

@@ -61,6 +61,28 @@ TEST_F(PlaceVerificationTest, FindsHowTheKeyframesStand) {
   EXPECT_EQ(overlap.evidence.refined_inliers, static_cast<int>(overlap.inliers.size()));
 }
 
+TEST_F(PlaceVerificationTest, ChanceFindsFarLessThanTheRightPose) {
+  const Overlap overlap = Verify(MakeB());
+  ASSERT_TRUE(overlap.IsAccepted());
+  EXPECT_LT(5 * overlap.evidence.chance_matches, overlap.evidence.projected_matches);
+}
+
+// A world of which every point looks like many others matches wherever one looks.
+TEST_F(PlaceVerificationTest, RefusesWhatChanceFindsAsWell) {
+  SyntheticWorld alike = MakeRingWorld(3, 24000);
+  for (size_t i = 0; i < alike.descriptors.size(); ++i) {
+    if (i % 8 != 0) alike.descriptors[i] = alike.descriptors[i % 5];
+  }
+  const SyntheticMap a = MakeSyntheticMap(alike, PosesOnRing(0, 3, 12), {.local_map = kA});
+  const SyntheticMap b = MakeSyntheticMap(alike, PosesOnRing(13.5, 3, 12), {.local_map = kB});
+  const Overlap trusting =
+      VerifyPlace(b.map, query_, a.map, candidate_, {.min_projected_to_chance = 0});
+  ASSERT_EQ(ToString(trusting.verdict), "ACCEPTED");
+  ASSERT_GT(2.5 * trusting.evidence.chance_matches, trusting.evidence.projected_matches);
+  const Overlap overlap = VerifyPlace(b.map, query_, a.map, candidate_, {});
+  EXPECT_EQ(ToString(overlap.verdict), "TOO_FEW_PROJECTED_MATCHES");
+}
+
 TEST_F(PlaceVerificationTest, FindsItAmongAsManyMistakes) {
   const SyntheticMap b = MakeB({.share_of_mistaken = 0.5});
   const Overlap overlap = Verify(b);

@@ -25,7 +25,8 @@ struct Expectation {
 
 std::optional<Expectation> Expect(const MapPoint& point, const Camera& camera,
                                   const Rigid3d& camera_from_points,
-                                  const Eigen::Vector3d& centre_in_points, double radius_px) {
+                                  const Eigen::Vector3d& centre_in_points,
+                                  const ProjectionSearchOptions& options) {
   const Eigen::Vector3d x_in_camera = camera_from_points * point.position_in_map;
   if (x_in_camera.z() <= 0) return std::nullopt;
   Expectation expected{.pixel = Project(camera, x_in_camera), .depth = x_in_camera.z()};
@@ -43,7 +44,8 @@ std::optional<Expectation> Expect(const MapPoint& point, const Camera& camera,
     expected.min_octave = octave - 1;
     expected.max_octave = octave + 1;
   }
-  expected.radius_px = radius_px * ScalePyramid::Scale(octave);
+  expected.radius_px = options.radius_px * ScalePyramid::Scale(octave);
+  expected.pixel += expected.radius_px * options.displacement_radii;
   return expected;
 }
 
@@ -90,7 +92,7 @@ std::vector<ProjectionMatch> FindByProjection(const std::vector<const MapPoint*>
   std::vector<uint32_t> near;
   for (uint32_t i = 0; i < points.size(); ++i) {
     const auto expected =
-        Expect(*points[i], keyframe.camera(), camera_from_points, centre, options.radius_px);
+        Expect(*points[i], keyframe.camera(), camera_from_points, centre, options);
     if (!expected.has_value()) continue;
     const Best best = FindBest(*points[i], keyframe, *expected, options, near);
     if (best.keypoint == kNone) continue;

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SLAM_VERIFICATION_PROJECTION_SEARCH_H_
 #define CORBSLAM_SLAM_VERIFICATION_PROJECTION_SEARCH_H_
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct ProjectionSearchOptions {
   bool only_keypoints_with_points = false;
   // Where a keypoint has a depth, the point's must agree within the same radius of disparity.
   bool check_disparity = true;
+  // Looks this many radii from where the points should be: what is found there is found by chance.
+  Eigen::Vector2d displacement_radii = Eigen::Vector2d::Zero();
 };
 
 struct ProjectionMatch {
