@@ -29,5 +29,17 @@ TEST(SimulatedMissionTest, TwoRobotsMakeOneMapOfATown) {
   EXPECT_LE(report["fused"]["ate_m"], 0.25);
 }
 
+// Small pictures full of corners, of streets with the same kinds of things in them: wrong places
+// were taken for overlaps here.
+TEST(SimulatedMissionTest, PlacesThatLookAlikeAreNotTheSame) {
+  const Mission mission =
+      RunMission({"--source", "sim:city?seed=3&length=160&picture_scale=0.4&frames=:149",
+                  "--robots", "2", "--overlap", "20", "--pace", "step"});
+  const json& fused = mission.report["fused"];
+  EXPECT_EQ(fused["islands"], 1);
+  ASSERT_TRUE(fused["ate_m"].is_number());
+  EXPECT_LE(fused["ate_m"], 0.4);
+}
+
 }  // namespace
 }  // namespace corbslam
