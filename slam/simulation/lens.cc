@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "absl/strings/str_format.h"
+#include "slam/simulation/dice.h"
 #include "slam/simulation/parallel_rows.h"
 
 namespace corbslam {
@@ -40,12 +41,7 @@ class ToneCurve {
   std::array<float, 2 * kPerUnit + 2> table_;
 };
 
-uint64_t Mixed(uint64_t x) {  // The finaliser of SplitMix64 (Steele, Lea and Flood, 2014).
-  x += 0x9E3779B97F4A7C15U;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9U;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBU;
-  return x ^ (x >> 31);
-}
+uint64_t Mixed(uint64_t x) { return Dice(x).Next(); }
 
 // Nearly normal with variance 1: the sum of the eight bytes of a hash.
 float Noise(uint64_t key) {

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <utility>
 
+#include "slam/geometry/interpolation.h"
 #include "slam/simulation/parallel_rows.h"
 #include "slam/simulation/ray_caster.h"
 #include "slam/simulation/shading.h"
@@ -169,10 +170,6 @@ class LightPainter {
   cv::Mat patches_;
 };
 
-Rigid3d Between(const Rigid3d& a, const Rigid3d& b, double share) {
-  return {a.rotation.slerp(share, b.rotation), (1 - share) * a.translation + share * b.translation};
-}
-
 class RayCastingRenderer final : public Renderer {
  public:
   RayCastingRenderer(std::unique_ptr<RayCaster> caster, const RenderOptions& options)
@@ -184,10 +181,10 @@ class RayCastingRenderer final : public Renderer {
         shot.world_from_camera_at_close.has_value() ? options_.lens.motion_blur_samples : 1;
     cv::Mat light;
     for (int i = 0; i < samples; ++i) {
-      const Rigid3d pose = samples == 1
-                               ? shot.world_from_camera
-                               : Between(shot.world_from_camera, *shot.world_from_camera_at_close,
-                                         static_cast<double>(i) / (samples - 1));
+      const Rigid3d pose =
+          samples == 1 ? shot.world_from_camera
+                       : Interpolate(shot.world_from_camera, *shot.world_from_camera_at_close,
+                                     static_cast<double>(i) / (samples - 1));
       LightPainter painter(*caster_, movers.get(), camera, MakeView(camera, pose),
                            options_.threads);
       if (i == 0) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "slam/geometry/interpolation.h"
+
 namespace corbslam {
 
 Patch Rectangle(const Eigen::Vector3f& origin, const Eigen::Vector3f& edge_u,
@@ -25,9 +27,7 @@ Rigid3d PoseAt(const Mover& mover, double time_s) {
   if (after == mover.path.end()) return mover.path.back().world_from_mesh;
   const Mover::Waypoint& from = *(after - 1);
   const double share = (time_s - from.time_s) / (after->time_s - from.time_s);
-  return {
-      from.world_from_mesh.rotation.slerp(share, after->world_from_mesh.rotation),
-      (1 - share) * from.world_from_mesh.translation + share * after->world_from_mesh.translation};
+  return Interpolate(from.world_from_mesh, after->world_from_mesh, share);
 }
 
 }  // namespace corbslam

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "slam/simulation/dice.h"
 #include "slam/simulation/motion/street_tour.h"
 #include "slam/simulation/motion/waves.h"
-#include "slam/simulation/worlds/dice.h"
 
 namespace corbslam {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "slam/simulation/worlds/dice.h"
+#include "slam/simulation/dice.h"
 
 namespace corbslam {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "slam/simulation/worlds/dice.h"
+#include "slam/simulation/dice.h"
 
 namespace corbslam {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "slam/simulation/worlds/dice.h"
+#include "slam/simulation/dice.h"
 
 namespace corbslam {
 

@@ -4,18 +4,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "slam/simulation/dice.h"
+
 namespace corbslam {
 namespace {
 
 constexpr std::array<double, 3> kPeriods_s = {11, 31, 83};
 
-// 0 to 2 pi, from a hash (the finaliser of SplitMix64; Steele, Lea and Flood, 2014).
 double Phase(uint64_t seed, uint64_t axis, uint64_t wave) {
-  uint64_t x = (seed * 31 + axis) * 31 + wave + 0x9E3779B97F4A7C15U;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9U;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBU;
-  x ^= x >> 31;
-  return 2 * std::numbers::pi * static_cast<double>(x >> 11) * 0x1p-53;
+  return Dice((seed * 31 + axis) * 31 + wave).Uniform(0, 2 * std::numbers::pi);
 }
 
 // Of variance 1 over long times: each oscillation has variance 1/3.

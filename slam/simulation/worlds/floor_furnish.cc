@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slam/simulation/worlds/dice.h"
+#include "slam/simulation/dice.h"
 #include "slam/simulation/worlds/floor_plan.h"
 
 namespace corbslam {

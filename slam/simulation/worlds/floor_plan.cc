@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "slam/simulation/worlds/dice.h"
+#include "slam/simulation/dice.h"
 
 namespace corbslam {
 namespace {

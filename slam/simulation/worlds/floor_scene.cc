@@ -3,7 +3,7 @@
 #include <numbers>
 #include <utility>
 
-#include "slam/simulation/worlds/dice.h"
+#include "slam/simulation/dice.h"
 #include "slam/simulation/worlds/floor_plan.h"
 #include "slam/simulation/worlds/furniture.h"
 #include "slam/simulation/worlds/mesh_shapes.h"

@@ -2,7 +2,7 @@
 #include <limits>
 #include <vector>
 
-#include "slam/simulation/worlds/dice.h"
+#include "slam/simulation/dice.h"
 #include "slam/simulation/worlds/floor_plan.h"
 
 namespace corbslam {

@@ -2,8 +2,8 @@
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_PARTS_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_PARTS_H_
 
+#include "slam/simulation/dice.h"
 #include "slam/simulation/scene.h"
-#include "slam/simulation/worlds/dice.h"
 #include "slam/simulation/worlds/house.h"
 #include "slam/simulation/worlds/mesh_shapes.h"
 

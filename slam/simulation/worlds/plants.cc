@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "slam/simulation/worlds/dice.h"
+#include "slam/simulation/dice.h"
 #include "slam/simulation/worlds/mesh_shapes.h"
 
 namespace corbslam {

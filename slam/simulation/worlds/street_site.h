@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "slam/geometry/rigid3.h"
+#include "slam/simulation/dice.h"
 #include "slam/simulation/scene.h"
-#include "slam/simulation/worlds/dice.h"
 #include "slam/simulation/worlds/footprints.h"
 #include "slam/simulation/worlds/scene_chunks.h"
 #include "slam/simulation/worlds/street_ground.h"

@@ -1,7 +1,7 @@
 // Random numbers that are the same with every compiler and library: SplitMix64 (Steele, Lea, Flood:
 // Fast splittable pseudorandom number generators, OOPSLA 2014).
-#ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_DICE_H_
-#define CORBSLAM_SLAM_SIMULATION_WORLDS_DICE_H_
+#ifndef CORBSLAM_SLAM_SIMULATION_DICE_H_
+#define CORBSLAM_SLAM_SIMULATION_DICE_H_
 
 #include <cstdint>
 
@@ -46,4 +46,4 @@ class Dice {
 
 }  // namespace corbslam
 
-#endif  // CORBSLAM_SLAM_SIMULATION_WORLDS_DICE_H_
+#endif  // CORBSLAM_SLAM_SIMULATION_DICE_H_
