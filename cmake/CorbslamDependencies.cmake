@@ -5,7 +5,6 @@ find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs features2d ca
 find_package(Ceres 2.1 REQUIRED)
 find_package(absl REQUIRED)
 find_package(glog REQUIRED)
-find_package(embree 3.13 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(GRPCPP REQUIRED IMPORTED_TARGET grpc++)
 pkg_check_modules(PROTOBUF REQUIRED IMPORTED_TARGET protobuf)

@@ -64,7 +64,7 @@ std::string ListKnownOptions(const SourceSpec& spec) {
   std::vector<absl::string_view> names = {"frames", "stride",  "offset", "reverse",
                                           "robot",  "overlap", "gamma",  "noise"};
   if (spec.layout != SourceLayout::kSim) {
-    names.push_back("seed");
+    names.insert(names.end(), {"seed", "truth_frame"});
   } else {
     const std::vector<absl::string_view> more = SimulationOptionNames();
     names.insert(names.end(), more.begin(), more.end());
@@ -96,6 +96,10 @@ absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceS
   if (key == "seed" && spec.layout != SourceLayout::kSim) {
     if (absl::SimpleAtoi(value, &spec.perturbation.seed)) return absl::OkStatus();
     return BadOption(key, value, "a number from 0 on");
+  }
+  if (key == "truth_frame" && spec.layout != SourceLayout::kSim) {
+    spec.truth_frame = std::string(value);
+    return absl::OkStatus();
   }
   return absl::InvalidArgumentError(
       absl::StrCat("unknown source option '", key, "': known are ", ListKnownOptions(spec)));
@@ -236,6 +240,9 @@ std::string FormatSourceSpec(const SourceSpec& spec) {
   }
   if (!is_simulated && spec.perturbation.seed != plain.perturbation.seed) {
     options.push_back(absl::StrCat("seed=", spec.perturbation.seed));
+  }
+  if (!spec.truth_frame.empty()) {
+    options.push_back(absl::StrCat("truth_frame=", spec.truth_frame));
   }
   return absl::StrCat(LayoutName(spec.layout), ":", spec.directory, options.empty() ? "" : "?",
                       absl::StrJoin(options, "&"));

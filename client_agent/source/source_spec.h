@@ -73,6 +73,9 @@ struct SourceSpec {
   SimulationSpec simulation;  // kSim only.
   FrameSelection selection;
   Perturbation perturbation;
+  // truth_frame=NAME, of recorded sequences: those with the same name have their ground truth in
+  // one frame. Empty: in none but their own.
+  std::string truth_frame;
 };
 
 // Numbers of the selected frames in the sequence itself, in the order in which they are played. For

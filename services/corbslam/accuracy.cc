@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "client_agent/source/euroc_calibration.h"
 #include "client_agent/source/frame_reader.h"
 #include "slam/evaluation/trajectory_io.h"
@@ -36,7 +37,8 @@ std::string KeyOf(const SourceSpec& source) {
 
 // Equal for sources whose truths are in one frame.
 std::string WorldOf(const SourceSpec& source) {
-  return source.layout == SourceLayout::kSim ? WorldName(source.simulation) : KeyOf(source);
+  if (source.layout == SourceLayout::kSim) return WorldName(source.simulation);
+  return source.truth_frame.empty() ? KeyOf(source) : absl::StrCat("truth ", source.truth_frame);
 }
 
 absl::StatusOr<Sequence> ReadSequence(const SourceSpec& source, size_t from_frame) {

@@ -120,6 +120,26 @@ TEST(ComputeAccuracyTest, HasNoFusedErrorForTwoIslands) {
   EXPECT_EQ(accuracy->fused.truth->size(), 21u);
 }
 
+TEST(ComputeAccuracyTest, HoldsFoldersThatNameOneFrameAgainstOneTruth) {
+  SourceSpec first = MakeSequence("first_of_town");
+  SourceSpec second = MakeSequence("second_of_town");
+  const auto compute = [&] {
+    return ComputeAccuracy(
+        {MakeRobot(first, 0, 19, {0, 0, 0}, true), MakeRobot(second, 20, 39, {0.4, 0, 0}, true)}, 0,
+        Alignment::kSe3);
+  };
+  const auto apart = compute();
+  ASSERT_TRUE(apart.ok()) << apart.status();
+  EXPECT_FALSE(apart->fused.all.has_value());
+
+  first.truth_frame = second.truth_frame = "town";
+  const auto together = compute();
+  ASSERT_TRUE(together.ok()) << together.status();
+  ASSERT_TRUE(together->fused.all.has_value());
+  EXPECT_GT(together->fused.all->rmse_m, 0.01);
+  EXPECT_LT(together->fused.all->rmse_m, 0.2);
+}
+
 TEST(ComputeAccuracyTest, IsEmptyWithoutTruth) {
   const SourceSpec source = MakeSequence("none");
   fs::remove(source.directory + "/poses.txt");

@@ -3,10 +3,11 @@
 #define CORBSLAM_SLAM_SIMULATION_LANES_H_
 
 #include <cstdint>
+#include <cstring>
+
+#include "slam/simulation/eight.h"
 
 namespace corbslam {
-
-constexpr int kNumbers = 8;
 
 using Floats = float __attribute__((vector_size(32)));
 using Ints = int32_t __attribute__((vector_size(32)));
@@ -14,6 +15,23 @@ using Uints = uint32_t __attribute__((vector_size(32)));
 
 // Must end up inside the functions that are compiled for each instruction set.
 #define CORBSLAM_LANES [[gnu::always_inline]] inline
+
+CORBSLAM_LANES Floats Load(const Eight<float>& from) {
+  Floats to;
+  std::memcpy(&to, from.lanes.data(), sizeof(to));
+  return to;
+}
+CORBSLAM_LANES Ints Load(const Eight<int32_t>& from) {
+  Ints to;
+  std::memcpy(&to, from.lanes.data(), sizeof(to));
+  return to;
+}
+CORBSLAM_LANES void Store(const Floats& from, Eight<float>& to) {
+  std::memcpy(to.lanes.data(), &from, sizeof(from));
+}
+CORBSLAM_LANES void Store(const Ints& from, Eight<int32_t>& to) {
+  std::memcpy(to.lanes.data(), &from, sizeof(from));
+}
 
 CORBSLAM_LANES Floats All(float value) { return Floats{} + value; }
 CORBSLAM_LANES Floats Least(const Floats& a, const Floats& b) { return a < b ? a : b; }

@@ -1,4 +1,4 @@
-// Pictures of a scene by ray casting.
+// Pictures of a scene.
 #ifndef CORBSLAM_SLAM_SIMULATION_RENDERER_H_
 #define CORBSLAM_SLAM_SIMULATION_RENDERER_H_
 
@@ -34,7 +34,8 @@ class Renderer {
  public:
   // INVALID_ARGUMENT, naming the field, for a mesh index out of range, an empty mover path or
   // numbers that aren't finite.
-  static absl::StatusOr<std::unique_ptr<Renderer>> Make(Scene scene, const RenderOptions& options);
+  static absl::StatusOr<std::unique_ptr<Renderer>> Make(const Scene& scene,
+                                                        const RenderOptions& options);
   virtual ~Renderer() = default;
 
   // CV_8UC1 of the camera's size.

@@ -35,8 +35,8 @@ Lens NoiselessLens() {
       .exposure = 1, .gamma = 1, .vignetting = 0, .blur_px = 0, .read_noise = 0, .shot_noise = 0};
 }
 
-std::unique_ptr<Renderer> MakeRenderer(Scene scene, const Lens& lens, int threads = 1) {
-  auto renderer = Renderer::Make(std::move(scene), {.lens = lens, .threads = threads});
+std::unique_ptr<Renderer> MakeRenderer(const Scene& scene, const Lens& lens, int threads = 1) {
+  auto renderer = Renderer::Make(scene, {.lens = lens, .threads = threads});
   EXPECT_TRUE(renderer.ok()) << renderer.status();
   return *std::move(renderer);
 }

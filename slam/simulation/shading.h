@@ -1,21 +1,17 @@
-// The light that comes to the eye along rays.
+// The light that comes to the eye from what is seen.
 #ifndef CORBSLAM_SLAM_SIMULATION_SHADING_H_
 #define CORBSLAM_SLAM_SIMULATION_SHADING_H_
 
-#include <array>
-#include <cstdint>
+#include <opencv2/core/mat.hpp>
 
-#include "slam/simulation/ray_caster.h"
+#include "slam/simulation/scene_faces.h"
 
 namespace corbslam {
 
-struct LightPacket {
-  std::array<float, kLanes> light;     // 1: a white surface in full sun.
-  std::array<uint32_t, kLanes> patch;  // As HitPacket's.
-};
-
-// Of the active lanes; the others' are 0.
-LightPacket ComputeLight(const RayCaster& caster, const MoverPoses* movers, const RayPacket& rays);
+// CV_32FC1 of the camera's size, 1: a white surface in full sun. Where several faces lie within a
+// pixel it is the mean over the samples; a face is shaded once a pixel. `threads` changes speed
+// only.
+cv::Mat ComputeLight(const SceneFaces& scene, const SceneView& view, int threads);
 
 }  // namespace corbslam
 

@@ -1,6 +1,8 @@
 #include "slam/simulation/sequence/simulated_sequence.h"
 
+#include <algorithm>
 #include <cmath>
+#include <future>
 #include <opencv2/core.hpp>
 #include <utility>
 #include <variant>
@@ -41,6 +43,8 @@ class DrawnSequence : public SimulatedSequence {
   Shot ShotOf(size_t frame, int camera) const;
   absl::StatusOr<const Renderer*> GetRenderer() const;
   SensorImages Draw(const Renderer& renderer, size_t frame) const;
+  // The right picture, or the depths.
+  cv::Mat DrawOther(const Renderer& renderer, size_t frame) const;
   SensorImages Dark(size_t frame) const;
 
   const SimulationSpec spec_;
@@ -72,27 +76,32 @@ Shot DrawnSequence::ShotOf(size_t frame, int camera) const {
 
 absl::StatusOr<const Renderer*> DrawnSequence::GetRenderer() const {
   absl::call_once(once_, [this] {
-    renderer_ = Renderer::Make(BuildWorld(spec_, way_), {spec_.lens, spec_.threads});
+    // A frame's two pictures are drawn at a time.
+    renderer_ =
+        Renderer::Make(BuildWorld(spec_, way_), {spec_.lens, std::max(1, spec_.threads / 2)});
   });
   RETURN_IF_ERROR(renderer_.status());
   return renderer_->get();
 }
 
 SensorImages DrawnSequence::Draw(const Renderer& renderer, size_t frame) const {
-  const Shot left = ShotOf(frame, 0);
   SensorImages images;
   images.timestamp_ns = timestamp_ns(frame);
-  images.grey = renderer.DrawGrey(rig_.camera, left);
-  if (rig_.left_from_right.has_value()) {
-    images.right = renderer.DrawGrey(rig_.camera, ShotOf(frame, 1));
-  } else {
-    DepthImageOptions depth;
-    depth.units_per_m = std::get<RgbdCalibration>(rig_.calibration).depth_units_per_m;
-    depth.noise_m = spec_.depth_noise_m;
-    depth.noise_seed = spec_.lens.noise_seed;
-    images.depth = MakeDepthImage(renderer.DrawDepth(rig_.camera, left), depth, frame);
-  }
+  cv::Mat& other = rig_.left_from_right.has_value() ? images.right : images.depth;
+  const auto policy = spec_.threads > 1 ? std::launch::async : std::launch::deferred;
+  std::future<cv::Mat> drawing = std::async(policy, [&] { return DrawOther(renderer, frame); });
+  images.grey = renderer.DrawGrey(rig_.camera, ShotOf(frame, 0));
+  other = drawing.get();
   return images;
+}
+
+cv::Mat DrawnSequence::DrawOther(const Renderer& renderer, size_t frame) const {
+  if (rig_.left_from_right.has_value()) return renderer.DrawGrey(rig_.camera, ShotOf(frame, 1));
+  DepthImageOptions depth;
+  depth.units_per_m = std::get<RgbdCalibration>(rig_.calibration).depth_units_per_m;
+  depth.noise_m = spec_.depth_noise_m;
+  depth.noise_seed = spec_.lens.noise_seed;
+  return MakeDepthImage(renderer.DrawDepth(rig_.camera, ShotOf(frame, 0)), depth, frame);
 }
 
 SensorImages DrawnSequence::Dark(size_t frame) const {

@@ -1,0 +1,42 @@
+// Finds the samples of a picture that each face covers, after M. Olano and T. Greer, "Triangle scan
+// conversion using 2D homogeneous coordinates" (Graphics Hardware 1997): nothing has to be cut
+// where it passes the camera.
+#ifndef CORBSLAM_SLAM_SIMULATION_RASTERISER_H_
+#define CORBSLAM_SLAM_SIMULATION_RASTERISER_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "slam/simulation/face_mesh.h"
+#include "slam/simulation/visibility_buffer.h"
+
+namespace corbslam {
+
+// A face of which at least one sample was seen when it was drawn.
+struct DrawnFace {
+  Eigen::Vector3f nearness;  // nearness . (x, y, 1): of the face's plane at pixel (x, y).
+  uint32_t placement;        // As given to DrawCluster.
+  uint32_t patch;
+};
+
+// From the mesh's frame (x, y, z, 1) to depth times (pixel x, pixel y, 1), metres and pixels.
+using PixelFromMesh = Eigen::Matrix<float, 3, 4>;
+
+// Where a box is seen in a picture of this size; nullopt: nowhere.
+struct SeenBox {
+  PixelRect rect;
+  float nearness;  // Of its nearest corner; kMostNearness where it reaches behind the camera.
+};
+std::optional<SeenBox> SeeBox(const Eigen::AlignedBox3f& box, const PixelFromMesh& pixel_from_mesh,
+                              int width_px, int height_px);
+
+// Draws the faces into the buffer and appends those seen. The same bits on every processor.
+void DrawCluster(const FaceMesh& mesh, const FaceCluster& cluster,
+                 const PixelFromMesh& pixel_from_mesh, uint32_t placement, VisibilityBuffer* buffer,
+                 std::vector<DrawnFace>* drawn);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SIMULATION_RASTERISER_H_

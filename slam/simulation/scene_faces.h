@@ -1,0 +1,72 @@
+// A scene made ready for drawing, and what a camera sees of it.
+#ifndef CORBSLAM_SLAM_SIMULATION_SCENE_FACES_H_
+#define CORBSLAM_SLAM_SIMULATION_SCENE_FACES_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "slam/camera/camera.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/simulation/face_mesh.h"
+#include "slam/simulation/rasteriser.h"
+#include "slam/simulation/scene.h"
+#include "slam/simulation/visibility_buffer.h"
+
+namespace corbslam {
+
+// A mesh where it stands.
+struct FacePlacement {
+  uint32_t mesh = 0;
+  Similarity3d world_from_mesh = {};
+  uint32_t seed = 0;
+  Eigen::Vector3d centre = {};  // Of a ball round it.
+  double radius_m = 0;
+};
+
+// What is seen at each sample of a picture.
+struct SceneView {
+  Camera camera;
+  Rigid3d world_from_camera;
+  VisibilityBuffer buffer;  // Its faces are indices into `drawn`.
+  std::vector<DrawnFace> drawn;
+  std::vector<FacePlacement> movers;  // Placements from the still ones' count on.
+};
+
+// Immutable; See may be called from any thread.
+class SceneFaces {
+ public:
+  // INVALID_ARGUMENT, naming the field, for a mesh index out of range, an empty mover path or
+  // numbers that aren't finite.
+  static absl::StatusOr<SceneFaces> Make(const Scene& scene);
+
+  // The movers are where they are at `time_s` of the sequence.
+  SceneView See(const Camera& camera, const Rigid3d& world_from_camera, double time_s,
+                std::vector<SampleOffset> samples) const;
+
+  const FacePlacement& PlacementOf(const SceneView& view, const DrawnFace& face) const {
+    const size_t still = placements_.size();
+    return face.placement < still ? placements_[face.placement]
+                                  : view.movers[face.placement - still];
+  }
+  const PatchSurface& SurfaceOf(const SceneView& view, const DrawnFace& face) const {
+    return meshes_[PlacementOf(view, face).mesh].surfaces[face.patch];
+  }
+  const Light& light() const { return light_; }
+  uint32_t seed() const { return seed_; }
+
+ private:
+  explicit SceneFaces(const Scene& scene);
+  FacePlacement Place(uint32_t mesh, const Similarity3d& world_from_mesh, uint32_t seed) const;
+
+  std::vector<FaceMesh> meshes_;
+  std::vector<FacePlacement> placements_;
+  std::vector<Mover> movers_;
+  Light light_;
+  uint32_t seed_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SIMULATION_SCENE_FACES_H_
