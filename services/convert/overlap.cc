@@ -51,13 +51,14 @@ void ToProto(const OverlapEvidence& evidence, v1::OverlapEvidence* proto) {
   proto->set_projected_matches(count(evidence.projected_matches));
   proto->set_consistent_keyframes(count(evidence.consistent_keyframes));
   proto->set_chance_matches(count(evidence.chance_matches));
+  proto->set_visible_points(count(evidence.visible_points));
 }
 
 absl::StatusOr<OverlapEvidence> FromProto(const v1::OverlapEvidence& proto) {
   for (const uint32_t value :
        {proto.shared_words(), proto.word_matches(), proto.ransac_inliers(), proto.guided_matches(),
         proto.refined_inliers(), proto.projected_matches(), proto.consistent_keyframes(),
-        proto.chance_matches()}) {
+        proto.chance_matches(), proto.visible_points()}) {
     if (value > kMaxCount) return OutOfRange("a count of the evidence", value, 0u, kMaxCount);
   }
   return OverlapEvidence{
@@ -67,6 +68,7 @@ absl::StatusOr<OverlapEvidence> FromProto(const v1::OverlapEvidence& proto) {
       .guided_matches = static_cast<int>(proto.guided_matches()),
       .refined_inliers = static_cast<int>(proto.refined_inliers()),
       .projected_matches = static_cast<int>(proto.projected_matches()),
+      .visible_points = static_cast<int>(proto.visible_points()),
       .chance_matches = static_cast<int>(proto.chance_matches()),
       .consistent_keyframes = static_cast<int>(proto.consistent_keyframes()),
   };

@@ -180,6 +180,7 @@ Overlap MakeOverlap(std::mt19937& random, KeyframeId query, KeyframeId candidate
                       .guided_matches = 22,
                       .refined_inliers = 21,
                       .projected_matches = 60,
+                      .visible_points = 300,
                       .chance_matches = 9,
                       .consistent_keyframes = 2};
   overlap.verdict = OverlapVerdict::kAccepted;

@@ -96,6 +96,7 @@ TEST(WorkTest, AFusingPassesTheWireUnchanged) {
   EXPECT_EQ(read->overlaps[1].inliers, request.overlaps[1].inliers);
   EXPECT_EQ(read->overlaps[1].evidence.projected_matches, 60);
   EXPECT_EQ(read->overlaps[1].evidence.chance_matches, 9);
+  EXPECT_EQ(read->overlaps[1].evidence.visible_points, 300);
   EXPECT_EQ(read->overlaps[1].verdict, OverlapVerdict::kAccepted);
 }
 

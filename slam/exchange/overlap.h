@@ -18,6 +18,7 @@ struct OverlapEvidence {
   int guided_matches = 0;        // After guided search.
   int refined_inliers = 0;       // After refinement on all of them.
   int projected_matches = 0;     // Points of the candidate's neighbourhood found in the query.
+  int visible_points = 0;        // Of these points, the ones that should be in the query's picture.
   int chance_matches = 0;        // The same, looked for where they should not be.
   int consistent_keyframes = 0;  // Further keyframe pairs that agree.
 };

@@ -289,6 +289,15 @@ int CountConsistentKeyframes(const Side& query, const Side& candidate,
   return consistent;
 }
 
+// Whether the points found are more than another place that looks alike would have.
+bool IsMoreThanAlike(const OverlapEvidence& evidence, const PlaceVerificationOptions& options) {
+  const bool few =
+      evidence.projected_matches < options.min_projected_share * evidence.visible_points;
+  const double to_chance =
+      few ? options.min_projected_to_chance_of_few : options.min_projected_to_chance;
+  return evidence.projected_matches >= to_chance * evidence.chance_matches;
+}
+
 OverlapVerdict Judge(const Side& query, const Side& candidate,
                      const PlaceVerificationOptions& options, Overlap& overlap) {
   OverlapEvidence& evidence = overlap.evidence;
@@ -311,8 +320,10 @@ OverlapVerdict Judge(const Side& query, const Side& candidate,
       CountProjected(candidate.points, query.centre, query_from_candidate_map, options);
   evidence.chance_matches =
       CountByChance(candidate.points, query.centre, query_from_candidate_map, options);
+  evidence.visible_points =
+      static_cast<int>(CountVisible(candidate.points, query.centre, query_from_candidate_map));
   if (evidence.projected_matches < options.min_projected_matches ||
-      evidence.projected_matches < options.min_projected_to_chance * evidence.chance_matches) {
+      !IsMoreThanAlike(evidence, options)) {
     return OverlapVerdict::kTooFewProjectedMatches;
   }
 

@@ -22,8 +22,11 @@ struct PlaceVerificationOptions {
   int min_refined_inliers = 25;
   int min_projected_matches = 40;
   // ... and this many times what is found when looking beside where the points should be: where
-  // many keypoints are, some match by chance.
+  // many keypoints are, some match by chance. Parts of another place may look the same (one house
+  // of a street), so that more has to be found where little is of all that should be seen there.
   double min_projected_to_chance = 5;
+  double min_projected_share = 0.1;
+  double min_projected_to_chance_of_few = 10;
   // Further pairs of keyframes that agree, and the matches that make a pair agree.
   int min_consistent_keyframes = 2;
   int min_matches_per_keyframe = 25;

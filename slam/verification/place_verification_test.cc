@@ -83,6 +83,25 @@ TEST_F(PlaceVerificationTest, RefusesWhatChanceFindsAsWell) {
   EXPECT_EQ(ToString(overlap.verdict), "TOO_FEW_PROJECTED_MATCHES");
 }
 
+// Another place of which a part looks the same, among much that looks like many things.
+TEST_F(PlaceVerificationTest, RefusesAPlaceOfWhichOnlyAPartLooksTheSame) {
+  SyntheticWorld here = MakeRingWorld(3, 24000);
+  SyntheticWorld there = here;
+  const SyntheticWorld other = MakeRingWorld(4, 24000);
+  for (size_t i = 0; i < here.descriptors.size(); ++i) {
+    if (i % 24 < 2) here.descriptors[i] = there.descriptors[i] = here.descriptors[i % 3];
+    if (i % 24 > 3) there.descriptors[i] = other.descriptors[i];
+  }
+  const SyntheticMap a = MakeSyntheticMap(here, PosesOnRing(0, 3, 12), {.local_map = kA});
+  const SyntheticMap b = MakeSyntheticMap(there, PosesOnRing(13.5, 3, 12), {.local_map = kB});
+  const Overlap trusting =
+      VerifyPlace(b.map, query_, a.map, candidate_, {.min_projected_share = 0});
+  ASSERT_EQ(ToString(trusting.verdict), "ACCEPTED");
+  ASSERT_LT(trusting.evidence.projected_matches, 0.1 * trusting.evidence.visible_points);
+  const Overlap overlap = VerifyPlace(b.map, query_, a.map, candidate_, {});
+  EXPECT_EQ(ToString(overlap.verdict), "TOO_FEW_PROJECTED_MATCHES");
+}
+
 TEST_F(PlaceVerificationTest, FindsItAmongAsManyMistakes) {
   const SyntheticMap b = MakeB({.share_of_mistaken = 0.5});
   const Overlap overlap = Verify(b);

@@ -103,4 +103,13 @@ std::vector<ProjectionMatch> FindByProjection(const std::vector<const MapPoint*>
   return of_keypoint;
 }
 
+size_t CountVisible(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
+                    const Rigid3d& camera_from_points) {
+  const Eigen::Vector3d centre = CameraCentre(camera_from_points);
+  return static_cast<size_t>(
+      std::count_if(points.begin(), points.end(), [&](const MapPoint* point) {
+        return Expect(*point, keyframe.camera(), camera_from_points, centre, {}).has_value();
+      }));
+}
+
 }  // namespace corbslam

@@ -3,6 +3,7 @@
 #define CORBSLAM_SLAM_VERIFICATION_PROJECTION_SEARCH_H_
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -39,6 +40,11 @@ std::vector<ProjectionMatch> FindByProjection(const std::vector<const MapPoint*>
                                               const Keyframe& keyframe,
                                               const Rigid3d& camera_from_points,
                                               const ProjectionSearchOptions& options);
+
+// How many of the points FindByProjection looks for: those that should be in the picture, seen from
+// distances and angles like before. Whether something hides them is not asked.
+size_t CountVisible(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
+                    const Rigid3d& camera_from_points);
 
 }  // namespace corbslam
 

@@ -87,15 +87,19 @@ bool IsClear(const StreetSite& site, const Vector2d& at, const Vector2d& ahead,
   return clear;
 }
 
+// `whole`: only if the path is long enough for all of it; otherwise it may come from where the path
+// begins and go on behind its end.
 bool PlanDrive(const Drive& drive, const Timeline& timeline, const CarPrototype& car,
-               const StreetSite& site, Mover* mover) {
+               const StreetSite& site, bool whole, Mover* mover) {
   const double start_m = timeline.WayAt(drive.start_s);
   double way = 0;
   double lateral = 0;
   for (double since = 0; PlaceAt(drive, timeline, start_m, since, &way, &lateral);
        since += kStepS) {
     if (way < 1 || way > timeline.end_m() - 1 || drive.start_s + since > timeline.end_s()) {
-      return false;
+      if (whole) return false;
+      if (mover->path.empty()) continue;
+      break;
     }
     const Station& station = timeline.At(way);
     const double between = way - station.along_m;
@@ -133,22 +137,24 @@ void DriveMovers(const std::vector<Rigid3d>& world_from_camera, StreetSite* site
   for (int i = 0; i < count; ++i) {
     Dice dice = site->DiceFor(StreetDice::kTraffic, i);
     const auto which = static_cast<size_t>(dice.Integer(0, static_cast<int>(cars.size()) - 1));
-    constexpr int kTries = 60;
+    constexpr int kTries = 90;
     for (int attempt = 0; attempt < kTries; ++attempt) {
       Drive drive;
       drive.manner = i % 5 == 4   ? Manner::kLeading
                      : i % 5 == 2 ? Manner::kOvertaking
                                   : Manner::kOncoming;
-      // Each has its share of the time; those that find no room there look anywhere.
+      // Each has its share of the time; those that find no room there look anywhere, and at last
+      // take less of the path.
       const double share = timeline.end_s() / count;
-      drive.start_s = attempt < kTries / 2 ? share * (i + dice.Uniform(0, 1))
+      drive.start_s = attempt < kTries / 3 ? share * (i + dice.Uniform(0, 1))
                                            : dice.Uniform(0, timeline.end_s());
       drive.speed =
           drive.manner == Manner::kOvertaking ? dice.Uniform(14, 18) : dice.Uniform(6, 11);
       Mover mover;
       mover.mesh = first + static_cast<uint32_t>(which);
       mover.seed = dice.Seed();
-      if (!PlanDrive(drive, timeline, cars[which], *site, &mover)) continue;
+      const bool whole = attempt < 2 * kTries / 3;
+      if (!PlanDrive(drive, timeline, cars[which], *site, whole, &mover)) continue;
       Bury(&mover);
       site->scene.movers.push_back(std::move(mover));
       break;
