@@ -6,6 +6,7 @@ namespace corbslam::map_store {
 
 void FusionExecutor::Start(ListMissions missions) {
   missions_ = std::move(missions);
+  threads_.emplace_back([this] { RunKeeper(); });
   if (worker_ == nullptr) return;
   threads_.emplace_back([this] { RunLane(FusionLane::kGraph); });
   threads_.emplace_back([this] { RunLane(FusionLane::kAdjustment); });
@@ -57,6 +58,16 @@ void FusionExecutor::RunLane(FusionLane lane) {
   }
 }
 
+void FusionExecutor::RunKeeper() {
+  uint64_t seen = 0;
+  while (WaitForWork(seen, false)) {
+    for (const std::shared_ptr<Mission>& mission : missions_()) {
+      // One that fails is wanted again when the next batch has come.
+      mission->KeepSnapshot().IgnoreError();
+    }
+  }
+}
+
 bool FusionExecutor::WaitForWork(uint64_t& seen, bool unavailable) {
   absl::MutexLock lock(&mutex_);
   const absl::Time retry = unavailable ? absl::Now() + retry_after_ : absl::InfiniteFuture();
@@ -69,6 +80,7 @@ bool FusionExecutor::WaitForWork(uint64_t& seen, bool unavailable) {
 }
 
 void FusionExecutor::RunUntilIdle(Mission& mission) {
+  mission.KeepSnapshot().IgnoreError();
   if (worker_ == nullptr) return;
   bool unavailable = false;
   while (RunOne(mission, FusionLane::kGraph, unavailable) ||

@@ -1,4 +1,4 @@
-// Runs what the missions' fusion lanes have to do on a FusionWorker: on two threads of its own, or
+// Runs what the missions' fusion lanes have to do on a FusionWorker: on threads of its own, or
 // synchronously.
 #ifndef CORBSLAM_MAP_STORE_FUSION_EXECUTOR_H_
 #define CORBSLAM_MAP_STORE_FUSION_EXECUTOR_H_
@@ -27,7 +27,7 @@ class FusionExecutor {
       : worker_(worker), retry_after_(retry_after) {}
   ~FusionExecutor() { Stop(); }
 
-  // Starts a thread a lane.
+  // Starts a thread a lane, and one that keeps snapshots.
   void Start(ListMissions missions);
   // Cancels what runs and joins. The missions must still be there.
   void Stop();
@@ -41,6 +41,8 @@ class FusionExecutor {
   // False: nothing was done, or the worker is not there (`unavailable`).
   bool RunOne(Mission& mission, FusionLane lane, bool& unavailable);
   void RunLane(FusionLane lane);
+  // Writes the snapshots that the journal wants.
+  void RunKeeper();
   // Waits for something to do; false: stop.
   bool WaitForWork(uint64_t& seen, bool unavailable);
 

@@ -46,12 +46,18 @@ FullMapPoint MakePoint(MapPointId id, KeyframeId reference) {
   return point;
 }
 
-class FailingJournal : public Journal {
+class FailingJournal : public InMemoryJournal {
  public:
-  absl::Status Append(const JournalRecord&) override {
-    return fails ? absl::ResourceExhaustedError("disk full") : absl::OkStatus();
+  absl::StatusOr<Position> Append(absl::string_view mission,
+                                  const map_store::JournalRecord& record) override {
+    if (fails) return absl::ResourceExhaustedError("disk full");
+    return InMemoryJournal::Append(mission, record);
+  }
+  absl::Status Sync(Position) override {
+    return sync_fails ? absl::UnavailableError("disk gone") : absl::OkStatus();
   }
   bool fails = false;
+  bool sync_fails = false;
 };
 
 class IngestionTest : public ::testing::Test {
@@ -198,6 +204,17 @@ TEST_F(IngestionTest, NothingIsAcknowledgedThatTheJournalHasNot) {
   EXPECT_EQ(store_.GetMission("m")->local_maps, 0u);
   journal_->fails = false;
   EXPECT_TRUE(store_.Apply(a, First()).ok());
+}
+
+// It is in memory then, but that is nothing to rely on: the agent sends it again.
+TEST_F(IngestionTest, NothingIsAcknowledgedBeforeItIsSynced) {
+  const uint64_t a = Open("a");
+  journal_->sync_fails = true;
+  EXPECT_EQ(store_.Apply(a, First()).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(store_.Apply(a, First()).status().code(), absl::StatusCode::kUnavailable);
+  journal_->sync_fails = false;
+  EXPECT_EQ(store_.Apply(a, First())->number, 1u);
+  EXPECT_EQ(store_.GetMission("m")->keyframes, 2u);
 }
 
 TEST_F(IngestionTest, ParksWhatComesBeforeItsPointWithinALimit) {

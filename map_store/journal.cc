@@ -2,10 +2,10 @@
 
 namespace corbslam {
 
-absl::Status InMemoryJournal::Append(const JournalRecord&) {
+absl::StatusOr<Journal::Position> InMemoryJournal::Append(absl::string_view,
+                                                          const map_store::JournalRecord&) {
   absl::MutexLock lock(&mutex_);
-  ++records_;
-  return absl::OkStatus();
+  return ++records_;
 }
 
 uint64_t InMemoryJournal::records() const {

@@ -1,65 +1,81 @@
-// Where the map store writes what it has acknowledged and committed, in order, so that it can be
-// read again after a crash. The durable implementation is another one; this one only counts.
+// Where the map store writes what changes its missions, in order, so that they can be had again
+// after a crash.
 #ifndef CORBSLAM_MAP_STORE_JOURNAL_H_
 #define CORBSLAM_MAP_STORE_JOURNAL_H_
 
 #include <cstdint>
-#include <memory>
+#include <functional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
-#include "slam/exchange/fusion_worker.h"
-#include "slam/exchange/map_update.h"
-#include "slam/exchange/overlap.h"
+#include "map_store/journal_records.h"
 
 namespace corbslam {
 
-// A batch that passed validation.
-struct BatchRecord {
-  std::string mission;
-  std::string agent;
-  std::shared_ptr<const MapUpdateBatch> batch;
+// A mission's state after all records up to a position.
+struct JournalSnapshot {
+  uint64_t position = 0;
+  std::string state;                  // EncodeState's.
+  std::vector<KeyframeId> keyframes;  // Of which the features are still needed, by id.
 };
-// The verdicts of one query.
-struct OverlapRecordSet {
-  std::string mission;
-  KeyframeId query;
-  std::vector<Overlap> overlaps;
-};
-// What one committed revision set, in the frame of the island that `anchor` belongs to.
-struct RevisionRecord {
-  std::string mission;
-  uint64_t revision = 0;
-  LocalMapId anchor;
-  std::vector<LocalMapId> local_maps;
-  std::vector<KeyframePose> poses;
-  std::vector<PointPosition> positions;
-  std::vector<FuseMapsResult::Merge> merges;
-  std::vector<RejectedObservation> rejected;
-};
-struct MissionDeletedRecord {
-  std::string mission;
-};
-using JournalRecord =
-    std::variant<BatchRecord, OverlapRecordSet, RevisionRecord, MissionDeletedRecord>;
 
-// Thread-safe.
+// Thread-safe. Records of one mission are appended one at a time.
 class Journal {
  public:
+  // Of an append; grows.
+  using Position = uint64_t;
+
+  struct Replay {
+    // Called once at most, before all records: the state that a snapshot held.
+    std::function<absl::Status(map_store::MissionState)> on_snapshot;
+    // Called for each record since, in order.
+    std::function<absl::Status(const map_store::JournalRecord&)> on_record;
+  };
+
   virtual ~Journal() = default;
-  // Returns once the record would survive what this journal promises to survive. Records of one
-  // mission are appended one at a time. An error means that nothing was written.
-  virtual absl::Status Append(const JournalRecord& record) = 0;
+
+  // Puts the record behind those before it. An error means that nothing was written:
+  // RESOURCE_EXHAUSTED (no room), UNAVAILABLE (the disk refuses), each naming the journal.
+  virtual absl::StatusOr<Position> Append(absl::string_view mission,
+                                          const map_store::JournalRecord& record) = 0;
+  // Returns once all up to the position would survive what this journal promises to survive. An
+  // error means that it is not certain.
+  virtual absl::Status Sync(Position position) = 0;
+
+  // Whether so much was appended to the mission since its last snapshot that one is worth while.
+  virtual bool WantsSnapshot(absl::string_view mission) const = 0;
+  // Takes the place of all the mission's records up to its position.
+  virtual absl::Status WriteSnapshot(absl::string_view mission,
+                                     const JournalSnapshot& snapshot) = 0;
+
+  virtual absl::StatusOr<std::vector<std::string>> ListMissions() const = 0;
+  // DATA_LOSS, naming the mission and the place, for what can't be read.
+  virtual absl::Status Recover(absl::string_view mission, const Replay& replay) const = 0;
+  // Durable when it returns.
+  virtual absl::Status DeleteMission(absl::string_view mission) = 0;
 };
 
 // Survives nothing; counts.
 class InMemoryJournal : public Journal {
  public:
-  absl::Status Append(const JournalRecord& record) override;
+  absl::StatusOr<Position> Append(absl::string_view mission,
+                                  const map_store::JournalRecord& record) override;
+  absl::Status Sync(Position) override { return absl::OkStatus(); }
+  bool WantsSnapshot(absl::string_view) const override { return false; }
+  absl::Status WriteSnapshot(absl::string_view, const JournalSnapshot&) override {
+    return absl::OkStatus();
+  }
+  absl::StatusOr<std::vector<std::string>> ListMissions() const override {
+    return std::vector<std::string>();
+  }
+  absl::Status Recover(absl::string_view, const Replay&) const override { return absl::OkStatus(); }
+  absl::Status DeleteMission(absl::string_view) override { return absl::OkStatus(); }
+
   uint64_t records() const;
 
  private:

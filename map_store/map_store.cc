@@ -39,6 +39,18 @@ absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view
   return absl::NotFoundError(absl::StrCat("there is no mission ", name));
 }
 
+absl::Status MapStore::Recover() {
+  ASSIGN_OR_RETURN(const std::vector<std::string> names, journal_->ListMissions());
+  for (const std::string& name : names) {
+    std::shared_ptr<Mission> mission = MakeMission(name);
+    RETURN_IF_ERROR(mission->Recover());
+    absl::MutexLock lock(&mutex_);
+    missions_[name] = std::move(mission);
+  }
+  executor_->Wake();
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindOrCreateMission(const std::string& name) {
   absl::MutexLock lock(&mutex_);
   if (const auto it = missions_.find(name); it != missions_.end()) return it->second;
@@ -46,6 +58,10 @@ absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindOrCreateMission(const std
     return absl::ResourceExhaustedError(
         absl::StrCat(missions_.size(), " missions; that is the limit"));
   }
+  return missions_[name] = MakeMission(name);
+}
+
+std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
   Mission::Environment environment;
   environment.options = &options_;
   environment.vocabulary = vocabulary_.get();
@@ -53,7 +69,7 @@ absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindOrCreateMission(const std
   environment.clock = clock_;
   environment.wake_fusion = [this] { executor_->Wake(); };
   environment.has_worker = has_worker_;
-  return missions_[name] = std::make_shared<Mission>(name, std::move(environment));
+  return std::make_shared<Mission>(name, std::move(environment));
 }
 
 absl::StatusOr<MapStore::Session> MapStore::FindSession(uint64_t session_id) const {
@@ -124,8 +140,9 @@ absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
 
 absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  RETURN_IF_ERROR(journal_->Append(MissionDeletedRecord{std::string(mission_name)}));
+  // Nothing is appended any more: what is deleted stays so.
   mission->Delete();
+  RETURN_IF_ERROR(journal_->DeleteMission(mission_name));
   absl::MutexLock lock(&mutex_);
   missions_.erase(std::string(mission_name));
   return absl::OkStatus();

@@ -64,6 +64,10 @@ class MapStore {
   MapStore(const MapStore&) = delete;
   MapStore& operator=(const MapStore&) = delete;
 
+  // Takes in what the journal has. Once, before all else; nothing else may be called if it fails.
+  // DATA_LOSS, naming the mission and the place, for what can't be read.
+  absl::Status Recover();
+
   // Sessions: one an agent.
 
   // Opens or resumes; creates the mission and the agent. An older session of the same agent is
@@ -76,6 +80,7 @@ class MapStore {
   // number where some are missing. ABORTED: fenced. NOT_FOUND: no such session.
   // INVALID_ARGUMENT, PERMISSION_DENIED, RESOURCE_EXHAUSTED: nothing was stored, the session goes
   // on. Errors of the journal: nothing was stored.
+  // What is acknowledged is durable, as far as the journal is.
   absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const MapUpdateBatch& batch,
                                         const BatchTransfer* measured = nullptr);
   void CloseSession(uint64_t session_id);
@@ -138,6 +143,7 @@ class MapStore {
 
   absl::StatusOr<std::shared_ptr<map_store::Mission>> FindMission(absl::string_view name) const;
   absl::StatusOr<std::shared_ptr<map_store::Mission>> FindOrCreateMission(const std::string& name);
+  std::shared_ptr<map_store::Mission> MakeMission(const std::string& name);
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
 
   const MapStoreOptions options_;

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/batch_validation.h"
 #include "map_store/map_store.h"
+#include "map_store/record_application.h"
 #include "map_store/sharing.h"
 #include "slam/util/status_macros.h"
 
@@ -115,16 +116,6 @@ absl::Status Mission::CheckBatch(uint64_t session_id, const std::string& agent,
   return CheckNumber(local_map, batch, known);
 }
 
-BatchWords Mission::ComputeWords(const MapUpdateBatch& batch) const {
-  BatchWords words;
-  if (environment_.vocabulary == nullptr) return words;
-  for (const FullKeyframe& keyframe : batch.full_keyframes) {
-    words[keyframe.payload->id] = std::make_shared<const Words>(
-        environment_.vocabulary->Transform(keyframe.payload->features.descriptors));
-  }
-  return words;
-}
-
 absl::StatusOr<Acknowledgement> Mission::Apply(uint64_t session_id, const std::string& agent,
                                                const MapUpdateBatch& batch,
                                                const BatchTransfer* measured) {
@@ -133,32 +124,55 @@ absl::StatusOr<Acknowledgement> Mission::Apply(uint64_t session_id, const std::s
   {
     absl::ReaderMutexLock lock(&mutex_);
     RETURN_IF_ERROR(CheckBatch(session_id, agent, batch, known));
-    if (known.has_value()) return *known;
-    RETURN_IF_ERROR(
-        ValidateBatch(state_.FindLocalMap(batch.local_map), batch, *environment_.options));
+    if (!known.has_value()) {
+      RETURN_IF_ERROR(
+          ValidateBatch(state_.FindLocalMap(batch.local_map), batch, *environment_.options));
+    }
   }
-  const BatchWords words = ComputeWords(batch);
-  {
+  if (!known.has_value()) {
+    const BatchWords words = ComputeWords(batch, environment_.vocabulary);
     absl::MutexLock turn(&writer_mutex_);
     {
       absl::ReaderMutexLock lock(&mutex_);
       // As long as this is the next batch, its local map is as it was validated against.
       RETURN_IF_ERROR(CheckBatch(session_id, agent, batch, known));
-      if (known.has_value()) return *known;
     }
-    // Not owned: the record lives as long as the call.
-    const std::shared_ptr<const MapUpdateBatch> record(std::shared_ptr<void>(), &batch);
-    RETURN_IF_ERROR(environment_.journal->Append(BatchRecord{name_, agent, record}));
-    absl::MutexLock lock(&mutex_);
-    LocalMapState* local_map = state_.FindLocalMap(batch.local_map);
-    if (local_map == nullptr) local_map = &AddLocalMap(state_, batch.local_map, agent);
-    ApplyBatch(batch, words, *environment_.options, state_, *local_map);
-    CountTransfer(batch, measured, absl::ToDoubleMilliseconds(environment_.clock() - begin));
+    if (!known.has_value()) {
+      RETURN_IF_ERROR(ApplyNext(agent, batch, words));
+      absl::MutexLock lock(&mutex_);
+      CountTransfer(batch, measured, absl::ToDoubleMilliseconds(environment_.clock() - begin));
+    }
   }
+  // Others' batches become durable together with this one; a batch that came again may not be yet.
+  RETURN_IF_ERROR(SyncJournal());
+  if (known.has_value()) return *known;
   environment_.wake_fusion();
   NotifyAll(session_id);
   return Acknowledgement{batch.local_map, batch.number};
 }
+
+absl::Status Mission::ApplyNext(const std::string& agent, const MapUpdateBatch& batch,
+                                const BatchWords& words) {
+  // Not owned: the record lives as long as the call.
+  const std::shared_ptr<const MapUpdateBatch> not_owned(std::shared_ptr<void>(), &batch);
+  const BatchRecord record{agent, not_owned};
+  RETURN_IF_ERROR(Append(record));
+  absl::MutexLock lock(&mutex_);
+  map_store::Apply(record, words, *environment_.options, state_);
+  return absl::OkStatus();
+}
+
+bool Mission::IsDeleted() const {
+  absl::ReaderMutexLock lock(&mutex_);
+  return deleted_;
+}
+
+absl::Status Mission::Append(const JournalRecord& record) {
+  ASSIGN_OR_RETURN(appended_, environment_.journal->Append(name_, record));
+  return absl::OkStatus();
+}
+
+absl::Status Mission::SyncJournal() { return environment_.journal->Sync(appended_); }
 
 void Mission::CountTransfer(const MapUpdateBatch& batch, const BatchTransfer* measured, double ms) {
   const BatchTransfer transfer = measured != nullptr ? *measured : EstimateTransfer(batch);

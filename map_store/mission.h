@@ -53,6 +53,11 @@ class Mission {
 
   Mission(std::string name, Environment environment);
 
+  // What the journal has of it. Before anything else. DATA_LOSS: names what can't be had.
+  absl::Status Recover();
+  // Writes a snapshot into the journal, if it wants one.
+  absl::Status KeepSnapshot();
+
   // Fences an older session of the agent.
   absl::StatusOr<SessionGrant> OpenSession(uint64_t session_id, const SessionRequest& request);
   absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const std::string& agent,
@@ -95,7 +100,8 @@ class Mission {
   absl::Status CheckBatch(uint64_t session_id, const std::string& agent,
                           const MapUpdateBatch& batch, std::optional<Acknowledgement>& known) const
       ABSL_SHARED_LOCKS_REQUIRED(mutex_);
-  BatchWords ComputeWords(const MapUpdateBatch& batch) const;
+  absl::Status ApplyNext(const std::string& agent, const MapUpdateBatch& batch,
+                         const BatchWords& words) ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
   void CountTransfer(const MapUpdateBatch& batch, const BatchTransfer* measured, double ms)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -107,13 +113,22 @@ class Mission {
   // The action needs no worker: says so in the state.
   void SkipAction(const FusionAction& action) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  absl::Status CommitQuery(const QueryJob& job, const VerifyOverlapResult& result);
-  absl::Status CommitFuse(const FuseJob& job, const FuseMapsResult& result);
-  absl::Status CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result);
+  // It stays as it is while the strand is held.
+  bool IsDeleted() const ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status Append(const JournalRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
+  // All that was appended so far is durable.
+  absl::Status SyncJournal() ABSL_LOCKS_EXCLUDED(writer_mutex_, mutex_);
+
+  absl::Status CommitQuery(const QueryJob& job, const VerifyOverlapResult& result)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
+  absl::Status CommitFuse(const FuseJob& job, const FuseMapsResult& result)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
+  absl::Status CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
   absl::Status Commit(const FusionJob& job, const FusionResult& result);
-  void RefuseFuse(const FuseJob& job, const FuseMapsResult& result)
-      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void AfterFuse(const FuseJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Milliseconds since the first of the overlaps was verified.
+  double SinceVerified(const std::vector<uint64_t>& overlaps) const
+      ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   void NoteFailure(const FusionJob& job, const absl::Status& status)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ReleaseLane(FusionLane lane);
@@ -126,6 +141,8 @@ class Mission {
   const Environment environment_;
 
   absl::Mutex writer_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
+  // Of the last append.
+  std::atomic<Journal::Position> appended_ = 0;
   mutable absl::Mutex mutex_;
   mutable absl::CondVar lane_released_;
   MissionState state_ ABSL_GUARDED_BY(mutex_);

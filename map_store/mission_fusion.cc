@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/mission.h"
-#include "map_store/overlap_query.h"
+#include "map_store/record_application.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -38,33 +38,11 @@ FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Is
   return summary;
 }
 
-void Refuse(const std::string& note, OverlapState state, OverlapEntry& entry) {
-  entry.state = state;
-  entry.note = note;
-}
-
-// A local loop that could not be welded: bundle adjustment alone has to bring it in.
-void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
-                       Island& island) {
-  for (const LocalMapId& id : relaxed) {
-    island.displaced.merge(FindRelaxedKeyframes(state, island, id));
-    island.relaxed.erase(id);
-    island.needs_adjustment = true;
-  }
-}
-
 void GiveUpAdjustment(Island& island) {
   island.needs_adjustment = false;
   island.dirty = false;
   island.overlaps_since_adjustment = 0;
   island.displaced.clear();
-}
-
-bool IsSound(const Overlap& overlap, const QueryTask& task) {
-  return overlap.query == task.query && overlap.candidate.local_map == task.against &&
-         overlap.candidate_from_query.scale > 0 &&
-         overlap.candidate_from_query.rotation.coeffs().allFinite() &&
-         overlap.candidate_from_query.translation.allFinite();
 }
 
 }  // namespace
@@ -200,6 +178,7 @@ bool Mission::WaitUntilFusionIdle(absl::Time deadline) const {
 
 absl::Status Mission::Commit(const FusionJob& job, const FusionResult& result) {
   absl::MutexLock turn(&writer_mutex_);
+  if (IsDeleted()) return absl::OkStatus();
   if (const auto* query = std::get_if<QueryJob>(&job.work)) {
     return CommitQuery(*query, std::get<VerifyOverlapResult>(result));
   }
@@ -210,107 +189,63 @@ absl::Status Mission::Commit(const FusionJob& job, const FusionResult& result) {
 }
 
 absl::Status Mission::CommitQuery(const QueryJob& job, const VerifyOverlapResult& result) {
-  RETURN_IF_ERROR(
-      environment_.journal->Append(OverlapRecordSet{name_, job.task.query, result.overlaps}));
-  const absl::Time now = environment_.clock();
+  const QueryRecord record{job.task, result.overlaps, environment_.clock()};
+  RETURN_IF_ERROR(Append(record));
   absl::MutexLock lock(&mutex_);
-  if (deleted_) return absl::OkStatus();
-  state_.queries.pop_front();
-  for (const Overlap& overlap : result.overlaps) {
-    if (!IsSound(overlap, job.task)) continue;
-    OverlapEntry entry;
-    entry.id = state_.next_overlap++;
-    entry.overlap = overlap;
-    entry.state = overlap.IsAccepted() ? OverlapState::kWaiting : OverlapState::kRefused;
-    entry.verified_at = now;
-    ++state_.statistics.overlaps_verified;
-    if (overlap.IsAccepted()) {
-      ++state_.statistics.overlaps_accepted;
-      const bool inside = state_.global.island_of.at(overlap.query.local_map) ==
-                          state_.global.island_of.at(overlap.candidate.local_map);
-      entry.urgent =
-          inside && GraphResidualPx(state_, overlap) > environment_.options->loop_residual_px;
-    }
-    state_.global.overlaps.emplace(entry.id, std::move(entry));
-  }
+  map_store::Apply(record, *environment_.options, state_);
   return absl::OkStatus();
 }
 
 absl::Status Mission::CommitFuse(const FuseJob& job, const FuseMapsResult& result) {
-  RevisionPlan plan;
-  {
+  if (!result.accepted) {
+    const FuseRefusedRecord record{job.action.target, job.action.overlaps, job.relaxed,
+                                   result.worst_edge_chi2};
+    RETURN_IF_ERROR(Append(record));
     absl::MutexLock lock(&mutex_);
-    if (deleted_) return absl::OkStatus();
-    if (!result.accepted) {
-      RefuseFuse(job, result);
-      return absl::OkStatus();
-    }
-    plan = PlanFuse(state_, job, result);
+    map_store::Apply(record, state_);
+    return absl::OkStatus();
+  }
+  FuseRecord record;
+  record.relaxed = job.relaxed;
+  {
+    absl::ReaderMutexLock lock(&mutex_);
+    record.plan = PlanFuse(state_, job, result);
+    record.merge_ms = SinceVerified(record.plan.overlaps);
   }
   // Only writers change what the plan was made of, and this one has the turn.
-  RETURN_IF_ERROR(environment_.journal->Append(
-      WithState([&](const MissionState& state) { return ToRecord(name_, state, plan); })));
+  RETURN_IF_ERROR(Append(record));
   absl::MutexLock lock(&mutex_);
-  CommitRevision(plan, *environment_.options, state_);
-  AfterFuse(job);
+  const bool urgent = map_store::Apply(record, *environment_.options, state_);
+  const Lane& lane = lanes_[static_cast<size_t>(FusionLane::kAdjustment)];
+  const bool stale = lane.target == job.action.target || lane.target == job.action.source;
+  if (urgent && stale && lane.cancelled != nullptr) lane.cancelled->store(true);
   return absl::OkStatus();
 }
 
-void Mission::RefuseFuse(const FuseJob& job, const FuseMapsResult& result) {
-  for (const uint64_t id : job.action.overlaps) {
-    OverlapEntry& entry = state_.global.overlaps.at(id);
-    Refuse(absl::StrCat("bends the graph: worst edge chi2 ", result.worst_edge_chi2),
-           OverlapState::kRefused, entry);
-    entry.overlap.verdict = OverlapVerdict::kBendsGraph;
-    --state_.statistics.overlaps_accepted;
-  }
-  LeaveToAdjustment(job.relaxed, state_, state_.global.islands.at(job.action.target));
-}
-
-void Mission::AfterFuse(const FuseJob& job) {
-  Island& island = state_.global.islands.at(job.action.target);
-  bool urgent = job.source.has_value() || !job.relaxed.empty();
+double Mission::SinceVerified(const std::vector<uint64_t>& overlaps) const {
   absl::Time first = absl::InfiniteFuture();
-  for (const uint64_t id : job.action.overlaps) {
-    const OverlapEntry& entry = state_.global.overlaps.at(id);
-    urgent = urgent || entry.urgent;
-    first = std::min(first, entry.verified_at);
+  for (const uint64_t id : overlaps) {
+    first = std::min(first, state_.global.overlaps.at(id).verified_at);
   }
-  for (const LocalMapId& id : job.relaxed) island.relaxed.erase(id);
-  island.overlaps_since_adjustment += job.action.overlaps.size();
-  if (job.source.has_value()) {
-    state_.statistics.merge_ms.push_back(absl::ToDoubleMilliseconds(environment_.clock() - first));
-  }
-  if (!urgent) return;
-  // What is being adjusted now is not this graph any more.
-  ++island.generation;
-  island.needs_adjustment = true;
-  const Lane& lane = lanes_[static_cast<size_t>(FusionLane::kAdjustment)];
-  const bool stale = lane.target == job.action.target || lane.target == job.action.source;
-  if (stale && lane.cancelled != nullptr) lane.cancelled->store(true);
+  return overlaps.empty() ? 0 : absl::ToDoubleMilliseconds(environment_.clock() - first);
 }
 
 absl::Status Mission::CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result) {
-  RevisionPlan plan;
+  AdjustRecord record;
   {
     absl::ReaderMutexLock lock(&mutex_);
     const auto it = state_.global.islands.find(job.snapshot.island);
-    if (deleted_ || it == state_.global.islands.end()) return absl::OkStatus();
+    if (it == state_.global.islands.end()) return absl::OkStatus();
     if (it->second.generation != job.snapshot.generation) return absl::OkStatus();
-    plan = PlanAdjust(state_, job, result);
+    record.plan = PlanAdjust(state_, job, result);
+    // What arrived while the worker was busy waits for the next one.
+    record.dirty = it->second.version_of_owners > job.snapshot.version_of_owners;
   }
-  RETURN_IF_ERROR(environment_.journal->Append(
-      WithState([&](const MissionState& state) { return ToRecord(name_, state, plan); })));
+  record.statistics = {result.keyframes, result.points, result.iterations, result.seconds * 1e3};
+  RETURN_IF_ERROR(Append(record));
   absl::MutexLock lock(&mutex_);
-  CommitRevision(plan, *environment_.options, state_);
-  Island& island = state_.global.islands.at(plan.target);
-  island.needs_adjustment = false;
-  // What arrived while the worker was busy waits for the next one.
-  island.dirty = island.version_of_owners > job.snapshot.version_of_owners;
-  island.overlaps_since_adjustment = 0;
-  adjust_attempts_.erase(island.id);
-  state_.statistics.global_adjustments.push_back(
-      {result.keyframes, result.points, result.iterations, result.seconds * 1e3});
+  map_store::Apply(record, *environment_.options, state_);
+  adjust_attempts_.erase(record.plan.target);
   return absl::OkStatus();
 }
 

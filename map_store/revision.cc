@@ -86,7 +86,6 @@ void PlanRejected(const MissionState& state, const std::vector<const Map*>& view
     if (local_map == nullptr || !FindKeypoint(views, plan.merges, observation, keypoint)) continue;
     const MapPointId raw = RawObservation(*local_map, observation.keyframe, keypoint);
     if (!raw.IsValid()) continue;
-    plan.rejected.push_back(observation);
     plan.rejected_raw[{observation.keyframe, keypoint}] = raw;
   }
 }
@@ -198,29 +197,6 @@ RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
   PlanRejected(state, {&job.request.view}, result.rejected, plan);
   for (const auto& [id, keyframe] : job.request.view.keyframes()) plan.decided_anew.insert(id);
   return plan;
-}
-
-RevisionRecord ToRecord(const std::string& mission, const MissionState& state,
-                        const RevisionPlan& plan) {
-  RevisionRecord record;
-  record.mission = mission;
-  record.revision = plan.revision;
-  record.anchor = plan.target;
-  for (const IslandId& id : {plan.target, plan.source}) {
-    const auto it = state.global.islands.find(id);
-    if (it == state.global.islands.end()) continue;
-    const std::vector<LocalMapId>& local_maps = it->second.local_maps;
-    record.local_maps.insert(record.local_maps.end(), local_maps.begin(), local_maps.end());
-  }
-  for (const auto& [id, placed] : plan.keyframes) {
-    record.poses.push_back({id, placed.camera_from_island});
-  }
-  for (const auto& [id, placed] : plan.points) {
-    record.positions.push_back({id, placed.position_in_island});
-  }
-  record.merges = plan.merges;
-  record.rejected = plan.rejected;
-  return record;
 }
 
 void CommitRevision(const RevisionPlan& plan, const MapStoreOptions& options, MissionState& state) {

@@ -11,7 +11,6 @@
 
 #include "absl/time/time.h"
 #include "map_store/fusion_job.h"
-#include "map_store/journal.h"
 #include "map_store/mission_state.h"
 #include "map_store/options.h"
 
@@ -24,8 +23,7 @@ struct RevisionPlan {
   std::map<KeyframeId, PlacedKeyframe> keyframes;
   std::map<MapPointId, PlacedPoint> points;
   std::vector<FuseMapsResult::Merge> merges;
-  std::vector<RejectedObservation> rejected;
-  // Raw observations behind `rejected`, and keyframes whose earlier rejections it takes back.
+  // Raw observations that were found wrong, and keyframes whose earlier rejections it takes back.
   RejectedObservations rejected_raw;
   std::set<KeyframeId> decided_anew;
   std::vector<uint64_t> overlaps;  // Now in the graph.
@@ -37,9 +35,6 @@ struct RevisionPlan {
 RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseMapsResult& result);
 RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
                         const AdjustBundleResult& result);
-
-RevisionRecord ToRecord(const std::string& mission, const MissionState& state,
-                        const RevisionPlan& plan);
 
 // Writes the plan: what every revision does.
 void CommitRevision(const RevisionPlan& plan, const MapStoreOptions& options, MissionState& state);

@@ -1,0 +1,89 @@
+// The journal in a folder of its own, kept by RocksDB in the store's process. docs/journal.md says
+// what is in it.
+#ifndef CORBSLAM_MAP_STORE_DURABLE_ROCKS_JOURNAL_H_
+#define CORBSLAM_MAP_STORE_DURABLE_ROCKS_JOURNAL_H_
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "map_store/journal.h"
+
+namespace rocksdb {
+class Env;
+class Status;
+}  // namespace rocksdb
+
+namespace corbslam {
+
+struct RocksJournalOptions {
+  std::string directory;
+  // A mission gets a snapshot when its records since the last one are larger than this and than
+  // that snapshot.
+  uint64_t min_bytes_between_snapshots = 32 << 20;
+  // False: Sync returns at once. For measurements, and to show that tests of durability would fail.
+  bool sync = true;
+  // Not owned; null: the system's. Tests put a faulty one here.
+  rocksdb::Env* env = nullptr;
+};
+
+class RocksJournal : public Journal {
+ public:
+  // Creates the folder where it is not there. FAILED_PRECONDITION: written by a newer format, or
+  // not a journal, or another process has it open. DATA_LOSS: damaged. Each names the folder.
+  static absl::StatusOr<std::unique_ptr<RocksJournal>> Open(const RocksJournalOptions& options);
+  ~RocksJournal() override;
+
+  absl::StatusOr<Position> Append(absl::string_view mission,
+                                  const map_store::JournalRecord& record) override;
+  absl::Status Sync(Position position) override;
+  bool WantsSnapshot(absl::string_view mission) const override;
+  absl::Status WriteSnapshot(absl::string_view mission, const JournalSnapshot& snapshot) override;
+  absl::StatusOr<std::vector<std::string>> ListMissions() const override;
+  absl::Status Recover(absl::string_view mission, const Replay& replay) const override;
+  absl::Status DeleteMission(absl::string_view mission) override;
+
+ private:
+  class Database;
+  // What was written of a mission.
+  struct MissionFiles {
+    bool is_listed = false;
+    Position snapshot = 0;
+    uint64_t snapshot_bytes = 0;
+    uint64_t bytes_since_snapshot = 0;
+    // Keyframes whose features are stored, and the last record that brought them.
+    std::map<KeyframeId, Position> features;
+  };
+
+  RocksJournal(const RocksJournalOptions& options, std::unique_ptr<Database> database);
+
+  absl::Status LoadMissions();
+  Position BeginAppend() ABSL_LOCKS_EXCLUDED(mutex_);
+  void EndAppend(Position position) ABSL_LOCKS_EXCLUDED(mutex_);
+  MissionFiles& FilesOf(absl::string_view mission) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::vector<KeyframeId> FindUnneeded(absl::string_view mission, const JournalSnapshot& snapshot)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status ToStatus(const rocksdb::Status& status) const;
+
+  const RocksJournalOptions options_;
+  const std::unique_ptr<Database> database_;
+
+  mutable absl::Mutex mutex_;
+  absl::CondVar synced_changed_;
+  std::map<std::string, MissionFiles, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
+  Position last_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::set<Position> under_way_ ABSL_GUARDED_BY(mutex_);
+  Position synced_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool syncing_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_MAP_STORE_DURABLE_ROCKS_JOURNAL_H_

@@ -1,0 +1,362 @@
+// A store that is killed at any moment, on a disk that keeps only what was synced.
+#include "map_store/durable/rocks_journal.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rocksdb/db.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "map_store/durable/journal_keys.h"
+#include "map_store/map_store.h"
+#include "map_store/testing/shared_world.h"
+#include "map_store/testing/test_agent.h"
+#include "map_store/testing/truthful_worker.h"
+#include "map_store/testing/unsynced_loss_env.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::DeterministicOptions;
+using ::testing::HasSubstr;
+using testing::MakeRingMap;
+using testing::SyntheticMap;
+using testing::TestAgent;
+using testing::TheWorld;
+using testing::TruthfulWorker;
+using testing::UnsyncedLossEnv;
+
+constexpr char kMission[] = "m";
+
+std::string PoseText(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) {
+  return absl::StrFormat("%.17g %.17g %.17g %.17g %.17g %.17g %.17g", q.w(), q.x(), q.y(), q.z(),
+                         t.x(), t.y(), t.z());
+}
+
+// All that look-ups say of the owners' layer.
+std::string DumpLocal(const MapStore& store) {
+  std::string text;
+  const Page<LocalMapInfo> maps = *store.ListLocalMaps(kMission, {});
+  for (const LocalMapInfo& map : maps.items) {
+    absl::StrAppend(&text, ToString(map.id), " ", map.agent, " ", map.closed, " ", map.last_batch,
+                    " ", map.keyframes, " ", map.settled_keyframes, " ", map.map_points, " ",
+                    map.tracked_frames, " ", map.parked_references, "\n");
+  }
+  const Page<KeyframeInfo> keyframes = *store.ListKeyframes(kMission, {}, {});
+  for (const KeyframeInfo& keyframe : keyframes.items) {
+    absl::StrAppend(
+        &text, ToString(keyframe.id), " ", keyframe.timestamp_ns, " ",
+        PoseText(keyframe.camera_from_local.rotation, keyframe.camera_from_local.translation), " ",
+        ToString(keyframe.parent), " ", keyframe.observed_points, "\n");
+    for (const Keypoint& keypoint : keyframe.payload->features.keypoints) {
+      absl::StrAppend(&text, keypoint.x_px, ",", keypoint.y_px, " ");
+    }
+    for (const Descriptor& descriptor : keyframe.payload->features.descriptors) {
+      absl::StrAppend(&text, descriptor.words[0] ^ descriptor.words[3], " ");
+    }
+  }
+  return text;
+}
+
+// ... and of fusion's.
+std::string DumpGlobal(const MapStore& store) {
+  const MissionStatistics statistics = *store.GetStatistics(kMission);
+  std::string text =
+      absl::StrCat("revision ", statistics.revision, " islands ", statistics.islands, " points ",
+                   statistics.map_points, " accepted ", statistics.overlaps_accepted, "\n");
+  const Page<KeyframeInfo> keyframes = *store.ListKeyframes(kMission, {}, {});
+  for (const KeyframeInfo& keyframe : keyframes.items) {
+    absl::StrAppend(
+        &text, ToString(keyframe.id), " ", ToString(keyframe.island), " ", keyframe.placed, " ",
+        keyframe.revision, " ", keyframe.camera_from_island.scale, " ",
+        PoseText(keyframe.camera_from_island.rotation, keyframe.camera_from_island.translation),
+        "\n");
+  }
+  const Page<OverlapInfo> overlaps = *store.ListOverlaps(kMission, {}, {});
+  for (const OverlapInfo& overlap : overlaps.items) {
+    absl::StrAppend(&text, overlap.id, " ", ToString(overlap.overlap.query), " ",
+                    ToString(overlap.overlap.candidate), " ", overlap.revision, " ",
+                    overlap.overlap.inliers.size(), " ", overlap.note, "\n");
+  }
+  const std::vector<IslandView> islands = *store.GlobalMapView(kMission);
+  for (const IslandView& island : islands) {
+    for (const IslandView::Point& point : island.points) {
+      absl::StrAppend(&text, ToString(point.id), " ", point.observations,
+                      absl::StrFormat(" %.17g", point.position_in_island.x()), "\n");
+    }
+  }
+  return text;
+}
+
+class RocksJournalTest : public ::testing::Test {
+ protected:
+  RocksJournalTest() {
+    fs::remove_all(root_);
+    fs::create_directories(root_);
+  }
+  ~RocksJournalTest() override { fs::remove_all(root_); }
+
+  std::string Folder(const std::string& name) const { return (root_ / name).string(); }
+
+  absl::StatusOr<std::unique_ptr<MapStore>> TryOpen(RocksJournalOptions options) {
+    absl::StatusOr<std::unique_ptr<RocksJournal>> journal = RocksJournal::Open(options);
+    if (!journal.ok()) return journal.status();
+    auto store = std::make_unique<MapStore>(DeterministicOptions(), TheWorld().vocabulary,
+                                            *std::move(journal), &worker_);
+    const absl::Status recovered = store->Recover();
+    if (!recovered.ok()) return recovered;
+    return store;
+  }
+  std::unique_ptr<MapStore> Open(const RocksJournalOptions& options) {
+    auto store = TryOpen(options);
+    EXPECT_TRUE(store.ok()) << store.status();
+    return store.ok() ? *std::move(store) : nullptr;
+  }
+
+  // The batches of both robots in turn, as they would come.
+  std::vector<MapUpdateBatch> MakeBatches() {
+    MapStore scratch(DeterministicOptions(), nullptr, std::make_unique<InMemoryJournal>(), nullptr);
+    TestAgent a(scratch, "scratch", "a", map_a_);
+    TestAgent b(scratch, "scratch", "b", map_b_);
+    std::vector<MapUpdateBatch> batches;
+    for (int i = 0; i < 14; ++i) {
+      batches.push_back(a.NextBatch(1));
+      batches.push_back(b.NextBatch(1));
+    }
+    return batches;
+  }
+
+  static uint64_t OpenSession(const std::string& agent, MapStore* store) {
+    SessionRequest request;
+    request.mission = kMission;
+    request.agent = agent;
+    return store->OpenSession(request)->session_id;
+  }
+
+  // Sends batches [begin, end) and fuses after each.
+  static void Send(const std::vector<MapUpdateBatch>& batches, size_t begin, size_t end,
+                   MapStore* store) {
+    const uint64_t a = OpenSession("a", store);
+    const uint64_t b = OpenSession("b", store);
+    for (size_t i = begin; i < end; ++i) {
+      const bool is_a = batches[i].local_map == LocalMapId{0xa};
+      const auto acknowledged = store->Apply(is_a ? a : b, batches[i]);
+      ASSERT_TRUE(acknowledged.ok()) << acknowledged.status();
+      ASSERT_TRUE(store->RunFusionUntilIdle(kMission).ok());
+    }
+  }
+
+  // The number of the local map's last batch that the store has.
+  static uint64_t LastBatch(const MapStore& store, LocalMapId id) {
+    const auto info = store.GetLocalMap(kMission, id);
+    return info.ok() ? info->last_batch : 0;
+  }
+
+  const fs::path root_ = fs::path(::testing::TempDir()) / "rocks_journal_test" /
+                         ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  SyntheticMap map_a_ = MakeRingMap(0xa, 0, 14);
+  SyntheticMap map_b_ = MakeRingMap(0xb, 32, 14);
+  TruthfulWorker worker_{{&map_a_, &map_b_}};
+};
+
+TEST_F(RocksJournalTest, AStoreOpenedAgainIsWhatItWas) {
+  for (const uint64_t between_snapshots : {uint64_t{1} << 30, uint64_t{1}}) {
+    const RocksJournalOptions options{.directory = Folder(absl::StrCat("store", between_snapshots)),
+                                      .min_bytes_between_snapshots = between_snapshots};
+    auto store = Open(options);
+    const std::vector<MapUpdateBatch> batches = MakeBatches();
+    Send(batches, 0, batches.size(), store.get());
+    ASSERT_EQ(store->GetStatistics(kMission)->islands, 1u);
+    ASSERT_GT(store->GetStatistics(kMission)->revision, 1u);
+    const std::string local = DumpLocal(*store);
+    const std::string global = DumpGlobal(*store);
+    store.reset();
+    store = Open(options);
+    EXPECT_EQ(DumpLocal(*store), local) << between_snapshots;
+    EXPECT_EQ(DumpGlobal(*store), global) << between_snapshots;
+  }
+}
+
+// Wherever it is cut, what was done before and after makes the undisturbed map.
+TEST_F(RocksJournalTest, AStoreThatWasRestartedEndsWithTheSameLocalLayer) {
+  const std::vector<MapUpdateBatch> batches = MakeBatches();
+  auto undisturbed = Open({.directory = Folder("undisturbed")});
+  Send(batches, 0, batches.size(), undisturbed.get());
+  for (const size_t cut : {1u, 9u, 16u, 27u}) {
+    const RocksJournalOptions options{.directory = Folder(absl::StrCat("cut", cut)),
+                                      .min_bytes_between_snapshots = 200000};
+    auto store = Open(options);
+    Send(batches, 0, cut, store.get());
+    store.reset();
+    store = Open(options);
+    Send(batches, cut, batches.size(), store.get());
+    EXPECT_EQ(DumpLocal(*store), DumpLocal(*undisturbed)) << cut;
+    EXPECT_EQ(store->GetStatistics(kMission)->islands, 1u) << cut;
+  }
+}
+
+// Counts batches that were acknowledged and are gone after the power was cut, over cuts after each
+// acknowledgement.
+int CountLost(const std::vector<int>& acknowledged, const std::vector<int>& found) {
+  int lost = 0;
+  for (size_t i = 0; i < acknowledged.size(); ++i) lost += std::max(0, acknowledged[i] - found[i]);
+  return lost;
+}
+
+class PowerCutTest : public RocksJournalTest, public ::testing::WithParamInterface<bool> {};
+
+TEST_P(PowerCutTest, KeepsWhatWasAcknowledgedIfAndOnlyIfItSyncs) {
+  UnsyncedLossEnv env;
+  const RocksJournalOptions options{.directory = Folder("store"),
+                                    .min_bytes_between_snapshots = 100000,
+                                    .sync = GetParam(),
+                                    .env = &env};
+  auto store = Open(options);
+  const std::vector<MapUpdateBatch> batches = MakeBatches();
+  std::vector<int> acknowledged;
+  std::vector<int> found;
+  for (size_t i = 0; i < batches.size(); ++i) {
+    Send(batches, i, i + 1, store.get());
+    env.CopyAfterPowerCut(options.directory, Folder("after"));
+    const auto after = TryOpen({.directory = Folder("after")});
+    for (const uint64_t id : {0xau, 0xbu}) {
+      acknowledged.push_back(static_cast<int>(LastBatch(*store, {id})));
+      found.push_back(after.ok() ? static_cast<int>(LastBatch(**after, {id})) : 0);
+    }
+  }
+  if (GetParam()) {
+    EXPECT_EQ(CountLost(acknowledged, found), 0);
+  } else {
+    EXPECT_GT(CountLost(acknowledged, found), 0) << "the test can't tell";
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Synced, PowerCutTest, ::testing::Bool());
+
+std::vector<fs::path> LogsIn(const std::string& folder) {
+  std::vector<fs::path> logs;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".log") logs.push_back(entry.path());
+  }
+  return logs;
+}
+
+// A torn or damaged log gives the mission up to some whole batch, or is refused by name.
+TEST_F(RocksJournalTest, ADamagedLogGivesWholeBatchesOrIsRefused) {
+  const std::string original = Folder("original");
+  const std::vector<MapUpdateBatch> batches = MakeBatches();
+  {
+    auto store = Open({.directory = original});
+    Send(batches, 0, 12, store.get());
+    fs::copy(original, Folder("live"), fs::copy_options::recursive);
+  }
+  int opened = 0;
+  int refused = 0;
+  uint64_t random = 12345;
+  for (int i = 0; i < 60; ++i) {
+    const std::string damaged = Folder("damaged");
+    fs::remove_all(damaged);
+    fs::copy(Folder("live"), damaged, fs::copy_options::recursive);
+    const std::vector<fs::path> logs = LogsIn(damaged);
+    ASSERT_FALSE(logs.empty());
+    const uint64_t size = fs::file_size(logs.front());
+    random = random * 6364136223846793005U + 1442695040888963407U;
+    const uint64_t at = (random >> 20) % size;
+    if (i % 2 == 0) {
+      fs::resize_file(logs.front(), at);
+    } else {
+      std::fstream file(logs.front(), std::ios::in | std::ios::out | std::ios::binary);
+      file.seekg(static_cast<std::streamoff>(at));
+      const int byte = file.get();
+      file.seekp(static_cast<std::streamoff>(at));
+      file.put(static_cast<char>(byte ^ 0x10));
+    }
+    const auto store = TryOpen({.directory = damaged});
+    if (!store.ok()) {
+      ++refused;
+      EXPECT_THAT(std::string(store.status().message()), HasSubstr("damaged"));
+      continue;
+    }
+    ++opened;
+    if (!(*store)->GetMission(kMission).ok()) continue;
+    // Whole batches: a keyframe each.
+    const Page<LocalMapInfo> maps = *(*store)->ListLocalMaps(kMission, {});
+    for (const LocalMapInfo& map : maps.items) {
+      EXPECT_LE(map.last_batch, 6u);
+      EXPECT_EQ(map.keyframes, map.last_batch);
+    }
+  }
+  EXPECT_GT(opened, 10);
+  EXPECT_GT(refused, 5);
+}
+
+TEST_F(RocksJournalTest, AFullDiskIsSaidAndForgottenOnceThereIsRoom) {
+  UnsyncedLossEnv env;
+  const RocksJournalOptions options{.directory = Folder("store"), .env = &env};
+  auto store = Open(options);
+  const std::vector<MapUpdateBatch> batches = MakeBatches();
+  Send(batches, 0, 4, store.get());
+  const uint64_t session = OpenSession("a", store.get());
+  env.SetFull(true);
+  const auto full = store->Apply(session, batches[4]);
+  EXPECT_EQ(full.status().code(), absl::StatusCode::kResourceExhausted) << full.status();
+  EXPECT_THAT(std::string(full.status().message()), HasSubstr(options.directory));
+  EXPECT_EQ(LastBatch(*store, {0xa}), 2u) << "nothing was stored";
+  env.SetFull(false);
+  auto again = store->Apply(session, batches[4]);
+  const absl::Time deadline = absl::Now() + absl::Seconds(60);
+  while (!again.ok() && absl::Now() < deadline) {
+    EXPECT_EQ(again.status().code(), absl::StatusCode::kResourceExhausted) << again.status();
+    absl::SleepFor(absl::Milliseconds(100));
+    again = store->Apply(session, batches[4]);
+  }
+  EXPECT_TRUE(again.ok()) << again.status();
+  const std::string local = DumpLocal(*store);
+  store.reset();
+  EXPECT_EQ(DumpLocal(*Open(options)), local);
+}
+
+TEST_F(RocksJournalTest, ADeletedMissionStaysDeleted) {
+  const RocksJournalOptions options{.directory = Folder("store")};
+  auto store = Open(options);
+  Send(MakeBatches(), 0, 6, store.get());
+  ASSERT_TRUE(store->DeleteMission(kMission).ok());
+  store.reset();
+  store = Open(options);
+  EXPECT_TRUE(absl::IsNotFound(store->GetMission(kMission).status()));
+  // And its name is free.
+  Send(MakeBatches(), 0, 2, store.get());
+  EXPECT_EQ(store->GetMission(kMission)->keyframes, 2u);
+}
+
+TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
+  const RocksJournalOptions options{.directory = Folder("store")};
+  auto first = RocksJournal::Open(options);
+  ASSERT_TRUE(first.ok()) << first.status();
+  const auto second = RocksJournal::Open(options);
+  EXPECT_EQ(second.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(second.status().message()), HasSubstr(options.directory));
+
+  first->reset();
+  rocksdb::DB* raw = nullptr;
+  ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
+  const std::unique_ptr<rocksdb::DB> closing(raw);
+  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x07\0\0\0", 4)).ok());
+  ASSERT_TRUE(raw->Close().ok());
+  const auto newer = RocksJournal::Open(options);
+  EXPECT_EQ(newer.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 7"));
+
+  const auto nowhere = RocksJournal::Open({.directory = "/proc/version/journal"});
+  EXPECT_EQ(nowhere.status().code(), absl::StatusCode::kFailedPrecondition);
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,268 @@
+#include "map_store/durable/state_archive.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/durable/state_fields.h"
+#include "slam/map/map.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+
+// The graph as lists: what a Map is built from again.
+struct StoredKeyframe {
+  std::shared_ptr<const KeyframePayload> payload;
+  Rigid3d camera_from_map;
+  KeyframeId parent;
+  std::vector<KeyframeId> loop_edges;
+};
+struct StoredPoint {
+  MapPointId id;
+  Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
+  KeyframeId reference;
+  Descriptor descriptor;
+  Eigen::Vector3d normal_in_map = Eigen::Vector3d::Zero();
+  double min_distance = 0;
+  double max_distance = 0;
+  std::vector<std::pair<KeyframeId, uint32_t>> observations;
+};
+struct StoredMap {
+  std::vector<StoredKeyframe> keyframes;
+  std::vector<StoredPoint> points;
+};
+
+template <typename Archive, MayBeConst<StoredKeyframe> T>
+void Fields(Archive& archive, T& keyframe) {
+  archive(keyframe.payload, keyframe.camera_from_map, keyframe.parent, keyframe.loop_edges);
+}
+template <typename Archive, MayBeConst<StoredPoint> T>
+void Fields(Archive& archive, T& point) {
+  archive(point.id, point.position_in_map, point.reference, point.descriptor, point.normal_in_map,
+          point.min_distance, point.max_distance, point.observations);
+}
+template <typename Archive, MayBeConst<StoredMap> T>
+void Fields(Archive& archive, T& map) {
+  archive(map.keyframes, map.points);
+}
+template <typename Archive, MayBeConst<LocalMapState> T>
+void Fields(Archive& archive, T& local_map) {
+  archive(local_map.id, local_map.agent, local_map.order, local_map.last_batch, local_map.closed,
+          local_map.cameras, local_map.foreign_observations, local_map.foreign_loop_edges,
+          local_map.removed_keyframes, local_map.removed_points, local_map.replaced_points,
+          local_map.arrival, local_map.arrived, local_map.settled, local_map.frames,
+          local_map.lost_frames_ns, local_map.parked);
+}
+template <typename Archive, MayBeConst<AgentState> T>
+void Fields(Archive& archive, T& agent) {
+  archive(agent.local_maps);
+}
+
+namespace {
+
+constexpr uint32_t kStateFormat = 1;
+
+absl::Status Unreadable(absl::string_view what) {
+  return absl::DataLossError(absl::StrCat(what, " can't be read: its bytes are damaged"));
+}
+
+StoredMap ToStored(const Map& map) {
+  StoredMap stored;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    stored.keyframes.push_back({keyframe.payload,
+                                keyframe.camera_from_map,
+                                keyframe.parent,
+                                {keyframe.loop_edges.begin(), keyframe.loop_edges.end()}});
+  }
+  for (const auto& [id, point] : map.points()) {
+    stored.points.push_back({point.id,
+                             point.position_in_map,
+                             point.reference,
+                             point.descriptor,
+                             point.normal_in_map,
+                             point.min_distance,
+                             point.max_distance,
+                             {point.observations.begin(), point.observations.end()}});
+  }
+  return stored;
+}
+
+absl::StatusOr<std::shared_ptr<const KeyframePayload>> WithFeatures(const KeyframePayload& payload,
+                                                                    const LocalMapState& local_map,
+                                                                    const FeatureLoader& load) {
+  if (payload.camera_index >= local_map.cameras.size()) {
+    return Unreadable(absl::StrCat("camera of keyframe ", ToString(payload.id)));
+  }
+  ASSIGN_OR_RETURN(Features features, load(payload.id));
+  return MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index,
+                             local_map.cameras[payload.camera_index], std::move(features));
+}
+
+absl::Status BuildMap(StoredMap stored, const FeatureLoader& load, LocalMapState* local_map) {
+  Map& map = local_map->map;
+  for (StoredKeyframe& from : stored.keyframes) {
+    Keyframe keyframe;
+    ASSIGN_OR_RETURN(keyframe.payload, WithFeatures(*from.payload, *local_map, load));
+    keyframe.camera_from_map = from.camera_from_map;
+    map.AddKeyframe(std::move(keyframe));
+  }
+  bool sound = true;
+  for (const StoredKeyframe& keyframe : stored.keyframes) {
+    const KeyframeId id = keyframe.payload->id;
+    if (keyframe.parent.IsValid()) sound &= map.SetParent(id, keyframe.parent);
+    for (const KeyframeId& other : keyframe.loop_edges) {
+      // Each edge stands on both sides.
+      if (id < other) sound &= map.AddLoopEdge(id, other);
+    }
+  }
+  for (StoredPoint& from : stored.points) {
+    MapPoint point;
+    point.id = from.id;
+    point.position_in_map = from.position_in_map;
+    point.reference = from.reference;
+    point.descriptor = from.descriptor;
+    point.normal_in_map = from.normal_in_map;
+    point.min_distance = from.min_distance;
+    point.max_distance = from.max_distance;
+    sound &= map.AddPoint(std::move(point));
+    for (const auto& [keyframe, keypoint] : from.observations) {
+      sound &= map.AddObservation(from.id, keyframe, keypoint);
+    }
+  }
+  return sound ? absl::OkStatus() : Unreadable(absl::StrCat("local map ", ToString(local_map->id)));
+}
+
+// What DecodeState's order of reading is; the same both ways.
+template <typename Archive, typename State>
+void GlobalFields(Archive& archive, State& state) {
+  auto& global = state.global;
+  archive(state.name, state.agents, state.order, state.queries, state.next_overlap, state.version,
+          state.statistics, global.revision, global.keyframes, global.points, global.rejected,
+          global.overlaps, global.islands, global.island_of, global.island_from_local);
+}
+
+// Every reference that the store takes for granted.
+bool IsConsistent(const MissionState& state) {
+  const GlobalLayer& global = state.global;
+  for (const LocalMapId& id : state.order) {
+    const LocalMapState* local_map = state.FindLocalMap(id);
+    const auto island = global.island_of.find(id);
+    if (local_map == nullptr || !state.agents.contains(local_map->agent) ||
+        island == global.island_of.end() || !global.islands.contains(island->second)) {
+      return false;
+    }
+  }
+  for (const auto& [id, island] : global.islands) {
+    if (island.id != id || island.local_maps.empty()) return false;
+    for (const LocalMapId& local_map : island.local_maps) {
+      if (state.FindLocalMap(local_map) == nullptr) return false;
+    }
+  }
+  const auto known = [&state](const auto& item) {
+    return state.FindLocalMap(item.first.local_map) != nullptr;
+  };
+  for (const auto& [id, entry] : global.overlaps) {
+    if (state.FindLocalMap(entry.overlap.query.local_map) == nullptr ||
+        state.FindLocalMap(entry.overlap.candidate.local_map) == nullptr) {
+      return false;
+    }
+  }
+  return state.order.size() == state.local_maps.size() &&
+         std::all_of(global.keyframes.begin(), global.keyframes.end(), known) &&
+         std::all_of(global.points.begin(), global.points.end(), known);
+}
+
+}  // namespace
+
+std::string EncodeFeatures(const Features& features) {
+  ArchiveWriter writer;
+  writer(features);
+  return writer.Take();
+}
+
+absl::StatusOr<Features> DecodeFeatures(std::string_view bytes) {
+  ArchiveReader reader(bytes);
+  Features features;
+  reader(features);
+  if (!reader.done() ||
+      (!features.descriptors.empty() && features.descriptors.size() != features.keypoints.size())) {
+    return Unreadable("a keyframe's features");
+  }
+  return features;
+}
+
+std::string EncodeRecord(const JournalRecord& record) {
+  ArchiveWriter writer;
+  writer(record);
+  return writer.Take();
+}
+
+absl::StatusOr<JournalRecord> DecodeRecord(std::string_view bytes, const FeatureLoader& load) {
+  ArchiveReader reader(bytes);
+  JournalRecord record;
+  reader(record);
+  if (!reader.done()) return Unreadable("a journal record");
+  auto* batch_record = std::get_if<BatchRecord>(&record);
+  if (batch_record == nullptr) return record;
+  auto batch = std::make_shared<MapUpdateBatch>(*batch_record->batch);
+  for (FullKeyframe& keyframe : batch->full_keyframes) {
+    auto payload = std::make_shared<KeyframePayload>(*keyframe.payload);
+    ASSIGN_OR_RETURN(payload->features, load(payload->id));
+    keyframe.payload = std::move(payload);
+  }
+  batch_record->batch = std::move(batch);
+  return record;
+}
+
+std::string EncodeState(const MissionState& state) {
+  ArchiveWriter writer;
+  writer(kStateFormat);
+  GlobalFields(writer, state);
+  writer(state.global.landmarks.sets());
+  for (const LocalMapId& id : state.order) {
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    writer(local_map, ToStored(local_map.map));
+  }
+  return writer.Take();
+}
+
+JournalSnapshot TakeSnapshot(const MissionState& state) {
+  JournalSnapshot snapshot{0, EncodeState(state), {}};
+  for (const auto& [id, local_map] : state.local_maps) {
+    for (const auto& [keyframe, item] : local_map.map.keyframes()) {
+      snapshot.keyframes.push_back(keyframe);
+    }
+  }
+  return snapshot;
+}
+
+absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLoader& load) {
+  ArchiveReader reader(bytes);
+  uint32_t format = 0;
+  reader(format);
+  if (!reader.ok() || format != kStateFormat) return Unreadable("a mission's snapshot");
+  MissionState state;
+  GlobalFields(reader, state);
+  Landmarks::Sets landmarks;
+  reader(landmarks);
+  for (const auto& [survivor, members] : landmarks) {
+    for (const MapPointId& member : members) state.global.landmarks.Merge(survivor, member);
+  }
+  for (const LocalMapId& id : state.order) {
+    LocalMapState local_map;
+    StoredMap stored;
+    reader(local_map, stored);
+    if (!reader.ok() || local_map.id != id) return Unreadable("a mission's snapshot");
+    RETURN_IF_ERROR(BuildMap(std::move(stored), load, &local_map));
+    state.local_maps.emplace(id, std::move(local_map));
+  }
+  if (!reader.done() || !IsConsistent(state)) return Unreadable("a mission's snapshot");
+  return state;
+}
+
+}  // namespace corbslam::map_store

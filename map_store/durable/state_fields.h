@@ -1,0 +1,105 @@
+// How a mission's state and journal records are archived (archive.h).
+#ifndef CORBSLAM_MAP_STORE_DURABLE_STATE_FIELDS_H_
+#define CORBSLAM_MAP_STORE_DURABLE_STATE_FIELDS_H_
+
+#include "absl/time/time.h"
+#include "map_store/durable/value_fields.h"
+#include "map_store/journal_records.h"
+#include "map_store/mission_state.h"
+
+namespace corbslam {
+
+template <typename Archive, MayBeConst<FuseMapsResult::Merge> T>
+void Fields(Archive& archive, T& merge) {
+  archive(merge.survivor, merge.member);
+}
+template <typename Archive, MayBeConst<TransferStatistics> T>
+void Fields(Archive& archive, T& statistics) {
+  archive(statistics.count, statistics.bytes, statistics.ms);
+}
+template <typename Archive, MayBeConst<GlobalAdjustmentStatistics> T>
+void Fields(Archive& archive, T& statistics) {
+  archive(statistics.keyframes, statistics.map_points, statistics.iterations, statistics.ms);
+}
+// What is counted; the rest is derived from the state when somebody asks.
+template <typename Archive, MayBeConst<MissionStatistics> T>
+void Fields(Archive& archive, T& statistics) {
+  archive(statistics.full_keyframes, statistics.full_map_points, statistics.light_keyframes,
+          statistics.light_map_points, statistics.overlaps_queried, statistics.overlaps_verified,
+          statistics.overlaps_accepted, statistics.merge_ms, statistics.global_adjustments,
+          statistics.failed_requests);
+}
+
+namespace map_store {
+
+template <typename Archive, MayBeConst<absl::Time> T>
+void Time(Archive& archive, T& time) {
+  int64_t unix_ns = absl::ToUnixNanos(time);
+  archive(unix_ns);
+  if constexpr (Archive::kReads) time = absl::FromUnixNanos(unix_ns);
+}
+
+template <typename Archive, MayBeConst<Tombstone> T>
+void Fields(Archive& archive, T& tombstone) {
+  archive(tombstone.parent, tombstone.parent_from_removed);
+}
+template <typename Archive, MayBeConst<ParkedParent> T>
+void Fields(Archive& archive, T& parked) {
+  archive(parked.child, parked.parent);
+}
+template <typename Archive, MayBeConst<PlacedKeyframe> T>
+void Fields(Archive& archive, T& placed) {
+  archive(placed.camera_from_island, placed.camera_from_local, placed.revision);
+}
+template <typename Archive, MayBeConst<PlacedPoint> T>
+void Fields(Archive& archive, T& placed) {
+  archive(placed.position_in_island, placed.revision);
+}
+template <typename Archive, MayBeConst<Island> T>
+void Fields(Archive& archive, T& island) {
+  archive(island.id, island.local_maps, island.fused, island.generation, island.dirty,
+          island.needs_adjustment, island.overlaps_since_adjustment, island.displaced,
+          island.relaxed, island.version, island.version_of_owners, island.shared_version);
+}
+template <typename Archive, MayBeConst<OverlapEntry> T>
+void Fields(Archive& archive, T& entry) {
+  archive(entry.id, entry.overlap, entry.state, entry.urgent, entry.attempts, entry.revision,
+          entry.note);
+  Time(archive, entry.verified_at);
+}
+template <typename Archive, MayBeConst<QueryTask> T>
+void Fields(Archive& archive, T& task) {
+  archive(task.query, task.against, task.attempts);
+}
+template <typename Archive, MayBeConst<RevisionPlan> T>
+void Fields(Archive& archive, T& plan) {
+  archive(plan.revision, plan.target, plan.source, plan.keyframes, plan.points, plan.merges,
+          plan.rejected_raw, plan.decided_anew, plan.overlaps);
+}
+
+template <typename Archive, MayBeConst<BatchRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.agent);
+  Pointed(archive, record.batch);
+}
+template <typename Archive, MayBeConst<QueryRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.task, record.overlaps);
+  Time(archive, record.verified_at);
+}
+template <typename Archive, MayBeConst<FuseRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.plan, record.relaxed, record.merge_ms);
+}
+template <typename Archive, MayBeConst<FuseRefusedRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.target, record.overlaps, record.relaxed, record.worst_edge_chi2);
+}
+template <typename Archive, MayBeConst<AdjustRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.plan, record.dirty, record.statistics);
+}
+}  // namespace map_store
+}  // namespace corbslam
+
+#endif  // CORBSLAM_MAP_STORE_DURABLE_STATE_FIELDS_H_

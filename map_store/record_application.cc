@@ -1,0 +1,198 @@
+#include "map_store/record_application.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/fusion_job.h"
+#include "map_store/local_motion.h"
+#include "map_store/overlap_query.h"
+#include "map_store/revision.h"
+
+namespace corbslam::map_store {
+namespace {
+
+bool IsSound(const Overlap& overlap, const QueryTask& task) {
+  return overlap.query == task.query && overlap.candidate.local_map == task.against &&
+         overlap.candidate_from_query.scale > 0 &&
+         overlap.candidate_from_query.rotation.coeffs().allFinite() &&
+         overlap.candidate_from_query.translation.allFinite();
+}
+
+// Those before it in the queue needed no answer.
+void TakeQuery(const QueryTask& task, std::deque<QueryTask>& queries) {
+  const auto asked = std::find_if(queries.begin(), queries.end(), [&task](const QueryTask& other) {
+    return other.query == task.query && other.against == task.against;
+  });
+  if (asked != queries.end()) queries.erase(queries.begin(), asked + 1);
+}
+
+}  // namespace
+
+BatchWords ComputeWords(const MapUpdateBatch& batch, const Vocabulary* vocabulary) {
+  BatchWords words;
+  if (vocabulary == nullptr) return words;
+  for (const FullKeyframe& keyframe : batch.full_keyframes) {
+    words[keyframe.payload->id] = std::make_shared<const Words>(
+        vocabulary->Transform(keyframe.payload->features.descriptors));
+  }
+  return words;
+}
+
+void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOptions& options,
+           MissionState& state) {
+  LocalMapState* local_map = state.FindLocalMap(record.batch->local_map);
+  if (local_map == nullptr) {
+    local_map = &AddLocalMap(state, record.batch->local_map, record.agent);
+  }
+  ApplyBatch(*record.batch, words, options, state, *local_map);
+}
+
+void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionState& state) {
+  TakeQuery(record.task, state.queries);
+  for (const Overlap& overlap : record.overlaps) {
+    if (!IsSound(overlap, record.task)) continue;
+    OverlapEntry entry;
+    entry.id = state.next_overlap++;
+    entry.overlap = overlap;
+    entry.state = overlap.IsAccepted() ? OverlapState::kWaiting : OverlapState::kRefused;
+    entry.verified_at = record.verified_at;
+    ++state.statistics.overlaps_verified;
+    if (overlap.IsAccepted()) {
+      ++state.statistics.overlaps_accepted;
+      const bool inside = state.global.island_of.at(overlap.query.local_map) ==
+                          state.global.island_of.at(overlap.candidate.local_map);
+      entry.urgent = inside && GraphResidualPx(state, overlap) > options.loop_residual_px;
+    }
+    state.global.overlaps.emplace(entry.id, std::move(entry));
+  }
+}
+
+bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionState& state) {
+  const RevisionPlan& plan = record.plan;
+  const bool merged = plan.source.IsValid();
+  CommitRevision(plan, options, state);
+  Island& island = state.global.islands.at(plan.target);
+  bool urgent = merged || !record.relaxed.empty();
+  for (const uint64_t id : plan.overlaps) urgent |= state.global.overlaps.at(id).urgent;
+  for (const LocalMapId& id : record.relaxed) island.relaxed.erase(id);
+  island.overlaps_since_adjustment += plan.overlaps.size();
+  if (merged) state.statistics.merge_ms.push_back(record.merge_ms);
+  if (!urgent) return false;
+  // What is being adjusted now is not this graph any more.
+  ++island.generation;
+  island.needs_adjustment = true;
+  return true;
+}
+
+void Apply(const FuseRefusedRecord& record, MissionState& state) {
+  for (const uint64_t id : record.overlaps) {
+    OverlapEntry& entry = state.global.overlaps.at(id);
+    Refuse(absl::StrCat("bends the graph: worst edge chi2 ", record.worst_edge_chi2),
+           OverlapState::kRefused, entry);
+    entry.overlap.verdict = OverlapVerdict::kBendsGraph;
+    --state.statistics.overlaps_accepted;
+  }
+  LeaveToAdjustment(record.relaxed, state, state.global.islands.at(record.target));
+}
+
+void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionState& state) {
+  CommitRevision(record.plan, options, state);
+  Island& island = state.global.islands.at(record.plan.target);
+  island.needs_adjustment = false;
+  island.dirty = record.dirty;
+  island.overlaps_since_adjustment = 0;
+  state.statistics.global_adjustments.push_back(record.statistics);
+}
+
+void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
+                       Island& island) {
+  for (const LocalMapId& id : relaxed) {
+    island.displaced.merge(FindRelaxedKeyframes(state, island, id));
+    island.relaxed.erase(id);
+    island.needs_adjustment = true;
+  }
+}
+
+void Refuse(const std::string& note, OverlapState to, OverlapEntry& entry) {
+  entry.state = to;
+  entry.note = note;
+}
+
+namespace {
+
+absl::Status Missing(const std::string& what) {
+  return absl::DataLossError(absl::StrCat("the journal lacks what made ", what));
+}
+
+absl::Status CheckOverlaps(const std::vector<uint64_t>& overlaps, const MissionState& state) {
+  for (const uint64_t id : overlaps) {
+    if (!state.global.overlaps.contains(id)) return Missing(absl::StrCat("overlap ", id));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckPlan(const RevisionPlan& plan, const MissionState& state) {
+  if (plan.revision != state.global.revision + 1) {
+    return Missing(absl::StrCat("revision ", plan.revision - 1));
+  }
+  for (const IslandId& island : {plan.target, plan.source}) {
+    const bool named = island == plan.target || island.IsValid();
+    if (named && !state.global.islands.contains(island)) {
+      return Missing(absl::StrCat("island ", ToString(island)));
+    }
+  }
+  for (const auto& [id, placed] : plan.keyframes) {
+    if (state.FindLocalMap(id.local_map) == nullptr) return Missing(ToString(id));
+  }
+  for (const auto& [id, placed] : plan.points) {
+    if (state.FindLocalMap(id.local_map) == nullptr) return Missing(ToString(id));
+  }
+  return CheckOverlaps(plan.overlaps, state);
+}
+
+absl::Status CheckQuery(const QueryRecord& record, const MissionState& state) {
+  for (const LocalMapId& id : {record.task.query.local_map, record.task.against}) {
+    if (state.FindLocalMap(id) == nullptr) return Missing(ToString(id));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckNumber(const BatchRecord& record, const MissionState& state) {
+  const LocalMapState* local_map = state.FindLocalMap(record.batch->local_map);
+  const uint64_t last = local_map == nullptr ? 0 : local_map->last_batch;
+  if (record.batch->number == last + 1) return absl::OkStatus();
+  return Missing(
+      absl::StrCat("batch ", last + 1, " of local map ", ToString(record.batch->local_map)));
+}
+
+}  // namespace
+
+absl::Status CheckReplay(const JournalRecord& record, const MissionState& state) {
+  if (const auto* batch = std::get_if<BatchRecord>(&record)) return CheckNumber(*batch, state);
+  if (const auto* query = std::get_if<QueryRecord>(&record)) return CheckQuery(*query, state);
+  if (const auto* fuse = std::get_if<FuseRecord>(&record)) return CheckPlan(fuse->plan, state);
+  if (const auto* adjust = std::get_if<AdjustRecord>(&record)) {
+    return CheckPlan(adjust->plan, state);
+  }
+  const auto& refused = std::get<FuseRefusedRecord>(record);
+  if (!state.global.islands.contains(refused.target)) return Missing(ToString(refused.target));
+  return CheckOverlaps(refused.overlaps, state);
+}
+
+void RestoreWords(const Vocabulary* vocabulary, MissionState& state) {
+  if (vocabulary == nullptr) return;
+  for (auto& [id, local_map] : state.local_maps) {
+    for (const KeyframeId& keyframe_id : local_map.arrived) {
+      const Keyframe* keyframe = local_map.map.FindKeyframe(keyframe_id);
+      if (keyframe == nullptr) continue;
+      const auto words =
+          std::make_shared<const Words>(vocabulary->Transform(keyframe->descriptors()));
+      local_map.map.SetWords(keyframe_id, words);
+      local_map.database.Add(keyframe_id, words);
+    }
+  }
+}
+
+}  // namespace corbslam::map_store
