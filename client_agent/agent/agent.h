@@ -12,6 +12,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "client_agent/memory/spool.h"
+#include "client_agent/memory/upload_queue.h"
 #include "client_agent/tracking/tracking_result.h"
 #include "slam/exchange/uplink.h"
 #include "slam/map/map.h"
@@ -29,6 +31,8 @@ struct AgentOptions {
   bool deterministic = false;
   SensorOptions sensor;
   int solver_threads = 1;
+  // Of what the map store has not acknowledged, in memory.
+  size_t max_outbox_bytes = 64 << 20;
 
   absl::Status Validate() const;
 };
@@ -63,6 +67,7 @@ struct AgentStatus {
   int foreign_loops_closed = 0;
   // Seconds between Create and the first acknowledged keyframe.
   std::optional<double> first_upload_s;
+  UploadStatus upload;
 
   // One entry a frame, a local bundle adjustment.
   std::vector<double> tracking_ms;
@@ -74,12 +79,14 @@ class Agent {
  public:
   virtual ~Agent() = default;
 
-  // `uplink` is not owned and may be null: then nothing is shared. INVALID_ARGUMENT where options
-  // or calibration are impossible.
+  // `uplink` is not owned and may be null: then nothing is shared. `spool` may be null: then what
+  // the map store has not acknowledged ends with the process. INVALID_ARGUMENT where options or
+  // calibration are impossible.
   static absl::StatusOr<std::unique_ptr<Agent>> Create(const AgentOptions& options,
                                                        const SensorCalibration& calibration,
                                                        std::shared_ptr<const Vocabulary> vocabulary,
-                                                       Uplink* uplink);
+                                                       Uplink* uplink,
+                                                       std::unique_ptr<Spool> spool = nullptr);
 
   // The pose of the camera at one time. Threaded: returns once the frame is tracked, whatever
   // mapping does. Deterministic: then also steps mapping, loop closing and the uplink until idle.

@@ -22,7 +22,8 @@ MemoryOptions MakeMemoryOptions(const AgentOptions& options) {
   MemoryOptions memory;
   memory.mission = options.mission;
   memory.agent = options.name;
-  memory.seed = options.seed;
+  memory.seed = SeedOf(options);
+  memory.max_outbox_bytes = options.max_outbox_bytes;
   return memory;
 }
 
@@ -41,18 +42,18 @@ absl::Status AgentOptions::Validate() const {
 absl::StatusOr<std::unique_ptr<Agent>> Agent::Create(const AgentOptions& options,
                                                      const SensorCalibration& calibration,
                                                      std::shared_ptr<const Vocabulary> vocabulary,
-                                                     Uplink* uplink) {
+                                                     Uplink* uplink, std::unique_ptr<Spool> spool) {
   RETURN_IF_ERROR(options.Validate());
   if (vocabulary == nullptr) return absl::InvalidArgumentError("agent: no vocabulary");
   ASSIGN_OR_RETURN(std::unique_ptr<Sensor> sensor, MakeSensor(calibration, options.sensor));
   const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
   return std::make_unique<SingleAgent>(options, std::move(sensor), is_stereo, std::move(vocabulary),
-                                       uplink);
+                                       uplink, std::move(spool));
 }
 
 SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
                          bool is_stereo, std::shared_ptr<const Vocabulary> vocabulary,
-                         Uplink* uplink)
+                         Uplink* uplink, std::unique_ptr<Spool> spool)
     : options_(options),
       is_stereo_(is_stereo),
       created_(absl::Now()),
@@ -64,7 +65,8 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
           MakeMemoryOptions(options), uplink,
           [vocabulary = vocabulary_](const std::vector<Descriptor>& descriptors) {
             return std::make_shared<const Words>(vocabulary->Transform(descriptors));
-          })) {
+          },
+          std::move(spool))) {
   OpenLocalMap();
   if (!options_.deterministic) memory_->Start();
 }
@@ -108,7 +110,7 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
   TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start));
-  if (current().tracker().IsLostForGood()) {
+  if (current().tracker().IsLostForGood() || memory_->NeedsNewLocalMap()) {
     current().WaitUntilIdle(absl::Now() + absl::Seconds(1));
     current().Stop();
     OpenLocalMap();
@@ -192,6 +194,7 @@ AgentStatus SingleAgent::GetStatus() const {
   }
   status.global_from_local = memory_->GlobalFromLocal();
   status.foreign_keyframes = static_cast<int>(memory_->shared_keyframes());
+  status.upload = memory_->upload();
   if (const auto first = memory_->first_acknowledged()) {
     status.first_upload_s = absl::ToDoubleSeconds(*first - created_);
   }

@@ -44,11 +44,11 @@ struct MemoryManager::Placing {
 };
 
 MemoryManager::MemoryManager(const MemoryOptions& options, Uplink* uplink,
-                             ComputeWords compute_words)
+                             ComputeWords compute_words, std::unique_ptr<Spool> spool)
     : options_(options),
       uplink_(uplink),
       compute_words_(std::move(compute_words)),
-      outbox_(options.max_outbox_bytes),
+      queue_(options.max_outbox_bytes, std::move(spool)),
       random_(options.seed) {}
 
 MemoryManager::~MemoryManager() {
@@ -57,7 +57,12 @@ MemoryManager::~MemoryManager() {
     stop_ = true;
   }
   if (thread_.joinable()) thread_.join();
-  if (uplink_ != nullptr) uplink_->Close();
+  if (uplink_ == nullptr) return;
+  uplink_->Close();
+  if (!queue_.has_spool()) return;
+  // For the next process.
+  TakeBatches(/*all=*/true);
+  queue_.SpillAll();
 }
 
 MapObserver* MemoryManager::BeginLocalMap(MapAccess access) {
@@ -70,6 +75,7 @@ MapObserver* MemoryManager::BeginLocalMap(MapAccess access) {
   auto recording = std::make_unique<Recording>();
   recording->recorder = std::make_unique<UpdateRecorder>(access.local_map);
   recording->access = std::move(access);
+  needs_new_local_map_ = recording->closed = !queue_.Begin(recording->access.local_map);
   recordings_.push_back(std::move(recording));
   wake_ = true;
   return recordings_.back()->recorder.get();
@@ -98,6 +104,7 @@ void MemoryManager::Step() {
   ConnectIfDue();
   TakeBatches(/*all=*/true);
   SendUnsent();
+  queue_.Spill();
 }
 
 absl::Status MemoryManager::Finish(absl::Duration timeout) {
@@ -119,7 +126,7 @@ absl::Status MemoryManager::Finish(absl::Duration timeout) {
 }
 
 bool MemoryManager::IsDone() const {
-  if (!outbox_.IsEmpty()) return false;
+  if (!queue_.IsEmpty()) return false;
   return std::all_of(recordings_.begin(), recordings_.end(),
                      [](const auto& recording) { return recording->closed; });
 }
@@ -129,6 +136,7 @@ void MemoryManager::Run() {
     ConnectIfDue();
     TakeBatches(/*all=*/false);
     SendUnsent();
+    queue_.Spill();
   }
 }
 
@@ -136,9 +144,9 @@ void MemoryManager::Run() {
 bool MemoryManager::WaitForWork() {
   absl::MutexLock lock(&mutex_);
   const auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return wake_ || stop_; };
-  absl::Time until = absl::Now() + options_.flush_interval;
-  if (session_ == Session::kNone) until = std::min(until, next_attempt_);
-  mutex_.AwaitWithDeadline(absl::Condition(&has_work), until);
+  absl::Duration wait = options_.flush_interval;
+  if (session_ == Session::kNone) wait = std::min(wait, next_attempt_ - options_.clock());
+  mutex_.AwaitWithTimeout(absl::Condition(&has_work), wait);
   wake_ = false;
   return !stop_;
 }
@@ -162,18 +170,22 @@ void MemoryManager::ConnectIfDue() {
     }
     if (reopen_) last_revision_ = 0;
     reopen_ = false;
-    if (session_ != Session::kNone || absl::Now() < next_attempt_) return;
+    if (session_ != Session::kNone || options_.clock() < next_attempt_) return;
     session_ = Session::kOpening;
-    request = {options_.mission, options_.agent, last_revision_, outbox_.local_maps()};
+    request = {options_.mission, options_.agent, last_revision_, queue_.local_maps()};
   }
   if (close_first) uplink_->Close();
   uplink_->Open(request, this);
 }
 
 bool MemoryManager::FlushIsDue() const {
-  return absl::Now() >= next_flush_ ||
-         std::any_of(recordings_.begin(), recordings_.end(),
-                     [](const auto& recording) { return recording->closing; });
+  const absl::Duration age = options_.clock() - last_flush_;
+  if (!queue_.HasUnsent() && age >= options_.flush_interval) return true;
+  if (age >= options_.backlog_flush_interval) return true;
+  return std::any_of(recordings_.begin(), recordings_.end(), [this](const auto& recording) {
+    return recording->closing ||
+           recording->recorder->pending_keyframes() >= options_.max_keyframes_per_batch;
+  });
 }
 
 void MemoryManager::TakeBatches(bool all) {
@@ -181,14 +193,13 @@ void MemoryManager::TakeBatches(bool all) {
   {
     absl::MutexLock lock(&mutex_);
     if (!all && !FlushIsDue()) return;
-    next_flush_ = absl::Now() + options_.flush_interval;
+    last_flush_ = options_.clock();
     for (auto& recording : recordings_) {
       if (!recording->closed) open.push_back(recording.get());
     }
   }
   for (Recording* recording : open) {
-    while (TakeBatchOf(*recording)) {
-    }
+    while (TakeBatchOf(*recording)) queue_.Spill();
   }
 }
 
@@ -197,7 +208,7 @@ bool MemoryManager::TakeBatchOf(Recording& recording) {
   bool closing = false;
   {
     absl::MutexLock lock(&mutex_);
-    if (!outbox_.HasRoom()) return false;
+    if (recording.closed || !queue_.HasRoom()) return false;
     closing = recording.closing;
   }
   MapUpdateBatch batch;
@@ -209,44 +220,61 @@ bool MemoryManager::TakeBatchOf(Recording& recording) {
   const bool last = IsEmpty(batch);
   if (last && !closing) return false;
   absl::MutexLock lock(&mutex_);
+  if (recording.closed) return false;
   batch.local_map = recording.access.local_map;
   batch.closes_local_map = last;
   recording.closed = last;
-  outbox_.Push(std::move(batch));
+  queue_.Push(std::move(batch));
   return !last;
 }
 
 void MemoryManager::SendUnsent() {
   while (true) {
-    std::shared_ptr<const MapUpdateBatch> batch;
     {
       absl::MutexLock lock(&mutex_);
       if (session_ != Session::kOpen) return;
-      batch = outbox_.NextUnsent();
-      if (batch == nullptr) return;
-      // Marked before, because the answer may come from inside the call.
-      outbox_.MarkSent();
     }
+    std::vector<LostLocalMap> lost;
+    const std::shared_ptr<const MapUpdateBatch> batch = queue_.TakeUnsent(lost);
+    if (!lost.empty()) {
+      absl::MutexLock lock(&mutex_);
+      GiveUp(lost);
+    }
+    if (batch == nullptr) return;
     if (uplink_->Send(*batch)) continue;
-    absl::MutexLock lock(&mutex_);
-    outbox_.MarkUnsent();
+    queue_.MarkUnsent();
     return;
   }
 }
 
+void MemoryManager::GiveUp(const std::vector<LostLocalMap>& lost) {
+  for (const LostLocalMap& local_map : lost) {
+    for (auto& recording : recordings_) {
+      if (recording->access.local_map != local_map.id) continue;
+      recording->closed = true;
+      needs_new_local_map_ |= recording == recordings_.back();
+    }
+  }
+}
+
+bool MemoryManager::NeedsNewLocalMap() const {
+  absl::MutexLock lock(&mutex_);
+  return needs_new_local_map_;
+}
+
 void MemoryManager::OnSessionOpened(const SessionGrant& grant) {
   absl::MutexLock lock(&mutex_);
-  for (const Acknowledgement& stored : grant.acknowledged) outbox_.Acknowledge(stored);
-  outbox_.Rewind();
+  GiveUp(queue_.Resume(grant));
   session_ = Session::kOpen;
-  attempts_ = 0;
+  opened_ = options_.clock();
   wake_ = true;
 }
 
 void MemoryManager::OnAcknowledged(const Acknowledgement& acknowledgement) {
   absl::MutexLock lock(&mutex_);
-  outbox_.Acknowledge(acknowledgement);
-  if (!first_acknowledged_.has_value()) first_acknowledged_ = absl::Now();
+  queue_.Acknowledge(acknowledgement);
+  attempts_ = 0;
+  if (!first_acknowledged_.has_value()) first_acknowledged_ = options_.clock();
   wake_ = true;
 }
 
@@ -268,9 +296,15 @@ void MemoryManager::OnShared(SharedUpdate update) {
 
 void MemoryManager::OnSessionClosed(const absl::Status& reason) {
   absl::MutexLock lock(&mutex_);
-  session_ = IsRefusal(reason) ? Session::kRefused : Session::kNone;
-  if (session_ == Session::kRefused) refusal_ = reason;
-  next_attempt_ = absl::Now() + NextBackoff();
+  const bool passes =
+      !IsRefusal(reason) || (session_ == Session::kOpen && absl::IsInvalidArgument(reason) &&
+                             queue_.GiveUpEarlier(reason));
+  session_ = passes ? Session::kNone : Session::kRefused;
+  if (!passes) refusal_ = reason;
+  // A store that lets everybody in and throws them out again is no reason to come back at once.
+  if (options_.clock() - opened_ > options_.max_backoff) attempts_ = 0;
+  opened_ = absl::InfiniteFuture();
+  next_attempt_ = options_.clock() + NextBackoff();
   wake_ = true;
 }
 
@@ -291,11 +325,6 @@ size_t MemoryManager::shared_keyframes() const {
 std::optional<absl::Time> MemoryManager::first_acknowledged() const {
   absl::MutexLock lock(&mutex_);
   return first_acknowledged_;
-}
-
-size_t MemoryManager::outbox_bytes() const {
-  absl::MutexLock lock(&mutex_);
-  return outbox_.bytes();
 }
 
 }  // namespace corbslam

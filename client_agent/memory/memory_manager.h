@@ -13,10 +13,12 @@
 
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "client_agent/memory/outbox.h"
 #include "client_agent/memory/shared_map.h"
+#include "client_agent/memory/spool.h"
 #include "client_agent/memory/update_recorder.h"
+#include "client_agent/memory/upload_queue.h"
 #include "slam/exchange/uplink.h"
 
 namespace corbslam {
@@ -25,12 +27,17 @@ struct MemoryOptions {
   std::string mission;
   std::string agent;
   // What changes results: nothing. What changes speed:
+  // In memory; with a spool, what is over goes to the disk.
   size_t max_outbox_bytes = 64 << 20;
   size_t max_keyframes_per_batch = 8;
   absl::Duration flush_interval = absl::Milliseconds(400);
+  // While batches wait that could not be sent: the next one is made when it is full or when the
+  // last is this old, so that light updates coalesce.
+  absl::Duration backlog_flush_interval = absl::Seconds(5);
   absl::Duration min_backoff = absl::Milliseconds(200);
   absl::Duration max_backoff = absl::Seconds(10);
   uint64_t seed = 1;  // Of the back-off's jitter.
+  std::function<absl::Time()> clock = &absl::Now;
 };
 
 // How the manager reaches a local map.
@@ -47,8 +54,10 @@ struct MapAccess {
 // Thread-safe. Without Start it has no thread and Step does its work (deterministic runs).
 class MemoryManager : private UplinkListener {
  public:
-  // `uplink` is not owned; null: nothing is sent, and changes are not recorded.
-  MemoryManager(const MemoryOptions& options, Uplink* uplink, ComputeWords compute_words);
+  // `uplink` is not owned; null: nothing is sent, and changes are not recorded. `spool` may be
+  // null; what it found goes up first, and what could not be sent is in it at the end.
+  MemoryManager(const MemoryOptions& options, Uplink* uplink, ComputeWords compute_words,
+                std::unique_ptr<Spool> spool = nullptr);
   ~MemoryManager() override;
   MemoryManager(const MemoryManager&) = delete;
   MemoryManager& operator=(const MemoryManager&) = delete;
@@ -71,7 +80,10 @@ class MemoryManager : private UplinkListener {
   std::optional<Similarity3d> GlobalFromLocal() const;
   // When the first keyframe was acknowledged.
   std::optional<absl::Time> first_acknowledged() const;
-  size_t outbox_bytes() const;
+  // True: the local map can't go on at the store (it lost what it had acknowledged, or the id is
+  // taken). What is new in it is told to nobody; the agent should begin another one.
+  bool NeedsNewLocalMap() const;
+  UploadStatus upload() const { return queue_.status(); }
   size_t shared_keyframes() const;
 
  private:
@@ -95,6 +107,8 @@ class MemoryManager : private UplinkListener {
   void TakeBatches(bool all);
   bool TakeBatchOf(Recording& recording);
   void SendUnsent();
+  // Those of this process get no more batches.
+  void GiveUp(const std::vector<LostLocalMap>& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool FlushIsDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Duration NextBackoff() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -102,17 +116,21 @@ class MemoryManager : private UplinkListener {
   const MemoryOptions options_;
   Uplink* const uplink_;
   const ComputeWords compute_words_;
+  // May be called with mutex_ held, but for what waits for the disk.
+  UploadQueue queue_;
 
   mutable absl::Mutex mutex_;
   std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<Placing> placing_ ABSL_GUARDED_BY(mutex_);
-  Outbox outbox_ ABSL_GUARDED_BY(mutex_);
   enum class Session { kNone, kOpening, kOpen, kRefused };
   Session session_ ABSL_GUARDED_BY(mutex_) = Session::kNone;
   absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
   absl::Time next_attempt_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
-  absl::Time next_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+  absl::Time last_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+  // Since something was acknowledged, or a session lasted.
   int attempts_ ABSL_GUARDED_BY(mutex_) = 0;
+  absl::Time opened_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
+  bool needs_new_local_map_ ABSL_GUARDED_BY(mutex_) = false;
   uint64_t last_revision_ ABSL_GUARDED_BY(mutex_) = 0;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
   bool wake_ ABSL_GUARDED_BY(mutex_) = false;

@@ -1,55 +1,14 @@
 #include "client_agent/memory/memory_manager.h"
 
-#include <map>
 #include <vector>
 
+#include "client_agent/memory/testing/fake_uplink.h"
 #include "gtest/gtest.h"
 
 namespace corbslam {
 namespace {
 
 constexpr LocalMapId kOwn{1};
-
-// A map store that forgets nothing and can be made to fail. Answers from inside the calls.
-class FakeUplink : public Uplink {
- public:
-  void Open(const SessionRequest& request, UplinkListener* listener) override {
-    requests.push_back(request);
-    listener_ = listener;
-    if (!reachable) return listener->OnSessionClosed(absl::UnavailableError("no route"));
-    open = true;
-    SessionGrant grant;
-    for (const auto& [local_map, batches] : stored) {
-      grant.acknowledged.push_back({local_map, batches.size()});
-    }
-    listener->OnSessionOpened(grant);
-  }
-  bool Send(const MapUpdateBatch& batch) override {
-    if (!open) return false;
-    auto& batches = stored[batch.local_map];
-    if (batch.number == batches.size() + 1) batches.push_back(batch);
-    EXPECT_LE(batch.number, batches.size()) << "a batch is missing";
-    if (acknowledge) listener_->OnAcknowledged({batch.local_map, batches.size()});
-    return true;
-  }
-  void Break(const absl::Status& reason) {
-    open = false;
-    listener_->OnSessionClosed(reason);
-  }
-  void Share(SharedUpdate update) { listener_->OnShared(std::move(update)); }
-  void Close() override { open = false; }
-  uint64_t bytes_up() const override { return 0; }
-  uint64_t bytes_down() const override { return 0; }
-
-  bool reachable = true;
-  bool acknowledge = true;
-  bool open = false;
-  std::vector<SessionRequest> requests;
-  std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;
-
- private:
-  UplinkListener* listener_ = nullptr;
-};
 
 class MemoryManagerTest : public testing::Test {
  protected:
@@ -107,7 +66,7 @@ TEST_F(MemoryManagerTest, ResumesAfterABreakWithoutLossOrRepetition) {
   AddKeyframe({kOwn, 2});
   manager_->Step();
   manager_->Step();
-  EXPECT_GT(manager_->outbox_bytes(), 0U);
+  EXPECT_GT(manager_->upload().memory_bytes, 0U);
   uplink_.reachable = true;
   uplink_.acknowledge = true;
   manager_->Step();

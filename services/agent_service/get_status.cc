@@ -8,6 +8,15 @@ namespace {
 
 uint64_t Count(int value) { return static_cast<uint64_t>(value); }
 
+void WriteUpload(const UploadStatus& upload, v1::AgentStatus* response) {
+  response->set_outbox_batches(upload.batches);
+  response->set_outbox_memory_bytes(upload.memory_bytes);
+  response->set_outbox_spool_bytes(upload.spool_bytes);
+  response->set_outbox_code(upload.room.raw_code());
+  response->set_lost_local_maps(static_cast<uint32_t>(upload.lost_local_maps));
+  response->set_loss_code(upload.loss.raw_code());
+}
+
 }  // namespace
 
 v1::TrackingState ToProto(TrackingState state) {
@@ -46,6 +55,7 @@ grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* c
     response->set_shared_keyframes(Count(status.foreign_keyframes));
     if (uplink_ != nullptr) response->set_bytes_up(uplink_->bytes_up());
     if (uplink_ != nullptr) response->set_bytes_down(uplink_->bytes_down());
+    WriteUpload(status.upload, response);
     if (status.global_from_local) {
       ToProto(*status.global_from_local, response->mutable_global_from_local());
     }

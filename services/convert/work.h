@@ -11,12 +11,12 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "corbslam/v1/fusion_worker_service.pb.h"
-#include "services/convert/checksum.h"
 #include "services/convert/errors.h"
 #include "services/convert/limits.h"
 #include "services/convert/map_view.h"
 #include "services/convert/result_items.h"
 #include "slam/exchange/fusion_worker.h"
+#include "slam/util/checksum.h"
 
 namespace corbslam {
 

@@ -3,6 +3,8 @@
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_STORE_SERVICE_H_
 
 #include <cstddef>
+#include <functional>
+#include <string>
 
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "map_store/map_store.h"
@@ -10,11 +12,17 @@
 
 namespace corbslam {
 
+// Whether a caller may open a session as this agent of this mission.
+using SessionCheck = std::function<absl::Status(
+    const grpc::CallbackServerContext&, const std::string& mission, const std::string& agent)>;
+
 struct MapStoreServiceOptions {
   // Threads that read and apply batches and answer look-ups.
   int threads = 2;
   // Of one shared update, about. Smaller ones let a robot on a slow link see something sooner.
   size_t shared_bytes = 512u << 10;
+  // Null: everybody may.
+  SessionCheck may_open;
 };
 
 // Each RPC is in the file of its name. Thread-safe. `store` is not owned and must outlive it; the

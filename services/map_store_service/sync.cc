@@ -15,8 +15,12 @@ constexpr size_t kMaxReplies = 64;
 
 }  // namespace
 
-SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, size_t shared_bytes)
-    : store_(store), pool_(pool), shared_bytes_(shared_bytes), link_(std::make_shared<Link>()) {
+SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, size_t shared_bytes, OpenCheck may_open)
+    : store_(store),
+      pool_(pool),
+      shared_bytes_(shared_bytes),
+      may_open_(std::move(may_open)),
+      link_(std::make_shared<Link>()) {
   {
     absl::MutexLock lock(&link_->mutex);
     link_->reactor = this;
@@ -152,6 +156,7 @@ absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
 absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   if (session_id_) return absl::InvalidArgumentError("the session is open already");
   ASSIGN_OR_RETURN(const SessionRequest request, FromProto(open));
+  RETURN_IF_ERROR(may_open_(request));
   ASSIGN_OR_RETURN(const MapStore::OpenedSession opened, store_.OpenSession(request));
   session_id_ = opened.session_id;
   v1::SyncResponse response;
@@ -220,8 +225,12 @@ void SyncReactor::End(const absl::Status& status) {
 }
 
 grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* MapStoreService::Sync(
-    grpc::CallbackServerContext*) {
-  return new SyncReactor(store_, pool_, options_.shared_bytes);
+    grpc::CallbackServerContext* context) {
+  return new SyncReactor(store_, pool_, options_.shared_bytes,
+                         [this, context](const SessionRequest& request) {
+                           if (options_.may_open == nullptr) return absl::OkStatus();
+                           return options_.may_open(*context, request.mission, request.agent);
+                         });
 }
 
 }  // namespace corbslam

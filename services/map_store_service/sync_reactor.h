@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -24,7 +25,10 @@ namespace corbslam {
 // shared update is asked for when the one before was written. Owns itself.
 class SyncReactor : public grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse> {
  public:
-  SyncReactor(MapStore& store, TaskPool& pool, size_t shared_bytes);
+  // Whether the caller may open this session.
+  using OpenCheck = std::function<absl::Status(const SessionRequest&)>;
+
+  SyncReactor(MapStore& store, TaskPool& pool, size_t shared_bytes, OpenCheck may_open);
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -56,6 +60,7 @@ class SyncReactor : public grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResp
   MapStore& store_;
   TaskPool& pool_;
   const size_t shared_bytes_;
+  const OpenCheck may_open_;
   const std::shared_ptr<Link> link_;
 
   // Of Work, and of gRPC while it reads.

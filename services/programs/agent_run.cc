@@ -101,6 +101,11 @@ std::string StatisticsJson(const std::string& name, const AgentStatus& status,
         {"mean_ms", local_ba["mean"]},
         {"p99_ms", local_ba["p99"]}}},
       {"peak_rss_mb", static_cast<double>(GetProcessUsage().peak_rss_bytes) / (1 << 20)},
+      {"outbox",
+       {{"batches", status.upload.batches},
+        {"memory_bytes", status.upload.memory_bytes},
+        {"spool_bytes", status.upload.spool_bytes},
+        {"lost_local_maps", status.upload.lost_local_maps}}},
       {"bytes_up", bytes_up},
       {"bytes_down", bytes_down}};
   return statistics.dump(2) + "\n";

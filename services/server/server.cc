@@ -1,6 +1,7 @@
 #include "services/server/server.h"
 
 #include <grpcpp/ext/channelz_service_plugin.h>
+#include <grpcpp/ext/health_check_service_server_builder_option.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/server_builder.h>
@@ -28,6 +29,16 @@ void RegisterPlugins() {
   (void)once;
 }
 
+// gRPC offers reflection to every server of a process that links it.
+class WithoutReflection : public grpc::ServerBuilderOption {
+ public:
+  void UpdateArguments(grpc::ChannelArguments*) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
+    std::erase_if(*plugins,
+                  [](const auto& plugin) { return plugin->name() == "proto_server_reflection"; });
+  }
+};
+
 // gRPC takes ports modulo 65536.
 absl::Status CheckAddress(const std::string& address) {
   const size_t colon = address.rfind(':');
@@ -49,13 +60,11 @@ sigset_t StopSignals() {
   return signals;
 }
 
-}  // namespace
-
-absl::StatusOr<std::unique_ptr<Server>> Server::Start(const std::string& address,
-                                                      const std::vector<grpc::Service*>& services) {
-  RETURN_IF_ERROR(CheckAddress(address));
-  RegisterPlugins();
-  grpc::ServerBuilder builder;
+void Configure(const ServerOptions& options, grpc::ServerBuilder& builder) {
+  if (!options.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
+  if (!options.health) {
+    builder.SetOption(std::make_unique<grpc::HealthCheckServiceServerBuilderOption>(nullptr));
+  }
   builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
   builder.SetMaxSendMessageSize(kMaxMessageBytes);
   // Two servers on one port would share its calls.
@@ -64,10 +73,19 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const std::string& address
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 20000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10000);
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const std::string& address,
+                                                      const std::vector<grpc::Service*>& services,
+                                                      const ServerOptions& options) {
+  RETURN_IF_ERROR(CheckAddress(address));
+  RegisterPlugins();
+  grpc::ServerBuilder builder;
+  Configure(options, builder);
   int port = 0;
-  if (!address.empty()) {
-    builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port);
-  }
+  if (!address.empty()) builder.AddListeningPort(address, options.credentials, &port);
   for (grpc::Service* service : services) builder.RegisterService(service);
   std::unique_ptr<Server> server(new Server);
   server->server_ = builder.BuildAndStart();
@@ -76,6 +94,10 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const std::string& address
   }
   const std::string host = address.substr(0, address.rfind(':'));
   if (!address.empty()) server->address_ = absl::StrCat(host, ":", port);
+  if (auto* health = server->server_->GetHealthCheckService()) {
+    health->SetServingStatus(kLiveness, true);
+  }
+  server->SetReady(true);
   return server;
 }
 
@@ -88,9 +110,16 @@ std::shared_ptr<grpc::Channel> Server::InProcessChannel() {
   return server_->InProcessChannel(arguments);
 }
 
+void Server::SetReady(bool ready) {
+  auto* health = server_->GetHealthCheckService();
+  if (health == nullptr) return;
+  health->SetServingStatus(kReadiness, ready);
+  health->SetServingStatus("", ready);
+}
+
 void Server::Shutdown(absl::Duration drain) {
   if (server_ == nullptr || std::exchange(stopped_, true)) return;
-  if (auto* health = server_->GetHealthCheckService()) health->SetServingStatus(false);
+  SetReady(false);
   server_->Shutdown(std::chrono::system_clock::now() + absl::ToChronoMilliseconds(drain));
   server_->Wait();
 }

@@ -3,6 +3,7 @@
 #define CORBSLAM_SERVICES_SERVER_SERVER_H_
 
 #include <grpcpp/channel.h>
+#include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server.h>
 
 #include <memory>
@@ -18,23 +19,40 @@ namespace corbslam {
 // No message on the wire is longer.
 inline constexpr int kMaxMessageBytes = 4 << 20;
 
+// What grpc.health.v1.Health is asked about: the process runs (else restart it), and it takes calls
+// (else send them elsewhere). No name at all means the second.
+inline constexpr char kLiveness[] = "liveness";
+inline constexpr char kReadiness[] = "readiness";
+
+struct ServerOptions {
+  // Programs take theirs from services/security.
+  std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
+  bool reflection = true;
+  bool health = true;
+};
+
 // A running server. Thread-safe.
 class Server {
  public:
-  // Serves `services` (not owned, must outlive the server) on "HOST:PORT", with health, reflection
-  // and channelz. Port 0: the system chooses one. INVALID_ARGUMENT for an address of another form,
-  // UNAVAILABLE where it can't listen. The address may be empty: then only InProcessChannel reaches
-  // it.
+  // Serves `services` (not owned, must outlive the server) on "HOST:PORT", with channelz and, as
+  // the options say, health and reflection. Port 0: the system chooses one. INVALID_ARGUMENT for an
+  // address of another form, UNAVAILABLE where it can't listen. The address may be empty: then only
+  // InProcessChannel reaches it.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const std::string& address,
-                                                       const std::vector<grpc::Service*>& services);
+                                                       const std::vector<grpc::Service*>& services,
+                                                       const ServerOptions& options = {});
   ~Server();
 
   // "HOST:PORT" with the port that was chosen.
   const std::string& address() const { return address_; }
   std::shared_ptr<grpc::Channel> InProcessChannel();
 
-  // Reports NOT_SERVING, lets calls end by themselves for `drain`, cancels the rest, and returns
-  // when all have ended. Once only; the destructor does it with no drain.
+  // What health says of readiness from now on; true at the start.
+  void SetReady(bool ready);
+
+  // Reports that it isn't ready, tells callers to go elsewhere (GOAWAY), lets calls end by
+  // themselves for `drain`, cancels the rest, and returns when all have ended. Once only; the
+  // destructor does it with no drain.
   void Shutdown(absl::Duration drain);
 
  private:

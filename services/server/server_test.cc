@@ -1,56 +1,65 @@
 #include "services/server/server.h"
 
 #include <gmock/gmock.h>
-#include <grpcpp/client_context.h>
 #include <grpcpp/create_channel.h>
-#include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <string>
 
 #include "services/server/process_usage.h"
+#include "services/testing/generic_client.h"
+#include "services/testing/health_client.h"
 
 namespace corbslam {
 namespace {
 
+using ::testing::Contains;
 using ::testing::MatchesRegex;
 
-// What grpc.health.v1.Health/Check answers, as bytes: field 1, SERVING = 1, NOT_SERVING = 2.
-std::string CheckHealth(const std::shared_ptr<grpc::Channel>& channel) {
-  grpc::GenericStub stub(channel);
-  grpc::CompletionQueue queue;
-  grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
-  // No service named: all of the server. Kept until the call is started.
-  const grpc::Slice nothing;
-  const grpc::ByteBuffer request(&nothing, 1);
-  const auto call =
-      stub.PrepareUnaryCall(&context, "/grpc.health.v1.Health/Check", request, &queue);
-  call->StartCall();
-  grpc::ByteBuffer response;
-  grpc::Status status;
-  call->Finish(&response, &status, nullptr);
-  void* tag = nullptr;
-  bool ok = false;
-  queue.Next(&tag, &ok);
-  grpc::Slice slice;
-  return status.ok() && response.DumpToSingleSlice(&slice).ok()
-             ? std::string(reinterpret_cast<const char*>(slice.begin()), slice.size())
-             : status.error_message();
+constexpr char kAddress[] = "127.0.0.1:0";
+
+std::shared_ptr<grpc::Channel> Connect(const Server& server) {
+  return grpc::CreateChannel(server.address(), grpc::InsecureChannelCredentials());
 }
 
 TEST(ServerTest, ChoosesAPortAndSaysItIsServing) {
-  const auto server = Server::Start("127.0.0.1:0", {});
+  const auto server = Server::Start(kAddress, {});
   ASSERT_TRUE(server.ok()) << server.status();
   EXPECT_THAT((*server)->address(), MatchesRegex("127.0.0.1:[1-9][0-9]*"));
-  const auto channel =
-      grpc::CreateChannel((*server)->address(), grpc::InsecureChannelCredentials());
-  EXPECT_EQ(CheckHealth(channel), "\x08\x01");
+  EXPECT_EQ(CheckHealth(Connect(**server), ""), absl::OkStatus());
+}
+
+TEST(ServerTest, ReadinessGoesAndComesWhileItLives) {
+  const auto server = Server::Start(kAddress, {});
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto channel = Connect(**server);
+  EXPECT_EQ(CheckHealth(channel, kLiveness), absl::OkStatus());
+  EXPECT_EQ(CheckHealth(channel, kReadiness), absl::OkStatus());
+  (*server)->SetReady(false);
+  EXPECT_EQ(CheckHealth(channel, kLiveness), absl::OkStatus());
+  for (const char* name : {kReadiness, ""}) {
+    EXPECT_EQ(CheckHealth(channel, name).code(), absl::StatusCode::kFailedPrecondition) << name;
+  }
+  (*server)->SetReady(true);
+  EXPECT_EQ(CheckHealth(channel, kReadiness), absl::OkStatus());
+  EXPECT_EQ(CheckHealth(channel, "nothing").code(), absl::StatusCode::kNotFound);
+}
+
+TEST(ServerTest, HealthAndReflectionAreThereOrNot) {
+  const auto both = Server::Start(kAddress, {});
+  ASSERT_TRUE(both.ok()) << both.status();
+  EXPECT_THAT(*GenericClient(Connect(**both)).ListServices(), Contains("grpc.health.v1.Health"));
+  const auto neither = Server::Start(kAddress, {}, {.reflection = false, .health = false});
+  ASSERT_TRUE(neither.ok()) << neither.status();
+  const auto channel = Connect(**neither);
+  EXPECT_EQ(CheckHealth(channel, "").code(), absl::StatusCode::kUnimplemented);
+  EXPECT_EQ(GenericClient(channel).ListServices().status().code(),
+            absl::StatusCode::kUnimplemented);
+  (*neither)->SetReady(false);
 }
 
 TEST(ServerTest, TwoServersDoNotShareAPort) {
-  const auto first = Server::Start("127.0.0.1:0", {});
+  const auto first = Server::Start(kAddress, {});
   ASSERT_TRUE(first.ok());
   const auto second = Server::Start((*first)->address(), {});
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);

@@ -1,23 +1,53 @@
 // ask HOST:PORT: lists the services of a server.
 // ask HOST:PORT PACKAGE.SERVICE/METHOD [JSON]: calls one of its methods and prints the answers.
+#include <glog/logging.h>
+
+#include <CLI/CLI.hpp>
 #include <iostream>
 #include <string>
 
 #include "services/remote/channel.h"
+#include "services/security/flags.h"
 #include "services/testing/generic_client.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+struct Flags {
+  std::string address;
+  std::string method;
+  std::string request = "{}";
+  SecurityOptions security;
+};
+
+absl::Status Ask(const Flags& flags) {
+  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
+  GenericClient client(MakeChannel(flags.address, credentials));
+  ASSIGN_OR_RETURN(
+      const std::vector<std::string> answers,
+      flags.method.empty() ? client.ListServices() : client.Call(flags.method, flags.request));
+  for (const std::string& answer : answers) std::cout << answer << "\n";
+  return absl::OkStatus();
+}
+
+}  // namespace
+}  // namespace corbslam
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::cerr << "usage: ask HOST:PORT [PACKAGE.SERVICE/METHOD [JSON]]\n";
-    return 2;
-  }
-  corbslam::GenericClient client(corbslam::MakeChannel(argv[1]));
-  const auto answers =
-      argc == 2 ? client.ListServices() : client.Call(argv[2], argc > 3 ? argv[3] : "{}");
-  if (!answers.ok()) {
-    std::cerr << answers.status() << "\n";
-    return 1;
-  }
-  for (const std::string& answer : *answers) std::cout << answer << "\n";
-  return 0;
+  google::InitGoogleLogging(argv[0]);
+  FLAGS_logtostderr = true;
+  FLAGS_minloglevel = google::GLOG_ERROR;
+  corbslam::Flags flags;
+  CLI::App app("Asks a server that has reflection on", "ask");
+  app.add_option("address", flags.address, "HOST:PORT")->required();
+  app.add_option("method", flags.method, "PACKAGE.SERVICE/METHOD; without: lists the services");
+  app.add_option("request", flags.request, "JSON")->capture_default_str();
+  corbslam::AddTlsFlags(app, flags.security);
+  corbslam::AddClientFlags(app, flags.security);
+  CLI11_PARSE(app, argc, argv);
+  const absl::Status status = corbslam::Ask(flags);
+  if (status.ok()) return 0;
+  std::cerr << status << "\n";
+  return 1;
 }

@@ -1,6 +1,6 @@
 // CRC-32C (Castagnoli), the polynomial of iSCSI (RFC 3720) and of the processor's own instruction.
-#ifndef CORBSLAM_SERVICES_CONVERT_CHECKSUM_H_
-#define CORBSLAM_SERVICES_CONVERT_CHECKSUM_H_
+#ifndef CORBSLAM_SLAM_UTIL_CHECKSUM_H_
+#define CORBSLAM_SLAM_UTIL_CHECKSUM_H_
 
 #include <cstdint>
 
@@ -13,4 +13,4 @@ uint32_t ExtendCrc32c(uint32_t crc, absl::string_view data);
 
 }  // namespace corbslam
 
-#endif  // CORBSLAM_SERVICES_CONVERT_CHECKSUM_H_
+#endif  // CORBSLAM_SLAM_UTIL_CHECKSUM_H_

@@ -1,4 +1,4 @@
-#include "services/convert/checksum.h"
+#include "slam/util/checksum.h"
 
 #include <array>
 #include <cstring>

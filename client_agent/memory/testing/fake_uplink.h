@@ -1,0 +1,59 @@
+// A map store at the other end of an uplink, for tests of memory management.
+#ifndef CORBSLAM_CLIENT_AGENT_MEMORY_TESTING_FAKE_UPLINK_H_
+#define CORBSLAM_CLIENT_AGENT_MEMORY_TESTING_FAKE_UPLINK_H_
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "slam/exchange/uplink.h"
+
+namespace corbslam {
+
+// A map store that forgets nothing and can be made to fail. Answers from inside the calls.
+class FakeUplink : public Uplink {
+ public:
+  void Open(const SessionRequest& request, UplinkListener* listener) override {
+    requests.push_back(request);
+    listener_ = listener;
+    if (!reachable) return listener->OnSessionClosed(absl::UnavailableError("no route"));
+    open = true;
+    SessionGrant grant;
+    for (const LocalMapId& id : request.local_maps) {
+      grant.acknowledged.push_back({id, stored[id].size()});
+    }
+    listener->OnSessionOpened(grant);
+  }
+  bool Send(const MapUpdateBatch& batch) override {
+    if (!open) return false;
+    auto& batches = stored[batch.local_map];
+    if (batch.number == batches.size() + 1) batches.push_back(batch);
+    EXPECT_LE(batch.number, batches.size()) << "a batch is missing";
+    if (acknowledge) listener_->OnAcknowledged({batch.local_map, batches.size()});
+    return true;
+  }
+  void Break(const absl::Status& reason) {
+    open = false;
+    listener_->OnSessionClosed(reason);
+  }
+  void Share(SharedUpdate update) { listener_->OnShared(std::move(update)); }
+  void Close() override { open = false; }
+  uint64_t bytes_up() const override { return 0; }
+  uint64_t bytes_down() const override { return 0; }
+
+  std::atomic<bool> reachable = true;
+  bool acknowledge = true;
+  bool open = false;
+  std::vector<SessionRequest> requests;
+  std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;
+
+ private:
+  UplinkListener* listener_ = nullptr;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MEMORY_TESTING_FAKE_UPLINK_H_

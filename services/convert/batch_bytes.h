@@ -1,0 +1,23 @@
+// Map update batches as bytes that stand for themselves: for files, where no earlier message of a
+// stream is there to look cameras up in.
+#ifndef CORBSLAM_SERVICES_CONVERT_BATCH_BYTES_H_
+#define CORBSLAM_SERVICES_CONVERT_BATCH_BYTES_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "slam/exchange/map_update.h"
+
+namespace corbslam {
+
+// One serialised v1::MapUpdateBatch, rounded as on the wire; features are rounded once only,
+// however often they pass.
+std::string EncodeBatch(const MapUpdateBatch& batch);
+
+// INVALID_ARGUMENT where the bytes are no batch, or one that the wire's rules forbid.
+absl::StatusOr<MapUpdateBatch> DecodeBatch(absl::string_view bytes);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CONVERT_BATCH_BYTES_H_

@@ -1,0 +1,62 @@
+// Decides about calls: who calls, by certificate or token, and whether the policy allows it.
+#ifndef CORBSLAM_SERVICES_SECURITY_ACCESS_CONTROL_H_
+#define CORBSLAM_SERVICES_SECURITY_ACCESS_CONTROL_H_
+
+#include <grpcpp/security/auth_metadata_processor.h>
+#include <grpcpp/server_context.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "services/security/identity.h"
+#include "services/security/policy.h"
+#include "services/security/token.h"
+
+namespace corbslam {
+
+// What a caller shows.
+struct Evidence {
+  std::vector<std::string> uris;  // Of a certificate that TLS has verified.
+  std::optional<std::string> authorization;
+};
+Evidence EvidenceOf(const grpc::CallbackServerContext& context);
+
+struct AccessControlOptions {
+  // None: tokens are refused.
+  std::optional<TokenVerifier> tokens;
+  // Health is told to callers without an identity, too.
+  bool health_is_open = true;
+  // The mission of all that this server tells (an agent's own service). None: requests name it.
+  std::optional<std::string> mission;
+};
+
+// Immutable, thread-safe.
+class AccessControl {
+ public:
+  explicit AccessControl(const AccessControlOptions& options) : options_(options) {}
+
+  // A token, if one is shown, counts instead of the certificate: a bad one is never made up for by
+  // a good certificate. UNAUTHENTICATED where neither is shown.
+  absl::StatusOr<Identity> Identify(const Evidence& evidence, absl::Time now) const;
+
+  // Before a call's request is read: whether the caller may call this method at all.
+  absl::Status CheckMethod(absl::string_view path, const Evidence& evidence, absl::Time now) const;
+  // Once the request has named the mission.
+  absl::Status Check(const Access& access, const Evidence& evidence, absl::Time now) const;
+
+ private:
+  const AccessControlOptions options_;
+};
+
+// Asks `access` about every call before its handler runs, those of gRPC's own services included.
+std::shared_ptr<grpc::AuthMetadataProcessor> MakeCallGate(
+    std::shared_ptr<const AccessControl> access);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_SECURITY_ACCESS_CONTROL_H_

@@ -1,0 +1,120 @@
+#include "services/security/access_control.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "absl/strings/str_cat.h"
+#include "services/security/testing/token_keys.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+const absl::Time kNow = absl::FromUnixSeconds(1'800'000'000);
+constexpr char kHealth[] = "/grpc.health.v1.Health/Check";
+constexpr char kGetMission[] = "/corbslam.v1.MapStore/GetMission";
+constexpr char kDelete[] = "/corbslam.v1.MapStore/DeleteMission";
+constexpr char kFuse[] = "/corbslam.v1.FusionWorker/FuseMaps";
+
+const test_data::TokenKeys& Keys() {
+  static const auto& keys = *new test_data::TokenKeys(test_data::MakeTokenKeys());
+  return keys;
+}
+
+Evidence Certificate(const std::string& grant) { return {{absl::StrCat("corbslam:", grant)}, {}}; }
+
+std::string Bearer(const std::string& grant, absl::Duration lifetime = absl::Hours(1)) {
+  const auto token = SignToken({{*ParseGrant(grant)}, kNow + lifetime}, Keys().private_pem);
+  EXPECT_TRUE(token.ok()) << token.status();
+  return absl::StrCat("Bearer ", token.value_or(""));
+}
+
+AccessControl Make(bool health_is_open = true, const std::optional<std::string>& mission = {}) {
+  AccessControlOptions options;
+  options.health_is_open = health_is_open;
+  options.mission = mission;
+  options.tokens = *TokenVerifier::FromPem(Keys().public_pem);
+  return AccessControl(options);
+}
+
+TEST(AccessControlTest, DecidesByMethodAndIdentity) {
+  const AccessControl access = Make();
+  const absl::StatusCode kOk = absl::StatusCode::kOk;
+  const absl::StatusCode kDenied = absl::StatusCode::kPermissionDenied;
+  const absl::StatusCode kNobody = absl::StatusCode::kUnauthenticated;
+  struct {
+    const char* path;
+    Evidence evidence;
+    absl::StatusCode expected;
+  } const rows[] = {
+      {kHealth, {}, kOk},
+      {kGetMission, {}, kNobody},
+      {kGetMission, {{"https://example.org"}, {}}, kNobody},
+      {kGetMission, Certificate("missions/lab/viewers/eve"), kOk},
+      {kGetMission, Certificate("stores/main"), kDenied},
+      {kDelete, Certificate("missions/lab/viewers/eve"), kDenied},
+      {kDelete, Certificate("missions/lab/operators/olga"), kOk},
+      {kFuse, Certificate("missions/-/operators/olga"), kDenied},
+      {kFuse, Certificate("stores/main"), kOk},
+      {"/corbslam.v1.MapStore/DropEverything", Certificate("missions/-/operators/olga"), kDenied},
+      {"", Certificate("missions/-/operators/olga"), kDenied},
+      {kGetMission, {{}, Bearer("missions/lab/viewers/eve")}, kOk},
+      {kGetMission, {{}, Bearer("missions/lab/viewers/eve", -absl::Seconds(1))}, kNobody},
+      {kGetMission, {{}, "Basic abc"}, kNobody},
+      {kGetMission, {{}, "Bearer "}, kNobody},
+      {kDelete, {{}, Bearer("missions/lab/viewers/eve")}, kDenied},
+  };
+  for (const auto& [path, evidence, expected] : rows) {
+    const absl::Status status = access.CheckMethod(path, evidence, kNow);
+    EXPECT_EQ(status.code(), expected) << path << " " << status;
+  }
+}
+
+TEST(AccessControlTest, DecidesByMission) {
+  const AccessControl access = Make();
+  const Evidence eve = Certificate("missions/lab/viewers/eve");
+  EXPECT_TRUE(access.Check({Action::kLook, "lab", {}}, eve, kNow).ok());
+  EXPECT_EQ(access.Check({Action::kLook, "field", {}}, eve, kNow).code(),
+            absl::StatusCode::kPermissionDenied);
+  EXPECT_EQ(access.Check({Action::kLook, "lab", {}}, {}, kNow).code(),
+            absl::StatusCode::kUnauthenticated);
+}
+
+// A robot that shows an operator's token is that operator; one that shows a bad one is nobody, and
+// not what its certificate says.
+TEST(AccessControlTest, ATokenCountsInsteadOfTheCertificate) {
+  const AccessControl access = Make();
+  Evidence both = Certificate("missions/lab/agents/alpha");
+  both.authorization = Bearer("missions/lab/operators/olga");
+  EXPECT_TRUE(access.Check({Action::kAdminister, "lab", {}}, both, kNow).ok());
+  EXPECT_FALSE(access.Check({Action::kUpload, "lab", "alpha"}, both, kNow).ok());
+  both.authorization = Bearer("missions/lab/agents/alpha", -absl::Hours(1));
+  EXPECT_EQ(access.Check({Action::kUpload, "lab", "alpha"}, both, kNow).code(),
+            absl::StatusCode::kUnauthenticated);
+}
+
+TEST(AccessControlTest, TokensAreRefusedWhereNoKeyIsKnown) {
+  const AccessControl access((AccessControlOptions()));
+  const absl::Status status =
+      access.CheckMethod(kGetMission, {{}, Bearer("missions/-/operators/olga")}, kNow);
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnauthenticated);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("--token-key"));
+}
+
+TEST(AccessControlTest, ClosedHealthIsForEverybodyWithAnIdentity) {
+  const AccessControl access = Make(/*health_is_open=*/false);
+  EXPECT_EQ(access.CheckMethod(kHealth, {}, kNow).code(), absl::StatusCode::kUnauthenticated);
+  EXPECT_TRUE(access.CheckMethod(kHealth, Certificate("workers/one"), kNow).ok());
+}
+
+TEST(AccessControlTest, AServerOfOneMissionLetsNoOtherIn) {
+  const AccessControl access = Make(/*health_is_open=*/true, "lab");
+  constexpr char kWatch[] = "/corbslam.v1.Agent/WatchPose";
+  EXPECT_TRUE(access.CheckMethod(kWatch, Certificate("missions/lab/viewers/eve"), kNow).ok());
+  EXPECT_EQ(access.CheckMethod(kWatch, Certificate("missions/field/viewers/eve"), kNow).code(),
+            absl::StatusCode::kPermissionDenied);
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,20 @@
+// The flags of SecurityOptions: the same in every program.
+#ifndef CORBSLAM_SERVICES_SECURITY_FLAGS_H_
+#define CORBSLAM_SERVICES_SECURITY_FLAGS_H_
+
+#include <CLI/CLI.hpp>
+
+#include "services/security/security_options.h"
+
+namespace corbslam {
+
+// --insecure, --tls-cert, --tls-key, --tls-ca. The options outlive the parsing.
+void AddTlsFlags(CLI::App& app, SecurityOptions& options);
+// --token-key, --reflection, --health.
+void AddServerFlags(CLI::App& app, SecurityOptions& options);
+// --token-file.
+void AddClientFlags(CLI::App& app, SecurityOptions& options);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_SECURITY_FLAGS_H_

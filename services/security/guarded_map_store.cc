@@ -1,0 +1,148 @@
+#include "services/security/guarded_map_store.h"
+
+#include <vector>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/time/clock.h"
+#include "services/convert/resource_names.h"
+#include "services/convert/status.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+absl::StatusOr<std::string> MissionOf(absl::string_view name) {
+  const std::vector<absl::string_view> parts = absl::StrSplit(name, '/');
+  if (parts.size() < 2 || parts[0] != "missions") {
+    return absl::InvalidArgumentError(absl::StrCat("name is \"",
+                                                   absl::CHexEscape(name.substr(0, 200)),
+                                                   "\", must begin with missions/{mission}"));
+  }
+  RETURN_IF_ERROR(CheckNameSegment("mission", parts[1]));
+  return std::string(parts[1]);
+}
+
+grpc::ServerUnaryReactor* Refuse(grpc::CallbackServerContext* context, const absl::Status& why) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(ToGrpcStatus(why));
+  return reactor;
+}
+
+// Owns itself.
+template <typename Response>
+class RefusedStream : public grpc::ServerWriteReactor<Response> {
+ public:
+  explicit RefusedStream(const absl::Status& why) { this->Finish(ToGrpcStatus(why)); }
+  void OnDone() override { delete this; }
+};
+
+}  // namespace
+
+SessionCheck MakeSessionCheck(std::shared_ptr<const AccessControl> access) {
+  if (access == nullptr) return nullptr;
+  return [access = std::move(access)](const grpc::CallbackServerContext& context,
+                                      const std::string& mission, const std::string& agent) {
+    return access->Check({Action::kUpload, mission, agent}, EvidenceOf(context), absl::Now());
+  };
+}
+
+absl::Status GuardedMapStore::Check(const grpc::CallbackServerContext& context, Action action,
+                                    absl::string_view name) const {
+  if (access_ == nullptr) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const std::string mission, MissionOf(name));
+  return access_->Check({action, mission, std::nullopt}, EvidenceOf(context), absl::Now());
+}
+
+// The session's first message names mission and agent: see MakeSessionCheck.
+grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* GuardedMapStore::Sync(
+    grpc::CallbackServerContext* context) {
+  return service_.Sync(context);
+}
+
+// All that it needs is in the method itself, which the call gate has looked at.
+grpc::ServerUnaryReactor* GuardedMapStore::ListMissions(grpc::CallbackServerContext* context,
+                                                        const v1::ListMissionsRequest* request,
+                                                        v1::ListMissionsResponse* response) {
+  return service_.ListMissions(context, request, response);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::GetMission(grpc::CallbackServerContext* context,
+                                                      const v1::GetMissionRequest* request,
+                                                      v1::Mission* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->name());
+  return status.ok() ? service_.GetMission(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::DeleteMission(grpc::CallbackServerContext* context,
+                                                         const v1::DeleteMissionRequest* request,
+                                                         v1::DeleteMissionResponse* response) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->name());
+  return status.ok() ? service_.DeleteMission(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::ListAgents(grpc::CallbackServerContext* context,
+                                                      const v1::ListAgentsRequest* request,
+                                                      v1::ListAgentsResponse* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->parent());
+  return status.ok() ? service_.ListAgents(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::ListLocalMaps(grpc::CallbackServerContext* context,
+                                                         const v1::ListLocalMapsRequest* request,
+                                                         v1::ListLocalMapsResponse* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->parent());
+  return status.ok() ? service_.ListLocalMaps(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::GetLocalMap(grpc::CallbackServerContext* context,
+                                                       const v1::GetLocalMapRequest* request,
+                                                       v1::LocalMap* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->name());
+  return status.ok() ? service_.GetLocalMap(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::ListKeyframes(grpc::CallbackServerContext* context,
+                                                         const v1::ListKeyframesRequest* request,
+                                                         v1::ListKeyframesResponse* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->parent());
+  return status.ok() ? service_.ListKeyframes(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::GetKeyframe(grpc::CallbackServerContext* context,
+                                                       const v1::GetKeyframeRequest* request,
+                                                       v1::Keyframe* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->name());
+  return status.ok() ? service_.GetKeyframe(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::GetStatistics(grpc::CallbackServerContext* context,
+                                                         const v1::GetStatisticsRequest* request,
+                                                         v1::GetStatisticsResponse* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->mission());
+  return status.ok() ? service_.GetStatistics(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::ListOverlaps(grpc::CallbackServerContext* context,
+                                                        const v1::ListOverlapsRequest* request,
+                                                        v1::ListOverlapsResponse* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->parent());
+  return status.ok() ? service_.ListOverlaps(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerWriteReactor<v1::WatchMapResponse>* GuardedMapStore::WatchMap(
+    grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) {
+  const absl::Status status = Check(*context, Action::kLook, request->mission());
+  if (!status.ok()) return new RefusedStream<v1::WatchMapResponse>(status);
+  return service_.WatchMap(context, request);
+}
+
+grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* GuardedMapStore::GetTrajectory(
+    grpc::CallbackServerContext* context, const v1::GetTrajectoryRequest* request) {
+  const absl::Status status = Check(*context, Action::kLook, request->name());
+  if (!status.ok()) return new RefusedStream<v1::GetTrajectoryResponse>(status);
+  return service_.GetTrajectory(context, request);
+}
+
+}  // namespace corbslam

@@ -1,0 +1,74 @@
+// A map store's service behind an access control that knows which mission each request is about.
+#ifndef CORBSLAM_SERVICES_SECURITY_GUARDED_MAP_STORE_H_
+#define CORBSLAM_SERVICES_SECURITY_GUARDED_MAP_STORE_H_
+
+#include <memory>
+
+#include "absl/strings/string_view.h"
+#include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/security/access_control.h"
+
+namespace corbslam {
+
+// For MapStoreServiceOptions: an agent opens sessions as itself only. Null access: anybody may.
+SessionCheck MakeSessionCheck(std::shared_ptr<const AccessControl> access);
+
+// Thread-safe. `service` is not owned and must outlive it. A method that it does not hand on is
+// UNIMPLEMENTED, so that a new one is closed until somebody says who may call it. Null access:
+// everybody may do everything.
+class GuardedMapStore : public v1::MapStore::CallbackService {
+ public:
+  GuardedMapStore(v1::MapStore::CallbackService* service,
+                  std::shared_ptr<const AccessControl> access)
+      : service_(*service), access_(std::move(access)) {}
+
+  grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* Sync(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerWriteReactor<v1::WatchMapResponse>* WatchMap(
+      grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) override;
+  grpc::ServerUnaryReactor* ListMissions(grpc::CallbackServerContext* context,
+                                         const v1::ListMissionsRequest* request,
+                                         v1::ListMissionsResponse* response) override;
+  grpc::ServerUnaryReactor* GetMission(grpc::CallbackServerContext* context,
+                                       const v1::GetMissionRequest* request,
+                                       v1::Mission* response) override;
+  grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
+                                          const v1::DeleteMissionRequest* request,
+                                          v1::DeleteMissionResponse* response) override;
+  grpc::ServerUnaryReactor* ListAgents(grpc::CallbackServerContext* context,
+                                       const v1::ListAgentsRequest* request,
+                                       v1::ListAgentsResponse* response) override;
+  grpc::ServerUnaryReactor* ListLocalMaps(grpc::CallbackServerContext* context,
+                                          const v1::ListLocalMapsRequest* request,
+                                          v1::ListLocalMapsResponse* response) override;
+  grpc::ServerUnaryReactor* GetLocalMap(grpc::CallbackServerContext* context,
+                                        const v1::GetLocalMapRequest* request,
+                                        v1::LocalMap* response) override;
+  grpc::ServerUnaryReactor* ListKeyframes(grpc::CallbackServerContext* context,
+                                          const v1::ListKeyframesRequest* request,
+                                          v1::ListKeyframesResponse* response) override;
+  grpc::ServerUnaryReactor* GetKeyframe(grpc::CallbackServerContext* context,
+                                        const v1::GetKeyframeRequest* request,
+                                        v1::Keyframe* response) override;
+  grpc::ServerUnaryReactor* GetStatistics(grpc::CallbackServerContext* context,
+                                          const v1::GetStatisticsRequest* request,
+                                          v1::GetStatisticsResponse* response) override;
+  grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* GetTrajectory(
+      grpc::CallbackServerContext* context, const v1::GetTrajectoryRequest* request) override;
+  grpc::ServerUnaryReactor* ListOverlaps(grpc::CallbackServerContext* context,
+                                         const v1::ListOverlapsRequest* request,
+                                         v1::ListOverlapsResponse* response) override;
+
+ private:
+  // Of a resource's name, which begins with its mission's.
+  absl::Status Check(const grpc::CallbackServerContext& context, Action action,
+                     absl::string_view name) const;
+
+  v1::MapStore::CallbackService& service_;
+  const std::shared_ptr<const AccessControl> access_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_SECURITY_GUARDED_MAP_STORE_H_

@@ -1,0 +1,88 @@
+#include "services/security/pem_files.h"
+
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+
+#include <fstream>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr size_t kMaxFileBytes = 1 << 20;
+
+using BioPtr = std::unique_ptr<BIO, decltype(&BIO_free)>;
+using CertificatePtr = std::unique_ptr<X509, decltype(&X509_free)>;
+using KeyPtr = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
+
+BioPtr ReadFrom(const std::string& pem) {
+  return {BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free};
+}
+
+// A key behind a passphrase is refused, not asked for at the terminal.
+int NoPassphrase(char*, int, int, void*) { return 0; }
+
+CertificatePtr ParseCertificate(const std::string& pem) {
+  const BioPtr bio = ReadFrom(pem);
+  CertificatePtr certificate(PEM_read_bio_X509(bio.get(), nullptr, NoPassphrase, nullptr),
+                             X509_free);
+  ERR_clear_error();
+  return certificate;
+}
+
+KeyPtr ParseKey(const std::string& pem) {
+  const BioPtr bio = ReadFrom(pem);
+  KeyPtr key(PEM_read_bio_PrivateKey(bio.get(), nullptr, NoPassphrase, nullptr), EVP_PKEY_free);
+  ERR_clear_error();
+  return key;
+}
+
+absl::Status Bad(absl::string_view flag, const std::string& path, absl::string_view why) {
+  return absl::InvalidArgumentError(absl::StrCat(flag, " ", path, " ", why));
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> ReadSecurityFile(absl::string_view flag, const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kMaxFileBytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.gcount() <= 0) return Bad(flag, path, "can't be read or is empty");
+  text.resize(static_cast<size_t>(file.gcount()));
+  if (text.size() > kMaxFileBytes) return Bad(flag, path, "is longer than 1 MiB");
+  return text;
+}
+
+absl::StatusOr<KeyPair> ReadKeyPair(const std::string& certificate_path,
+                                    const std::string& key_path) {
+  KeyPair pair;
+  ASSIGN_OR_RETURN(pair.certificate_pem, ReadSecurityFile("--tls-cert", certificate_path));
+  ASSIGN_OR_RETURN(pair.key_pem, ReadSecurityFile("--tls-key", key_path));
+  const CertificatePtr certificate = ParseCertificate(pair.certificate_pem);
+  if (certificate == nullptr) return Bad("--tls-cert", certificate_path, "holds no certificate");
+  const KeyPtr key = ParseKey(pair.key_pem);
+  if (key == nullptr) {
+    return Bad("--tls-key", key_path, "holds no private key that needs no passphrase");
+  }
+  const bool match = X509_check_private_key(certificate.get(), key.get()) == 1;
+  ERR_clear_error();
+  if (!match) {
+    return Bad("--tls-key", key_path, absl::StrCat("does not belong to ", certificate_path));
+  }
+  if (X509_cmp_current_time(X509_get0_notAfter(certificate.get())) <= 0) {
+    return Bad("--tls-cert", certificate_path, "has expired");
+  }
+  return pair;
+}
+
+absl::StatusOr<std::string> ReadAuthorities(const std::string& path) {
+  ASSIGN_OR_RETURN(std::string pem, ReadSecurityFile("--tls-ca", path));
+  if (ParseCertificate(pem) != nullptr) return pem;
+  return Bad("--tls-ca", path, "holds no certificate");
+}
+
+}  // namespace corbslam

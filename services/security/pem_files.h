@@ -1,0 +1,27 @@
+// Reads certificates and keys, and finds out what is wrong with them before a handshake does.
+#ifndef CORBSLAM_SERVICES_SECURITY_PEM_FILES_H_
+#define CORBSLAM_SERVICES_SECURITY_PEM_FILES_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+
+namespace corbslam {
+
+// A file of at most 1 MiB. INVALID_ARGUMENT names the flag and the file.
+absl::StatusOr<std::string> ReadSecurityFile(absl::string_view flag, const std::string& path);
+
+struct KeyPair {
+  std::string certificate_pem;
+  std::string key_pem;
+};
+// A certificate and the key that belongs to it.
+absl::StatusOr<KeyPair> ReadKeyPair(const std::string& certificate_path,
+                                    const std::string& key_path);
+// One or more certificates.
+absl::StatusOr<std::string> ReadAuthorities(const std::string& path);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_SECURITY_PEM_FILES_H_

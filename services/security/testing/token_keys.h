@@ -1,0 +1,19 @@
+// Fresh token keys for tests.
+#ifndef CORBSLAM_SERVICES_SECURITY_TESTING_TOKEN_KEYS_H_
+#define CORBSLAM_SERVICES_SECURITY_TESTING_TOKEN_KEYS_H_
+
+#include <string>
+
+namespace corbslam::test_data {
+
+struct TokenKeys {
+  std::string private_pem;
+  std::string public_pem;
+};
+
+// `type` as OpenSSL calls it.
+TokenKeys MakeTokenKeys(const char* type = "ED25519");
+
+}  // namespace corbslam::test_data
+
+#endif  // CORBSLAM_SERVICES_SECURITY_TESTING_TOKEN_KEYS_H_
