@@ -1,0 +1,141 @@
+// Real processes: a map store that is killed again and again while robots stream to it.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "services/corbslam/child_process.h"
+#include "services/corbslam/store_reader.h"
+#include "services/remote/channel.h"
+#include "tests/integration/mission_fixture.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr char kMission[] = "killed";
+
+// CORBSLAM_KILLS: how often the store is killed at most; more need more laps of the robots.
+int KillsWanted() {
+  int kills = 6;
+  const char* text = std::getenv("CORBSLAM_KILLS");
+  if (text != nullptr) EXPECT_TRUE(absl::SimpleAtoi(text, &kills)) << text;
+  return kills;
+}
+
+class KilledStoreTest : public ::testing::Test {
+ protected:
+  KilledStoreTest() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+
+  std::unique_ptr<ChildProcess> Start(const std::string& name, const std::string& program,
+                                      std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
+    const std::string log = (folder_ / absl::StrCat(name, ".log")).string();
+    auto process = ChildProcess::Start(name, arguments, log);
+    EXPECT_TRUE(process.ok()) << process.status();
+    return process.ok() ? *std::move(process) : nullptr;
+  }
+
+  // On the address of the one before it, if there was one.
+  void StartStore() {
+    const std::string listen = address_.empty() ? "127.0.0.1:0" : address_;
+    const std::string name = absl::StrCat("store", starts_++);
+    store_ = Start(name, "map_store",
+                   {"--listen", listen, "--worker", worker_address_, "--data-dir",
+                    (folder_ / "data").string(), "--insecure"});
+    ASSERT_NE(store_, nullptr);
+    const auto address = store_->WaitForAddress(absl::Seconds(60));
+    ASSERT_TRUE(address.ok()) << address.status();
+    address_ = *address;
+  }
+
+  void StartAgent(const std::string& name, const std::string& options) {
+    agents_.emplace_back(
+        name, Start(name, "client_agent",
+                    {"--source", absl::StrCat(DemoSource(), "?", options), "--server", address_,
+                     "--mission", kMission, "--agent", name, "--pace", "sensor", "--stats",
+                     StatisticsOf(name), "--insecure"}));
+  }
+  std::string StatisticsOf(const std::string& name) const {
+    return (folder_ / absl::StrCat(name, ".json")).string();
+  }
+
+  bool AllFinished() const {
+    for (const auto& [name, process] : agents_) {
+      if (!process->end().has_value()) return false;
+    }
+    return true;
+  }
+
+  const fs::path folder_ = fs::path(::testing::TempDir()) / "corbslam_killed_store";
+  std::unique_ptr<ChildProcess> worker_;
+  std::string worker_address_;
+  std::unique_ptr<ChildProcess> store_;
+  std::string address_;
+  int starts_ = 0;
+  std::vector<std::pair<std::string, std::unique_ptr<ChildProcess>>> agents_;
+};
+
+TEST_F(KilledStoreTest, EveryKeyframeIsThereOnce) {
+  worker_ = Start("worker", "fusion_worker", {"--listen", "127.0.0.1:0", "--insecure"});
+  ASSERT_NE(worker_, nullptr);
+  const auto worker_address = worker_->WaitForAddress(absl::Seconds(60));
+  ASSERT_TRUE(worker_address.ok()) << worker_address.status();
+  worker_address_ = *worker_address;
+  StartStore();
+  StartAgent("alpha", "robot=1/2");
+  StartAgent("bravo", "robot=2/2");
+  StartAgent("charlie", "robot=1/2&reverse=1");
+  StartAgent("delta", "robot=2/2&reverse=1");
+
+  std::mt19937 random(1);
+  int kills = 0;
+  while (kills < KillsWanted() && !AllFinished()) {
+    absl::SleepFor(absl::Milliseconds(std::uniform_int_distribution<int>(100, 1500)(random)));
+    store_->Stop(absl::ZeroDuration());  // SIGKILL.
+    ++kills;
+    StartStore();
+  }
+  EXPECT_GE(kills, 3) << "the robots were too fast for the test";
+  for (const auto& [name, process] : agents_) {
+    ASSERT_TRUE(process->WaitForEnd(absl::Seconds(180))) << name;
+    EXPECT_TRUE(process->EndStatus().ok()) << process->EndStatus();
+  }
+
+  const auto channel = ConnectToStore(address_, grpc::InsecureChannelCredentials());
+  ASSERT_TRUE(channel.ok()) << channel.status();
+  StoreReader reader(*channel, kMission);
+  ASSERT_TRUE(reader.WaitUntilFused(absl::Seconds(300)).ok());
+  uint64_t keyframes = 0;
+  const auto frames = reader.CountReportedFrames();
+  ASSERT_TRUE(frames.ok()) << frames.status();
+  for (const auto& [name, process] : agents_) {
+    const json own = json::parse(ReadText(StatisticsOf(name)), nullptr, false);
+    ASSERT_TRUE(own.is_object()) << name;
+    keyframes += own["keyframes"].get<uint64_t>();
+    // Each frame once: more would be twice applied, fewer lost.
+    EXPECT_EQ(frames->at(name), own["tracked"].get<uint64_t>() + own["lost"].get<uint64_t>())
+        << name;
+  }
+  const auto statistics = reader.Statistics();
+  ASSERT_TRUE(statistics.ok()) << statistics.status();
+  EXPECT_EQ(statistics->mission().keyframes(), keyframes);
+}
+
+}  // namespace
+}  // namespace corbslam
