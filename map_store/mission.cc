@@ -5,6 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/batch_validation.h"
 #include "map_store/map_store.h"
+#include "map_store/parked_references.h"
+#include "map_store/quota.h"
 #include "map_store/sharing.h"
 #include "slam/util/status_macros.h"
 
@@ -65,6 +67,9 @@ absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
         return absl::PermissionDeniedError(
             absl::StrCat("local map ", ToString(id), " is another agent's"));
       }
+      if (LocalMapState* own = state_.FindLocalMap(id); own != nullptr) {
+        ExpireParked(environment_.clock(), *environment_.options, *own);
+      }
       grant.acknowledged.push_back({id, local_map == nullptr ? 0 : local_map->last_batch});
     }
     const size_t agents = state_.agents.size();
@@ -112,7 +117,9 @@ absl::Status Mission::CheckBatch(uint64_t session_id, const std::string& agent,
     return absl::ResourceExhaustedError(absl::StrCat(
         "mission ", name_, " has ", state_.local_maps.size(), " local maps; that is the limit"));
   }
-  return CheckNumber(local_map, batch, known);
+  RETURN_IF_ERROR(CheckNumber(local_map, batch, known));
+  return known.has_value() ? absl::OkStatus()
+                           : CheckQuota(state_, agent, batch, *environment_.options);
 }
 
 BatchWords Mission::ComputeWords(const MapUpdateBatch& batch) const {
@@ -153,6 +160,7 @@ absl::StatusOr<Acknowledgement> Mission::Apply(uint64_t session_id, const std::s
     LocalMapState* local_map = state_.FindLocalMap(batch.local_map);
     if (local_map == nullptr) local_map = &AddLocalMap(state_, batch.local_map, agent);
     ApplyBatch(batch, words, *environment_.options, state_, *local_map);
+    ExpireParked(environment_.clock(), *environment_.options, *local_map);
     CountTransfer(batch, measured, absl::ToDoubleMilliseconds(environment_.clock() - begin));
   }
   environment_.wake_fusion();
