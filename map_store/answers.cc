@@ -75,7 +75,7 @@ LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& lo
   info.map_points = local_map.map.points().size();
   info.tracked_frames = local_map.frames.size();
   info.lost_frames = local_map.lost_frames_ns.size();
-  info.parked_references = local_map.parked.size();
+  info.parked_references = local_map.CountParked();
   return info;
 }
 

@@ -2,10 +2,11 @@
 
 #include <set>
 #include <utility>
-#include <variant>
 
 #include "map_store/graph_changes.h"
 #include "map_store/local_motion.h"
+#include "map_store/parked_references.h"
+#include "map_store/quota.h"
 #include "map_store/settling.h"
 
 namespace corbslam::map_store {
@@ -56,30 +57,6 @@ void AddPoint(const FullMapPoint& full, LocalMapState& local_map) {
   local_map.map.AddPoint(std::move(point));
 }
 
-bool TryParked(const ParkedReference& reference, MissionState& state, LocalMapState& local_map) {
-  if (const auto* change = std::get_if<ObservationChange>(&reference)) {
-    return ApplyObservation(state, *change, local_map);
-  }
-  if (const auto* edge = std::get_if<LoopEdge>(&reference)) {
-    return ApplyLoopEdge(*edge, state, local_map);
-  }
-  const auto& parent = std::get<ParkedParent>(reference);
-  return ApplyParent(parent.child, parent.parent, local_map);
-}
-
-void RetryParked(MissionState& state, LocalMapState& local_map) {
-  std::deque<ParkedReference> waiting;
-  waiting.swap(local_map.parked);
-  for (ParkedReference& reference : waiting) {
-    if (!TryParked(reference, state, local_map)) local_map.parked.push_back(std::move(reference));
-  }
-}
-
-void TakeParent(KeyframeId child, KeyframeId parent, LocalMapState& local_map) {
-  if (ApplyParent(child, parent, local_map)) return;
-  local_map.parked.push_back(ParkedParent{child, parent});
-}
-
 void AddFullItems(const MapUpdateBatch& batch, const BatchWords& words, MissionState& state,
                   LocalMapState& local_map) {
   AddCameras(batch, local_map);
@@ -113,7 +90,7 @@ void ChangeGraph(const MapUpdateBatch& batch, MissionState& state, LocalMapState
     ApplyReplacement(replacement, state, local_map);
   }
   for (const ObservationChange& change : batch.observations) {
-    if (!ApplyObservation(state, change, local_map)) local_map.parked.push_back(change);
+    if (!ApplyObservation(state, change, local_map)) Park(change, local_map);
   }
   for (const MapPointId& point : batch.removed_points) {
     ApplyPointRemoval(point, state, local_map);
@@ -122,7 +99,7 @@ void ChangeGraph(const MapUpdateBatch& batch, MissionState& state, LocalMapState
     ApplyKeyframeRemoval(removal, state, local_map);
   }
   for (const LoopEdge& edge : batch.loop_edges) {
-    if (!ApplyLoopEdge(edge, state, local_map)) local_map.parked.push_back(edge);
+    if (!ApplyLoopEdge(edge, state, local_map)) Park(edge, local_map);
   }
 }
 
@@ -139,6 +116,7 @@ void ApplyBatch(const MapUpdateBatch& batch, const BatchWords& words,
                                   batch.lost_frames_ns.end());
   local_map.closed = local_map.closed || batch.closes_local_map;
   local_map.last_batch = batch.number;
+  local_map.stored_bytes += StoredBytes(batch);
   for (const LightKeyframe& light : batch.light_keyframes) {
     NoteLocalMotion(light.id, options.local_motion_px, state, local_map);
   }

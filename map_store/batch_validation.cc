@@ -1,7 +1,6 @@
 #include "map_store/batch_validation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -9,48 +8,11 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "map_store/item_validation.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
-
-// Positions beyond this are no place on earth; squares of it are far from overflow.
-constexpr double kMaxCoordinate = 1e8;
-constexpr double kUnitNormTolerance = 1e-3;
-
-bool IsPosition(const Eigen::Vector3d& position) {
-  return position.allFinite() && position.cwiseAbs().maxCoeff() <= kMaxCoordinate;
-}
-
-bool IsRotation(const Eigen::Quaterniond& rotation) {
-  return rotation.coeffs().allFinite() && std::abs(rotation.norm() - 1) <= kUnitNormTolerance;
-}
-
-bool IsPose(const Rigid3d& pose) {
-  return IsRotation(pose.rotation) && IsPosition(pose.translation);
-}
-
-template <typename Id>
-absl::Status BadValue(absl::string_view what, Id id, absl::string_view field) {
-  return absl::InvalidArgumentError(absl::StrCat(what, " ", ToString(id), ": ", field,
-                                                 " is not finite, not of unit length or beyond ",
-                                                 kMaxCoordinate));
-}
-
-// The id must be valid and of the batch's own local map.
-template <typename Id>
-absl::Status ValidateOwn(absl::string_view what, Id id, LocalMapId own) {
-  if (!id.IsValid()) return absl::InvalidArgumentError(absl::StrCat(what, ": no id"));
-  if (id.local_map == own) return absl::OkStatus();
-  return absl::PermissionDeniedError(
-      absl::StrCat(what, " ", ToString(id), " is not of the batch's local map ", ToString(own)));
-}
-
-template <typename Id>
-absl::Status ValidateAny(absl::string_view what, Id id) {
-  if (id.IsValid()) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(what, ": no id"));
-}
 
 absl::Status ValidateCount(const MapUpdateBatch& batch, const MapStoreOptions& options) {
   const size_t items =
@@ -64,15 +26,15 @@ absl::Status ValidateCount(const MapUpdateBatch& batch, const MapStoreOptions& o
                                                    options.max_items_per_batch));
 }
 
-absl::Status ValidateCameras(const LocalMapState* local_map, const MapUpdateBatch& batch) {
-  constexpr size_t kMaxCameras = 16;
+absl::Status ValidateCameras(const LocalMapState* local_map, const MapUpdateBatch& batch,
+                             const MapStoreOptions& options) {
   const size_t known = local_map == nullptr ? 0 : local_map->cameras.size();
   if (batch.cameras.empty()) return absl::OkStatus();
   if (batch.first_camera_index > known ||
-      batch.first_camera_index + batch.cameras.size() > kMaxCameras) {
+      batch.first_camera_index + batch.cameras.size() > options.max_cameras_per_local_map) {
     return absl::InvalidArgumentError(absl::StrCat("cameras from index ", batch.first_camera_index,
                                                    ": ", known, " are known, the limit is ",
-                                                   kMaxCameras));
+                                                   options.max_cameras_per_local_map));
   }
   for (size_t i = 0; i < batch.cameras.size(); ++i) {
     const size_t index = batch.first_camera_index + i;
@@ -98,88 +60,48 @@ const Camera* FindCamera(const LocalMapState* local_map, const MapUpdateBatch& b
   return offset < batch.cameras.size() ? batch.cameras[offset].get() : nullptr;
 }
 
-absl::Status ValidateFeatures(const KeyframePayload& payload, const MapStoreOptions& options) {
-  const Features& features = payload.features;
-  const size_t count = features.keypoints.size();
-  if (count > options.max_keypoints_per_keyframe) {
-    return absl::ResourceExhaustedError(absl::StrCat("keyframe ", ToString(payload.id), " has ",
-                                                     count, " keypoints; the limit is ",
-                                                     options.max_keypoints_per_keyframe));
-  }
-  if (features.descriptors.size() != count) {
-    return absl::InvalidArgumentError(absl::StrCat("keyframe ", ToString(payload.id), " has ",
-                                                   count, " keypoints but ",
-                                                   features.descriptors.size(), " descriptors"));
-  }
-  for (const Keypoint& keypoint : features.keypoints) {
-    const bool finite = std::isfinite(keypoint.x_px) && std::isfinite(keypoint.y_px) &&
-                        std::isfinite(keypoint.disparity_px) && std::isfinite(keypoint.angle_rad);
-    if (!finite || keypoint.octave >= ScalePyramid::kLevels) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("keyframe ", ToString(payload.id),
-                       " has a keypoint that is not finite or of octave ", keypoint.octave));
-    }
-  }
-  return absl::OkStatus();
-}
-
-absl::Status ValidateFullKeyframe(const LocalMapState* local_map, const MapUpdateBatch& batch,
-                                  const FullKeyframe& keyframe, const MapStoreOptions& options) {
-  if (keyframe.payload == nullptr) {
-    return absl::InvalidArgumentError("full keyframe without payload");
-  }
-  const KeyframePayload& payload = *keyframe.payload;
-  RETURN_IF_ERROR(ValidateOwn("full keyframe", payload.id, batch.local_map));
-  if (!IsPose(keyframe.camera_from_local)) return BadValue("keyframe", payload.id, "pose");
-  if (keyframe.parent == payload.id) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("keyframe ", ToString(payload.id), " is its own parent"));
-  }
-  const Camera* camera = FindCamera(local_map, batch, payload.camera_index);
-  if (camera == nullptr) {
-    return absl::InvalidArgumentError(absl::StrCat("keyframe ", ToString(payload.id), ": camera ",
-                                                   payload.camera_index, " was never sent"));
-  }
-  if (payload.camera != nullptr && !(*payload.camera == *camera)) {
-    return absl::InvalidArgumentError(absl::StrCat("keyframe ", ToString(payload.id),
-                                                   " carries another camera than index ",
-                                                   payload.camera_index, " names"));
-  }
-  return ValidateFeatures(payload, options);
-}
-
 absl::Status ValidateKeyframes(const LocalMapState* local_map, const MapUpdateBatch& batch,
                                const MapStoreOptions& options) {
+  std::set<KeyframeId> seen;
   for (const FullKeyframe& keyframe : batch.full_keyframes) {
-    RETURN_IF_ERROR(ValidateFullKeyframe(local_map, batch, keyframe, options));
+    if (keyframe.payload == nullptr) {
+      return absl::InvalidArgumentError("full keyframe without payload");
+    }
+    const KeyframeId id = keyframe.payload->id;
+    const uint32_t index = keyframe.payload->camera_index;
+    RETURN_IF_ERROR(ValidateOwn("full keyframe", id, batch.local_map));
+    RETURN_IF_ERROR(ValidateOnce("full keyframe", id, seen));
+    const Camera* camera = FindCamera(local_map, batch, index);
+    if (camera == nullptr) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("keyframe ", ToString(id), ": camera ", index, " was never sent"));
+    }
+    RETURN_IF_ERROR(ValidateFullKeyframe(keyframe, *camera, options));
   }
+  seen.clear();
   for (const LightKeyframe& keyframe : batch.light_keyframes) {
     RETURN_IF_ERROR(ValidateOwn("light keyframe", keyframe.id, batch.local_map));
-    if (!IsPose(keyframe.camera_from_local)) return BadValue("keyframe", keyframe.id, "pose");
+    RETURN_IF_ERROR(ValidateLightKeyframe(keyframe));
   }
   for (const KeyframeRemoval& removal : batch.removed_keyframes) {
     RETURN_IF_ERROR(ValidateOwn("removed keyframe", removal.id, batch.local_map));
-    if (!IsPose(removal.parent_from_removed)) {
-      return BadValue("removed keyframe", removal.id, "parent_from_removed");
-    }
-    if (removal.parent == removal.id) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("removed keyframe ", ToString(removal.id), " is its own parent"));
-    }
+    RETURN_IF_ERROR(ValidateOnce("removed keyframe", removal.id, seen));
+    RETURN_IF_ERROR(ValidateRemoval(removal));
   }
   return absl::OkStatus();
 }
 
 absl::Status ValidatePoints(const MapUpdateBatch& batch) {
+  std::set<MapPointId> seen;
   for (const FullMapPoint& point : batch.full_points) {
     RETURN_IF_ERROR(ValidateOwn("full map point", point.id, batch.local_map));
-    const bool finite = IsPosition(point.position_in_local) && point.normal_in_local.allFinite() &&
-                        std::isfinite(point.min_distance) && std::isfinite(point.max_distance);
-    if (!finite) return BadValue("map point", point.id, "position, normal or distance");
+    RETURN_IF_ERROR(ValidateOnce("full map point", point.id, seen));
+    RETURN_IF_ERROR(ValidateFullPoint(point));
   }
   for (const LightMapPoint& point : batch.light_points) {
     RETURN_IF_ERROR(ValidateOwn("light map point", point.id, batch.local_map));
-    if (!IsPosition(point.position_in_local)) return BadValue("map point", point.id, "position");
+    RETURN_IF_ERROR(
+        ValidatePosition("light map point", point.id, "position", point.position_in_local));
   }
   for (const PointReplacement& replacement : batch.replacements) {
     RETURN_IF_ERROR(ValidateOwn("replaced point", replacement.replaced, batch.local_map));
@@ -195,44 +117,63 @@ absl::Status ValidatePoints(const MapUpdateBatch& batch) {
   return absl::OkStatus();
 }
 
-// Keypoints that a keyframe of the batch or of the map has; none when the keyframe is unknown.
-std::optional<size_t> CountKeypoints(const LocalMapState* local_map,
-                                     const std::map<KeyframeId, size_t>& in_batch, KeyframeId id) {
-  if (const auto it = in_batch.find(id); it != in_batch.end()) return it->second;
-  if (local_map == nullptr) return std::nullopt;
-  const Keyframe* keyframe = local_map->map.FindKeyframe(id);
-  if (keyframe == nullptr) return std::nullopt;
-  return keyframe->keypoints().size();
-}
-
-absl::Status ValidateObservations(const LocalMapState* local_map, const MapUpdateBatch& batch,
-                                  const MapStoreOptions& options) {
-  std::map<KeyframeId, size_t> in_batch;
-  for (const FullKeyframe& keyframe : batch.full_keyframes) {
-    in_batch[keyframe.payload->id] = keyframe.payload->features.keypoints.size();
+// What a batch refers to is there, or comes with it.
+class References {
+ public:
+  References(const LocalMapState* local_map, const MapUpdateBatch& batch) : local_map_(local_map) {
+    for (const FullKeyframe& keyframe : batch.full_keyframes) {
+      keypoints_[keyframe.payload->id] = keyframe.payload->features.keypoints.size();
+    }
+    for (const FullMapPoint& point : batch.full_points) points_.insert(point.id);
   }
-  std::set<MapPointId> points_in_batch;
-  for (const FullMapPoint& point : batch.full_points) points_in_batch.insert(point.id);
-  size_t parked = local_map == nullptr ? 0 : local_map->parked.size();
+
+  // Keypoints of the keyframe; none when it is unknown.
+  std::optional<size_t> CountKeypoints(KeyframeId id) const {
+    // What is known already is not taken again.
+    if (const Keyframe* known =
+            local_map_ == nullptr ? nullptr : local_map_->map.FindKeyframe(id)) {
+      return known->keypoints().size();
+    }
+    const auto it = keypoints_.find(id);
+    if (it == keypoints_.end()) return std::nullopt;
+    return it->second;
+  }
+  // What was removed is remembered: a reference to it does not wait.
+  bool HasKeyframe(KeyframeId id) const {
+    return CountKeypoints(id).has_value() ||
+           (local_map_ != nullptr && local_map_->removed_keyframes.contains(id));
+  }
+  bool HasPoint(MapPointId id) const {
+    if (points_.contains(id)) return true;
+    return local_map_ != nullptr &&
+           (local_map_->map.FindPoint(id) || local_map_->removed_points.contains(id) ||
+            local_map_->replaced_points.contains(id));
+  }
+
+ private:
+  const LocalMapState* const local_map_;
+  std::map<KeyframeId, size_t> keypoints_;
+  std::set<MapPointId> points_;
+};
+
+absl::Status ValidateObservations(const References& references, const MapUpdateBatch& batch,
+                                  const MapStoreOptions& options) {
   for (const ObservationChange& change : batch.observations) {
     RETURN_IF_ERROR(ValidateOwn("observing keyframe", change.keyframe, batch.local_map));
     RETURN_IF_ERROR(ValidateAny("observed point", change.point));
-    const auto keypoints = CountKeypoints(local_map, in_batch, change.keyframe);
-    const size_t limit = keypoints.value_or(options.max_keypoints_per_keyframe);
-    const bool has_point = change.point.local_map != batch.local_map ||
-                           points_in_batch.contains(change.point) ||
-                           (local_map != nullptr && local_map->map.FindPoint(change.point));
-    if (!keypoints.has_value() || !has_point) ++parked;
-    if (change.kind == ObservationChange::Kind::kAdded && change.keypoint >= limit) {
+    const bool is_added = change.kind == ObservationChange::Kind::kAdded;
+    if (!is_added && change.kind != ObservationChange::Kind::kRemoved) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("observation of ", ToString(change.point), " by keyframe ",
+                       ToString(change.keyframe), " is of kind ", static_cast<int>(change.kind)));
+    }
+    const size_t limit =
+        references.CountKeypoints(change.keyframe).value_or(options.max_keypoints_per_keyframe);
+    if (is_added && change.keypoint >= limit) {
       return absl::InvalidArgumentError(
           absl::StrCat("observation of ", ToString(change.point), " by keypoint ", change.keypoint,
                        " of keyframe ", ToString(change.keyframe), ", which has ", limit));
     }
-  }
-  if (parked > options.max_parked_references) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat(parked, " references of local map ", ToString(batch.local_map),
-                     " to what has not arrived; the limit is ", options.max_parked_references));
   }
   return absl::OkStatus();
 }
@@ -241,10 +182,11 @@ absl::Status ValidateLoopEdges(const MapUpdateBatch& batch) {
   for (const LoopEdge& edge : batch.loop_edges) {
     RETURN_IF_ERROR(ValidateOwn("loop edge from", edge.a, batch.local_map));
     RETURN_IF_ERROR(ValidateAny("loop edge's other end", edge.b));
-    const Similarity3d& b_from_a = edge.b_from_a;
-    const bool good = std::isfinite(b_from_a.scale) && b_from_a.scale > 0 &&
-                      IsPose({b_from_a.rotation, b_from_a.translation});
-    if (!good || edge.a == edge.b) return BadValue("loop edge from", edge.a, "similarity or end");
+    if (edge.a == edge.b) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("loop edge from ", ToString(edge.a), " to itself"));
+    }
+    RETURN_IF_ERROR(ValidateSimilarity("loop edge from", edge.a, edge.b_from_a));
   }
   return absl::OkStatus();
 }
@@ -252,11 +194,35 @@ absl::Status ValidateLoopEdges(const MapUpdateBatch& batch) {
 absl::Status ValidateFrames(const MapUpdateBatch& batch) {
   for (const TrackedFrame& frame : batch.tracked_frames) {
     RETURN_IF_ERROR(ValidateAny("reference of a tracked frame", frame.reference));
-    if (!IsPose(frame.reference_from_camera)) {
-      return BadValue("tracked frame of", frame.reference, "pose");
-    }
+    RETURN_IF_ERROR(ValidateTime("tracked frame", frame.timestamp_ns));
+    RETURN_IF_ERROR(ValidatePose("tracked frame of", frame.reference, "reference_from_camera",
+                                 frame.reference_from_camera));
+  }
+  for (const int64_t time_ns : batch.lost_frames_ns) {
+    RETURN_IF_ERROR(ValidateTime("lost frame", time_ns));
   }
   return absl::OkStatus();
+}
+
+// Everything that would be parked, together with what is.
+absl::Status ValidateParked(const LocalMapState* local_map, const References& references,
+                            const MapUpdateBatch& batch, const MapStoreOptions& options) {
+  size_t parked = local_map == nullptr ? 0 : local_map->CountParked();
+  const auto count = [&](bool is_there) { parked += is_there ? 0 : 1; };
+  const auto has_own = [&](KeyframeId id) {
+    return !id.IsValid() || id.local_map != batch.local_map || references.HasKeyframe(id);
+  };
+  for (const ObservationChange& change : batch.observations) {
+    count(references.HasKeyframe(change.keyframe) &&
+          (change.point.local_map != batch.local_map || references.HasPoint(change.point)));
+  }
+  for (const LoopEdge& edge : batch.loop_edges) count(has_own(edge.a) && has_own(edge.b));
+  for (const FullKeyframe& keyframe : batch.full_keyframes) count(has_own(keyframe.parent));
+  for (const LightKeyframe& keyframe : batch.light_keyframes) count(has_own(keyframe.parent));
+  if (parked <= options.max_parked_references) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat(parked, " references of local map ", ToString(batch.local_map),
+                   " to what has not arrived; the limit is ", options.max_parked_references));
 }
 
 }  // namespace
@@ -278,12 +244,14 @@ absl::Status ValidateBatch(const LocalMapState* local_map, const MapUpdateBatch&
                            const MapStoreOptions& options) {
   if (!batch.local_map.IsValid()) return absl::InvalidArgumentError("batch names no local map");
   RETURN_IF_ERROR(ValidateCount(batch, options));
-  RETURN_IF_ERROR(ValidateCameras(local_map, batch));
+  RETURN_IF_ERROR(ValidateCameras(local_map, batch, options));
   RETURN_IF_ERROR(ValidateKeyframes(local_map, batch, options));
   RETURN_IF_ERROR(ValidatePoints(batch));
-  RETURN_IF_ERROR(ValidateObservations(local_map, batch, options));
+  const References references(local_map, batch);
+  RETURN_IF_ERROR(ValidateObservations(references, batch, options));
   RETURN_IF_ERROR(ValidateLoopEdges(batch));
-  return ValidateFrames(batch);
+  RETURN_IF_ERROR(ValidateFrames(batch));
+  return ValidateParked(local_map, references, batch, options);
 }
 
 }  // namespace corbslam::map_store

@@ -22,6 +22,7 @@ namespace corbslam::map_store {
 struct BatchRecord {
   std::string agent;
   std::shared_ptr<const MapUpdateBatch> batch;
+  absl::Time received_at;
 };
 
 // The first query of the queue was answered.

@@ -5,6 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/batch_validation.h"
 #include "map_store/map_store.h"
+#include "map_store/parked_references.h"
+#include "map_store/quota.h"
 #include "map_store/record_application.h"
 #include "map_store/sharing.h"
 #include "slam/util/status_macros.h"
@@ -66,6 +68,9 @@ absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
         return absl::PermissionDeniedError(
             absl::StrCat("local map ", ToString(id), " is another agent's"));
       }
+      if (LocalMapState* own = state_.FindLocalMap(id); own != nullptr) {
+        ExpireParked(environment_.clock(), *environment_.options, *own);
+      }
       grant.acknowledged.push_back({id, local_map == nullptr ? 0 : local_map->last_batch});
     }
     const size_t agents = state_.agents.size();
@@ -113,7 +118,9 @@ absl::Status Mission::CheckBatch(uint64_t session_id, const std::string& agent,
     return absl::ResourceExhaustedError(absl::StrCat(
         "mission ", name_, " has ", state_.local_maps.size(), " local maps; that is the limit"));
   }
-  return CheckNumber(local_map, batch, known);
+  RETURN_IF_ERROR(CheckNumber(local_map, batch, known));
+  return known.has_value() ? absl::OkStatus()
+                           : CheckQuota(state_, agent, batch, *environment_.options);
 }
 
 absl::StatusOr<Acknowledgement> Mission::Apply(uint64_t session_id, const std::string& agent,
@@ -155,7 +162,7 @@ absl::Status Mission::ApplyNext(const std::string& agent, const MapUpdateBatch& 
                                 const BatchWords& words) {
   // Not owned: the record lives as long as the call.
   const std::shared_ptr<const MapUpdateBatch> not_owned(std::shared_ptr<void>(), &batch);
-  const BatchRecord record{agent, not_owned};
+  const BatchRecord record{agent, not_owned, environment_.clock()};
   RETURN_IF_ERROR(Append(record));
   absl::MutexLock lock(&mutex_);
   map_store::Apply(record, words, *environment_.options, state_);

@@ -29,12 +29,15 @@ struct Tombstone {
   Rigid3d parent_from_removed;
 };
 
-// The child's parent had not arrived.
-struct ParkedParent {
-  KeyframeId child;
-  KeyframeId parent;
+// References to what has not arrived. Since when they wait, as ExpireParked first saw them.
+struct ParkedReference {
+  std::variant<ObservationChange, LoopEdge> reference;
+  absl::Time since = absl::InfiniteFuture();
 };
-using ParkedReference = std::variant<ObservationChange, LoopEdge, ParkedParent>;
+struct ParkedParent {
+  KeyframeId parent;
+  absl::Time since = absl::InfiniteFuture();
+};
 
 // The local layer: one local map exactly as its owner last said it.
 struct LocalMapState {
@@ -64,9 +67,13 @@ struct LocalMapState {
   std::vector<TrackedFrame> frames;
   std::vector<int64_t> lost_frames_ns;
   std::deque<ParkedReference> parked;
+  std::map<KeyframeId, ParkedParent> parked_parents;  // By child; the newest word counts.
+  size_t expired_references = 0;
+  uint64_t stored_bytes = 0;  // As StoredBytes counts them.
   // Words -> keyframes of `map`.
   KeyframeDatabase database;
 
+  size_t CountParked() const { return parked.size() + parked_parents.size(); }
   bool IsSettled(KeyframeId keyframe) const {
     const auto it = arrival.find(keyframe);
     return it != arrival.end() && it->second < settled;

@@ -1,5 +1,9 @@
 #include "map_store/options.h"
 
+#include <cstdint>
+#include <initializer_list>
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 
 namespace corbslam {
@@ -27,6 +31,20 @@ absl::Status MapStoreOptions::Validate() const {
   status.Update(CheckPositive("max_attempts", max_attempts));
   status.Update(CheckPositive("retry_ms", retry_ms));
   status.Update(CheckPositive("max_page_size", static_cast<double>(max_page_size)));
+  for (const auto& [field, limit] : std::initializer_list<std::pair<absl::string_view, uint64_t>>{
+           {"max_missions", max_missions},
+           {"max_agents_per_mission", max_agents_per_mission},
+           {"max_local_maps_per_mission", max_local_maps_per_mission},
+           {"max_keypoints_per_keyframe", max_keypoints_per_keyframe},
+           {"max_keyframe_bytes", max_keyframe_bytes},
+           {"max_cameras_per_local_map", max_cameras_per_local_map},
+           {"max_items_per_batch", max_items_per_batch},
+           {"max_parked_references", max_parked_references},
+           {"max_bytes_per_agent", max_bytes_per_agent},
+           {"max_bytes_per_mission", max_bytes_per_mission}}) {
+    status.Update(CheckPositive(field, static_cast<double>(limit)));
+  }
+  status.Update(CheckPositive("max_parked_s", max_parked_s));
   if (min_shared_words_ratio < 0 || min_shared_words_ratio > 1) {
     status.Update(absl::InvalidArgumentError(
         absl::StrCat("min_shared_words_ratio is ", min_shared_words_ratio, ", must be 0 to 1")));

@@ -3,6 +3,7 @@
 #define CORBSLAM_MAP_STORE_OPTIONS_H_
 
 #include <cstddef>
+#include <cstdint>
 
 #include "absl/status/status.h"
 
@@ -56,9 +57,16 @@ struct MapStoreOptions {
   size_t max_agents_per_mission = 1000;
   size_t max_local_maps_per_mission = 1000;
   size_t max_keypoints_per_keyframe = 20000;
+  // Of what its camera saw: keypoints and descriptors.
+  size_t max_keyframe_bytes = 2u << 20;
+  size_t max_cameras_per_local_map = 16;
   size_t max_items_per_batch = 1000000;
-  // References of one local map to what has not arrived.
+  // References of one local map to what has not arrived: how many wait, and how long.
   size_t max_parked_references = 200000;
+  double max_parked_s = 3600;
+  // Kept of what one agent, and all agents of a mission, sent.
+  uint64_t max_bytes_per_agent = uint64_t{16} << 30;
+  uint64_t max_bytes_per_mission = uint64_t{64} << 30;
   size_t max_page_size = 10000;
 
   // INVALID_ARGUMENT naming the field.

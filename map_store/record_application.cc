@@ -8,6 +8,7 @@
 #include "map_store/fusion_job.h"
 #include "map_store/local_motion.h"
 #include "map_store/overlap_query.h"
+#include "map_store/parked_references.h"
 #include "map_store/revision.h"
 
 namespace corbslam::map_store {
@@ -47,6 +48,7 @@ void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOpt
     local_map = &AddLocalMap(state, record.batch->local_map, record.agent);
   }
   ApplyBatch(*record.batch, words, options, state, *local_map);
+  ExpireParked(record.received_at, options, *local_map);
 }
 
 void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionState& state) {

@@ -56,7 +56,8 @@ void Fields(Archive& archive, T& local_map) {
           local_map.cameras, local_map.foreign_observations, local_map.foreign_loop_edges,
           local_map.removed_keyframes, local_map.removed_points, local_map.replaced_points,
           local_map.arrival, local_map.arrived, local_map.settled, local_map.frames,
-          local_map.lost_frames_ns, local_map.parked);
+          local_map.lost_frames_ns, local_map.parked, local_map.parked_parents,
+          local_map.expired_references, local_map.stored_bytes);
 }
 template <typename Archive, MayBeConst<AgentState> T>
 void Fields(Archive& archive, T& agent) {

@@ -2,6 +2,9 @@
 #ifndef CORBSLAM_MAP_STORE_DURABLE_STATE_FIELDS_H_
 #define CORBSLAM_MAP_STORE_DURABLE_STATE_FIELDS_H_
 
+#include <cstdint>
+#include <limits>
+
 #include "absl/time/time.h"
 #include "map_store/durable/value_fields.h"
 #include "map_store/journal_records.h"
@@ -36,16 +39,25 @@ template <typename Archive, MayBeConst<absl::Time> T>
 void Time(Archive& archive, T& time) {
   int64_t unix_ns = absl::ToUnixNanos(time);
   archive(unix_ns);
-  if constexpr (Archive::kReads) time = absl::FromUnixNanos(unix_ns);
+  if constexpr (Archive::kReads) {
+    constexpr int64_t kNever = std::numeric_limits<int64_t>::max();
+    time = unix_ns == kNever ? absl::InfiniteFuture() : absl::FromUnixNanos(unix_ns);
+  }
 }
 
 template <typename Archive, MayBeConst<Tombstone> T>
 void Fields(Archive& archive, T& tombstone) {
   archive(tombstone.parent, tombstone.parent_from_removed);
 }
+template <typename Archive, MayBeConst<ParkedReference> T>
+void Fields(Archive& archive, T& parked) {
+  archive(parked.reference);
+  Time(archive, parked.since);
+}
 template <typename Archive, MayBeConst<ParkedParent> T>
 void Fields(Archive& archive, T& parked) {
-  archive(parked.child, parked.parent);
+  archive(parked.parent);
+  Time(archive, parked.since);
 }
 template <typename Archive, MayBeConst<PlacedKeyframe> T>
 void Fields(Archive& archive, T& placed) {
@@ -81,6 +93,7 @@ template <typename Archive, MayBeConst<BatchRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.agent);
   Pointed(archive, record.batch);
+  Time(archive, record.received_at);
 }
 template <typename Archive, MayBeConst<QueryRecord> T>
 void Fields(Archive& archive, T& record) {

@@ -107,6 +107,11 @@ absl::StatusOr<Keypoint> ReadKeypoint(const v1::Features& proto, int i, const Ca
 absl::Status CameraBook::Add(LocalMapId local_map, uint32_t index,
                              std::shared_ptr<const Camera> camera) {
   if (index > kMaxCameraIndex) return OutOfRange("index of a camera", index, 0u, kMaxCameraIndex);
+  if (cameras_.size() >= kMaxCamerasOfStream && Find(local_map, index) == nullptr) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("camera ", index, " of local map ", ToString(local_map),
+                     " is one too many for this stream; ", "the limit is ", kMaxCamerasOfStream));
+  }
   const auto [it, added] = cameras_.try_emplace({local_map, index}, camera);
   if (!added && *it->second != *camera) {
     return absl::InvalidArgumentError(absl::StrCat("camera ", index, " of local map ",

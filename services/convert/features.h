@@ -21,7 +21,8 @@ namespace corbslam {
 // The cameras that one side of a stream has named so far. Not thread-safe.
 class CameraBook {
  public:
-  // INVALID_ARGUMENT: the index is too high, or names another camera already.
+  // INVALID_ARGUMENT: the index is too high, or names another camera already. RESOURCE_EXHAUSTED:
+  // kMaxCamerasOfStream are named.
   absl::Status Add(LocalMapId local_map, uint32_t index, std::shared_ptr<const Camera> camera);
   // Null when it was never named.
   std::shared_ptr<const Camera> Find(LocalMapId local_map, uint32_t index) const;

@@ -18,6 +18,10 @@ inline constexpr double kNormalTolerance = 0.02;
 inline constexpr int64_t kMaxTimestamp_ns = int64_t{1} << 62;
 // All parts of one batch or shared update together.
 inline constexpr size_t kMaxUpdateBytes = 64u << 20;
+// Entries of all its fields together. A byte on the wire can stand for 16 in memory.
+inline constexpr size_t kMaxUpdateItems = 1'000'000;
+// That one side of a stream names.
+inline constexpr size_t kMaxCamerasOfStream = 10'000;
 // Where our own writers begin another part of a batch or shared update.
 inline constexpr size_t kPartBytes = 2u << 20;
 // A chunk to or from a worker at most, and where our own writers end one.

@@ -250,6 +250,22 @@ absl::Status ReadGraph(const v1::MapUpdateBatch& proto, const SlotReader& slots,
   return absl::OkStatus();
 }
 
+// Entries of all fields, before any is converted.
+size_t CountItems(const v1::MapUpdateBatch& proto) {
+  const int64_t points = int64_t{proto.full_points().ids().index_deltas_size()} +
+                         proto.light_points().ids().index_deltas_size() +
+                         proto.removed_points().index_deltas_size() +
+                         proto.replacements().replaced().index_deltas_size() +
+                         proto.replacements().survivors().index_deltas_size();
+  const int64_t keyframes = int64_t{proto.full_keyframes_size()} + proto.light_keyframes_size() +
+                            proto.removed_keyframes_size() + proto.loop_edges_size() +
+                            proto.cameras_size() + proto.known_cameras_size();
+  const int64_t others = int64_t{proto.observations().points().index_deltas_size()} +
+                         proto.tracked_frames().timestamp_deltas_ns_size() +
+                         proto.lost_frame_deltas_ns_size();
+  return static_cast<size_t>(points + keyframes + others);
+}
+
 void Append(MapUpdateBatch& batch, MapUpdateBatch& part) {
   if (batch.cameras.empty()) batch.first_camera_index = part.first_camera_index;
   AppendAll(batch.cameras, part.cameras);
@@ -312,13 +328,15 @@ absl::StatusOr<MapUpdateBatch> FromProto(const v1::MapUpdateBatch& proto, Camera
 
 absl::StatusOr<std::optional<MapUpdateBatch>> BatchAssembler::Add(const v1::MapUpdateBatch& part,
                                                                   CameraBook& cameras) {
-  ASSIGN_OR_RETURN(MapUpdateBatch read, FromProto(part, cameras));
   bytes_ += part.ByteSizeLong();
-  if (bytes_ > kMaxUpdateBytes) {
-    return absl::ResourceExhaustedError(absl::StrCat("batch ", read.number, " of local map ",
-                                                     ToString(read.local_map), " is longer than ",
-                                                     kMaxUpdateBytes, " bytes"));
+  items_ += CountItems(part);
+  if (bytes_ > kMaxUpdateBytes || items_ > kMaxUpdateItems) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("batch ", part.number(), " of local map ",
+                     ToString(LocalMapId{part.local_map()}), " has ", bytes_, " bytes and ", items_,
+                     " items; the limits are ", kMaxUpdateBytes, " and ", kMaxUpdateItems));
   }
+  ASSIGN_OR_RETURN(MapUpdateBatch read, FromProto(part, cameras));
   if (!started_) {
     started_ = std::move(read);
   } else if (started_->local_map != read.local_map || started_->number != read.number) {
@@ -330,6 +348,7 @@ absl::StatusOr<std::optional<MapUpdateBatch>> BatchAssembler::Add(const v1::MapU
   }
   if (part.continues()) return std::nullopt;
   bytes_ = 0;
+  items_ = 0;
   return std::exchange(started_, std::nullopt);
 }
 

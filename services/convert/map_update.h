@@ -27,13 +27,15 @@ absl::StatusOr<MapUpdateBatch> FromProto(const v1::MapUpdateBatch& proto, Camera
 class BatchAssembler {
  public:
   // The batch, once its last part is there. INVALID_ARGUMENT: a part of another batch came in
-  // between; RESOURCE_EXHAUSTED: more than kMaxUpdateBytes.
+  // between; RESOURCE_EXHAUSTED: more than kMaxUpdateBytes or
+  // kMaxUpdateItems.
   absl::StatusOr<std::optional<MapUpdateBatch>> Add(const v1::MapUpdateBatch& part,
                                                     CameraBook& cameras);
 
  private:
   std::optional<MapUpdateBatch> started_;
   size_t bytes_ = 0;
+  size_t items_ = 0;
 };
 
 }  // namespace corbslam

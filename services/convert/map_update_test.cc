@@ -362,5 +362,32 @@ TEST(BatchAssemblerTest, HoldsOnlySoMuch) {
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
 }
 
+// A byte each on the wire, sixteen in memory.
+TEST(BatchAssemblerTest, CountsItemsBeforeItConvertsThem) {
+  v1::MapUpdateBatch part;
+  part.set_local_map(kMap.value);
+  part.set_number(1);
+  part.mutable_removed_points()->mutable_index_deltas()->Resize(3'000'000, 0);
+  EXPECT_LT(part.ByteSizeLong(), 4u << 20);
+  BatchAssembler assembler;
+  CameraBook cameras;
+  const absl::Status status = assembler.Add(part, cameras).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("3000000 items; the limits are"));
+}
+
+TEST(CameraBookTest, HoldsOnlySoMany) {
+  CameraBook book;
+  const auto camera = test_data::MakeCamera();
+  absl::Status status;
+  uint64_t local_map = 1;
+  for (; status.ok() && local_map < 2 * kMaxCamerasOfStream; ++local_map) {
+    status = book.Add({local_map}, 0, camera);
+  }
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+  EXPECT_EQ(local_map, kMaxCamerasOfStream + 2);
+  EXPECT_TRUE(book.Add({1}, 0, camera).ok()) << "known ones are no more";
+}
+
 }  // namespace
 }  // namespace corbslam

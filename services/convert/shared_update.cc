@@ -95,7 +95,8 @@ absl::Status ReadSightings(const v1::SharedKeyframe& proto, const SlotReader& sl
   for (size_t i = 0; i < seen.size(); ++i) {
     keypoint += proto.keypoint_deltas(static_cast<int>(i));
     if (keypoint >= points.size()) {
-      return OutOfRange(absl::StrCat("keypoint ", i), keypoint, size_t{0}, points.size() - 1);
+      return absl::InvalidArgumentError(
+          absl::StrCat("keypoint ", i, " is ", keypoint, " of ", points.size()));
     }
     points[keypoint] = seen[i];
   }
