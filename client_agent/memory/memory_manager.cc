@@ -122,7 +122,8 @@ absl::Status MemoryManager::Finish(absl::Duration timeout) {
   if (!mutex_.AwaitWithTimeout(absl::Condition(&finished), timeout)) {
     return absl::DeadlineExceededError("the map store has not acknowledged everything yet");
   }
-  return session_ == Session::kRefused ? refusal_ : absl::OkStatus();
+  if (session_ == Session::kRefused) return refusal_;
+  return needs_new_local_map_ ? queue_.status().loss : absl::OkStatus();
 }
 
 bool MemoryManager::IsDone() const {

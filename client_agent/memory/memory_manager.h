@@ -73,7 +73,8 @@ class MemoryManager : private UplinkListener {
   // Sends all there is, now.
   void Step();
   // Closes the local map, and returns when everything is acknowledged. DEADLINE_EXCEEDED, or the
-  // reason for which the store refuses this agent for good.
+  // reason for which the store refuses this agent for good, or for which the local map in use could
+  // not go on (DATA_LOSS, ALREADY_EXISTS).
   absl::Status Finish(absl::Duration timeout);
 
   // Where the robot's frame is in the global one; none before fusion.

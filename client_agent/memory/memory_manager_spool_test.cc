@@ -159,6 +159,33 @@ TEST_F(MemoryManagerSpoolTest, ALossIsNoticedAsSoonAsTheStoreIsBack) {
   EXPECT_TRUE(manager_->NeedsNewLocalMap());
 }
 
+TEST_F(MemoryManagerSpoolTest, FinishSaysThatTheLocalMapCouldNotGoOn) {
+  StartRobot(kOwn, 1 << 20);
+  AddKeyframe({kOwn, 0});
+  Step();
+  uplink_.stored[kOwn].clear();
+  uplink_.Break(absl::UnavailableError("restarted"));
+  Step();
+  EXPECT_TRUE(absl::IsDataLoss(manager_->Finish(absl::Seconds(1))));
+}
+
+TEST_F(MemoryManagerSpoolTest, AnIdThatIsInTheSpoolIsNotUsedAgain) {
+  uplink_.reachable = false;
+  StartRobot(kOwn);
+  AddKeyframe({kOwn, 0});
+  Step();
+  StartRobot(kOwn);
+  EXPECT_TRUE(manager_->NeedsNewLocalMap());
+  AddKeyframe({kOwn, 7});
+  Begin(kNext);
+  EXPECT_FALSE(manager_->NeedsNewLocalMap());
+  AddKeyframe({kNext, 0});
+  uplink_.reachable = true;
+  Step();
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+  EXPECT_EQ(StoredKeyframes(), (std::multiset<KeyframeId>{{kOwn, 0}, {kNext, 0}}));
+}
+
 TEST_F(MemoryManagerSpoolTest, ADurableStoreThatWasRestartedIsResumedFrom) {
   StartRobot(kOwn, 1 << 20);
   AddKeyframe({kOwn, 0});

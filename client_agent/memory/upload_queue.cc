@@ -24,7 +24,11 @@ UploadQueue::UploadQueue(size_t max_memory_bytes, std::unique_ptr<Spool> spool)
 
 bool UploadQueue::Begin(LocalMapId local_map) {
   absl::MutexLock lock(&mutex_);
-  return outbox_.Begin(local_map);
+  if (outbox_.Begin(local_map)) return true;
+  NoteLoss({local_map, /*of_earlier_process=*/false,
+            absl::AlreadyExistsError(absl::StrCat("an earlier process left batches of a local map ",
+                                                  ToString(local_map)))});
+  return false;
 }
 
 void UploadQueue::Push(MapUpdateBatch batch) {

@@ -37,6 +37,7 @@ class UploadQueue {
   // `spool` may be null. What it found is sent first.
   UploadQueue(size_t max_memory_bytes, std::unique_ptr<Spool> spool);
 
+  // As Outbox::Begin.
   bool Begin(LocalMapId local_map);
   void Push(MapUpdateBatch batch);
   void Acknowledge(const Acknowledgement& acknowledgement);

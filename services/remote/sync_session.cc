@@ -1,5 +1,7 @@
 #include "services/remote/sync_session.h"
 
+#include <glog/logging.h>
+
 #include <utility>
 #include <vector>
 
@@ -155,6 +157,7 @@ void SyncSession::OnDone(const grpc::Status& status) {
     if (reason.ok()) reason = absl::UnavailableError("the map store closed the stream");
     // What the store sent was wrong, not what was sent to it: trying again may help.
     if (!failure_.ok()) reason = absl::InternalError(failure_.message());
+    LOG(WARNING) << "the session with the map store ended: " << reason;
     listener_->OnSessionClosed(reason);
   }
   // Destroys this session at the end, unless somebody else holds it.

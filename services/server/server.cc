@@ -10,7 +10,6 @@
 
 #include <chrono>
 #include <iostream>
-#include <utility>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -113,12 +112,13 @@ std::shared_ptr<grpc::Channel> Server::InProcessChannel() {
 void Server::SetReady(bool ready) {
   auto* health = server_->GetHealthCheckService();
   if (health == nullptr) return;
-  health->SetServingStatus(kReadiness, ready);
-  health->SetServingStatus("", ready);
+  const bool serving = ready && !stopped_;
+  health->SetServingStatus(kReadiness, serving);
+  health->SetServingStatus("", serving);
 }
 
 void Server::Shutdown(absl::Duration drain) {
-  if (server_ == nullptr || std::exchange(stopped_, true)) return;
+  if (server_ == nullptr || stopped_.exchange(true)) return;
   SetReady(false);
   server_->Shutdown(std::chrono::system_clock::now() + absl::ToChronoMilliseconds(drain));
   server_->Wait();

@@ -6,6 +6,7 @@
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server.h>
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -47,7 +48,7 @@ class Server {
   const std::string& address() const { return address_; }
   std::shared_ptr<grpc::Channel> InProcessChannel();
 
-  // What health says of readiness from now on; true at the start.
+  // What health says of readiness from now on; true at the start, false after Shutdown.
   void SetReady(bool ready);
 
   // Reports that it isn't ready, tells callers to go elsewhere (GOAWAY), lets calls end by
@@ -60,7 +61,7 @@ class Server {
 
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
-  bool stopped_ = false;
+  std::atomic<bool> stopped_{false};
 };
 
 // Blocks SIGTERM and SIGINT in this thread and all it starts from now on. Call first in main.
