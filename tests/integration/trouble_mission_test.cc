@@ -64,7 +64,7 @@ TEST(TroubleMissionTest, AKidnappedRobotIsFoundThroughTheOther) {
 }
 
 TEST(TroubleMissionTest, MovingCarsAreNoPartOfTheMap) {
-  const std::string source = Block("&frames=:110&moving_cars=20");
+  const std::string source = Block("&frames=:110&moving_cars=6");
   const json report = RunRobots({source, absl::StrCat(source, kOther)});
   ExpectOneMap(report, 0.3);
   for (const json& robot : report["robots"]) EXPECT_EQ(robot["lost"], 0) << robot["name"];
