@@ -8,6 +8,7 @@
 
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "map_store/map_store.h"
+#include "services/map_store_service/stream_limits.h"
 #include "services/server/task_pool.h"
 
 namespace corbslam {
@@ -21,6 +22,7 @@ struct MapStoreServiceOptions {
   int threads = 2;
   // Of one shared update, about. Smaller ones let a robot on a slow link see something sooner.
   size_t shared_bytes = 512u << 10;
+  StreamLimitOptions streams;
   // Null: everybody may.
   SessionCheck may_open;
 };
@@ -30,7 +32,7 @@ struct MapStoreServiceOptions {
 class MapStoreService : public v1::MapStore::CallbackService {
  public:
   explicit MapStoreService(MapStore* store, const MapStoreServiceOptions& options = {})
-      : store_(*store), options_(options), pool_(options.threads) {}
+      : store_(*store), options_(options), limits_(options.streams), pool_(options.threads) {}
 
   grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* Sync(
       grpc::CallbackServerContext* context) override;
@@ -72,6 +74,7 @@ class MapStoreService : public v1::MapStore::CallbackService {
  private:
   MapStore& store_;
   const MapStoreServiceOptions options_;
+  StreamLimits limits_;
   TaskPool pool_;
 };
 

@@ -1,6 +1,10 @@
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "services/convert/limits.h"
+#include "services/convert/resource_names.h"
 #include "services/convert/shared_update.h"
 #include "services/convert/status.h"
 #include "services/map_store_service/map_store_service.h"
@@ -15,17 +19,39 @@ constexpr size_t kMaxReplies = 64;
 
 }  // namespace
 
-SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, size_t shared_bytes, OpenCheck may_open)
+SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits, size_t shared_bytes,
+                         OpenCheck may_open, absl::string_view peer)
     : store_(store),
       pool_(pool),
       shared_bytes_(shared_bytes),
       may_open_(std::move(may_open)),
-      link_(std::make_shared<Link>()) {
+      link_(std::make_shared<Link>()),
+      limits_(limits.options()) {
   {
     absl::MutexLock lock(&link_->mutex);
     link_->reactor = this;
   }
+  absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket = limits.Enter(peer);
+  if (!ticket.ok()) {
+    End(ticket.status());
+    Kick();
+    return;
+  }
+  ticket_ = *std::move(ticket);
+  Arm(limits_.open_timeout_s, "the first message");
   StartRead(&request_);
+}
+
+void SyncReactor::Arm(double seconds, const std::string& what) {
+  alarm_ = std::make_unique<grpc::Alarm>();
+  const auto overdue = [link = link_, seconds, what](bool fired) {
+    absl::MutexLock lock(&link->mutex);
+    if (!fired || link->reactor == nullptr) return;
+    link->reactor->End(
+        absl::DeadlineExceededError(absl::StrCat(what, " did not come within ", seconds, " s")));
+    link->reactor->Kick();
+  };
+  alarm_->Set(absl::ToChronoTime(absl::Now() + absl::Seconds(seconds)), overdue);
 }
 
 void SyncReactor::OnReadDone(bool ok) {
@@ -120,6 +146,8 @@ void SyncReactor::Work() {
       case Job::kFinish: {
         if (session_id_) store_.SetSharedListener(*session_id_, nullptr);
         if (session_id_) store_.CloseSession(*session_id_);
+        // Before the agent hears of the end: it may come again at once.
+        ticket_.reset();
         absl::Status status;
         {
           absl::MutexLock lock(&mutex_);
@@ -145,6 +173,11 @@ void SyncReactor::HandleRequest() {
 }
 
 absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
+  if (request.ByteSizeLong() > limits_.max_message_bytes) {
+    return absl::ResourceExhaustedError(absl::StrCat("a message has ", request.ByteSizeLong(),
+                                                     " bytes; the limit is ",
+                                                     limits_.max_message_bytes));
+  }
   if (request.has_open()) return Open(request.open());
   if (!session_id_) {
     return absl::InvalidArgumentError("the first message must have the part open");
@@ -157,8 +190,10 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   if (session_id_) return absl::InvalidArgumentError("the session is open already");
   ASSIGN_OR_RETURN(const SessionRequest request, FromProto(open));
   RETURN_IF_ERROR(may_open_(request));
+  RETURN_IF_ERROR(ticket_->Name(AgentName(request.mission, request.agent)));
   ASSIGN_OR_RETURN(const MapStore::OpenedSession opened, store_.OpenSession(request));
   session_id_ = opened.session_id;
+  Disarm();
   v1::SyncResponse response;
   ToProto(opened.grant, response.mutable_grant());
   Reply(std::move(response));
@@ -183,11 +218,17 @@ absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
   if (part.has_light_points()) {
     transfer_.light_map_point_bytes += part.light_points().ByteSizeLong();
   }
+  RETURN_IF_ERROR(ticket_->Hold(part.ByteSizeLong()));
   ASSIGN_OR_RETURN(const std::optional<MapUpdateBatch> batch,
                    assembler_.Add(part, received_cameras_));
-  if (!batch) return absl::OkStatus();
+  if (!batch) {
+    Arm(limits_.part_timeout_s, absl::StrCat("the next part of batch ", part.number()));
+    return absl::OkStatus();
+  }
+  Disarm();
   const BatchTransfer transfer = std::exchange(transfer_, {});
   ASSIGN_OR_RETURN(const Acknowledgement stored, store_.Apply(*session_id_, *batch, &transfer));
+  ticket_->ReleaseAll();
   v1::SyncResponse response;
   ToProto(stored, response.mutable_acknowledgement());
   Reply(std::move(response));
@@ -226,11 +267,11 @@ void SyncReactor::End(const absl::Status& status) {
 
 grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* MapStoreService::Sync(
     grpc::CallbackServerContext* context) {
-  return new SyncReactor(store_, pool_, options_.shared_bytes,
-                         [this, context](const SessionRequest& request) {
-                           if (options_.may_open == nullptr) return absl::OkStatus();
-                           return options_.may_open(*context, request.mission, request.agent);
-                         });
+  const auto may_open = [this, context](const SessionRequest& request) {
+    if (options_.may_open == nullptr) return absl::OkStatus();
+    return options_.may_open(*context, request.mission, request.agent);
+  };
+  return new SyncReactor(store_, pool_, limits_, options_.shared_bytes, may_open, context->peer());
 }
 
 }  // namespace corbslam

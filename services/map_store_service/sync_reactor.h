@@ -2,12 +2,15 @@
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_
 
+#include <grpcpp/alarm.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -16,6 +19,7 @@
 #include "map_store/map_store.h"
 #include "services/convert/features.h"
 #include "services/convert/map_update.h"
+#include "services/map_store_service/stream_limits.h"
 #include "services/server/task_pool.h"
 
 namespace corbslam {
@@ -28,7 +32,9 @@ class SyncReactor : public grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResp
   // Whether the caller may open this session.
   using OpenCheck = std::function<absl::Status(const SessionRequest&)>;
 
-  SyncReactor(MapStore& store, TaskPool& pool, size_t shared_bytes, OpenCheck may_open);
+  // `peer` is who calls, as gRPC spells it.
+  SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits, size_t shared_bytes,
+              OpenCheck may_open, absl::string_view peer);
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -44,6 +50,9 @@ class SyncReactor : public grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResp
   enum class Job { kNone, kWrite, kFinish, kRequest, kShare };
 
   void OnShareable();
+  // Ends the stream unless Disarm or another Arm comes within the time. `what` is waited for.
+  void Arm(double seconds, const std::string& what);
+  void Disarm() { alarm_.reset(); }
   // Makes sure that Work will see what was noted.
   void Kick();
   void Work();
@@ -62,6 +71,11 @@ class SyncReactor : public grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResp
   const size_t shared_bytes_;
   const OpenCheck may_open_;
   const std::shared_ptr<Link> link_;
+
+  const StreamLimitOptions& limits_;
+  // Null: there were too many streams before this one.
+  std::unique_ptr<StreamLimits::Ticket> ticket_;
+  std::unique_ptr<grpc::Alarm> alarm_;
 
   // Of Work, and of gRPC while it reads.
   v1::SyncRequest request_;

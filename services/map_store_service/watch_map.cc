@@ -20,12 +20,14 @@ namespace {
 // As SyncReactor: reactions note, Work works.
 class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
  public:
-  WatchMapReactor(MapStore& store, TaskPool& pool, const v1::WatchMapRequest& request)
+  WatchMapReactor(MapStore& store, TaskPool& pool, const v1::WatchMapRequest& request,
+                  absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket)
       : store_(store),
         pool_(pool),
         name_(request.mission()),
         include_points_(request.include_points()),
         version_(request.from_version()),
+        ticket_(std::move(ticket)),
         link_(std::make_shared<Link>()) {
     {
       absl::MutexLock lock(&link_->mutex);
@@ -103,6 +105,7 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
   }
 
   absl::Status Look() {
+    RETURN_IF_ERROR(ticket_.status());
     if (!token_) RETURN_IF_ERROR(Subscribe());
     ASSIGN_OR_RETURN(const std::optional<MapChanges> changes,
                      store_.ChangesSince(mission_, version_));
@@ -147,6 +150,8 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
   uint64_t version_;
   std::string mission_;
   std::optional<uint64_t> token_;
+  // An error: there were too many streams before this one.
+  const absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket_;
   const std::shared_ptr<Link> link_;
 
   absl::Mutex mutex_;
@@ -162,8 +167,8 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
 }  // namespace
 
 grpc::ServerWriteReactor<v1::WatchMapResponse>* MapStoreService::WatchMap(
-    grpc::CallbackServerContext*, const v1::WatchMapRequest* request) {
-  return new WatchMapReactor(store_, pool_, *request);
+    grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) {
+  return new WatchMapReactor(store_, pool_, *request, limits_.Enter(context->peer()));
 }
 
 }  // namespace corbslam

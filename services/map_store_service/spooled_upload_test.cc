@@ -1,0 +1,143 @@
+// A robot's outbox, its spool folder, the wire and the store together, over restarts of both.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "client_agent/memory/memory_manager.h"
+#include "services/convert/batch_bytes.h"
+#include "services/convert/test_data.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/remote/channel.h"
+#include "services/remote/remote_uplink.h"
+#include "services/server/server.h"
+
+namespace corbslam {
+namespace {
+
+constexpr LocalMapId kFirst{0x11};
+constexpr LocalMapId kSecond{0x22};
+
+// One map store process.
+struct RunningStore {
+  explicit RunningStore(const std::string& address = "")
+      : store(MapStoreOptions(), nullptr, std::make_unique<InMemoryJournal>(), nullptr),
+        service(&store),
+        server(*Server::Start(address, {&service})) {}
+  ~RunningStore() { server->Shutdown(absl::ZeroDuration()); }
+
+  MapStore store;
+  MapStoreService service;
+  std::unique_ptr<Server> server;
+};
+
+// One robot process, with its map.
+class Robot {
+ public:
+  Robot(const std::shared_ptr<grpc::Channel>& channel, const std::string& folder)
+      : uplink_(MakeRemoteUplink(channel)) {
+    MemoryOptions options;
+    options.mission = "m";
+    options.agent = "alpha";
+    options.max_outbox_bytes = 0;
+    options.flush_interval = options.min_backoff = absl::Milliseconds(10);
+    options.max_backoff = absl::Milliseconds(50);
+    auto spool = Spool::Open({.owner = "missions/m/agents/alpha"}, *OpenSpoolFolder(folder),
+                             {&EncodeBatch, &DecodeBatch});
+    EXPECT_TRUE(spool.ok()) << spool.status();
+    memory_ = std::make_unique<MemoryManager>(
+        options, uplink_.get(), [](const auto&) { return std::make_shared<Words>(); },
+        *std::move(spool));
+    memory_->Start();
+  }
+
+  void Begin(LocalMapId id) {
+    absl::MutexLock lock(&mutex_);
+    local_map_ = id;
+    map_ = Map();
+    map_.SetObserver(memory_->BeginLocalMap({id,
+                                             [this](const auto& read) {
+                                               absl::MutexLock lock(&mutex_);
+                                               read(map_);
+                                             },
+                                             [](std::function<void(Map&)>) {}, nullptr}));
+  }
+  void AddKeyframe(uint32_t index) {
+    absl::MutexLock lock(&mutex_);
+    Keyframe keyframe;
+    keyframe.payload = test_data::MakePayload(random_, {local_map_, index}, 20);
+    map_.AddKeyframe(std::move(keyframe));
+  }
+  template <typename Condition>
+  bool WaitUntil(const Condition& condition) {
+    const absl::Time deadline = absl::Now() + absl::Seconds(20);
+    while (!condition(*memory_) && absl::Now() < deadline) absl::SleepFor(absl::Milliseconds(5));
+    return condition(*memory_);
+  }
+  MemoryManager& memory() { return *memory_; }
+
+ private:
+  const std::unique_ptr<Uplink> uplink_;
+  absl::Mutex mutex_;
+  LocalMapId local_map_;
+  Map map_;
+  std::mt19937 random_{1};
+  // Reads the map until it is gone.
+  std::unique_ptr<MemoryManager> memory_;
+};
+
+class SpooledUploadTest : public ::testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::remove_all(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  const std::string folder_ = ::testing::TempDir() + "/spooled_" +
+                              ::testing::UnitTest::GetInstance()->current_test_info()->name();
+};
+
+TEST_F(SpooledUploadTest, ARestartedRobotSendsWhatItHadAndGoesOn) {
+  {
+    // Nobody listens there.
+    Robot robot(MakeChannel("127.0.0.1:1"), folder_);
+    robot.Begin(kFirst);
+    for (uint32_t k = 0; k < 30; ++k) robot.AddKeyframe(k);
+    EXPECT_TRUE(robot.WaitUntil([](auto& m) { return m.upload().spool_bytes > 10000; }));
+    EXPECT_EQ(robot.memory().upload().memory_bytes, 0u);
+  }
+  RunningStore running;
+  Robot robot(running.server->InProcessChannel(), folder_);
+  robot.Begin(kSecond);
+  robot.AddKeyframe(0);
+  const absl::Status finished = robot.memory().Finish(absl::Seconds(20));
+  EXPECT_TRUE(finished.ok()) << finished;
+  const auto first = running.store.GetLocalMap("m", kFirst);
+  ASSERT_TRUE(first.ok()) << first.status();
+  EXPECT_EQ(first->keyframes, 30u);
+  EXPECT_TRUE(first->closed);
+  EXPECT_EQ(running.store.GetLocalMap("m", kSecond)->keyframes, 1u);
+  EXPECT_TRUE(robot.WaitUntil([](auto& m) { return m.upload().spool_bytes == 0; }));
+}
+
+TEST_F(SpooledUploadTest, AStoreThatForgotIsDataLossAndTakesANewLocalMap) {
+  auto store = std::make_unique<RunningStore>("127.0.0.1:0");
+  const std::string address = store->server->address();
+  Robot robot(MakeChannel(address), folder_);
+  robot.Begin(kFirst);
+  robot.AddKeyframe(0);
+  EXPECT_TRUE(robot.WaitUntil([](auto& m) { return m.first_acknowledged().has_value(); }));
+  store.reset();
+  store = std::make_unique<RunningStore>(address);
+  EXPECT_TRUE(robot.WaitUntil([](auto& m) { return m.NeedsNewLocalMap(); }));
+  EXPECT_TRUE(absl::IsDataLoss(robot.memory().upload().loss)) << robot.memory().upload().loss;
+  robot.Begin(kSecond);
+  robot.AddKeyframe(0);
+  const absl::Status finished = robot.memory().Finish(absl::Seconds(20));
+  EXPECT_TRUE(finished.ok()) << finished;
+  EXPECT_EQ(store->store.GetLocalMap("m", kSecond)->keyframes, 1u);
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,118 @@
+#include "services/map_store_service/stream_limits.h"
+
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+
+namespace corbslam {
+namespace {
+
+template <typename Value, typename Limit>
+absl::Status CheckRange(absl::string_view field, Value value, Limit low, Limit high) {
+  if (value >= low && value <= high) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(field, " is ", value, ", must be in [", low, ", ", high, "]"));
+}
+
+absl::Status TooMany(absl::string_view whose, size_t has, size_t limit) {
+  return absl::ResourceExhaustedError(
+      absl::StrCat(whose, " has ", has, " open streams; the limit is ", limit));
+}
+
+}  // namespace
+
+absl::Status StreamLimitOptions::Validate() const {
+  constexpr size_t kMany = size_t{1} << 40;
+  absl::Status status;
+  status.Update(CheckRange("max_streams", max_streams, size_t{1}, kMany));
+  status.Update(CheckRange("max_streams_per_host", max_streams_per_host, size_t{1}, kMany));
+  status.Update(CheckRange("max_streams_per_agent", max_streams_per_agent, size_t{2}, kMany));
+  // Above, gRPC itself refuses; below, our own parts don't fit.
+  status.Update(
+      CheckRange("max_message_bytes", max_message_bytes, kPartBytes + (1u << 20), size_t{4} << 20));
+  status.Update(CheckRange("max_batch_bytes", max_batch_bytes, size_t{1} << 20, kMaxUpdateBytes));
+  status.Update(CheckRange("max_unfinished_bytes", max_unfinished_bytes, max_batch_bytes, kMany));
+  status.Update(CheckRange("open_timeout_s", open_timeout_s, 0.1, 1e5));
+  status.Update(CheckRange("part_timeout_s", part_timeout_s, 0.1, 1e5));
+  return status;
+}
+
+std::string HostOf(absl::string_view peer) {
+  const bool has_port = absl::StartsWith(peer, "ipv4:") || absl::StartsWith(peer, "ipv6:");
+  return std::string(has_port ? peer.substr(0, peer.rfind(':')) : peer);
+}
+
+absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> StreamLimits::Enter(absl::string_view peer) {
+  std::string host = HostOf(peer);
+  absl::MutexLock lock(&mutex_);
+  if (streams_ >= options_.max_streams) {
+    return TooMany("this server", streams_, options_.max_streams);
+  }
+  size_t& of_host = of_host_[host];
+  if (of_host >= options_.max_streams_per_host) {
+    return TooMany(host, of_host, options_.max_streams_per_host);
+  }
+  ++streams_;
+  ++of_host;
+  return std::make_unique<Ticket>(this, std::move(host));
+}
+
+void StreamLimits::Decrease(const std::string& key, Counts& counts) {
+  const auto it = counts.find(key);
+  if (--it->second == 0) counts.erase(it);
+}
+
+size_t StreamLimits::open_streams() const {
+  absl::MutexLock lock(&mutex_);
+  return streams_;
+}
+
+size_t StreamLimits::unfinished_bytes() const {
+  absl::MutexLock lock(&mutex_);
+  return unfinished_bytes_;
+}
+
+StreamLimits::Ticket::~Ticket() {
+  ReleaseAll();
+  absl::MutexLock lock(&limits_.mutex_);
+  --limits_.streams_;
+  Decrease(host_, limits_.of_host_);
+  if (!agent_.empty()) Decrease(agent_, limits_.of_agent_);
+}
+
+absl::Status StreamLimits::Ticket::Name(const std::string& agent) {
+  absl::MutexLock lock(&limits_.mutex_);
+  const size_t limit = limits_.options_.max_streams_per_agent;
+  size_t& of_agent = limits_.of_agent_[agent];
+  if (of_agent >= limit) return TooMany(agent, of_agent, limit);
+  ++of_agent;
+  agent_ = agent;
+  return absl::OkStatus();
+}
+
+absl::Status StreamLimits::Ticket::Hold(size_t bytes) {
+  const StreamLimitOptions& options = limits_.options_;
+  if (held_ + bytes > options.max_batch_bytes) {
+    return absl::ResourceExhaustedError(absl::StrCat("an unfinished batch has ", held_ + bytes,
+                                                     " bytes; the limit is ",
+                                                     options.max_batch_bytes));
+  }
+  absl::MutexLock lock(&limits_.mutex_);
+  if (limits_.unfinished_bytes_ + bytes > options.max_unfinished_bytes) {
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "unfinished batches of all streams have ", limits_.unfinished_bytes_, " bytes; with ",
+        bytes, " more they pass the limit of ", options.max_unfinished_bytes));
+  }
+  held_ += bytes;
+  limits_.unfinished_bytes_ += bytes;
+  return absl::OkStatus();
+}
+
+void StreamLimits::Ticket::ReleaseAll() {
+  absl::MutexLock lock(&limits_.mutex_);
+  limits_.unfinished_bytes_ -= held_;
+  held_ = 0;
+}
+
+}  // namespace corbslam

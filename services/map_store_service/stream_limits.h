@@ -1,0 +1,88 @@
+// How many streams a server keeps open, for whom, and how much unfinished work it holds for them.
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "absl/synchronization/mutex.h"
+#include "services/convert/limits.h"
+
+namespace corbslam {
+
+struct StreamLimitOptions {
+  // Open at one time: of everybody, from one host, and of one agent (older ones that are about to
+  // end count).
+  size_t max_streams = 1000;
+  size_t max_streams_per_host = 250;
+  size_t max_streams_per_agent = 8;
+  // Of one message, of a batch that comes in parts, and of all unfinished batches together.
+  size_t max_message_bytes = 4u << 20;
+  size_t max_batch_bytes = kMaxUpdateBytes;
+  size_t max_unfinished_bytes = 512u << 20;
+  // Within which the first message must come, and the next part of an unfinished batch.
+  double open_timeout_s = 30;
+  double part_timeout_s = 300;
+
+  // INVALID_ARGUMENT naming the field.
+  absl::Status Validate() const;
+};
+
+// "ipv4:10.0.0.7:4711" without the port.
+std::string HostOf(absl::string_view peer);
+
+// Thread-safe. Errors are RESOURCE_EXHAUSTED, naming whose limit and what it is.
+class StreamLimits {
+ public:
+  explicit StreamLimits(const StreamLimitOptions& options) : options_(options) {}
+
+  // One open stream; it counts until this is destroyed. Not thread-safe.
+  class Ticket {
+   public:
+    Ticket(StreamLimits* limits, std::string host) : limits_(*limits), host_(std::move(host)) {}
+    ~Ticket();
+    Ticket(const Ticket&) = delete;
+    Ticket& operator=(const Ticket&) = delete;
+
+    // It is this agent's ("missions/m/agents/a").
+    absl::Status Name(const std::string& agent);
+    // It holds so many bytes more, of a batch that is not whole.
+    absl::Status Hold(size_t bytes);
+    // The batch is whole, or given up.
+    void ReleaseAll();
+
+   private:
+    StreamLimits& limits_;
+    const std::string host_;
+    std::string agent_;
+    size_t held_ = 0;
+  };
+
+  // `peer` as gRPC spells it.
+  absl::StatusOr<std::unique_ptr<Ticket>> Enter(absl::string_view peer);
+
+  const StreamLimitOptions& options() const { return options_; }
+  size_t open_streams() const;
+  size_t unfinished_bytes() const;
+
+ private:
+  using Counts = std::map<std::string, size_t>;
+  static void Decrease(const std::string& key, Counts& counts);
+
+  const StreamLimitOptions options_;
+  mutable absl::Mutex mutex_;
+  size_t streams_ ABSL_GUARDED_BY(mutex_) = 0;
+  size_t unfinished_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  Counts of_host_ ABSL_GUARDED_BY(mutex_);
+  Counts of_agent_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_

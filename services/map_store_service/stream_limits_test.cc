@@ -1,0 +1,209 @@
+#include "services/map_store_service/stream_limits.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "services/convert/map_update.h"
+#include "services/convert/shared_update.h"
+#include "services/convert/test_data.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/server/server.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(HostOfTest, LeavesThePortOut) {
+  EXPECT_EQ(HostOf("ipv4:10.0.0.7:4711"), "ipv4:10.0.0.7");
+  EXPECT_EQ(HostOf("ipv6:%5B::1%5D:4711"), "ipv6:%5B::1%5D");
+  EXPECT_EQ(HostOf("unix:/tmp/socket:1"), "unix:/tmp/socket:1");
+}
+
+void ExpectTooMuch(const absl::Status& status, const std::string& says) {
+  EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr(says));
+}
+
+TEST(StreamLimitsTest, CountsWhatIsOpen) {
+  StreamLimits limits({.max_streams = 3, .max_streams_per_host = 2, .max_streams_per_agent = 1});
+  auto first = limits.Enter("ipv4:1.1.1.1:1");
+  auto second = limits.Enter("ipv4:1.1.1.1:2");
+  ExpectTooMuch(limits.Enter("ipv4:1.1.1.1:3").status(), "ipv4:1.1.1.1 has 2 open streams");
+  auto third = limits.Enter("ipv4:2.2.2.2:1");
+  ExpectTooMuch(limits.Enter("ipv4:3.3.3.3:1").status(), "the limit is 3");
+  EXPECT_TRUE((*first)->Name("missions/m/agents/a").ok());
+  ExpectTooMuch((*second)->Name("missions/m/agents/a"), "missions/m/agents/a has 1");
+  first->reset();
+  EXPECT_TRUE((*second)->Name("missions/m/agents/a").ok());
+  EXPECT_TRUE(limits.Enter("ipv4:1.1.1.1:4").ok());
+  EXPECT_EQ(limits.open_streams(), 2u);
+}
+
+TEST(StreamLimitsTest, BoundsUnfinishedBatches) {
+  StreamLimits limits({.max_batch_bytes = 100, .max_unfinished_bytes = 150});
+  const auto first = *limits.Enter("a");
+  auto second = *limits.Enter("b");
+  EXPECT_TRUE(first->Hold(60).ok());
+  ExpectTooMuch(first->Hold(41), "101 bytes; the limit is 100");
+  EXPECT_TRUE(second->Hold(90).ok());
+  ExpectTooMuch(first->Hold(1), "the limit of 150");
+  second.reset();
+  EXPECT_TRUE(first->Hold(40).ok());
+  first->ReleaseAll();
+  EXPECT_EQ(limits.unfinished_bytes(), 0u);
+}
+
+TEST(StreamLimitOptionsTest, NameTheFieldThatIsOutOfRange) {
+  EXPECT_TRUE(StreamLimitOptions().Validate().ok());
+  const std::vector<std::pair<std::string, std::function<void(StreamLimitOptions&)>>> cases = {
+      {"max_streams is 0", [](auto& o) { o.max_streams = 0; }},
+      {"max_streams_per_host is 0", [](auto& o) { o.max_streams_per_host = 0; }},
+      {"max_streams_per_agent is 1", [](auto& o) { o.max_streams_per_agent = 1; }},
+      {"max_message_bytes is 100", [](auto& o) { o.max_message_bytes = 100; }},
+      {"max_message_bytes", [](auto& o) { o.max_message_bytes = 5u << 20; }},
+      {"max_batch_bytes", [](auto& o) { o.max_batch_bytes = 1u << 30; }},
+      {"max_unfinished_bytes is 0", [](auto& o) { o.max_unfinished_bytes = 0; }},
+      {"open_timeout_s is 0", [](auto& o) { o.open_timeout_s = 0; }},
+      {"part_timeout_s is -1", [](auto& o) { o.part_timeout_s = -1; }}};
+  for (const auto& [says, break_it] : cases) {
+    StreamLimitOptions options;
+    break_it(options);
+    const absl::Status status = options.Validate();
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << says;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(says));
+  }
+}
+
+// Through the real stub, in one process.
+class LimitedStreamsTest : public ::testing::Test {
+ protected:
+  using Stream = grpc::ClientReaderWriter<v1::SyncRequest, v1::SyncResponse>;
+
+  void Start(const StreamLimitOptions& limits) {
+    store_ = std::make_unique<MapStore>(MapStoreOptions(), nullptr,
+                                        std::make_unique<InMemoryJournal>(), nullptr);
+    MapStoreServiceOptions options;
+    options.streams = limits;
+    service_ = std::make_unique<MapStoreService>(store_.get(), options);
+    server_ = *Server::Start("", {service_.get()});
+    stub_ = v1::MapStore::NewStub(server_->InProcessChannel());
+  }
+  void TearDown() override { server_->Shutdown(absl::ZeroDuration()); }
+
+  std::unique_ptr<Stream> Open(const std::string& agent) {
+    contexts_.push_back(std::make_unique<grpc::ClientContext>());
+    auto stream = stub_->Sync(contexts_.back().get());
+    v1::SyncRequest open;
+    ToProto(SessionRequest{.mission = "m", .agent = agent, .last_revision = 0, .local_maps = {}},
+            open.mutable_open());
+    stream->Write(open);
+    return stream;
+  }
+  static bool IsGranted(Stream& stream) {
+    v1::SyncResponse response;
+    return stream.Read(&response) && response.has_grant();
+  }
+  static void ExpectEnd(Stream& stream, grpc::StatusCode code, const std::string& says) {
+    v1::SyncResponse response;
+    while (stream.Read(&response)) EXPECT_FALSE(response.has_acknowledgement());
+    const grpc::Status status = stream.Finish();
+    EXPECT_EQ(status.error_code(), code) << status.error_message();
+    EXPECT_THAT(status.error_message(), HasSubstr(says));
+  }
+  static std::vector<v1::SyncRequest> Parts(int keyframes) {
+    std::mt19937 random(1);
+    CameraBook sent;
+    std::vector<v1::SyncRequest> requests;
+    for (auto& part :
+         ToProto(test_data::MakeBatch(random, test_data::kMap, 1, keyframes, 2000), sent, 100000)) {
+      *requests.emplace_back().mutable_batch() = std::move(part);
+    }
+    return requests;
+  }
+
+  std::unique_ptr<MapStore> store_;
+  std::unique_ptr<MapStoreService> service_;
+  std::unique_ptr<Server> server_;
+  std::unique_ptr<v1::MapStore::Stub> stub_;
+  std::vector<std::unique_ptr<grpc::ClientContext>> contexts_;
+};
+
+TEST_F(LimitedStreamsTest, TooManyStreamsAreRefusedAndTheOthersGoOn) {
+  Start({.max_streams = 2});
+  const auto first = Open("a");
+  EXPECT_TRUE(IsGranted(*first));
+  const auto second = Open("b");
+  EXPECT_TRUE(IsGranted(*second));
+  ExpectEnd(*Open("c"), grpc::StatusCode::RESOURCE_EXHAUSTED, "the limit is 2");
+  grpc::ClientContext context;
+  const auto watch = stub_->WatchMap(&context, v1::WatchMapRequest());
+  v1::WatchMapResponse change;
+  EXPECT_FALSE(watch->Read(&change));
+  EXPECT_EQ(watch->Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  for (const v1::SyncRequest& part : Parts(1)) EXPECT_TRUE(first->Write(part));
+  v1::SyncResponse response;
+  EXPECT_TRUE(first->Read(&response));
+  EXPECT_TRUE(response.has_acknowledgement());
+  second->WritesDone();
+  EXPECT_TRUE(second->Finish().ok());
+  // One has gone.
+  EXPECT_TRUE(IsGranted(*Open("c")));
+  contexts_.back()->TryCancel();
+  contexts_.front()->TryCancel();
+}
+
+TEST_F(LimitedStreamsTest, AStreamThatSaysNothingEnds) {
+  Start({.open_timeout_s = 0.1});
+  grpc::ClientContext context;
+  const auto stream = stub_->Sync(&context);
+  ExpectEnd(*stream, grpc::StatusCode::DEADLINE_EXCEEDED, "the first message did not come");
+}
+
+TEST_F(LimitedStreamsTest, AnOpenStreamMayBeSilent) {
+  Start({.open_timeout_s = 0.1, .part_timeout_s = 0.1});
+  const auto stream = Open("a");
+  EXPECT_TRUE(IsGranted(*stream));
+  absl::SleepFor(absl::Milliseconds(400));
+  for (const v1::SyncRequest& part : Parts(1)) EXPECT_TRUE(stream->Write(part));
+  v1::SyncResponse response;
+  EXPECT_TRUE(stream->Read(&response));
+  EXPECT_TRUE(response.has_acknowledgement());
+  contexts_.back()->TryCancel();
+  stream->Finish();
+}
+
+TEST_F(LimitedStreamsTest, ABatchThatIsNeverFinishedEndsItsStream) {
+  Start({.part_timeout_s = 0.1});
+  const auto stream = Open("a");
+  EXPECT_TRUE(IsGranted(*stream));
+  EXPECT_TRUE(stream->Write(Parts(3).front()));
+  ExpectEnd(*stream, grpc::StatusCode::DEADLINE_EXCEEDED, "the next part of batch 1");
+}
+
+TEST_F(LimitedStreamsTest, ABatchThatIsTooLongEndsItsStream) {
+  Start({.max_batch_bytes = 150000});
+  const auto stream = Open("a");
+  EXPECT_TRUE(IsGranted(*stream));
+  for (const v1::SyncRequest& part : Parts(5)) {
+    if (!stream->Write(part)) break;
+  }
+  ExpectEnd(*stream, grpc::StatusCode::RESOURCE_EXHAUSTED, "the limit is 150000");
+}
+
+TEST_F(LimitedStreamsTest, AMessageThatIsTooLongEndsItsStream) {
+  Start({.max_message_bytes = 50000});
+  const auto stream = Open("a");
+  EXPECT_TRUE(IsGranted(*stream));
+  EXPECT_TRUE(stream->Write(Parts(1).front()));
+  ExpectEnd(*stream, grpc::StatusCode::RESOURCE_EXHAUSTED, "the limit is 50000");
+}
+
+}  // namespace
+}  // namespace corbslam
