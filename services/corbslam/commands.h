@@ -19,6 +19,7 @@ void AddEvalCommand(CLI::App& app, Command& chosen);
 void AddRenderCommand(CLI::App& app, Command& chosen);
 void AddSimulateCommand(CLI::App& app, Command& chosen);
 void AddSplitCommand(CLI::App& app, Command& chosen);
+void AddTokenCommand(CLI::App& app, Command& chosen);
 void AddVocabularyCommand(CLI::App& app, Command& chosen);
 
 }  // namespace corbslam

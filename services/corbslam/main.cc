@@ -1,4 +1,4 @@
-// corbslam: the tool for people. Runs missions, simulates, measures, draws, and makes
+// corbslam: the tool for people. Runs missions, simulates, measures, draws, and makes tokens and
 // vocabularies.
 #include <glog/logging.h>
 
@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   corbslam::AddRenderCommand(app, chosen);
   corbslam::AddSimulateCommand(app, chosen);
   corbslam::AddSplitCommand(app, chosen);
+  corbslam::AddTokenCommand(app, chosen);
   corbslam::AddVocabularyCommand(app, chosen);
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = chosen();

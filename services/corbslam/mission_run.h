@@ -15,6 +15,7 @@
 #include "services/corbslam/report.h"
 #include "services/corbslam/served_mission.h"
 #include "services/corbslam/store_reader.h"
+#include "services/security/security_options.h"
 
 namespace corbslam {
 
@@ -29,6 +30,9 @@ struct MissionRunOptions {
   std::string vocabulary_path;  // Empty: the one that ships.
   // Processes only. A running map store; empty: one is started, with a worker.
   std::string server;
+  // Towards that store, of this process and of the agents. What is started here listens on loopback
+  // without TLS.
+  SecurityOptions security;
   std::string pace = "max";
   std::string log_folder;
   // How long the store may take to fuse after the last robot ended.

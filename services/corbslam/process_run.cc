@@ -83,7 +83,7 @@ absl::StatusOr<std::vector<std::string>> ProcessRun::MakeCommand(const std::stri
 absl::StatusOr<std::string> ProcessRun::StartServer(const std::string& program,
                                                     std::vector<std::string> arguments,
                                                     bool needs_vocabulary) {
-  arguments.insert(arguments.end(), {"--listen", "127.0.0.1:0"});
+  arguments.insert(arguments.end(), {"--listen", "127.0.0.1:0", "--insecure"});
   ASSIGN_OR_RETURN(const std::vector<std::string> command,
                    MakeCommand(program, std::move(arguments), needs_vocabulary));
   ASSIGN_OR_RETURN(std::unique_ptr<ChildProcess> server,
@@ -96,13 +96,25 @@ absl::StatusOr<std::string> ProcessRun::StartServer(const std::string& program,
 absl::Status ProcessRun::StartServers() {
   store_address_ = options_.server;
   if (!store_address_.empty()) {
-    ASSIGN_OR_RETURN(std::shared_ptr<grpc::Channel> channel, ConnectToStore(store_address_));
+    ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(options_.security));
+    ASSIGN_OR_RETURN(std::shared_ptr<grpc::Channel> channel,
+                     ConnectToStore(store_address_, credentials));
     store_ = std::make_unique<StoreReader>(std::move(channel), options_.mission);
     return absl::OkStatus();
   }
   ASSIGN_OR_RETURN(const std::string worker, StartServer("fusion_worker", {}, false));
   ASSIGN_OR_RETURN(store_address_, StartServer("map_store", {"--worker", worker}, true));
   return absl::OkStatus();
+}
+
+void AppendFlags(const SecurityOptions& security, std::vector<std::string>& arguments) {
+  if (security.insecure) arguments.push_back("--insecure");
+  for (const auto& [flag, value] : {std::pair("--tls-cert", security.certificate_file),
+                                    {"--tls-key", security.key_file},
+                                    {"--tls-ca", security.ca_file},
+                                    {"--token-file", security.token_file}}) {
+    if (!value.empty()) arguments.insert(arguments.end(), {flag, value});
+  }
 }
 
 absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
@@ -122,7 +134,13 @@ absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
   if (options_.seed.has_value()) {
     arguments.insert(arguments.end(), {"--seed", absl::StrCat(*options_.seed)});
   }
-  if (stays) arguments.insert(arguments.end(), {"--stay", "--listen", "127.0.0.1:0"});
+  // The store is this run's own, on loopback, or one that the flags say how to reach.
+  SecurityOptions own;
+  own.insecure = true;
+  AppendFlags(options_.server.empty() ? own : options_.security, arguments);
+  if (stays) {
+    arguments.insert(arguments.end(), {"--stay", "--listen", "127.0.0.1:0", "--listen-insecure"});
+  }
   ASSIGN_OR_RETURN(const std::vector<std::string> command,
                    MakeCommand("client_agent", std::move(arguments), true));
   ASSIGN_OR_RETURN(agent.process,

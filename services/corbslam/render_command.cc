@@ -7,6 +7,7 @@
 #include "services/corbslam/commands.h"
 #include "services/corbslam/picture.h"
 #include "services/corbslam/store_reader.h"
+#include "services/security/flags.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -19,6 +20,7 @@ struct RenderArguments {
   std::string truth;
   std::string out = "map.png";
   MapPictureOptions picture;
+  SecurityOptions security;
 };
 
 std::vector<std::string> ListAgents(const ServedMap& map) {
@@ -46,7 +48,9 @@ absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<s
 
 absl::Status Render(const RenderArguments& arguments) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
-  ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel, ConnectToStore(arguments.server));
+  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(arguments.security));
+  ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel,
+                   ConnectToStore(arguments.server, credentials));
   StoreReader store(channel, arguments.mission);
   // A mission without keyframes has no map that could be waited for.
   ASSIGN_OR_RETURN(const v1::GetStatisticsResponse statistics, store.Statistics());
@@ -77,6 +81,8 @@ void AddRenderCommand(CLI::App& app, Command& chosen) {
                      "kitti:DIR, tum:DIR, euroc:DIR or sim:WORLD, drawn dashed");
   render->add_option("--width", arguments->picture.width_px, "Pixels")->capture_default_str();
   render->add_option("--out", arguments->out, "The PNG to write")->capture_default_str();
+  AddTlsFlags(*render, arguments->security);
+  AddClientFlags(*render, arguments->security);
   render->callback([arguments, &chosen] { chosen = [arguments] { return Render(*arguments); }; });
 }
 

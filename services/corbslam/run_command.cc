@@ -15,6 +15,7 @@
 #include "services/corbslam/commands.h"
 #include "services/corbslam/mission_run.h"
 #include "services/corbslam/picture.h"
+#include "services/security/flags.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -145,9 +146,22 @@ absl::Status WriteAll(const RunArguments& arguments, MissionOutcome& outcome) {
   return WritePicture(outcome, accuracy, arguments.own, arguments.out + "/map.png");
 }
 
+// Before anything starts.
+absl::Status CheckSecurity(const MissionRunOptions& mission) {
+  if (!mission.server.empty()) return MakeChannelCredentials(mission.security).status();
+  const SecurityOptions& security = mission.security;
+  if (security.certificate_file.empty() && security.key_file.empty() && security.ca_file.empty() &&
+      security.token_file.empty()) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      "--tls-cert, --tls-key, --tls-ca and --token-file are for a --server");
+}
+
 absl::Status Run(RunArguments arguments) {
   const absl::Time start = absl::Now();
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission.mission));
+  RETURN_IF_ERROR(CheckSecurity(arguments.mission));
   ASSIGN_OR_RETURN(arguments.mission.robots, Plan(arguments));
   const std::vector<std::string> names = NamesOf(arguments.mission.robots);
   ASSIGN_OR_RETURN(arguments.own, ChooseOwn(arguments.own, names));
@@ -183,6 +197,8 @@ void AddMissionOptions(CLI::App& run, RunArguments& arguments) {
       ->capture_default_str();
   run.add_flag("--sequential", mission.sequential, "One robot after the other");
   run.add_option("--server", mission.server, "A running map store, HOST:PORT; else one is started");
+  AddTlsFlags(run, mission.security);
+  AddClientFlags(run, mission.security);
   run.add_option("--mission", mission.mission, "Name of the mission")->capture_default_str();
   run.add_option("--seed", mission.seed, "Of every random choice")->capture_default_str();
   run.add_option("--vocabulary", mission.vocabulary_path, "Instead of the one that ships");

@@ -75,9 +75,10 @@ TransferReport FromProto(const v1::TransferCount& proto) {
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(const std::string& address,
-                                                              absl::Duration patience) {
-  std::shared_ptr<grpc::Channel> channel = MakeChannel(address);
+absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(
+    const std::string& address, const std::shared_ptr<grpc::ChannelCredentials>& credentials,
+    absl::Duration patience) {
+  std::shared_ptr<grpc::Channel> channel = MakeChannel(address, credentials);
   if (channel->WaitForConnected(absl::ToChronoTime(absl::Now() + patience))) return channel;
   return absl::UnavailableError(absl::StrCat("no map store answers at ", address));
 }

@@ -3,6 +3,7 @@
 #define CORBSLAM_SERVICES_CORBSLAM_STORE_READER_H_
 
 #include <grpcpp/channel.h>
+#include <grpcpp/security/credentials.h>
 
 #include <map>
 #include <memory>
@@ -19,7 +20,8 @@ namespace corbslam {
 
 // A channel to the map store at HOST:PORT, connected. UNAVAILABLE where none answers in time.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(
-    const std::string& address, absl::Duration patience = absl::Seconds(10));
+    const std::string& address, const std::shared_ptr<grpc::ChannelCredentials>& credentials,
+    absl::Duration patience = absl::Seconds(10));
 
 // Thread-safe. Each call has a deadline of its own. Errors are those of the store, with the call
 // that met them.

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "absl/synchronization/notification.h"
@@ -173,6 +174,32 @@ TEST_F(FusionWorkerServiceTest, ADeadWorkerIsReplacedByAnother) {
             absl::StatusCode::kUnavailable);
   EXPECT_EQ(MakeRemoteFusionWorker({})->VerifyOverlap(MakeVerification(), GoOn).status().code(),
             absl::StatusCode::kUnavailable);
+}
+
+// Its server ends in the orderly way, but not so late that the request is done.
+TEST_F(FusionWorkerServiceTest, AWorkerThatIsStoppedInTheMiddleIsReplaced) {
+  class QuickWorker : public FakeFusionWorker {
+    absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest&,
+                                                    const ProgressCallback&) override {
+      AdjustBundleResult result;
+      result.keyframes = 7;
+      return result;
+    }
+  } quick;
+  FusionWorkerService spare(&quick);
+  const auto spare_server = Server::Start("127.0.0.1:0", {&spare});
+  ASSERT_TRUE(spare_server.ok()) << spare_server.status();
+  const auto pool = MakeRemoteFusionWorker(
+      {MakeChannel(server_->address()), MakeChannel((*spare_server)->address())});
+  absl::StatusOr<AdjustBundleResult> result = absl::UnknownError("not asked yet");
+  std::thread asking([&] { result = pool->AdjustBundle(MakeAdjustment(), GoOn); });
+  EXPECT_TRUE(worker_.started.WaitForNotificationWithTimeout(absl::Seconds(20)));
+  const absl::Time start = absl::Now();
+  server_->Shutdown(absl::Milliseconds(100));
+  asking.join();
+  EXPECT_LT(absl::Now() - start, absl::Seconds(10));
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->keyframes, 7);
 }
 
 TEST_F(FusionWorkerServiceTest, AFullWorkerSendsItsCallersElsewhere) {

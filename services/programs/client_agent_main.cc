@@ -11,12 +11,14 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/image_source.h"
 #include "services/agent_service/agent_service.h"
+#include "services/convert/batch_bytes.h"
 #include "services/convert/resource_names.h"
 #include "services/programs/agent_run.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/program.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
+#include "services/security/flags.h"
 #include "services/server/server.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/status_macros.h"
@@ -40,13 +42,29 @@ struct Flags {
   uint64_t seed = 0;
   int solver_threads = 1;
   double finish_s = 120;
+  std::string spool_dir;
+  uint64_t spool_mb = 1024;
+  uint64_t outbox_mb = 64;
   bool stay = false;
+  SecurityOptions security;
+  bool listen_insecure = false;
 };
 
 absl::StatusOr<std::unique_ptr<ImageSource>> OpenFlaggedSource(const Flags& flags) {
   ASSIGN_OR_RETURN(SourceSpec spec, ParseSourceSpec(flags.source));
   if (!flags.frames.empty()) RETURN_IF_ERROR(ApplyOptions("frames=" + flags.frames, spec));
   return OpenSource(spec);
+}
+
+// Null: none was asked for.
+absl::StatusOr<std::unique_ptr<Spool>> OpenFlaggedSpool(const Flags& flags) {
+  if (flags.spool_dir.empty()) return nullptr;
+  if (flags.server.empty()) return absl::InvalidArgumentError("--spool-dir needs --server");
+  ASSIGN_OR_RETURN(std::unique_ptr<SpoolFiles> files, OpenSpoolFolder(flags.spool_dir));
+  SpoolOptions options;
+  options.owner = AgentName(flags.mission, flags.agent);
+  options.max_bytes = flags.spool_mb << 20;
+  return Spool::Open(options, std::move(files), {&EncodeBatch, &DecodeBatch});
 }
 
 AgentOptions MakeAgentOptions(const Flags& flags, const SensorCalibration& calibration) {
@@ -58,6 +76,7 @@ AgentOptions MakeAgentOptions(const Flags& flags, const SensorCalibration& calib
                      ? flags.seed
                      : (uint64_t{std::random_device()()} << 32) | std::random_device()();
   options.solver_threads = flags.solver_threads;
+  options.max_outbox_bytes = flags.outbox_mb << 20;
   const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
   return options;
@@ -87,23 +106,44 @@ absl::Status WriteResults(const Flags& flags, const Agent& agent, const PlayedFr
   return flags.stats.empty() ? absl::OkStatus() : WriteText(flags.stats, statistics);
 }
 
+// Null without --server.
+absl::StatusOr<std::unique_ptr<Uplink>> MakeUplink(const Flags& flags) {
+  if (flags.server.empty()) return nullptr;
+  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
+  return MakeRemoteUplink(MakeChannel(flags.server, credentials));
+}
+
+// How other programs on the robot reach it.
+absl::StatusOr<ServerSecurity> MakeListenSecurity(const Flags& flags) {
+  if (flags.listen.empty()) return ServerSecurity{};
+  SecurityOptions security = flags.security;
+  if (flags.listen_insecure) {
+    security = SecurityOptions();
+    security.insecure = true;
+    security.reflection = flags.security.reflection;
+    security.health_is_open = flags.security.health_is_open;
+  }
+  return MakeServerSecurity(security, flags.mission);
+}
+
 absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", flags.mission));
   RETURN_IF_ERROR(CheckNameSegment("--agent", flags.agent));
+  ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool, OpenFlaggedSpool(flags));
+  // Outlives the agent, which closes it.
+  ASSIGN_OR_RETURN(const std::unique_ptr<Uplink> uplink, MakeUplink(flags));
+  ASSIGN_OR_RETURN(const ServerSecurity security, MakeListenSecurity(flags));
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
   ASSIGN_OR_RETURN(const auto source, OpenFlaggedSource(flags));
-  // Outlives the agent, which closes it.
-  std::unique_ptr<Uplink> uplink;
-  if (!flags.server.empty()) uplink = MakeRemoteUplink(MakeChannel(flags.server));
-  ASSIGN_OR_RETURN(const auto agent,
-                   Agent::Create(MakeAgentOptions(flags, source->calibration()),
-                                 source->calibration(), vocabulary, uplink.get()));
+  ASSIGN_OR_RETURN(const auto agent, Agent::Create(MakeAgentOptions(flags, source->calibration()),
+                                                   source->calibration(), vocabulary, uplink.get(),
+                                                   std::move(spool)));
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "", .agent = flags.agent});
   std::unique_ptr<Server> server;
   if (!flags.listen.empty()) {
-    ASSIGN_OR_RETURN(server, Server::Start(flags.listen, {&service}));
+    ASSIGN_OR_RETURN(server, Server::Start(flags.listen, {&service}, security.server));
     AnnounceAddress(server->address());
   }
   ASSIGN_OR_RETURN(const PlayedFrames played,
@@ -152,9 +192,25 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "Seconds to wait after the last frame until the map store has everything")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
+  app.add_option("--spool-dir", flags.spool_dir,
+                 "Folder for what the map store has not acknowledged and memory has no room for; "
+                 "what an earlier run left in it goes up first")
+      ->capture_default_str();
+  app.add_option("--spool-mb", flags.spool_mb, "MiB in it at most")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  app.add_option("--outbox-mb", flags.outbox_mb,
+                 "MiB that wait in memory before they go to --spool-dir; 0: everything does")
+      ->check(CLI::Range(0, 1 << 20))
+      ->capture_default_str();
   app.add_flag("--stay", flags.stay,
                "Then say \"finished\" and stay connected, and take in what others made, until "
                "SIGTERM");
+  AddTlsFlags(app, flags.security);
+  AddServerFlags(app, flags.security);
+  AddClientFlags(app, flags.security);
+  app.add_flag("--listen-insecure", flags.listen_insecure,
+               "Without TLS on --listen only, for a loopback address");
 }
 
 }  // namespace

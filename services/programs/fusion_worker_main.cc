@@ -5,6 +5,7 @@
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/programs/program.h"
+#include "services/security/flags.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 
@@ -15,13 +16,16 @@ struct Flags {
   std::string listen = "127.0.0.1:50052";
   FusionWorkerOptions worker;
   FusionWorkerServiceOptions service;
+  SecurityOptions security;
   double drain_s = 2;
 };
 
 absl::Status Run(const Flags& flags) {
+  ASSIGN_OR_RETURN(const ServerSecurity security, MakeServerSecurity(flags.security));
   const std::unique_ptr<FusionWorker> worker = MakeLocalFusionWorker(flags.worker);
   FusionWorkerService service(worker.get(), flags.service);
-  ASSIGN_OR_RETURN(const std::unique_ptr<Server> server, Server::Start(flags.listen, {&service}));
+  ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
+                   Server::Start(flags.listen, {&service}, security.server));
   AnnounceAddress(server->address());
   WaitForStopSignal();
   server->Shutdown(absl::Seconds(flags.drain_s));
@@ -51,5 +55,7 @@ int main(int argc, char** argv) {
   app.add_option("--drain", flags.drain_s, "Seconds that requests have to end after SIGTERM")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
+  corbslam::AddTlsFlags(app, flags.security);
+  corbslam::AddServerFlags(app, flags.security);
   return corbslam::RunProgram(app, argc, argv, [&] { return corbslam::Run(flags); });
 }

@@ -9,9 +9,12 @@
 #include "map_store/map_store.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/programs/limit_flags.h"
 #include "services/programs/program.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_fusion_worker.h"
+#include "services/security/flags.h"
+#include "services/security/guarded_map_store.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -26,6 +29,7 @@ struct Flags {
   std::string vocabulary = DefaultVocabularyPath();
   MapStoreOptions store;
   MapStoreServiceOptions service;
+  SecurityOptions security;
   double drain_s = 2;
 };
 
@@ -39,19 +43,28 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> MakeWorker(const Flags& flags) {
     LOG(WARNING) << "no --worker and no --in-process-worker: maps are collected but never fused";
     return nullptr;
   }
+  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
   std::vector<std::shared_ptr<grpc::Channel>> channels;
-  for (const std::string& address : flags.workers) channels.push_back(MakeChannel(address));
+  for (const std::string& address : flags.workers) {
+    channels.push_back(MakeChannel(address, credentials));
+  }
   return MakeRemoteFusionWorker(channels);
 }
 
 absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(flags.store.Validate());
+  RETURN_IF_ERROR(flags.service.streams.Validate());
+  ASSIGN_OR_RETURN(const ServerSecurity security, MakeServerSecurity(flags.security));
   ASSIGN_OR_RETURN(std::shared_ptr<const Vocabulary> vocabulary,
                    Vocabulary::Load(flags.vocabulary));
   ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> worker, MakeWorker(flags));
   MapStore store(flags.store, vocabulary, std::make_unique<InMemoryJournal>(), worker.get());
-  MapStoreService service(&store, flags.service);
-  ASSIGN_OR_RETURN(const std::unique_ptr<Server> server, Server::Start(flags.listen, {&service}));
+  MapStoreServiceOptions service_options = flags.service;
+  service_options.may_open = MakeSessionCheck(security.access);
+  MapStoreService service(&store, service_options);
+  GuardedMapStore guarded(&service, security.access);
+  ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
+                   Server::Start(flags.listen, {&guarded}, security.server));
   AnnounceAddress(server->address());
   WaitForStopSignal();
   server->Shutdown(absl::Seconds(flags.drain_s));
@@ -81,6 +94,11 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--drain", flags.drain_s, "Seconds that streams have to end after SIGTERM")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
+  AddStoreLimitFlags(app, flags.store);
+  AddStreamLimitFlags(app, flags.service.streams);
+  AddTlsFlags(app, flags.security);
+  AddServerFlags(app, flags.security);
+  AddClientFlags(app, flags.security);
 }
 
 }  // namespace

@@ -38,6 +38,8 @@ absl::StatusOr<Result> ReadResult(Stream& stream, grpc::ClientContext& context,
   }
   const absl::Status status = FromGrpcStatus(stream.Finish());
   if (!failure.ok()) return failure;
+  // Nobody here cancelled: the worker is being stopped.
+  if (absl::IsCancelled(status)) return absl::UnavailableError(status.message());
   RETURN_IF_ERROR(status);
   if (!reader.ended()) return absl::UnavailableError("the worker ended before its result did");
   return reader.Finish();

@@ -75,7 +75,7 @@ RunningServers::~RunningServers() {
 
 std::string RunningServers::Start(const std::string& program, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
-  arguments.insert(arguments.end(), {"--listen", "127.0.0.1:0"});
+  arguments.insert(arguments.end(), {"--listen", "127.0.0.1:0", "--insecure"});
   auto server =
       ChildProcess::Start(program, arguments, absl::StrCat(log_folder_, "/", program, ".log"));
   EXPECT_TRUE(server.ok()) << server.status();

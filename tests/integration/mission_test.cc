@@ -120,8 +120,8 @@ double Ate_m(const std::map<std::string, Rigid3d>& poses) {
 TEST(MissionTest, ARunningStoreTellsAGenericClientWhereTheRobotsAre) {
   RunningServers servers;
   ASSERT_FALSE(servers.store_address().empty());
-  const Mission mission = RunMission(
-      {"--source", DemoSource(), "--server", servers.store_address(), "--mission", "asked"});
+  const Mission mission = RunMission({"--source", DemoSource(), "--server", servers.store_address(),
+                                      "--insecure", "--mission", "asked"});
   ASSERT_TRUE(servers.Run());
   GenericClient client(MakeChannel(servers.store_address()));
   const auto services = client.ListServices();

@@ -52,15 +52,16 @@ TEST(ToolTest, RefusesBadArgumentsBeforeAnythingStarts) {
     EXPECT_THAT(Complaint(program, command, absl::Seconds(10)),
                 AllOf(HasSubstr("INVALID_ARGUMENT"), HasSubstr(complaint)));
   }
-  EXPECT_THAT(Complaint("corbslam", {"render", "--server", kNobody, "--mission", "a b/c"},
-                        absl::Seconds(10)),
-              HasSubstr("--mission is \"a b/c\""));
+  EXPECT_THAT(
+      Complaint("corbslam", {"render", "--server", kNobody, "--insecure", "--mission", "a b/c"},
+                absl::Seconds(10)),
+      HasSubstr("--mission is \"a b/c\""));
 }
 
 TEST(ToolTest, SaysThatNoStoreAnswers) {
   for (const std::vector<std::string>& command :
-       {std::vector<std::string>{"render", "--server", kNobody},
-        {"run", "--server", kNobody, "--source", DemoSource(), "--out",
+       {std::vector<std::string>{"render", "--server", kNobody, "--insecure"},
+        {"run", "--server", kNobody, "--insecure", "--source", DemoSource(), "--out",
          ::testing::TempDir() + "/corbslam_dead_store"}}) {
     EXPECT_THAT(Complaint("corbslam", command, absl::Seconds(25)),
                 HasSubstr(absl::StrCat("UNAVAILABLE: no map store answers at ", kNobody)));
@@ -70,10 +71,11 @@ TEST(ToolTest, SaysThatNoStoreAnswers) {
 TEST(ToolTest, SaysThatThereIsNoSuchMission) {
   RunningServers servers;
   ASSERT_FALSE(servers.store_address().empty());
-  EXPECT_THAT(
-      Complaint("corbslam", {"render", "--server", servers.store_address(), "--mission", "nowhere"},
-                absl::Seconds(10)),
-      AllOf(HasSubstr("NOT_FOUND"), HasSubstr("there is no mission nowhere")));
+  EXPECT_THAT(Complaint("corbslam",
+                        {"render", "--server", servers.store_address(), "--insecure", "--mission",
+                         "nowhere"},
+                        absl::Seconds(10)),
+              AllOf(HasSubstr("NOT_FOUND"), HasSubstr("there is no mission nowhere")));
 }
 
 TEST(ToolTest, SaysInTwoLinesWhatItDoesWhereNobodyWatches) {

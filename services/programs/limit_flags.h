@@ -1,0 +1,18 @@
+// The map store's limits as flags.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_LIMIT_FLAGS_H_
+#define CORBSLAM_SERVICES_PROGRAMS_LIMIT_FLAGS_H_
+
+#include <CLI/CLI.hpp>
+
+#include "map_store/options.h"
+#include "services/map_store_service/stream_limits.h"
+
+namespace corbslam {
+
+// --max-... (docs/limits.md). The options outlive the parsing; each checks itself.
+void AddStoreLimitFlags(CLI::App& app, MapStoreOptions& options);
+void AddStreamLimitFlags(CLI::App& app, StreamLimitOptions& options);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_LIMIT_FLAGS_H_

@@ -1,0 +1,333 @@
+// The servers behind real TLS on loopback: who gets in, and how far.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "corbslam/v1/fusion_worker_service.grpc.pb.h"
+#include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/convert/status.h"
+#include "services/convert/test_data.h"
+#include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/programs/default_vocabulary.h"
+#include "services/remote/channel.h"
+#include "services/remote/remote_uplink.h"
+#include "services/security/guarded_map_store.h"
+#include "services/security/security_options.h"
+#include "services/security/testing/test_certificates.h"
+#include "services/server/server.h"
+#include "services/testing/generic_client.h"
+#include "services/testing/health_client.h"
+#include "services/testing/uplink_notes.h"
+
+namespace corbslam {
+namespace {
+
+using test_data::TestCertificates;
+using ::testing::Contains;
+
+std::string ReadFile(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// Nobody gets as far as having it work.
+class IdleWorker : public FusionWorker {
+ public:
+  absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest&,
+                                                    const ProgressCallback&) override {
+    return absl::InternalError("asked to verify");
+  }
+  absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest&,
+                                          const ProgressCallback&) override {
+    return absl::InternalError("asked to fuse");
+  }
+  absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest&,
+                                                  const ProgressCallback&) override {
+    return absl::InternalError("asked to adjust");
+  }
+};
+
+class SecureServiceTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    certificates_ = new TestCertificates("lab");
+    others_ = new TestCertificates("lab");
+    vocabulary_ = new std::shared_ptr<const Vocabulary>(*Vocabulary::Load(DefaultVocabularyPath()));
+  }
+  static void TearDownTestSuite() {
+    delete vocabulary_;
+    delete others_;
+    delete certificates_;
+  }
+
+  void SetUp() override {
+    store_ = std::make_unique<MapStore>(MapStoreOptions(), *vocabulary_,
+                                        std::make_unique<InMemoryJournal>(), nullptr);
+    SecurityOptions options = certificates_->Options("store");
+    options.token_key_file = certificates_->Path("token.pub");
+    Serve(options);
+  }
+
+  void Serve(const SecurityOptions& options) {
+    server_.reset();
+    const auto security = MakeServerSecurity(options);
+    ASSERT_TRUE(security.ok()) << security.status();
+    MapStoreServiceOptions service_options;
+    service_options.may_open = MakeSessionCheck(security->access);
+    service_ = std::make_unique<MapStoreService>(store_.get(), service_options);
+    guarded_ = std::make_unique<GuardedMapStore>(service_.get(), security->access);
+    worker_service_ = std::make_unique<FusionWorkerService>(&worker_);
+    auto server =
+        Server::Start("127.0.0.1:0", {guarded_.get(), worker_service_.get()}, security->server);
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+  }
+  void TearDown() override { server_.reset(); }
+
+  std::shared_ptr<grpc::Channel> Connect(const SecurityOptions& options) {
+    const auto credentials = MakeChannelCredentials(options);
+    EXPECT_TRUE(credentials.ok()) << credentials.status();
+    return credentials.ok() ? MakeChannel(server_->address(), *credentials) : nullptr;
+  }
+  std::shared_ptr<grpc::Channel> ConnectAs(const std::string& name) {
+    return Connect(certificates_->Options(name));
+  }
+  // Trusts the server, and is nobody.
+  static SecurityOptions Stranger() {
+    SecurityOptions options;
+    options.ca_file = certificates_->Path("ca.pem");
+    return options;
+  }
+  static SecurityOptions WithToken(const std::string& grant, absl::Duration lifetime) {
+    const auto token = SignToken({{*ParseGrant(grant)}, absl::Now() + lifetime},
+                                 ReadFile(certificates_->Path("token.key")));
+    EXPECT_TRUE(token.ok()) << token.status();
+    SecurityOptions options = Stranger();
+    options.token_file = certificates_->Path("token.txt");
+    std::ofstream(options.token_file) << token.value_or("") << "\n";
+    return options;
+  }
+
+  static absl::Status GetMission(const std::shared_ptr<grpc::Channel>& channel,
+                                 const std::string& mission = "lab") {
+    grpc::ClientContext context;
+    v1::GetMissionRequest request;
+    request.set_name(absl::StrCat("missions/", mission));
+    v1::Mission response;
+    return FromGrpcStatus(v1::MapStore::NewStub(channel)->GetMission(&context, request, &response));
+  }
+  static absl::Status DeleteMission(const std::shared_ptr<grpc::Channel>& channel) {
+    grpc::ClientContext context;
+    v1::DeleteMissionRequest request;
+    request.set_name("missions/lab");
+    v1::DeleteMissionResponse response;
+    return FromGrpcStatus(
+        v1::MapStore::NewStub(channel)->DeleteMission(&context, request, &response));
+  }
+  // How a session of the agent ends that sends one batch: OK when it is acknowledged.
+  static absl::Status Upload(const std::shared_ptr<grpc::Channel>& channel,
+                             const std::string& mission, const std::string& agent) {
+    std::mt19937 random(7);
+    UplinkNotes notes;
+    const auto uplink = MakeRemoteUplink(channel);
+    uplink->Open({.mission = mission, .agent = agent, .last_revision = 0, .local_maps = {}},
+                 &notes);
+    if (!notes.WaitForGrant()) return notes.WaitForClose();
+    EXPECT_TRUE(uplink->Send(test_data::MakeBatch(random, test_data::kMap, 1)));
+    EXPECT_EQ(notes.WaitForAcknowledgements(1), 1u);
+    uplink->Close();
+    return absl::OkStatus();
+  }
+
+  static TestCertificates* certificates_;
+  static TestCertificates* others_;  // Of another authority.
+  static std::shared_ptr<const Vocabulary>* vocabulary_;
+
+  IdleWorker worker_;
+  std::unique_ptr<MapStore> store_;
+  std::unique_ptr<MapStoreService> service_;
+  std::unique_ptr<GuardedMapStore> guarded_;
+  std::unique_ptr<FusionWorkerService> worker_service_;
+  std::unique_ptr<Server> server_;
+};
+TestCertificates* SecureServiceTest::certificates_ = nullptr;
+TestCertificates* SecureServiceTest::others_ = nullptr;
+std::shared_ptr<const Vocabulary>* SecureServiceTest::vocabulary_ = nullptr;
+
+MATCHER_P2(IsStatus, code, text, "") {
+  *result_listener << arg.ToString();
+  return arg.code() == code && absl::StrContains(arg.message(), text);
+}
+constexpr auto kDenied = absl::StatusCode::kPermissionDenied;
+constexpr auto kNobody = absl::StatusCode::kUnauthenticated;
+constexpr auto kUnavailable = absl::StatusCode::kUnavailable;
+
+TEST_F(SecureServiceTest, AnAgentUploadsAndLooksUpInItsMission) {
+  const auto alpha = ConnectAs("alpha");
+  EXPECT_TRUE(Upload(alpha, "lab", "alpha").ok());
+  EXPECT_TRUE(GetMission(alpha).ok());
+  EXPECT_TRUE(GetMission(ConnectAs("viewer")).ok());
+}
+
+TEST_F(SecureServiceTest, AnAgentIsNobodyElseAndNowhereElse) {
+  const auto alpha = ConnectAs("alpha");
+  EXPECT_THAT(
+      Upload(alpha, "lab", "bravo"),
+      IsStatus(kDenied, "missions/lab/agents/alpha may not upload to missions/lab as agent bravo"));
+  EXPECT_THAT(Upload(alpha, "field", "alpha"),
+              IsStatus(kDenied, "may not upload to missions/field"));
+  EXPECT_THAT(GetMission(alpha, "field"), IsStatus(kDenied, "may not look into missions/field"));
+  EXPECT_EQ(store_->GetMission("field").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(store_->GetMission("lab").status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(SecureServiceTest, OnlyAnOperatorDeletes) {
+  ASSERT_TRUE(Upload(ConnectAs("alpha"), "lab", "alpha").ok());
+  for (const char* name : {"viewer", "alpha", "store"}) {
+    EXPECT_THAT(DeleteMission(ConnectAs(name)), IsStatus(kDenied, "may not administer")) << name;
+  }
+  EXPECT_THAT(Upload(ConnectAs("operator"), "lab", "operator"),
+              IsStatus(kDenied, "may not upload"));
+  EXPECT_TRUE(GetMission(ConnectAs("viewer")).ok());
+  EXPECT_TRUE(DeleteMission(ConnectAs("operator")).ok());
+  EXPECT_EQ(GetMission(ConnectAs("viewer")).code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(SecureServiceTest, WhoShowsNothingIsTurnedAway) {
+  const auto stranger = Connect(Stranger());
+  EXPECT_THAT(GetMission(stranger), IsStatus(kNobody, "neither a certificate"));
+  EXPECT_THAT(Upload(stranger, "lab", "alpha"), IsStatus(kNobody, "neither a certificate"));
+  const auto services = GenericClient(stranger).ListServices();
+  EXPECT_EQ(services.status().code(), kNobody);
+}
+
+TEST_F(SecureServiceTest, ACertificateOfAnotherAuthorityDoesNotConnect) {
+  SecurityOptions intruder = others_->Options("operator");
+  intruder.ca_file = certificates_->Path("ca.pem");
+  EXPECT_EQ(GetMission(Connect(intruder)).code(), kUnavailable);
+  EXPECT_EQ(Upload(Connect(intruder), "lab", "alpha").code(), kUnavailable);
+}
+
+TEST_F(SecureServiceTest, AServerOfAnotherAuthorityIsNotTrusted) {
+  SecurityOptions careful = certificates_->Options("alpha");
+  careful.ca_file = others_->Path("ca.pem");
+  EXPECT_EQ(Upload(Connect(careful), "lab", "alpha").code(), kUnavailable);
+}
+
+TEST_F(SecureServiceTest, WithoutTlsNobodyConnects) {
+  SecurityOptions options;
+  options.insecure = true;
+  EXPECT_EQ(GetMission(Connect(options)).code(), kUnavailable);
+}
+
+// It holds a certificate of the right authority, but not for servers.
+TEST_F(SecureServiceTest, AViewerCannotPretendToBeTheServer) {
+  SecurityOptions options = certificates_->Options("viewer");
+  Serve(options);
+  EXPECT_EQ(GetMission(ConnectAs("alpha")).code(), kUnavailable);
+}
+
+TEST_F(SecureServiceTest, ATokenIsAsGoodAsACertificateUntilItExpires) {
+  const absl::Duration hour = absl::Hours(1);
+  EXPECT_TRUE(Upload(Connect(WithToken("missions/lab/agents/alpha", hour)), "lab", "alpha").ok());
+  EXPECT_THAT(DeleteMission(Connect(WithToken("missions/lab/viewers/eve", hour))),
+              IsStatus(kDenied, "missions/lab/viewers/eve may not administer"));
+  const auto late = Connect(WithToken("missions/lab/agents/alpha", -hour));
+  EXPECT_THAT(GetMission(late), IsStatus(kNobody, "expired at"));
+  EXPECT_THAT(Upload(late, "lab", "alpha"), IsStatus(kNobody, "expired at"));
+}
+
+TEST_F(SecureServiceTest, ATokenThatIsReplacedCountsFromTheNextCallOn) {
+  const auto channel = Connect(WithToken("missions/lab/agents/alpha", -absl::Hours(1)));
+  EXPECT_EQ(GetMission(channel).code(), kNobody);
+  WithToken("missions/lab/agents/alpha", absl::Hours(1));
+  EXPECT_EQ(GetMission(channel).code(), absl::StatusCode::kNotFound);
+}
+
+// Whoever is of another mission is refused by each method that names a mission.
+TEST_F(SecureServiceTest, NoMethodForgetsTheMission) {
+  ASSERT_TRUE(Upload(ConnectAs("alpha"), "lab", "alpha").ok());
+  GenericClient outsider(Connect(WithToken("missions/field/operators/olga", absl::Hours(1))));
+  const google::protobuf::ServiceDescriptor* service =
+      v1::SyncRequest::descriptor()->file()->service(0);
+  for (int i = 0; i < service->method_count(); ++i) {
+    const google::protobuf::MethodDescriptor* method = service->method(i);
+    std::string request = "{}";
+    for (const char* field : {"name", "parent", "mission"}) {
+      if (method->input_type()->FindFieldByName(field) == nullptr) continue;
+      request = absl::StrCat("{\"", field, "\": \"missions/lab\"}");
+    }
+    if (method->name() == "Sync")
+      request = R"({"open": {"mission": "missions/lab", "agent": "o"}})";
+    const auto answers =
+        outsider.Call(absl::StrCat(service->full_name(), "/", method->name()), request);
+    EXPECT_THAT(answers.status(), IsStatus(kDenied, "missions/field/operators/olga may not"))
+        << method->name();
+  }
+}
+
+// Its certificate is for serving only.
+TEST_F(SecureServiceTest, AWorkerCallsNobody) {
+  EXPECT_EQ(GetMission(ConnectAs("worker")).code(), kUnavailable);
+}
+
+TEST_F(SecureServiceTest, OnlyStoresHaveWorkersCompute) {
+  const auto ask = [](const std::shared_ptr<grpc::Channel>& channel) {
+    const auto stub = v1::FusionWorker::NewStub(channel);
+    grpc::ClientContext context;
+    const auto stream = stub->FuseMaps(&context);
+    stream->WritesDone();
+    return FromGrpcStatus(stream->Finish());
+  };
+  EXPECT_THAT(ask(ConnectAs("store")),
+              IsStatus(absl::StatusCode::kInvalidArgument, "ended before its end"));
+  for (const char* name : {"alpha", "viewer", "operator"}) {
+    EXPECT_THAT(ask(ConnectAs(name)), IsStatus(kDenied, "may not have a fusion worker compute"));
+  }
+}
+
+TEST_F(SecureServiceTest, OpenHealthAnswersStrangers) {
+  EXPECT_EQ(CheckHealth(Connect(Stranger()), kLiveness), absl::OkStatus());
+}
+
+TEST_F(SecureServiceTest, ClosedHealthDoesNot) {
+  SecurityOptions options = certificates_->Options("store");
+  options.health_is_open = false;
+  Serve(options);
+  // Nothing is left that a stranger could ask: no handshake either.
+  EXPECT_EQ(CheckHealth(Connect(Stranger()), kLiveness).code(), kUnavailable);
+  EXPECT_EQ(CheckHealth(ConnectAs("viewer"), kLiveness), absl::OkStatus());
+  options.token_key_file = certificates_->Path("token.pub");
+  Serve(options);
+  EXPECT_EQ(CheckHealth(Connect(Stranger()), kLiveness).code(), kNobody);
+}
+
+TEST_F(SecureServiceTest, ReflectionCanBeSwitchedOff) {
+  EXPECT_THAT(*GenericClient(ConnectAs("viewer")).ListServices(), Contains("corbslam.v1.MapStore"));
+  SecurityOptions options = certificates_->Options("store");
+  options.reflection = false;
+  Serve(options);
+  EXPECT_EQ(GenericClient(ConnectAs("viewer")).ListServices().status().code(),
+            absl::StatusCode::kUnimplemented);
+  EXPECT_EQ(GetMission(ConnectAs("viewer")).code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(SecureServiceTest, AListOfAllMissionsIsForThoseOfAllMissions) {
+  const auto list = [](const std::shared_ptr<grpc::Channel>& channel) {
+    grpc::ClientContext context;
+    v1::ListMissionsResponse response;
+    return FromGrpcStatus(v1::MapStore::NewStub(channel)->ListMissions(&context, {}, &response));
+  };
+  EXPECT_TRUE(list(ConnectAs("operator")).ok());
+  EXPECT_THAT(list(ConnectAs("viewer")), IsStatus(kDenied, "may not list all missions"));
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,83 @@
+// The files of recorded sequences. The first byte says whose; the others are its files.
+#include <opencv2/imgcodecs.hpp>
+
+#include "client_agent/source/euroc_calibration.h"
+#include "client_agent/source/frame_reader.h"
+#include "client_agent/source/tum_calibration.h"
+#include "slam/evaluation/trajectory_io.h"
+#include "tests/fuzz/fuzz_files.h"
+#include "tests/fuzz/messages.h"
+
+namespace corbslam {
+namespace {
+
+// A small picture at each name that the readers open first.
+void WritePictures() {
+  static const bool done = [] {
+    const cv::Mat grey = cv::Mat::zeros(64, 64, CV_8UC1);
+    const cv::Mat depth = cv::Mat::zeros(64, 64, CV_16UC1);
+    for (const char* name : {"kitti/image_0/000000.png", "tum/rgb/a.png",
+                             "euroc/mav0/cam0/data/1.png", "euroc/mav0/cam1/data/1.png"}) {
+      cv::imwrite(WriteFuzzFile(name, ""), grey);
+    }
+    cv::imwrite(WriteFuzzFile("tum/depth/a.png", ""), depth);
+    return true;
+  }();
+  (void)done;
+}
+
+void ReadKitti(absl::string_view input) {
+  WriteFuzzFile("kitti/calib.txt", TakeMessage(input));
+  WriteFuzzFile("kitti/times.txt", TakeMessage(input));
+  (void)OpenKitti(FuzzFolder() + "/kitti");
+}
+
+void ReadEuroc(absl::string_view input) {
+  for (const char* camera : {"cam0", "cam1"}) {
+    const std::string folder = std::string("euroc/mav0/") + camera;
+    WriteFuzzFile(folder + "/sensor.yaml", TakeMessage(input));
+    WriteFuzzFile(folder + "/data.csv", TakeMessage(input));
+  }
+  (void)OpenEuroc(FuzzFolder() + "/euroc");
+}
+
+void ReadTum(absl::string_view input) {
+  for (const char* name : {"associated.txt", "rgb.txt", "depth.txt", "calibration.yaml"}) {
+    WriteFuzzFile(std::string("tum/") + name, TakeMessage(input));
+  }
+  (void)OpenTum(FuzzFolder() + "/tum");
+  (void)ReadTumCalibration(FuzzFolder() + "/tum", 64, 64);
+}
+
+void ReadTrajectories(absl::string_view input) {
+  const std::string first = WriteFuzzFile("first.txt", TakeMessage(input));
+  const std::string second = WriteFuzzFile("second.txt", TakeMessage(input));
+  (void)ReadTumTrajectory(first);
+  (void)ReadKittiTrajectory(first, second);
+  (void)ReadKittiTrajectory(first);
+  (void)ReadEurocTrajectory(first, Rigid3d::Identity());
+}
+
+}  // namespace
+}  // namespace corbslam
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace corbslam;  // NOLINT
+  if (size == 0) return 0;
+  WritePictures();
+  const absl::string_view input = AsText(data + 1, size - 1);
+  switch (data[0] % 4) {
+    case 0:
+      ReadKitti(input);
+      break;
+    case 1:
+      ReadEuroc(input);
+      break;
+    case 2:
+      ReadTum(input);
+      break;
+    default:
+      ReadTrajectories(input);
+  }
+  return 0;
+}

@@ -1,0 +1,18 @@
+// A folder in memory for parsers that want paths.
+#ifndef CORBSLAM_TESTS_FUZZ_FUZZ_FILES_H_
+#define CORBSLAM_TESTS_FUZZ_FUZZ_FILES_H_
+
+#include <string>
+
+#include "absl/strings/string_view.h"
+
+namespace corbslam {
+
+// This process's own, made when first asked for and removed at its end.
+const std::string& FuzzFolder();
+// The path of FuzzFolder()/name, which now holds `content`. Folders in the name are made.
+std::string WriteFuzzFile(const std::string& name, absl::string_view content);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_FUZZ_FUZZ_FILES_H_

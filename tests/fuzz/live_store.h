@@ -1,0 +1,54 @@
+// A map store as fuzzers use it.
+#ifndef CORBSLAM_TESTS_FUZZ_LIVE_STORE_H_
+#define CORBSLAM_TESTS_FUZZ_LIVE_STORE_H_
+
+#include <memory>
+
+#include "map_store/map_store.h"
+
+namespace corbslam {
+
+// In memory, without threads or a worker. Limits are low, so that inputs of a few kB reach them.
+inline std::unique_ptr<MapStore> MakeLiveStore() {
+  MapStoreOptions options;
+  options.deterministic = true;
+  options.max_missions = 2;
+  options.max_agents_per_mission = 3;
+  options.max_local_maps_per_mission = 4;
+  options.max_parked_references = 20;
+  options.max_keyframe_bytes = 100000;
+  options.max_bytes_per_agent = 1 << 20;
+  options.settle_after = 1;
+  return std::make_unique<MapStore>(options, nullptr, std::make_unique<InMemoryJournal>(), nullptr,
+                                    [] { return absl::UnixEpoch(); });
+}
+
+// Every look-up, and everything that is shared with another agent.
+inline void LookAtEverything(MapStore& store) {
+  const auto missions = store.ListMissions({});
+  if (!missions.ok()) return;
+  for (const MissionInfo& mission : missions->items) {
+    store.RunFusionUntilIdle(mission.name).IgnoreError();
+    (void)store.GlobalMapView(mission.name);
+    (void)store.ChangesSince(mission.name, 0);
+    (void)store.GetStatistics(mission.name);
+    (void)store.ListAgents(mission.name, {});
+    (void)store.ListLocalMaps(mission.name, {});
+    (void)store.ListKeyframes(mission.name, {}, {});
+    (void)store.GetTrajectory(mission.name, "", TrajectoryFrame::kLocal);
+    (void)store.GetTrajectory(mission.name, "", TrajectoryFrame::kGlobal, true);
+    SessionRequest request;
+    request.mission = mission.name;
+    request.agent = "onlooker";
+    const auto opened = store.OpenSession(request);
+    if (!opened.ok()) continue;
+    for (int i = 0; i < 100; ++i) {
+      const auto update = store.NextShared(opened->session_id, 10000);
+      if (!update.ok() || !update->has_value()) break;
+    }
+  }
+}
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_FUZZ_LIVE_STORE_H_

@@ -1,0 +1,230 @@
+// make_corpus FOLDER: writes good inputs of every fuzzer into FOLDER/FUZZER/, for the fuzzers to
+// start from. What is there under other names stays.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <iterator>
+#include <map>
+#include <random>
+#include <string>
+
+#include "client_agent/memory/spool_segment.h"
+#include "corbslam/v1/map_store_service.pb.h"
+#include "services/convert/batch_bytes.h"
+#include "services/convert/map_update.h"
+#include "services/convert/shared_update.h"
+#include "services/convert/test_data.h"
+#include "services/convert/work.h"
+#include "slam/vocabulary/vocabulary_file.h"
+#include "tests/fuzz/messages.h"
+
+namespace corbslam {
+namespace {
+
+using test_data::kMap;
+using test_data::kOtherMap;
+
+std::string root;
+
+void Write(const std::string& fuzzer, const std::string& name, const std::string& content) {
+  const std::string folder = root + "/" + fuzzer;
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/" + name, std::ios::binary | std::ios::trunc) << content;
+}
+
+std::string ReadBack(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::string Messages(std::initializer_list<std::string> messages) {
+  std::string input;
+  for (const std::string& message : messages) AppendMessage(message, &input);
+  return input;
+}
+
+v1::SyncRequest OpenRequest(const std::string& agent, std::vector<LocalMapId> local_maps) {
+  v1::SyncRequest request;
+  SessionRequest session;
+  session.mission = "m";
+  session.agent = agent;
+  session.local_maps = std::move(local_maps);
+  ToProto(session, request.mutable_open());
+  return request;
+}
+
+void WriteSync() {
+  std::mt19937 random(1);
+  for (const size_t part_bytes : {size_t{60000}, size_t{400}}) {
+    CameraBook sent;
+    std::string input;
+    AppendMessage(OpenRequest("alpha", {kMap}).SerializeAsString(), &input);
+    for (uint64_t number = 1; number <= 3; ++number) {
+      for (auto& part :
+           ToProto(test_data::MakeBatch(random, kMap, number, 2, 6), sent, part_bytes)) {
+        v1::SyncRequest request;
+        *request.mutable_batch() = std::move(part);
+        AppendMessage(request.SerializeAsString(), &input);
+      }
+    }
+    Write("sync_fuzzer", part_bytes > 1000 ? "three_batches" : "in_parts", input);
+  }
+}
+
+void WriteShared() {
+  std::mt19937 random(2);
+  CameraBook sent;
+  std::string input;
+  for (int i = 0; i < 2; ++i) {
+    for (auto& part : ToProto(test_data::MakeSharedUpdate(random), sent, 1000)) {
+      v1::SyncResponse response;
+      *response.mutable_shared() = std::move(part);
+      AppendMessage(response.SerializeAsString(), &input);
+    }
+  }
+  Write("shared_update_fuzzer", "two_updates", input);
+}
+
+template <typename Message, typename Work>
+void WriteWorkSeed(const std::string& name, char kind, const Work& work) {
+  std::string input(1, static_cast<char>(kind | 0x80));
+  WriteWork<Message>(work, std::function<bool(Message)>([&](const Message& message) {
+                       AppendMessage(message.SerializeAsString(), &input);
+                       return true;
+                     }));
+  Write("work_fuzzer", name, input);
+}
+
+void WriteWorkers() {
+  std::mt19937 random(3);
+  VerifyOverlapRequest verify;
+  verify.query_view = test_data::MakeMap(random, kMap, 2);
+  verify.query = {kMap, 0};
+  verify.candidate_view = test_data::MakeMap(random, kOtherMap, 2);
+  verify.candidates = {{{kOtherMap, 1}, 12}};
+  WriteWorkSeed<v1::VerifyOverlapRequest>("verify", 0, verify);
+  FuseMapsRequest fuse;
+  fuse.target = test_data::MakeMap(random, kMap, 2);
+  fuse.source = test_data::MakeMap(random, kOtherMap, 2);
+  fuse.overlaps = {test_data::MakeOverlap(random, {kMap, 1}, {kOtherMap, 0})};
+  fuse.new_overlaps = {0};
+  WriteWorkSeed<v1::FuseMapsRequest>("fuse", 1, fuse);
+  AdjustBundleRequest adjust;
+  adjust.view = test_data::MakeMap(random, kMap, 2);
+  adjust.fixed = {{kMap, 0}};
+  WriteWorkSeed<v1::AdjustBundleRequest>("adjust", 2, adjust);
+  VerifyOverlapResult verified;
+  verified.overlaps = {test_data::MakeOverlap(random, {kMap, 1}, {kOtherMap, 0})};
+  WriteWorkSeed<v1::VerifyOverlapResponse>("verified", 3, verified);
+  FuseMapsResult fused;
+  fused.accepted = true;
+  fused.poses = {{{kMap, 1}, test_data::MakeSimilarity(random)}};
+  fused.positions = {{{kMap, 2}, {1, 2, 3}}};
+  WriteWorkSeed<v1::FuseMapsResponse>("fused", 4, fused);
+  AdjustBundleResult adjusted;
+  adjusted.poses = fused.poses;
+  WriteWorkSeed<v1::AdjustBundleResponse>("adjusted", 5, adjusted);
+}
+
+void WriteSpool() {
+  std::mt19937 random(4);
+  std::string segment = EncodeSegmentHeader("me");
+  for (uint64_t number = 1; number <= 2; ++number) {
+    SpoolRecord record;
+    record.local_map = kMap;
+    record.number = number;
+    segment +=
+        EncodeSpoolRecord(record, EncodeBatch(test_data::MakeBatch(random, kMap, number, 1, 4)));
+  }
+  const std::string torn = segment.substr(0, segment.size() - 20);
+  Write("spool_fuzzer", "whole", std::string("\0\0", 2) + Messages({segment}));
+  Write("spool_fuzzer", "torn", std::string("\1\0", 2) + Messages({torn, segment}));
+  const std::string payload = EncodeBatch(test_data::MakeBatch(random, {1}, 1, 1, 4));
+  Write("spool_fuzzer", "checksums_made_right",
+        std::string("\0\1", 2) + Messages({std::string("\0\0", 2) + payload}));
+}
+
+void WriteDatasets() {
+  Write("dataset_fuzzer", "kitti",
+        std::string("\0", 1) + Messages({"P0: 50 0 30 0 0 50 20 0 0 0 1 0\n"
+                                         "P1: 50 0 30 -25 0 50 20 0 0 0 1 0\n",
+                                         "0.000000e+00\n1.036224e-01\n"}));
+  const std::string yaml =
+      "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, 0.11,\n"
+      "         0, 1, 0, 0,\n         0, 0, 1, 0,\n         0.0, 0.0, 0.0, 1.0]\n"
+      "resolution: [64, 64]\ncamera_model: pinhole\nintrinsics: [50.5, 50, 20, 15] #fu\n"
+      "distortion_model: radial-tangential\n"
+      "distortion_coefficients: [-0.28, 0.07, 0.0002, 1.7e-05]\n";
+  const std::string csv = "#timestamp [ns],filename\r\n1,1.png\r\n2,2.png\r\n";
+  Write("dataset_fuzzer", "euroc", std::string("\1", 1) + Messages({yaml, csv, yaml, csv}));
+  Write("dataset_fuzzer", "tum",
+        std::string("\2", 1) +
+            Messages({"1.5 rgb/a.png 1.51 depth/a.png\n", "# rgb\n1.5 rgb/a.png\n",
+                      "1.51 depth/a.png\n", "fx: 525\nfy: 525\ncx: 32\ncy: 32\nk1: 0.1\n"}));
+  Write("dataset_fuzzer", "tum_lists",
+        std::string("\2", 1) + Messages({"", "1.5 rgb/a.png\n", "1.51 depth/a.png\n", ""}));
+  Write("dataset_fuzzer", "trajectories",
+        std::string("\3", 1) + Messages({"1305031102.175304 1 2 3 0 0 0 1\n", "0.1\n"}));
+  Write("dataset_fuzzer", "kitti_trajectory",
+        std::string("\3", 1) + Messages({"1 0 0 1 0 1 0 2 0 0 1 3\n", "0.1\n"}));
+  Write("dataset_fuzzer", "euroc_trajectory",
+        std::string("\3", 1) + Messages({"#time\n1403636579763555584,1,2,3,1,0,0,0,0,0,0\n", ""}));
+}
+
+void WriteSpecs() {
+  const std::map<std::string, std::string> specs = {
+      {"kitti", "kitti:DIR?frames=0:120&stride=2&offset=1&gamma=0.8&noise=4"},
+      {"euroc", "euroc:DIR?robot=1/2&overlap=20&reverse"},
+      {"tum", "tum:DIR?truth_frame=A&frames=3:"},
+      {"sim", "sim:city?seed=7&robot=2/3&phase=0.5&blackout=10:2"},
+      {"floor", "sim:floor?depth=1&seed=3"},
+      {"option", "seed=7"},
+      {"blackout", "blackout=10:2"}};
+  for (const auto& [name, spec] : specs) Write("spec_fuzzer", name, spec);
+}
+
+void WriteVocabularies() {
+  VocabularyTree tree;
+  tree.branching = 2;
+  tree.levels = 1;
+  tree.descriptors.resize(3);
+  tree.descriptors[2].words = {1, 2, 3, 4};
+  tree.first_child = {1, 3, 3, 3};
+  tree.weights = {0, 1, 0.5f};
+  const std::string path = root + "/vocabulary.tmp";
+  if (WriteVocabulary(tree, path).ok()) {
+    Write("vocabulary_fuzzer", "binary", std::string("\0", 1) + ReadBack(path));
+  }
+  if (WriteTextVocabulary(tree, path).ok()) {
+    Write("vocabulary_fuzzer", "text", std::string("\1", 1) + ReadBack(path));
+  }
+  std::filesystem::remove(path);
+}
+
+void WriteChoices() {
+  std::mt19937 random(5);
+  std::string choices;
+  for (int i = 0; i < 600; ++i) choices.push_back(static_cast<char>(random()));
+  Write("store_fuzzer", "dice", choices);
+}
+
+}  // namespace
+}  // namespace corbslam
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "make_corpus FOLDER\n");
+    return 2;
+  }
+  corbslam::root = argv[1];
+  corbslam::WriteSync();
+  corbslam::WriteShared();
+  corbslam::WriteWorkers();
+  corbslam::WriteSpool();
+  corbslam::WriteDatasets();
+  corbslam::WriteSpecs();
+  corbslam::WriteVocabularies();
+  corbslam::WriteChoices();
+  return 0;
+}
