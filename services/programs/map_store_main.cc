@@ -3,9 +3,11 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fusion_worker/local_fusion_worker.h"
+#include "map_store/durable/rocks_journal.h"
 #include "map_store/map_store.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
@@ -27,6 +29,7 @@ struct Flags {
   std::vector<std::string> workers;
   bool in_process_worker = false;
   std::string vocabulary = DefaultVocabularyPath();
+  std::string data_dir;
   MapStoreOptions store;
   MapStoreServiceOptions service;
   SecurityOptions security;
@@ -51,6 +54,16 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> MakeWorker(const Flags& flags) {
   return MakeRemoteFusionWorker(channels);
 }
 
+absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const std::string& data_dir) {
+  if (data_dir.empty()) {
+    LOG(WARNING) << "no --data-dir: missions are kept in memory and end with this process";
+    return std::make_unique<InMemoryJournal>();
+  }
+  RocksJournalOptions options;
+  options.directory = data_dir;
+  return RocksJournal::Open(options);
+}
+
 absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
@@ -58,7 +71,9 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(std::shared_ptr<const Vocabulary> vocabulary,
                    Vocabulary::Load(flags.vocabulary));
   ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> worker, MakeWorker(flags));
-  MapStore store(flags.store, vocabulary, std::make_unique<InMemoryJournal>(), worker.get());
+  ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(flags.data_dir));
+  MapStore store(flags.store, vocabulary, std::move(journal), worker.get());
+  RETURN_IF_ERROR(store.Recover());
   MapStoreServiceOptions service_options = flags.service;
   service_options.may_open = MakeSessionCheck(security.access);
   MapStoreService service(&store, service_options);
@@ -76,6 +91,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   app.add_option("--worker", flags.workers, "HOST:PORT of a fusion worker; may be repeated");
   app.add_flag("--in-process-worker", flags.in_process_worker, "Fuse in this process");
+  app.add_option("--data-dir", flags.data_dir,
+                 "Folder that keeps the missions; made if it is not there. Without: in memory");
   app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
       ->capture_default_str();
   app.add_option("--threads", flags.service.threads, "Threads that apply batches and answer")
