@@ -11,6 +11,8 @@
 namespace corbslam {
 namespace {
 
+constexpr int kMaxSide_px = 16384;
+
 absl::StatusOr<std::vector<double>> ReadNumbers(const cv::FileNode& node, const std::string& path,
                                                 absl::string_view field, size_t least,
                                                 size_t most) {
@@ -18,11 +20,12 @@ absl::StatusOr<std::vector<double>> ReadNumbers(const cv::FileNode& node, const 
   for (const cv::FileNode& entry : node) {
     if (!entry.isInt() && !entry.isReal()) break;
     numbers.push_back(static_cast<double>(entry));
+    if (!std::isfinite(numbers.back())) break;
   }
   if (!node.isSeq() || numbers.size() != node.size() || numbers.size() < least ||
-      numbers.size() > most) {
+      numbers.size() > most || (!numbers.empty() && !std::isfinite(numbers.back()))) {
     return absl::InvalidArgumentError(
-        absl::StrCat(path, ": ", field, " is no list of ", least, " numbers"));
+        absl::StrCat(path, ": ", field, " is no list of ", least, " finite numbers"));
   }
   return numbers;
 }
@@ -30,7 +33,8 @@ absl::StatusOr<std::vector<double>> ReadNumbers(const cv::FileNode& node, const 
 absl::StatusOr<Rigid3d> ToRigid(const std::vector<double>& m, const std::string& path) {
   Eigen::Matrix3d rotation;
   rotation << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
-  if ((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() > 0.01) {
+  const double error = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm();
+  if (!(error <= 0.01) || rotation.determinant() < 0) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": T_BS holds no rotation"));
   }
   return Rigid3d{Eigen::Quaterniond(rotation).normalized(), Eigen::Vector3d(m[3], m[7], m[11])};
@@ -56,6 +60,11 @@ absl::StatusOr<EurocCamera> Parse(const cv::FileStorage& file, const std::string
                    ReadNumbers(file["intrinsics"], path, "intrinsics", 4, 4));
   ASSIGN_OR_RETURN(const std::vector<double> d, ReadNumbers(file["distortion_coefficients"], path,
                                                             "distortion_coefficients", 4, 5));
+  for (const double side_px : size) {
+    if (side_px >= 1 && side_px <= kMaxSide_px) continue;
+    return absl::InvalidArgumentError(absl::StrCat(path, ": a side of the resolution is ", side_px,
+                                                   ", must be in [1, ", kMaxSide_px, "]"));
+  }
   EurocCamera camera;
   ASSIGN_OR_RETURN(camera.body_from_camera, ToRigid(pose, path));
   camera.width_px = static_cast<int>(size[0]);

@@ -1,5 +1,6 @@
 #include "client_agent/source/tum_calibration.h"
 
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -89,7 +90,7 @@ absl::StatusOr<RgbdCalibration> ReadTumCalibration(const std::string& directory,
       return absl::InvalidArgumentError(absl::StrCat(path, ": ", status.message()));
     }
   }
-  if (!(calibration.depth_units_per_m > 0)) {
+  if (!(calibration.depth_units_per_m > 0 && std::isfinite(calibration.depth_units_per_m))) {
     return absl::InvalidArgumentError(
         absl::StrCat(path, ": depth_units_per_m ", calibration.depth_units_per_m));
   }

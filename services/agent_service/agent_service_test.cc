@@ -27,6 +27,12 @@ class FakeAgent : public Agent {
     status.lost = 3;
     status.keyframes = 4;
     status.global_from_local = Similarity3d::Identity();
+    status.upload.batches = 6;
+    status.upload.memory_bytes = 70;
+    status.upload.spool_bytes = 800;
+    status.upload.room = absl::ResourceExhaustedError("full");
+    status.upload.loss = absl::DataLossError("gone");
+    status.upload.lost_local_maps = 2;
     return status;
   }
   std::vector<TrajectoryPose> LocalTrajectory() const override {
@@ -76,6 +82,12 @@ TEST_F(AgentServiceTest, TellsHowItIs) {
   EXPECT_EQ(status.frames(), 12u);
   EXPECT_EQ(status.dropped(), 5u);
   EXPECT_TRUE(status.has_global_from_local());
+  EXPECT_EQ(status.outbox_batches(), 6u);
+  EXPECT_EQ(status.outbox_memory_bytes(), 70u);
+  EXPECT_EQ(status.outbox_spool_bytes(), 800u);
+  EXPECT_EQ(status.outbox_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(status.loss_code(), grpc::StatusCode::DATA_LOSS);
+  EXPECT_EQ(status.lost_local_maps(), 2u);
 }
 
 TEST_F(AgentServiceTest, RefusesWhoeverExpectsAnotherMission) {

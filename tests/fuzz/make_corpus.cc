@@ -151,7 +151,7 @@ void WriteDatasets() {
                                          "P1: 50 0 30 -25 0 50 20 0 0 0 1 0\n",
                                          "0.000000e+00\n1.036224e-01\n"}));
   const std::string yaml =
-      "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, 0.11,\n"
+      "%YAML:1.0\nsensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, 0.11,\n"
       "         0, 1, 0, 0,\n         0, 0, 1, 0,\n         0.0, 0.0, 0.0, 1.0]\n"
       "resolution: [64, 64]\ncamera_model: pinhole\nintrinsics: [50.5, 50, 20, 15] #fu\n"
       "distortion_model: radial-tangential\n"
