@@ -89,6 +89,9 @@ class TokenFile : public grpc::MetadataCredentialsPlugin {
   explicit TokenFile(std::string path) : path_(std::move(path)) {}
 
   const char* GetType() const override { return "token file"; }
+  // A small file: read by whoever makes the call, so that nothing of a call goes on elsewhere when
+  // its channel is gone.
+  bool IsBlocking() const override { return false; }
   grpc::Status GetMetadata(grpc::string_ref, grpc::string_ref, const grpc::AuthContext&,
                            std::multimap<grpc::string, grpc::string>* metadata) override {
     const absl::StatusOr<std::string> token = ReadToken(path_);
