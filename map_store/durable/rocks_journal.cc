@@ -185,7 +185,6 @@ absl::Status RocksJournal::LoadMissions() {
     std::string encoded;
     RETURN_IF_ERROR(ToStatus(database_->Get(MissionKey(name), &encoded)));
     ASSIGN_OR_RETURN(const MissionHeader header, DecodeHeader(encoded));
-    files.snapshot = header.snapshot_position;
     files.snapshot_bytes = header.snapshot_bytes;
     Position last = header.snapshot_position;
     const std::string records = MissionPrefix(JournalPart::kRecord, name);
@@ -320,7 +319,6 @@ absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
   RETURN_IF_ERROR(ToStatus(database_->Write(turn, true)));
   absl::MutexLock lock(&mutex_);
   MissionFiles& files = FilesOf(mission);
-  files.snapshot = snapshot.position;
   files.snapshot_bytes = size;
   files.bytes_since_snapshot = 0;
   for (const KeyframeId& id : unneeded) files.features.erase(id);

@@ -55,7 +55,6 @@ class RocksJournal : public Journal {
   // What was written of a mission.
   struct MissionFiles {
     bool is_listed = false;
-    Position snapshot = 0;
     uint64_t snapshot_bytes = 0;
     uint64_t bytes_since_snapshot = 0;
     // Keyframes whose features are stored, and the last record that brought them.

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
 #include "services/convert/limits.h"
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"
@@ -19,6 +19,7 @@
 #include "services/remote/remote_uplink.h"
 #include "services/server/server.h"
 #include "services/testing/generic_client.h"
+#include "services/testing/uplink_notes.h"
 
 namespace corbslam {
 namespace {
@@ -30,61 +31,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr absl::Duration kPatience = absl::Seconds(20);
-
-// Notes what an uplink says.
-class Listener : public UplinkListener {
- public:
-  void OnSessionOpened(const SessionGrant& grant) override {
-    absl::MutexLock lock(&mutex_);
-    grant_ = grant;
-  }
-  void OnAcknowledged(const Acknowledgement& acknowledgement) override {
-    absl::MutexLock lock(&mutex_);
-    acknowledged_.push_back(acknowledgement);
-  }
-  void OnShared(SharedUpdate update) override {
-    absl::MutexLock lock(&mutex_);
-    shared_.push_back(std::move(update));
-  }
-  void OnSessionClosed(const absl::Status& reason) override {
-    absl::MutexLock lock(&mutex_);
-    closed_ = reason;
-  }
-
-  std::optional<SessionGrant> WaitForGrant() {
-    absl::MutexLock lock(&mutex_);
-    const auto come = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return grant_.has_value(); };
-    mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
-    return grant_;
-  }
-  // The number of the last acknowledged batch, once `count` acknowledgements have come.
-  uint64_t WaitForAcknowledgements(size_t count) {
-    absl::MutexLock lock(&mutex_);
-    const auto come = [this, count]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-      return acknowledged_.size() >= count;
-    };
-    return mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience) ? acknowledged_.back().number
-                                                                      : 0;
-  }
-  std::optional<absl::Status> WaitForClose() {
-    absl::MutexLock lock(&mutex_);
-    const auto come = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return closed_.has_value(); };
-    mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
-    return closed_;
-  }
-  bool IsClosed() {
-    absl::MutexLock lock(&mutex_);
-    return closed_.has_value();
-  }
-
- private:
-  absl::Mutex mutex_;
-  std::optional<SessionGrant> grant_ ABSL_GUARDED_BY(mutex_);
-  std::vector<Acknowledgement> acknowledged_ ABSL_GUARDED_BY(mutex_);
-  std::vector<SharedUpdate> shared_ ABSL_GUARDED_BY(mutex_);
-  std::optional<absl::Status> closed_ ABSL_GUARDED_BY(mutex_);
-};
+using Listener = UplinkNotes;
 
 class MapStoreServiceTest : public ::testing::Test {
  protected:
@@ -171,9 +118,9 @@ TEST_F(MapStoreServiceTest, ASecondSessionOfAnAgentFencesTheFirst) {
   second->Open(Session("alpha"), &second_listener);
   ASSERT_TRUE(second_listener.WaitForGrant().has_value());
   // Though it sends nothing.
-  const auto reason = first_listener.WaitForClose();
-  ASSERT_TRUE(reason.has_value());
-  EXPECT_EQ(reason->code(), absl::StatusCode::kAborted) << *reason;
+  const absl::Status reason = first_listener.WaitForClose();
+  ASSERT_TRUE(first_listener.IsClosed());
+  EXPECT_EQ(reason.code(), absl::StatusCode::kAborted) << reason;
   EXPECT_FALSE(second_listener.IsClosed());
 }
 
@@ -222,9 +169,9 @@ TEST_F(MapStoreServiceTest, SomebodyElsesLocalMapIsDenied) {
   uplink->Open(Session("beta"), &listener);
   ASSERT_TRUE(listener.WaitForGrant().has_value());
   ASSERT_TRUE(uplink->Send(MakeBatch(random, kMap, 2)));
-  const auto reason = listener.WaitForClose();
-  ASSERT_TRUE(reason.has_value());
-  EXPECT_EQ(reason->code(), absl::StatusCode::kPermissionDenied) << *reason;
+  const absl::Status reason = listener.WaitForClose();
+  ASSERT_TRUE(listener.IsClosed());
+  EXPECT_EQ(reason.code(), absl::StatusCode::kPermissionDenied) << reason;
   EXPECT_EQ(CountKeyframes(), 2u);
 }
 
@@ -363,9 +310,9 @@ TEST_F(MapStoreServiceTest, DeletingAMissionEndsItsSessions) {
   v1::DeleteMissionResponse response;
   ASSERT_TRUE(stub_->DeleteMission(&context, request, &response).ok());
   EXPECT_EQ(response.local_maps(), 1u);
-  const auto reason = listener.WaitForClose();
-  ASSERT_TRUE(reason.has_value());
-  EXPECT_EQ(reason->code(), absl::StatusCode::kAborted) << *reason;
+  const absl::Status reason = listener.WaitForClose();
+  ASSERT_TRUE(listener.IsClosed());
+  EXPECT_EQ(reason.code(), absl::StatusCode::kAborted) << reason;
 }
 
 TEST_F(MapStoreServiceTest, StatisticsCountWhatCrossedTheWire) {

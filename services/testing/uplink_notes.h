@@ -56,6 +56,10 @@ class UplinkNotes : public UplinkListener {
     mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
     return closed_.value_or(absl::DeadlineExceededError("the session is not closed"));
   }
+  bool IsClosed() {
+    absl::MutexLock lock(&mutex_);
+    return closed_.has_value();
+  }
 
  private:
   static constexpr absl::Duration kPatience = absl::Seconds(20);

@@ -135,9 +135,7 @@ SceneView SceneFaces::See(const Camera& camera, const Rigid3d& world_from_camera
   }
   SortByDistance(&candidates);
   for (const Candidate& candidate : candidates) {
-    const size_t still = placements_.size();
-    const FacePlacement& placement = candidate.index < still ? placements_[candidate.index]
-                                                             : view.movers[candidate.index - still];
+    const FacePlacement& placement = PlacementAt(view, candidate.index);
     const FaceMesh& mesh = meshes_[placement.mesh];
     const PixelFromMesh projection =
         Projection(camera, world_from_camera, placement.world_from_mesh);

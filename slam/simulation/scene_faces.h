@@ -45,13 +45,13 @@ class SceneFaces {
   SceneView See(const Camera& camera, const Rigid3d& world_from_camera, double time_s,
                 std::vector<SampleOffset> samples) const;
 
-  const FacePlacement& PlacementOf(const SceneView& view, const DrawnFace& face) const {
+  // `index`: DrawnFace::placement.
+  const FacePlacement& PlacementAt(const SceneView& view, uint32_t index) const {
     const size_t still = placements_.size();
-    return face.placement < still ? placements_[face.placement]
-                                  : view.movers[face.placement - still];
+    return index < still ? placements_[index] : view.movers[index - still];
   }
   const PatchSurface& SurfaceOf(const SceneView& view, const DrawnFace& face) const {
-    return meshes_[PlacementOf(view, face).mesh].surfaces[face.patch];
+    return meshes_[PlacementAt(view, face.placement).mesh].surfaces[face.patch];
   }
   const Light& light() const { return light_; }
   uint32_t seed() const { return seed_; }

@@ -52,7 +52,7 @@ float LightOn(const PatchSurface& surface, const Vector3f& normal, const Vector3
 
 SeenSurface Describe(const SceneFaces& scene, const SceneView& view, const DrawnFace& face,
                      const Eigen::Matrix3f& ray_from_pixel, const Vector3f& towards_face) {
-  const FacePlacement& placement = scene.PlacementOf(view, face);
+  const FacePlacement& placement = scene.PlacementAt(view, face.placement);
   const PatchSurface& surface = scene.SurfaceOf(view, face);
   const Eigen::Matrix3f rotation =
       placement.world_from_mesh.rotation.toRotationMatrix().cast<float>();
