@@ -53,6 +53,12 @@ class Journal {
   virtual absl::Status WriteSnapshot(absl::string_view mission,
                                      const JournalSnapshot& snapshot) = 0;
 
+  // Begins a mission with a state that was made elsewhere, as a snapshot and the features of its
+  // keyframes. All of it or nothing is durable. Of one mission once at a time, and of none that has
+  // records.
+  virtual absl::Status CreateMission(absl::string_view mission,
+                                     const map_store::MissionState& state) = 0;
+
   virtual absl::StatusOr<std::vector<std::string>> ListMissions() const = 0;
   // DATA_LOSS, naming the mission and the place, for what can't be read.
   virtual absl::Status Recover(absl::string_view mission, const Replay& replay) const = 0;
@@ -68,6 +74,9 @@ class InMemoryJournal : public Journal {
   absl::Status Sync(Position) override { return absl::OkStatus(); }
   bool WantsSnapshot(absl::string_view) const override { return false; }
   absl::Status WriteSnapshot(absl::string_view, const JournalSnapshot&) override {
+    return absl::OkStatus();
+  }
+  absl::Status CreateMission(absl::string_view, const map_store::MissionState&) override {
     return absl::OkStatus();
   }
   absl::StatusOr<std::vector<std::string>> ListMissions() const override {

@@ -53,10 +53,13 @@ struct AdjustRecord {
   GlobalAdjustmentStatistics statistics;
 };
 
+// The global layer was forgotten, to be derived again.
+struct RederiveRecord {};
+
 // What is not there (queries without candidates, workers' failures) is decided again after a
 // restart.
-using JournalRecord =
-    std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord, AdjustRecord>;
+using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
+                                   AdjustRecord, RederiveRecord>;
 
 }  // namespace corbslam::map_store
 

@@ -173,7 +173,8 @@ TEST(MapStoreOptionsTest, NoLimitMayBeNothing) {
       {"max_parked_references", [](auto& o) { o.max_parked_references = 0; }},
       {"max_parked_s", [](auto& o) { o.max_parked_s = -1; }},
       {"max_bytes_per_agent", [](auto& o) { o.max_bytes_per_agent = 0; }},
-      {"max_bytes_per_mission", [](auto& o) { o.max_bytes_per_mission = 0; }}};
+      {"max_bytes_per_mission", [](auto& o) { o.max_bytes_per_mission = 0; }},
+      {"max_backup_bytes", [](auto& o) { o.max_backup_bytes = 0; }}};
   EXPECT_TRUE(MapStoreOptions().Validate().ok());
   for (const auto& [field, break_it] : cases) {
     MapStoreOptions options;

@@ -6,6 +6,7 @@
 #include "map_store/batch_validation.h"
 #include "map_store/fusion_executor.h"
 #include "map_store/mission.h"
+#include "map_store/state_validation.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -54,11 +55,17 @@ absl::Status MapStore::Recover() {
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindOrCreateMission(const std::string& name) {
   absl::MutexLock lock(&mutex_);
   if (const auto it = missions_.find(name); it != missions_.end()) return it->second;
-  if (missions_.size() >= options_.max_missions) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat(missions_.size(), " missions; that is the limit"));
+  if (restoring_.contains(name)) {
+    return absl::UnavailableError(absl::StrCat("mission ", name, " is being restored"));
   }
+  RETURN_IF_ERROR(CheckRoomForMission());
   return missions_[name] = MakeMission(name);
+}
+
+absl::Status MapStore::CheckRoomForMission() const {
+  const size_t count = missions_.size() + restoring_.size();
+  if (count < options_.max_missions) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat(count, " missions; that is the limit"));
 }
 
 std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
@@ -125,6 +132,11 @@ absl::Status MapStore::RunFusionUntilIdle(absl::string_view mission_name) {
   return absl::OkStatus();
 }
 
+absl::Status MapStore::RederiveGlobalLayer(absl::string_view mission_name) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->Rederive();
+}
+
 absl::StatusOr<bool> MapStore::IsFusionIdle(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   return mission->IsFusionIdle();
@@ -146,6 +158,40 @@ absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
   absl::MutexLock lock(&mutex_);
   missions_.erase(std::string(mission_name));
   return absl::OkStatus();
+}
+
+absl::StatusOr<MissionBackup> MapStore::BackUpMission(absl::string_view mission_name) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->WithState(
+      [](const map_store::MissionState& state) { return MissionBackup(state); });
+}
+
+MissionRestorer MapStore::StartRestoring() const {
+  return MissionRestorer(options_.max_backup_bytes);
+}
+
+absl::Status MapStore::RestoreMission(const std::string& name, map_store::MissionState state) {
+  RETURN_IF_ERROR(map_store::ValidateName("mission", name));
+  RETURN_IF_ERROR(map_store::ValidateState(state, options_));
+  {
+    absl::MutexLock lock(&mutex_);
+    if (missions_.contains(name) || restoring_.contains(name)) {
+      return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
+    }
+    RETURN_IF_ERROR(CheckRoomForMission());
+    restoring_.insert(name);
+  }
+  state.name = name;
+  absl::Status status = journal_->CreateMission(name, state);
+  std::shared_ptr<Mission> mission = MakeMission(name);
+  if (status.ok()) mission->Restore(std::move(state));
+  {
+    absl::MutexLock lock(&mutex_);
+    restoring_.erase(name);
+    if (status.ok()) missions_[name] = std::move(mission);
+  }
+  executor_->Wake();
+  return status;
 }
 
 }  // namespace corbslam

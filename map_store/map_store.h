@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "map_store/durable/mission_archive.h"
 #include "map_store/journal.h"
 #include "map_store/lookups.h"
 #include "map_store/options.h"
@@ -95,6 +97,10 @@ class MapStore {
 
   // Deterministic mode: runs queries, verification, fusing and adjustment here and now.
   absl::Status RunFusionUntilIdle(absl::string_view mission);
+  // Forgets all that was fused and queues every keyframe again, in the order of ids: the same
+  // owners' layer gives the same global layer, bit by bit in deterministic mode. Durable when it
+  // returns.
+  absl::Status RederiveGlobalLayer(absl::string_view mission);
   absl::StatusOr<bool> IsFusionIdle(absl::string_view mission) const;
   // DEADLINE_EXCEEDED after `timeout`.
   absl::Status WaitUntilFusionIdle(absl::string_view mission, absl::Duration timeout) const;
@@ -105,6 +111,14 @@ class MapStore {
   absl::StatusOr<MissionInfo> GetMission(absl::string_view mission) const;
   // Sessions in it are fenced.
   absl::Status DeleteMission(absl::string_view mission);
+  // The mission as it is now, to be written to a file while it goes on.
+  absl::StatusOr<MissionBackup> BackUpMission(absl::string_view mission) const;
+  // Where a backup's pieces go; takes no more than the options' limit.
+  MissionRestorer StartRestoring() const;
+  // Makes a mission of what a MissionRestorer has read, under a name that need not be the old one.
+  // Agents of it go on where the backup has them. Durable when it returns. ALREADY_EXISTS;
+  // INVALID_ARGUMENT, RESOURCE_EXHAUSTED: what is in it would not be taken from agents either.
+  absl::Status RestoreMission(const std::string& mission, map_store::MissionState state);
   absl::StatusOr<Page<AgentInfo>> ListAgents(absl::string_view mission,
                                              const PageRequest& page) const;
   absl::StatusOr<Page<LocalMapInfo>> ListLocalMaps(absl::string_view mission,
@@ -144,6 +158,7 @@ class MapStore {
   absl::StatusOr<std::shared_ptr<map_store::Mission>> FindMission(absl::string_view name) const;
   absl::StatusOr<std::shared_ptr<map_store::Mission>> FindOrCreateMission(const std::string& name);
   std::shared_ptr<map_store::Mission> MakeMission(const std::string& name);
+  absl::Status CheckRoomForMission() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
 
   const MapStoreOptions options_;
@@ -156,6 +171,8 @@ class MapStore {
   mutable absl::Mutex mutex_;
   std::map<std::string, std::shared_ptr<map_store::Mission>, std::less<>> missions_
       ABSL_GUARDED_BY(mutex_);
+  // Names of missions that are being restored.
+  std::set<std::string, std::less<>> restoring_ ABSL_GUARDED_BY(mutex_);
   std::map<uint64_t, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   uint64_t next_session_ ABSL_GUARDED_BY(mutex_) = 1;
 };

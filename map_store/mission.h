@@ -55,6 +55,8 @@ class Mission {
 
   // What the journal has of it. Before anything else. DATA_LOSS: names what can't be had.
   absl::Status Recover();
+  // Likewise a state from elsewhere, which the journal has.
+  void Restore(MissionState state);
   // Writes a snapshot into the journal, if it wants one.
   absl::Status KeepSnapshot();
 
@@ -85,6 +87,8 @@ class Mission {
   // Commits the result, or notes the failure. False: the worker is not there, try again later.
   bool FinishJob(FusionLane lane, const FusionJob& job, absl::StatusOr<FusionResult> result);
   void CancelJobs();
+  // Forgets what was fused; the lanes derive it again.
+  absl::Status Rederive() ABSL_LOCKS_EXCLUDED(writer_mutex_, mutex_);
   bool IsFusionIdle() const;
   bool WaitUntilFusionIdle(absl::Time deadline) const;
 
@@ -95,6 +99,7 @@ class Mission {
     std::shared_ptr<std::atomic<bool>> cancelled;
   };
 
+  void Begin(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status CheckSession(uint64_t session_id, const std::string& agent) const
       ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   absl::Status CheckBatch(uint64_t session_id, const std::string& agent,

@@ -148,6 +148,22 @@ void Mission::ReleaseLane(FusionLane lane_id) {
   lane_released_.SignalAll();
 }
 
+absl::Status Mission::Rederive() {
+  {
+    absl::MutexLock turn(&writer_mutex_);
+    const RederiveRecord record;
+    RETURN_IF_ERROR(Append(record));
+    CancelJobs();
+    absl::MutexLock lock(&mutex_);
+    map_store::Apply(record, state_);
+    adjust_attempts_.clear();
+  }
+  RETURN_IF_ERROR(SyncJournal());
+  environment_.wake_fusion();
+  NotifyAll(0);
+  return absl::OkStatus();
+}
+
 void Mission::CancelJobs() {
   absl::MutexLock lock(&mutex_);
   for (Lane& lane : lanes_) {
@@ -178,7 +194,7 @@ bool Mission::WaitUntilFusionIdle(absl::Time deadline) const {
 
 absl::Status Mission::Commit(const FusionJob& job, const FusionResult& result) {
   absl::MutexLock turn(&writer_mutex_);
-  if (IsDeleted()) return absl::OkStatus();
+  if (IsDeleted() || job.cancelled->load()) return absl::OkStatus();
   if (const auto* query = std::get_if<QueryJob>(&job.work)) {
     return CommitQuery(*query, std::get<VerifyOverlapResult>(result));
   }

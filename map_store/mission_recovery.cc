@@ -25,8 +25,10 @@ absl::Status ApplyAgain(const JournalRecord& record, const Vocabulary* vocabular
     Apply(*fuse, options, state);
   } else if (const auto* refused = std::get_if<FuseRefusedRecord>(&record)) {
     Apply(*refused, state);
+  } else if (const auto* adjust = std::get_if<AdjustRecord>(&record)) {
+    Apply(*adjust, options, state);
   } else {
-    Apply(std::get<AdjustRecord>(record), options, state);
+    Apply(std::get<RederiveRecord>(record), state);
   }
   return absl::OkStatus();
 }
@@ -50,10 +52,19 @@ absl::Status Mission::Recover() {
     return absl::DataLossError(
         absl::StrCat("the snapshot of mission ", name_, " is mission ", state.name, "'s"));
   }
+  Begin(std::move(state));
+  return absl::OkStatus();
+}
+
+void Mission::Restore(MissionState state) {
+  RestoreWords(environment_.vocabulary, state);
+  Begin(std::move(state));
+}
+
+void Mission::Begin(MissionState state) {
   state.version = (state.version / kVersionsOfALife + 1) * kVersionsOfALife;
   absl::MutexLock lock(&mutex_);
   state_ = std::move(state);
-  return absl::OkStatus();
 }
 
 absl::Status Mission::KeepSnapshot() {

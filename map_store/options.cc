@@ -41,7 +41,8 @@ absl::Status MapStoreOptions::Validate() const {
            {"max_items_per_batch", max_items_per_batch},
            {"max_parked_references", max_parked_references},
            {"max_bytes_per_agent", max_bytes_per_agent},
-           {"max_bytes_per_mission", max_bytes_per_mission}}) {
+           {"max_bytes_per_mission", max_bytes_per_mission},
+           {"max_backup_bytes", max_backup_bytes}}) {
     status.Update(CheckPositive(field, static_cast<double>(limit)));
   }
   status.Update(CheckPositive("max_parked_s", max_parked_s));

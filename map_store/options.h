@@ -38,7 +38,7 @@ struct MapStoreOptions {
   // Global bundle adjustment: at once after two islands were fused, after this many further
   // overlaps, and at the end of all streams.
   size_t adjust_every = 5;
-  int adjust_iterations = 20;
+  int adjust_iterations = 40;
   // Local motion of a placed keyframe relative to its parent that calls for a refresh.
   double local_motion_px = 1.0;
   // Foreign keyframes that one agent is sent at most; the nearest ones.
@@ -67,6 +67,8 @@ struct MapStoreOptions {
   // Kept of what one agent, and all agents of a mission, sent.
   uint64_t max_bytes_per_agent = uint64_t{16} << 30;
   uint64_t max_bytes_per_mission = uint64_t{64} << 30;
+  // Of a backup that is restored.
+  uint64_t max_backup_bytes = uint64_t{64} << 30;
   size_t max_page_size = 10000;
 
   // INVALID_ARGUMENT naming the field.

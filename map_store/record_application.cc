@@ -9,6 +9,7 @@
 #include "map_store/local_motion.h"
 #include "map_store/overlap_query.h"
 #include "map_store/parked_references.h"
+#include "map_store/rederivation.h"
 #include "map_store/revision.h"
 
 namespace corbslam::map_store {
@@ -108,6 +109,8 @@ void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionSt
   state.statistics.global_adjustments.push_back(record.statistics);
 }
 
+void Apply(const RederiveRecord&, MissionState& state) { ForgetGlobalLayer(state); }
+
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
                        Island& island) {
   for (const LocalMapId& id : relaxed) {
@@ -178,6 +181,7 @@ absl::Status CheckReplay(const JournalRecord& record, const MissionState& state)
   if (const auto* adjust = std::get_if<AdjustRecord>(&record)) {
     return CheckPlan(adjust->plan, state);
   }
+  if (std::holds_alternative<RederiveRecord>(record)) return absl::OkStatus();
   const auto& refused = std::get<FuseRefusedRecord>(record);
   if (!state.global.islands.contains(refused.target)) return Missing(ToString(refused.target));
   return CheckOverlaps(refused.overlaps, state);

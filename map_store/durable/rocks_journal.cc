@@ -1,11 +1,8 @@
 #include "map_store/durable/rocks_journal.h"
 
-#include <rocksdb/db.h>
-#include <rocksdb/options.h>
 #include <rocksdb/write_batch.h>
 
 #include <algorithm>
-#include <atomic>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -14,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/durable/archive.h"
 #include "map_store/durable/journal_keys.h"
+#include "map_store/durable/rocks_database.h"
 #include "map_store/durable/state_archive.h"
 #include "slam/util/status_macros.h"
 
@@ -28,13 +26,18 @@ using map_store::JournalPart;
 using map_store::JournalRecord;
 using map_store::MissionKey;
 using map_store::MissionPrefix;
+using map_store::MissionState;
 using map_store::RecordKey;
+using map_store::RocksDatabase;
 using map_store::SnapshotKey;
 
 namespace {
 
 constexpr uint32_t kFormat = 1;
 constexpr size_t kChunkBytes = 1 << 20;
+
+// The position in the header of a mission that is being created: what is there of it is not whole.
+constexpr uint64_t kNotWhole = ~uint64_t{0};
 
 // What stands under a mission's key.
 struct MissionHeader {
@@ -56,69 +59,10 @@ absl::StatusOr<MissionHeader> DecodeHeader(std::string_view bytes) {
   return absl::DataLossError("a mission's header is damaged");
 }
 
-std::string_view View(const rocksdb::Slice& slice) { return {slice.data(), slice.size()}; }
-
-rocksdb::Options MakeOptions(const RocksJournalOptions& options) {
-  rocksdb::Options made;
-  made.create_if_missing = true;
-  // What a crash tore at the end of the log goes; damage anywhere else is refused.
-  made.wal_recovery_mode = rocksdb::WALRecoveryMode::kTolerateCorruptedTailRecords;
-  made.max_total_wal_size = 256 << 20;
-  // Features are large and never change: compaction leaves them where they are.
-  made.enable_blob_files = true;
-  made.min_blob_size = 16 << 10;
-  made.enable_blob_garbage_collection = true;
-  made.keep_log_file_num = 5;
-  made.info_log_level = rocksdb::InfoLogLevel::WARN_LEVEL;
-  if (options.env != nullptr) made.env = options.env;
-  return made;
-}
-
 }  // namespace
 
-class RocksJournal::Database {
- public:
-  explicit Database(std::unique_ptr<rocksdb::DB> db) : db_(std::move(db)) {}
-
-  // After a write failed RocksDB takes no more until it has found that it can: by itself, every few
-  // seconds, or told to try.
-  rocksdb::Status Write(rocksdb::WriteBatch& batch, bool sync) {
-    if (failed_.load()) db_->Resume().PermitUncheckedError();
-    rocksdb::WriteOptions options;
-    options.sync = sync;
-    const rocksdb::Status status = db_->Write(options, &batch);
-    failed_.store(!status.ok());
-    return status;
-  }
-  rocksdb::Status SyncLog() {
-    const rocksdb::Status status = db_->SyncWAL();
-    if (!status.ok()) failed_.store(true);
-    return status;
-  }
-  rocksdb::Status Get(const std::string& key, std::string* value) const {
-    return db_->Get(rocksdb::ReadOptions(), key, value);
-  }
-
-  // Calls `visit(key, value)` for all keys from `first` on, up to `end`.
-  template <typename Visit>
-  absl::Status Scan(const std::string& first, const std::string& end, Visit visit) const {
-    rocksdb::ReadOptions options;
-    const rocksdb::Slice bound(end);
-    options.iterate_upper_bound = &bound;
-    const std::unique_ptr<rocksdb::Iterator> it(db_->NewIterator(options));
-    for (it->Seek(first); it->Valid(); it->Next()) {
-      RETURN_IF_ERROR(visit(View(it->key()), View(it->value())));
-    }
-    if (it->status().ok()) return absl::OkStatus();
-    return absl::DataLossError(it->status().ToString());
-  }
-
- private:
-  const std::unique_ptr<rocksdb::DB> db_;
-  std::atomic<bool> failed_ = false;
-};
-
-RocksJournal::RocksJournal(const RocksJournalOptions& options, std::unique_ptr<Database> database)
+RocksJournal::RocksJournal(const RocksJournalOptions& options,
+                           std::unique_ptr<RocksDatabase> database)
     : options_(options), database_(std::move(database)) {}
 
 RocksJournal::~RocksJournal() = default;
@@ -139,16 +83,14 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
     return absl::FailedPreconditionError(
         absl::StrCat("journal ", options.directory, ": ", error.message()));
   }
-  rocksdb::DB* opened = nullptr;
-  const rocksdb::Status status =
-      rocksdb::DB::Open(MakeOptions(options), options.directory, &opened);
+  auto database = std::make_unique<RocksDatabase>(options.directory, options.env);
+  const rocksdb::Status status = database->Open();
   if (!status.ok()) {
     const std::string message =
         absl::StrCat("journal ", options.directory, ": ", status.ToString());
     if (status.IsCorruption()) return absl::DataLossError(message);
     return absl::FailedPreconditionError(message);
   }
-  auto database = std::make_unique<Database>(std::unique_ptr<rocksdb::DB>(opened));
   std::unique_ptr<RocksJournal> journal(new RocksJournal(options, std::move(database)));
   RETURN_IF_ERROR(journal->LoadMissions());
   return journal;
@@ -179,30 +121,34 @@ absl::Status RocksJournal::LoadMissions() {
   }
   ASSIGN_OR_RETURN(const std::vector<std::string> names, ListMissions());
   absl::MutexLock lock(&mutex_);
-  for (const std::string& name : names) {
-    MissionFiles& files = FilesOf(name);
-    files.is_listed = true;
-    std::string encoded;
-    RETURN_IF_ERROR(ToStatus(database_->Get(MissionKey(name), &encoded)));
-    ASSIGN_OR_RETURN(const MissionHeader header, DecodeHeader(encoded));
-    files.snapshot_bytes = header.snapshot_bytes;
-    Position last = header.snapshot_position;
-    const std::string records = MissionPrefix(JournalPart::kRecord, name);
-    RETURN_IF_ERROR(database_->Scan(records, EndOfPrefix(records),
-                                    [&](std::string_view key, std::string_view value) {
-                                      last = std::max<Position>(last, map_store::PositionOf(key));
-                                      files.bytes_since_snapshot += value.size();
-                                      return absl::OkStatus();
-                                    }));
-    const std::string features = MissionPrefix(JournalPart::kFeatures, name);
-    RETURN_IF_ERROR(database_->Scan(features, EndOfPrefix(features),
-                                    [&](std::string_view key, std::string_view) {
-                                      files.features[map_store::KeyframeOf(key)] = last;
-                                      return absl::OkStatus();
-                                    }));
-    last_ = std::max(last_, last);
-  }
+  for (const std::string& name : names) RETURN_IF_ERROR(LoadMission(name));
   synced_ = last_;
+  return absl::OkStatus();
+}
+
+absl::Status RocksJournal::LoadMission(const std::string& name) {
+  std::string encoded;
+  RETURN_IF_ERROR(ToStatus(database_->Get(MissionKey(name), &encoded)));
+  ASSIGN_OR_RETURN(const MissionHeader header, DecodeHeader(encoded));
+  if (header.snapshot_position == kNotWhole) return Erase(name);
+  MissionFiles& files = FilesOf(name);
+  files.is_listed = true;
+  files.snapshot_bytes = header.snapshot_bytes;
+  Position last = header.snapshot_position;
+  const std::string records = MissionPrefix(JournalPart::kRecord, name);
+  RETURN_IF_ERROR(database_->Scan(records, EndOfPrefix(records),
+                                  [&](std::string_view key, std::string_view value) {
+                                    last = std::max<Position>(last, map_store::PositionOf(key));
+                                    files.bytes_since_snapshot += value.size();
+                                    return absl::OkStatus();
+                                  }));
+  const std::string features = MissionPrefix(JournalPart::kFeatures, name);
+  RETURN_IF_ERROR(
+      database_->Scan(features, EndOfPrefix(features), [&](std::string_view key, std::string_view) {
+        files.features[map_store::KeyframeOf(key)] = last;
+        return absl::OkStatus();
+      }));
+  last_ = std::max(last_, last);
   return absl::OkStatus();
 }
 
@@ -300,6 +246,11 @@ std::vector<KeyframeId> RocksJournal::FindUnneeded(absl::string_view mission,
 absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
                                          const JournalSnapshot& snapshot) {
   const std::string name(mission);
+  uint64_t bytes_covered = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    bytes_covered = FilesOf(mission).bytes_since_snapshot;
+  }
   uint32_t chunks = 0;
   for (size_t begin = 0; begin < snapshot.state.size(); begin += kChunkBytes) {
     rocksdb::WriteBatch chunk;
@@ -320,7 +271,7 @@ absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
   absl::MutexLock lock(&mutex_);
   MissionFiles& files = FilesOf(mission);
   files.snapshot_bytes = size;
-  files.bytes_since_snapshot = 0;
+  files.bytes_since_snapshot -= bytes_covered;
   for (const KeyframeId& id : unneeded) files.features.erase(id);
   return absl::OkStatus();
 }
@@ -384,16 +335,58 @@ absl::Status RocksJournal::Recover(absl::string_view mission, const Replay& repl
   return replayed.ok() ? replayed : locate(replayed);
 }
 
-absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
+absl::Status RocksJournal::CreateMission(absl::string_view mission, const MissionState& state) {
   const std::string name(mission);
+  rocksdb::WriteBatch mark;
+  mark.Put(MissionKey(name), Encode(MissionHeader{kNotWhole, 0}));
+  RETURN_IF_ERROR(ToStatus(database_->Write(mark, false)));
+  const Position position = BeginAppend();
+  absl::Status status = WriteFeatures(name, state, position);
+  if (status.ok()) {
+    JournalSnapshot snapshot = map_store::TakeSnapshot(state);
+    snapshot.position = position;
+    status = WriteSnapshot(mission, snapshot);
+  }
+  EndAppend(position);
+  if (!status.ok()) {
+    // Should that fail as well, the next start does it.
+    DeleteMission(mission).IgnoreError();
+    return status;
+  }
+  absl::MutexLock lock(&mutex_);
+  FilesOf(mission).is_listed = true;
+  return absl::OkStatus();
+}
+
+absl::Status RocksJournal::WriteFeatures(const std::string& mission, const MissionState& state,
+                                         Position position) {
+  for (const auto& [id, local_map] : state.local_maps) {
+    for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
+      rocksdb::WriteBatch batch;
+      batch.Put(FeaturesKey(mission, keyframe_id),
+                map_store::EncodeFeatures(keyframe.payload->features));
+      RETURN_IF_ERROR(ToStatus(database_->Write(batch, false)));
+      absl::MutexLock lock(&mutex_);
+      FilesOf(mission).features[keyframe_id] = position;
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RocksJournal::Erase(const std::string& mission) {
   rocksdb::WriteBatch batch;
-  batch.Delete(MissionKey(name));
+  batch.Delete(MissionKey(mission));
   for (const JournalPart part :
        {JournalPart::kRecord, JournalPart::kSnapshot, JournalPart::kFeatures}) {
-    const std::string prefix = MissionPrefix(part, name);
+    const std::string prefix = MissionPrefix(part, mission);
     batch.DeleteRange(prefix, EndOfPrefix(prefix));
   }
-  RETURN_IF_ERROR(ToStatus(database_->Write(batch, true)));
+  return ToStatus(database_->Write(batch, true));
+}
+
+absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
+  const std::string name(mission);
+  RETURN_IF_ERROR(Erase(name));
   absl::MutexLock lock(&mutex_);
   missions_.erase(name);
   return absl::OkStatus();

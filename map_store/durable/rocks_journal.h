@@ -22,6 +22,9 @@ class Status;
 }  // namespace rocksdb
 
 namespace corbslam {
+namespace map_store {
+class RocksDatabase;
+}  // namespace map_store
 
 struct RocksJournalOptions {
   std::string directory;
@@ -46,12 +49,13 @@ class RocksJournal : public Journal {
   absl::Status Sync(Position position) override;
   bool WantsSnapshot(absl::string_view mission) const override;
   absl::Status WriteSnapshot(absl::string_view mission, const JournalSnapshot& snapshot) override;
+  absl::Status CreateMission(absl::string_view mission,
+                             const map_store::MissionState& state) override;
   absl::StatusOr<std::vector<std::string>> ListMissions() const override;
   absl::Status Recover(absl::string_view mission, const Replay& replay) const override;
   absl::Status DeleteMission(absl::string_view mission) override;
 
  private:
-  class Database;
   // What was written of a mission.
   struct MissionFiles {
     bool is_listed = false;
@@ -61,9 +65,14 @@ class RocksJournal : public Journal {
     std::map<KeyframeId, Position> features;
   };
 
-  RocksJournal(const RocksJournalOptions& options, std::unique_ptr<Database> database);
+  RocksJournal(const RocksJournalOptions& options,
+               std::unique_ptr<map_store::RocksDatabase> database);
 
   absl::Status LoadMissions();
+  absl::Status LoadMission(const std::string& name) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status Erase(const std::string& mission);
+  absl::Status WriteFeatures(const std::string& mission, const map_store::MissionState& state,
+                             Position position);
   Position BeginAppend() ABSL_LOCKS_EXCLUDED(mutex_);
   void EndAppend(Position position) ABSL_LOCKS_EXCLUDED(mutex_);
   MissionFiles& FilesOf(absl::string_view mission) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -72,7 +81,7 @@ class RocksJournal : public Journal {
   absl::Status ToStatus(const rocksdb::Status& status) const;
 
   const RocksJournalOptions options_;
-  const std::unique_ptr<Database> database_;
+  const std::unique_ptr<map_store::RocksDatabase> database_;
 
   mutable absl::Mutex mutex_;
   absl::CondVar synced_changed_;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <rocksdb/db.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -12,11 +13,11 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "map_store/durable/journal_keys.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/shared_world.h"
+#include "map_store/testing/store_dump.h"
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
 #include "map_store/testing/unsynced_loss_env.h"
@@ -26,6 +27,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::DeterministicOptions;
+using testing::DumpGlobal;
+using testing::DumpLocal;
+using testing::DumpPlaces;
 using ::testing::HasSubstr;
 using testing::MakeRingMap;
 using testing::SyntheticMap;
@@ -35,66 +39,6 @@ using testing::TruthfulWorker;
 using testing::UnsyncedLossEnv;
 
 constexpr char kMission[] = "m";
-
-std::string PoseText(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) {
-  return absl::StrFormat("%.17g %.17g %.17g %.17g %.17g %.17g %.17g", q.w(), q.x(), q.y(), q.z(),
-                         t.x(), t.y(), t.z());
-}
-
-// All that look-ups say of the owners' layer.
-std::string DumpLocal(const MapStore& store) {
-  std::string text;
-  const Page<LocalMapInfo> maps = *store.ListLocalMaps(kMission, {});
-  for (const LocalMapInfo& map : maps.items) {
-    absl::StrAppend(&text, ToString(map.id), " ", map.agent, " ", map.closed, " ", map.last_batch,
-                    " ", map.keyframes, " ", map.settled_keyframes, " ", map.map_points, " ",
-                    map.tracked_frames, " ", map.parked_references, "\n");
-  }
-  const Page<KeyframeInfo> keyframes = *store.ListKeyframes(kMission, {}, {});
-  for (const KeyframeInfo& keyframe : keyframes.items) {
-    absl::StrAppend(
-        &text, ToString(keyframe.id), " ", keyframe.timestamp_ns, " ",
-        PoseText(keyframe.camera_from_local.rotation, keyframe.camera_from_local.translation), " ",
-        ToString(keyframe.parent), " ", keyframe.observed_points, "\n");
-    for (const Keypoint& keypoint : keyframe.payload->features.keypoints) {
-      absl::StrAppend(&text, keypoint.x_px, ",", keypoint.y_px, " ");
-    }
-    for (const Descriptor& descriptor : keyframe.payload->features.descriptors) {
-      absl::StrAppend(&text, descriptor.words[0] ^ descriptor.words[3], " ");
-    }
-  }
-  return text;
-}
-
-// ... and of fusion's.
-std::string DumpGlobal(const MapStore& store) {
-  const MissionStatistics statistics = *store.GetStatistics(kMission);
-  std::string text =
-      absl::StrCat("revision ", statistics.revision, " islands ", statistics.islands, " points ",
-                   statistics.map_points, " accepted ", statistics.overlaps_accepted, "\n");
-  const Page<KeyframeInfo> keyframes = *store.ListKeyframes(kMission, {}, {});
-  for (const KeyframeInfo& keyframe : keyframes.items) {
-    absl::StrAppend(
-        &text, ToString(keyframe.id), " ", ToString(keyframe.island), " ", keyframe.placed, " ",
-        keyframe.revision, " ", keyframe.camera_from_island.scale, " ",
-        PoseText(keyframe.camera_from_island.rotation, keyframe.camera_from_island.translation),
-        "\n");
-  }
-  const Page<OverlapInfo> overlaps = *store.ListOverlaps(kMission, {}, {});
-  for (const OverlapInfo& overlap : overlaps.items) {
-    absl::StrAppend(&text, overlap.id, " ", ToString(overlap.overlap.query), " ",
-                    ToString(overlap.overlap.candidate), " ", overlap.revision, " ",
-                    overlap.overlap.inliers.size(), " ", overlap.note, "\n");
-  }
-  const std::vector<IslandView> islands = *store.GlobalMapView(kMission);
-  for (const IslandView& island : islands) {
-    for (const IslandView::Point& point : island.points) {
-      absl::StrAppend(&text, ToString(point.id), " ", point.observations,
-                      absl::StrFormat(" %.17g", point.position_in_island.x()), "\n");
-    }
-  }
-  return text;
-}
 
 class RocksJournalTest : public ::testing::Test {
  protected:
@@ -176,12 +120,12 @@ TEST_F(RocksJournalTest, AStoreOpenedAgainIsWhatItWas) {
     Send(batches, 0, batches.size(), store.get());
     ASSERT_EQ(store->GetStatistics(kMission)->islands, 1u);
     ASSERT_GT(store->GetStatistics(kMission)->revision, 1u);
-    const std::string local = DumpLocal(*store);
-    const std::string global = DumpGlobal(*store);
+    const std::string local = DumpLocal(kMission, *store);
+    const std::string global = DumpGlobal(kMission, *store);
     store.reset();
     store = Open(options);
-    EXPECT_EQ(DumpLocal(*store), local) << between_snapshots;
-    EXPECT_EQ(DumpGlobal(*store), global) << between_snapshots;
+    EXPECT_EQ(DumpLocal(kMission, *store), local) << between_snapshots;
+    EXPECT_EQ(DumpGlobal(kMission, *store), global) << between_snapshots;
   }
 }
 
@@ -198,9 +142,39 @@ TEST_F(RocksJournalTest, AStoreThatWasRestartedEndsWithTheSameLocalLayer) {
     store.reset();
     store = Open(options);
     Send(batches, cut, batches.size(), store.get());
-    EXPECT_EQ(DumpLocal(*store), DumpLocal(*undisturbed)) << cut;
+    EXPECT_EQ(DumpLocal(kMission, *store), DumpLocal(kMission, *undisturbed)) << cut;
     EXPECT_EQ(store->GetStatistics(kMission)->islands, 1u) << cut;
   }
+}
+
+// What robots said in another order, and with a restart in between, is derived to the same map.
+TEST_F(RocksJournalTest, TheSameLocalLayerIsDerivedToTheSameGlobalLayer) {
+  const std::vector<MapUpdateBatch> batches = MakeBatches();
+  auto undisturbed = Open({.directory = Folder("undisturbed")});
+  Send(batches, 0, batches.size(), undisturbed.get());
+  const RocksJournalOptions options{.directory = Folder("other")};
+  auto other = Open(options);
+  std::vector<MapUpdateBatch> one_after_the_other = batches;
+  std::stable_sort(one_after_the_other.begin(), one_after_the_other.end(),
+                   [](const auto& a, const auto& b) { return a.local_map < b.local_map; });
+  Send(one_after_the_other, 0, 9, other.get());
+  other.reset();
+  other = Open(options);
+  Send(one_after_the_other, 9, batches.size(), other.get());
+  ASSERT_EQ(DumpLocal(kMission, *other), DumpLocal(kMission, *undisturbed));
+
+  for (MapStore* store : {undisturbed.get(), other.get()}) {
+    const uint64_t revision = store->GetStatistics(kMission)->revision;
+    ASSERT_TRUE(store->RederiveGlobalLayer(kMission).ok());
+    EXPECT_EQ(store->GetStatistics(kMission)->islands, 2u);
+    EXPECT_EQ(store->GetStatistics(kMission)->revision, revision + 1);
+    ASSERT_TRUE(store->RunFusionUntilIdle(kMission).ok());
+    EXPECT_EQ(store->GetStatistics(kMission)->islands, 1u);
+  }
+  EXPECT_EQ(DumpPlaces(kMission, *other), DumpPlaces(kMission, *undisturbed));
+  const std::string derived = DumpGlobal(kMission, *other);
+  other.reset();
+  EXPECT_EQ(DumpGlobal(kMission, *Open(options)), derived) << "and it lasts";
 }
 
 // Counts batches that were acknowledged and are gone after the power was cut, over cuts after each
@@ -309,6 +283,11 @@ TEST_F(RocksJournalTest, AFullDiskIsSaidAndForgottenOnceThereIsRoom) {
   EXPECT_EQ(full.status().code(), absl::StatusCode::kResourceExhausted) << full.status();
   EXPECT_THAT(std::string(full.status().message()), HasSubstr(options.directory));
   EXPECT_EQ(LastBatch(*store, {0xa}), 2u) << "nothing was stored";
+  // Agents try again and again.
+  for (int i = 0; i < 25; ++i) {
+    EXPECT_FALSE(store->Apply(session, batches[4]).ok());
+    absl::SleepFor(absl::Milliseconds(100));
+  }
   env.SetFull(false);
   auto again = store->Apply(session, batches[4]);
   const absl::Time deadline = absl::Now() + absl::Seconds(60);
@@ -318,9 +297,9 @@ TEST_F(RocksJournalTest, AFullDiskIsSaidAndForgottenOnceThereIsRoom) {
     again = store->Apply(session, batches[4]);
   }
   EXPECT_TRUE(again.ok()) << again.status();
-  const std::string local = DumpLocal(*store);
+  const std::string local = DumpLocal(kMission, *store);
   store.reset();
-  EXPECT_EQ(DumpLocal(*Open(options)), local);
+  EXPECT_EQ(DumpLocal(kMission, *Open(options)), local);
 }
 
 TEST_F(RocksJournalTest, ADeletedMissionStaysDeleted) {

@@ -108,6 +108,8 @@ template <typename Archive, MayBeConst<FuseRefusedRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.target, record.overlaps, record.relaxed, record.worst_edge_chi2);
 }
+template <typename Archive, MayBeConst<RederiveRecord> T>
+void Fields(Archive&, T&) {}
 template <typename Archive, MayBeConst<AdjustRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.plan, record.dirty, record.statistics);

@@ -14,6 +14,7 @@ namespace corbslam {
 using Command = std::function<absl::Status()>;
 
 // Each sets `chosen` when its sub-command is on the command line.
+void AddMissionCommand(CLI::App& app, Command& chosen);
 void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chosen);
 void AddEvalCommand(CLI::App& app, Command& chosen);
 void AddRenderCommand(CLI::App& app, Command& chosen);

@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string(CORBSLAM_VERSION));
   corbslam::Command chosen;
   corbslam::AddRunCommand(app, command_line, chosen);
+  corbslam::AddMissionCommand(app, chosen);
   corbslam::AddEvalCommand(app, chosen);
   corbslam::AddRenderCommand(app, chosen);
   corbslam::AddSimulateCommand(app, chosen);

@@ -17,6 +17,10 @@ namespace corbslam {
 using SessionCheck = std::function<absl::Status(
     const grpc::CallbackServerContext&, const std::string& mission, const std::string& agent)>;
 
+// Whether a caller may restore this mission, which its request names only once it has begun.
+using RestoreCheck =
+    std::function<absl::Status(const grpc::CallbackServerContext&, const std::string& mission)>;
+
 struct MapStoreServiceOptions {
   // Threads that read and apply batches and answer look-ups.
   int threads = 2;
@@ -25,6 +29,7 @@ struct MapStoreServiceOptions {
   StreamLimitOptions streams;
   // Null: everybody may.
   SessionCheck may_open;
+  RestoreCheck may_restore;
 };
 
 // Each RPC is in the file of its name. Thread-safe. `store` is not owned and must outlive it; the
@@ -47,6 +52,10 @@ class MapStoreService : public v1::MapStore::CallbackService {
   grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
                                           const v1::DeleteMissionRequest* request,
                                           v1::DeleteMissionResponse* response) override;
+  grpc::ServerWriteReactor<v1::BackupMissionResponse>* BackupMission(
+      grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) override;
+  grpc::ServerReadReactor<v1::RestoreMissionRequest>* RestoreMission(
+      grpc::CallbackServerContext* context, v1::Mission* response) override;
   grpc::ServerUnaryReactor* ListAgents(grpc::CallbackServerContext* context,
                                        const v1::ListAgentsRequest* request,
                                        v1::ListAgentsResponse* response) override;

@@ -20,6 +20,7 @@ void AddStoreLimitFlags(CLI::App& app, MapStoreOptions& options) {
   Add(app, "--max-batch-items", options.max_items_per_batch, "Items of a batch");
   Add(app, "--max-agent-bytes", options.max_bytes_per_agent, "Bytes stored for one agent");
   Add(app, "--max-mission-bytes", options.max_bytes_per_mission, "Bytes stored for one mission");
+  Add(app, "--max-backup-bytes", options.max_backup_bytes, "Bytes of a backup to be restored");
   Add(app, "--max-parked", options.max_parked_references,
       "References of a local map to what has not arrived");
   Add(app, "--max-parked-seconds", options.max_parked_s, "Seconds that they wait");

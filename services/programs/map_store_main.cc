@@ -76,6 +76,7 @@ absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(store.Recover());
   MapStoreServiceOptions service_options = flags.service;
   service_options.may_open = MakeSessionCheck(security.access);
+  service_options.may_restore = MakeRestoreCheck(security.access);
   MapStoreService service(&store, service_options);
   GuardedMapStore guarded(&service, security.access);
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,

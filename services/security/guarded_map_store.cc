@@ -48,6 +48,15 @@ SessionCheck MakeSessionCheck(std::shared_ptr<const AccessControl> access) {
   };
 }
 
+RestoreCheck MakeRestoreCheck(std::shared_ptr<const AccessControl> access) {
+  if (access == nullptr) return nullptr;
+  return [access = std::move(access)](const grpc::CallbackServerContext& context,
+                                      const std::string& mission) {
+    return access->Check({Action::kAdminister, mission, std::nullopt}, EvidenceOf(context),
+                         absl::Now());
+  };
+}
+
 absl::Status GuardedMapStore::Check(const grpc::CallbackServerContext& context, Action action,
                                     absl::string_view name) const {
   if (access_ == nullptr) return absl::OkStatus();
@@ -80,6 +89,19 @@ grpc::ServerUnaryReactor* GuardedMapStore::DeleteMission(grpc::CallbackServerCon
                                                          v1::DeleteMissionResponse* response) {
   const absl::Status status = Check(*context, Action::kAdminister, request->name());
   return status.ok() ? service_.DeleteMission(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerWriteReactor<v1::BackupMissionResponse>* GuardedMapStore::BackupMission(
+    grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->name());
+  if (!status.ok()) return new RefusedStream<v1::BackupMissionResponse>(status);
+  return service_.BackupMission(context, request);
+}
+
+// The first message names the mission: see MakeRestoreCheck.
+grpc::ServerReadReactor<v1::RestoreMissionRequest>* GuardedMapStore::RestoreMission(
+    grpc::CallbackServerContext* context, v1::Mission* response) {
+  return service_.RestoreMission(context, response);
 }
 
 grpc::ServerUnaryReactor* GuardedMapStore::ListAgents(grpc::CallbackServerContext* context,

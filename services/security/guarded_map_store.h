@@ -11,8 +11,10 @@
 
 namespace corbslam {
 
-// For MapStoreServiceOptions: an agent opens sessions as itself only. Null access: anybody may.
+// For MapStoreServiceOptions. An agent opens sessions as itself only. Null access: anybody may.
 SessionCheck MakeSessionCheck(std::shared_ptr<const AccessControl> access);
+// Likewise: operators restore missions of their own.
+RestoreCheck MakeRestoreCheck(std::shared_ptr<const AccessControl> access);
 
 // Thread-safe. `service` is not owned and must outlive it. A method that it does not hand on is
 // UNIMPLEMENTED, so that a new one is closed until somebody says who may call it. Null access:
@@ -36,6 +38,10 @@ class GuardedMapStore : public v1::MapStore::CallbackService {
   grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
                                           const v1::DeleteMissionRequest* request,
                                           v1::DeleteMissionResponse* response) override;
+  grpc::ServerWriteReactor<v1::BackupMissionResponse>* BackupMission(
+      grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) override;
+  grpc::ServerReadReactor<v1::RestoreMissionRequest>* RestoreMission(
+      grpc::CallbackServerContext* context, v1::Mission* response) override;
   grpc::ServerUnaryReactor* ListAgents(grpc::CallbackServerContext* context,
                                        const v1::ListAgentsRequest* request,
                                        v1::ListAgentsResponse* response) override;

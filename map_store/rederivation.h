@@ -1,0 +1,17 @@
+// The global layer made again from what the owners say: when what was fused is not to be believed
+// any more, or to compare two stores.
+#ifndef CORBSLAM_MAP_STORE_REDERIVATION_H_
+#define CORBSLAM_MAP_STORE_REDERIVATION_H_
+
+#include "map_store/mission_state.h"
+
+namespace corbslam::map_store {
+
+// Forgets all that fusion has found and made. Each local map is an island again, and every settled
+// keyframe waits to be looked up as it did when it settled, now in the order of local maps' and
+// keyframes' ids.
+void ForgetGlobalLayer(MissionState& state);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_REDERIVATION_H_

@@ -1,0 +1,89 @@
+#include "map_store/testing/store_dump.h"
+
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+
+namespace corbslam::testing {
+namespace {
+
+std::string PoseText(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) {
+  return absl::StrFormat("%.17g %.17g %.17g %.17g %.17g %.17g %.17g", q.w(), q.x(), q.y(), q.z(),
+                         t.x(), t.y(), t.z());
+}
+
+std::string DumpPoints(const std::string& mission, const MapStore& store) {
+  std::string text;
+  const std::vector<IslandView> islands = *store.GlobalMapView(mission);
+  for (const IslandView& island : islands) {
+    for (const IslandView::Point& point : island.points) {
+      const Eigen::Vector3d& x = point.position_in_island;
+      absl::StrAppend(&text, ToString(point.id), " ", point.observations,
+                      absl::StrFormat(" %.17g %.17g %.17g\n", x.x(), x.y(), x.z()));
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string DumpLocal(const std::string& mission, const MapStore& store) {
+  std::string text;
+  const Page<LocalMapInfo> maps = *store.ListLocalMaps(mission, {});
+  for (const LocalMapInfo& map : maps.items) {
+    absl::StrAppend(&text, ToString(map.id), " ", map.agent, " ", map.closed, " ", map.last_batch,
+                    " ", map.keyframes, " ", map.settled_keyframes, " ", map.map_points, " ",
+                    map.tracked_frames, " ", map.parked_references, "\n");
+  }
+  const Page<KeyframeInfo> keyframes = *store.ListKeyframes(mission, {}, {});
+  for (const KeyframeInfo& keyframe : keyframes.items) {
+    absl::StrAppend(
+        &text, ToString(keyframe.id), " ", keyframe.timestamp_ns, " ",
+        PoseText(keyframe.camera_from_local.rotation, keyframe.camera_from_local.translation), " ",
+        ToString(keyframe.parent), " ", keyframe.observed_points, "\n");
+    for (const Keypoint& keypoint : keyframe.payload->features.keypoints) {
+      absl::StrAppend(&text, keypoint.x_px, ",", keypoint.y_px, " ");
+    }
+    for (const Descriptor& descriptor : keyframe.payload->features.descriptors) {
+      absl::StrAppend(&text, descriptor.words[0] ^ descriptor.words[3], " ");
+    }
+  }
+  return text;
+}
+
+std::string DumpGlobal(const std::string& mission, const MapStore& store) {
+  const MissionStatistics statistics = *store.GetStatistics(mission);
+  std::string text =
+      absl::StrCat("revision ", statistics.revision, " islands ", statistics.islands, " points ",
+                   statistics.map_points, " accepted ", statistics.overlaps_accepted, "\n");
+  const Page<KeyframeInfo> keyframes = *store.ListKeyframes(mission, {}, {});
+  for (const KeyframeInfo& keyframe : keyframes.items) {
+    absl::StrAppend(
+        &text, ToString(keyframe.id), " ", ToString(keyframe.island), " ", keyframe.placed, " ",
+        keyframe.revision, " ", keyframe.camera_from_island.scale, " ",
+        PoseText(keyframe.camera_from_island.rotation, keyframe.camera_from_island.translation),
+        "\n");
+  }
+  const Page<OverlapInfo> overlaps = *store.ListOverlaps(mission, {}, {});
+  for (const OverlapInfo& overlap : overlaps.items) {
+    absl::StrAppend(&text, overlap.id, " ", ToString(overlap.overlap.query), " ",
+                    ToString(overlap.overlap.candidate), " ", overlap.revision, " ",
+                    overlap.overlap.inliers.size(), " ", overlap.note, "\n");
+  }
+  return text + DumpPoints(mission, store);
+}
+
+std::string DumpPlaces(const std::string& mission, const MapStore& store) {
+  std::string text;
+  const Page<KeyframeInfo> keyframes = *store.ListKeyframes(mission, {}, {});
+  for (const KeyframeInfo& keyframe : keyframes.items) {
+    absl::StrAppend(
+        &text, ToString(keyframe.id), " ", ToString(keyframe.island), " ",
+        PoseText(keyframe.camera_from_island.rotation, keyframe.camera_from_island.translation),
+        "\n");
+  }
+  return text + DumpPoints(mission, store);
+}
+
+}  // namespace corbslam::testing

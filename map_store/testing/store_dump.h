@@ -1,0 +1,19 @@
+// What a store answers, as text to be compared.
+#ifndef CORBSLAM_MAP_STORE_TESTING_STORE_DUMP_H_
+#define CORBSLAM_MAP_STORE_TESTING_STORE_DUMP_H_
+
+#include <string>
+
+#include "map_store/map_store.h"
+
+namespace corbslam::testing {
+
+// All that look-ups say of the owners' layer of a mission, and of fusion's. The mission must exist.
+std::string DumpLocal(const std::string& mission, const MapStore& store);
+std::string DumpGlobal(const std::string& mission, const MapStore& store);
+// Where fusion has keyframes and points, without revisions and counts.
+std::string DumpPlaces(const std::string& mission, const MapStore& store);
+
+}  // namespace corbslam::testing
+
+#endif  // CORBSLAM_MAP_STORE_TESTING_STORE_DUMP_H_

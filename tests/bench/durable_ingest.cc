@@ -1,0 +1,174 @@
+// How much a durable map store takes in: real batches of a recorded robot, streamed by any number
+// of robots at the camera's pace or as fast as they are acknowledged, to a map_store process with a
+// journal. Prints a table and writes JSON.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "services/corbslam/child_process.h"
+#include "services/programs/default_vocabulary.h"
+#include "services/remote/channel.h"
+#include "services/remote/remote_uplink.h"
+#include "slam/util/status_macros.h"
+#include "tests/replay/recorded_uploads.h"
+#include "tests/replay/replaying_agent.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Flags {
+  std::string source;
+  std::string data_dir;
+  std::string json;
+  std::vector<size_t> agents = {1, 12, 50};
+  double keyframes_per_s = 7;
+  double seconds = 10;
+};
+
+struct Row {
+  size_t agents = 0;
+  double pace = 0;  // Keyframes a second of each; 0: all they can.
+  double keyframes_per_s = 0;
+  double bytes_per_s = 0;
+  double p50_ms = 0;
+  double p99_ms = 0;
+  double store_cpu_cores = 0;
+  double peak_rss_mb = 0;
+};
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const auto rank = static_cast<size_t>(std::ceil(share * static_cast<double>(values.size())));
+  return values[std::max<size_t>(rank, 1) - 1];
+}
+
+absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
+                            const RecordedUploads& uploads) {
+  fs::remove_all(flags.data_dir);
+  ASSIGN_OR_RETURN(const std::string program, FindProgramBeside("map_store"));
+  ASSIGN_OR_RETURN(const std::unique_ptr<ChildProcess> store,
+                   ChildProcess::Start("map_store",
+                                       {program, "--listen", "127.0.0.1:0", "--insecure",
+                                        "--data-dir", flags.data_dir},
+                                       flags.data_dir + ".log"));
+  ASSIGN_OR_RETURN(const std::string address, store->WaitForAddress(absl::Seconds(30)));
+  std::vector<std::unique_ptr<ReplayingAgent>> robots;
+  std::vector<std::shared_ptr<grpc::Channel>> channels;
+  const absl::Time begin = absl::Now();
+  for (size_t i = 0; i < agents; ++i) {
+    ReplayOptions options;
+    options.mission = "ingest";
+    options.agent = absl::StrCat("agent", i);
+    options.local_map = LocalMapId{0x1000 + i};
+    options.keyframes_per_s = pace;
+    channels.push_back(MakeChannel(address));
+    robots.push_back(
+        std::make_unique<ReplayingAgent>(options, &uploads, MakeRemoteUplink(channels.back())));
+  }
+  const absl::Time end = begin + absl::Seconds(flags.seconds);
+  for (const auto& robot : robots) robot->WaitUntilDone(end - absl::Now()).IgnoreError();
+  const double seconds = absl::ToDoubleSeconds(absl::Now() - begin);
+  Row row{agents, pace};
+  std::vector<double> latencies;
+  uint64_t keyframes = 0;
+  for (const auto& robot : robots) {
+    robot->Stop();
+    const ReplayLedger ledger = robot->ledger();
+    keyframes += ledger.keyframes;
+    row.bytes_per_s += static_cast<double>(robot->bytes_up()) / seconds;
+    latencies.insert(latencies.end(), ledger.acknowledged_after_ms.begin(),
+                     ledger.acknowledged_after_ms.end());
+  }
+  row.keyframes_per_s = static_cast<double>(keyframes) / seconds;
+  row.p50_ms = Quantile(latencies, 0.5);
+  row.p99_ms = Quantile(latencies, 0.99);
+  robots.clear();
+  const ProcessEnd ended = store->Stop(absl::Seconds(30));
+  row.store_cpu_cores = ended.cpu_s / seconds;
+  row.peak_rss_mb = ended.peak_rss_mb;
+  fs::remove_all(flags.data_dir);
+  return row;
+}
+
+void Print(const Row& row) {
+  std::printf("| %6zu | %8s | %11.1f | %6.2f | %8.1f | %8.1f | %6.2f | %8.0f |\n", row.agents,
+              row.pace > 0 ? absl::StrCat(row.pace, "/s").c_str() : "all", row.keyframes_per_s,
+              1e-6 * row.bytes_per_s, row.p50_ms, row.p99_ms, row.store_cpu_cores, row.peak_rss_mb);
+  std::fflush(stdout);
+}
+
+Json ToJson(const Row& row) {
+  return {{"agents", row.agents},
+          {"pace_keyframes_per_s", row.pace},
+          {"keyframes_per_s", row.keyframes_per_s},
+          {"bytes_per_s", row.bytes_per_s},
+          {"acknowledged_p50_ms", row.p50_ms},
+          {"acknowledged_p99_ms", row.p99_ms},
+          {"store_cpu_cores", row.store_cpu_cores},
+          {"store_peak_rss_mb", row.peak_rss_mb}};
+}
+
+absl::Status Run(const Flags& flags) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<const Vocabulary> vocabulary,
+                   Vocabulary::Load(DefaultVocabularyPath()));
+  ASSIGN_OR_RETURN(const RecordedUploads uploads, RecordUploads(flags.source, vocabulary));
+  uint64_t keyframes = 0;
+  for (const MapUpdateBatch& batch : uploads) keyframes += batch.full_keyframes.size();
+  std::printf("%s: %zu batches, %lu keyframes; %g s each\n\n", flags.source.c_str(), uploads.size(),
+              static_cast<unsigned long>(keyframes), flags.seconds);
+  std::printf(
+      "| agents | pace     | keyframes/s | MB/s   | p50, ms  | p99, ms  | cores  | MB       |\n");
+  std::printf(
+      "| ------ | -------- | ----------- | ------ | -------- | -------- | ------ | -------- |\n");
+  Json rows = Json::array();
+  for (const double pace : {flags.keyframes_per_s, 0.0}) {
+    for (const size_t agents : flags.agents) {
+      ASSIGN_OR_RETURN(const Row row, Measure(flags, agents, pace, uploads));
+      Print(row);
+      rows.push_back(ToJson(row));
+    }
+  }
+  if (flags.json.empty()) return absl::OkStatus();
+  std::ofstream file(flags.json);
+  file << Json{{"source", flags.source}, {"rows", rows}}.dump(2) << "\n";
+  return file ? absl::OkStatus() : absl::UnavailableError(absl::StrCat("can't write ", flags.json));
+}
+
+}  // namespace
+}  // namespace corbslam
+
+int main(int argc, char** argv) {
+  corbslam::Flags flags;
+  CLI::App app("Durable ingest of the map store", "durable_ingest");
+  app.add_option("--source", flags.source, "What the robots have seen: kitti:DIR, sim:WORLD, ...")
+      ->required();
+  app.add_option("--data-dir", flags.data_dir, "Folder of the journal; made new, then removed")
+      ->required();
+  app.add_option("--agents", flags.agents, "Numbers of agents")->capture_default_str();
+  app.add_option("--pace", flags.keyframes_per_s, "Keyframes a second of each agent")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--seconds", flags.seconds, "Of each row, at most")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--json", flags.json, "File for the rows");
+  CLI11_PARSE(app, argc, argv);
+  const absl::Status status = corbslam::Run(flags);
+  if (status.ok()) return 0;
+  std::fprintf(stderr, "durable_ingest: %s\n", status.ToString().c_str());
+  return 1;
+}

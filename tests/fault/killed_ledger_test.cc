@@ -1,0 +1,178 @@
+// A map store that is killed while four robots stream recorded uploads to it: what it holds in the
+// end against what was acknowledged, and against a store that nobody disturbed.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "fusion_worker/local_fusion_worker.h"
+#include "map_store/durable/rocks_journal.h"
+#include "map_store/map_store.h"
+#include "map_store/testing/store_dump.h"
+#include "services/corbslam/child_process.h"
+#include "services/programs/default_vocabulary.h"
+#include "services/remote/channel.h"
+#include "services/remote/remote_uplink.h"
+#include "tests/integration/mission_fixture.h"
+#include "tests/replay/recorded_uploads.h"
+#include "tests/replay/replaying_agent.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kMission[] = "killed";
+constexpr size_t kAgents = 4;
+
+// CORBSLAM_KILLS: how often the store is killed.
+int KillsWanted() {
+  int kills = 10;
+  const char* text = std::getenv("CORBSLAM_KILLS");
+  const bool is_number = text == nullptr || absl::SimpleAtoi(text, &kills);
+  EXPECT_TRUE(is_number) << text;
+  return kills;
+}
+
+class KilledLedgerTest : public ::testing::Test {
+ protected:
+  KilledLedgerTest() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    auto vocabulary = Vocabulary::Load(DefaultVocabularyPath());
+    EXPECT_TRUE(vocabulary.ok()) << vocabulary.status();
+    vocabulary_ = *vocabulary;
+    worker_ = Start("worker", "fusion_worker", {"--listen", "127.0.0.1:0", "--insecure"});
+    worker_address_ = *worker_->WaitForAddress(absl::Seconds(60));
+  }
+
+  std::unique_ptr<ChildProcess> Start(const std::string& name, const std::string& program,
+                                      std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
+    const std::string log = (folder_ / absl::StrCat(name, ".log")).string();
+    auto process = ChildProcess::Start(name, arguments, log);
+    EXPECT_TRUE(process.ok()) << process.status();
+    return process.ok() ? *std::move(process) : nullptr;
+  }
+
+  // On the address of the one before it, if there was one.
+  void StartStore(const std::string& data_dir) {
+    const std::string listen = address_.empty() ? "127.0.0.1:0" : address_;
+    store_ = Start(
+        "store", "map_store",
+        {"--listen", listen, "--worker", worker_address_, "--data-dir", data_dir, "--insecure"});
+    ASSERT_NE(store_, nullptr);
+    const auto address = store_->WaitForAddress(absl::Seconds(60));
+    ASSERT_TRUE(address.ok()) << address.status();
+    address_ = *address;
+  }
+
+  // One after the other has its first batch stored: local maps arrive in the same order each time.
+  std::vector<std::unique_ptr<ReplayingAgent>> StartAgents(const RecordedUploads& uploads,
+                                                           double keyframes_per_s) {
+    std::vector<std::unique_ptr<ReplayingAgent>> agents;
+    for (size_t i = 0; i < kAgents; ++i) {
+      const ReplayOptions options{.mission = kMission,
+                                  .agent = absl::StrCat("agent", i),
+                                  .local_map = LocalMapId{0xa0 + i},
+                                  .keyframes_per_s = keyframes_per_s};
+      agents.push_back(std::make_unique<ReplayingAgent>(options, &uploads,
+                                                        MakeRemoteUplink(MakeChannel(address_))));
+      for (int k = 0; k < 600 && agents.back()->ledger().acknowledged == 0; ++k) {
+        absl::SleepFor(absl::Milliseconds(50));
+      }
+      EXPECT_GT(agents.back()->ledger().acknowledged, 0u) << options.agent;
+    }
+    return agents;
+  }
+
+  // What the journal in the folder holds, read by a store of our own that fuses on this thread.
+  std::unique_ptr<MapStore> Reopen(const std::string& data_dir) {
+    auto journal = RocksJournal::Open({.directory = data_dir});
+    EXPECT_TRUE(journal.ok()) << journal.status();
+    MapStoreOptions options;
+    options.deterministic = true;
+    auto store =
+        std::make_unique<MapStore>(options, vocabulary_, *std::move(journal), local_worker_.get());
+    EXPECT_TRUE(store->Recover().ok());
+    return store;
+  }
+
+  std::string DeriveAgain(MapStore& store) {
+    EXPECT_TRUE(store.RederiveGlobalLayer(kMission).ok());
+    // Each local map by itself: all that its owner said of points.
+    const std::string alone = testing::DumpPlaces(kMission, store);
+    EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+    return alone + testing::DumpPlaces(kMission, store);
+  }
+
+  const fs::path folder_ = fs::path(::testing::TempDir()) / "corbslam_killed_ledger";
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  std::unique_ptr<FusionWorker> local_worker_ = MakeLocalFusionWorker({});
+  std::unique_ptr<ChildProcess> worker_;
+  std::string worker_address_;
+  std::unique_ptr<ChildProcess> store_;
+  std::string address_;
+};
+
+TEST_F(KilledLedgerTest, HoldsWhatTheUndisturbedStoreHolds) {
+  const auto uploads = RecordUploads(DemoSource(), vocabulary_);
+  ASSERT_TRUE(uploads.ok()) << uploads.status();
+  uint64_t keyframes = 0;
+  for (const MapUpdateBatch& batch : *uploads) keyframes += batch.full_keyframes.size();
+  ASSERT_GT(keyframes, 10u);
+
+  const std::string undisturbed_dir = (folder_ / "undisturbed").string();
+  StartStore(undisturbed_dir);
+  for (const auto& agent : StartAgents(*uploads, 0)) {
+    const absl::Status done = agent->WaitUntilDone(absl::Seconds(120));
+    EXPECT_TRUE(done.ok()) << done;
+  }
+  store_->Stop(absl::Seconds(60));
+
+  const std::string killed_dir = (folder_ / "killed").string();
+  StartStore(killed_dir);
+  const int kills = KillsWanted();
+  // Each life lasts half a second in the mean, with the start of the next about a second.
+  const double pace = static_cast<double>(keyframes) / (1.0 * kills);
+  std::vector<std::unique_ptr<ReplayingAgent>> agents = StartAgents(*uploads, pace);
+  std::mt19937 random(7);
+  int killed_while_streaming = 0;
+  for (int i = 0; i < kills; ++i) {
+    absl::SleepFor(absl::Milliseconds(std::uniform_int_distribution<int>(20, 980)(random)));
+    bool streaming = false;
+    for (const auto& agent : agents) streaming |= agent->ledger().acknowledged < uploads->size();
+    killed_while_streaming += streaming ? 1 : 0;
+    store_->Stop(absl::ZeroDuration());  // SIGKILL.
+    StartStore(killed_dir);
+  }
+  for (const auto& agent : agents) {
+    const absl::Status done = agent->WaitUntilDone(absl::Seconds(180));
+    EXPECT_TRUE(done.ok()) << done;
+    EXPECT_EQ(agent->ledger().keyframes, keyframes);
+    EXPECT_GT(agent->ledger().sessions, kills / 2);
+  }
+  EXPECT_GT(killed_while_streaming, kills * 3 / 4) << "the robots were too fast for the test";
+  agents.clear();
+  store_->Stop(absl::Seconds(60));
+  std::printf("%d kills, %d while robots streamed; %zu robots of %lu keyframes\n", kills,
+              killed_while_streaming, kAgents, static_cast<unsigned long>(keyframes));
+
+  const auto killed = Reopen(killed_dir);
+  const auto undisturbed = Reopen(undisturbed_dir);
+  EXPECT_EQ(killed->GetMission(kMission)->keyframes, kAgents * keyframes);
+  EXPECT_EQ(testing::DumpLocal(kMission, *killed), testing::DumpLocal(kMission, *undisturbed));
+  EXPECT_EQ(DeriveAgain(*killed), DeriveAgain(*undisturbed));
+  EXPECT_EQ(killed->GetStatistics(kMission)->islands, 1u);
+}
+
+}  // namespace
+}  // namespace corbslam

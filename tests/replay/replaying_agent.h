@@ -1,0 +1,98 @@
+// A robot that only uploads: streams recorded batches at a pace, resumes by itself, and keeps a
+// ledger of what was acknowledged when.
+#ifndef CORBSLAM_TESTS_REPLAY_REPLAYING_AGENT_H_
+#define CORBSLAM_TESTS_REPLAY_REPLAYING_AGENT_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "slam/exchange/uplink.h"
+#include "tests/replay/recorded_uploads.h"
+
+namespace corbslam {
+
+struct ReplayOptions {
+  std::string mission;
+  std::string agent;
+  LocalMapId local_map;
+  // Full keyframes a second; 0: as fast as they are acknowledged.
+  double keyframes_per_s = 0;
+  // Sent and not acknowledged at most.
+  size_t max_waiting = 16;
+  // After a session ended the next is opened so much later.
+  absl::Duration retry_after = absl::Milliseconds(50);
+};
+
+struct ReplayLedger {
+  uint64_t acknowledged = 0;  // Number of the last such batch.
+  uint64_t keyframes = 0;     // In those.
+  int sessions = 0;
+  // From when a batch was due (without a pace: sent) to its acknowledgement; of batches with
+  // keyframes.
+  std::vector<double> acknowledged_after_ms;
+};
+
+// Thread-safe. Streams from its construction on, on a thread of its own.
+class ReplayingAgent : private UplinkListener {
+ public:
+  // `uploads` (not owned) must outlive it.
+  ReplayingAgent(const ReplayOptions& options, const RecordedUploads* uploads,
+                 std::unique_ptr<Uplink> uplink);
+  // Stops where it is.
+  ~ReplayingAgent() override;
+
+  // All was acknowledged. DEADLINE_EXCEEDED, or why the store does not want to hear more.
+  absl::Status WaitUntilDone(absl::Duration timeout);
+  // Sends no more batches.
+  void Stop();
+  ReplayLedger ledger() const;
+  uint64_t bytes_up() const { return uplink_->bytes_up(); }
+
+ private:
+  void OnSessionOpened(const SessionGrant& grant) override;
+  void OnAcknowledged(const Acknowledgement& acknowledgement) override;
+  void OnShared(SharedUpdate) override {}
+  void OnSessionClosed(const absl::Status& reason) override;
+
+  void Run();
+  void TakeAcknowledgement(uint64_t number) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Time DueTime(uint64_t number) const;
+  void MakeSession();
+  void SendNext();
+  bool HasEnded() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    return stopped_ || ledger_.acknowledged >= uploads_.size() || !failure_.ok();
+  }
+
+  const ReplayOptions options_;
+  const RecordedUploads& uploads_;
+  const absl::Time start_;
+  // Keyframes up to and with batch i + 1.
+  std::vector<uint64_t> keyframes_before_end_;
+
+  mutable absl::Mutex mutex_;
+  ReplayLedger ledger_ ABSL_GUARDED_BY(mutex_);
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
+  bool has_session_ ABSL_GUARDED_BY(mutex_) = false;
+  bool is_opening_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::Time open_at_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+  uint64_t sent_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::map<uint64_t, absl::Time> waiting_ ABSL_GUARDED_BY(mutex_);
+  absl::Status failure_ ABSL_GUARDED_BY(mutex_);
+
+  const std::unique_ptr<Uplink> uplink_;
+  std::thread thread_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_REPLAY_REPLAYING_AGENT_H_
