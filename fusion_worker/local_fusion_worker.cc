@@ -19,8 +19,6 @@ namespace {
 constexpr int kMaxIterations = 1000;
 // The first round finds the outliers, the second adjusts without them.
 constexpr int kOutlierRounds = 1;
-// Of a global adjustment: the drift of a long way costs little and is what it is there to take out.
-constexpr double kConvergedCostChange = 1e-7;
 
 bool IsCancelled(const ProgressCallback& progress, double part) {
   return progress != nullptr && !progress(part);
@@ -139,7 +137,6 @@ absl::StatusOr<AdjustBundleResult> LocalFusionWorker::AdjustBundle(
   bundle.max_iterations = (request.max_iterations + kOutlierRounds) / (kOutlierRounds + 1);
   bundle.outlier_rounds = kOutlierRounds;
   bundle.threads = std::max(request.threads, 1);
-  bundle.converged_cost_change = kConvergedCostChange;
   bundle.keep_going = [&](double part) { return !IsCancelled(progress, part); };
   ASSIGN_OR_RETURN(const BundleResult adjusted,
                    corbslam::AdjustBundle(request.view, scope, bundle));

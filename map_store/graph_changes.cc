@@ -139,11 +139,13 @@ void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
     return;
   }
   const MapPointId survivor = FollowReplacements(local_map, replacement.survivor);
+  if (survivor == replaced || !survivor.IsValid()) return;
+  const bool is_own = survivor.local_map == local_map.id;
   // Two robots may each have put the other's point in the place of its own: then the point stays,
-  // and stands for both.
+  // and stands for both. What fusion merged does not change what an owner says of its own points.
   const MapPointId stands_for = ResolvePoint(state, survivor);
-  if (survivor == replaced || stands_for == replaced || !survivor.IsValid()) return;
-  if (survivor.local_map == local_map.id) {
+  if (!is_own && stands_for == replaced) return;
+  if (is_own) {
     if (!local_map.map.ReplacePoint(replaced, survivor)) local_map.map.RemovePoint(replaced);
   } else if (const MapPoint* point = local_map.map.FindPoint(replaced)) {
     const auto observations = point->observations;
@@ -155,8 +157,9 @@ void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
   }
   local_map.replaced_points[replaced] = survivor;
   // A landmark lies in one island, and its points are there.
-  const bool joins = stands_for.IsValid() && state.global.island_of.at(stands_for.local_map) ==
-                                                 state.global.island_of.at(local_map.id);
+  const bool joins =
+      stands_for.IsValid() && stands_for != replaced &&
+      state.global.island_of.at(stands_for.local_map) == state.global.island_of.at(local_map.id);
   const MapPointId elected = joins ? state.global.landmarks.Replace(replaced, stands_for)
                                    : state.global.landmarks.Remove(replaced);
   HandOverPosition(replaced, elected, state.global);
@@ -169,7 +172,7 @@ void ApplyPointRemoval(MapPointId point, MissionState& state, LocalMapState& loc
   const MapPointId elected = state.global.landmarks.Remove(point);
   HandOverPosition(point, elected, state.global);
   // Others' keyframes that saw this very point still see the landmark.
-  if (elected.IsValid()) local_map.replaced_points[point] = elected;
+  if (elected.IsValid()) state.global.heirs[point] = elected;
 }
 
 void ApplyKeyframeRemoval(const KeyframeRemoval& removal, MissionState& state,

@@ -14,10 +14,13 @@ MapPointId ResolvePoint(const MissionState& state, MapPointId point) {
     if (owner == nullptr) return MapPointId();
     const auto replaced = owner->replaced_points.find(point);
     if (replaced == owner->replaced_points.end()) {
-      if (owner->map.FindPoint(point) == nullptr) return MapPointId();
-      return state.global.landmarks.Survivor(point);
+      if (owner->map.FindPoint(point) != nullptr) return state.global.landmarks.Survivor(point);
+      const auto heir = state.global.heirs.find(point);
+      if (heir == state.global.heirs.end()) return MapPointId();
+      point = heir->second;
+    } else {
+      point = replaced->second;
     }
-    point = replaced->second;
   }
   return MapPointId();
 }

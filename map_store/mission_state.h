@@ -141,6 +141,8 @@ struct GlobalLayer {
   std::map<KeyframeId, PlacedKeyframe> keyframes;
   std::map<MapPointId, PlacedPoint> points;  // Of survivors and lone points.
   Landmarks landmarks;
+  // Removed points, and another of the landmark that each was part of.
+  std::map<MapPointId, MapPointId> heirs;
   RejectedObservations rejected;
   std::map<uint64_t, OverlapEntry> overlaps;
   std::map<IslandId, Island> islands;

@@ -38,7 +38,7 @@ struct MapStoreOptions {
   // Global bundle adjustment: at once after two islands were fused, after this many further
   // overlaps, and at the end of all streams.
   size_t adjust_every = 5;
-  int adjust_iterations = 40;
+  int adjust_iterations = 20;
   // Local motion of a placed keyframe relative to its parent that calls for a refresh.
   double local_motion_px = 1.0;
   // Foreign keyframes that one agent is sent at most; the nearest ones.

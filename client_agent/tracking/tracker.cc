@@ -93,7 +93,8 @@ std::optional<Tracker::Solution> Tracker::Solve(const std::vector<FirstPose>& wa
     solution.frame = frame;
     if (best.has_value()) solution.frame.words = best->frame.words;
     if (!(this->*way)(solution.frame) || !TrackLocalMap(solution)) continue;
-    const bool is_sure = !IsDoubtful(solution);
+    // Without a known motion far points alone may agree on a wrong position.
+    const bool is_sure = velocity_.has_value() && !IsDoubtful(solution);
     if (!best.has_value() || Support(solution) > Support(*best)) best = std::move(solution);
     if (is_sure) break;
   }

@@ -143,8 +143,9 @@ template <typename Archive, typename State>
 void GlobalFields(Archive& archive, State& state) {
   auto& global = state.global;
   archive(state.name, state.agents, state.order, state.queries, state.next_overlap, state.version,
-          state.statistics, global.revision, global.keyframes, global.points, global.rejected,
-          global.overlaps, global.islands, global.island_of, global.island_from_local);
+          state.statistics, global.revision, global.keyframes, global.points, global.heirs,
+          global.rejected, global.overlaps, global.islands, global.island_of,
+          global.island_from_local);
 }
 
 // Every reference that the store takes for granted.

@@ -39,6 +39,9 @@ class MapStoreService : public v1::MapStore::CallbackService {
   explicit MapStoreService(MapStore* store, const MapStoreServiceOptions& options = {})
       : store_(*store), options_(options), limits_(options.streams), pool_(options.threads) {}
 
+  // The server is about to stop: streams end with UNAVAILABLE, once what they had to say is said.
+  void EndStreams() { limits_.Close(); }
+
   grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* Sync(
       grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::WatchMapResponse>* WatchMap(

@@ -315,6 +315,34 @@ TEST_F(MapStoreServiceTest, DeletingAMissionEndsItsSessions) {
   EXPECT_EQ(reason.code(), absl::StatusCode::kAborted) << reason;
 }
 
+TEST_F(MapStoreServiceTest, AServerThatStopsEndsItsStreamsAtOnce) {
+  Upload("alpha", kMap, 1);
+  const auto uplink = MakeRemoteUplink(channel_);
+  Listener listener;
+  uplink->Open(Session("alpha"), &listener);
+  ASSERT_TRUE(listener.WaitForGrant().has_value());
+  grpc::ClientContext context;
+  v1::WatchMapRequest request;
+  request.set_mission("missions/m");
+  const auto watch = stub_->WatchMap(&context, request);
+  v1::WatchMapResponse change;
+  ASSERT_TRUE(watch->Read(&change));
+
+  const absl::Time begin = absl::Now();
+  service_->EndStreams();
+  const absl::Status reason = listener.WaitForClose();
+  EXPECT_TRUE(absl::IsUnavailable(reason)) << reason;
+  EXPECT_THAT(std::string(reason.message()), HasSubstr("stopping"));
+  while (watch->Read(&change)) {
+  }
+  EXPECT_EQ(watch->Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+  Listener late;
+  uplink->Open(Session("alpha"), &late);
+  EXPECT_TRUE(absl::IsUnavailable(late.WaitForClose()));
+  server_->Shutdown(absl::Minutes(5));
+  EXPECT_LT(absl::Now() - begin, absl::Minutes(1)) << "nothing was left to wait for";
+}
+
 TEST_F(MapStoreServiceTest, StatisticsCountWhatCrossedTheWire) {
   Upload("alpha", kMap, 2);
   grpc::ClientContext context;

@@ -20,6 +20,8 @@ absl::Status TooMany(absl::string_view whose, size_t has, size_t limit) {
       absl::StrCat(whose, " has ", has, " open streams; the limit is ", limit));
 }
 
+absl::Status Stopping() { return absl::UnavailableError("the map store is stopping"); }
+
 }  // namespace
 
 absl::Status StreamLimitOptions::Validate() const {
@@ -46,16 +48,26 @@ std::string HostOf(absl::string_view peer) {
 absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> StreamLimits::Enter(absl::string_view peer) {
   std::string host = HostOf(peer);
   absl::MutexLock lock(&mutex_);
-  if (streams_ >= options_.max_streams) {
-    return TooMany("this server", streams_, options_.max_streams);
+  if (closed_) return Stopping();
+  if (tickets_.size() >= options_.max_streams) {
+    return TooMany("this server", tickets_.size(), options_.max_streams);
   }
   size_t& of_host = of_host_[host];
   if (of_host >= options_.max_streams_per_host) {
     return TooMany(host, of_host, options_.max_streams_per_host);
   }
-  ++streams_;
   ++of_host;
-  return std::make_unique<Ticket>(this, std::move(host));
+  auto ticket = std::make_unique<Ticket>(this, std::move(host));
+  tickets_.insert(ticket.get());
+  return ticket;
+}
+
+void StreamLimits::Close() {
+  absl::MutexLock lock(&mutex_);
+  closed_ = true;
+  for (Ticket* ticket : tickets_) {
+    if (ticket->on_close_ != nullptr) ticket->on_close_();
+  }
 }
 
 void StreamLimits::Decrease(const std::string& key, Counts& counts) {
@@ -65,7 +77,7 @@ void StreamLimits::Decrease(const std::string& key, Counts& counts) {
 
 size_t StreamLimits::open_streams() const {
   absl::MutexLock lock(&mutex_);
-  return streams_;
+  return tickets_.size();
 }
 
 size_t StreamLimits::unfinished_bytes() const {
@@ -76,9 +88,16 @@ size_t StreamLimits::unfinished_bytes() const {
 StreamLimits::Ticket::~Ticket() {
   ReleaseAll();
   absl::MutexLock lock(&limits_.mutex_);
-  --limits_.streams_;
+  limits_.tickets_.erase(this);
   Decrease(host_, limits_.of_host_);
   if (!agent_.empty()) Decrease(agent_, limits_.of_agent_);
+}
+
+absl::Status StreamLimits::Ticket::SetCloseListener(std::function<void()> listener) {
+  absl::MutexLock lock(&limits_.mutex_);
+  if (limits_.closed_) return Stopping();
+  on_close_ = std::move(listener);
+  return absl::OkStatus();
 }
 
 absl::Status StreamLimits::Ticket::Name(const std::string& agent) {

@@ -3,8 +3,10 @@
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "absl/base/thread_annotations.h"
@@ -50,6 +52,9 @@ class StreamLimits {
     Ticket(const Ticket&) = delete;
     Ticket& operator=(const Ticket&) = delete;
 
+    // Called once when all streams are to end; it must not end this ticket itself. UNAVAILABLE:
+    // they are already.
+    absl::Status SetCloseListener(std::function<void()> listener);
     // It is this agent's ("missions/m/agents/a").
     absl::Status Name(const std::string& agent);
     // It holds so many bytes more, of a batch that is not whole.
@@ -58,14 +63,20 @@ class StreamLimits {
     void ReleaseAll();
 
    private:
+    friend class StreamLimits;
+
     StreamLimits& limits_;
     const std::string host_;
+    std::function<void()> on_close_;  // Guarded by the limits' mutex.
     std::string agent_;
     size_t held_ = 0;
   };
 
-  // `peer` as gRPC spells it.
+  // `peer` as gRPC spells it. UNAVAILABLE after Close.
   absl::StatusOr<std::unique_ptr<Ticket>> Enter(absl::string_view peer);
+
+  // The server is about to stop: tells all streams, and lets no more in.
+  void Close();
 
   const StreamLimitOptions& options() const { return options_; }
   size_t open_streams() const;
@@ -77,7 +88,8 @@ class StreamLimits {
 
   const StreamLimitOptions options_;
   mutable absl::Mutex mutex_;
-  size_t streams_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool closed_ ABSL_GUARDED_BY(mutex_) = false;
+  std::set<Ticket*> tickets_ ABSL_GUARDED_BY(mutex_);
   size_t unfinished_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   Counts of_host_ ABSL_GUARDED_BY(mutex_);
   Counts of_agent_ ABSL_GUARDED_BY(mutex_);

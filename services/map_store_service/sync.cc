@@ -38,6 +38,17 @@ SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits, 
     return;
   }
   ticket_ = *std::move(ticket);
+  const absl::Status open = ticket_->SetCloseListener([link = link_] {
+    absl::MutexLock lock(&link->mutex);
+    if (link->reactor == nullptr) return;
+    link->reactor->End(absl::UnavailableError("the map store is stopping"));
+    link->reactor->Kick();
+  });
+  if (!open.ok()) {
+    End(open);
+    Kick();
+    return;
+  }
   Arm(limits_.open_timeout_s, "the first message");
   StartRead(&request_);
 }
@@ -262,7 +273,7 @@ void SyncReactor::Reply(v1::SyncResponse response) {
 
 void SyncReactor::End(const absl::Status& status) {
   absl::MutexLock lock(&mutex_);
-  end_ = status;
+  if (!end_) end_ = status;
 }
 
 grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* MapStoreService::Sync(

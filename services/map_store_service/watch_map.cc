@@ -33,6 +33,7 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
       absl::MutexLock lock(&link_->mutex);
       link_->reactor = this;
     }
+    ListenForClose();
     Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { changed_ = true; });
   }
 
@@ -60,6 +61,15 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
     WatchMapReactor* reactor ABSL_GUARDED_BY(mutex) = nullptr;
   };
   enum class Job { kNone, kWrite, kFinish, kLook };
+
+  void ListenForClose() {
+    if (!ticket_.ok()) return;
+    const absl::Status open = (*ticket_)->SetCloseListener([link = link_] {
+      absl::MutexLock lock(&link->mutex);
+      if (link->reactor != nullptr) link->reactor->OnClose();
+    });
+    if (!open.ok()) ticket_ = open;
+  }
 
   template <typename Change>
   void Note(const Change& change) {
@@ -128,6 +138,12 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
     return absl::OkStatus();
   }
 
+  void OnClose() {
+    Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      end_ = absl::UnavailableError("the map store is stopping");
+    });
+  }
+
   void OnChange() {
     Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { changed_ = true; });
   }
@@ -151,7 +167,7 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
   std::string mission_;
   std::optional<uint64_t> token_;
   // An error: there were too many streams before this one.
-  const absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket_;
+  absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket_;
   const std::shared_ptr<Link> link_;
 
   absl::Mutex mutex_;

@@ -83,6 +83,8 @@ absl::Status Run(const Flags& flags) {
                    Server::Start(flags.listen, {&guarded}, security.server));
   AnnounceAddress(server->address());
   WaitForStopSignal();
+  server->SetReady(false);
+  service.EndStreams();
   server->Shutdown(absl::Seconds(flags.drain_s));
   return absl::OkStatus();
 }

@@ -32,6 +32,8 @@ Canvas::Canvas(int width_px, int height_px)
     : image_(height_px * kOversampling, width_px * kOversampling, CV_8UC3,
              cv::Scalar(255, 255, 255)) {}
 
+int Canvas::width_px() const { return image_.cols / kOversampling; }
+
 void Canvas::Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Colour& colour,
                   double width_px) {
   cv::line(image_, ToFixed(from), ToFixed(to), colour, ToThickness(width_px), cv::LINE_AA, kShift);

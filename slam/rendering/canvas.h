@@ -16,6 +16,7 @@ using Colour = cv::Scalar;  // Blue, green, red.
 class Canvas {
  public:
   Canvas(int width_px, int height_px);
+  int width_px() const;
 
   void Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Colour& colour,
             double width_px);

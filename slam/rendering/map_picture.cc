@@ -139,6 +139,14 @@ std::string JoinNames(const MapPicture& picture, bool own) {
   return names.empty() ? "" : absl::StrCat(names, " (", keyframes, ")");
 }
 
+// Behind the other entries; beside the title where there is no room.
+void DrawTruthEntry(Eigen::Vector2d at_px, Canvas& canvas) {
+  const double width_px = 46 + Canvas::TextWidth("truth", kLetter_px);
+  if (at_px.x() + width_px > canvas.width_px()) at_px = {canvas.width_px() - width_px - 20, 24};
+  canvas.DashedPath({at_px, {at_px.x() + 36, at_px.y()}}, kTruth, 2, 8, 5);
+  canvas.Text("truth", {at_px.x() + 46, at_px.y() + 5}, kLetter_px, kBlack);
+}
+
 void DrawLegend(const MapPicture& picture, Canvas& canvas) {
   canvas.Text(picture.title, {kMargin_px, 30}, 16, kBlack);
   double x_px = kMargin_px;
@@ -153,10 +161,7 @@ void DrawLegend(const MapPicture& picture, Canvas& canvas) {
   canvas.Disc({x_px + 6, y_px}, 2.5, kBlack);
   canvas.Text(points, {x_px + 20, y_px + 5}, kLetter_px, kBlack);
   x_px += 20 + Canvas::TextWidth(points, kLetter_px) + 32;
-  if (!picture.truth.empty()) {
-    canvas.DashedPath({{x_px, y_px}, {x_px + 36, y_px}}, kTruth, 2, 8, 5);
-    canvas.Text("truth", {x_px + 46, y_px + 5}, kLetter_px, kBlack);
-  }
+  if (!picture.truth.empty()) DrawTruthEntry({x_px, y_px}, canvas);
 }
 
 void DrawScaleBar(const MapPicture& picture, const Layout& layout, Canvas& canvas) {

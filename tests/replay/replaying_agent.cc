@@ -25,7 +25,7 @@ ReplayingAgent::ReplayingAgent(const ReplayOptions& options, const RecordedUploa
   uint64_t keyframes = 0;
   for (const MapUpdateBatch& batch : uploads_) {
     keyframes += batch.full_keyframes.size();
-    keyframes_before_end_.push_back(keyframes);
+    keyframes_up_to_.push_back(keyframes);
   }
   thread_ = std::thread([this] { Run(); });
 }
@@ -48,13 +48,32 @@ absl::Status ReplayingAgent::WaitUntilDone(absl::Duration timeout) {
   if (!failure_.ok()) return failure_;
   if (ended) return absl::OkStatus();
   return absl::DeadlineExceededError(
-      absl::StrCat(options_.agent, ": ", ledger_.acknowledged, " of ", uploads_.size(),
+      absl::StrCat(options_.agent, ": ", ledger_.acknowledged, " of ", batches(),
                    " batches are acknowledged after ", absl::FormatDuration(timeout)));
 }
 
 ReplayLedger ReplayingAgent::ledger() const {
   absl::MutexLock lock(&mutex_);
   return ledger_;
+}
+
+LocalMapId ReplayingAgent::LocalMapOf(uint64_t count) const {
+  return {options_.local_map.value + (count - 1) / uploads_.size()};
+}
+
+const MapUpdateBatch& ReplayingAgent::BatchOf(uint64_t count) const {
+  return uploads_[(count - 1) % uploads_.size()];
+}
+
+uint64_t ReplayingAgent::CountOf(const Acknowledgement& acknowledgement) const {
+  const uint64_t lap = acknowledgement.local_map.value - options_.local_map.value;
+  return lap < static_cast<uint64_t>(options_.laps) ? lap * uploads_.size() + acknowledgement.number
+                                                    : 0;
+}
+
+uint64_t ReplayingAgent::KeyframesUpTo(uint64_t count) const {
+  return count / uploads_.size() * keyframes_up_to_.back() +
+         keyframes_up_to_[count % uploads_.size()];
 }
 
 void ReplayingAgent::OnSessionOpened(const SessionGrant& grant) {
@@ -64,35 +83,31 @@ void ReplayingAgent::OnSessionOpened(const SessionGrant& grant) {
   ++ledger_.sessions;
   waiting_.clear();
   for (const Acknowledgement& acknowledgement : grant.acknowledged) {
-    if (acknowledgement.local_map != options_.local_map) continue;
-    if (acknowledgement.number < ledger_.acknowledged) {
+    const uint64_t count = CountOf(acknowledgement);
+    if (count < ledger_.acknowledged) {
       failure_ = absl::DataLossError(absl::StrCat(options_.agent, ": batch ", ledger_.acknowledged,
-                                                  " was acknowledged, the store has ",
-                                                  acknowledgement.number));
+                                                  " was acknowledged, the store has ", count));
     }
-    TakeAcknowledgement(acknowledgement.number);
+    TakeAcknowledgement(count);
   }
   sent_ = ledger_.acknowledged;
 }
 
 void ReplayingAgent::OnAcknowledged(const Acknowledgement& acknowledgement) {
   absl::MutexLock lock(&mutex_);
-  if (acknowledgement.local_map == options_.local_map) TakeAcknowledgement(acknowledgement.number);
+  TakeAcknowledgement(CountOf(acknowledgement));
 }
 
-void ReplayingAgent::TakeAcknowledgement(uint64_t number) {
+void ReplayingAgent::TakeAcknowledgement(uint64_t count) {
   const absl::Time now = absl::Now();
-  for (auto it = waiting_.begin(); it != waiting_.end() && it->first <= number;) {
-    if (!uploads_[it->first - 1].full_keyframes.empty()) {
+  for (auto it = waiting_.begin(); it != waiting_.end() && it->first <= count;) {
+    if (!BatchOf(it->first).full_keyframes.empty()) {
       ledger_.acknowledged_after_ms.push_back(absl::ToDoubleMilliseconds(now - it->second));
     }
     it = waiting_.erase(it);
   }
-  ledger_.acknowledged = std::max(ledger_.acknowledged, number);
-  if (ledger_.acknowledged > 0) {
-    ledger_.keyframes =
-        keyframes_before_end_[std::min<size_t>(ledger_.acknowledged, uploads_.size()) - 1];
-  }
+  ledger_.acknowledged = std::max(ledger_.acknowledged, count);
+  ledger_.keyframes = KeyframesUpTo(ledger_.acknowledged);
 }
 
 void ReplayingAgent::OnSessionClosed(const absl::Status& reason) {
@@ -103,44 +118,44 @@ void ReplayingAgent::OnSessionClosed(const absl::Status& reason) {
   if (IsFinal(reason)) failure_ = reason;
 }
 
-absl::Time ReplayingAgent::DueTime(uint64_t number) const {
+absl::Time ReplayingAgent::DueTime(uint64_t count) const {
   if (options_.keyframes_per_s <= 0) return absl::InfinitePast();
-  const auto before = number > 1 ? static_cast<double>(keyframes_before_end_[number - 2]) : 0;
-  return start_ + absl::Seconds(before / options_.keyframes_per_s);
+  return start_ +
+         absl::Seconds(static_cast<double>(KeyframesUpTo(count - 1)) / options_.keyframes_per_s);
 }
 
 void ReplayingAgent::MakeSession() {
+  SessionRequest request;
   {
     absl::MutexLock lock(&mutex_);
     is_opening_ = true;
+    // The local map of the last acknowledged batch, or the first.
+    request.local_maps = {LocalMapOf(std::max<uint64_t>(ledger_.acknowledged, 1))};
   }
-  SessionRequest request;
   request.mission = options_.mission;
   request.agent = options_.agent;
-  request.local_maps = {options_.local_map};
   uplink_->Open(request, this);
 }
 
 // The batch behind the last one sent, if it is due and the store keeps up.
 void ReplayingAgent::SendNext() {
-  uint64_t number = 0;
-  absl::Time due;
+  uint64_t count = 0;
   {
     absl::MutexLock lock(&mutex_);
-    number = sent_ + 1;
-    if (number > uploads_.size() || waiting_.size() >= options_.max_waiting) return;
-    due = DueTime(number);
+    count = sent_ + 1;
+    if (count > batches() || waiting_.size() >= options_.max_waiting) return;
+    const absl::Time due = DueTime(count);
     if (due > absl::Now()) return;
     // What had to wait its turn has waited, too.
-    waiting_[number] = options_.keyframes_per_s > 0 ? due : absl::Now();
-    sent_ = number;
+    waiting_[count] = options_.keyframes_per_s > 0 ? due : absl::Now();
+    sent_ = count;
   }
-  const MapUpdateBatch batch = AsLocalMap(uploads_[number - 1], options_.local_map);
+  const MapUpdateBatch batch = AsLocalMap(BatchOf(count), LocalMapOf(count));
   if (uplink_->Send(batch)) return;
   absl::MutexLock lock(&mutex_);
   // A session that opened meanwhile has set it itself.
-  if (sent_ == number) sent_ = number - 1;
-  waiting_.erase(number);
+  if (sent_ == count) sent_ = count - 1;
+  waiting_.erase(count);
 }
 
 void ReplayingAgent::Run() {
@@ -152,8 +167,8 @@ void ReplayingAgent::Run() {
       if (HasEnded()) return;
       wants_session = !has_session_ && !is_opening_ && absl::Now() >= open_at_;
       const uint64_t next = sent_ + 1;
-      is_idle = !has_session_ || next > uploads_.size() ||
-                waiting_.size() >= options_.max_waiting || DueTime(next) > absl::Now();
+      is_idle = !has_session_ || next > batches() || waiting_.size() >= options_.max_waiting ||
+                DueTime(next) > absl::Now();
     }
     if (wants_session) {
       MakeSession();

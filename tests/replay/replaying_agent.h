@@ -24,7 +24,9 @@ namespace corbslam {
 struct ReplayOptions {
   std::string mission;
   std::string agent;
+  // Of the first lap; each further lap is the next id's.
   LocalMapId local_map;
+  int laps = 1;
   // Full keyframes a second; 0: as fast as they are acknowledged.
   double keyframes_per_s = 0;
   // Sent and not acknowledged at most.
@@ -34,7 +36,7 @@ struct ReplayOptions {
 };
 
 struct ReplayLedger {
-  uint64_t acknowledged = 0;  // Number of the last such batch.
+  uint64_t acknowledged = 0;  // Batches, over all laps.
   uint64_t keyframes = 0;     // In those.
   int sessions = 0;
   // From when a batch was due (without a pace: sent) to its acknowledgement; of batches with
@@ -65,19 +67,25 @@ class ReplayingAgent : private UplinkListener {
   void OnSessionClosed(const absl::Status& reason) override;
 
   void Run();
-  void TakeAcknowledgement(uint64_t number) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  absl::Time DueTime(uint64_t number) const;
+  // Batches are counted over all laps, from 1.
+  LocalMapId LocalMapOf(uint64_t count) const;
+  const MapUpdateBatch& BatchOf(uint64_t count) const;
+  uint64_t CountOf(const Acknowledgement& acknowledgement) const;
+  uint64_t KeyframesUpTo(uint64_t count) const;
+  uint64_t batches() const { return uploads_.size() * static_cast<uint64_t>(options_.laps); }
+  absl::Time DueTime(uint64_t count) const;
+  void TakeAcknowledgement(uint64_t count) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void MakeSession();
   void SendNext();
   bool HasEnded() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    return stopped_ || ledger_.acknowledged >= uploads_.size() || !failure_.ok();
+    return stopped_ || ledger_.acknowledged >= batches() || !failure_.ok();
   }
 
   const ReplayOptions options_;
   const RecordedUploads& uploads_;
   const absl::Time start_;
-  // Keyframes up to and with batch i + 1.
-  std::vector<uint64_t> keyframes_before_end_;
+  // Of one lap, up to and with batch i.
+  std::vector<uint64_t> keyframes_up_to_ = {0};
 
   mutable absl::Mutex mutex_;
   ReplayLedger ledger_ ABSL_GUARDED_BY(mutex_);

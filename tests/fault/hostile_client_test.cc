@@ -1,0 +1,176 @@
+// A map store that robots stream to while somebody attacks it: nothing of theirs is touched, its
+// memory stays bounded, and they are acknowledged as before.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "absl/time/clock.h"
+#include "map_store/durable/rocks_journal.h"
+#include "map_store/map_store.h"
+#include "map_store/testing/store_dump.h"
+#include "services/corbslam/child_process.h"
+#include "services/programs/default_vocabulary.h"
+#include "services/remote/channel.h"
+#include "services/remote/remote_uplink.h"
+#include "tests/fault/attacks.h"
+#include "tests/integration/mission_fixture.h"
+#include "tests/replay/recorded_uploads.h"
+#include "tests/replay/replaying_agent.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kMission[] = "m";
+constexpr size_t kVictims = 4;
+constexpr double kKeyframesPerS = 7;
+
+// CORBSLAM_HOSTILE_MESSAGES: how many mutated ones; there are a tenth as many silent streams.
+int MessagesWanted() {
+  int messages = 3000;
+  const char* text = std::getenv("CORBSLAM_HOSTILE_MESSAGES");
+  const bool is_number = text == nullptr || absl::SimpleAtoi(text, &messages);
+  EXPECT_TRUE(is_number) << text;
+  return messages;
+}
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const auto rank = static_cast<size_t>(std::ceil(share * static_cast<double>(values.size())));
+  return values[std::max<size_t>(rank, 1) - 1];
+}
+
+class HostileClientTest : public ::testing::Test {
+ protected:
+  HostileClientTest() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    auto vocabulary = Vocabulary::Load(DefaultVocabularyPath());
+    EXPECT_TRUE(vocabulary.ok()) << vocabulary.status();
+    vocabulary_ = *vocabulary;
+    auto uploads = RecordUploads(DemoSource(), vocabulary_);
+    EXPECT_TRUE(uploads.ok()) << uploads.status();
+    uploads_ = *std::move(uploads);
+  }
+
+  // Robots come from one host, the attacker from another: a host has so many streams.
+  void StartStore(const std::string& name) {
+    const std::string log = (folder_ / (name + ".log")).string();
+    const std::string data_dir = (folder_ / name).string();
+    auto store =
+        ChildProcess::Start(name,
+                            {absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/map_store"), "--listen",
+                             "[::]:0", "--data-dir", data_dir, "--insecure", "--open-timeout", "3"},
+                            log);
+    ASSERT_TRUE(store.ok()) << store.status();
+    store_ = *std::move(store);
+    const auto address = store_->WaitForAddress(absl::Seconds(60));
+    ASSERT_TRUE(address.ok()) << address.status();
+    port_ = address->substr(address->rfind(':'));
+  }
+
+  std::vector<std::unique_ptr<ReplayingAgent>> StartVictims(int laps) const {
+    std::vector<std::unique_ptr<ReplayingAgent>> agents;
+    for (size_t i = 0; i < kVictims; ++i) {
+      const ReplayOptions options{.mission = kMission,
+                                  .agent = absl::StrCat("agent", i),
+                                  .local_map = LocalMapId{0x1000 * (i + 1)},
+                                  .laps = laps,
+                                  .keyframes_per_s = kKeyframesPerS};
+      agents.push_back(std::make_unique<ReplayingAgent>(
+          options, &uploads_, MakeRemoteUplink(MakeChannel("[::1]" + port_))));
+    }
+    return agents;
+  }
+
+  // Their acknowledgements' latencies.
+  std::vector<double> WaitFor(const std::vector<std::unique_ptr<ReplayingAgent>>& agents) const {
+    std::vector<double> latencies;
+    for (const auto& agent : agents) {
+      const absl::Status done = agent->WaitUntilDone(absl::Minutes(30));
+      EXPECT_TRUE(done.ok()) << done;
+      EXPECT_EQ(agent->ledger().sessions, 1) << "it was thrown out";
+      const std::vector<double> own = agent->ledger().acknowledged_after_ms;
+      latencies.insert(latencies.end(), own.begin(), own.end());
+    }
+    return latencies;
+  }
+
+  std::string DumpStored(const std::string& name) {
+    auto journal = RocksJournal::Open({.directory = (folder_ / name).string()});
+    EXPECT_TRUE(journal.ok()) << journal.status();
+    MapStoreOptions options;
+    options.deterministic = true;
+    MapStore store(options, vocabulary_, *std::move(journal), nullptr);
+    EXPECT_TRUE(store.Recover().ok());
+    // Local maps may have arrived in another order.
+    std::vector<std::string> lines = absl::StrSplit(
+        testing::DumpLocal(kMission, store) + testing::DumpPlaces(kMission, store), '\n');
+    std::sort(lines.begin(), lines.end());
+    return absl::StrJoin(lines, "\n");
+  }
+
+  const fs::path folder_ = fs::path(::testing::TempDir()) / "corbslam_hostile_client";
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  RecordedUploads uploads_;
+  std::unique_ptr<ChildProcess> store_;
+  std::string port_;
+};
+
+TEST_F(HostileClientTest, RobotsDoNotNotice) {
+  const int messages = MessagesWanted();
+  const int laps = std::max(1, messages / 3000);
+  StartStore("undisturbed");
+  const double p99_before = Quantile(WaitFor(StartVictims(laps)), 0.99);
+  const double rss_before = store_->Stop(absl::Seconds(60)).peak_rss_mb;
+
+  StartStore("attacked");
+  auto victims = StartVictims(laps);
+  std::thread attack([&] {
+    // The attacker's own work is not what is measured.
+    setpriority(PRIO_PROCESS, 0, 19);
+    Attacker attacker("127.0.0.1" + port_, kMission, LocalMapId{0x1000}, &uploads_, 1);
+    for (const auto& [what, end] : attacker.SendForbiddenBatches()) {
+      std::printf("%s: %s\n", what.c_str(), end.c_str());
+      EXPECT_NE(end, "open") << what;
+      EXPECT_NE(end, "OK") << what;
+    }
+    EXPECT_TRUE(attacker.ClaimTwoGigabytes(absl::Seconds(20)));
+    for (const auto& [end, count] : attacker.SendMutatedMessages(messages)) {
+      std::printf("mutated messages: %d streams ended with %s\n", count, end.c_str());
+    }
+    for (const auto& [end, count] : attacker.OpenSilentStreams(messages / 10, absl::Seconds(40))) {
+      std::printf("silent streams: %d ended with %s\n", count, end.c_str());
+      EXPECT_NE(end, "open");
+    }
+  });
+  const double p99_under_attack = Quantile(WaitFor(victims), 0.99);
+  attack.join();
+  victims.clear();
+  const ProcessEnd ended = store_->Stop(absl::Seconds(60));
+  EXPECT_EQ(ended.exit_code, 0);
+  std::printf(
+      "acknowledgement p99: %.1f ms undisturbed, %.1f ms under attack\n"
+      "store's peak memory: %.0f MB undisturbed, %.0f MB under attack\n",
+      p99_before, p99_under_attack, rss_before, ended.peak_rss_mb);
+  EXPECT_LT(ended.peak_rss_mb, rss_before + 200);
+  EXPECT_EQ(DumpStored("attacked"), DumpStored("undisturbed"));
+}
+
+}  // namespace
+}  // namespace corbslam
