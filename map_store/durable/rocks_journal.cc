@@ -95,6 +95,8 @@ class RocksJournal::Database {
     if (!status.ok()) failed_.store(true);
     return status;
   }
+  // The last write did not succeed.
+  bool failed() const { return failed_.load(); }
   rocksdb::Status Get(const std::string& key, std::string* value) const {
     return db_->Get(rocksdb::ReadOptions(), key, value);
   }
@@ -154,16 +156,34 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
   return journal;
 }
 
+absl::Status RocksJournal::WriteFormat() {
+  ArchiveWriter writer;
+  writer(kFormat);
+  rocksdb::WriteBatch batch;
+  batch.Put(map_store::FormatKey(), writer.Take());
+  return ToStatus(database_->Write(batch, true));
+}
+
+absl::Status RocksJournal::CheckRoom(uint64_t bytes) const {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(options_.directory, error);
+  // Where the system doesn't tell, the write will.
+  if (error || space.available >= options_.min_free_bytes + bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("journal ", options_.directory, ": the disk has ", space.available,
+                   " bytes free; ", options_.min_free_bytes, " are kept, ", bytes, " to write"));
+}
+
+absl::Status RocksJournal::CheckWritable() {
+  RETURN_IF_ERROR(CheckRoom(0));
+  // Says what is there already.
+  return database_->failed() ? WriteFormat() : absl::OkStatus();
+}
+
 absl::Status RocksJournal::LoadMissions() {
   std::string bytes;
   const rocksdb::Status found = database_->Get(map_store::FormatKey(), &bytes);
-  if (found.IsNotFound()) {
-    ArchiveWriter writer;
-    writer(kFormat);
-    rocksdb::WriteBatch batch;
-    batch.Put(map_store::FormatKey(), writer.Take());
-    return ToStatus(database_->Write(batch, true));
-  }
+  if (found.IsNotFound()) return WriteFormat();
   RETURN_IF_ERROR(ToStatus(found));
   ArchiveReader reader(bytes);
   uint32_t format = 0;
@@ -225,6 +245,7 @@ void RocksJournal::EndAppend(Position position) {
 absl::StatusOr<Journal::Position> RocksJournal::Append(absl::string_view mission,
                                                        const JournalRecord& record) {
   const std::string bytes = map_store::EncodeRecord(record);
+  RETURN_IF_ERROR(CheckRoom(bytes.size()));
   const Position position = BeginAppend();
   const std::string name(mission);
   rocksdb::WriteBatch batch;
@@ -300,6 +321,7 @@ std::vector<KeyframeId> RocksJournal::FindUnneeded(absl::string_view mission,
 absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
                                          const JournalSnapshot& snapshot) {
   const std::string name(mission);
+  RETURN_IF_ERROR(CheckRoom(snapshot.state.size()));
   uint32_t chunks = 0;
   for (size_t begin = 0; begin < snapshot.state.size(); begin += kChunkBytes) {
     rocksdb::WriteBatch chunk;

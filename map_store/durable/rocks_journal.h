@@ -28,6 +28,9 @@ struct RocksJournalOptions {
   // A mission gets a snapshot when its records since the last one are larger than this and than
   // that snapshot.
   uint64_t min_bytes_between_snapshots = 32 << 20;
+  // Left free on the disk: with less, records and snapshots are refused. It is what the database
+  // needs to tidy up, and a mission's deletion to be written.
+  uint64_t min_free_bytes = 64 << 20;
   // False: Sync returns at once. For measurements, and to show that tests of durability would fail.
   bool sync = true;
   // Not owned; null: the system's. Tests put a faulty one here.
@@ -49,6 +52,7 @@ class RocksJournal : public Journal {
   absl::StatusOr<std::vector<std::string>> ListMissions() const override;
   absl::Status Recover(absl::string_view mission, const Replay& replay) const override;
   absl::Status DeleteMission(absl::string_view mission) override;
+  absl::Status CheckWritable() override;
 
  private:
   class Database;
@@ -64,6 +68,9 @@ class RocksJournal : public Journal {
   RocksJournal(const RocksJournalOptions& options, std::unique_ptr<Database> database);
 
   absl::Status LoadMissions();
+  absl::Status WriteFormat();
+  // RESOURCE_EXHAUSTED when less than min_free_bytes would be left.
+  absl::Status CheckRoom(uint64_t bytes) const;
   Position BeginAppend() ABSL_LOCKS_EXCLUDED(mutex_);
   void EndAppend(Position position) ABSL_LOCKS_EXCLUDED(mutex_);
   MissionFiles& FilesOf(absl::string_view mission) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
