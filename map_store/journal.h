@@ -64,6 +64,10 @@ class Journal {
   virtual absl::Status Recover(absl::string_view mission, const Replay& replay) const = 0;
   // Durable when it returns.
   virtual absl::Status DeleteMission(absl::string_view mission) = 0;
+
+  // Whether it takes records now; the error that Append would give otherwise. After a failed write
+  // it finds out by trying, so that somebody should ask now and then.
+  virtual absl::Status CheckWritable() = 0;
 };
 
 // Survives nothing; counts.
@@ -84,6 +88,7 @@ class InMemoryJournal : public Journal {
   }
   absl::Status Recover(absl::string_view, const Replay&) const override { return absl::OkStatus(); }
   absl::Status DeleteMission(absl::string_view) override { return absl::OkStatus(); }
+  absl::Status CheckWritable() override { return absl::OkStatus(); }
 
   uint64_t records() const;
 

@@ -70,6 +70,9 @@ class MapStore {
   // DATA_LOSS, naming the mission and the place, for what can't be read.
   absl::Status Recover();
 
+  // Whether it takes batches now, as far as the journal knows (Journal::CheckWritable).
+  absl::Status CheckWritable() { return journal_->CheckWritable(); }
+
   // Sessions: one an agent.
 
   // Opens or resumes; creates the mission and the agent. An older session of the same agent is

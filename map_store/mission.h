@@ -84,7 +84,8 @@ class Mission {
 
   // Fusion. The next piece of work of a lane, which then is busy until the job is finished.
   std::optional<FusionJob> StartJob(FusionLane lane);
-  // Commits the result, or notes the failure. False: the worker is not there, try again later.
+  // Commits the result, or notes the failure. False: the worker is not there or the journal takes
+  // nothing, try again later.
   bool FinishJob(FusionLane lane, const FusionJob& job, absl::StatusOr<FusionResult> result);
   void CancelJobs();
   // Forgets what was fused; the lanes derive it again.

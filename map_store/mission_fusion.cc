@@ -127,10 +127,14 @@ void Mission::SkipAction(const FusionAction& action) {
 
 bool Mission::FinishJob(FusionLane lane, const FusionJob& job,
                         absl::StatusOr<FusionResult> result) {
-  absl::Status status = result.ok() ? Commit(job, *result) : result.status();
-  const bool deterministic = environment_.options->deterministic;
-  const bool try_later =
-      !deterministic && (absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status));
+  absl::Status status = result.status();
+  bool try_later = absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status);
+  if (result.ok()) {
+    status = Commit(job, *result);
+    // Only the journal can refuse: nothing is wrong with the work.
+    try_later = !status.ok();
+  }
+  try_later = try_later && !environment_.options->deterministic;
   if (!status.ok() && !try_later && !job.cancelled->load()) {
     absl::MutexLock lock(&mutex_);
     NoteFailure(job, status);

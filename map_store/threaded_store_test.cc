@@ -5,6 +5,7 @@
 #include <atomic>
 #include <memory>
 #include <thread>
+#include <variant>
 
 #include "absl/synchronization/notification.h"
 #include "map_store/map_store.h"
@@ -78,6 +79,32 @@ TEST_F(ThreadedStoreTest, WaitsForAWorkerThatIsAway) {
   worker_.verify_failures.assign(7, absl::UnavailableError("no worker"));
   worker_.fuse_failures.assign(7, absl::UnavailableError("no worker"));
   const auto store = MakeStore();
+  TestAgent a(*store, kMission, "a", map_a_);
+  TestAgent b(*store, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  EXPECT_TRUE(store->WaitUntilFusionIdle(kMission, absl::Seconds(30)).ok());
+  EXPECT_EQ(store->GetStatistics(kMission)->islands, 1u);
+  EXPECT_EQ(store->GetStatistics(kMission)->failed_requests, 0u);
+}
+
+// Takes batches, and refuses what fusion did so many times.
+class NarrowJournal : public InMemoryJournal {
+ public:
+  absl::StatusOr<Position> Append(absl::string_view mission,
+                                  const map_store::JournalRecord& record) override {
+    const bool is_batch = std::holds_alternative<map_store::BatchRecord>(record);
+    if (!is_batch && refusals_-- > 0) return absl::ResourceExhaustedError("no room");
+    return InMemoryJournal::Append(mission, record);
+  }
+
+ private:
+  std::atomic<int> refusals_ = 9;
+};
+
+TEST_F(ThreadedStoreTest, AJournalWithoutRoomIsNoReasonToGiveUpAnOverlap) {
+  const auto store = std::make_unique<MapStore>(Options(), TheWorld().vocabulary,
+                                                std::make_unique<NarrowJournal>(), &worker_);
   TestAgent a(*store, kMission, "a", map_a_);
   TestAgent b(*store, kMission, "b", map_b_);
   ASSERT_TRUE(a.Stream().ok());

@@ -33,6 +33,8 @@ class RocksDatabase {
   // Corruption: what was written before a failure is not all there; the process must start again.
   rocksdb::Status Write(rocksdb::WriteBatch& batch, bool sync) ABSL_LOCKS_EXCLUDED(mutex_);
   rocksdb::Status SyncLog() ABSL_LOCKS_EXCLUDED(mutex_);
+  // The last write did not succeed.
+  bool failed() const { return failed_.load(); }
   rocksdb::Status Get(const std::string& key, std::string* value) const ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Calls `visit(key, value)` for all keys from `first` on, up to `end`.

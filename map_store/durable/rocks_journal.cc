@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/durable/archive.h"
 #include "map_store/durable/journal_keys.h"
+#include "map_store/durable/mission_header.h"
 #include "map_store/durable/rocks_database.h"
 #include "map_store/durable/state_archive.h"
 #include "slam/util/status_macros.h"
@@ -24,6 +25,8 @@ using map_store::EndOfPrefix;
 using map_store::FeaturesKey;
 using map_store::JournalPart;
 using map_store::JournalRecord;
+using map_store::kNotWhole;
+using map_store::MissionHeader;
 using map_store::MissionKey;
 using map_store::MissionPrefix;
 using map_store::MissionState;
@@ -33,31 +36,7 @@ using map_store::SnapshotKey;
 
 namespace {
 
-constexpr uint32_t kFormat = 1;
 constexpr size_t kChunkBytes = 1 << 20;
-
-// The position in the header of a mission that is being created: what is there of it is not whole.
-constexpr uint64_t kNotWhole = ~uint64_t{0};
-
-// What stands under a mission's key.
-struct MissionHeader {
-  uint64_t snapshot_position = 0;  // 0: there is none.
-  uint64_t snapshot_bytes = 0;
-};
-
-std::string Encode(const MissionHeader& header) {
-  ArchiveWriter writer;
-  writer(header.snapshot_position, header.snapshot_bytes);
-  return writer.Take();
-}
-
-absl::StatusOr<MissionHeader> DecodeHeader(std::string_view bytes) {
-  ArchiveReader reader(bytes);
-  MissionHeader header;
-  reader(header.snapshot_position, header.snapshot_bytes);
-  if (reader.done()) return header;
-  return absl::DataLossError("a mission's header is damaged");
-}
 
 }  // namespace
 
@@ -96,60 +75,28 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
   return journal;
 }
 
-absl::Status RocksJournal::LoadMissions() {
-  std::string bytes;
-  const rocksdb::Status found = database_->Get(map_store::FormatKey(), &bytes);
-  if (found.IsNotFound()) {
-    ArchiveWriter writer;
-    writer(kFormat);
-    rocksdb::WriteBatch batch;
-    batch.Put(map_store::FormatKey(), writer.Take());
-    return ToStatus(database_->Write(batch, true));
-  }
-  RETURN_IF_ERROR(ToStatus(found));
-  ArchiveReader reader(bytes);
-  uint32_t format = 0;
-  reader(format);
-  if (!reader.done() || format == 0) {
-    return absl::DataLossError(
-        absl::StrCat("journal ", options_.directory, ": its format's number is damaged"));
-  }
-  if (format > kFormat) {
-    return absl::FailedPreconditionError(absl::StrCat("journal ", options_.directory,
-                                                      " has format ", format,
-                                                      ", this program reads up to ", kFormat));
-  }
-  ASSIGN_OR_RETURN(const std::vector<std::string> names, ListMissions());
-  absl::MutexLock lock(&mutex_);
-  for (const std::string& name : names) RETURN_IF_ERROR(LoadMission(name));
-  synced_ = last_;
-  return absl::OkStatus();
+absl::Status RocksJournal::WriteFormat() {
+  ArchiveWriter writer;
+  writer(map_store::kJournalFormat);
+  rocksdb::WriteBatch batch;
+  batch.Put(map_store::FormatKey(), writer.Take());
+  return ToStatus(database_->Write(batch, true));
 }
 
-absl::Status RocksJournal::LoadMission(const std::string& name) {
-  std::string encoded;
-  RETURN_IF_ERROR(ToStatus(database_->Get(MissionKey(name), &encoded)));
-  ASSIGN_OR_RETURN(const MissionHeader header, DecodeHeader(encoded));
-  if (header.snapshot_position == kNotWhole) return Erase(name);
-  MissionFiles& files = FilesOf(name);
-  files.is_listed = true;
-  files.snapshot_bytes = header.snapshot_bytes;
-  Position last = header.snapshot_position;
-  const std::string records = MissionPrefix(JournalPart::kRecord, name);
-  RETURN_IF_ERROR(database_->Scan(records, EndOfPrefix(records),
-                                  [&](std::string_view key, std::string_view value) {
-                                    last = std::max<Position>(last, map_store::PositionOf(key));
-                                    files.bytes_since_snapshot += value.size();
-                                    return absl::OkStatus();
-                                  }));
-  const std::string features = MissionPrefix(JournalPart::kFeatures, name);
-  RETURN_IF_ERROR(
-      database_->Scan(features, EndOfPrefix(features), [&](std::string_view key, std::string_view) {
-        files.features[map_store::KeyframeOf(key)] = last;
-        return absl::OkStatus();
-      }));
-  last_ = std::max(last_, last);
-  return absl::OkStatus();
+absl::Status RocksJournal::CheckRoom(uint64_t bytes) const {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(options_.directory, error);
+  // Where the system doesn't tell, the write will.
+  if (error || space.available >= options_.min_free_bytes + bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("journal ", options_.directory, ": the disk has ", space.available,
+                   " bytes free; ", options_.min_free_bytes, " are kept, ", bytes, " to write"));
+}
+
+absl::Status RocksJournal::CheckWritable() {
+  RETURN_IF_ERROR(CheckRoom(0));
+  // Says what is there already.
+  return database_->failed() ? WriteFormat() : absl::OkStatus();
 }
 
 RocksJournal::MissionFiles& RocksJournal::FilesOf(absl::string_view mission) {
@@ -171,6 +118,7 @@ void RocksJournal::EndAppend(Position position) {
 absl::StatusOr<Journal::Position> RocksJournal::Append(absl::string_view mission,
                                                        const JournalRecord& record) {
   const std::string bytes = map_store::EncodeRecord(record);
+  RETURN_IF_ERROR(CheckRoom(bytes.size()));
   const Position position = BeginAppend();
   const std::string name(mission);
   rocksdb::WriteBatch batch;
@@ -246,6 +194,7 @@ std::vector<KeyframeId> RocksJournal::FindUnneeded(absl::string_view mission,
 absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
                                          const JournalSnapshot& snapshot) {
   const std::string name(mission);
+  RETURN_IF_ERROR(CheckRoom(snapshot.state.size()));
   uint64_t bytes_covered = 0;
   {
     absl::MutexLock lock(&mutex_);
@@ -276,65 +225,6 @@ absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<std::string>> RocksJournal::ListMissions() const {
-  std::vector<std::string> names;
-  const std::string first(1, static_cast<char>(JournalPart::kMission));
-  RETURN_IF_ERROR(
-      database_->Scan(first, EndOfPrefix(first), [&](std::string_view key, std::string_view) {
-        names.emplace_back(key.substr(1, key.size() - 2));
-        return absl::OkStatus();
-      }));
-  return names;
-}
-
-absl::Status RocksJournal::Recover(absl::string_view mission, const Replay& replay) const {
-  const std::string name(mission);
-  const auto locate = [&](const absl::Status& status) {
-    return absl::Status(status.code(), absl::StrCat("journal ", options_.directory, ", mission ",
-                                                    name, ": ", status.message()));
-  };
-  std::string encoded;
-  const rocksdb::Status found = database_->Get(MissionKey(name), &encoded);
-  if (found.IsNotFound()) return absl::OkStatus();
-  RETURN_IF_ERROR(ToStatus(found));
-  const absl::StatusOr<MissionHeader> header = DecodeHeader(encoded);
-  if (!header.ok()) return locate(header.status());
-  const map_store::FeatureLoader load = [&](KeyframeId id) -> absl::StatusOr<Features> {
-    std::string bytes;
-    const rocksdb::Status read = database_->Get(FeaturesKey(name, id), &bytes);
-    if (!read.ok()) {
-      return absl::DataLossError(
-          absl::StrCat("features of keyframe ", ToString(id), ": ", read.ToString()));
-    }
-    return map_store::DecodeFeatures(bytes);
-  };
-  if (header->snapshot_position > 0) {
-    std::string bytes;
-    const std::string first = SnapshotKey(name, header->snapshot_position, 0);
-    const std::string end = SnapshotKey(name, header->snapshot_position + 1, 0);
-    const absl::Status read =
-        database_->Scan(first, end, [&](std::string_view, std::string_view chunk) {
-          bytes.append(chunk);
-          return absl::OkStatus();
-        });
-    if (!read.ok()) return locate(read);
-    absl::StatusOr<map_store::MissionState> state = map_store::DecodeState(bytes, load);
-    if (!state.ok()) return locate(state.status());
-    RETURN_IF_ERROR(replay.on_snapshot(*std::move(state)));
-  }
-  const std::string end = EndOfPrefix(MissionPrefix(JournalPart::kRecord, name));
-  const absl::Status replayed = database_->Scan(
-      RecordKey(name, header->snapshot_position + 1), end,
-      [&](std::string_view key, std::string_view bytes) -> absl::Status {
-        const absl::StatusOr<JournalRecord> record = map_store::DecodeRecord(bytes, load);
-        absl::Status status = record.ok() ? replay.on_record(*record) : record.status();
-        if (status.ok()) return status;
-        return absl::Status(status.code(), absl::StrCat("record ", map_store::PositionOf(key), ": ",
-                                                        status.message()));
-      });
-  return replayed.ok() ? replayed : locate(replayed);
-}
-
 absl::Status RocksJournal::CreateMission(absl::string_view mission, const MissionState& state) {
   const std::string name(mission);
   rocksdb::WriteBatch mark;
@@ -361,6 +251,7 @@ absl::Status RocksJournal::CreateMission(absl::string_view mission, const Missio
 absl::Status RocksJournal::WriteFeatures(const std::string& mission, const MissionState& state,
                                          Position position) {
   for (const auto& [id, local_map] : state.local_maps) {
+    RETURN_IF_ERROR(CheckRoom(local_map.stored_bytes));
     for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
       rocksdb::WriteBatch batch;
       batch.Put(FeaturesKey(mission, keyframe_id),

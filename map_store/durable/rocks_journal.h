@@ -31,6 +31,9 @@ struct RocksJournalOptions {
   // A mission gets a snapshot when its records since the last one are larger than this and than
   // that snapshot.
   uint64_t min_bytes_between_snapshots = 32 << 20;
+  // Left free on the disk: with less, records and snapshots are refused. It is what the database
+  // needs to tidy up, and a mission's deletion to be written.
+  uint64_t min_free_bytes = 64 << 20;
   // False: Sync returns at once. For measurements, and to show that tests of durability would fail.
   bool sync = true;
   // Not owned; null: the system's. Tests put a faulty one here.
@@ -39,7 +42,7 @@ struct RocksJournalOptions {
 
 class RocksJournal : public Journal {
  public:
-  // Creates the folder where it is not there. FAILED_PRECONDITION: written by a newer format, or
+  // Creates the folder where it is not there. FAILED_PRECONDITION: written in another format, or
   // not a journal, or another process has it open. DATA_LOSS: damaged. Each names the folder.
   static absl::StatusOr<std::unique_ptr<RocksJournal>> Open(const RocksJournalOptions& options);
   ~RocksJournal() override;
@@ -54,6 +57,7 @@ class RocksJournal : public Journal {
   absl::StatusOr<std::vector<std::string>> ListMissions() const override;
   absl::Status Recover(absl::string_view mission, const Replay& replay) const override;
   absl::Status DeleteMission(absl::string_view mission) override;
+  absl::Status CheckWritable() override;
 
  private:
   // What was written of a mission.
@@ -73,6 +77,9 @@ class RocksJournal : public Journal {
   absl::Status Erase(const std::string& mission);
   absl::Status WriteFeatures(const std::string& mission, const map_store::MissionState& state,
                              Position position);
+  absl::Status WriteFormat();
+  // RESOURCE_EXHAUSTED when less than min_free_bytes would be left.
+  absl::Status CheckRoom(uint64_t bytes) const;
   Position BeginAppend() ABSL_LOCKS_EXCLUDED(mutex_);
   void EndAppend(Position position) ABSL_LOCKS_EXCLUDED(mutex_);
   MissionFiles& FilesOf(absl::string_view mission) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -303,6 +303,7 @@ TEST_F(RocksJournalTest, AFullDiskIsSaidAndForgottenOnceThereIsRoom) {
     EXPECT_FALSE(store->Apply(session, batches[4]).ok());
     absl::SleepFor(absl::Milliseconds(100));
   }
+  EXPECT_TRUE(absl::IsResourceExhausted(store->CheckWritable())) << store->CheckWritable();
   env.SetFull(false);
   auto again = store->Apply(session, batches[4]);
   const absl::Time deadline = absl::Now() + absl::Seconds(60);
@@ -315,6 +316,43 @@ TEST_F(RocksJournalTest, AFullDiskIsSaidAndForgottenOnceThereIsRoom) {
   const std::string local = DumpLocal(kMission, *store);
   store.reset();
   EXPECT_EQ(DumpLocal(kMission, *Open(options)), local);
+}
+
+// Without a batch to try it with.
+TEST_F(RocksJournalTest, FindsOutByItselfThatThereIsRoomAgain) {
+  UnsyncedLossEnv env;
+  auto store = Open({.directory = Folder("store"), .env = &env});
+  const std::vector<MapUpdateBatch> batches = MakeBatches();
+  Send(batches, 0, 2, store.get());
+  EXPECT_TRUE(store->CheckWritable().ok()) << store->CheckWritable();
+  const uint64_t session = OpenSession("a", store.get());
+  env.SetFull(true);
+  EXPECT_FALSE(store->Apply(session, batches[2]).ok());
+  EXPECT_FALSE(store->CheckWritable().ok());
+  env.SetFull(false);
+  const absl::Time deadline = absl::Now() + absl::Seconds(60);
+  while (!store->CheckWritable().ok() && absl::Now() < deadline) {
+    absl::SleepFor(absl::Milliseconds(100));
+  }
+  EXPECT_TRUE(store->CheckWritable().ok()) << store->CheckWritable();
+  EXPECT_TRUE(store->Apply(session, batches[2]).ok());
+}
+
+TEST_F(RocksJournalTest, LeavesTheDiskItsReserve) {
+  RocksJournalOptions options{.directory = Folder("store")};
+  const std::vector<MapUpdateBatch> batches = MakeBatches();
+  {
+    auto store = Open(options);
+    Send(batches, 0, 2, store.get());
+  }
+  options.min_free_bytes = fs::space(root_).capacity;
+  auto store = Open(options);
+  const absl::Status refused = store->Apply(OpenSession("a", store.get()), batches[2]).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
+  EXPECT_THAT(std::string(refused.message()), HasSubstr(absl::StrCat(options.min_free_bytes)));
+  EXPECT_TRUE(absl::IsResourceExhausted(store->CheckWritable()));
+  // What makes room is not refused.
+  EXPECT_TRUE(store->DeleteMission(kMission).ok());
 }
 
 TEST_F(RocksJournalTest, ADeletedMissionStaysDeleted) {

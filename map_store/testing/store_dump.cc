@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
 
 namespace corbslam::testing {
 namespace {
@@ -84,6 +85,18 @@ std::string DumpPlaces(const std::string& mission, const MapStore& store) {
         "\n");
   }
   return text + DumpPoints(mission, store);
+}
+
+std::string FirstDifference(const std::string& a, const std::string& b) {
+  if (a == b) return "";
+  const std::vector<std::string> lines_a = absl::StrSplit(a, '\n');
+  const std::vector<std::string> lines_b = absl::StrSplit(b, '\n');
+  size_t i = 0;
+  while (i < lines_a.size() && i < lines_b.size() && lines_a[i] == lines_b[i]) ++i;
+  const auto line = [i](const std::vector<std::string>& lines) {
+    return i < lines.size() ? lines[i].substr(0, 200) : "(end)";
+  };
+  return absl::StrCat("line ", i + 1, ": \"", line(lines_a), "\" and \"", line(lines_b), "\"");
 }
 
 }  // namespace corbslam::testing

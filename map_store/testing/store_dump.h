@@ -14,6 +14,9 @@ std::string DumpGlobal(const std::string& mission, const MapStore& store);
 // Where fusion has keyframes and points, without revisions and counts.
 std::string DumpPlaces(const std::string& mission, const MapStore& store);
 
+// Their first line that differs, of both, cut short; empty where they are the same.
+std::string FirstDifference(const std::string& a, const std::string& b);
+
 }  // namespace corbslam::testing
 
 #endif  // CORBSLAM_MAP_STORE_TESTING_STORE_DUMP_H_

@@ -17,6 +17,7 @@
 #include "services/remote/remote_fusion_worker.h"
 #include "services/security/flags.h"
 #include "services/security/guarded_map_store.h"
+#include "services/server/readiness_watch.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -30,6 +31,7 @@ struct Flags {
   bool in_process_worker = false;
   std::string vocabulary = DefaultVocabularyPath();
   std::string data_dir;
+  uint64_t min_free_mb = RocksJournalOptions().min_free_bytes >> 20;
   MapStoreOptions store;
   MapStoreServiceOptions service;
   SecurityOptions security;
@@ -54,13 +56,14 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> MakeWorker(const Flags& flags) {
   return MakeRemoteFusionWorker(channels);
 }
 
-absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const std::string& data_dir) {
-  if (data_dir.empty()) {
+absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const Flags& flags) {
+  if (flags.data_dir.empty()) {
     LOG(WARNING) << "no --data-dir: missions are kept in memory and end with this process";
     return std::make_unique<InMemoryJournal>();
   }
   RocksJournalOptions options;
-  options.directory = data_dir;
+  options.directory = flags.data_dir;
+  options.min_free_bytes = flags.min_free_mb << 20;
   return RocksJournal::Open(options);
 }
 
@@ -71,7 +74,7 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(std::shared_ptr<const Vocabulary> vocabulary,
                    Vocabulary::Load(flags.vocabulary));
   ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> worker, MakeWorker(flags));
-  ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(flags.data_dir));
+  ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(flags));
   MapStore store(flags.store, vocabulary, std::move(journal), worker.get());
   RETURN_IF_ERROR(store.Recover());
   MapStoreServiceOptions service_options = flags.service;
@@ -82,7 +85,9 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&guarded}, security.server));
   AnnounceAddress(server->address());
+  ReadinessWatch readiness(server.get(), [&store] { return store.CheckWritable(); });
   WaitForStopSignal();
+  readiness.Stop();
   server->SetReady(false);
   service.EndStreams();
   server->Shutdown(absl::Seconds(flags.drain_s));
@@ -96,6 +101,10 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_flag("--in-process-worker", flags.in_process_worker, "Fuse in this process");
   app.add_option("--data-dir", flags.data_dir,
                  "Folder that keeps the missions; made if it is not there. Without: in memory");
+  app.add_option("--min-free-mb", flags.min_free_mb,
+                 "MiB that are left free on its disk; with less, agents are told to wait")
+      ->check(CLI::Range(0, 1 << 20))
+      ->capture_default_str();
   app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
       ->capture_default_str();
   app.add_option("--threads", flags.service.threads, "Threads that apply batches and answer")

@@ -30,6 +30,10 @@ struct ServerOptions {
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
   bool reflection = true;
   bool health = true;
+  // A caller that was silent for this long is asked for a sign of life, and its calls are cancelled
+  // when none comes within the second time.
+  absl::Duration keepalive_time = absl::Seconds(20);
+  absl::Duration keepalive_timeout = absl::Seconds(20);
 };
 
 // A running server. Thread-safe.

@@ -4,9 +4,12 @@
 #include <grpcpp/create_channel.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <string>
 
+#include "absl/time/clock.h"
 #include "services/server/process_usage.h"
+#include "services/server/readiness_watch.h"
 #include "services/testing/generic_client.h"
 #include "services/testing/health_client.h"
 
@@ -43,6 +46,33 @@ TEST(ServerTest, ReadinessGoesAndComesWhileItLives) {
   (*server)->SetReady(true);
   EXPECT_EQ(CheckHealth(channel, kReadiness), absl::OkStatus());
   EXPECT_EQ(CheckHealth(channel, "nothing").code(), absl::StatusCode::kNotFound);
+}
+
+TEST(ServerTest, ReadinessFollowsWhatIsWatched) {
+  const auto server = Server::Start(kAddress, {});
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto channel = Connect(**server);
+  std::atomic<bool> works = true;
+  ReadinessWatch watch(
+      server->get(),
+      [&works] { return works ? absl::OkStatus() : absl::ResourceExhaustedError("disk full"); },
+      absl::Milliseconds(5));
+  const auto becomes = [&channel](absl::StatusCode code) {
+    const absl::Time deadline = absl::Now() + absl::Seconds(20);
+    while (CheckHealth(channel, kReadiness).code() != code && absl::Now() < deadline) {
+      absl::SleepFor(absl::Milliseconds(5));
+    }
+    return CheckHealth(channel, kReadiness).code() == code;
+  };
+  works = false;
+  EXPECT_TRUE(becomes(absl::StatusCode::kFailedPrecondition));
+  EXPECT_EQ(CheckHealth(channel, kLiveness), absl::OkStatus()) << "to restart it would not help";
+  works = true;
+  EXPECT_TRUE(becomes(absl::StatusCode::kOk));
+  watch.Stop();
+  works = false;
+  absl::SleepFor(absl::Milliseconds(50));
+  EXPECT_EQ(CheckHealth(channel, kReadiness), absl::OkStatus());
 }
 
 TEST(ServerTest, HealthAndReflectionAreThereOrNot) {

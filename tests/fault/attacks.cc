@@ -165,10 +165,6 @@ std::map<std::string, std::string> Attacker::SendForbiddenBatches() {
       TryBatch(mission_, kOwnAgent, {AsLocalMap(uploads_.front(), victim_)});
   ends["another's local map, next number"] =
       TryBatch(mission_, kOwnAgent, {AsLocalMap(uploads_.back(), victim_)});
-  MapUpdateBatch removal = good;
-  removal.full_keyframes.clear();
-  removal.removed_keyframes.push_back({KeyframeId{victim_, 0}, {}, Rigid3d::Identity()});
-  ends["another's keyframe removed"] = TryBatch(kOwnMission, kOwnAgent, {removal});
   ends["a number far ahead"] = TryBatch(kOwnMission, kOwnAgent, {later});
   MapUpdateBatch no_number = good;
   no_number.number = 0;

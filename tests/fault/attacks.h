@@ -26,7 +26,7 @@ class Attacker {
 
   // Messages of a good session with bytes changed, cut, doubled or made up; so many in all.
   Ends SendMutatedMessages(int messages);
-  // Batches that the rules forbid: another's local map and items, numbers that are missing or were
+  // Batches that the rules forbid: another's local map, numbers that are missing or were
   // used, values that are none. Returns the ends by attack.
   std::map<std::string, std::string> SendForbiddenBatches();
   // Raw HTTP/2: a message that claims to have 2 GB, and no more comes. Whether the store ends it.

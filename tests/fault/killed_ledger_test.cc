@@ -171,8 +171,8 @@ TEST_F(KilledLedgerTest, HoldsWhatTheUndisturbedStoreHolds) {
   const auto killed = Reopen(killed_dir);
   const auto undisturbed = Reopen(undisturbed_dir);
   EXPECT_EQ(killed->GetMission(kMission)->keyframes, kAgents * keyframes);
-  EXPECT_EQ(LocalLayer(*killed), LocalLayer(*undisturbed));
-  EXPECT_EQ(FuseAgain(*killed), FuseAgain(*undisturbed));
+  EXPECT_EQ(testing::FirstDifference(LocalLayer(*killed), LocalLayer(*undisturbed)), "");
+  EXPECT_EQ(testing::FirstDifference(FuseAgain(*killed), FuseAgain(*undisturbed)), "");
   EXPECT_EQ(killed->GetStatistics(kMission)->islands, 1u);
 }
 

@@ -1,0 +1,51 @@
+#include "tests/fault/fault_fixture.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "tests/integration/mission_fixture.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path MakeEmptyFolder() {
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  const std::string leaf = absl::StrCat("corbslam_", test->test_suite_name(), "_", test->name());
+  const fs::path folder = fs::path(::testing::TempDir()) / absl::StrReplaceAll(leaf, {{"/", "_"}});
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+}  // namespace
+
+bool WantsLongFaults() { return std::getenv("CORBSLAM_LONG_FAULTS") != nullptr; }
+
+FaultTest::FaultTest() : folder_(MakeEmptyFolder()) {}
+
+std::unique_ptr<ChildProcess> FaultTest::Start(const std::string& name, const std::string& program,
+                                               std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
+  arguments.push_back("--insecure");
+  auto process = ChildProcess::Start(name, arguments, LogOf(name));
+  EXPECT_TRUE(process.ok()) << process.status();
+  return process.ok() ? *std::move(process) : nullptr;
+}
+
+std::string FaultTest::AddressOf(ChildProcess* process) {
+  if (process == nullptr) return "";
+  const auto address = process->WaitForAddress(absl::Seconds(60));
+  EXPECT_TRUE(address.ok()) << address.status();
+  return address.value_or("");
+}
+
+nlohmann::json FaultTest::ReadStatistics(const std::string& path) {
+  const nlohmann::json read = nlohmann::json::parse(ReadText(path), nullptr, false);
+  EXPECT_TRUE(read.is_object()) << path;
+  return read.is_object() ? read : nlohmann::json();
+}
+
+}  // namespace corbslam

@@ -1,0 +1,55 @@
+// What the fault tests share: real processes in a folder of the test's own, and what a test does
+// where it may not do what it needs.
+#ifndef CORBSLAM_TESTS_FAULT_FAULT_FIXTURE_H_
+#define CORBSLAM_TESTS_FAULT_FAULT_FIXTURE_H_
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+#include "services/corbslam/child_process.h"
+
+namespace corbslam {
+
+// Skips the test where the status is an error, and fails it under continuous integration.
+#define SKIP_UNLESS_PERMITTED(expression)                         \
+  do {                                                            \
+    const absl::Status permitted = (expression);                  \
+    if (!permitted.ok()) {                                        \
+      ASSERT_EQ(std::getenv("CI"), nullptr) << permitted;         \
+      GTEST_SKIP() << "needs to be root on Linux: " << permitted; \
+    }                                                             \
+  } while (false)
+
+// CORBSLAM_LONG_FAULTS=1: all cases, and long ones.
+bool WantsLongFaults();
+
+class FaultTest : public ::testing::Test {
+ protected:
+  FaultTest();
+
+  // One of our programs, with --insecure; its output is in NAME.log. Null when it does not start,
+  // which fails the test.
+  std::unique_ptr<ChildProcess> Start(const std::string& name, const std::string& program,
+                                      std::vector<std::string> arguments);
+  // Waits for the address that it says; empty when it says none, which fails the test.
+  static std::string AddressOf(ChildProcess* process);
+
+  std::string LogOf(const std::string& name) const { return FileOf(name + ".log"); }
+  std::string FileOf(const std::string& name) const { return (folder_ / name).string(); }
+  // What `client_agent --stats` wrote; null when there is nothing to read.
+  static nlohmann::json ReadStatistics(const std::string& path);
+
+  const std::filesystem::path folder_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_FAULT_FAULT_FIXTURE_H_

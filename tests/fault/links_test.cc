@@ -1,0 +1,284 @@
+// Real robots on bad links: tracking must not notice, and afterwards the map store must have
+// everything once. Each robot is in a network of its own; beside the one on the bad link another
+// one does the same on a perfect one.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "services/corbslam/store_reader.h"
+#include "services/remote/channel.h"
+#include "slam/util/status_macros.h"
+#include "tests/fault/fault_fixture.h"
+#include "tests/fault/network/interface.h"
+#include "tests/fault/network/network_namespace.h"
+#include "tests/fault/network/shaped_link.h"
+#include "tests/integration/mission_fixture.h"
+
+namespace corbslam {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+constexpr char kMission[] = "links";
+
+struct LinkCase {
+  std::string name;
+  LinkShape shape;
+};
+
+LinkShape Delayed(int ms, double loss = 0) {
+  LinkShape shape;
+  // Both ways make the latency of a question and its answer.
+  shape.delay = absl::Milliseconds(ms) / 2;
+  shape.loss = loss;
+  return shape;
+}
+
+LinkShape Lossy(double loss) { return Delayed(20, loss); }
+
+LinkShape BlackOut(absl::Duration length) {
+  LinkShape shape = Delayed(20);
+  shape.outage_begin = absl::Seconds(3);  // The robot has begun to stream.
+  shape.outage = length;
+  return shape;
+}
+
+LinkShape Flapping() {
+  LinkShape shape = Delayed(20);
+  shape.up = shape.down = absl::Seconds(2);
+  return shape;
+}
+
+LinkShape Narrow(double rate) {
+  LinkShape shape = Delayed(20);
+  shape.rate = rate;
+  return shape;
+}
+
+std::vector<LinkCase> Cases() {
+  if (!WantsLongFaults()) {
+    return {{"100 ms, 5 % loss", Delayed(100, 0.05)},
+            {"black-out of 8 s", BlackOut(absl::Seconds(8))},
+            {"2 s up, 2 s down", Flapping()},
+            {"256 kbit/s", Narrow(256e3)}};
+  }
+  return {{"20 ms", Delayed(20)},
+          {"100 ms", Delayed(100)},
+          {"200 ms", Delayed(200)},
+          {"1 % loss", Lossy(0.01)},
+          {"5 % loss", Lossy(0.05)},
+          {"black-out of 30 s", BlackOut(absl::Seconds(30))},
+          {"2 s up, 2 s down", Flapping()},
+          {"256 kbit/s", Narrow(256e3)},
+          {"black-out of 10 min", BlackOut(absl::Minutes(10))}};
+}
+
+// 15 frames a second: two robots have room for that on two cores.
+std::string Source() {
+  if (!WantsLongFaults()) return absl::StrCat(DemoSource(), "?stride=2");
+  const auto recordings = RecordingsFolder();
+  EXPECT_TRUE(recordings.has_value()) << "the long form needs CORBSLAM_DATA_DIR";
+  return absl::StrCat("tum:", recordings.value_or(""), "/tum_fr1_xyz_15hz");
+}
+
+absl::Status EnterOwnNetwork() {
+  RETURN_IF_ERROR(NetworkNamespace::Enter());
+  ASSIGN_OR_RETURN(const int tunnel, OpenTunnel("probe", "10.77.255.1", "10.77.255.2"));
+  close(tunnel);
+  return absl::OkStatus();
+}
+
+// What ends first is named last.
+struct Robot {
+  std::string name;
+  std::unique_ptr<NetworkNamespace> place;
+  std::unique_ptr<ShapedLink> link;
+  std::unique_ptr<ChildProcess> process;
+  json statistics;
+};
+
+struct Outcome {
+  std::string link;
+  double seconds = 0;          // From the robots' start until the store had everything.
+  LinkCounts packets;          // Of the bad link.
+  std::array<json, 2> robots;  // Statistics on the bad link, and on the perfect one.
+};
+
+class LinksTest : public FaultTest {
+ protected:
+  void SetUp() override { SKIP_UNLESS_PERMITTED(EnterOwnNetwork()); }
+
+  // The robot's network is 10.77.NUMBER.x.
+  Robot StartRobot(const std::string& name, int number, const LinkShape& shape, int port);
+  // Servers, both robots, and what must be true afterwards.
+  Outcome RunCase(const LinkCase& link_case, int number);
+  void FinishRobots(const LinkCase& link_case, std::array<Robot, 2>& robots);
+  static void CheckStore(StoreReader& reader, const std::array<Robot, 2>& robots);
+};
+
+Robot LinksTest::StartRobot(const std::string& name, int number, const LinkShape& shape, int port) {
+  Robot robot;
+  robot.name = name;
+  auto place = NetworkNamespace::Create();
+  EXPECT_TRUE(place.ok()) << place.status();
+  if (!place.ok()) return robot;
+  robot.place = *std::move(place);
+  const std::string address = absl::StrCat("10.77.", number, ".1");
+  auto link = ShapedLink::Create({.here = nullptr,
+                                  .there = robot.place.get(),
+                                  .address_here = address,
+                                  .address_there = absl::StrCat("10.77.", number, ".2")},
+                                 shape);
+  EXPECT_TRUE(link.ok()) << link.status();
+  if (!link.ok()) return robot;
+  robot.link = *std::move(link);
+  const double finish_s = absl::ToDoubleSeconds(shape.outage + absl::Minutes(10));
+  const absl::Status started = robot.place->Run([&] {
+    robot.process = Start(
+        name, "client_agent",
+        {"--source", Source(), "--server", absl::StrCat(address, ":", port), "--mission", kMission,
+         "--agent", name, "--pace", "sensor", "--stats", FileOf(name + ".json"), "--spool-dir",
+         FileOf(name + ".spool"), "--outbox-mb", "1", "--finish", absl::StrCat(finish_s)});
+    return absl::OkStatus();
+  });
+  EXPECT_TRUE(started.ok()) << started;
+  return robot;
+}
+
+void LinksTest::FinishRobots(const LinkCase& link_case, std::array<Robot, 2>& robots) {
+  const absl::Time deadline = absl::Now() + absl::Minutes(12) + link_case.shape.outage;
+  for (Robot& robot : robots) {
+    ASSERT_NE(robot.process, nullptr);
+    ASSERT_TRUE(robot.process->WaitForEnd(deadline - absl::Now())) << robot.name;
+    ASSERT_TRUE(robot.process->EndStatus().ok()) << robot.process->EndStatus();
+    robot.statistics = ReadStatistics(FileOf(robot.name + ".json"));
+    ASSERT_TRUE(robot.statistics.is_object());
+  }
+  const json& shaped = robots[0].statistics;
+  const json& perfect = robots[1].statistics;
+  EXPECT_EQ(shaped["lost"], perfect["lost"]);
+  EXPECT_EQ(shaped["outbox"]["lost_local_maps"], 0);
+  // A busy machine makes either robot drop a frame now and then.
+  const auto tolerated = std::max<uint64_t>(2, perfect["frames"].get<uint64_t>() / 50);
+  EXPECT_LE(shaped["dropped"].get<uint64_t>(), perfect["dropped"].get<uint64_t>() + tolerated);
+}
+
+void LinksTest::CheckStore(StoreReader& reader, const std::array<Robot, 2>& robots) {
+  ASSERT_TRUE(reader.WaitUntilFused(absl::Seconds(300)).ok());
+  const auto frames = reader.CountReportedFrames();
+  ASSERT_TRUE(frames.ok()) << frames.status();
+  uint64_t keyframes = 0;
+  for (const Robot& robot : robots) {
+    keyframes += robot.statistics["keyframes"].get<uint64_t>();
+    const auto reported = frames->find(robot.name);
+    ASSERT_NE(reported, frames->end()) << robot.name;
+    EXPECT_EQ(reported->second, robot.statistics["tracked"].get<uint64_t>() +
+                                    robot.statistics["lost"].get<uint64_t>())
+        << robot.name;
+  }
+  const auto statistics = reader.Statistics();
+  ASSERT_TRUE(statistics.ok()) << statistics.status();
+  EXPECT_EQ(statistics->mission().keyframes(), keyframes);
+}
+
+Outcome LinksTest::RunCase(const LinkCase& link_case, int number) {
+  Outcome outcome;
+  outcome.link = link_case.name;
+  const auto worker =
+      Start(absl::StrCat("worker", number), "fusion_worker", {"--listen", "127.0.0.1:0"});
+  const auto store = Start(absl::StrCat("store", number), "map_store",
+                           {"--listen", "0.0.0.0:0", "--worker", AddressOf(worker.get()),
+                            "--data-dir", FileOf(absl::StrCat("data", number))});
+  const std::string address = AddressOf(store.get());
+  int port = 0;
+  EXPECT_TRUE(absl::SimpleAtoi(address.substr(address.rfind(':') + 1), &port)) << address;
+  if (port == 0) return outcome;
+  const absl::Time start = absl::Now();
+  std::array<Robot, 2> robots = {
+      StartRobot(absl::StrCat("shaped", number), 2 * number, link_case.shape, port),
+      StartRobot(absl::StrCat("perfect", number), 2 * number + 1, LinkShape(), port)};
+  FinishRobots(link_case, robots);
+  if (HasFatalFailure()) return outcome;
+  outcome.seconds = absl::ToDoubleSeconds(absl::Now() - start);
+  outcome.packets = robots[0].link->counts();
+  for (size_t i = 0; i < robots.size(); ++i) outcome.robots[i] = robots[i].statistics;
+  const auto channel =
+      ConnectToStore(absl::StrCat("127.0.0.1:", port), grpc::InsecureChannelCredentials());
+  EXPECT_TRUE(channel.ok()) << channel.status();
+  if (!channel.ok()) return outcome;
+  StoreReader reader(*channel, kMission);
+  CheckStore(reader, robots);
+  return outcome;
+}
+
+constexpr std::array<const char*, 2> kRobots = {"bad", "perfect"};
+
+void PrintTable(const std::vector<Outcome>& outcomes) {
+  std::cout
+      << "| link | robot's link | frames | lost | dropped | frame ms median | p99 | keyframes "
+         "| MB up | packets lost | s |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const Outcome& outcome : outcomes) {
+    for (size_t i = 0; i < kRobots.size(); ++i) {
+      const json& robot = outcome.robots[i];
+      if (!robot.is_object()) continue;
+      std::cout << absl::StrFormat(
+          "| %s | %s | %d | %d | %d | %.1f | %.1f | %d | %.2f | %s | %s |\n", outcome.link,
+          kRobots[i], robot["frames"].get<int>(), robot["lost"].get<int>(),
+          robot["dropped"].get<int>(), robot["tracking_ms"]["median"].get<double>(),
+          robot["tracking_ms"]["p99"].get<double>(), robot["keyframes"].get<int>(),
+          robot["bytes_up"].get<double>() / 1e6,
+          i == 0 ? absl::StrCat(outcome.packets.lost, "/",
+                                outcome.packets.lost + outcome.packets.passed)
+                 : "",
+          i == 0 ? absl::StrFormat("%.1f", outcome.seconds) : "");
+    }
+  }
+}
+
+void WriteJson(const std::vector<Outcome>& outcomes, const std::string& path) {
+  ordered_json rows = ordered_json::array();
+  for (const Outcome& outcome : outcomes) {
+    rows.push_back({{"link", outcome.link},
+                    {"seconds", outcome.seconds},
+                    {"packets_passed", outcome.packets.passed},
+                    {"packets_lost", outcome.packets.lost},
+                    {"robot_on_bad_link", outcome.robots[0]},
+                    {"robot_on_perfect_link", outcome.robots[1]}});
+  }
+  std::ofstream(path) << rows.dump(2) << "\n";
+  std::cout << "written to " << path << "\n";
+}
+
+TEST_F(LinksTest, TrackingDoesNotNoticeAndEverythingArrivesOnce) {
+  std::vector<Outcome> outcomes;
+  for (const LinkCase& link_case : Cases()) {
+    SCOPED_TRACE(link_case.name);
+    outcomes.push_back(RunCase(link_case, static_cast<int>(outcomes.size())));
+    const LinkShape& shape = link_case.shape;
+    const bool loses =
+        shape.loss > 0 || shape.outage > absl::ZeroDuration() || shape.down > absl::ZeroDuration();
+    EXPECT_GT(outcomes.back().packets.passed, 0u);
+    EXPECT_TRUE(!loses || outcomes.back().packets.lost > 0) << "the link was not bad";
+    PrintTable({outcomes.back()});
+  }
+  std::cout << "\n";
+  PrintTable(outcomes);
+  WriteJson(outcomes, FileOf("links.json"));
+}
+
+}  // namespace
+}  // namespace corbslam

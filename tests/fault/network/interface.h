@@ -1,0 +1,22 @@
+// Network devices of the namespace that the calling thread is in.
+#ifndef CORBSLAM_TESTS_FAULT_NETWORK_INTERFACE_H_
+#define CORBSLAM_TESTS_FAULT_NETWORK_INTERFACE_H_
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace corbslam {
+
+// Switches a device on. Errors: UNAVAILABLE, naming the device and the system's word.
+absl::Status BringUp(const std::string& name);
+
+// A device whose packets this process reads and writes, from `address` to `peer` (IPv4), switched
+// on. Returns its file, which is not inherited by other programs; closing it removes the device.
+absl::StatusOr<int> OpenTunnel(const std::string& name, const std::string& address,
+                               const std::string& peer);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_FAULT_NETWORK_INTERFACE_H_

@@ -1,0 +1,39 @@
+// What a bad radio link does to packets.
+#ifndef CORBSLAM_TESTS_FAULT_NETWORK_LINK_SHAPE_H_
+#define CORBSLAM_TESTS_FAULT_NETWORK_LINK_SHAPE_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+
+namespace corbslam {
+
+// The same in both directions. By default nothing happens to packets.
+struct LinkShape {
+  // From one end to the other, beside the time that the rate takes.
+  absl::Duration delay;
+  // Share of packets that get lost, in [0, 1), each by itself.
+  double loss = 0;
+  // Bits a second; 0: as fast as can be.
+  double rate = 0;
+  // Bytes that wait for the rate at most; what comes beyond is lost, as in a modem.
+  size_t max_waiting_bytes = 256 << 10;
+  // A black-out: from `outage_begin` on, counted from the link's start, for `outage`.
+  absl::Duration outage_begin;
+  absl::Duration outage;
+  // Both positive: the link works for `up`, then it doesn't for `down`, again and again.
+  absl::Duration up;
+  absl::Duration down;
+  uint64_t seed = 1;  // Of the losses.
+
+  // INVALID_ARGUMENT naming the field.
+  absl::Status Validate() const;
+  // Whether packets pass, so long after the link's start.
+  bool IsUp(absl::Duration since_start) const;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_FAULT_NETWORK_LINK_SHAPE_H_
