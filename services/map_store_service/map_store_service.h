@@ -2,6 +2,8 @@
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_STORE_SERVICE_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_STORE_SERVICE_H_
 
+#include <grpcpp/support/byte_buffer.h>
+
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -12,6 +14,23 @@
 #include "services/server/task_pool.h"
 
 namespace corbslam {
+
+// All methods, Sync's messages as bytes: one that can't be read would otherwise look like the end
+// of the stream.
+using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<
+    v1::MapStore::WithCallbackMethod_WatchMap<v1::MapStore::WithCallbackMethod_ListMissions<
+        v1::MapStore::WithCallbackMethod_GetMission<v1::MapStore::WithCallbackMethod_DeleteMission<
+            v1::MapStore::WithCallbackMethod_BackupMission<
+                v1::MapStore::WithCallbackMethod_RestoreMission<
+                    v1::MapStore::WithCallbackMethod_ListAgents<
+                        v1::MapStore::WithCallbackMethod_ListLocalMaps<
+                            v1::MapStore::WithCallbackMethod_GetLocalMap<
+                                v1::MapStore::WithCallbackMethod_ListKeyframes<
+                                    v1::MapStore::WithCallbackMethod_GetKeyframe<
+                                        v1::MapStore::WithCallbackMethod_GetStatistics<
+                                            v1::MapStore::WithCallbackMethod_GetTrajectory<
+                                                v1::MapStore::WithCallbackMethod_ListOverlaps<
+                                                    v1::MapStore::Service>>>>>>>>>>>>>>>;
 
 // Whether a caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -34,7 +53,7 @@ struct MapStoreServiceOptions {
 
 // Each RPC is in the file of its name. Thread-safe. `store` is not owned and must outlive it; the
 // server must be shut down before it is destroyed.
-class MapStoreService : public v1::MapStore::CallbackService {
+class MapStoreService : public MapStoreMethods {
  public:
   explicit MapStoreService(MapStore* store, const MapStoreServiceOptions& options = {})
       : store_(*store), options_(options), limits_(options.streams), pool_(options.threads) {}
@@ -42,7 +61,7 @@ class MapStoreService : public v1::MapStore::CallbackService {
   // The server is about to stop: streams end with UNAVAILABLE, once what they had to say is said.
   void EndStreams() { limits_.Close(); }
 
-  grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* Sync(
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Sync(
       grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::WatchMapResponse>* WatchMap(
       grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) override;

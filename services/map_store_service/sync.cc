@@ -140,7 +140,7 @@ void SyncReactor::Work() {
       case Job::kNone:
         return;
       case Job::kWrite: {
-        const v1::SyncResponse* reply = nullptr;
+        const grpc::ByteBuffer* reply = nullptr;
         {
           absl::MutexLock lock(&mutex_);
           reply = &replies_.front();
@@ -174,7 +174,9 @@ void SyncReactor::Work() {
 }
 
 void SyncReactor::HandleRequest() {
-  const absl::Status status = Handle(request_);
+  v1::SyncRequest request;
+  absl::Status status = ReadRequest(request);
+  if (status.ok()) status = Handle(request);
   if (!status.ok()) return End(status);
   {
     absl::MutexLock lock(&mutex_);
@@ -183,12 +185,18 @@ void SyncReactor::HandleRequest() {
   StartRead(&request_);
 }
 
-absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
-  if (request.ByteSizeLong() > limits_.max_message_bytes) {
-    return absl::ResourceExhaustedError(absl::StrCat("a message has ", request.ByteSizeLong(),
-                                                     " bytes; the limit is ",
-                                                     limits_.max_message_bytes));
+absl::Status SyncReactor::ReadRequest(v1::SyncRequest& request) {
+  if (request_.Length() > limits_.max_message_bytes) {
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "a message has ", request_.Length(), " bytes; the limit is ", limits_.max_message_bytes));
   }
+  if (grpc::SerializationTraits<v1::SyncRequest>::Deserialize(&request_, &request).ok()) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError("a message can't be read as a SyncRequest");
+}
+
+absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
   if (request.has_open()) return Open(request.open());
   if (!session_id_) {
     return absl::InvalidArgumentError("the first message must have the part open");
@@ -207,7 +215,7 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   Disarm();
   v1::SyncResponse response;
   ToProto(opened.grant, response.mutable_grant());
-  Reply(std::move(response));
+  Reply(response);
   store_.SetSharedListener(opened.session_id, [link = link_] {
     absl::MutexLock lock(&link->mutex);
     if (link->reactor != nullptr) link->reactor->OnShareable();
@@ -242,7 +250,7 @@ absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
   ticket_->ReleaseAll();
   v1::SyncResponse response;
   ToProto(stored, response.mutable_acknowledgement());
-  Reply(std::move(response));
+  Reply(response);
   return absl::OkStatus();
 }
 
@@ -259,16 +267,21 @@ void SyncReactor::Share() {
   for (v1::SharedUpdate& part : ToProto(**update, sent_cameras_, kPartBytes)) {
     v1::SyncResponse response;
     *response.mutable_shared() = std::move(part);
-    Reply(std::move(response));
+    Reply(response);
   }
   // There may be more.
   absl::MutexLock lock(&mutex_);
   shareable_ = true;
 }
 
-void SyncReactor::Reply(v1::SyncResponse response) {
+void SyncReactor::Reply(const v1::SyncResponse& response) {
+  grpc::ByteBuffer bytes;
+  bool own_buffer = false;
+  const grpc::Status written =
+      grpc::SerializationTraits<v1::SyncResponse>::Serialize(response, &bytes, &own_buffer);
+  if (!written.ok()) return End(FromGrpcStatus(written));
   absl::MutexLock lock(&mutex_);
-  replies_.push_back(std::move(response));
+  replies_.push_back(std::move(bytes));
 }
 
 void SyncReactor::End(const absl::Status& status) {
@@ -276,7 +289,7 @@ void SyncReactor::End(const absl::Status& status) {
   if (!end_) end_ = status;
 }
 
-grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* MapStoreService::Sync(
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MapStoreService::Sync(
     grpc::CallbackServerContext* context) {
   const auto may_open = [this, context](const SessionRequest& request) {
     if (options_.may_open == nullptr) return absl::OkStatus();

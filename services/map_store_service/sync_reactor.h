@@ -3,6 +3,7 @@
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_
 
 #include <grpcpp/alarm.h>
+#include <grpcpp/support/byte_buffer.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -27,7 +28,7 @@ namespace corbslam {
 // gRPC's reactions only note what happened; all work is done by Work, which the pool runs once at a
 // time. Back-pressure: the next message is read when the one before was applied, and the next
 // shared update is asked for when the one before was written. Owns itself.
-class SyncReactor : public grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse> {
+class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
   // Whether the caller may open this session.
   using OpenCheck = std::function<absl::Status(const SessionRequest&)>;
@@ -59,11 +60,12 @@ class SyncReactor : public grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResp
   Job NextJob() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
 
   void HandleRequest();
+  absl::Status ReadRequest(v1::SyncRequest& request);
   absl::Status Handle(const v1::SyncRequest& request);
   absl::Status Open(const v1::OpenSession& open);
   absl::Status Apply(const v1::MapUpdateBatch& part);
   void Share();
-  void Reply(v1::SyncResponse response);
+  void Reply(const v1::SyncResponse& response);
   void End(const absl::Status& status);
 
   MapStore& store_;
@@ -78,7 +80,7 @@ class SyncReactor : public grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResp
   std::unique_ptr<grpc::Alarm> alarm_;
 
   // Of Work, and of gRPC while it reads.
-  v1::SyncRequest request_;
+  grpc::ByteBuffer request_;
   // Of Work.
   std::optional<uint64_t> session_id_;
   CameraBook received_cameras_;
@@ -95,7 +97,7 @@ class SyncReactor : public grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResp
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
-  std::deque<v1::SyncResponse> replies_ ABSL_GUARDED_BY(mutex_);
+  std::deque<grpc::ByteBuffer> replies_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace corbslam

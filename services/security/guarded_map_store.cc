@@ -65,7 +65,7 @@ absl::Status GuardedMapStore::Check(const grpc::CallbackServerContext& context, 
 }
 
 // The session's first message names mission and agent: see MakeSessionCheck.
-grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* GuardedMapStore::Sync(
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* GuardedMapStore::Sync(
     grpc::CallbackServerContext* context) {
   return service_.Sync(context);
 }

@@ -19,13 +19,12 @@ RestoreCheck MakeRestoreCheck(std::shared_ptr<const AccessControl> access);
 // Thread-safe. `service` is not owned and must outlive it. A method that it does not hand on is
 // UNIMPLEMENTED, so that a new one is closed until somebody says who may call it. Null access:
 // everybody may do everything.
-class GuardedMapStore : public v1::MapStore::CallbackService {
+class GuardedMapStore : public MapStoreMethods {
  public:
-  GuardedMapStore(v1::MapStore::CallbackService* service,
-                  std::shared_ptr<const AccessControl> access)
+  GuardedMapStore(MapStoreMethods* service, std::shared_ptr<const AccessControl> access)
       : service_(*service), access_(std::move(access)) {}
 
-  grpc::ServerBidiReactor<v1::SyncRequest, v1::SyncResponse>* Sync(
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Sync(
       grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::WatchMapResponse>* WatchMap(
       grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) override;
@@ -71,7 +70,7 @@ class GuardedMapStore : public v1::MapStore::CallbackService {
   absl::Status Check(const grpc::CallbackServerContext& context, Action action,
                      absl::string_view name) const;
 
-  v1::MapStore::CallbackService& service_;
+  MapStoreMethods& service_;
   const std::shared_ptr<const AccessControl> access_;
 };
 
