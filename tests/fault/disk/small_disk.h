@@ -1,0 +1,42 @@
+// A disk that a test can fill.
+#ifndef CORBSLAM_TESTS_FAULT_DISK_SMALL_DISK_H_
+#define CORBSLAM_TESTS_FAULT_DISK_SMALL_DISK_H_
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace corbslam {
+
+// In memory (tmpfs). Only this thread, and the processes that it starts, see it; it goes with them.
+class SmallDisk {
+ public:
+  // On the folder, which must be there. PERMISSION_DENIED where this process may not (it needs to
+  // be root); UNAVAILABLE with the system's word otherwise.
+  static absl::StatusOr<std::unique_ptr<SmallDisk>> Mount(const std::string& folder,
+                                                          uint64_t bytes);
+  ~SmallDisk();
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+
+  const std::string& folder() const { return folder_; }
+  // Takes what is free but for so much, and gives it back.
+  absl::Status Fill(uint64_t left_bytes);
+  absl::Status Empty();
+  // Nobody must have a file of it open for writing.
+  absl::Status MakeReadOnly();
+
+ private:
+  explicit SmallDisk(std::string folder) : folder_(std::move(folder)) {}
+  std::string Filler() const { return folder_ + "/filler"; }
+
+  const std::string folder_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_FAULT_DISK_SMALL_DISK_H_
