@@ -2,6 +2,8 @@
 
 #include <grpcpp/create_channel.h>
 
+#include "services/runtime/callback_threads.h"
+
 namespace corbslam {
 namespace {
 
@@ -14,6 +16,7 @@ int Milliseconds(absl::Duration duration) {
 std::shared_ptr<grpc::Channel> MakeChannel(
     const std::string& address, const std::shared_ptr<grpc::ChannelCredentials>& credentials,
     const ChannelOptions& options) {
+  KeepCallbackThreads();
   constexpr int kMaxMessageBytes = 4 << 20;
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);

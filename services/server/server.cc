@@ -13,6 +13,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "services/runtime/callback_threads.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -88,6 +89,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const std::string& address
                                                       const ServerOptions& options) {
   RETURN_IF_ERROR(CheckAddress(address));
   RegisterPlugins();
+  KeepCallbackThreads();
   grpc::ServerBuilder builder;
   Configure(options, builder);
   int port = 0;

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/shared_world.h"
+#include "map_store/testing/store_dump.h"
 #include "map_store/testing/test_agent.h"
 #include "services/corbslam/store_reader.h"
 #include "services/remote/channel.h"
@@ -26,38 +26,14 @@ namespace corbslam {
 namespace {
 
 using nlohmann::json;
+using testing::DumpPlaces;
+using testing::FirstDifference;
 using testing::MakeRingMap;
 using testing::SyntheticMap;
 using testing::TestAgent;
 using testing::TheWorld;
 
 constexpr char kMission[] = "m";
-
-// All of the global layer, to the last bit.
-std::string DumpGlobal(const MapStore& store) {
-  const MissionStatistics statistics = *store.GetStatistics(kMission);
-  std::string text = absl::StrCat("islands ", statistics.islands, ", revision ",
-                                  statistics.revision, ", accepted ", statistics.overlaps_accepted,
-                                  ", points ", statistics.map_points, "\n");
-  const Page<KeyframeInfo> keyframes = *store.ListKeyframes(kMission, {}, {});
-  for (const KeyframeInfo& keyframe : keyframes.items) {
-    const Similarity3d& pose = keyframe.camera_from_island;
-    absl::StrAppendFormat(&text, "%s %d %d %.17g", ToString(keyframe.id), keyframe.placed,
-                          keyframe.observed_points, pose.scale);
-    const Eigen::Quaterniond& q = pose.rotation;
-    const Eigen::Vector3d& t = pose.translation;
-    absl::StrAppendFormat(&text, " %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", q.w(), q.x(),
-                          q.y(), q.z(), t.x(), t.y(), t.z());
-  }
-  for (const IslandView& island : *store.GlobalMapView(kMission)) {
-    for (const IslandView::Point& point : island.points) {
-      const Eigen::Vector3d& position = point.position_in_island;
-      absl::StrAppendFormat(&text, "%s %.17g %.17g %.17g %d\n", ToString(point.id), position.x(),
-                            position.y(), position.z(), point.observations);
-    }
-  }
-  return text;
-}
 
 class KilledWorkerTest : public FaultTest {
  protected:
@@ -119,7 +95,7 @@ class KilledWorkerTest : public FaultTest {
     Run run(*this, {AddressOf(worker.get())});
     run.Finish();
     EXPECT_EQ(run.store().GetStatistics(kMission)->islands, 1u);
-    return DumpGlobal(run.store());
+    return DumpPlaces(kMission, run.store());
   }
 
   const SyntheticMap map_a_ = MakeRingMap(0xa, 0, 14);
@@ -138,7 +114,7 @@ TEST_P(KindOfRequestTest, AnotherWorkerTakesOverAndTheMapIsTheSame) {
   ASSERT_NO_FATAL_FAILURE(run.Finish());
   ASSERT_TRUE(mortal->end().has_value()) << "it was never asked";
   EXPECT_EQ(mortal->end()->exit_code, 128 + SIGKILL);
-  EXPECT_EQ(DumpGlobal(run.store()), undisturbed);
+  EXPECT_EQ(FirstDifference(DumpPlaces(kMission, run.store()), undisturbed), "");
   EXPECT_EQ(run.store().GetStatistics(kMission)->failed_requests, 0u);
 }
 
@@ -153,7 +129,7 @@ TEST_P(KindOfRequestTest, TheNextWorkerAtTheAddressTakesOverAndTheMapIsTheSame) 
   const auto next = died ? StartWorker(address) : nullptr;
   running.join();
   ASSERT_TRUE(died) << "it was never asked";
-  EXPECT_EQ(DumpGlobal(run.store()), undisturbed);
+  EXPECT_EQ(FirstDifference(DumpPlaces(kMission, run.store()), undisturbed), "");
   EXPECT_EQ(run.store().GetStatistics(kMission)->failed_requests, 0u);
 }
 
