@@ -13,10 +13,23 @@ function(corbslam_library NAME)
   endif()
 endfunction()
 
+# Linked into every executable. What a test may take longer than its TIMEOUT.
+set(CORBSLAM_IN_EXECUTABLES corbslam_warnings)
+set(CORBSLAM_TIMEOUT_FACTOR 1)
+if(CORBSLAM_SANITIZE OR CORBSLAM_BUILD_FUZZERS)
+  set(CORBSLAM_TIMEOUT_FACTOR 5)
+endif()
+if(CORBSLAM_SANITIZE STREQUAL "thread")
+  add_library(corbslam_abseil_mutex OBJECT "${CMAKE_SOURCE_DIR}/tests/sanitize/abseil_mutex.cc")
+  target_link_libraries(corbslam_abseil_mutex PUBLIC absl::synchronization ${CMAKE_DL_LIBS}
+                                              PRIVATE corbslam_warnings)
+  list(APPEND CORBSLAM_IN_EXECUTABLES corbslam_abseil_mutex)
+endif()
+
 function(corbslam_program NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(${NAME} ${ARG_SOURCES})
-  target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} corbslam_warnings)
+  target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} ${CORBSLAM_IN_EXECUTABLES})
 endfunction()
 
 # A test binary; each of its cases is a test of ctest's own.
@@ -28,10 +41,11 @@ function(corbslam_test NAME)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
+  math(EXPR ARG_TIMEOUT "${CORBSLAM_TIMEOUT_FACTOR} * ${ARG_TIMEOUT}")
   add_executable(${NAME} ${ARG_SOURCES})
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
   target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} GTest::gmock GTest::gtest_main
-                                        corbslam_warnings)
+                                        ${CORBSLAM_IN_EXECUTABLES})
   gtest_discover_tests(${NAME} TEST_PREFIX "${NAME}." DISCOVERY_MODE PRE_TEST
                        PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()
@@ -42,5 +56,6 @@ function(corbslam_benchmark NAME)
   endif()
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(${NAME} ${ARG_SOURCES})
-  target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} benchmark::benchmark corbslam_warnings)
+  target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} benchmark::benchmark
+                                        ${CORBSLAM_IN_EXECUTABLES})
 endfunction()

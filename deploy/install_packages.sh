@@ -1,10 +1,11 @@
 #!/bin/sh
-# Installs those of packages.txt that are missing; needs root (or sudo) only then.
+# install_packages.sh [LIST...]: installs those of packages.txt, and of further lists in this folder,
+# that are missing; needs root (or sudo) only then.
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
 missing=
-for package in $(sed 's/#.*//' "$here/packages.txt"); do
+for package in $(cd "$here" && sed 's/#.*//' packages.txt "$@"); do
   state=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
   [ "$state" = "install ok installed" ] || missing="$missing $package"
 done

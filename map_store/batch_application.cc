@@ -1,5 +1,6 @@
 #include "map_store/batch_application.h"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -29,9 +30,13 @@ void AddCameras(const MapUpdateBatch& batch, LocalMapState& local_map) {
   }
 }
 
+bool IsKnown(KeyframeId id, const LocalMapState& local_map) {
+  return local_map.arrival.contains(id) || local_map.removed_keyframes.contains(id);
+}
+
 void AddKeyframe(const FullKeyframe& full, const BatchWords& words, LocalMapState& local_map) {
   const KeyframeId id = full.payload->id;
-  if (local_map.arrival.contains(id) || local_map.removed_keyframes.contains(id)) return;
+  if (IsKnown(id, local_map)) return;
   Keyframe keyframe;
   keyframe.payload = WithCamera(full.payload, local_map);
   keyframe.camera_from_map = Normalised(full.camera_from_local);
@@ -104,6 +109,19 @@ void ChangeGraph(const MapUpdateBatch& batch, MissionState& state, LocalMapState
 }
 
 }  // namespace
+
+std::shared_ptr<const MapUpdateBatch> WithoutKnownKeyframes(const MapUpdateBatch& batch,
+                                                            const LocalMapState* local_map) {
+  const auto is_known = [local_map](const FullKeyframe& keyframe) {
+    return local_map != nullptr && IsKnown(keyframe.payload->id, *local_map);
+  };
+  if (std::ranges::none_of(batch.full_keyframes, is_known)) {
+    return {std::shared_ptr<void>(), &batch};
+  }
+  auto news = std::make_shared<MapUpdateBatch>(batch);
+  std::erase_if(news->full_keyframes, is_known);
+  return news;
+}
 
 void ApplyBatch(const MapUpdateBatch& batch, const BatchWords& words,
                 const MapStoreOptions& options, MissionState& state, LocalMapState& local_map) {

@@ -15,6 +15,12 @@ namespace corbslam::map_store {
 // Words of the batch's full keyframes, computed without any lock held.
 using BatchWords = std::map<KeyframeId, std::shared_ptr<const Words>>;
 
+// The batch without full keyframes that `local_map` (null: a new one) had before: they would change
+// nothing, and must not take the place of what the journal has of them. Not a copy, and not to
+// outlive the batch, when there are none.
+std::shared_ptr<const MapUpdateBatch> WithoutKnownKeyframes(const MapUpdateBatch& batch,
+                                                            const LocalMapState* local_map);
+
 // Applies the batch (which must be valid, and the next one of `local_map`) in the order of its
 // fields: the local layer, landmarks whose members the owner replaced or removed, settled
 // keyframes (which become queries), and what an owner's motion means for placed keyframes.

@@ -6,7 +6,7 @@
 #include "map_store/batch_validation.h"
 #include "map_store/fusion_executor.h"
 #include "map_store/mission.h"
-#include "map_store/state_validation.h"
+#include "map_store/restored_state.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -172,7 +172,7 @@ MissionRestorer MapStore::StartRestoring() const {
 
 absl::Status MapStore::RestoreMission(const std::string& name, map_store::MissionState state) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
-  RETURN_IF_ERROR(map_store::ValidateState(state, options_));
+  RETURN_IF_ERROR(map_store::ValidateRestored(state, options_));
   {
     absl::MutexLock lock(&mutex_);
     if (missions_.contains(name) || restoring_.contains(name)) {

@@ -160,9 +160,11 @@ absl::StatusOr<Acknowledgement> Mission::Apply(uint64_t session_id, const std::s
 
 absl::Status Mission::ApplyNext(const std::string& agent, const MapUpdateBatch& batch,
                                 const BatchWords& words) {
-  // Not owned: the record lives as long as the call.
-  const std::shared_ptr<const MapUpdateBatch> not_owned(std::shared_ptr<void>(), &batch);
-  const BatchRecord record{agent, not_owned, environment_.clock()};
+  BatchRecord record{agent, nullptr, environment_.clock()};
+  {
+    absl::ReaderMutexLock lock(&mutex_);
+    record.batch = WithoutKnownKeyframes(batch, state_.FindLocalMap(batch.local_map));
+  }
   RETURN_IF_ERROR(Append(record));
   absl::MutexLock lock(&mutex_);
   map_store::Apply(record, words, *environment_.options, state_);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -51,6 +52,17 @@ absl::Status MapStoreOptions::Validate() const {
         absl::StrCat("min_shared_words_ratio is ", min_shared_words_ratio, ", must be 0 to 1")));
   }
   return status;
+}
+
+MapStoreOptions MapStoreOptions::WithoutBatchLimits() {
+  constexpr size_t kAny = std::numeric_limits<size_t>::max();
+  MapStoreOptions options;
+  options.max_keypoints_per_keyframe = kAny;
+  options.max_keyframe_bytes = kAny;
+  options.max_cameras_per_local_map = kAny;
+  options.max_items_per_batch = kAny;
+  options.max_parked_references = kAny;
+  return options;
 }
 
 }  // namespace corbslam

@@ -73,6 +73,9 @@ struct MapStoreOptions {
 
   // INVALID_ARGUMENT naming the field.
   absl::Status Validate() const;
+
+  // For what was accepted before, under other limits: a batch may hold anything that is possible.
+  static MapStoreOptions WithoutBatchLimits();
 };
 
 }  // namespace corbslam

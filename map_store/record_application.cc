@@ -5,12 +5,14 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/batch_validation.h"
 #include "map_store/fusion_job.h"
 #include "map_store/local_motion.h"
 #include "map_store/overlap_query.h"
 #include "map_store/parked_references.h"
 #include "map_store/rederivation.h"
 #include "map_store/revision.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -48,6 +50,8 @@ void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOpt
   if (local_map == nullptr) {
     local_map = &AddLocalMap(state, record.batch->local_map, record.agent);
   }
+  // Also before: what expired when the session opened stays so in a replay, which has no sessions.
+  ExpireParked(record.received_at, options, *local_map);
   ApplyBatch(*record.batch, words, options, state, *local_map);
   ExpireParked(record.received_at, options, *local_map);
 }
@@ -138,6 +142,20 @@ absl::Status CheckOverlaps(const std::vector<uint64_t>& overlaps, const MissionS
   return absl::OkStatus();
 }
 
+// Where a revision puts things: the items of its islands.
+absl::Status CheckPlaces(const RevisionPlan& plan, const MissionState& state) {
+  const auto check = [&](const auto& id) {
+    const Island* island = state.FindIslandOf(id.local_map);
+    if (island != nullptr && (island->id == plan.target || island->id == plan.source)) {
+      return absl::OkStatus();
+    }
+    return Missing(absl::StrCat(ToString(id), " a part of island ", ToString(plan.target)));
+  };
+  for (const auto& [id, placed] : plan.keyframes) RETURN_IF_ERROR(check(id));
+  for (const auto& [id, placed] : plan.points) RETURN_IF_ERROR(check(id));
+  return absl::OkStatus();
+}
+
 absl::Status CheckPlan(const RevisionPlan& plan, const MissionState& state) {
   if (plan.revision != state.global.revision + 1) {
     return Missing(absl::StrCat("revision ", plan.revision - 1));
@@ -148,13 +166,23 @@ absl::Status CheckPlan(const RevisionPlan& plan, const MissionState& state) {
       return Missing(absl::StrCat("island ", ToString(island)));
     }
   }
-  for (const auto& [id, placed] : plan.keyframes) {
-    if (state.FindLocalMap(id.local_map) == nullptr) return Missing(ToString(id));
+  if (plan.source == plan.target) {
+    return absl::DataLossError(absl::StrCat("revision ", plan.revision, " fuses island ",
+                                            ToString(plan.target), " with itself"));
   }
-  for (const auto& [id, placed] : plan.points) {
-    if (state.FindLocalMap(id.local_map) == nullptr) return Missing(ToString(id));
+  RETURN_IF_ERROR(CheckPlaces(plan, state));
+  for (const auto& [observation, raw] : plan.rejected_raw) {
+    if (!raw.IsValid()) return absl::DataLossError("a revision rejects what nobody sees");
   }
   return CheckOverlaps(plan.overlaps, state);
+}
+
+absl::Status CheckRefusal(const FuseRefusedRecord& record, const MissionState& state) {
+  if (!state.global.islands.contains(record.target)) return Missing(ToString(record.target));
+  for (const LocalMapId& id : record.relaxed) {
+    if (state.FindLocalMap(id) == nullptr) return Missing(ToString(id));
+  }
+  return CheckOverlaps(record.overlaps, state);
 }
 
 absl::Status CheckQuery(const QueryRecord& record, const MissionState& state) {
@@ -164,27 +192,34 @@ absl::Status CheckQuery(const QueryRecord& record, const MissionState& state) {
   return absl::OkStatus();
 }
 
-absl::Status CheckNumber(const BatchRecord& record, const MissionState& state) {
-  const LocalMapState* local_map = state.FindLocalMap(record.batch->local_map);
+absl::Status CheckBatch(const BatchRecord& record, const MissionState& state) {
+  const MapUpdateBatch& batch = *record.batch;
+  const LocalMapState* local_map = state.FindLocalMap(batch.local_map);
   const uint64_t last = local_map == nullptr ? 0 : local_map->last_batch;
-  if (record.batch->number == last + 1) return absl::OkStatus();
-  return Missing(
-      absl::StrCat("batch ", last + 1, " of local map ", ToString(record.batch->local_map)));
+  if (batch.number != last + 1) {
+    return Missing(absl::StrCat("batch ", last + 1, " of local map ", ToString(batch.local_map)));
+  }
+  absl::Status status = ValidateName("agent", record.agent);
+  if (local_map != nullptr && local_map->agent != record.agent) {
+    status.Update(absl::PermissionDeniedError("its local map is another agent's"));
+  }
+  status.Update(ValidateBatch(local_map, batch, MapStoreOptions::WithoutBatchLimits()));
+  if (status.ok()) return status;
+  return absl::DataLossError(absl::StrCat("batch ", batch.number, " of local map ",
+                                          ToString(batch.local_map), ": ", status.message()));
 }
 
 }  // namespace
 
 absl::Status CheckReplay(const JournalRecord& record, const MissionState& state) {
-  if (const auto* batch = std::get_if<BatchRecord>(&record)) return CheckNumber(*batch, state);
+  if (const auto* batch = std::get_if<BatchRecord>(&record)) return CheckBatch(*batch, state);
   if (const auto* query = std::get_if<QueryRecord>(&record)) return CheckQuery(*query, state);
   if (const auto* fuse = std::get_if<FuseRecord>(&record)) return CheckPlan(fuse->plan, state);
   if (const auto* adjust = std::get_if<AdjustRecord>(&record)) {
     return CheckPlan(adjust->plan, state);
   }
   if (std::holds_alternative<RederiveRecord>(record)) return absl::OkStatus();
-  const auto& refused = std::get<FuseRefusedRecord>(record);
-  if (!state.global.islands.contains(refused.target)) return Missing(ToString(refused.target));
-  return CheckOverlaps(refused.overlaps, state);
+  return CheckRefusal(std::get<FuseRefusedRecord>(record), state);
 }
 
 void RestoreWords(const Vocabulary* vocabulary, MissionState& state) {

@@ -28,8 +28,8 @@ void Apply(const RederiveRecord& record, MissionState& state);
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state, Island& island);
 void Refuse(const std::string& note, OverlapState to, OverlapEntry& entry);
 
-// DATA_LOSS where a record read from a journal names what the state does not have: records before
-// it are missing.
+// DATA_LOSS where a record read from a journal names what the state does not have (records before
+// it are missing), or holds what no store would have written.
 absl::Status CheckReplay(const JournalRecord& record, const MissionState& state);
 
 // What a snapshot leaves out: words and keyframe databases.

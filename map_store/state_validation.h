@@ -1,16 +1,16 @@
-// Is a whole mission that comes from outside fit to be served?
+// Is a state that was read back whole? A store takes for granted that what its state refers to is
+// there; bytes from a disk don't.
 #ifndef CORBSLAM_MAP_STORE_STATE_VALIDATION_H_
 #define CORBSLAM_MAP_STORE_STATE_VALIDATION_H_
 
 #include "absl/status/status.h"
 #include "map_store/mission_state.h"
-#include "map_store/options.h"
 
 namespace corbslam::map_store {
 
-// What ValidateBatch asks of batches, of all that they have made. Errors are as there. References
-// are sound already: DecodeState looks at them.
-absl::Status ValidateState(const MissionState& state, const MapStoreOptions& options);
+// Between the parts of the state; each item's values were looked at when it was read. DATA_LOSS
+// says which part disagrees with which.
+absl::Status ValidateState(const MissionState& state);
 
 }  // namespace corbslam::map_store
 

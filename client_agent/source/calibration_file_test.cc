@@ -65,6 +65,13 @@ TEST(EurocCalibrationTest, RefusesWhatNoCameraHas) {
   }
 }
 
+// OpenCV's parser throws what is not its own exception.
+TEST(EurocCalibrationTest, RefusesAKeyOfNoLength) {
+  const std::string yaml = absl::StrReplaceAll(kEurocYaml, {{"data: [", "://a: ["}});
+  const absl::Status status = ReadEurocCamera(WriteFile("sensor.yaml", yaml)).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+}
+
 TEST(TumCalibrationTest, RefusesWhatNoCameraHas) {
   const struct {
     std::string line, says;

@@ -1,6 +1,7 @@
 #include "client_agent/source/euroc_calibration.h"
 
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -83,7 +84,8 @@ absl::StatusOr<EurocCamera> ReadEurocCamera(const std::string& sensor_yaml_path)
   try {
     const cv::FileStorage file(sensor_yaml_path, cv::FileStorage::READ);
     return Parse(file, sensor_yaml_path);
-  } catch (const cv::Exception& exception) {
+  } catch (const std::exception& exception) {
+    // OpenCV's own, and what its parser lets through of the standard library.
     return absl::InvalidArgumentError(absl::StrCat(sensor_yaml_path, ": ", exception.what()));
   }
 }

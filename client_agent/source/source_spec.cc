@@ -9,6 +9,7 @@
 #include "absl/strings/str_split.h"
 #include "slam/simulation/sequence/simulation_options.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
 
 namespace corbslam {
 namespace {
@@ -233,10 +234,10 @@ std::string FormatSourceSpec(const SourceSpec& spec) {
     options.push_back(std::move(option));
   }
   if (spec.perturbation.gamma != plain.perturbation.gamma) {
-    options.push_back(absl::StrCat("gamma=", spec.perturbation.gamma));
+    options.push_back(absl::StrCat("gamma=", FormatReal(spec.perturbation.gamma)));
   }
   if (spec.perturbation.noise_sigma != plain.perturbation.noise_sigma) {
-    options.push_back(absl::StrCat("noise=", spec.perturbation.noise_sigma));
+    options.push_back(absl::StrCat("noise=", FormatReal(spec.perturbation.noise_sigma)));
   }
   if (!is_simulated && spec.perturbation.seed != plain.perturbation.seed) {
     options.push_back(absl::StrCat("seed=", spec.perturbation.seed));

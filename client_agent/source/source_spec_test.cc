@@ -28,8 +28,9 @@ TEST(SourceSpecTest, ReadsEveryOption) {
 TEST(SourceSpecTest, ComesBackAsFormatted) {
   for (const char* text :
        {"kitti:a", "euroc:/b/c?frames=5:", "tum:d?frames=1:2&stride=2&offset=1&reverse=1",
-        "kitti:e?gamma=0.8&noise=4&seed=9", "kitti:g?truth_frame=town", "kitti:f?robot=2/3",
-        "tum:g?frames=10:90&robot=1/2&overlap=5", "sim:city", "sim:floor?rig=rgbd&motion=fly",
+        "kitti:e?gamma=0.8&noise=4&seed=9", "kitti:e?gamma=0.123456789", "kitti:g?truth_frame=town",
+        "kitti:f?robot=2/3", "tum:g?frames=10:90&robot=1/2&overlap=5", "sim:city",
+        "sim:floor?rig=rgbd&motion=fly",
         "sim:city?seed=7&world=3&length=812.5&turned=1&noise_seed=5&frames=3:9&robot=2/3&noise=2",
         "sim:path?poses=/a/00.txt&blackout=10:2&kidnap=5:20.25&threads=2"}) {
     EXPECT_EQ(FormatSourceSpec(*ParseSourceSpec(text)), text);

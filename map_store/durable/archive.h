@@ -4,7 +4,9 @@
 //   template <typename Archive, MayBeConst<Tombstone> T>
 //   void Fields(Archive& archive, T& tombstone) { archive(tombstone.parent, ...); }
 //
-// that serves both ways.
+// that serves both ways. An enumeration that takes part says which value is its last
+//
+//   constexpr OverlapState LastValue(OverlapState) { return OverlapState::kFailed; }
 #ifndef CORBSLAM_MAP_STORE_DURABLE_ARCHIVE_H_
 #define CORBSLAM_MAP_STORE_DURABLE_ARCHIVE_H_
 
@@ -82,7 +84,7 @@ class ArchiveWriter {
   template <typename... T>
   void Value(const std::variant<T...>& value) {
     Value(static_cast<uint8_t>(value.index()));
-    std::visit([this](const auto& alternative) { Value(alternative); }, value);
+    std::visit([this](const auto& alternative) { this->Value(alternative); }, value);
   }
   template <typename T>
   requires(std::is_class_v<T>) void Value(const T& object) { Fields(*this, object); }
@@ -128,6 +130,11 @@ class ArchiveReader {
   void Value(T& number) {
     number = T();
     Raw(&number, sizeof(number));
+    if constexpr (std::is_enum_v<T>) {
+      if (number >= T() && number <= LastValue(number)) return;
+      number = T();
+      Fail();
+    }
   }
   void Value(bool& flag) {
     uint8_t byte = 0;

@@ -355,6 +355,32 @@ TEST_F(RocksJournalTest, LeavesTheDiskItsReserve) {
   EXPECT_TRUE(store->DeleteMission(kMission).ok());
 }
 
+// A keyframe is what came first under its id, before a restart and after.
+TEST_F(RocksJournalTest, AKeyframeThatComesAgainWithOtherFeaturesChangesNothing) {
+  const RocksJournalOptions options{.directory = Folder("store")};
+  auto store = Open(options);
+  const std::vector<MapUpdateBatch> batches = MakeBatches();
+  Send(batches, 0, 4, store.get());
+  const std::string local = DumpLocal(*store);
+  MapUpdateBatch again = batches[2];
+  again.number = 3;
+  again.tracked_frames.clear();
+  auto payload = std::make_shared<KeyframePayload>(*again.full_keyframes[0].payload);
+  payload->features.keypoints.resize(1);
+  payload->features.descriptors.resize(1);
+  again.full_keyframes[0].payload = payload;
+  const auto acknowledged = store->Apply(OpenSession("a", store.get()), again);
+  ASSERT_TRUE(acknowledged.ok()) << acknowledged.status();
+  const std::string live = DumpLocal(*store);
+  store.reset();
+  store = Open(options);
+  ASSERT_NE(store, nullptr);
+  EXPECT_EQ(DumpLocal(*store), live);
+  // But for the batch's number.
+  EXPECT_EQ(live.substr(live.find("000000000000000a:")),
+            local.substr(local.find("000000000000000a:")));
+}
+
 TEST_F(RocksJournalTest, ADeletedMissionStaysDeleted) {
   const RocksJournalOptions options{.directory = Folder("store")};
   auto store = Open(options);

@@ -1,15 +1,15 @@
 #include "map_store/durable/state_archive.h"
 
-#include <algorithm>
 #include <map>
 #include <memory>
-#include <set>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/durable/state_fields.h"
+#include "map_store/item_validation.h"
+#include "map_store/state_validation.h"
 #include "slam/map/map.h"
 #include "slam/util/status_macros.h"
 
@@ -93,35 +93,62 @@ StoredMap ToStored(const Map& map) {
   return stored;
 }
 
-absl::StatusOr<std::shared_ptr<const KeyframePayload>> WithFeatures(const KeyframePayload& payload,
+// With its features, which must be possible.
+absl::StatusOr<std::shared_ptr<const KeyframePayload>> WithFeatures(const StoredKeyframe& stored,
                                                                     const LocalMapState& local_map,
                                                                     const FeatureLoader& load) {
-  if (payload.camera_index >= local_map.cameras.size()) {
-    return Unreadable(absl::StrCat("camera of keyframe ", ToString(payload.id)));
+  const KeyframeId id = stored.payload->id;
+  const uint32_t index = stored.payload->camera_index;
+  if (index >= local_map.cameras.size()) {
+    return Unreadable(absl::StrCat("camera of keyframe ", ToString(id)));
   }
-  ASSIGN_OR_RETURN(Features features, load(payload.id));
-  return MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index,
-                             local_map.cameras[payload.camera_index], std::move(features));
+  const std::shared_ptr<const Camera>& camera = local_map.cameras[index];
+  auto payload = std::make_shared<KeyframePayload>(*stored.payload);
+  ASSIGN_OR_RETURN(payload->features, load(id));
+  const absl::Status valid = ValidateFullKeyframe({payload, stored.camera_from_map, stored.parent},
+                                                  *camera, MapStoreOptions::WithoutBatchLimits());
+  if (!valid.ok()) return absl::DataLossError(valid.message());
+  return MakeKeyframePayload(id, payload->timestamp_ns, index, camera,
+                             std::move(payload->features));
 }
 
-absl::Status BuildMap(StoredMap stored, const FeatureLoader& load, LocalMapState* local_map) {
-  Map& map = local_map->map;
-  for (StoredKeyframe& from : stored.keyframes) {
-    Keyframe keyframe;
-    ASSIGN_OR_RETURN(keyframe.payload, WithFeatures(*from.payload, *local_map, load));
-    keyframe.camera_from_map = from.camera_from_map;
-    map.AddKeyframe(std::move(keyframe));
-  }
-  bool sound = true;
-  for (const StoredKeyframe& keyframe : stored.keyframes) {
-    const KeyframeId id = keyframe.payload->id;
-    if (keyframe.parent.IsValid()) sound &= map.SetParent(id, keyframe.parent);
-    for (const KeyframeId& other : keyframe.loop_edges) {
-      // Each edge stands on both sides.
-      if (id < other) sound &= map.AddLoopEdge(id, other);
+absl::Status AddKeyframes(const std::vector<StoredKeyframe>& keyframes, const FeatureLoader& load,
+                          LocalMapState* local_map) {
+  for (const std::shared_ptr<const Camera>& camera : local_map->cameras) {
+    if (const absl::Status valid = Validate(*camera); !valid.ok()) {
+      return absl::DataLossError(valid.message());
     }
   }
-  for (StoredPoint& from : stored.points) {
+  for (const StoredKeyframe& from : keyframes) {
+    Keyframe keyframe;
+    ASSIGN_OR_RETURN(keyframe.payload, WithFeatures(from, *local_map, load));
+    keyframe.camera_from_map = from.camera_from_map;
+    if (!local_map->map.AddKeyframe(std::move(keyframe))) {
+      return Unreadable(absl::StrCat("keyframe ", ToString(from.payload->id)));
+    }
+  }
+  return absl::OkStatus();
+}
+
+bool AddEdges(const std::vector<StoredKeyframe>& keyframes, Map* map) {
+  bool sound = true;
+  for (const StoredKeyframe& keyframe : keyframes) {
+    const KeyframeId id = keyframe.payload->id;
+    if (keyframe.parent.IsValid()) sound &= map->SetParent(id, keyframe.parent);
+    for (const KeyframeId& other : keyframe.loop_edges) {
+      // Each edge stands on both sides.
+      if (id < other) sound &= map->AddLoopEdge(id, other);
+    }
+  }
+  return sound;
+}
+
+absl::Status AddPoints(const std::vector<StoredPoint>& points, Map* map) {
+  for (const StoredPoint& from : points) {
+    const absl::Status valid =
+        ValidateFullPoint({from.id, from.position_in_map, from.reference, from.descriptor,
+                           from.normal_in_map, from.min_distance, from.max_distance});
+    if (!valid.ok()) return absl::DataLossError(valid.message());
     MapPoint point;
     point.id = from.id;
     point.position_in_map = from.position_in_map;
@@ -130,12 +157,22 @@ absl::Status BuildMap(StoredMap stored, const FeatureLoader& load, LocalMapState
     point.normal_in_map = from.normal_in_map;
     point.min_distance = from.min_distance;
     point.max_distance = from.max_distance;
-    sound &= map.AddPoint(std::move(point));
+    bool sound = map->AddPoint(std::move(point));
     for (const auto& [keyframe, keypoint] : from.observations) {
-      sound &= map.AddObservation(from.id, keyframe, keypoint);
+      sound &= map->AddObservation(from.id, keyframe, keypoint);
     }
+    if (!sound) return Unreadable(absl::StrCat("point ", ToString(from.id)));
   }
-  return sound ? absl::OkStatus() : Unreadable(absl::StrCat("local map ", ToString(local_map->id)));
+  return absl::OkStatus();
+}
+
+absl::Status BuildMap(const StoredMap& stored, const FeatureLoader& load,
+                      LocalMapState* local_map) {
+  RETURN_IF_ERROR(AddKeyframes(stored.keyframes, load, local_map));
+  if (!AddEdges(stored.keyframes, &local_map->map)) {
+    return Unreadable(absl::StrCat("local map ", ToString(local_map->id)));
+  }
+  return AddPoints(stored.points, &local_map->map);
 }
 
 // What DecodeState's order of reading is; the same both ways.
@@ -146,37 +183,6 @@ void GlobalFields(Archive& archive, State& state) {
           state.statistics, global.revision, global.keyframes, global.points, global.heirs,
           global.rejected, global.overlaps, global.islands, global.island_of,
           global.island_from_local);
-}
-
-// Every reference that the store takes for granted.
-bool IsConsistent(const MissionState& state) {
-  const GlobalLayer& global = state.global;
-  for (const LocalMapId& id : state.order) {
-    const LocalMapState* local_map = state.FindLocalMap(id);
-    const auto island = global.island_of.find(id);
-    if (local_map == nullptr || !state.agents.contains(local_map->agent) ||
-        island == global.island_of.end() || !global.islands.contains(island->second)) {
-      return false;
-    }
-  }
-  for (const auto& [id, island] : global.islands) {
-    if (island.id != id || island.local_maps.empty()) return false;
-    for (const LocalMapId& local_map : island.local_maps) {
-      if (state.FindLocalMap(local_map) == nullptr) return false;
-    }
-  }
-  const auto known = [&state](const auto& item) {
-    return state.FindLocalMap(item.first.local_map) != nullptr;
-  };
-  for (const auto& [id, entry] : global.overlaps) {
-    if (state.FindLocalMap(entry.overlap.query.local_map) == nullptr ||
-        state.FindLocalMap(entry.overlap.candidate.local_map) == nullptr) {
-      return false;
-    }
-  }
-  return state.order.size() == state.local_maps.size() &&
-         std::all_of(global.keyframes.begin(), global.keyframes.end(), known) &&
-         std::all_of(global.points.begin(), global.points.end(), known);
 }
 
 }  // namespace
@@ -260,10 +266,11 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
     StoredMap stored;
     reader(local_map, stored);
     if (!reader.ok() || local_map.id != id) return Unreadable("a mission's snapshot");
-    RETURN_IF_ERROR(BuildMap(std::move(stored), load, &local_map));
+    RETURN_IF_ERROR(BuildMap(stored, load, &local_map));
     state.local_maps.emplace(id, std::move(local_map));
   }
-  if (!reader.done() || !IsConsistent(state)) return Unreadable("a mission's snapshot");
+  if (!reader.done()) return Unreadable("a mission's snapshot");
+  RETURN_IF_ERROR(ValidateState(state));
   return state;
 }
 

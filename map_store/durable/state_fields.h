@@ -35,6 +35,8 @@ void Fields(Archive& archive, T& statistics) {
 
 namespace map_store {
 
+constexpr OverlapState LastValue(OverlapState) { return OverlapState::kFailed; }
+
 template <typename Archive, MayBeConst<absl::Time> T>
 void Time(Archive& archive, T& time) {
   int64_t unix_ns = absl::ToUnixNanos(time);

@@ -18,6 +18,11 @@ namespace corbslam {
 
 using map_store::MayBeConst;
 
+constexpr ObservationChange::Kind LastValue(ObservationChange::Kind) {
+  return ObservationChange::Kind::kRemoved;
+}
+constexpr OverlapVerdict LastValue(OverlapVerdict) { return OverlapVerdict::kBendsGraph; }
+
 template <typename Archive, MayBeConst<LocalMapId> T>
 void Fields(Archive& archive, T& id) {
   archive(id.value);

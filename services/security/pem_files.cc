@@ -24,7 +24,7 @@ BioPtr ReadFrom(const std::string& pem) {
 }
 
 // A key behind a passphrase is refused, not asked for at the terminal.
-int NoPassphrase(char*, int, int, void*) { return 0; }
+int NoPassphrase(char*, int, int, void*) { return -1; }
 
 CertificatePtr ParseCertificate(const std::string& pem) {
   const BioPtr bio = ReadFrom(pem);

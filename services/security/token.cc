@@ -25,6 +25,9 @@ BioPtr ReadFrom(absl::string_view pem) {
   return {BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free};
 }
 
+// A key behind a passphrase is refused, not asked for at the terminal.
+int NoPassphrase(char*, int, int, void*) { return -1; }
+
 bool IsEd25519(const KeyPtr& key) {
   return key != nullptr && EVP_PKEY_id(key.get()) == EVP_PKEY_ED25519;
 }
@@ -81,11 +84,13 @@ absl::StatusOr<TokenClaims> ParseClaims(const std::string& text) {
 absl::StatusOr<std::string> SignToken(const TokenClaims& claims,
                                       absl::string_view private_key_pem) {
   const BioPtr pem = ReadFrom(private_key_pem);
-  const KeyPtr key(PEM_read_bio_PrivateKey(pem.get(), nullptr, nullptr, nullptr), EVP_PKEY_free);
+  const KeyPtr key(PEM_read_bio_PrivateKey(pem.get(), nullptr, NoPassphrase, nullptr),
+                   EVP_PKEY_free);
   ERR_clear_error();
   if (!IsEd25519(key)) {
     return absl::InvalidArgumentError(
-        "the key holds no Ed25519 private key; make one with: openssl genpkey -algorithm ed25519");
+        "there is no Ed25519 private key without a passphrase; make one with: openssl genpkey "
+        "-algorithm ed25519");
   }
   nlohmann::json json = {{"grants", nlohmann::json::array()},
                          {"expires", absl::ToUnixSeconds(claims.expires)}};
@@ -103,7 +108,7 @@ absl::StatusOr<TokenVerifier> TokenVerifier::FromPem(absl::string_view public_ke
   TokenVerifier verifier;
   const BioPtr pem = ReadFrom(public_keys_pem);
   while (true) {
-    KeyPtr key(PEM_read_bio_PUBKEY(pem.get(), nullptr, nullptr, nullptr), EVP_PKEY_free);
+    KeyPtr key(PEM_read_bio_PUBKEY(pem.get(), nullptr, NoPassphrase, nullptr), EVP_PKEY_free);
     if (key == nullptr) break;
     if (!IsEd25519(key)) return absl::InvalidArgumentError("a token key is no Ed25519 key");
     verifier.keys_.push_back(std::move(key));

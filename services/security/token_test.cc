@@ -110,6 +110,18 @@ TEST_F(TokenTest, OnlyEd25519KeysOfTheRightHalfWillDo) {
   EXPECT_FALSE(SignToken(claims, other.private_pem).ok());
 }
 
+TEST_F(TokenTest, NobodyIsAskedForAPassphrase) {
+  // As PEM says that a passphrase is needed.
+  const auto behind_passphrase = [](const std::string& pem) {
+    const size_t first_line = pem.find('\n') + 1;
+    return pem.substr(0, first_line) + "Proc-Type: 4,ENCRYPTED\n" +
+           "DEK-Info: AES-128-CBC,00112233445566778899AABBCCDDEEFF\n\n" + pem.substr(first_line);
+  };
+  EXPECT_FALSE(TokenVerifier::FromPem(behind_passphrase(keys_.public_pem)).ok());
+  const TokenClaims claims = {{{Role::kAgent, "lab", "alpha"}}, kNow};
+  EXPECT_FALSE(SignToken(claims, behind_passphrase(keys_.private_pem)).ok());
+}
+
 TEST_F(TokenTest, IsNotLongerThanMetadataMayBe) {
   const std::vector<Grant> grants(500, {Role::kAgent, "a-mission", "a-robot"});
   EXPECT_EQ(SignToken({grants, kNow}, keys_.private_pem).status().code(),

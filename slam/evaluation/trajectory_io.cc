@@ -48,7 +48,9 @@ absl::StatusOr<Rigid3d> ParseKittiLine(absl::string_view text, const std::string
   ASSIGN_OR_RETURN(const std::vector<double> n, ParseNumbers(fields, path, line));
   Eigen::Matrix3d rotation;
   rotation << n[0], n[1], n[2], n[4], n[5], n[6], n[8], n[9], n[10];
-  if ((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() > 0.01) {
+  const double error = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm();
+  // Written so that NaN (of infinite products) fails.
+  if (!(error <= 0.01) || rotation.determinant() < 0) {
     return LineError(path, line, "fields 1 to 11 hold no rotation");
   }
   return Rigid3d{Eigen::Quaterniond(rotation).normalized(), Eigen::Vector3d(n[3], n[7], n[11])};

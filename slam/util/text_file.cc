@@ -1,7 +1,9 @@
 #include "slam/util/text_file.h"
 
+#include <charconv>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "absl/strings/numbers.h"
@@ -78,6 +80,12 @@ std::string FormatSeconds(int64_t timestamp_ns) {
   return absl::StrFormat("%s%d.%09d", timestamp_ns < 0 ? "-" : "",
                          magnitude_ns / kNanosecondsPerSecond,
                          magnitude_ns % kNanosecondsPerSecond);
+}
+
+std::string FormatReal(double number) {
+  char text[32];
+  const std::to_chars_result end = std::to_chars(std::begin(text), std::end(text), number);
+  return std::string(std::begin(text), end.ptr);
 }
 
 absl::Status WriteLines(const std::vector<std::string>& lines, const std::string& path) {

@@ -32,6 +32,9 @@ absl::StatusOr<int64_t> ParseSeconds(absl::string_view text);
 // Nine decimals: "1305031102.175304000".
 std::string FormatSeconds(int64_t timestamp_ns);
 
+// The shortest text that is read as the same number.
+std::string FormatReal(double number);
+
 // Writes the lines, each with its end. UNAVAILABLE names the path.
 absl::Status WriteLines(const std::vector<std::string>& lines, const std::string& path);
 

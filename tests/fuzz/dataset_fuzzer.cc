@@ -1,9 +1,14 @@
 // The files of recorded sequences. The first byte says whose; the others are its files.
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
 #include <opencv2/imgcodecs.hpp>
+#include <variant>
 
 #include "client_agent/source/euroc_calibration.h"
 #include "client_agent/source/frame_reader.h"
 #include "client_agent/source/tum_calibration.h"
+#include "slam/camera/rectification.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "tests/fuzz/fuzz_files.h"
 #include "tests/fuzz/messages.h"
@@ -26,10 +31,25 @@ void WritePictures() {
   (void)done;
 }
 
+// What plays a sequence asks of it.
+void Play(const absl::StatusOr<std::unique_ptr<FrameReader>>& reader) {
+  if (!reader.ok()) return;
+  for (size_t i = 0; i < std::min<size_t>(2, (*reader)->frame_count()); ++i) {
+    (void)(*reader)->timestamp_ns(i);
+    (void)(*reader)->Read(i);
+  }
+  const auto* stereo = std::get_if<StereoCalibration>(&(*reader)->calibration());
+  constexpr int kMaxPixels = 10000;
+  if (stereo == nullptr || !stereo->raw.has_value()) return;
+  if (stereo->raw->width_px > kMaxPixels / stereo->raw->height_px) return;
+  const auto rectifier = StereoRectifier::Make(*stereo->raw);
+  if (rectifier.ok() && !Validate(rectifier->camera()).ok()) std::abort();
+}
+
 void ReadKitti(absl::string_view input) {
   WriteFuzzFile("kitti/calib.txt", TakeMessage(input));
   WriteFuzzFile("kitti/times.txt", TakeMessage(input));
-  (void)OpenKitti(FuzzFolder() + "/kitti");
+  Play(OpenKitti(FuzzFolder() + "/kitti"));
 }
 
 void ReadEuroc(absl::string_view input) {
@@ -38,14 +58,14 @@ void ReadEuroc(absl::string_view input) {
     WriteFuzzFile(folder + "/sensor.yaml", TakeMessage(input));
     WriteFuzzFile(folder + "/data.csv", TakeMessage(input));
   }
-  (void)OpenEuroc(FuzzFolder() + "/euroc");
+  Play(OpenEuroc(FuzzFolder() + "/euroc"));
 }
 
 void ReadTum(absl::string_view input) {
   for (const char* name : {"associated.txt", "rgb.txt", "depth.txt", "calibration.yaml"}) {
     WriteFuzzFile(std::string("tum/") + name, TakeMessage(input));
   }
-  (void)OpenTum(FuzzFolder() + "/tum");
+  Play(OpenTum(FuzzFolder() + "/tum"));
   (void)ReadTumCalibration(FuzzFolder() + "/tum", 64, 64);
 }
 

@@ -3,13 +3,15 @@
 #define CORBSLAM_TESTS_FUZZ_LIVE_STORE_H_
 
 #include <memory>
+#include <utility>
 
 #include "map_store/map_store.h"
+#include "map_store/testing/byte_journal.h"
 
 namespace corbslam {
 
-// In memory, without threads or a worker. Limits are low, so that inputs of a few kB reach them.
-inline std::unique_ptr<MapStore> MakeLiveStore() {
+// Without threads. Limits are low, so that inputs of a few kB reach them.
+inline MapStoreOptions LiveStoreOptions() {
   MapStoreOptions options;
   options.deterministic = true;
   options.max_missions = 2;
@@ -19,8 +21,15 @@ inline std::unique_ptr<MapStore> MakeLiveStore() {
   options.max_keyframe_bytes = 100000;
   options.max_bytes_per_agent = 1 << 20;
   options.settle_after = 1;
-  return std::make_unique<MapStore>(options, nullptr, std::make_unique<InMemoryJournal>(), nullptr,
-                                    [] { return absl::UnixEpoch(); });
+  return options;
+}
+
+// Without a worker, on a journal of bytes.
+inline std::unique_ptr<MapStore> MakeLiveStore(
+    std::shared_ptr<testing::JournalBytes> bytes = std::make_shared<testing::JournalBytes>()) {
+  return std::make_unique<MapStore>(LiveStoreOptions(), nullptr,
+                                    std::make_unique<testing::ByteJournal>(std::move(bytes)),
+                                    nullptr, [] { return absl::UnixEpoch(); });
 }
 
 // Every look-up, and everything that is shared with another agent.

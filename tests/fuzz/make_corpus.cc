@@ -6,11 +6,15 @@
 #include <initializer_list>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <random>
 #include <string>
 
 #include "client_agent/memory/spool_segment.h"
 #include "corbslam/v1/map_store_service.pb.h"
+#include "map_store/map_store.h"
+#include "map_store/testing/byte_journal.h"
+#include "map_store/testing/small_mission.h"
 #include "services/convert/batch_bytes.h"
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"
@@ -18,6 +22,7 @@
 #include "services/convert/work.h"
 #include "slam/vocabulary/vocabulary_file.h"
 #include "tests/fuzz/messages.h"
+#include "tests/fuzz/signing_key.h"
 
 namespace corbslam {
 namespace {
@@ -202,6 +207,57 @@ void WriteVocabularies() {
   std::filesystem::remove(path);
 }
 
+void WriteJournals() {
+  auto bytes = std::make_shared<testing::JournalBytes>();
+  testing::ByteJournal journal(bytes);
+  for (const auto& record : testing::MakeSmallMission()) {
+    journal.Append(bytes->mission, record).IgnoreError();
+  }
+  const std::string features = map_store::EncodeFeatures(testing::MakeSmallFeatures());
+  std::string records = Messages({features});
+  for (const std::string& record : bytes->records) AppendMessage(record, &records);
+  Write("journal_fuzzer", "records", std::string("\0", 1) + records);
+
+  bytes->wants_snapshot = true;
+  MapStore store({.deterministic = true}, nullptr, std::make_unique<testing::ByteJournal>(bytes),
+                 nullptr);
+  store.Recover().IgnoreError();
+  store.RunFusionUntilIdle(bytes->mission).IgnoreError();
+  Write("journal_fuzzer", "snapshot", "\1" + Messages({features, bytes->snapshot}));
+}
+
+void WriteConfigurations() {
+  Write("config_fuzzer", "limits",
+        "# limits\nmax-missions=3\n[Limits]\nmax-parked-seconds = 1.5\nmax-features=\"10\"\n");
+  Write("config_fuzzer", "program",
+        "listen=\"127.0.0.1:0\"\ninsecure=true\nworker=[\"a:1\", \"b:2\"]\nopen-timeout=2\n");
+}
+
+void WriteNames() {
+  const std::map<std::string, std::string> names = {
+      {"mission", "missions/lab"},
+      {"agent", "missions/lab/agents/alpha"},
+      {"all_agents", "missions/-/agents/-"},
+      {"operator", "missions/lab/operators/olga"},
+      {"store", "stores/main"},
+      {"local_map", "missions/lab/localMaps/00c0ffee00c0ffee"},
+      {"all_local_maps", "missions/lab/localMaps/-"},
+      {"keyframe", "missions/lab/localMaps/00c0ffee00c0ffee/keyframes/12"},
+      {"page", "1"}};
+  for (const auto& [name, text] : names) Write("name_fuzzer", name, text);
+}
+
+void WriteTokens() {
+  const SigningKey key;
+  const std::string claims =
+      R"({"expires":1900000000,"grants":["missions/lab/agents/alpha","stores/main"]})";
+  Write("token_fuzzer", "token", std::string("\0", 1) + key.Sign(claims));
+  Write("token_fuzzer", "claims", "\1" + claims);
+  Write("token_fuzzer", "public_key", "\2" + key.public_pem());
+  Write("token_fuzzer", "private_key", "\2" + key.private_pem());
+  Write("token_fuzzer", "files", "\3" + Messages({key.public_pem(), key.private_pem()}));
+}
+
 void WriteChoices() {
   std::mt19937 random(5);
   std::string choices;
@@ -225,6 +281,10 @@ int main(int argc, char** argv) {
   corbslam::WriteDatasets();
   corbslam::WriteSpecs();
   corbslam::WriteVocabularies();
+  corbslam::WriteJournals();
+  corbslam::WriteConfigurations();
+  corbslam::WriteNames();
+  corbslam::WriteTokens();
   corbslam::WriteChoices();
   return 0;
 }

@@ -15,6 +15,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const std::string written = FormatSourceSpec(*spec);
     const auto again = ParseSourceSpec(written);
     if (!again.ok() || FormatSourceSpec(*again) != written) std::abort();
+    if (again->perturbation.gamma != spec->perturbation.gamma) std::abort();
+    if (again->perturbation.noise_sigma != spec->perturbation.noise_sigma) std::abort();
     for (const size_t frames : {size_t{0}, size_t{1}, size_t{1000}}) (void)FramesOf(*spec, frames);
   }
   SourceSpec options;

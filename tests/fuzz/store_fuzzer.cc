@@ -1,10 +1,14 @@
 // Batches made of choices, not of bytes: most of them pass the wire's checks, and reach the graph.
+// Whatever comes of them, a store that reads the journal has the same.
 #include <fuzzer/FuzzedDataProvider.h>
 
+#include <cstdlib>
 #include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "tests/fuzz/live_store.h"
 
 namespace corbslam {
@@ -82,8 +86,8 @@ class BatchMaker {
 
   FullKeyframe MakeFullKeyframe() {
     Features features;
-    features.keypoints.resize(kKeypoints);
-    features.descriptors.resize(Rarely() ? kKeypoints - 1 : kKeypoints);
+    features.keypoints.resize(Rarely() ? kKeypoints - 1 : kKeypoints);
+    features.descriptors.resize(Rarely() ? kKeypoints - 1 : features.keypoints.size());
     features.keypoints[0].disparity_px = static_cast<float>(Number());
     auto payload = std::make_shared<KeyframePayload>();
     payload->id = Own();
@@ -110,6 +114,26 @@ class BatchMaker {
   LocalMapId own_;
 };
 
+// Of the local layer, what look-ups say.
+std::string DescribeMap(const MapStore& store) {
+  std::string text;
+  const auto maps = store.ListLocalMaps("m", {});
+  for (const LocalMapInfo& map : maps->items) {
+    absl::StrAppend(&text, ToString(map.id), " ", map.agent, " ", map.closed, " ", map.last_batch,
+                    " ", map.settled_keyframes, " ", map.map_points, " ", map.tracked_frames, " ",
+                    map.lost_frames, " ", map.parked_references, "\n");
+  }
+  const auto keyframes = store.ListKeyframes("m", {}, {});
+  for (const KeyframeInfo& keyframe : keyframes->items) {
+    const Eigen::Vector3d& at = keyframe.camera_from_local.translation;
+    absl::StrAppend(&text, ToString(keyframe.id), " ", ToString(keyframe.parent), " ",
+                    keyframe.observed_points, " ", keyframe.keypoints, " ",
+                    keyframe.payload->features.keypoints[0].disparity_px, " ", at.x(), " ", at.y(),
+                    " ", at.z(), "\n");
+  }
+  return text;
+}
+
 struct Robot {
   uint64_t session = 0;
   uint64_t applied = 0;
@@ -122,7 +146,8 @@ struct Robot {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace corbslam;  // NOLINT
   FuzzedDataProvider input(data, size);
-  const std::unique_ptr<MapStore> store = MakeLiveStore();
+  const auto journal = std::make_shared<testing::JournalBytes>();
+  auto store = MakeLiveStore(journal);
   std::vector<Robot> robots(2);
   for (size_t i = 0; i < robots.size(); ++i) {
     SessionRequest request;
@@ -139,5 +164,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (input.ConsumeBool()) (void)store->NextShared(robot.session, 5000);
   }
   LookAtEverything(*store);
+  const std::string map = DescribeMap(*store);
+  for (const bool wants_snapshot : {true, false}) {
+    journal->wants_snapshot = wants_snapshot;
+    store = MakeLiveStore(journal);
+    if (!store->Recover().ok() || DescribeMap(*store) != map) std::abort();
+    // Writes the snapshot, and has it read.
+    store->RunFusionUntilIdle(journal->mission).IgnoreError();
+  }
   return 0;
 }

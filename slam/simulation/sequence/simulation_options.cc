@@ -1,15 +1,14 @@
 #include "slam/simulation/sequence/simulation_options.h"
 
 #include <algorithm>
-#include <charconv>
 #include <functional>
-#include <iterator>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
 
 namespace corbslam {
 namespace {
@@ -46,13 +45,6 @@ std::string NameOf(const Choices& choices, Value value) {
     if (choice == value) return std::string(name);
   }
   return "";
-}
-
-// The shortest text that is read as the same number.
-std::string FormatReal(double number) {
-  char text[32];
-  const std::to_chars_result end = std::to_chars(std::begin(text), std::end(text), number);
-  return std::string(std::begin(text), end.ptr);
 }
 
 // How one option is read and written. Each returns false for a value that it can't take.

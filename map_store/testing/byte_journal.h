@@ -1,0 +1,78 @@
+// A journal that keeps one mission's records as their bytes, good or bad.
+#ifndef CORBSLAM_MAP_STORE_TESTING_BYTE_JOURNAL_H_
+#define CORBSLAM_MAP_STORE_TESTING_BYTE_JOURNAL_H_
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "map_store/durable/state_archive.h"
+#include "map_store/journal.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::testing {
+
+// What is on the disk. Outlives the stores that are opened on it.
+struct JournalBytes {
+  std::string mission = "m";
+  std::string snapshot;  // EncodeState's; empty: none.
+  std::vector<std::string> records;
+  std::map<KeyframeId, std::string> features;
+  std::string other_features;  // Of all other keyframes.
+  bool wants_snapshot = false;
+};
+
+class ByteJournal : public Journal {
+ public:
+  explicit ByteJournal(std::shared_ptr<JournalBytes> bytes) : bytes_(std::move(bytes)) {}
+
+  absl::StatusOr<Position> Append(absl::string_view,
+                                  const map_store::JournalRecord& record) override {
+    if (const auto* update = std::get_if<map_store::BatchRecord>(&record)) {
+      for (const FullKeyframe& keyframe : update->batch->full_keyframes) {
+        const KeyframePayload& payload = *keyframe.payload;
+        bytes_->features[payload.id] = map_store::EncodeFeatures(payload.features);
+      }
+    }
+    bytes_->records.push_back(map_store::EncodeRecord(record));
+    return bytes_->records.size();
+  }
+  absl::Status Sync(Position) override { return absl::OkStatus(); }
+  bool WantsSnapshot(absl::string_view) const override { return bytes_->wants_snapshot; }
+  absl::Status WriteSnapshot(absl::string_view, const JournalSnapshot& snapshot) override {
+    bytes_->snapshot = snapshot.state;
+    bytes_->records.clear();
+    return absl::OkStatus();
+  }
+  absl::StatusOr<std::vector<std::string>> ListMissions() const override {
+    return std::vector<std::string>{bytes_->mission};
+  }
+  absl::Status Recover(absl::string_view, const Replay& replay) const override {
+    const map_store::FeatureLoader load = [this](KeyframeId id) {
+      const auto it = bytes_->features.find(id);
+      return map_store::DecodeFeatures(it == bytes_->features.end() ? bytes_->other_features
+                                                                    : it->second);
+    };
+    if (!bytes_->snapshot.empty()) {
+      ASSIGN_OR_RETURN(map_store::MissionState state,
+                       map_store::DecodeState(bytes_->snapshot, load));
+      RETURN_IF_ERROR(replay.on_snapshot(std::move(state)));
+    }
+    for (const std::string& bytes : bytes_->records) {
+      ASSIGN_OR_RETURN(const map_store::JournalRecord record, map_store::DecodeRecord(bytes, load));
+      RETURN_IF_ERROR(replay.on_record(record));
+    }
+    return absl::OkStatus();
+  }
+  absl::Status DeleteMission(absl::string_view) override { return absl::OkStatus(); }
+
+ private:
+  const std::shared_ptr<JournalBytes> bytes_;
+};
+
+}  // namespace corbslam::testing
+
+#endif  // CORBSLAM_MAP_STORE_TESTING_BYTE_JOURNAL_H_

@@ -1,0 +1,23 @@
+// A mission of two robots as its journal has it: a few records of every kind, a few kB.
+#ifndef CORBSLAM_MAP_STORE_TESTING_SMALL_MISSION_H_
+#define CORBSLAM_MAP_STORE_TESTING_SMALL_MISSION_H_
+
+#include <vector>
+
+#include "map_store/journal_records.h"
+
+namespace corbslam::testing {
+
+inline constexpr LocalMapId kSmallMapA{1};  // Of agent a.
+inline constexpr LocalMapId kSmallMapB{2};  // Of agent b.
+
+// The features of all keyframes.
+Features MakeSmallFeatures();
+
+// In their order. At the end both local maps are in one island, at revision 2, a point of each is
+// one landmark, and references wait for what never comes.
+std::vector<map_store::JournalRecord> MakeSmallMission();
+
+}  // namespace corbslam::testing
+
+#endif  // CORBSLAM_MAP_STORE_TESTING_SMALL_MISSION_H_

@@ -1,0 +1,33 @@
+// A program's --config file: flags of every type, the limits among them.
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "services/programs/limit_flags.h"
+#include "tests/fuzz/fuzz_files.h"
+#include "tests/fuzz/messages.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace corbslam;  // NOLINT
+  const std::string path = WriteFuzzFile("config.toml", AsText(data, size));
+  CLI::App app("program");
+  MapStoreOptions store;
+  StreamLimitOptions streams;
+  AddStoreLimitFlags(app, store);
+  AddStreamLimitFlags(app, streams);
+  std::string address;
+  std::vector<std::string> workers;
+  bool insecure = false;
+  app.add_option("--listen", address);
+  app.add_option("--worker", workers);
+  app.add_flag("--insecure", insecure);
+  app.set_config("--config", "", "File with flags, in TOML");
+  try {
+    app.parse(std::vector<std::string>{"--config=" + path});
+    (void)app.config_to_str(/*default_also=*/true);
+    (void)store.Validate();
+  } catch (const CLI::Error&) {
+    // As CLI11_PARSE; anything else would end the program without a word.
+  }
+  return 0;
+}

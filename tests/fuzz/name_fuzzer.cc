@@ -1,0 +1,80 @@
+// What callers name: resources, grants, page tokens. What is taken is written again the same.
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "services/convert/resource_names.h"
+#include "services/security/identity.h"
+#include "tests/fuzz/live_store.h"
+#include "tests/fuzz/messages.h"
+
+namespace corbslam {
+namespace {
+
+void MustBe(bool good) {
+  if (!good) std::abort();
+}
+
+void ReadNames(absl::string_view text) {
+  if (const auto mission = ParseMissionName(text); mission.ok()) {
+    MustBe(MissionName(*mission) == text);
+  }
+  if (const auto agent = ParseAgentName(text, false); agent.ok()) {
+    MustBe(AgentName(agent->mission, agent->agent) == text);
+  }
+  (void)ParseAgentName(text, true);
+  if (const auto all = ParseLocalMapName(text, true); all.ok()) {
+    const auto one = ParseLocalMapName(text, false);
+    MustBe(one.ok() == all->local_map.IsValid());
+    if (one.ok()) MustBe(ParseLocalMapName(LocalMapName(one->mission, one->local_map), false).ok());
+  }
+  if (const auto keyframe = ParseKeyframeName(text); keyframe.ok()) {
+    const auto again = ParseKeyframeName(KeyframeName(keyframe->mission, keyframe->keyframe));
+    MustBe(again.ok() && again->keyframe == keyframe->keyframe);
+  }
+}
+
+void ReadGrants(absl::string_view text) {
+  if (const auto grant = ParseGrant(text); grant.ok()) MustBe(FormatGrant(*grant) == text);
+  (void)ParseMissionRole(text);
+  const std::string uri = std::string("corbslam:").append(text.data(), text.size());
+  const auto identity = IdentityFromUris({"https://elsewhere", std::string(text), uri});
+  if (identity.ok()) MustBe(!Describe(*identity).empty());
+}
+
+std::unique_ptr<MapStore> MakeStoreOfTwo() {
+  auto store = MakeLiveStore();
+  for (const char* agent : {"alpha", "bravo"}) {
+    SessionRequest request;
+    request.mission = "m";
+    request.agent = agent;
+    MustBe(store->OpenSession(request).ok());
+  }
+  return store;
+}
+
+// A page begins anywhere or nowhere, and there is an end.
+void ReadPages(absl::string_view token) {
+  static const MapStore* const store = MakeStoreOfTwo().release();
+  PageRequest request = {1, std::string(token)};
+  for (int pages = 0; pages < 4; ++pages) {
+    const auto page = store->ListAgents("m", request);
+    if (!page.ok()) return;
+    MustBe(page->items.size() <= 1);
+    request.page_token = page->next_page_token;
+    if (request.page_token.empty()) return;
+  }
+  std::abort();
+}
+
+}  // namespace
+}  // namespace corbslam
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace corbslam;  // NOLINT
+  const absl::string_view text = AsText(data, size);
+  ReadNames(text);
+  ReadGrants(text);
+  ReadPages(text);
+  return 0;
+}
