@@ -361,7 +361,7 @@ TEST_F(RocksJournalTest, AKeyframeThatComesAgainWithOtherFeaturesChangesNothing)
   auto store = Open(options);
   const std::vector<MapUpdateBatch> batches = MakeBatches();
   Send(batches, 0, 4, store.get());
-  const std::string local = DumpLocal(*store);
+  const std::string local = DumpLocal(kMission, *store);
   MapUpdateBatch again = batches[2];
   again.number = 3;
   again.tracked_frames.clear();
@@ -371,11 +371,11 @@ TEST_F(RocksJournalTest, AKeyframeThatComesAgainWithOtherFeaturesChangesNothing)
   again.full_keyframes[0].payload = payload;
   const auto acknowledged = store->Apply(OpenSession("a", store.get()), again);
   ASSERT_TRUE(acknowledged.ok()) << acknowledged.status();
-  const std::string live = DumpLocal(*store);
+  const std::string live = DumpLocal(kMission, *store);
   store.reset();
   store = Open(options);
   ASSERT_NE(store, nullptr);
-  EXPECT_EQ(DumpLocal(*store), live);
+  EXPECT_EQ(DumpLocal(kMission, *store), live);
   // But for the batch's number.
   EXPECT_EQ(live.substr(live.find("000000000000000a:")),
             local.substr(local.find("000000000000000a:")));

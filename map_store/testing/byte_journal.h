@@ -47,6 +47,17 @@ class ByteJournal : public Journal {
     bytes_->records.clear();
     return absl::OkStatus();
   }
+  absl::Status CreateMission(absl::string_view mission,
+                             const map_store::MissionState& state) override {
+    bytes_->mission = std::string(mission);
+    bytes_->snapshot = map_store::EncodeState(state);
+    for (const auto& [id, local_map] : state.local_maps) {
+      for (const auto& [keyframe, item] : local_map.map.keyframes()) {
+        bytes_->features[keyframe] = map_store::EncodeFeatures(item.payload->features);
+      }
+    }
+    return absl::OkStatus();
+  }
   absl::StatusOr<std::vector<std::string>> ListMissions() const override {
     return std::vector<std::string>{bytes_->mission};
   }
@@ -68,6 +79,7 @@ class ByteJournal : public Journal {
     return absl::OkStatus();
   }
   absl::Status DeleteMission(absl::string_view) override { return absl::OkStatus(); }
+  absl::Status CheckWritable() override { return absl::OkStatus(); }
 
  private:
   const std::shared_ptr<JournalBytes> bytes_;
