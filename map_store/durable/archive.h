@@ -44,8 +44,17 @@ class ArchiveWriter {
   void operator()(const T&... values) {
     (Value(values), ...);
   }
-  void Raw(const void* bytes, size_t size) { bytes_.append(static_cast<const char*>(bytes), size); }
-  std::string Take() { return std::move(bytes_); }
+  // Small pieces by the million: no call, as std::string's own growing would be.
+  void Raw(const void* bytes, size_t size) {
+    if (size > bytes_.size() - used_) bytes_.resize(2 * bytes_.size() + size + 256);
+    if (size > 0) std::memcpy(bytes_.data() + used_, bytes, size);
+    used_ += size;
+  }
+  // The writer is empty afterwards.
+  std::string Take() {
+    bytes_.resize(std::exchange(used_, 0));
+    return std::exchange(bytes_, {});
+  }
 
  private:
   template <PlainNumber T>
@@ -96,7 +105,8 @@ class ArchiveWriter {
     for (const auto& item : items) Value(item);
   }
 
-  std::string bytes_;
+  std::string bytes_;  // Of which so many are written.
+  size_t used_ = 0;
 };
 
 // Never reads beyond its bytes, and never takes more memory than they account for: once something

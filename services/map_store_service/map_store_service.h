@@ -41,8 +41,9 @@ using RestoreCheck =
     std::function<absl::Status(const grpc::CallbackServerContext&, const std::string& mission)>;
 
 struct MapStoreServiceOptions {
-  // Threads that read and apply batches and answer look-ups.
-  int threads = 2;
+  // Threads that read and apply batches and answer look-ups. More than processors: they wait for
+  // the journal, and one sync then serves several.
+  int threads = 8;
   // Of one shared update, about. Smaller ones let a robot on a slow link see something sooner.
   size_t shared_bytes = 512u << 10;
   StreamLimitOptions streams;

@@ -36,6 +36,7 @@ struct Flags {
   std::vector<size_t> agents = {1, 12, 50};
   double keyframes_per_s = 7;
   double seconds = 10;
+  int threads = 0;
 };
 
 struct Row {
@@ -60,11 +61,13 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
                             const RecordedUploads& uploads) {
   fs::remove_all(flags.data_dir);
   ASSIGN_OR_RETURN(const std::string program, FindProgramBeside("map_store"));
+  std::vector<std::string> command = {program,      "--listen",   "127.0.0.1:0",
+                                      "--insecure", "--data-dir", flags.data_dir};
+  if (flags.threads > 0) {
+    command.insert(command.end(), {"--threads", absl::StrCat(flags.threads)});
+  }
   ASSIGN_OR_RETURN(const std::unique_ptr<ChildProcess> store,
-                   ChildProcess::Start("map_store",
-                                       {program, "--listen", "127.0.0.1:0", "--insecure",
-                                        "--data-dir", flags.data_dir},
-                                       flags.data_dir + ".log"));
+                   ChildProcess::Start("map_store", command, flags.data_dir + ".log"));
   ASSIGN_OR_RETURN(const std::string address, store->WaitForAddress(absl::Seconds(30)));
   std::vector<std::unique_ptr<ReplayingAgent>> robots;
   std::vector<std::shared_ptr<grpc::Channel>> channels;
@@ -75,6 +78,11 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
     options.agent = absl::StrCat("agent", i);
     options.local_map = LocalMapId{0x1000 + i};
     options.keyframes_per_s = pace;
+    // Robots don't see their frames at the same moment.
+    if (pace > 0) {
+      options.start_after =
+          absl::Seconds(static_cast<double>(i) / (pace * static_cast<double>(agents)));
+    }
     channels.push_back(MakeChannel(address));
     robots.push_back(
         std::make_unique<ReplayingAgent>(options, &uploads, MakeRemoteUplink(channels.back())));
@@ -165,6 +173,7 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", flags.seconds, "Of each row, at most")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--threads", flags.threads, "The store's --threads; 0: its default");
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = corbslam::Run(flags);

@@ -21,7 +21,10 @@ bool IsFinal(const absl::Status& reason) {
 
 ReplayingAgent::ReplayingAgent(const ReplayOptions& options, const RecordedUploads* uploads,
                                std::unique_ptr<Uplink> uplink)
-    : options_(options), uploads_(*uploads), start_(absl::Now()), uplink_(std::move(uplink)) {
+    : options_(options),
+      uploads_(*uploads),
+      start_(absl::Now() + options.start_after),
+      uplink_(std::move(uplink)) {
   uint64_t keyframes = 0;
   for (const MapUpdateBatch& batch : uploads_) {
     keyframes += batch.full_keyframes.size();

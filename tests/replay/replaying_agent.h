@@ -29,6 +29,8 @@ struct ReplayOptions {
   int laps = 1;
   // Full keyframes a second; 0: as fast as they are acknowledged.
   double keyframes_per_s = 0;
+  // With a pace: later than its construction.
+  absl::Duration start_after = absl::ZeroDuration();
   // Sent and not acknowledged at most.
   size_t max_waiting = 16;
   // After a session ended the next is opened so much later.
