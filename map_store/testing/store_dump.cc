@@ -49,6 +49,7 @@ std::string DumpLocal(const std::string& mission, const MapStore& store) {
     for (const Descriptor& descriptor : keyframe.payload->features.descriptors) {
       absl::StrAppend(&text, descriptor.words[0] ^ descriptor.words[3], " ");
     }
+    absl::StrAppend(&text, "\n");
   }
   return text;
 }

@@ -120,7 +120,7 @@ class HostileClientTest : public ::testing::Test {
     EXPECT_TRUE(store.Recover().ok());
     // Local maps may have arrived in another order.
     std::vector<std::string> lines = absl::StrSplit(
-        testing::DumpLocal(kMission, store) + "\n" + testing::DumpPlaces(kMission, store), '\n');
+        testing::DumpLocal(kMission, store) + testing::DumpPlaces(kMission, store), '\n');
     std::sort(lines.begin(), lines.end());
     return absl::StrJoin(lines, "\n");
   }

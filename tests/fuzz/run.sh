@@ -5,7 +5,7 @@
 # that reach more code in build/fuzz/corpus/FUZZER. Ends with 1 if anything was found.
 #
 # CORBSLAM_FUZZ_BUILD: another folder than build/fuzz. CORBSLAM_FUZZ_RUNS: ends a fuzzer's run
-# earlier, after so many executions.
+# earlier, after so many executions. CORBSLAM_FUZZ_SEED: the same inputs each time.
 set -eu
 
 seconds=${1:-20}

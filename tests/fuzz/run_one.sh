@@ -18,7 +18,7 @@ setarch -R true 2>/dev/null && fixed="setarch -R"
 found=0
 # shellcheck disable=SC2086
 GLOG_logtostderr=0 GLOG_minloglevel=3 \
-  $fixed "$build/fuzz/$fuzzer" -max_total_time="$seconds" $runs -max_len=16384 -timeout=20 \
+  $fixed "$build/fuzz/$fuzzer" -seed="${CORBSLAM_FUZZ_SEED:-0}" -max_total_time="$seconds" $runs -max_len=16384 -timeout=20 \
   -rss_limit_mb=2048 -print_final_stats=1 -artifact_prefix="$findings/" \
   "$corpus" "$here/corpus/$fuzzer" "$build/seeds/$fuzzer" >"$findings/log" 2>&1 || found=1
 
