@@ -18,7 +18,6 @@
 
 namespace corbslam {
 
-using map_store::ArchiveReader;
 using map_store::ArchiveWriter;
 using map_store::BatchRecord;
 using map_store::EndOfPrefix;

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/convert/resource_names.h"
+#include "services/corbslam/call_status.h"
 #include "services/corbslam/whole_file.h"
 #include "slam/util/status_macros.h"
 
@@ -15,12 +16,6 @@ namespace {
 
 constexpr absl::Duration kCallTimeout = absl::Seconds(60);
 constexpr size_t kPieceBytes = 1 << 20;
-
-absl::Status ToStatus(const grpc::Status& status, absl::string_view call) {
-  if (status.ok()) return absl::OkStatus();
-  return absl::Status(static_cast<absl::StatusCode>(status.error_code()),
-                      absl::StrCat(call, ": ", status.error_message()));
-}
 
 void SetDeadline(grpc::ClientContext& context) {
   context.set_deadline(absl::ToChronoTime(absl::Now() + kCallTimeout));

@@ -11,6 +11,7 @@
 #include "services/convert/geometry.h"
 #include "services/convert/ids.h"
 #include "services/convert/resource_names.h"
+#include "services/corbslam/call_status.h"
 #include "services/remote/channel.h"
 #include "slam/util/status_macros.h"
 
@@ -24,12 +25,6 @@ constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
 void SetDeadline(grpc::ClientContext& context) {
   context.set_deadline(absl::ToChronoTime(absl::Now() + kCallTimeout));
   context.set_wait_for_ready(true);
-}
-
-absl::Status ToStatus(const grpc::Status& status, absl::string_view call) {
-  if (status.ok()) return absl::OkStatus();
-  return absl::Status(static_cast<absl::StatusCode>(status.error_code()),
-                      absl::StrCat(call, ": ", status.error_message()));
 }
 
 std::string LastSegment(absl::string_view name) {

@@ -2,8 +2,6 @@
 // of robots at the camera's pace or as fast as they are acknowledged, to a map_store process with a
 // journal. Prints a table and writes JSON.
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -20,6 +18,7 @@
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
 #include "slam/util/status_macros.h"
+#include "tests/replay/quantile.h"
 #include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
 
@@ -49,13 +48,6 @@ struct Row {
   double store_cpu_cores = 0;
   double peak_rss_mb = 0;
 };
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const auto rank = static_cast<size_t>(std::ceil(share * static_cast<double>(values.size())));
-  return values[std::max<size_t>(rank, 1) - 1];
-}
 
 absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
                             const RecordedUploads& uploads) {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "tests/integration/mission_fixture.h"
@@ -23,6 +24,14 @@ fs::path MakeEmptyFolder() {
 }  // namespace
 
 bool WantsLongFaults() { return std::getenv("CORBSLAM_LONG_FAULTS") != nullptr; }
+
+int CountFromEnvironment(const char* variable, int otherwise) {
+  int count = otherwise;
+  const char* text = std::getenv(variable);
+  const bool is_number = text == nullptr || absl::SimpleAtoi(text, &count);
+  EXPECT_TRUE(is_number) << variable << " is " << text;
+  return count;
+}
 
 FaultTest::FaultTest() : folder_(MakeEmptyFolder()) {}
 

@@ -31,6 +31,9 @@ namespace corbslam {
 // CORBSLAM_LONG_FAULTS=1: all cases, and long ones.
 bool WantsLongFaults();
 
+// The number in an environment variable, else `otherwise`. What is no number fails the test.
+int CountFromEnvironment(const char* variable, int otherwise);
+
 class FaultTest : public ::testing::Test {
  protected:
   FaultTest();

@@ -4,16 +4,11 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
@@ -26,40 +21,25 @@
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
 #include "tests/fault/attacks.h"
+#include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"
+#include "tests/replay/quantile.h"
 #include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
 
 namespace corbslam {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr char kMission[] = "m";
 constexpr size_t kVictims = 4;
 constexpr double kKeyframesPerS = 7;
 
 // CORBSLAM_HOSTILE_MESSAGES: how many mutated ones; there are a tenth as many silent streams.
-int MessagesWanted() {
-  int messages = 3000;
-  const char* text = std::getenv("CORBSLAM_HOSTILE_MESSAGES");
-  const bool is_number = text == nullptr || absl::SimpleAtoi(text, &messages);
-  EXPECT_TRUE(is_number) << text;
-  return messages;
-}
+int MessagesWanted() { return CountFromEnvironment("CORBSLAM_HOSTILE_MESSAGES", 3000); }
 
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const auto rank = static_cast<size_t>(std::ceil(share * static_cast<double>(values.size())));
-  return values[std::max<size_t>(rank, 1) - 1];
-}
-
-class HostileClientTest : public ::testing::Test {
+class HostileClientTest : public FaultTest {
  protected:
   HostileClientTest() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     auto vocabulary = Vocabulary::Load(DefaultVocabularyPath());
     EXPECT_TRUE(vocabulary.ok()) << vocabulary.status();
     vocabulary_ = *vocabulary;
@@ -70,18 +50,11 @@ class HostileClientTest : public ::testing::Test {
 
   // Robots come from one host, the attacker from another: a host has so many streams.
   void StartStore(const std::string& name) {
-    const std::string log = (folder_ / (name + ".log")).string();
-    const std::string data_dir = (folder_ / name).string();
-    auto store =
-        ChildProcess::Start(name,
-                            {absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/map_store"), "--listen",
-                             "[::]:0", "--data-dir", data_dir, "--insecure", "--open-timeout", "3"},
-                            log);
-    ASSERT_TRUE(store.ok()) << store.status();
-    store_ = *std::move(store);
-    const auto address = store_->WaitForAddress(absl::Seconds(60));
-    ASSERT_TRUE(address.ok()) << address.status();
-    port_ = address->substr(address->rfind(':'));
+    store_ = Start(name, "map_store",
+                   {"--listen", "[::]:0", "--data-dir", FileOf(name), "--open-timeout", "3"});
+    const std::string address = AddressOf(store_.get());
+    ASSERT_NE(address, "");
+    port_ = address.substr(address.rfind(':'));
   }
 
   std::vector<std::unique_ptr<ReplayingAgent>> StartVictims(int laps) const {
@@ -112,7 +85,7 @@ class HostileClientTest : public ::testing::Test {
   }
 
   std::string DumpStored(const std::string& name) {
-    auto journal = RocksJournal::Open({.directory = (folder_ / name).string()});
+    auto journal = RocksJournal::Open({.directory = FileOf(name)});
     EXPECT_TRUE(journal.ok()) << journal.status();
     MapStoreOptions options;
     options.deterministic = true;
@@ -125,7 +98,6 @@ class HostileClientTest : public ::testing::Test {
     return absl::StrJoin(lines, "\n");
   }
 
-  const fs::path folder_ = fs::path(::testing::TempDir()) / "corbslam_hostile_client";
   std::shared_ptr<const Vocabulary> vocabulary_;
   RecordedUploads uploads_;
   std::unique_ptr<ChildProcess> store_;

@@ -2,15 +2,12 @@
 // end against what was acknowledged, and against a store that nobody disturbed.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "fusion_worker/local_fusion_worker.h"
@@ -21,6 +18,7 @@
 #include "services/programs/default_vocabulary.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
+#include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"
 #include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
@@ -28,51 +26,29 @@
 namespace corbslam {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr char kMission[] = "killed";
 constexpr size_t kAgents = 4;
 
 // CORBSLAM_KILLS: how often the store is killed.
-int KillsWanted() {
-  int kills = 10;
-  const char* text = std::getenv("CORBSLAM_KILLS");
-  const bool is_number = text == nullptr || absl::SimpleAtoi(text, &kills);
-  EXPECT_TRUE(is_number) << text;
-  return kills;
-}
+int KillsWanted() { return CountFromEnvironment("CORBSLAM_KILLS", 10); }
 
-class KilledLedgerTest : public ::testing::Test {
+class KilledLedgerTest : public FaultTest {
  protected:
   KilledLedgerTest() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     auto vocabulary = Vocabulary::Load(DefaultVocabularyPath());
     EXPECT_TRUE(vocabulary.ok()) << vocabulary.status();
     vocabulary_ = *vocabulary;
-    worker_ = Start("worker", "fusion_worker", {"--listen", "127.0.0.1:0", "--insecure"});
-    worker_address_ = *worker_->WaitForAddress(absl::Seconds(60));
-  }
-
-  std::unique_ptr<ChildProcess> Start(const std::string& name, const std::string& program,
-                                      std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
-    const std::string log = (folder_ / absl::StrCat(name, ".log")).string();
-    auto process = ChildProcess::Start(name, arguments, log);
-    EXPECT_TRUE(process.ok()) << process.status();
-    return process.ok() ? *std::move(process) : nullptr;
+    worker_ = Start("worker", "fusion_worker", {"--listen", "127.0.0.1:0"});
+    worker_address_ = AddressOf(worker_.get());
   }
 
   // On the address of the one before it, if there was one.
   void StartStore(const std::string& data_dir) {
     const std::string listen = address_.empty() ? "127.0.0.1:0" : address_;
-    store_ = Start(
-        "store", "map_store",
-        {"--listen", listen, "--worker", worker_address_, "--data-dir", data_dir, "--insecure"});
-    ASSERT_NE(store_, nullptr);
-    const auto address = store_->WaitForAddress(absl::Seconds(60));
-    ASSERT_TRUE(address.ok()) << address.status();
-    address_ = *address;
+    store_ = Start("store", "map_store",
+                   {"--listen", listen, "--worker", worker_address_, "--data-dir", data_dir});
+    address_ = AddressOf(store_.get());
+    ASSERT_NE(address_, "");
   }
 
   // One after the other has its first batch stored: local maps arrive in the same order each time.
@@ -116,7 +92,6 @@ class KilledLedgerTest : public ::testing::Test {
     return testing::DumpPlaces(kMission, store);
   }
 
-  const fs::path folder_ = fs::path(::testing::TempDir()) / "corbslam_killed_ledger";
   std::shared_ptr<const Vocabulary> vocabulary_;
   std::unique_ptr<FusionWorker> local_worker_ = MakeLocalFusionWorker({});
   std::unique_ptr<ChildProcess> worker_;
@@ -132,7 +107,7 @@ TEST_F(KilledLedgerTest, HoldsWhatTheUndisturbedStoreHolds) {
   for (const MapUpdateBatch& batch : *uploads) keyframes += batch.full_keyframes.size();
   ASSERT_GT(keyframes, 10u);
 
-  const std::string undisturbed_dir = (folder_ / "undisturbed").string();
+  const std::string undisturbed_dir = FileOf("undisturbed");
   StartStore(undisturbed_dir);
   for (const auto& agent : StartAgents(*uploads, 0)) {
     const absl::Status done = agent->WaitUntilDone(absl::Seconds(120));
@@ -140,7 +115,7 @@ TEST_F(KilledLedgerTest, HoldsWhatTheUndisturbedStoreHolds) {
   }
   store_->Stop(absl::Seconds(60));
 
-  const std::string killed_dir = (folder_ / "killed").string();
+  const std::string killed_dir = FileOf("killed");
   StartStore(killed_dir);
   const int kills = KillsWanted();
   // Each life lasts half a second in the mean, with the start of the next about a second.

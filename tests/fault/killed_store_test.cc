@@ -1,9 +1,6 @@
 // Real processes: a map store that is killed again and again while robots stream to it.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -11,70 +8,43 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/corbslam/child_process.h"
 #include "services/corbslam/store_reader.h"
 #include "services/remote/channel.h"
+#include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"
 
 namespace corbslam {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr char kMission[] = "killed";
 
 // CORBSLAM_KILLS: how often the store is killed at most; more need more laps of the robots.
-int KillsWanted() {
-  int kills = 6;
-  const char* text = std::getenv("CORBSLAM_KILLS");
-  const bool is_number = text == nullptr || absl::SimpleAtoi(text, &kills);
-  EXPECT_TRUE(is_number) << text;
-  return kills;
-}
+int KillsWanted() { return CountFromEnvironment("CORBSLAM_KILLS", 6); }
 
-class KilledStoreTest : public ::testing::Test {
+class KilledStoreTest : public FaultTest {
  protected:
-  KilledStoreTest() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-
-  std::unique_ptr<ChildProcess> Start(const std::string& name, const std::string& program,
-                                      std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
-    const std::string log = (folder_ / absl::StrCat(name, ".log")).string();
-    auto process = ChildProcess::Start(name, arguments, log);
-    EXPECT_TRUE(process.ok()) << process.status();
-    return process.ok() ? *std::move(process) : nullptr;
-  }
-
   // On the address of the one before it, if there was one.
   void StartStore() {
     const std::string listen = address_.empty() ? "127.0.0.1:0" : address_;
     const std::string name = absl::StrCat("store", starts_++);
     store_ = Start(name, "map_store",
-                   {"--listen", listen, "--worker", worker_address_, "--data-dir",
-                    (folder_ / "data").string(), "--insecure"});
-    ASSERT_NE(store_, nullptr);
-    const auto address = store_->WaitForAddress(absl::Seconds(60));
-    ASSERT_TRUE(address.ok()) << address.status();
-    address_ = *address;
+                   {"--listen", listen, "--worker", worker_address_, "--data-dir", FileOf("data")});
+    address_ = AddressOf(store_.get());
+    ASSERT_NE(address_, "");
   }
 
   void StartAgent(const std::string& name, const std::string& options) {
-    agents_.emplace_back(
-        name, Start(name, "client_agent",
-                    {"--source", absl::StrCat(DemoSource(), "?", options), "--server", address_,
-                     "--mission", kMission, "--agent", name, "--pace", "sensor", "--stats",
-                     StatisticsOf(name), "--insecure"}));
+    agents_.emplace_back(name, Start(name, "client_agent",
+                                     {"--source", absl::StrCat(DemoSource(), "?", options),
+                                      "--server", address_, "--mission", kMission, "--agent", name,
+                                      "--pace", "sensor", "--stats", StatisticsOf(name)}));
   }
-  std::string StatisticsOf(const std::string& name) const {
-    return (folder_ / absl::StrCat(name, ".json")).string();
-  }
+  std::string StatisticsOf(const std::string& name) const { return FileOf(name + ".json"); }
 
   bool AllFinished() const {
     for (const auto& [name, process] : agents_) {
@@ -83,7 +53,6 @@ class KilledStoreTest : public ::testing::Test {
     return true;
   }
 
-  const fs::path folder_ = fs::path(::testing::TempDir()) / "corbslam_killed_store";
   std::unique_ptr<ChildProcess> worker_;
   std::string worker_address_;
   std::unique_ptr<ChildProcess> store_;
@@ -93,11 +62,9 @@ class KilledStoreTest : public ::testing::Test {
 };
 
 TEST_F(KilledStoreTest, EveryKeyframeIsThereOnce) {
-  worker_ = Start("worker", "fusion_worker", {"--listen", "127.0.0.1:0", "--insecure"});
-  ASSERT_NE(worker_, nullptr);
-  const auto worker_address = worker_->WaitForAddress(absl::Seconds(60));
-  ASSERT_TRUE(worker_address.ok()) << worker_address.status();
-  worker_address_ = *worker_address;
+  worker_ = Start("worker", "fusion_worker", {"--listen", "127.0.0.1:0"});
+  worker_address_ = AddressOf(worker_.get());
+  ASSERT_NE(worker_address_, "");
   StartStore();
   StartAgent("alpha", "robot=1/2");
   StartAgent("bravo", "robot=2/2");
@@ -126,7 +93,7 @@ TEST_F(KilledStoreTest, EveryKeyframeIsThereOnce) {
   const auto frames = reader.CountReportedFrames();
   ASSERT_TRUE(frames.ok()) << frames.status();
   for (const auto& [name, process] : agents_) {
-    const json own = json::parse(ReadText(StatisticsOf(name)), nullptr, false);
+    const json own = ReadStatistics(StatisticsOf(name));
     ASSERT_TRUE(own.is_object()) << name;
     keyframes += own["keyframes"].get<uint64_t>();
     // Each frame once: more would be twice applied, fewer lost.

@@ -1,0 +1,22 @@
+// How calls of a map store ended, for people.
+#ifndef CORBSLAM_SERVICES_CORBSLAM_CALL_STATUS_H_
+#define CORBSLAM_SERVICES_CORBSLAM_CALL_STATUS_H_
+
+#include <grpcpp/support/status.h>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+
+namespace corbslam {
+
+// With the name of the call that met the error.
+inline absl::Status ToStatus(const grpc::Status& status, absl::string_view call) {
+  if (status.ok()) return absl::OkStatus();
+  return absl::Status(static_cast<absl::StatusCode>(status.error_code()),
+                      absl::StrCat(call, ": ", status.error_message()));
+}
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CORBSLAM_CALL_STATUS_H_
