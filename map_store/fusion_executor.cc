@@ -1,8 +1,16 @@
 #include "map_store/fusion_executor.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <utility>
 
 namespace corbslam::map_store {
+namespace {
+
+constexpr int kKeeperNiceness = 10;
+
+}  // namespace
 
 void FusionExecutor::Start(ListMissions missions) {
   missions_ = std::move(missions);
@@ -30,13 +38,16 @@ void FusionExecutor::Wake() {
   changed_.SignalAll();
 }
 
+bool FusionExecutor::IsStopped() const {
+  absl::MutexLock lock(&mutex_);
+  return stop_;
+}
+
 bool FusionExecutor::RunOne(Mission& mission, FusionLane lane, bool& unavailable) {
   const std::optional<FusionJob> job = mission.StartJob(lane);
   if (!job.has_value()) return false;
   const ProgressCallback progress = [this, &job](double) {
-    if (job->cancelled->load()) return false;
-    absl::MutexLock lock(&mutex_);
-    return !stop_;
+    return !job->cancelled->load() && !IsStopped();
   };
   if (mission.FinishJob(lane, *job, RunRequest(job->work, *worker_, progress))) return true;
   unavailable = true;
@@ -59,11 +70,13 @@ void FusionExecutor::RunLane(FusionLane lane) {
 }
 
 void FusionExecutor::RunKeeper() {
+  // Robots wait for the other threads, nobody for this one.
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kKeeperNiceness);
   uint64_t seen = 0;
   while (WaitForWork(seen, false)) {
     for (const std::shared_ptr<Mission>& mission : missions_()) {
       // One that fails is wanted again when the next batch has come.
-      mission->KeepSnapshot().IgnoreError();
+      mission->KeepSnapshot([this] { return !IsStopped(); }).IgnoreError();
     }
   }
 }
@@ -80,7 +93,7 @@ bool FusionExecutor::WaitForWork(uint64_t& seen, bool unavailable) {
 }
 
 void FusionExecutor::RunUntilIdle(Mission& mission) {
-  mission.KeepSnapshot().IgnoreError();
+  mission.KeepSnapshot([] { return true; }).IgnoreError();
   if (worker_ == nullptr) return;
   bool unavailable = false;
   while (RunOne(mission, FusionLane::kGraph, unavailable) ||

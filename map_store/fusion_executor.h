@@ -38,6 +38,7 @@ class FusionExecutor {
   void RunUntilIdle(Mission& mission);
 
  private:
+  bool IsStopped() const;
   // False: nothing was done, or the worker is not there (`unavailable`).
   bool RunOne(Mission& mission, FusionLane lane, bool& unavailable);
   void RunLane(FusionLane lane);
@@ -51,7 +52,7 @@ class FusionExecutor {
   ListMissions missions_;
   std::vector<std::thread> threads_;
 
-  absl::Mutex mutex_;
+  mutable absl::Mutex mutex_;
   absl::CondVar changed_;
   uint64_t wakes_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;

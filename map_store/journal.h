@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,11 @@ class Journal {
     std::function<absl::Status(map_store::MissionState)> on_snapshot;
     // Called for each record since, in order.
     std::function<absl::Status(const map_store::JournalRecord&)> on_record;
+    // Records behind it are left out.
+    Position until = std::numeric_limits<Position>::max();
+    // False: a snapshot's keyframes come with empty features, a record's with as many as there are,
+    // all zero. What features are not needed for costs a fraction.
+    bool with_features = true;
   };
 
   virtual ~Journal() = default;
@@ -60,8 +66,10 @@ class Journal {
                                      const map_store::MissionState& state) = 0;
 
   virtual absl::StatusOr<std::vector<std::string>> ListMissions() const = 0;
-  // DATA_LOSS, naming the mission and the place, for what can't be read.
-  virtual absl::Status Recover(absl::string_view mission, const Replay& replay) const = 0;
+  // Returns the position of the last that was replayed; 0 for a mission without records. DATA_LOSS,
+  // naming the mission and the place, for what can't be read.
+  virtual absl::StatusOr<Position> Recover(absl::string_view mission,
+                                           const Replay& replay) const = 0;
   // Durable when it returns.
   virtual absl::Status DeleteMission(absl::string_view mission) = 0;
 
@@ -86,7 +94,7 @@ class InMemoryJournal : public Journal {
   absl::StatusOr<std::vector<std::string>> ListMissions() const override {
     return std::vector<std::string>();
   }
-  absl::Status Recover(absl::string_view, const Replay&) const override { return absl::OkStatus(); }
+  absl::StatusOr<Position> Recover(absl::string_view, const Replay&) const override { return 0; }
   absl::Status DeleteMission(absl::string_view) override { return absl::OkStatus(); }
   absl::Status CheckWritable() override { return absl::OkStatus(); }
 

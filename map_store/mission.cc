@@ -263,6 +263,8 @@ void Mission::Delete() {
     }
     lane_released_.SignalAll();
   }
+  // A snapshot that has begun must not come behind the deletion.
+  { absl::MutexLock ended(&snapshot_mutex_); }
   NotifyAll(0);
 }
 

@@ -57,8 +57,10 @@ class Mission {
   absl::Status Recover();
   // Likewise a state from elsewhere, which the journal has.
   void Restore(MissionState state);
-  // Writes a snapshot into the journal, if it wants one.
-  absl::Status KeepSnapshot();
+  // Writes a snapshot into the journal, if it wants one. It is made from the journal itself, beside
+  // the strand and the state's lock. CANCELLED once the mission is deleted or `goes_on`, called
+  // often, says no.
+  absl::Status KeepSnapshot(const std::function<bool()>& goes_on) ABSL_LOCKS_EXCLUDED(snapshot_mutex_, writer_mutex_, mutex_);
 
   // Fences an older session of the agent.
   absl::StatusOr<SessionGrant> OpenSession(uint64_t session_id, const SessionRequest& request);
@@ -119,6 +121,10 @@ class Mission {
   // The action needs no worker: says so in the state.
   void SkipAction(const FusionAction& action) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  // What the mission's graph was after a record, from the journal.
+  absl::StatusOr<MissionState> ReplayUntil(Journal::Position position,
+                                           const std::function<bool()>& goes_on) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
   // It stays as it is while the strand is held.
   bool IsDeleted() const ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status Append(const JournalRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
@@ -146,6 +152,8 @@ class Mission {
   const std::string name_;
   const Environment environment_;
 
+  // Held from a snapshot's beginning to its end.
+  absl::Mutex snapshot_mutex_ ABSL_ACQUIRED_BEFORE(writer_mutex_);
   absl::Mutex writer_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
   // Of the last append.
   std::atomic<Journal::Position> appended_ = 0;

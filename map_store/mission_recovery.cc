@@ -1,4 +1,5 @@
 // Mission and its journal: what it reads at its start, and its snapshots.
+#include <map>
 #include <utility>
 #include <variant>
 
@@ -6,6 +7,7 @@
 #include "map_store/durable/state_archive.h"
 #include "map_store/mission.h"
 #include "map_store/record_application.h"
+#include "map_store/unrecorded_state.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -14,23 +16,49 @@ namespace {
 // Above all versions that watchers may have seen before.
 constexpr uint64_t kVersionsOfALife = uint64_t{1} << 40;
 
-absl::Status ApplyAgain(const JournalRecord& record, const Vocabulary* vocabulary,
-                        const MapStoreOptions& options, MissionState& state) {
-  RETURN_IF_ERROR(CheckReplay(record, state));
-  if (const auto* batch = std::get_if<BatchRecord>(&record)) {
-    Apply(*batch, ComputeWords(*batch->batch, vocabulary), options, state);
-  } else if (const auto* query = std::get_if<QueryRecord>(&record)) {
-    Apply(*query, options, state);
-  } else if (const auto* fuse = std::get_if<FuseRecord>(&record)) {
-    Apply(*fuse, options, state);
-  } else if (const auto* refused = std::get_if<FuseRefusedRecord>(&record)) {
-    Apply(*refused, state);
-  } else if (const auto* adjust = std::get_if<AdjustRecord>(&record)) {
-    Apply(*adjust, options, state);
-  } else {
-    Apply(std::get<RederiveRecord>(record), state);
+struct ApplyAgain {
+  const BatchWords& words;
+  const MapStoreOptions& options;
+  MissionState& state;
+
+  void operator()(const BatchRecord& record) { Apply(record, words, options, state); }
+  void operator()(const QueryRecord& record) { Apply(record, options, state); }
+  void operator()(const FuseRecord& record) { Apply(record, options, state); }
+  void operator()(const FuseRefusedRecord& record) { Apply(record, state); }
+  void operator()(const AdjustRecord& record) { Apply(record, options, state); }
+  void operator()(const RederiveRecord& record) { Apply(record, state); }
+};
+
+BatchWords WordsOf(const JournalRecord& record, const Vocabulary* vocabulary) {
+  const auto* update = std::get_if<BatchRecord>(&record);
+  return update == nullptr ? BatchWords() : ComputeWords(*update->batch, vocabulary);
+}
+
+void DropFeatures(const JournalRecord& record, MissionState& state) {
+  const auto* update = std::get_if<BatchRecord>(&record);
+  if (update == nullptr) return;
+  LocalMapState& local_map = *state.FindLocalMap(update->batch->local_map);
+  for (const FullKeyframe& keyframe : update->batch->full_keyframes) {
+    local_map.map.DropFeatures(keyframe.payload->id);
   }
-  return absl::OkStatus();
+}
+
+// How much there is of a local map: a replay must come to the same.
+struct Extent {
+  uint64_t last_batch = 0;
+  size_t keyframes = 0;
+  size_t points = 0;
+
+  bool operator==(const Extent&) const = default;
+};
+
+std::map<LocalMapId, Extent> Measure(const MissionState& state) {
+  std::map<LocalMapId, Extent> extents;
+  for (const auto& [id, local_map] : state.local_maps) {
+    extents[id] = {local_map.last_batch, local_map.map.keyframes().size(),
+                   local_map.map.points().size()};
+  }
+  return extents;
 }
 
 }  // namespace
@@ -45,9 +73,12 @@ absl::Status Mission::Recover() {
     return absl::OkStatus();
   };
   replay.on_record = [&](const JournalRecord& record) {
-    return ApplyAgain(record, environment_.vocabulary, *environment_.options, state);
+    RETURN_IF_ERROR(CheckReplay(record, state));
+    const BatchWords words = WordsOf(record, environment_.vocabulary);
+    std::visit(ApplyAgain{words, *environment_.options, state}, record);
+    return absl::OkStatus();
   };
-  RETURN_IF_ERROR(environment_.journal->Recover(name_, replay));
+  ASSIGN_OR_RETURN(appended_, environment_.journal->Recover(name_, replay));
   if (state.name != name_) {
     return absl::DataLossError(
         absl::StrCat("the snapshot of mission ", name_, " is mission ", state.name, "'s"));
@@ -67,15 +98,52 @@ void Mission::Begin(MissionState state) {
   state_ = std::move(state);
 }
 
-absl::Status Mission::KeepSnapshot() {
+absl::StatusOr<MissionState> Mission::ReplayUntil(Journal::Position position,
+                                                  const std::function<bool()>& goes_on) const {
+  MissionState state;
+  state.name = name_;
+  Journal::Replay replay;
+  replay.until = position;
+  replay.with_features = false;
+  replay.on_snapshot = [&](MissionState snapshot) {
+    state = std::move(snapshot);
+    return absl::OkStatus();
+  };
+  // Its records were applied once before: they are sound, and words decide nothing any more.
+  replay.on_record = [&](const JournalRecord& record) -> absl::Status {
+    if (IsDeleted() || !goes_on()) return absl::CancelledError("no snapshot any more");
+    const BatchWords none;
+    std::visit(ApplyAgain{none, *environment_.options, state}, record);
+    DropFeatures(record, state);
+    return absl::OkStatus();
+  };
+  RETURN_IF_ERROR(environment_.journal->Recover(name_, replay).status());
+  return state;
+}
+
+absl::Status Mission::KeepSnapshot(const std::function<bool()>& goes_on) {
+  absl::MutexLock one(&snapshot_mutex_);
   if (!environment_.journal->WantsSnapshot(name_)) return absl::OkStatus();
-  JournalSnapshot snapshot;
+  Journal::Position position = 0;
+  UnrecordedState unrecorded;
+  std::map<LocalMapId, Extent> extents;
   {
     // No record comes between the state and its position.
     absl::MutexLock turn(&writer_mutex_);
-    snapshot = WithState(&TakeSnapshot);
-    snapshot.position = appended_;
+    position = appended_;
+    absl::ReaderMutexLock lock(&mutex_);
+    unrecorded = CopyUnrecorded(state_);
+    extents = Measure(state_);
   }
+  ASSIGN_OR_RETURN(MissionState state, ReplayUntil(position, goes_on));
+  if (Measure(state) != extents) {
+    return absl::InternalError(absl::StrCat("mission ", name_, " replayed until record ", position,
+                                            " is not what it was then"));
+  }
+  PutUnrecorded(std::move(unrecorded), state);
+  JournalSnapshot snapshot = TakeSnapshot(state);
+  snapshot.position = position;
+  if (IsDeleted()) return absl::CancelledError("no snapshot any more");
   return environment_.journal->WriteSnapshot(name_, snapshot);
 }
 

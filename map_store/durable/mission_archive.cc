@@ -20,7 +20,7 @@ using map_store::MissionState;
 namespace {
 
 constexpr std::string_view kMagic = "CORBMISN";
-constexpr uint32_t kFormat = 1;
+constexpr uint32_t kFormat = 2;
 constexpr size_t kHeaderBytes = kMagic.size() + sizeof(kFormat);
 constexpr size_t kSectionHeadBytes = 1 + sizeof(uint64_t);
 constexpr size_t kChecksumBytes = sizeof(uint32_t);
@@ -129,9 +129,9 @@ absl::StatusOr<bool> MissionRestorer::TakeHeader(std::string_view& rest) {
   if (rest.size() < kHeaderBytes) return false;
   uint32_t format = 0;
   std::memcpy(&format, rest.data() + kMagic.size(), sizeof(format));
-  if (format == 0 || format > kFormat) {
-    return absl::FailedPreconditionError(absl::StrCat(
-        "the backup has format ", format, ", this program reads formats up to ", kFormat));
+  if (format != kFormat) {
+    return absl::FailedPreconditionError(absl::StrCat("the backup has format ", format,
+                                                      ", this program reads ", kFormat));
   }
   rest.remove_prefix(kHeaderBytes);
   taken_ += kHeaderBytes;

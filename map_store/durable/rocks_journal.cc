@@ -103,6 +103,17 @@ RocksJournal::MissionFiles& RocksJournal::FilesOf(absl::string_view mission) {
   return it == missions_.end() ? missions_[std::string(mission)] : it->second;
 }
 
+void RocksJournal::NoteRecord(Position position, uint64_t bytes, MissionFiles& files) {
+  files.records[position] = bytes;
+  files.bytes_since_snapshot += bytes;
+}
+
+void RocksJournal::ForgetRecords(Position until, MissionFiles& files) {
+  const auto end = files.records.upper_bound(until);
+  for (auto it = files.records.begin(); it != end; ++it) files.bytes_since_snapshot -= it->second;
+  files.records.erase(files.records.begin(), end);
+}
+
 Journal::Position RocksJournal::BeginAppend() {
   absl::MutexLock lock(&mutex_);
   under_way_.insert(++last_);
@@ -142,7 +153,7 @@ absl::StatusOr<Journal::Position> RocksJournal::Append(absl::string_view mission
   absl::MutexLock lock(&mutex_);
   MissionFiles& files = FilesOf(mission);
   files.is_listed = true;
-  files.bytes_since_snapshot += bytes.size();
+  NoteRecord(position, bytes.size(), files);
   for (const KeyframeId& id : keyframes) files.features[id] = position;
   return position;
 }
@@ -194,11 +205,6 @@ absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
                                          const JournalSnapshot& snapshot) {
   const std::string name(mission);
   RETURN_IF_ERROR(CheckRoom(snapshot.state.size()));
-  uint64_t bytes_covered = 0;
-  {
-    absl::MutexLock lock(&mutex_);
-    bytes_covered = FilesOf(mission).bytes_since_snapshot;
-  }
   uint32_t chunks = 0;
   for (size_t begin = 0; begin < snapshot.state.size(); begin += kChunkBytes) {
     rocksdb::WriteBatch chunk;
@@ -219,7 +225,7 @@ absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
   absl::MutexLock lock(&mutex_);
   MissionFiles& files = FilesOf(mission);
   files.snapshot_bytes = size;
-  files.bytes_since_snapshot -= bytes_covered;
+  ForgetRecords(snapshot.position, files);
   for (const KeyframeId& id : unneeded) files.features.erase(id);
   return absl::OkStatus();
 }

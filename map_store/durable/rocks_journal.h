@@ -4,6 +4,7 @@
 #define CORBSLAM_MAP_STORE_DURABLE_ROCKS_JOURNAL_H_
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -55,7 +56,7 @@ class RocksJournal : public Journal {
   absl::Status CreateMission(absl::string_view mission,
                              const map_store::MissionState& state) override;
   absl::StatusOr<std::vector<std::string>> ListMissions() const override;
-  absl::Status Recover(absl::string_view mission, const Replay& replay) const override;
+  absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override;
   absl::Status DeleteMission(absl::string_view mission) override;
   absl::Status CheckWritable() override;
 
@@ -64,6 +65,7 @@ class RocksJournal : public Journal {
   struct MissionFiles {
     bool is_listed = false;
     uint64_t snapshot_bytes = 0;
+    std::map<Position, uint64_t> records;  // Bytes of each since the snapshot.
     uint64_t bytes_since_snapshot = 0;
     // Keyframes whose features are stored, and the last record that brought them.
     std::map<KeyframeId, Position> features;
@@ -74,6 +76,15 @@ class RocksJournal : public Journal {
 
   absl::Status LoadMissions();
   absl::Status LoadMission(const std::string& name) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::StatusOr<Features> LoadFeatures(const std::string& mission, KeyframeId id) const;
+  // Null where the replay wants none.
+  std::function<absl::StatusOr<Features>(KeyframeId)> LoaderFor(const std::string& mission,
+                                                                const Replay& replay) const;
+  absl::Status ReplaySnapshot(const std::string& mission, Position position,
+                              const Replay& replay) const;
+  // Those behind `position`; which becomes the last one's.
+  absl::Status ReplayRecords(const std::string& mission, const Replay& replay,
+                             Position& position) const;
   absl::Status Erase(const std::string& mission);
   absl::Status WriteFeatures(const std::string& mission, const map_store::MissionState& state,
                              Position position);
@@ -82,6 +93,8 @@ class RocksJournal : public Journal {
   absl::Status CheckRoom(uint64_t bytes) const;
   Position BeginAppend() ABSL_LOCKS_EXCLUDED(mutex_);
   void EndAppend(Position position) ABSL_LOCKS_EXCLUDED(mutex_);
+  static void NoteRecord(Position position, uint64_t bytes, MissionFiles& files);
+  static void ForgetRecords(Position until, MissionFiles& files);
   MissionFiles& FilesOf(absl::string_view mission) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::vector<KeyframeId> FindUnneeded(absl::string_view mission, const JournalSnapshot& snapshot)
       ABSL_LOCKS_EXCLUDED(mutex_);

@@ -1,5 +1,6 @@
 // RocksJournal and what it finds in its folder.
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -16,6 +17,7 @@ namespace corbslam {
 using map_store::ArchiveReader;
 using map_store::DecodeHeader;
 using map_store::EndOfPrefix;
+using map_store::FeatureLoader;
 using map_store::FeaturesKey;
 using map_store::JournalPart;
 using map_store::JournalRecord;
@@ -23,6 +25,7 @@ using map_store::kNotWhole;
 using map_store::MissionHeader;
 using map_store::MissionKey;
 using map_store::MissionPrefix;
+using map_store::MissionState;
 using map_store::RecordKey;
 using map_store::SnapshotKey;
 
@@ -62,8 +65,9 @@ absl::Status RocksJournal::LoadMission(const std::string& name) {
   const std::string records = MissionPrefix(JournalPart::kRecord, name);
   RETURN_IF_ERROR(database_->Scan(records, EndOfPrefix(records),
                                   [&](std::string_view key, std::string_view value) {
-                                    last = std::max<Position>(last, map_store::PositionOf(key));
-                                    files.bytes_since_snapshot += value.size();
+                                    const Position position = map_store::PositionOf(key);
+                                    last = std::max(last, position);
+                                    NoteRecord(position, value.size(), files);
                                     return absl::OkStatus();
                                   }));
   const std::string features = MissionPrefix(JournalPart::kFeatures, name);
@@ -87,52 +91,67 @@ absl::StatusOr<std::vector<std::string>> RocksJournal::ListMissions() const {
   return names;
 }
 
-absl::Status RocksJournal::Recover(absl::string_view mission, const Replay& replay) const {
-  const std::string name(mission);
-  const auto locate = [&](const absl::Status& status) {
-    return absl::Status(status.code(), absl::StrCat("journal ", options_.directory, ", mission ",
-                                                    name, ": ", status.message()));
-  };
-  std::string encoded;
-  const rocksdb::Status found = database_->Get(MissionKey(name), &encoded);
-  if (found.IsNotFound()) return absl::OkStatus();
-  RETURN_IF_ERROR(ToStatus(found));
-  const absl::StatusOr<MissionHeader> header = DecodeHeader(encoded);
-  if (!header.ok()) return locate(header.status());
-  const map_store::FeatureLoader load = [&](KeyframeId id) -> absl::StatusOr<Features> {
-    std::string bytes;
-    const rocksdb::Status read = database_->Get(FeaturesKey(name, id), &bytes);
-    if (!read.ok()) {
-      return absl::DataLossError(
-          absl::StrCat("features of keyframe ", ToString(id), ": ", read.ToString()));
-    }
-    return map_store::DecodeFeatures(bytes);
-  };
-  if (header->snapshot_position > 0) {
-    std::string bytes;
-    const std::string first = SnapshotKey(name, header->snapshot_position, 0);
-    const std::string end = SnapshotKey(name, header->snapshot_position + 1, 0);
-    const absl::Status read =
-        database_->Scan(first, end, [&](std::string_view, std::string_view chunk) {
-          bytes.append(chunk);
-          return absl::OkStatus();
-        });
-    if (!read.ok()) return locate(read);
-    absl::StatusOr<map_store::MissionState> state = map_store::DecodeState(bytes, load);
-    if (!state.ok()) return locate(state.status());
-    RETURN_IF_ERROR(replay.on_snapshot(*std::move(state)));
-  }
-  const std::string end = EndOfPrefix(MissionPrefix(JournalPart::kRecord, name));
-  const absl::Status replayed = database_->Scan(
-      RecordKey(name, header->snapshot_position + 1), end,
+absl::StatusOr<Features> RocksJournal::LoadFeatures(const std::string& mission,
+                                                    KeyframeId id) const {
+  std::string bytes;
+  const rocksdb::Status read = database_->Get(FeaturesKey(mission, id), &bytes);
+  if (read.ok()) return map_store::DecodeFeatures(bytes);
+  return absl::DataLossError(
+      absl::StrCat("features of keyframe ", ToString(id), ": ", read.ToString()));
+}
+
+absl::Status RocksJournal::ReplaySnapshot(const std::string& mission, Position position,
+                                          const Replay& replay) const {
+  std::string bytes;
+  RETURN_IF_ERROR(database_->Scan(SnapshotKey(mission, position, 0),
+                                  SnapshotKey(mission, position + 1, 0),
+                                  [&](std::string_view, std::string_view chunk) {
+                                    bytes.append(chunk);
+                                    return absl::OkStatus();
+                                  }));
+  ASSIGN_OR_RETURN(MissionState state, map_store::DecodeState(bytes, LoaderFor(mission, replay)));
+  return replay.on_snapshot(std::move(state));
+}
+
+absl::Status RocksJournal::ReplayRecords(const std::string& mission, const Replay& replay,
+                                         Position& position) const {
+  const FeatureLoader load = LoaderFor(mission, replay);
+  const std::string prefix = MissionPrefix(JournalPart::kRecord, mission);
+  const std::string end = replay.until == std::numeric_limits<Position>::max()
+                              ? EndOfPrefix(prefix)
+                              : RecordKey(mission, replay.until + 1);
+  return database_->Scan(
+      RecordKey(mission, position + 1), end,
       [&](std::string_view key, std::string_view bytes) -> absl::Status {
+        position = map_store::PositionOf(key);
         const absl::StatusOr<JournalRecord> record = map_store::DecodeRecord(bytes, load);
         absl::Status status = record.ok() ? replay.on_record(*record) : record.status();
         if (status.ok()) return status;
-        return absl::Status(status.code(), absl::StrCat("record ", map_store::PositionOf(key), ": ",
-                                                        status.message()));
+        return absl::Status(status.code(),
+                            absl::StrCat("record ", position, ": ", status.message()));
       });
-  return replayed.ok() ? replayed : locate(replayed);
+}
+
+FeatureLoader RocksJournal::LoaderFor(const std::string& mission, const Replay& replay) const {
+  if (!replay.with_features) return nullptr;
+  return [this, mission](KeyframeId id) { return LoadFeatures(mission, id); };
+}
+
+absl::StatusOr<Journal::Position> RocksJournal::Recover(absl::string_view mission,
+                                                        const Replay& replay) const {
+  const std::string name(mission);
+  std::string encoded;
+  const rocksdb::Status found = database_->Get(MissionKey(name), &encoded);
+  if (found.IsNotFound()) return 0;
+  RETURN_IF_ERROR(ToStatus(found));
+  const absl::StatusOr<MissionHeader> header = DecodeHeader(encoded);
+  absl::Status status = header.status();
+  Position position = header.ok() ? header->snapshot_position : 0;
+  if (position > 0) status = ReplaySnapshot(name, position, replay);
+  if (status.ok()) status = ReplayRecords(name, replay, position);
+  if (status.ok()) return position;
+  return absl::Status(status.code(), absl::StrCat("journal ", options_.directory, ", mission ",
+                                                  name, ": ", status.message()));
 }
 
 }  // namespace corbslam

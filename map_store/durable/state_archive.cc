@@ -18,6 +18,7 @@ namespace corbslam::map_store {
 // The graph as lists: what a Map is built from again.
 struct StoredKeyframe {
   std::shared_ptr<const KeyframePayload> payload;
+  uint32_t keypoints = 0;
   Rigid3d camera_from_map;
   KeyframeId parent;
   std::vector<KeyframeId> loop_edges;
@@ -39,7 +40,8 @@ struct StoredMap {
 
 template <typename Archive, MayBeConst<StoredKeyframe> T>
 void Fields(Archive& archive, T& keyframe) {
-  archive(keyframe.payload, keyframe.camera_from_map, keyframe.parent, keyframe.loop_edges);
+  archive(keyframe.payload, keyframe.keypoints, keyframe.camera_from_map, keyframe.parent,
+          keyframe.loop_edges);
 }
 template <typename Archive, MayBeConst<StoredPoint> T>
 void Fields(Archive& archive, T& point) {
@@ -66,7 +68,7 @@ void Fields(Archive& archive, T& agent) {
 
 namespace {
 
-constexpr uint32_t kStateFormat = 1;
+constexpr uint32_t kStateFormat = 2;
 
 absl::Status Unreadable(absl::string_view what) {
   return absl::DataLossError(absl::StrCat(what, " can't be read: its bytes are damaged"));
@@ -76,6 +78,7 @@ StoredMap ToStored(const Map& map) {
   StoredMap stored;
   for (const auto& [id, keyframe] : map.keyframes()) {
     stored.keyframes.push_back({keyframe.payload,
+                                static_cast<uint32_t>(keyframe.points.size()),
                                 keyframe.camera_from_map,
                                 keyframe.parent,
                                 {keyframe.loop_edges.begin(), keyframe.loop_edges.end()}});
@@ -93,7 +96,11 @@ StoredMap ToStored(const Map& map) {
   return stored;
 }
 
-// With its features, which must be possible.
+absl::Status DifferentCount(KeyframeId id) {
+  return Unreadable(absl::StrCat("the number of keypoints of keyframe ", ToString(id)));
+}
+
+// With its features, which must be possible; without any if `load` is null.
 absl::StatusOr<std::shared_ptr<const KeyframePayload>> WithFeatures(const StoredKeyframe& stored,
                                                                     const LocalMapState& local_map,
                                                                     const FeatureLoader& load) {
@@ -104,7 +111,10 @@ absl::StatusOr<std::shared_ptr<const KeyframePayload>> WithFeatures(const Stored
   }
   const std::shared_ptr<const Camera>& camera = local_map.cameras[index];
   auto payload = std::make_shared<KeyframePayload>(*stored.payload);
+  payload->camera = camera;
+  if (load == nullptr) return payload;
   ASSIGN_OR_RETURN(payload->features, load(id));
+  if (payload->features.keypoints.size() != stored.keypoints) return DifferentCount(id);
   const absl::Status valid = ValidateFullKeyframe({payload, stored.camera_from_map, stored.parent},
                                                   *camera, MapStoreOptions::WithoutBatchLimits());
   if (!valid.ok()) return absl::DataLossError(valid.message());
@@ -122,6 +132,7 @@ absl::Status AddKeyframes(const std::vector<StoredKeyframe>& keyframes, const Fe
   for (const StoredKeyframe& from : keyframes) {
     Keyframe keyframe;
     ASSIGN_OR_RETURN(keyframe.payload, WithFeatures(from, *local_map, load));
+    keyframe.points.resize(from.keypoints);
     keyframe.camera_from_map = from.camera_from_map;
     if (!local_map->map.AddKeyframe(std::move(keyframe))) {
       return Unreadable(absl::StrCat("keyframe ", ToString(from.payload->id)));
@@ -175,6 +186,22 @@ absl::Status BuildMap(const StoredMap& stored, const FeatureLoader& load,
   return AddPoints(stored.points, &local_map->map);
 }
 
+std::vector<uint32_t> CountKeypoints(const std::vector<FullKeyframe>& keyframes) {
+  std::vector<uint32_t> counts;
+  for (const FullKeyframe& keyframe : keyframes) {
+    counts.push_back(static_cast<uint32_t>(keyframe.payload->features.keypoints.size()));
+  }
+  return counts;
+}
+
+absl::StatusOr<Features> LoadOrBlank(const FeatureLoader& load, KeyframeId id, uint32_t keypoints) {
+  if (load != nullptr) return load(id);
+  Features blank;
+  blank.keypoints.resize(keypoints);
+  blank.descriptors.resize(keypoints);
+  return blank;
+}
+
 // What DecodeState's order of reading is; the same both ways.
 template <typename Archive, typename State>
 void GlobalFields(Archive& archive, State& state) {
@@ -207,6 +234,9 @@ absl::StatusOr<Features> DecodeFeatures(std::string_view bytes) {
 std::string EncodeRecord(const JournalRecord& record) {
   ArchiveWriter writer;
   writer(record);
+  if (const auto* update = std::get_if<BatchRecord>(&record)) {
+    writer(CountKeypoints(update->batch->full_keyframes));
+  }
   return writer.Take();
 }
 
@@ -214,16 +244,20 @@ absl::StatusOr<JournalRecord> DecodeRecord(std::string_view bytes, const Feature
   ArchiveReader reader(bytes);
   JournalRecord record;
   reader(record);
+  auto* update = std::get_if<BatchRecord>(&record);
+  std::vector<uint32_t> keypoints;
+  if (update != nullptr && reader.ok()) reader(keypoints);
   if (!reader.done()) return Unreadable("a journal record");
-  auto* batch_record = std::get_if<BatchRecord>(&record);
-  if (batch_record == nullptr) return record;
-  auto batch = std::make_shared<MapUpdateBatch>(*batch_record->batch);
-  for (FullKeyframe& keyframe : batch->full_keyframes) {
-    auto payload = std::make_shared<KeyframePayload>(*keyframe.payload);
-    ASSIGN_OR_RETURN(payload->features, load(payload->id));
-    keyframe.payload = std::move(payload);
+  if (update == nullptr) return record;
+  auto batch = std::make_shared<MapUpdateBatch>(*update->batch);
+  if (keypoints.size() != batch->full_keyframes.size()) return Unreadable("a journal record");
+  for (size_t i = 0; i < keypoints.size(); ++i) {
+    auto payload = std::make_shared<KeyframePayload>(*batch->full_keyframes[i].payload);
+    ASSIGN_OR_RETURN(payload->features, LoadOrBlank(load, payload->id, keypoints[i]));
+    if (payload->features.keypoints.size() != keypoints[i]) return DifferentCount(payload->id);
+    batch->full_keyframes[i].payload = std::move(payload);
   }
-  batch_record->batch = std::move(batch);
+  update->batch = std::move(batch);
   return record;
 }
 

@@ -20,7 +20,9 @@ namespace corbslam::map_store {
 using FeatureLoader = std::function<absl::StatusOr<Features>(KeyframeId)>;
 
 std::string EncodeFeatures(const Features& features);
-// All Decode functions: DATA_LOSS where the bytes are not what the Encode function made.
+// All Decode functions: DATA_LOSS where the bytes are not what the Encode function made. Those that
+// load features go without when `load` is null (Journal::Replay::with_features), and then believe
+// that the bytes are a sound mission's.
 absl::StatusOr<Features> DecodeFeatures(std::string_view bytes);
 
 std::string EncodeRecord(const JournalRecord& record);

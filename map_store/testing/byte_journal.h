@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_MAP_STORE_TESTING_BYTE_JOURNAL_H_
 #define CORBSLAM_MAP_STORE_TESTING_BYTE_JOURNAL_H_
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <string>
@@ -19,7 +20,8 @@ namespace corbslam::testing {
 struct JournalBytes {
   std::string mission = "m";
   std::string snapshot;  // EncodeState's; empty: none.
-  std::vector<std::string> records;
+  Journal::Position snapshot_position = 0;
+  std::vector<std::string> records;  // Since the snapshot.
   std::map<KeyframeId, std::string> features;
   std::string other_features;  // Of all other keyframes.
   bool wants_snapshot = false;
@@ -38,13 +40,16 @@ class ByteJournal : public Journal {
       }
     }
     bytes_->records.push_back(map_store::EncodeRecord(record));
-    return bytes_->records.size();
+    return bytes_->snapshot_position + bytes_->records.size();
   }
   absl::Status Sync(Position) override { return absl::OkStatus(); }
   bool WantsSnapshot(absl::string_view) const override { return bytes_->wants_snapshot; }
   absl::Status WriteSnapshot(absl::string_view, const JournalSnapshot& snapshot) override {
     bytes_->snapshot = snapshot.state;
-    bytes_->records.clear();
+    const auto begin = bytes_->records.begin();
+    bytes_->records.erase(
+        begin, begin + static_cast<ptrdiff_t>(snapshot.position - bytes_->snapshot_position));
+    bytes_->snapshot_position = snapshot.position;
     return absl::OkStatus();
   }
   absl::Status CreateMission(absl::string_view mission,
@@ -61,22 +66,28 @@ class ByteJournal : public Journal {
   absl::StatusOr<std::vector<std::string>> ListMissions() const override {
     return std::vector<std::string>{bytes_->mission};
   }
-  absl::Status Recover(absl::string_view, const Replay& replay) const override {
-    const map_store::FeatureLoader load = [this](KeyframeId id) {
-      const auto it = bytes_->features.find(id);
-      return map_store::DecodeFeatures(it == bytes_->features.end() ? bytes_->other_features
-                                                                    : it->second);
-    };
+  absl::StatusOr<Position> Recover(absl::string_view, const Replay& replay) const override {
+    map_store::FeatureLoader load;
+    if (replay.with_features) {
+      load = [this](KeyframeId id) {
+        const auto it = bytes_->features.find(id);
+        return map_store::DecodeFeatures(it == bytes_->features.end() ? bytes_->other_features
+                                                                      : it->second);
+      };
+    }
+    Position position = bytes_->snapshot_position;
     if (!bytes_->snapshot.empty()) {
       ASSIGN_OR_RETURN(map_store::MissionState state,
                        map_store::DecodeState(bytes_->snapshot, load));
       RETURN_IF_ERROR(replay.on_snapshot(std::move(state)));
     }
     for (const std::string& bytes : bytes_->records) {
+      if (position == replay.until) break;
+      ++position;
       ASSIGN_OR_RETURN(const map_store::JournalRecord record, map_store::DecodeRecord(bytes, load));
       RETURN_IF_ERROR(replay.on_record(record));
     }
-    return absl::OkStatus();
+    return position;
   }
   absl::Status DeleteMission(absl::string_view) override { return absl::OkStatus(); }
   absl::Status CheckWritable() override { return absl::OkStatus(); }

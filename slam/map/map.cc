@@ -56,7 +56,9 @@ MapPoint* Map::MutablePoint(MapPointId id) {
 bool Map::AddKeyframe(Keyframe keyframe) {
   const KeyframeId id = keyframe.id();
   const KeyframeId parent = std::exchange(keyframe.parent, KeyframeId());
-  keyframe.points.assign(keyframe.keypoints().size(), MapPointId());
+  const size_t keypoints =
+      keyframe.keypoints().empty() ? keyframe.points.size() : keyframe.keypoints().size();
+  keyframe.points.assign(keypoints, MapPointId());
   keyframe.children.clear();
   keyframe.covisible.clear();
   const auto [it, added] = keyframes_.try_emplace(id, std::move(keyframe));
@@ -90,6 +92,14 @@ void Map::SetPosition(MapPointId id, const Eigen::Vector3d& position_in_map) {
 
 void Map::SetWords(KeyframeId id, std::shared_ptr<const Words> words) {
   if (Keyframe* keyframe = MutableKeyframe(id)) keyframe->words = std::move(words);
+}
+
+void Map::DropFeatures(KeyframeId id) {
+  Keyframe* keyframe = MutableKeyframe(id);
+  if (keyframe == nullptr) return;
+  const KeyframePayload& payload = *keyframe->payload;
+  keyframe->payload = MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index,
+                                          payload.camera, Features());
 }
 
 bool Map::IsAncestor(KeyframeId ancestor, KeyframeId id) const {

@@ -42,8 +42,9 @@ class Map {
   const MapPoint* FindPoint(MapPointId id) const;
 
   // Adds a keyframe with its payload, words, pose and parent; `points` must be empty or all
-  // invalid, children and covisible empty: observations come by AddObservation. A parent that is
-  // not in the map is taken as none. False if the id is there already.
+  // invalid, children and covisible empty: observations come by AddObservation. Without features
+  // in its payload it has as many keypoints as `points` has entries. A parent that is not in the
+  // map is taken as none. False if the id is there already.
   bool AddKeyframe(Keyframe keyframe);
   // Adds a point without observations. False if the id is there already.
   bool AddPoint(MapPoint point);
@@ -51,6 +52,8 @@ class Map {
   void SetPose(KeyframeId id, const Rigid3d& camera_from_map);
   void SetPosition(MapPointId id, const Eigen::Vector3d& position_in_map);
   void SetWords(KeyframeId id, std::shared_ptr<const Words> words);
+  // For whoever needs the graph alone. The payload is not edited: others may have it too.
+  void DropFeatures(KeyframeId id);
   // False, and no change, if that would make a cycle.
   bool SetParent(KeyframeId child, KeyframeId parent);
   bool AddLoopEdge(KeyframeId a, KeyframeId b);
