@@ -132,7 +132,7 @@ class References {
     // What is known already is not taken again.
     if (const Keyframe* known =
             local_map_ == nullptr ? nullptr : local_map_->map.FindKeyframe(id)) {
-      return known->keypoints().size();
+      return known->points.size();
     }
     const auto it = keypoints_.find(id);
     if (it == keypoints_.end()) return std::nullopt;

@@ -80,17 +80,24 @@ bool ApplyObservation(const MissionState&, const ObservationChange& change,
     return true;
   }
   if (change.keypoint >= keyframe->points.size()) return true;
-  const MapPointId point = FollowReplacements(local_map, change.point);
-  if (!point.IsValid() || local_map.removed_points.contains(point)) return true;
-  if (point.local_map != local_map.id) {
-    ObserveForeign(change.keyframe, change.keypoint, point, local_map);
-    return true;
-  }
+  MapPointId point = change.point;
   const MapPoint* own = local_map.map.FindPoint(point);
-  if (own == nullptr) return false;
+  // What is there was neither replaced nor removed.
+  if (own == nullptr) {
+    point = FollowReplacements(local_map, change.point);
+    if (!point.IsValid() || local_map.removed_points.contains(point)) return true;
+    if (point.local_map != local_map.id) {
+      ObserveForeign(change.keyframe, change.keypoint, point, local_map);
+      return true;
+    }
+    own = local_map.map.FindPoint(point);
+    if (own == nullptr) return false;
+  }
   if (keyframe->points[change.keypoint] == point) return true;
   ClearKeypoint(change.keyframe, change.keypoint, local_map);
-  local_map.map.RemoveObservation(point, change.keyframe);
+  if (own->observations.contains(change.keyframe)) {
+    local_map.map.RemoveObservation(point, change.keyframe);
+  }
   local_map.map.AddObservation(point, change.keyframe, change.keypoint);
   return true;
 }

@@ -1,7 +1,9 @@
 #include "map_store/item_validation.h"
 
 #include <cmath>
+#include <string>
 
+#include "absl/functional/function_ref.h"
 #include "map_store/quota.h"
 #include "slam/util/status_macros.h"
 
@@ -18,18 +20,29 @@ constexpr double kMaxScale = 1e6;
 constexpr int64_t kMaxTime_ns = int64_t{1} << 62;
 constexpr double kMaxDisparity_px = 16384;
 
+// Of the item, made when something is wrong with it.
+using Name = absl::FunctionRef<std::string()>;
+
+template <typename Id>
+auto NameOf(absl::string_view what, Id id) {
+  return [what, id] { return absl::StrCat(what, " ", ToString(id)); };
+}
+
 // Written so that NaN fails.
 bool IsWithin(double value, double low, double high) { return value >= low && value <= high; }
 
 template <typename Value, typename Limit>
-absl::Status OutOfRange(absl::string_view what, absl::string_view field, Value value, Limit low,
-                        Limit high) {
+absl::Status OutOfRange(Name what, absl::string_view field, Value value, Limit low, Limit high) {
   return absl::InvalidArgumentError(
-      absl::StrCat(what, ": ", field, " is ", value, ", must be in [", low, ", ", high, "]"));
+      absl::StrCat(what(), ": ", field, " is ", value, ", must be in [", low, ", ", high, "]"));
 }
 
-absl::Status CheckPosition(absl::string_view what, absl::string_view field,
-                           const Eigen::Vector3d& position) {
+absl::Status CheckTime(Name what, int64_t time_ns) {
+  if (time_ns >= 0 && time_ns <= kMaxTime_ns) return absl::OkStatus();
+  return OutOfRange(what, "timestamp_ns", time_ns, int64_t{0}, kMaxTime_ns);
+}
+
+absl::Status CheckPosition(Name what, absl::string_view field, const Eigen::Vector3d& position) {
   for (const double value : position) {
     if (!IsWithin(value, -kMaxCoordinate, kMaxCoordinate)) {
       return OutOfRange(what, field, value, -kMaxCoordinate, kMaxCoordinate);
@@ -38,8 +51,7 @@ absl::Status CheckPosition(absl::string_view what, absl::string_view field,
   return absl::OkStatus();
 }
 
-absl::Status CheckRotation(absl::string_view what, absl::string_view field,
-                           const Eigen::Quaterniond& rotation) {
+absl::Status CheckRotation(Name what, absl::string_view field, const Eigen::Quaterniond& rotation) {
   const double length = rotation.norm();
   if (IsWithin(length, 1 - kUnitNormTolerance, 1 + kUnitNormTolerance)) return absl::OkStatus();
   return OutOfRange(what, absl::StrCat("length of the quaternion of ", field), length,
@@ -47,15 +59,14 @@ absl::Status CheckRotation(absl::string_view what, absl::string_view field,
 }
 
 // No keyframe at all, or one with a whole id that is not the child.
-absl::Status CheckParent(absl::string_view what, KeyframeId child, KeyframeId parent) {
+absl::Status CheckParent(Name what, KeyframeId child, KeyframeId parent) {
   if (parent == KeyframeId()) return absl::OkStatus();
-  if (!parent.IsValid()) return absl::InvalidArgumentError(absl::StrCat(what, ": half a parent"));
+  if (!parent.IsValid()) return absl::InvalidArgumentError(absl::StrCat(what(), ": half a parent"));
   if (parent != child) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(what, " is its own parent"));
+  return absl::InvalidArgumentError(absl::StrCat(what(), " is its own parent"));
 }
 
-absl::Status CheckKeypoint(absl::string_view what, size_t i, const Keypoint& keypoint,
-                           const Camera& camera) {
+absl::Status CheckKeypoint(Name what, size_t i, const Keypoint& keypoint, const Camera& camera) {
   const auto check = [&](absl::string_view field, double value, double low, double high) {
     if (IsWithin(value, low, high)) return absl::OkStatus();
     return OutOfRange(what, absl::StrCat(field, " of keypoint ", i), value, low, high);
@@ -69,21 +80,22 @@ absl::Status CheckKeypoint(absl::string_view what, size_t i, const Keypoint& key
   return check("octave", keypoint.octave, 0, ScalePyramid::kLevels - 1);
 }
 
-absl::Status CheckFeatures(absl::string_view what, const KeyframePayload& payload,
-                           const Camera& camera, const MapStoreOptions& options) {
+absl::Status CheckFeatures(Name what, const KeyframePayload& payload, const Camera& camera,
+                           const MapStoreOptions& options) {
   const Features& features = payload.features;
   const size_t count = features.keypoints.size();
   if (count > options.max_keypoints_per_keyframe) {
     return absl::ResourceExhaustedError(absl::StrCat(
-        what, " has ", count, " keypoints; the limit is ", options.max_keypoints_per_keyframe));
+        what(), " has ", count, " keypoints; the limit is ", options.max_keypoints_per_keyframe));
   }
   if (features.descriptors.size() != count) {
-    return absl::InvalidArgumentError(absl::StrCat(what, " has ", count, " keypoints but ",
+    return absl::InvalidArgumentError(absl::StrCat(what(), " has ", count, " keypoints but ",
                                                    features.descriptors.size(), " descriptors"));
   }
   if (PayloadBytes(payload) > options.max_keyframe_bytes) {
-    return absl::ResourceExhaustedError(absl::StrCat(
-        what, " has ", PayloadBytes(payload), " bytes; the limit is ", options.max_keyframe_bytes));
+    return absl::ResourceExhaustedError(absl::StrCat(what(), " has ", PayloadBytes(payload),
+                                                     " bytes; the limit is ",
+                                                     options.max_keyframe_bytes));
   }
   for (size_t i = 0; i < count; ++i) {
     RETURN_IF_ERROR(CheckKeypoint(what, i, features.keypoints[i], camera));
@@ -94,18 +106,17 @@ absl::Status CheckFeatures(absl::string_view what, const KeyframePayload& payloa
 }  // namespace
 
 absl::Status ValidateTime(absl::string_view what, int64_t time_ns) {
-  if (time_ns >= 0 && time_ns <= kMaxTime_ns) return absl::OkStatus();
-  return OutOfRange(what, "timestamp_ns", time_ns, int64_t{0}, kMaxTime_ns);
+  return CheckTime([what] { return std::string(what); }, time_ns);
 }
 
 absl::Status ValidatePosition(absl::string_view what, MapPointId id, absl::string_view field,
                               const Eigen::Vector3d& position) {
-  return CheckPosition(absl::StrCat(what, " ", ToString(id)), field, position);
+  return CheckPosition(NameOf(what, id), field, position);
 }
 
 absl::Status ValidatePose(absl::string_view what, KeyframeId id, absl::string_view field,
                           const Rigid3d& pose) {
-  const std::string item = absl::StrCat(what, " ", ToString(id));
+  const auto item = NameOf(what, id);
   RETURN_IF_ERROR(CheckRotation(item, field, pose.rotation));
   return CheckPosition(item, field, pose.translation);
 }
@@ -115,41 +126,40 @@ absl::Status ValidateSimilarity(absl::string_view what, KeyframeId id,
   RETURN_IF_ERROR(
       ValidatePose(what, id, "b_from_a", {similarity.rotation, similarity.translation}));
   if (IsWithin(similarity.scale, kMinScale, kMaxScale)) return absl::OkStatus();
-  return OutOfRange(absl::StrCat(what, " ", ToString(id)), "scale", similarity.scale, kMinScale,
-                    kMaxScale);
+  return OutOfRange(NameOf(what, id), "scale", similarity.scale, kMinScale, kMaxScale);
 }
 
 absl::Status ValidateFullKeyframe(const FullKeyframe& keyframe, const Camera& camera,
                                   const MapStoreOptions& options) {
   const KeyframePayload& payload = *keyframe.payload;
-  const std::string what = absl::StrCat("full keyframe ", ToString(payload.id));
-  RETURN_IF_ERROR(ValidateTime(what, payload.timestamp_ns));
+  const auto what = NameOf("full keyframe", payload.id);
+  RETURN_IF_ERROR(CheckTime(what, payload.timestamp_ns));
   RETURN_IF_ERROR(
       ValidatePose("full keyframe", payload.id, "camera_from_local", keyframe.camera_from_local));
   RETURN_IF_ERROR(CheckParent(what, payload.id, keyframe.parent));
   if (payload.camera != nullptr && !(*payload.camera == camera)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(what, " carries another camera than index ", payload.camera_index, " names"));
+    return absl::InvalidArgumentError(absl::StrCat(what(), " carries another camera than index ",
+                                                   payload.camera_index, " names"));
   }
   return CheckFeatures(what, payload, camera, options);
 }
 
 absl::Status ValidateLightKeyframe(const LightKeyframe& keyframe) {
-  const std::string what = absl::StrCat("light keyframe ", ToString(keyframe.id));
+  const auto what = NameOf("light keyframe", keyframe.id);
   RETURN_IF_ERROR(
       ValidatePose("light keyframe", keyframe.id, "camera_from_local", keyframe.camera_from_local));
   return CheckParent(what, keyframe.id, keyframe.parent);
 }
 
 absl::Status ValidateRemoval(const KeyframeRemoval& removal) {
-  const std::string what = absl::StrCat("removed keyframe ", ToString(removal.id));
+  const auto what = NameOf("removed keyframe", removal.id);
   RETURN_IF_ERROR(ValidatePose("removed keyframe", removal.id, "parent_from_removed",
                                removal.parent_from_removed));
   return CheckParent(what, removal.id, removal.parent);
 }
 
 absl::Status ValidateFullPoint(const FullMapPoint& point) {
-  const std::string what = absl::StrCat("full map point ", ToString(point.id));
+  const auto what = NameOf("full map point", point.id);
   RETURN_IF_ERROR(CheckPosition(what, "position", point.position_in_local));
   const double length = point.normal_in_local.norm();
   if (length != 0 && !IsWithin(length, 1 - kNormalTolerance, 1 + kNormalTolerance)) {
@@ -163,7 +173,7 @@ absl::Status ValidateFullPoint(const FullMapPoint& point) {
     return OutOfRange(what, "max_distance", point.max_distance, point.min_distance, kMaxCoordinate);
   }
   if (point.reference != KeyframeId() && !point.reference.IsValid()) {
-    return absl::InvalidArgumentError(absl::StrCat(what, ": half a reference"));
+    return absl::InvalidArgumentError(absl::StrCat(what(), ": half a reference"));
   }
   return absl::OkStatus();
 }

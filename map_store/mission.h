@@ -60,7 +60,8 @@ class Mission {
   // Writes a snapshot into the journal, if it wants one. It is made from the journal itself, beside
   // the strand and the state's lock. CANCELLED once the mission is deleted or `goes_on`, called
   // often, says no.
-  absl::Status KeepSnapshot(const std::function<bool()>& goes_on) ABSL_LOCKS_EXCLUDED(snapshot_mutex_, writer_mutex_, mutex_);
+  absl::Status KeepSnapshot(const std::function<bool()>& goes_on)
+      ABSL_LOCKS_EXCLUDED(snapshot_mutex_, writer_mutex_, mutex_);
 
   // Fences an older session of the agent.
   absl::StatusOr<SessionGrant> OpenSession(uint64_t session_id, const SessionRequest& request);

@@ -1,5 +1,5 @@
-// What records don't say of a mission: what was decided without a worker, and what is counted. It is
-// small; a snapshot has it from the mission as it stands and all the rest from the journal.
+// What records don't say of a mission: what was decided without a worker, and what is counted. It
+// is small; a snapshot has it from the mission as it stands and all the rest from the journal.
 #ifndef CORBSLAM_MAP_STORE_UNRECORDED_STATE_H_
 #define CORBSLAM_MAP_STORE_UNRECORDED_STATE_H_
 

@@ -130,8 +130,8 @@ absl::StatusOr<bool> MissionRestorer::TakeHeader(std::string_view& rest) {
   uint32_t format = 0;
   std::memcpy(&format, rest.data() + kMagic.size(), sizeof(format));
   if (format != kFormat) {
-    return absl::FailedPreconditionError(absl::StrCat("the backup has format ", format,
-                                                      ", this program reads ", kFormat));
+    return absl::FailedPreconditionError(
+        absl::StrCat("the backup has format ", format, ", this program reads ", kFormat));
   }
   rest.remove_prefix(kHeaderBytes);
   taken_ += kHeaderBytes;

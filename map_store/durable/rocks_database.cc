@@ -1,6 +1,13 @@
 #include "map_store/durable/rocks_database.h"
 
+#include <glog/logging.h>
+#include <rocksdb/env.h>
 #include <rocksdb/options.h>
+
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+#include <memory>
 
 #include "absl/time/clock.h"
 
@@ -8,6 +15,20 @@ namespace corbslam::map_store {
 namespace {
 
 constexpr absl::Duration kBetweenTries = absl::Seconds(1);
+
+// Into this program's log. A file of its own beside the database, as there is otherwise, fails with
+// the disk, and the library's assertions don't let it be written to after that.
+class ProgramLog : public rocksdb::Logger {
+ public:
+  ProgramLog() : Logger(rocksdb::InfoLogLevel::WARN_LEVEL) {}
+
+  using Logger::Logv;
+  void Logv(const char* format, va_list arguments) override {
+    std::array<char, 512> line;
+    std::vsnprintf(line.data(), line.size(), format, arguments);
+    LOG(WARNING) << "rocksdb: " << line.data();
+  }
+};
 
 rocksdb::Options MakeOptions(rocksdb::Env* env) {
   rocksdb::Options made;
@@ -19,8 +40,7 @@ rocksdb::Options MakeOptions(rocksdb::Env* env) {
   made.enable_blob_files = true;
   made.min_blob_size = 16 << 10;
   made.enable_blob_garbage_collection = true;
-  made.keep_log_file_num = 5;
-  made.info_log_level = rocksdb::InfoLogLevel::WARN_LEVEL;
+  made.info_log = std::make_shared<ProgramLog>();
   // It would try behind our back what Reopen does.
   made.max_bgerror_resume_count = 0;
   if (env != nullptr) made.env = env;

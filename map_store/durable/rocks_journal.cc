@@ -92,8 +92,14 @@ absl::Status RocksJournal::CheckRoom(uint64_t bytes) const {
                    " bytes free; ", options_.min_free_bytes, " are kept, ", bytes, " to write"));
 }
 
+absl::Status RocksJournal::CheckRoomForRecord(uint64_t bytes) {
+  const absl::Status room = CheckRoom(bytes);
+  record_without_room_ = room.ok() ? 0 : bytes;
+  return room;
+}
+
 absl::Status RocksJournal::CheckWritable() {
-  RETURN_IF_ERROR(CheckRoom(0));
+  RETURN_IF_ERROR(CheckRoom(record_without_room_));
   // Says what is there already.
   return database_->failed() ? WriteFormat() : absl::OkStatus();
 }
@@ -128,8 +134,6 @@ void RocksJournal::EndAppend(Position position) {
 absl::StatusOr<Journal::Position> RocksJournal::Append(absl::string_view mission,
                                                        const JournalRecord& record) {
   const std::string bytes = map_store::EncodeRecord(record);
-  RETURN_IF_ERROR(CheckRoom(bytes.size()));
-  const Position position = BeginAppend();
   const std::string name(mission);
   rocksdb::WriteBatch batch;
   std::vector<KeyframeId> keyframes;
@@ -140,6 +144,8 @@ absl::StatusOr<Journal::Position> RocksJournal::Append(absl::string_view mission
       keyframes.push_back(payload.id);
     }
   }
+  RETURN_IF_ERROR(CheckRoomForRecord(batch.GetDataSize() + bytes.size()));
+  const Position position = BeginAppend();
   batch.Put(RecordKey(name, position), bytes);
   bool is_listed = false;
   {

@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_MAP_STORE_DURABLE_ROCKS_JOURNAL_H_
 #define CORBSLAM_MAP_STORE_DURABLE_ROCKS_JOURNAL_H_
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -91,6 +92,8 @@ class RocksJournal : public Journal {
   absl::Status WriteFormat();
   // RESOURCE_EXHAUSTED when less than min_free_bytes would be left.
   absl::Status CheckRoom(uint64_t bytes) const;
+  // And remembers, until there was room for one, how large a record had none.
+  absl::Status CheckRoomForRecord(uint64_t bytes);
   Position BeginAppend() ABSL_LOCKS_EXCLUDED(mutex_);
   void EndAppend(Position position) ABSL_LOCKS_EXCLUDED(mutex_);
   static void NoteRecord(Position position, uint64_t bytes, MissionFiles& files);
@@ -102,6 +105,8 @@ class RocksJournal : public Journal {
 
   const RocksJournalOptions options_;
   const std::unique_ptr<map_store::RocksDatabase> database_;
+
+  std::atomic<uint64_t> record_without_room_ = 0;
 
   mutable absl::Mutex mutex_;
   absl::CondVar synced_changed_;

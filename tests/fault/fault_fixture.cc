@@ -36,9 +36,14 @@ int CountFromEnvironment(const char* variable, int otherwise) {
 FaultTest::FaultTest() : folder_(MakeEmptyFolder()) {}
 
 std::unique_ptr<ChildProcess> FaultTest::Start(const std::string& name, const std::string& program,
-                                               std::vector<std::string> arguments) {
+                                               std::vector<std::string> arguments,
+                                               const std::vector<std::string>& security) {
   arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
-  arguments.push_back("--insecure");
+  arguments.insert(arguments.end(), security.begin(), security.end());
+  for (const auto& [variable, value] : variables_) {
+    arguments.insert(arguments.begin(), absl::StrCat(variable, "=", value));
+  }
+  if (!variables_.empty()) arguments.insert(arguments.begin(), "/usr/bin/env");
   auto process = ChildProcess::Start(name, arguments, LogOf(name));
   EXPECT_TRUE(process.ok()) << process.status();
   return process.ok() ? *std::move(process) : nullptr;

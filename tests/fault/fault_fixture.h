@@ -10,6 +10,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -38,10 +39,15 @@ class FaultTest : public ::testing::Test {
  protected:
   FaultTest();
 
-  // One of our programs, with --insecure; its output is in NAME.log. Null when it does not start,
-  // which fails the test.
+  // One of our programs; its output is in NAME.log. Null when it does not start, which fails the
+  // test.
   std::unique_ptr<ChildProcess> Start(const std::string& name, const std::string& program,
-                                      std::vector<std::string> arguments);
+                                      std::vector<std::string> arguments,
+                                      const std::vector<std::string>& security = {"--insecure"});
+  // Further environment variables of programs that are started from now on.
+  void StartWith(std::vector<std::pair<std::string, std::string>> variables) {
+    variables_ = std::move(variables);
+  }
   // Waits for the address that it says; empty when it says none, which fails the test.
   static std::string AddressOf(ChildProcess* process);
 
@@ -51,6 +57,9 @@ class FaultTest : public ::testing::Test {
   static nlohmann::json ReadStatistics(const std::string& path);
 
   const std::filesystem::path folder_;
+
+ private:
+  std::vector<std::pair<std::string, std::string>> variables_;
 };
 
 }  // namespace corbslam

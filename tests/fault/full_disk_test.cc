@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 
 constexpr char kMission[] = "narrow";
 constexpr uint64_t kMiB = 1 << 20;
-// Too small for what the database would like to reserve for its log: each record needs room anew.
+// Too small for what the database would like to reserve for its log.
 constexpr uint64_t kDiskBytes = 48 * kMiB;
 
 class FullDiskTest : public FaultTest {
@@ -36,10 +36,13 @@ class FullDiskTest : public FaultTest {
   }
 
   void StartStore(const std::string& name, int min_free_mb) {
+    // The switch is off until SwitchToReadOnly.
+    StartWith({{"LD_PRELOAD", CORBSLAM_READ_ONLY_SWITCH}, {"CORBSLAM_TEST_DISK", disk_->folder()}});
     store_ = Start(name, "map_store",
                    {"--listen", address_.empty() ? "127.0.0.1:0" : address_, "--data-dir",
                     disk_->folder() + "/data", "--min-free-mb", absl::StrCat(min_free_mb),
                     "--in-process-worker"});
+    StartWith({});
     address_ = AddressOf(store_.get());
     ASSERT_FALSE(address_.empty());
     const auto channel = ConnectToStore(address_, grpc::InsecureChannelCredentials());
@@ -67,53 +70,85 @@ class FullDiskTest : public FaultTest {
   std::unique_ptr<StoreReader> reader_;
 };
 
-// With a reserve that the store does not touch, in MiB.
-class ReserveTest : public FullDiskTest, public ::testing::WithParamInterface<int> {};
+// A robot maps; the disk takes nothing for a while, then it does again.
+struct Refusal {
+  std::string name;
+  int min_free_mb = 0;
+  std::string code;  // What the robot is told.
+  absl::Status (*begin)(SmallDisk&);
+  absl::Status (*end)(SmallDisk&);
+};
 
-TEST_P(ReserveTest, RobotsWaitAndGoOnOnceThereIsRoom) {
-  ASSERT_NO_FATAL_FAILURE(StartStore("store", GetParam()));
-  EXPECT_TRUE(IsReady());
-  const auto robot = Start("alpha", "client_agent",
-                           {"--source", absl::StrCat(DemoSource(), "?stride=2"), "--server",
-                            address_, "--mission", kMission, "--agent", "alpha", "--pace", "sensor",
-                            "--stats", FileOf("alpha.json"), "--finish", "300"});
-  ASSERT_NE(robot, nullptr);
-  ASSERT_TRUE(Becomes([&] { return StoredKeyframes() > 0; }));
-
-  ASSERT_TRUE(disk_->Fill(0).ok()) << disk_->Fill(0);
-  EXPECT_TRUE(Becomes([&] { return !IsReady(); }));
-  EXPECT_TRUE(CheckHealth(channel_, "liveness").ok()) << "a restart would not help";
-  EXPECT_TRUE(Becomes([&] {
-    const std::string log = ReadText(LogOf("alpha"));
-    return log.find("RESOURCE_EXHAUSTED") != std::string::npos;
-  })) << ReadText(LogOf("alpha"));
+class RefusalTest : public FullDiskTest, public ::testing::WithParamInterface<Refusal> {
+ protected:
+  void StartRobot() {
+    robot_ = Start("alpha", "client_agent",
+                   {"--source", absl::StrCat(DemoSource(), "?stride=2"), "--server", address_,
+                    "--mission", kMission, "--agent", "alpha", "--pace", "sensor", "--stats",
+                    FileOf("alpha.json"), "--finish", "300"});
+    ASSERT_NE(robot_, nullptr);
+    ASSERT_TRUE(Becomes([&] { return StoredKeyframes() > 0; }));
+  }
   // Look-ups go on, the robot waits, and nothing is stored in part.
-  const uint64_t stored = StoredKeyframes();
-  absl::SleepFor(absl::Seconds(3));
-  EXPECT_EQ(StoredKeyframes(), stored);
-  EXPECT_FALSE(robot->end().has_value());
-  EXPECT_FALSE(store_->end().has_value());
+  void ExpectPatience() {
+    EXPECT_TRUE(Becomes([&] { return !IsReady(); })) << ReadText(LogOf("store"));
+    EXPECT_TRUE(CheckHealth(channel_, "liveness").ok()) << "a restart would not help";
+    EXPECT_TRUE(Becomes([&] {
+      return ReadText(LogOf("alpha")).find(GetParam().code) != std::string::npos;
+    })) << ReadText(LogOf("alpha"));
+    stored_ = StoredKeyframes();
+    absl::SleepFor(absl::Seconds(3));
+    EXPECT_EQ(StoredKeyframes(), stored_);
+    EXPECT_FALSE(robot_->end().has_value());
+    EXPECT_FALSE(store_->end().has_value());
+  }
+  void ExpectEverythingOnce() {
+    EXPECT_TRUE(Becomes([&] { return IsReady(); })) << ReadText(LogOf("store"));
+    ASSERT_TRUE(robot_->WaitForEnd(absl::Seconds(120)));
+    EXPECT_TRUE(robot_->EndStatus().ok()) << robot_->EndStatus();
+    const json own = ReadStatistics(FileOf("alpha.json"));
+    ASSERT_TRUE(own.is_object());
+    const auto keyframes = own["keyframes"].get<uint64_t>();
+    EXPECT_GT(keyframes, stored_);
+    EXPECT_EQ(StoredKeyframes(), keyframes);
+    const auto frames = reader_->CountReportedFrames();
+    ASSERT_TRUE(frames.ok()) << frames.status();
+    EXPECT_EQ(frames->at("alpha"), own["tracked"].get<uint64_t>() + own["lost"].get<uint64_t>());
+    stored_ = keyframes;
+  }
 
-  ASSERT_TRUE(disk_->Empty().ok());
-  EXPECT_TRUE(Becomes([&] { return IsReady(); }));
-  ASSERT_TRUE(robot->WaitForEnd(absl::Seconds(120)));
-  EXPECT_TRUE(robot->EndStatus().ok()) << robot->EndStatus();
-  const json own = ReadStatistics(FileOf("alpha.json"));
-  ASSERT_TRUE(own.is_object());
-  const auto keyframes = own["keyframes"].get<uint64_t>();
-  EXPECT_GT(keyframes, stored);
-  EXPECT_EQ(StoredKeyframes(), keyframes);
-  const auto frames = reader_->CountReportedFrames();
-  ASSERT_TRUE(frames.ok()) << frames.status();
-  EXPECT_EQ(frames->at("alpha"), own["tracked"].get<uint64_t>() + own["lost"].get<uint64_t>());
+  std::unique_ptr<ChildProcess> robot_;
+  uint64_t stored_ = 0;
+};
 
+TEST_P(RefusalTest, RobotsWaitAndGoOnOnceTheDiskTakesRecordsAgain) {
+  ASSERT_NO_FATAL_FAILURE(StartStore("store", GetParam().min_free_mb));
+  EXPECT_TRUE(IsReady());
+  ASSERT_NO_FATAL_FAILURE(StartRobot());
+  ASSERT_TRUE(GetParam().begin(*disk_).ok()) << GetParam().begin(*disk_);
+  ASSERT_NO_FATAL_FAILURE(ExpectPatience());
+  ASSERT_TRUE(GetParam().end(*disk_).ok());
+  ASSERT_NO_FATAL_FAILURE(ExpectEverythingOnce());
   // And it was written: a new process has it.
   store_->Stop(absl::ZeroDuration());
-  ASSERT_NO_FATAL_FAILURE(StartStore("store_again", GetParam()));
-  EXPECT_EQ(StoredKeyframes(), keyframes);
+  ASSERT_NO_FATAL_FAILURE(StartStore("store_again", GetParam().min_free_mb));
+  EXPECT_EQ(StoredKeyframes(), stored_);
 }
 
-INSTANTIATE_TEST_SUITE_P(MinFreeMb, ReserveTest, ::testing::Values(8));
+INSTANTIATE_TEST_SUITE_P(Disks, RefusalTest,
+                         ::testing::Values(
+                             // The store sees that its reserve would be touched.
+                             Refusal{"FullButForItsReserve", 8, "RESOURCE_EXHAUSTED",
+                                     [](SmallDisk& disk) { return disk.Fill(0); },
+                                     [](SmallDisk& disk) { return disk.Empty(); }},
+                             // The system refuses.
+                             Refusal{"Full", 0, "RESOURCE_EXHAUSTED",
+                                     [](SmallDisk& disk) { return disk.Fill(0); },
+                                     [](SmallDisk& disk) { return disk.Empty(); }},
+                             Refusal{"ReadOnly", 8, "UNAVAILABLE",
+                                     [](SmallDisk& disk) { return disk.SwitchReadOnly(true); },
+                                     [](SmallDisk& disk) { return disk.SwitchReadOnly(false); }}),
+                         [](const auto& info) { return info.param.name; });
 
 TEST_F(FullDiskTest, AStoreThatCantWriteRefusesToStartByName) {
   ASSERT_TRUE(disk_->MakeReadOnly().ok());

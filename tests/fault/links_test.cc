@@ -20,6 +20,8 @@
 #include "absl/time/clock.h"
 #include "services/corbslam/store_reader.h"
 #include "services/remote/channel.h"
+#include "services/security/security_options.h"
+#include "services/security/testing/test_certificates.h"
 #include "slam/util/status_macros.h"
 #include "tests/fault/fault_fixture.h"
 #include "tests/fault/network/interface.h"
@@ -38,6 +40,7 @@ constexpr char kMission[] = "links";
 struct LinkCase {
   std::string name;
   LinkShape shape;
+  bool tls = false;  // Everybody shows a certificate.
 };
 
 LinkShape Delayed(int ms, double loss = 0) {
@@ -69,12 +72,17 @@ LinkShape Narrow(double rate) {
   return shape;
 }
 
+LinkShape WithLoss(LinkShape shape, double loss) {
+  shape.loss = loss;
+  return shape;
+}
+
 std::vector<LinkCase> Cases() {
   if (!WantsLongFaults()) {
     return {{"100 ms, 5 % loss", Delayed(100, 0.05)},
             {"black-out of 8 s", BlackOut(absl::Seconds(8))},
             {"2 s up, 2 s down", Flapping()},
-            {"256 kbit/s", Narrow(256e3)}};
+            {"256 kbit/s, TLS", Narrow(256e3), true}};
   }
   return {{"20 ms", Delayed(20)},
           {"100 ms", Delayed(100)},
@@ -83,7 +91,9 @@ std::vector<LinkCase> Cases() {
           {"5 % loss", Lossy(0.05)},
           {"black-out of 30 s", BlackOut(absl::Seconds(30))},
           {"2 s up, 2 s down", Flapping()},
+          {"2 s up, 2 s down, 5 % loss, TLS", WithLoss(Flapping(), 0.05), true},
           {"256 kbit/s", Narrow(256e3)},
+          {"256 kbit/s, TLS", Narrow(256e3), true},
           {"black-out of 10 min", BlackOut(absl::Minutes(10))}};
 }
 
@@ -118,41 +128,70 @@ struct Outcome {
   std::array<json, 2> robots;  // Statistics on the bad link, and on the perfect one.
 };
 
+constexpr int kNetworks = 32;
+
+// As a robot's network sees it.
+std::string AddressOfStore(int network) { return absl::StrCat("10.77.", network, ".1"); }
+
+std::string HostsOfStores() {
+  std::string hosts;
+  for (int i = 0; i < kNetworks; ++i) absl::StrAppend(&hosts, AddressOfStore(i), " ");
+  return hosts;
+}
+
 class LinksTest : public FaultTest {
  protected:
   void SetUp() override { SKIP_UNLESS_PERMITTED(EnterOwnNetwork()); }
 
-  // The robot's network is 10.77.NUMBER.x.
-  Robot StartRobot(const std::string& name, int number, const LinkShape& shape, int port);
+  // What a program of the case runs with; `name` is its certificate's.
+  std::vector<std::string> SecurityOf(const LinkCase& link_case, const std::string& name) const {
+    return link_case.tls ? certificates_.Flags(name) : std::vector<std::string>{"--insecure"};
+  }
+  std::shared_ptr<grpc::ChannelCredentials> OperatorOf(const LinkCase& link_case) const;
+  // The robot's network is 10.77.NETWORK.x.
+  Robot StartRobot(const LinkCase& link_case, const std::string& name, int network,
+                   const LinkShape& shape, int port);
   // Servers, both robots, and what must be true afterwards.
   Outcome RunCase(const LinkCase& link_case, int number);
   void FinishRobots(const LinkCase& link_case, std::array<Robot, 2>& robots);
   static void CheckStore(StoreReader& reader, const std::array<Robot, 2>& robots);
+
+  const test_data::TestCertificates certificates_{kMission, HostsOfStores()};
 };
 
-Robot LinksTest::StartRobot(const std::string& name, int number, const LinkShape& shape, int port) {
+std::shared_ptr<grpc::ChannelCredentials> LinksTest::OperatorOf(const LinkCase& link_case) const {
+  if (!link_case.tls) return grpc::InsecureChannelCredentials();
+  const auto credentials = MakeChannelCredentials(certificates_.Options("operator"));
+  EXPECT_TRUE(credentials.ok()) << credentials.status();
+  return credentials.value_or(nullptr);
+}
+
+Robot LinksTest::StartRobot(const LinkCase& link_case, const std::string& name, int network,
+                            const LinkShape& shape, int port) {
   Robot robot;
   robot.name = name;
   auto place = NetworkNamespace::Create();
   EXPECT_TRUE(place.ok()) << place.status();
   if (!place.ok()) return robot;
   robot.place = *std::move(place);
-  const std::string address = absl::StrCat("10.77.", number, ".1");
+  const std::string address = AddressOfStore(network);
   auto link = ShapedLink::Create({.here = nullptr,
                                   .there = robot.place.get(),
                                   .address_here = address,
-                                  .address_there = absl::StrCat("10.77.", number, ".2")},
+                                  .address_there = absl::StrCat("10.77.", network, ".2")},
                                  shape);
   EXPECT_TRUE(link.ok()) << link.status();
   if (!link.ok()) return robot;
   robot.link = *std::move(link);
   const double finish_s = absl::ToDoubleSeconds(shape.outage + absl::Minutes(10));
   const absl::Status started = robot.place->Run([&] {
+    const std::string file = absl::StrCat(name, network);
     robot.process = Start(
-        name, "client_agent",
+        file, "client_agent",
         {"--source", Source(), "--server", absl::StrCat(address, ":", port), "--mission", kMission,
-         "--agent", name, "--pace", "sensor", "--stats", FileOf(name + ".json"), "--spool-dir",
-         FileOf(name + ".spool"), "--outbox-mb", "1", "--finish", absl::StrCat(finish_s)});
+         "--agent", name, "--pace", "sensor", "--stats", FileOf(file + ".json"), "--spool-dir",
+         FileOf(file + ".spool"), "--outbox-mb", "1", "--finish", absl::StrCat(finish_s)},
+        SecurityOf(link_case, name));
     return absl::OkStatus();
   });
   EXPECT_TRUE(started.ok()) << started;
@@ -165,7 +204,7 @@ void LinksTest::FinishRobots(const LinkCase& link_case, std::array<Robot, 2>& ro
     ASSERT_NE(robot.process, nullptr);
     ASSERT_TRUE(robot.process->WaitForEnd(deadline - absl::Now())) << robot.name;
     ASSERT_TRUE(robot.process->EndStatus().ok()) << robot.process->EndStatus();
-    robot.statistics = ReadStatistics(FileOf(robot.name + ".json"));
+    robot.statistics = ReadStatistics(FileOf(robot.process->name() + ".json"));
     ASSERT_TRUE(robot.statistics.is_object());
   }
   const json& shaped = robots[0].statistics;
@@ -198,26 +237,25 @@ void LinksTest::CheckStore(StoreReader& reader, const std::array<Robot, 2>& robo
 Outcome LinksTest::RunCase(const LinkCase& link_case, int number) {
   Outcome outcome;
   outcome.link = link_case.name;
-  const auto worker =
-      Start(absl::StrCat("worker", number), "fusion_worker", {"--listen", "127.0.0.1:0"});
+  const auto worker = Start(absl::StrCat("worker", number), "fusion_worker",
+                            {"--listen", "127.0.0.1:0"}, SecurityOf(link_case, "worker"));
   const auto store = Start(absl::StrCat("store", number), "map_store",
                            {"--listen", "0.0.0.0:0", "--worker", AddressOf(worker.get()),
-                            "--data-dir", FileOf(absl::StrCat("data", number))});
+                            "--data-dir", FileOf(absl::StrCat("data", number))},
+                           SecurityOf(link_case, "store"));
   const std::string address = AddressOf(store.get());
   int port = 0;
   EXPECT_TRUE(absl::SimpleAtoi(address.substr(address.rfind(':') + 1), &port)) << address;
   if (port == 0) return outcome;
   const absl::Time start = absl::Now();
-  std::array<Robot, 2> robots = {
-      StartRobot(absl::StrCat("shaped", number), 2 * number, link_case.shape, port),
-      StartRobot(absl::StrCat("perfect", number), 2 * number + 1, LinkShape(), port)};
+  std::array<Robot, 2> robots = {StartRobot(link_case, "alpha", 2 * number, link_case.shape, port),
+                                 StartRobot(link_case, "bravo", 2 * number + 1, LinkShape(), port)};
   FinishRobots(link_case, robots);
   if (HasFatalFailure()) return outcome;
   outcome.seconds = absl::ToDoubleSeconds(absl::Now() - start);
   outcome.packets = robots[0].link->counts();
   for (size_t i = 0; i < robots.size(); ++i) outcome.robots[i] = robots[i].statistics;
-  const auto channel =
-      ConnectToStore(absl::StrCat("127.0.0.1:", port), grpc::InsecureChannelCredentials());
+  const auto channel = ConnectToStore(absl::StrCat("127.0.0.1:", port), OperatorOf(link_case));
   EXPECT_TRUE(channel.ok()) << channel.status();
   if (!channel.ok()) return outcome;
   StoreReader reader(*channel, kMission);

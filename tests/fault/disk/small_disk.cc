@@ -53,6 +53,15 @@ absl::Status SmallDisk::Empty() {
   return unlink(Filler().c_str()) == 0 ? absl::OkStatus() : Failed(folder_, "can't be emptied");
 }
 
+absl::Status SmallDisk::SwitchReadOnly(bool on) {
+  const std::string path = folder_ + ".read_only";
+  if (!on) return unlink(path.c_str()) == 0 ? absl::OkStatus() : Failed(folder_, "no switch");
+  const int file = open(path.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+  if (file < 0) return Failed(folder_, "no switch");
+  close(file);
+  return absl::OkStatus();
+}
+
 absl::Status SmallDisk::MakeReadOnly() {
   const unsigned long how = MS_REMOUNT | MS_RDONLY;
   if (mount("tmpfs", folder_.c_str(), "tmpfs", how, nullptr) == 0) return absl::OkStatus();

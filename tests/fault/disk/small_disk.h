@@ -29,6 +29,8 @@ class SmallDisk {
   absl::Status Empty();
   // Nobody must have a file of it open for writing.
   absl::Status MakeReadOnly();
+  // For programs that were started with read_only_switch.cc, also while they write.
+  absl::Status SwitchReadOnly(bool on);
 
  private:
   explicit SmallDisk(std::string folder) : folder_(std::move(folder)) {}
