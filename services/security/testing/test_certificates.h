@@ -12,8 +12,8 @@ namespace corbslam::test_data {
 // Removed with the object.
 class TestCertificates {
  public:
-  // Those of a mission, the servers' also for `hosts` ("10.0.0.5 store.lan"). A failure is a failure
-  // of the test, and then the folder is empty.
+  // Those of a mission, the servers' also for `hosts` ("10.0.0.5 store.lan"). A failure is a
+  // failure of the test, and then the folder is empty.
   explicit TestCertificates(const std::string& mission, const std::string& hosts = "");
   ~TestCertificates();
   TestCertificates(const TestCertificates&) = delete;
