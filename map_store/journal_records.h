@@ -56,10 +56,16 @@ struct AdjustRecord {
 // The global layer was forgotten, to be derived again.
 struct RederiveRecord {};
 
+// Somebody took back an overlap; or all between its two local maps, for ever.
+struct RetractRecord {
+  uint64_t overlap = 0;
+  bool keep_apart = false;
+};
+
 // What is not there (queries without candidates, workers' failures) is decided again after a
 // restart.
 using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
-                                   AdjustRecord, RederiveRecord>;
+                                   AdjustRecord, RederiveRecord, RetractRecord>;
 
 }  // namespace corbslam::map_store
 

@@ -1,5 +1,6 @@
 #include "map_store/landmarks.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace corbslam::map_store {
@@ -50,6 +51,18 @@ MapPointId Landmarks::Replace(MapPointId replaced, MapPointId by) {
   const MapPointId rest = Remove(replaced);
   if (!rest.IsValid()) return Survivor(by);
   return Merge(rest, by);
+}
+
+void Landmarks::Dissolve(const std::set<LocalMapId>& local_maps) {
+  const auto is_of_them = [&local_maps](MapPointId point) {
+    return local_maps.contains(point.local_map);
+  };
+  std::erase_if(members_, [&](const auto& set) {
+    const auto& [survivor, members] = set;
+    if (!is_of_them(survivor) && std::ranges::none_of(members, is_of_them)) return false;
+    for (const MapPointId& member : members) survivor_of_.erase(member);
+    return true;
+  });
 }
 
 }  // namespace corbslam::map_store

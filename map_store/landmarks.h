@@ -27,6 +27,8 @@ class Landmarks {
   // The owner replaced the point by another, which takes its place in the set. Returns the
   // survivor of the set.
   MapPointId Replace(MapPointId replaced, MapPointId by);
+  // Forgets the sets that have a point of one of the local maps.
+  void Dissolve(const std::set<LocalMapId>& local_maps);
 
  private:
   Sets members_;

@@ -137,6 +137,12 @@ absl::Status MapStore::RederiveGlobalLayer(absl::string_view mission_name) {
   return mission->Rederive();
 }
 
+absl::StatusOr<std::vector<uint64_t>> MapStore::RetractOverlap(absl::string_view mission_name,
+                                                               uint64_t overlap, bool keep_apart) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->RetractOverlap(overlap, keep_apart);
+}
+
 absl::StatusOr<bool> MapStore::IsFusionIdle(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   return mission->IsFusionIdle();

@@ -104,6 +104,12 @@ class MapStore {
   // owners' layer gives the same global layer, bit by bit in deterministic mode. Durable when it
   // returns.
   absl::Status RederiveGlobalLayer(absl::string_view mission);
+  // Takes back an accepted overlap (OverlapInfo::id) and what followed from it: its island falls
+  // apart and is fused again by the other overlaps. The same two keyframes are never joined again;
+  // with `keep_apart` neither are the two local maps, whose other overlaps go too. Returns the ids
+  // of what was taken back. Durable when it returns. NOT_FOUND; FAILED_PRECONDITION: not accepted.
+  absl::StatusOr<std::vector<uint64_t>> RetractOverlap(absl::string_view mission, uint64_t overlap,
+                                                       bool keep_apart);
   absl::StatusOr<bool> IsFusionIdle(absl::string_view mission) const;
   // DEADLINE_EXCEEDED after `timeout`.
   absl::Status WaitUntilFusionIdle(absl::string_view mission, absl::Duration timeout) const;

@@ -93,6 +93,9 @@ class Mission {
   void CancelJobs();
   // Forgets what was fused; the lanes derive it again.
   absl::Status Rederive() ABSL_LOCKS_EXCLUDED(writer_mutex_, mutex_);
+  // MapStore::RetractOverlap.
+  absl::StatusOr<std::vector<uint64_t>> RetractOverlap(uint64_t overlap, bool keep_apart)
+      ABSL_LOCKS_EXCLUDED(writer_mutex_, mutex_);
   bool IsFusionIdle() const;
   bool WaitUntilFusionIdle(absl::Time deadline) const;
 

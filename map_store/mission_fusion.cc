@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/mission.h"
 #include "map_store/record_application.h"
+#include "map_store/retraction.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -166,6 +167,25 @@ absl::Status Mission::Rederive() {
   environment_.wake_fusion();
   NotifyAll(0);
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<uint64_t>> Mission::RetractOverlap(uint64_t overlap, bool keep_apart) {
+  std::vector<uint64_t> taken_back;
+  {
+    absl::MutexLock turn(&writer_mutex_);
+    RETURN_IF_ERROR(WithState(
+        [overlap](const MissionState& state) { return CheckRetractable(state, overlap); }));
+    const RetractRecord record{overlap, keep_apart};
+    RETURN_IF_ERROR(Append(record));
+    CancelJobs();
+    absl::MutexLock lock(&mutex_);
+    taken_back = Retract(record, *environment_.options, state_);
+    adjust_attempts_.clear();
+  }
+  RETURN_IF_ERROR(SyncJournal());
+  environment_.wake_fusion();
+  NotifyAll(0);
+  return taken_back;
 }
 
 void Mission::CancelJobs() {

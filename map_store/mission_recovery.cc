@@ -27,6 +27,7 @@ struct ApplyAgain {
   void operator()(const FuseRefusedRecord& record) { Apply(record, state); }
   void operator()(const AdjustRecord& record) { Apply(record, options, state); }
   void operator()(const RederiveRecord& record) { Apply(record, state); }
+  void operator()(const RetractRecord& record) { Apply(record, options, state); }
 };
 
 BatchWords WordsOf(const JournalRecord& record, const Vocabulary* vocabulary) {

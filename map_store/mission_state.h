@@ -119,6 +119,7 @@ enum class OverlapState {
   kWaiting,  // Accepted, not yet in the graph.
   kInGraph,
   kFailed,  // Accepted, but no worker could fuse it.
+  kRetracted,
 };
 
 struct OverlapEntry {
@@ -147,6 +148,10 @@ struct GlobalLayer {
   std::map<uint64_t, OverlapEntry> overlaps;
   std::map<IslandId, Island> islands;
   std::map<LocalMapId, IslandId> island_of;
+  // What people took back, which is not believed again: overlaps between two keyframes, and all
+  // between two local maps. The lesser id stands first.
+  std::set<std::pair<KeyframeId, KeyframeId>> taken_back;
+  std::set<std::pair<LocalMapId, LocalMapId>> kept_apart;
   // Where a local map stands as a whole, for what has no placed relative left.
   std::map<LocalMapId, Similarity3d> island_from_local;
 };

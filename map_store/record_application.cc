@@ -11,6 +11,7 @@
 #include "map_store/overlap_query.h"
 #include "map_store/parked_references.h"
 #include "map_store/rederivation.h"
+#include "map_store/retraction.h"
 #include "map_store/revision.h"
 #include "slam/util/status_macros.h"
 
@@ -63,10 +64,13 @@ void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionSta
     OverlapEntry entry;
     entry.id = state.next_overlap++;
     entry.overlap = overlap;
-    entry.state = overlap.IsAccepted() ? OverlapState::kWaiting : OverlapState::kRefused;
+    if (overlap.IsAccepted() && IsTakenBack(overlap, state.global)) {
+      entry.overlap.verdict = OverlapVerdict::kTakenBack;
+    }
+    entry.state = entry.overlap.IsAccepted() ? OverlapState::kWaiting : OverlapState::kRefused;
     entry.verified_at = record.verified_at;
     ++state.statistics.overlaps_verified;
-    if (overlap.IsAccepted()) {
+    if (entry.overlap.IsAccepted()) {
       ++state.statistics.overlaps_accepted;
       const bool inside = state.global.island_of.at(overlap.query.local_map) ==
                           state.global.island_of.at(overlap.candidate.local_map);
@@ -114,6 +118,10 @@ void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionSt
 }
 
 void Apply(const RederiveRecord&, MissionState& state) { ForgetGlobalLayer(state); }
+
+void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionState& state) {
+  Retract(record, options, state);
+}
 
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
                        Island& island) {
@@ -219,6 +227,10 @@ absl::Status CheckReplay(const JournalRecord& record, const MissionState& state)
     return CheckPlan(adjust->plan, state);
   }
   if (std::holds_alternative<RederiveRecord>(record)) return absl::OkStatus();
+  if (const auto* retract = std::get_if<RetractRecord>(&record)) {
+    const absl::Status retractable = CheckRetractable(state, retract->overlap);
+    return retractable.ok() ? retractable : absl::DataLossError(retractable.message());
+  }
   return CheckRefusal(std::get<FuseRefusedRecord>(record), state);
 }
 

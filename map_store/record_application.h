@@ -23,6 +23,7 @@ bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionStat
 void Apply(const FuseRefusedRecord& record, MissionState& state);
 void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionState& state);
 void Apply(const RederiveRecord& record, MissionState& state);
+void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionState& state);
 
 // A local loop that could not be welded: bundle adjustment alone has to bring it in.
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state, Island& island);

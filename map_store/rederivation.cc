@@ -4,21 +4,28 @@
 
 namespace corbslam::map_store {
 
+Island MakeLoneIsland(const MissionState& state, LocalMapId id) {
+  Island island;
+  island.id = id;
+  island.local_maps = {id};
+  // Jobs that run on the old one find a newer one.
+  island.generation = state.FindIslandOf(id)->generation + 1;
+  island.dirty = true;
+  island.version = state.version;
+  island.version_of_owners = state.version;
+  island.shared_version = state.version;
+  return island;
+}
+
 void ForgetGlobalLayer(MissionState& state) {
   GlobalLayer fresh;
   fresh.revision = state.global.revision + 1;
+  fresh.taken_back = std::move(state.global.taken_back);
+  fresh.kept_apart = std::move(state.global.kept_apart);
   ++state.version;
   for (const LocalMapId& id : state.order) {
     fresh.island_of[id] = id;
-    Island& island = fresh.islands[id];
-    island.id = id;
-    island.local_maps = {id};
-    // Jobs that run on the old one find a newer one.
-    island.generation = state.FindIslandOf(id)->generation + 1;
-    island.dirty = true;
-    island.version = state.version;
-    island.version_of_owners = state.version;
-    island.shared_version = state.version;
+    fresh.islands[id] = MakeLoneIsland(state, id);
   }
   state.global = std::move(fresh);
   state.queries.clear();

@@ -7,10 +7,13 @@
 
 namespace corbslam::map_store {
 
-// Forgets all that fusion has found and made. Each local map is an island again, and every settled
+// Forgets all that fusion has found and made, but not what people took back. Each local map is an island again, and every settled
 // keyframe waits to be looked up as it did when it settled, now in the order of local maps' and
 // keyframes' ids.
 void ForgetGlobalLayer(MissionState& state);
+
+// The island that the local map is by itself, newer than the one that it is in.
+Island MakeLoneIsland(const MissionState& state, LocalMapId id);
 
 }  // namespace corbslam::map_store
 

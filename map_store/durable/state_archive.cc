@@ -209,7 +209,7 @@ void GlobalFields(Archive& archive, State& state) {
   archive(state.name, state.agents, state.order, state.queries, state.next_overlap, state.version,
           state.statistics, global.revision, global.keyframes, global.points, global.heirs,
           global.rejected, global.overlaps, global.islands, global.island_of,
-          global.island_from_local);
+          global.island_from_local, global.taken_back, global.kept_apart);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ void Fields(Archive& archive, T& statistics) {
 
 namespace map_store {
 
-constexpr OverlapState LastValue(OverlapState) { return OverlapState::kFailed; }
+constexpr OverlapState LastValue(OverlapState) { return OverlapState::kRetracted; }
 
 template <typename Archive, MayBeConst<absl::Time> T>
 void Time(Archive& archive, T& time) {
@@ -112,6 +112,10 @@ void Fields(Archive& archive, T& record) {
 }
 template <typename Archive, MayBeConst<RederiveRecord> T>
 void Fields(Archive&, T&) {}
+template <typename Archive, MayBeConst<RetractRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.overlap, record.keep_apart);
+}
 template <typename Archive, MayBeConst<AdjustRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.plan, record.dirty, record.statistics);

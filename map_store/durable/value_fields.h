@@ -21,7 +21,7 @@ using map_store::MayBeConst;
 constexpr ObservationChange::Kind LastValue(ObservationChange::Kind) {
   return ObservationChange::Kind::kRemoved;
 }
-constexpr OverlapVerdict LastValue(OverlapVerdict) { return OverlapVerdict::kBendsGraph; }
+constexpr OverlapVerdict LastValue(OverlapVerdict) { return OverlapVerdict::kTakenBack; }
 
 template <typename Archive, MayBeConst<LocalMapId> T>
 void Fields(Archive& archive, T& id) {

@@ -35,6 +35,15 @@ absl::Status TruthfulWorker::TakeFailure(std::deque<absl::Status>& failures) {
   return failure;
 }
 
+bool TruthfulWorker::TakeLie(const Overlap& overlap) {
+  absl::MutexLock lock(&mutex_);
+  const bool lies = !has_lied_ && lies_about.IsValid() && !overlap.IsAccepted() &&
+                    overlap.query.local_map == lies_about &&
+                    overlap.candidate.local_map != lies_about;
+  has_lied_ = has_lied_ || lies;
+  return lies;
+}
+
 Overlap TruthfulWorker::Compare(const VerifyOverlapRequest& request, KeyframeId candidate) const {
   const Rigid3d& query_pose = camera_from_world_.at(request.query);
   const Rigid3d& candidate_pose = camera_from_world_.at(candidate);
@@ -67,6 +76,8 @@ absl::StatusOr<VerifyOverlapResult> TruthfulWorker::VerifyOverlap(
   for (const VerifyOverlapRequest::Candidate& candidate : request.candidates) {
     asked.candidates.push_back(candidate.id);
     result.overlaps.push_back(Compare(request, candidate.id));
+    Overlap& overlap = result.overlaps.back();
+    if (TakeLie(overlap)) overlap.verdict = OverlapVerdict::kAccepted;
     if (result.overlaps.back().IsAccepted()) break;
   }
   absl::MutexLock lock(&mutex_);

@@ -44,6 +44,8 @@ class TruthfulWorker : public FusionWorker {
   std::deque<absl::Status> fuse_failures;
   std::deque<absl::Status> adjust_failures;
   bool refuse_fusing = false;
+  // Once it accepts, wrongly, what a keyframe of this local map asks of another one.
+  LocalMapId lies_about;
   // Observations that an adjustment finds to be wrong.
   std::vector<RejectedObservation> reject;
   // Keyframes farther apart show different places.
@@ -51,12 +53,15 @@ class TruthfulWorker : public FusionWorker {
 
  private:
   absl::Status TakeFailure(std::deque<absl::Status>& failures);
+  // Whether it is time to lie about it.
+  bool TakeLie(const Overlap& overlap);
   Overlap Compare(const VerifyOverlapRequest& request, KeyframeId candidate) const;
 
   std::map<KeyframeId, Rigid3d> camera_from_world_;
   std::map<MapPointId, size_t> world_point_;
 
   mutable absl::Mutex mutex_;
+  bool has_lied_ ABSL_GUARDED_BY(mutex_) = false;
   std::vector<Asked> asked_ ABSL_GUARDED_BY(mutex_);
   std::vector<FuseMapsRequest> fused_ ABSL_GUARDED_BY(mutex_);
   std::vector<AdjustBundleRequest> adjusted_ ABSL_GUARDED_BY(mutex_);

@@ -22,6 +22,7 @@ constexpr std::pair<OverlapVerdict, v1::OverlapVerdict> kVerdicts[] = {
     {OverlapVerdict::kNoSecondKeyframe, v1::OVERLAP_VERDICT_NO_SECOND_KEYFRAME},
     {OverlapVerdict::kWrongScale, v1::OVERLAP_VERDICT_WRONG_SCALE},
     {OverlapVerdict::kBendsGraph, v1::OVERLAP_VERDICT_BENDS_GRAPH},
+    {OverlapVerdict::kTakenBack, v1::OVERLAP_VERDICT_TAKEN_BACK},
 };
 
 }  // namespace

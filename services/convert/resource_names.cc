@@ -68,6 +68,10 @@ std::string KeyframeName(absl::string_view mission, KeyframeId keyframe) {
   return absl::StrCat(LocalMapName(mission, keyframe.local_map), "/keyframes/", keyframe.index);
 }
 
+std::string OverlapName(absl::string_view mission, uint64_t overlap) {
+  return absl::StrCat("missions/", mission, "/overlaps/", overlap);
+}
+
 absl::Status CheckNameSegment(absl::string_view field, absl::string_view segment) {
   const auto fits = [](char c) {
     return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_';
@@ -116,6 +120,14 @@ absl::StatusOr<KeyframePath> ParseKeyframeName(absl::string_view name) {
   const auto index = ParseNumber<uint32_t>(values[2], 10);
   if (!id || !index || *index == KeyframeId::kNoIndex) return BadName(name, kForm);
   return KeyframePath{std::string(values[0]), {*id, *index}};
+}
+
+absl::StatusOr<OverlapPath> ParseOverlapName(absl::string_view name) {
+  constexpr absl::string_view kForm = "missions/{mission}/overlaps/{number}";
+  ASSIGN_OR_RETURN(const auto values, ParsePath(name, {"missions", "overlaps"}, kForm));
+  const auto number = ParseNumber<uint64_t>(values[1], 10);
+  if (!number) return BadName(name, kForm);
+  return OverlapPath{std::string(values[0]), *number};
 }
 
 }  // namespace corbslam

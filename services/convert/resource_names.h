@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SERVICES_CONVERT_RESOURCE_NAMES_H_
 #define CORBSLAM_SERVICES_CONVERT_RESOURCE_NAMES_H_
 
+#include <cstdint>
 #include <string>
 
 #include "absl/status/status.h"
@@ -15,6 +16,7 @@ std::string MissionName(absl::string_view mission);
 std::string AgentName(absl::string_view mission, absl::string_view agent);
 std::string LocalMapName(absl::string_view mission, LocalMapId local_map);
 std::string KeyframeName(absl::string_view mission, KeyframeId keyframe);
+std::string OverlapName(absl::string_view mission, uint64_t overlap);
 
 struct AgentPath {
   std::string mission;
@@ -28,6 +30,10 @@ struct KeyframePath {
   std::string mission;
   KeyframeId keyframe;
 };
+struct OverlapPath {
+  std::string mission;
+  uint64_t overlap = 0;
+};
 
 // INVALID_ARGUMENT names what was given and the form that is wanted.
 absl::Status CheckNameSegment(absl::string_view field, absl::string_view segment);
@@ -35,6 +41,7 @@ absl::StatusOr<std::string> ParseMissionName(absl::string_view name);
 absl::StatusOr<AgentPath> ParseAgentName(absl::string_view name, bool may_be_all);
 absl::StatusOr<LocalMapPath> ParseLocalMapName(absl::string_view name, bool may_be_all);
 absl::StatusOr<KeyframePath> ParseKeyframeName(absl::string_view name);
+absl::StatusOr<OverlapPath> ParseOverlapName(absl::string_view name);
 
 }  // namespace corbslam
 

@@ -85,6 +85,7 @@ void ToProto(absl::string_view mission, const OverlapInfo& info, v1::Overlap* pr
   proto->set_revision(info.revision);
   proto->set_fused(info.fused);
   proto->set_number(info.id);
+  proto->set_name(OverlapName(mission, info.id));
   proto->set_note(info.note);
 }
 

@@ -30,7 +30,8 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<
                                         v1::MapStore::WithCallbackMethod_GetStatistics<
                                             v1::MapStore::WithCallbackMethod_GetTrajectory<
                                                 v1::MapStore::WithCallbackMethod_ListOverlaps<
-                                                    v1::MapStore::Service>>>>>>>>>>>>>>>;
+                                                    v1::MapStore::WithCallbackMethod_RetractOverlap<
+                                                        v1::MapStore::Service>>>>>>>>>>>>>>>>;
 
 // Whether a caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -102,6 +103,9 @@ class MapStoreService : public MapStoreMethods {
   grpc::ServerUnaryReactor* ListOverlaps(grpc::CallbackServerContext* context,
                                          const v1::ListOverlapsRequest* request,
                                          v1::ListOverlapsResponse* response) override;
+  grpc::ServerUnaryReactor* RetractOverlap(grpc::CallbackServerContext* context,
+                                           const v1::RetractOverlapRequest* request,
+                                           v1::RetractOverlapResponse* response) override;
 
  private:
   MapStore& store_;

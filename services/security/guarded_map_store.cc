@@ -146,6 +146,14 @@ grpc::ServerUnaryReactor* GuardedMapStore::GetStatistics(grpc::CallbackServerCon
   return status.ok() ? service_.GetStatistics(context, request, response) : Refuse(context, status);
 }
 
+grpc::ServerUnaryReactor* GuardedMapStore::RetractOverlap(grpc::CallbackServerContext* context,
+                                                          const v1::RetractOverlapRequest* request,
+                                                          v1::RetractOverlapResponse* response) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->name());
+  return status.ok() ? service_.RetractOverlap(context, request, response)
+                     : Refuse(context, status);
+}
+
 grpc::ServerUnaryReactor* GuardedMapStore::ListOverlaps(grpc::CallbackServerContext* context,
                                                         const v1::ListOverlapsRequest* request,
                                                         v1::ListOverlapsResponse* response) {

@@ -20,6 +20,8 @@ std::string ToString(OverlapVerdict verdict) {
       return "WRONG_SCALE";
     case OverlapVerdict::kBendsGraph:
       return "BENDS_GRAPH";
+    case OverlapVerdict::kTakenBack:
+      return "TAKEN_BACK";
   }
   return "UNKNOWN";
 }

@@ -32,6 +32,7 @@ enum class OverlapVerdict {
   kNoSecondKeyframe,
   kWrongScale,
   kBendsGraph,  // Refused later, by fusing.
+  kTakenBack,   // By somebody who knows better.
 };
 // "ACCEPTED", "TOO_FEW_WORD_MATCHES", ...
 std::string ToString(OverlapVerdict verdict);

@@ -1,0 +1,132 @@
+#include "map_store/retraction.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/overlap_query.h"
+#include "map_store/rederivation.h"
+
+namespace corbslam::map_store {
+namespace {
+
+bool IsAcceptedEntry(const OverlapEntry& entry) {
+  return entry.state == OverlapState::kInGraph || entry.state == OverlapState::kWaiting;
+}
+
+std::pair<LocalMapId, LocalMapId> SidesOf(const Overlap& overlap) {
+  return std::minmax(overlap.query.local_map, overlap.candidate.local_map);
+}
+
+std::pair<KeyframeId, KeyframeId> KeyframesOf(const Overlap& overlap) {
+  return std::minmax(overlap.query, overlap.candidate);
+}
+
+std::vector<uint64_t> FindMeant(const RetractRecord& record, const GlobalLayer& global) {
+  if (!record.keep_apart) return {record.overlap};
+  const auto sides = SidesOf(global.overlaps.at(record.overlap).overlap);
+  std::vector<uint64_t> meant;
+  for (const auto& [id, entry] : global.overlaps) {
+    if (IsAcceptedEntry(entry) && SidesOf(entry.overlap) == sides) meant.push_back(id);
+  }
+  return meant;
+}
+
+void TakeBack(OverlapEntry& entry, MissionState& state) {
+  entry.state = OverlapState::kRetracted;
+  entry.overlap.verdict = OverlapVerdict::kTakenBack;
+  entry.revision = 0;
+  entry.note = "taken back";
+  --state.statistics.overlaps_accepted;
+}
+
+// Of the members' own: what fusion placed, found wrong and made one.
+void ForgetPlaces(const std::set<LocalMapId>& members, GlobalLayer& global) {
+  const auto is_of_them = [&members](const auto& item) {
+    return members.contains(item.first.local_map);
+  };
+  std::erase_if(global.keyframes, is_of_them);
+  std::erase_if(global.points, is_of_them);
+  std::erase_if(global.heirs, is_of_them);
+  std::erase_if(global.rejected, [&members](const auto& item) {
+    return members.contains(item.first.first.local_map);
+  });
+  global.landmarks.Dissolve(members);
+  for (const LocalMapId& id : members) global.island_from_local.erase(id);
+}
+
+// Overlaps among the members, as if they had just been verified.
+void WaitAgain(const std::set<LocalMapId>& members, const MapStoreOptions& options,
+               MissionState& state) {
+  for (auto& [id, entry] : state.global.overlaps) {
+    Overlap& overlap = entry.overlap;
+    if (!members.contains(overlap.query.local_map)) continue;
+    if (!members.contains(overlap.candidate.local_map)) continue;
+    if (entry.state == OverlapState::kRefused && overlap.verdict == OverlapVerdict::kBendsGraph) {
+      overlap.verdict = OverlapVerdict::kAccepted;
+      ++state.statistics.overlaps_accepted;
+    } else if (!IsAcceptedEntry(entry)) {
+      continue;
+    }
+    entry.state = OverlapState::kWaiting;
+    entry.attempts = 0;
+    entry.revision = 0;
+    entry.note.clear();
+    entry.urgent = overlap.query.local_map == overlap.candidate.local_map &&
+                   GraphResidualPx(state, overlap) > options.loop_residual_px;
+  }
+}
+
+void DissolveIsland(IslandId island_id, const MapStoreOptions& options, MissionState& state) {
+  const std::vector<LocalMapId> local_maps = state.global.islands.at(island_id).local_maps;
+  const std::set<LocalMapId> members(local_maps.begin(), local_maps.end());
+  std::vector<Island> lone;
+  for (const LocalMapId& id : members) lone.push_back(MakeLoneIsland(state, id));
+  state.global.islands.erase(island_id);
+  for (Island& island : lone) {
+    state.global.island_of[island.id] = island.id;
+    state.global.islands[island.id] = std::move(island);
+  }
+  ForgetPlaces(members, state.global);
+  WaitAgain(members, options, state);
+}
+
+}  // namespace
+
+absl::Status CheckRetractable(const MissionState& state, uint64_t overlap) {
+  const auto it = state.global.overlaps.find(overlap);
+  if (it == state.global.overlaps.end()) {
+    return absl::NotFoundError(absl::StrCat("mission ", state.name, " has no overlap ", overlap));
+  }
+  if (IsAcceptedEntry(it->second)) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat("overlap ", overlap, " of mission ", state.name,
+                                                    " can't be taken back: it is ",
+                                                    ToString(it->second.overlap.verdict)));
+}
+
+std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions& options,
+                              MissionState& state) {
+  GlobalLayer& global = state.global;
+  const std::vector<uint64_t> meant = FindMeant(record, global);
+  const Overlap& named = global.overlaps.at(record.overlap).overlap;
+  if (record.keep_apart) global.kept_apart.insert(SidesOf(named));
+  bool held = false;
+  for (const uint64_t id : meant) {
+    OverlapEntry& entry = global.overlaps.at(id);
+    held = held || entry.state == OverlapState::kInGraph;
+    global.taken_back.insert(KeyframesOf(entry.overlap));
+    TakeBack(entry, state);
+  }
+  ++state.version;
+  ++global.revision;
+  if (held) DissolveIsland(global.island_of.at(named.query.local_map), options, state);
+  return meant;
+}
+
+bool IsTakenBack(const Overlap& overlap, const GlobalLayer& global) {
+  return global.taken_back.contains(KeyframesOf(overlap)) ||
+         global.kept_apart.contains(SidesOf(overlap));
+}
+
+}  // namespace corbslam::map_store
