@@ -15,6 +15,8 @@ TEST(ResourceNamesTest, AreReadAsTheyAreWritten) {
   EXPECT_EQ(ParseLocalMapName(LocalMapName("m.2", id.local_map), false)->local_map, id.local_map);
   EXPECT_EQ(ParseMissionName(MissionName("a-b_c"))->c_str(), std::string("a-b_c"));
   EXPECT_EQ(ParseAgentName(AgentName("m", "alpha"), false)->agent, "alpha");
+  EXPECT_EQ(OverlapName("m", 7), "missions/m/overlaps/7");
+  EXPECT_EQ(ParseOverlapName(OverlapName("m", 7))->overlap, 7u);
 }
 
 TEST(ResourceNamesTest, ADashMeansAllWhereThatIsAllowed) {
