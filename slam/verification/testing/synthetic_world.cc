@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <memory>
 #include <numbers>
 #include <random>
@@ -11,7 +12,6 @@
 namespace corbslam::testing {
 namespace {
 
-constexpr double kRadius_m = 15;
 constexpr double kNearest_m = 1.5;
 constexpr double kFarthest_m = 14;
 constexpr uint32_t kNodes = 60;
@@ -99,42 +99,55 @@ Rigid3d Drifted(Rigid3d next_from_previous, const SyntheticMapOptions& options) 
   return next_from_previous;
 }
 
+// Keyframe and keypoint.
+using Track = std::vector<std::pair<uint32_t, uint32_t>>;
+
+void AddPoint(const SyntheticWorld& world, size_t world_point, const Track& track,
+              const SyntheticMapOptions& options, SyntheticMap& result) {
+  const KeyframeId reference{options.local_map, track.front().first};
+  MapPoint point;
+  point.id = {options.local_map, static_cast<uint32_t>(result.map.points().size())};
+  point.reference = reference;
+  // Where the drifting map puts it.
+  const Eigen::Vector3d x_in_camera =
+      result.true_camera_from_world.at(reference) * world.positions_m[world_point];
+  point.position_in_map =
+      result.map.FindKeyframe(reference)->camera_from_map.Inverse() * (options.scale * x_in_camera);
+  result.map.AddPoint(point);
+  for (const auto& [k, i] : track) {
+    result.map.AddObservation(point.id, {options.local_map, k}, i);
+  }
+  result.map.UpdatePointAppearance(point.id);
+  result.world_point[point.id] = world_point;
+}
+
 void AddPoints(const SyntheticWorld& world, const std::vector<std::vector<Seen>>& seen,
                const SyntheticMapOptions& options, SyntheticMap& result) {
-  std::map<size_t, std::vector<std::pair<uint32_t, uint32_t>>> observations;
+  std::map<size_t, Track> observations;
   for (uint32_t k = 0; k < seen.size(); ++k) {
     for (uint32_t i = 0; i < seen[k].size(); ++i) observations[seen[k][i].point].push_back({k, i});
   }
-  uint32_t next = 0;
   for (const auto& [world_point, list] : observations) {
-    if (list.size() < options.min_observations) continue;
-    const KeyframeId reference{options.local_map, list.front().first};
-    MapPoint point;
-    point.id = {options.local_map, next++};
-    point.reference = reference;
-    // Where the drifting map puts it.
-    const Eigen::Vector3d x_in_camera =
-        result.true_camera_from_world.at(reference) * world.positions_m[world_point];
-    point.position_in_map = result.map.FindKeyframe(reference)->camera_from_map.Inverse() *
-                            (options.scale * x_in_camera);
-    result.map.AddPoint(point);
-    for (const auto& [k, i] : list) {
-      result.map.AddObservation(point.id, {options.local_map, k}, i);
+    const size_t piece = options.max_observations == 0 ? list.size() : options.max_observations;
+    for (size_t begin = 0; begin < list.size(); begin += piece) {
+      const auto first = list.begin() + static_cast<ptrdiff_t>(begin);
+      const Track track(first,
+                        first + static_cast<ptrdiff_t>(std::min(piece, list.size() - begin)));
+      if (track.size() < options.min_observations) continue;
+      AddPoint(world, world_point, track, options, result);
     }
-    result.map.UpdatePointAppearance(point.id);
-    result.world_point[point.id] = world_point;
   }
 }
 
 }  // namespace
 
-SyntheticWorld MakeRingWorld(uint64_t seed, int points) {
+SyntheticWorld MakeRingWorld(uint64_t seed, int points, double radius_m) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   SyntheticWorld world;
   for (int i = 0; i < points; ++i) {
     const double angle = Radians(360 * unit(random));
-    const double radius = kRadius_m - 4 + 8 * unit(random);
+    const double radius = radius_m - 4 + 8 * unit(random);
     world.positions_m.emplace_back(radius * std::cos(angle), -3 + 6 * unit(random),
                                    radius * std::sin(angle));
     Descriptor descriptor;
@@ -144,7 +157,7 @@ SyntheticWorld MakeRingWorld(uint64_t seed, int points) {
   return world;
 }
 
-Rigid3d PoseOnRing(double degrees) {
+Rigid3d PoseOnRing(double degrees, double radius_m) {
   const double angle = Radians(degrees);
   const Eigen::Vector3d forward(-std::sin(angle), 0, std::cos(angle));
   const Eigen::Vector3d down = Eigen::Vector3d::UnitY();
@@ -153,13 +166,16 @@ Rigid3d PoseOnRing(double degrees) {
   world_from_camera.col(1) = down;
   world_from_camera.col(2) = forward;
   const Rigid3d pose{Eigen::Quaterniond(world_from_camera),
-                     {kRadius_m * std::cos(angle), 0, kRadius_m * std::sin(angle)}};
+                     {radius_m * std::cos(angle), 0, radius_m * std::sin(angle)}};
   return pose.Inverse();
 }
 
-std::vector<Rigid3d> PosesOnRing(double begin_degrees, double step_degrees, int count) {
+std::vector<Rigid3d> PosesOnRing(double begin_degrees, double step_degrees, int count,
+                                 double radius_m) {
   std::vector<Rigid3d> poses;
-  for (int i = 0; i < count; ++i) poses.push_back(PoseOnRing(begin_degrees + i * step_degrees));
+  for (int i = 0; i < count; ++i) {
+    poses.push_back(PoseOnRing(begin_degrees + i * step_degrees, radius_m));
+  }
   return poses;
 }
 

@@ -16,13 +16,16 @@ struct SyntheticWorld {
   std::vector<Descriptor> descriptors;
 };
 
-// Points in a ring 8 m wide and 6 m high around a circle of 15 m radius (y points down).
-SyntheticWorld MakeRingWorld(uint64_t seed, int points = 6000);
+inline constexpr double kRingRadius_m = 15;
+
+// Points in a ring 8 m wide and 6 m high around a circle (y points down).
+SyntheticWorld MakeRingWorld(uint64_t seed, int points = 6000, double radius_m = kRingRadius_m);
 
 // camera_from_world on the circle, looking along it; `degrees` is the angle travelled.
-Rigid3d PoseOnRing(double degrees);
+Rigid3d PoseOnRing(double degrees, double radius_m = kRingRadius_m);
 // `count` poses from `begin_degrees` on.
-std::vector<Rigid3d> PosesOnRing(double begin_degrees, double step_degrees, int count);
+std::vector<Rigid3d> PosesOnRing(double begin_degrees, double step_degrees, int count,
+                                 double radius_m = kRingRadius_m);
 
 struct SyntheticMapOptions {
   LocalMapId local_map = {0xa};
@@ -35,6 +38,8 @@ struct SyntheticMapOptions {
   // Share of the world's points that look like another one to this map.
   double share_of_mistaken = 0;
   size_t min_observations = 2;
+  // A point is followed through so many keyframes, then seen anew as another one; 0: for ever.
+  size_t max_observations = 0;
   // 1 / the map's unit; a monocular map without baseline where not 1.
   double scale = 1;
 };
