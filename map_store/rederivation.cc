@@ -1,8 +1,17 @@
 #include "map_store/rederivation.h"
 
 #include <utility>
+#include <vector>
 
 namespace corbslam::map_store {
+
+void QueueAgain(const LocalMapState& asking, const std::vector<LocalMapId>& against,
+                MissionState& state) {
+  for (const auto& [keyframe, item] : asking.map.keyframes()) {
+    if (!asking.IsSettled(keyframe)) continue;
+    for (const LocalMapId& id : against) state.queries.push_back({keyframe, id, 0});
+  }
+}
 
 Island MakeLoneIsland(const MissionState& state, LocalMapId id) {
   Island island;
@@ -30,14 +39,10 @@ void ForgetGlobalLayer(MissionState& state) {
   state.global = std::move(fresh);
   state.queries.clear();
   // Of two keyframes the one that comes later asks.
-  for (auto at = state.local_maps.begin(); at != state.local_maps.end(); ++at) {
-    for (const auto& [keyframe, item] : at->second.map.keyframes()) {
-      if (!at->second.IsSettled(keyframe)) continue;
-      for (auto against = state.local_maps.begin(); against != state.local_maps.end(); ++against) {
-        state.queries.push_back({keyframe, against->first, 0});
-        if (against == at) break;
-      }
-    }
+  std::vector<LocalMapId> against;
+  for (const auto& [id, local_map] : state.local_maps) {
+    against.push_back(id);
+    QueueAgain(local_map, against, state);
   }
 }
 

@@ -120,7 +120,11 @@ std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions
   }
   ++state.version;
   ++global.revision;
-  if (held) DissolveIsland(global.island_of.at(named.query.local_map), options, state);
+  if (!held) return meant;
+  DissolveIsland(global.island_of.at(named.query.local_map), options, state);
+  // While it joined them, it hid what else the two have in common.
+  const auto [earlier, later] = SidesOf(named);
+  if (!record.keep_apart) QueueAgain(*state.FindLocalMap(later), {earlier}, state);
   return meant;
 }
 

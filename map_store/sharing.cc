@@ -323,10 +323,14 @@ class ShareStep {
   SharedUpdate update_;
 };
 
+bool HasSent(const ShareState& share) {
+  return !share.keyframes.empty() || !share.points.empty() || !share.landmarks.empty() ||
+         !share.own_keyframes.empty();
+}
+
 // Forgets what was sent; the agent is told to forget it too if it has anything.
 void StartAgain(LocalMapId local_map, IslandId island, ShareState& share) {
-  const bool had_any = share.restart || !share.keyframes.empty() || !share.points.empty() ||
-                       !share.own_keyframes.empty();
+  const bool had_any = share.restart || HasSent(share);
   share = ShareState();
   share.local_map = local_map;
   share.island = island;
@@ -350,6 +354,8 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
   const Island& island = *state.FindIslandOf(own);
   if (share.local_map != own || share.island != island.id) StartAgain(own, island.id, share);
   if (island.local_maps.size() < 2) {
+    // It may have been larger, under the same name.
+    if (HasSent(share)) StartAgain(own, island.id, share);
     if (!std::exchange(share.restart, false)) return std::nullopt;
     SharedUpdate forget;
     forget.revision = state.global.revision;
