@@ -1,14 +1,18 @@
 #include "map_store/fusion_executor.h"
 
+#include <glog/logging.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <utility>
 
+#include "absl/time/clock.h"
+
 namespace corbslam::map_store {
 namespace {
 
 constexpr int kKeeperNiceness = 10;
+constexpr absl::Duration kAfterFailedSnapshot = absl::Minutes(1);
 
 }  // namespace
 
@@ -73,10 +77,15 @@ void FusionExecutor::RunKeeper() {
   // Robots wait for the other threads, nobody for this one.
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kKeeperNiceness);
   uint64_t seen = 0;
+  absl::Time next_try = absl::InfinitePast();
   while (WaitForWork(seen, false)) {
+    if (absl::Now() < next_try) continue;
     for (const std::shared_ptr<Mission>& mission : missions_()) {
-      // One that fails is wanted again when the next batch has come.
-      mission->KeepSnapshot([this] { return !IsStopped(); }).IgnoreError();
+      const absl::Status kept = mission->KeepSnapshot([this] { return !IsStopped(); });
+      if (kept.ok() || absl::IsCancelled(kept)) continue;
+      // It is wanted again with the next batch, and would cost as much again.
+      LOG(WARNING) << "no snapshot was written: " << kept;
+      next_try = absl::Now() + kAfterFailedSnapshot;
     }
   }
 }
