@@ -77,8 +77,7 @@ TEST_F(RetractOverlapTest, ByTheNameThatTheListGives) {
 
 TEST_F(RetractOverlapTest, OthersAreRefusedByName) {
   v1::RetractOverlapResponse response;
-  EXPECT_EQ(Retract("missions/m/overlaps/77", &response).error_code(),
-            grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(Retract("missions/m/overlaps/77", &response).error_code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_EQ(Retract("missions/n/overlaps/1", &response).error_code(), grpc::StatusCode::NOT_FOUND);
   for (const std::string bad : {"missions/m", "missions/m/overlaps/x", "missions/m/overlaps/-1"}) {
     const grpc::Status status = Retract(bad, &response);
