@@ -119,7 +119,6 @@ enum class OverlapState {
   kWaiting,  // Accepted, not yet in the graph.
   kInGraph,
   kFailed,  // Accepted, but no worker could fuse it.
-  kRetracted,
 };
 
 struct OverlapEntry {

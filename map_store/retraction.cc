@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/overlap_query.h"
+#include "map_store/record_application.h"
 #include "map_store/rederivation.h"
 
 namespace corbslam::map_store {
@@ -34,10 +35,9 @@ std::vector<uint64_t> FindMeant(const RetractRecord& record, const GlobalLayer& 
 }
 
 void TakeBack(OverlapEntry& entry, MissionState& state) {
-  entry.state = OverlapState::kRetracted;
+  Refuse("taken back", OverlapState::kRefused, entry);
   entry.overlap.verdict = OverlapVerdict::kTakenBack;
   entry.revision = 0;
-  entry.note = "taken back";
   --state.statistics.overlaps_accepted;
 }
 

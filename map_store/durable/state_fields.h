@@ -35,7 +35,7 @@ void Fields(Archive& archive, T& statistics) {
 
 namespace map_store {
 
-constexpr OverlapState LastValue(OverlapState) { return OverlapState::kRetracted; }
+constexpr OverlapState LastValue(OverlapState) { return OverlapState::kFailed; }
 
 template <typename Archive, MayBeConst<absl::Time> T>
 void Time(Archive& archive, T& time) {

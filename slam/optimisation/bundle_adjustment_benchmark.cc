@@ -26,12 +26,6 @@ testing::SyntheticScene MakeScene(int keyframes, int points) {
   return testing::MakeSyntheticScene(options);
 }
 
-size_t CountObservations(const Map& map) {
-  size_t count = 0;
-  for (const auto& [id, point] : map.points()) count += point.observations.size();
-  return count;
-}
-
 // Arguments: keyframes, points, threads, solver.
 void BM_AdjustBundle(benchmark::State& state) {
   const auto scene = MakeScene(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
@@ -48,7 +42,7 @@ void BM_AdjustBundle(benchmark::State& state) {
     state.counters["iterations"] = result->iterations;
     state.counters["final_cost"] = result->final_cost;
   }
-  state.counters["observations"] = static_cast<double>(CountObservations(scene.map));
+  state.counters["observations"] = static_cast<double>(testing::CountObservations(scene.map));
   state.SetLabel(options.solver == BundleSolver::kCeres ? "Ceres" : "block Schur");
 }
 void Sizes(benchmark::internal::Benchmark* benchmark) {

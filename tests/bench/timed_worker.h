@@ -2,7 +2,9 @@
 #ifndef CORBSLAM_TESTS_BENCH_TIMED_WORKER_H_
 #define CORBSLAM_TESTS_BENCH_TIMED_WORKER_H_
 
+#include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "slam/exchange/fusion_worker.h"
@@ -12,11 +14,6 @@ namespace corbslam {
 // Not thread-safe.
 class TimedWorker : public FusionWorker {
  public:
-  struct Fusing {
-    size_t keyframes = 0;  // Of both sides.
-    double ms = 0;
-    bool accepted = false;
-  };
   struct Adjustment {
     size_t keyframes = 0;
     size_t points = 0;
@@ -38,15 +35,14 @@ class TimedWorker : public FusionWorker {
   absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest& request,
                                                   const ProgressCallback& progress) override;
 
-  const std::vector<double>& verifications_ms() const { return verifications_ms_; }
-  const std::vector<Fusing>& fusings() const { return fusings_; }
+  // Of requests that were answered, in their order.
+  const std::vector<double>& fusings_ms() const { return fusings_ms_; }
   const std::vector<Adjustment>& adjustments() const { return adjustments_; }
 
  private:
   const std::unique_ptr<FusionWorker> worker_;
   const int threads_;
-  std::vector<double> verifications_ms_;
-  std::vector<Fusing> fusings_;
+  std::vector<double> fusings_ms_;
   std::vector<Adjustment> adjustments_;
 };
 

@@ -141,7 +141,7 @@ INSTANTIATE_TEST_SUITE_P(Disks, RefusalTest,
                              Refusal{"FullButForItsReserve", 8, "RESOURCE_EXHAUSTED",
                                      [](SmallDisk& disk) { return disk.Fill(0); },
                                      [](SmallDisk& disk) { return disk.Empty(); }},
-                             // The system refuses.
+                             // And that there is no room at all.
                              Refusal{"Full", 0, "RESOURCE_EXHAUSTED",
                                      [](SmallDisk& disk) { return disk.Fill(0); },
                                      [](SmallDisk& disk) { return disk.Empty(); }},

@@ -128,14 +128,13 @@ struct Outcome {
   std::array<json, 2> robots;  // Statistics on the bad link, and on the perfect one.
 };
 
-constexpr int kNetworks = 32;
-
 // As a robot's network sees it.
 std::string AddressOfStore(int network) { return absl::StrCat("10.77.", network, ".1"); }
 
 std::string HostsOfStores() {
   std::string hosts;
-  for (int i = 0; i < kNetworks; ++i) absl::StrAppend(&hosts, AddressOfStore(i), " ");
+  const auto networks = static_cast<int>(2 * Cases().size());
+  for (int i = 0; i < networks; ++i) absl::StrAppend(&hosts, AddressOfStore(i), " ");
   return hosts;
 }
 

@@ -239,4 +239,10 @@ SyntheticScene MakeSyntheticScene(const SyntheticSceneOptions& options) {
   return SceneBuilder(options).Build();
 }
 
+size_t CountObservations(const Map& map) {
+  size_t count = 0;
+  for (const auto& [id, point] : map.points()) count += point.observations.size();
+  return count;
+}
+
 }  // namespace corbslam::testing

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SLAM_OPTIMISATION_TESTING_SYNTHETIC_SCENE_H_
 #define CORBSLAM_SLAM_OPTIMISATION_TESTING_SYNTHETIC_SCENE_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -52,6 +53,8 @@ Camera SyntheticCamera();
 // Keyframes 0 to keyframes - 1 (0 is the root, each hangs on the one before), points seen by at
 // least two keyframes, random descriptors (nearly equal for one point), octaves by distance.
 SyntheticScene MakeSyntheticScene(const SyntheticSceneOptions& options);
+
+size_t CountObservations(const Map& map);
 
 }  // namespace corbslam::testing
 
