@@ -54,14 +54,32 @@ void CollectOverlaps(const MissionState& state, const FusionAction& action,
   }
 }
 
-// Pairs that fusion has made one since, or that nobody in the views sees any more, say nothing.
+// The keyframes of the overlaps that call for the work.
+std::set<KeyframeId> CentresOf(const FuseMapsRequest& request) {
+  std::set<KeyframeId> centres;
+  for (const size_t index : request.new_overlaps) {
+    centres.insert(request.overlaps[index].query);
+    centres.insert(request.overlaps[index].candidate);
+  }
+  return centres;
+}
+
+std::set<MapPointId> PointsOf(const std::vector<Overlap>& overlaps) {
+  std::set<MapPointId> points;
+  for (const Overlap& overlap : overlaps) {
+    for (const PointPair& pair : overlap.inliers) points.insert({pair.query, pair.candidate});
+  }
+  return points;
+}
+
+// Pairs that fusion has made one since, or that have gone from the views, say nothing.
 void DropIdlePairs(FuseMapsRequest& request) {
-  const auto is_seen = [&request](MapPointId id) {
+  const auto is_there = [&request](MapPointId id) {
     return request.target.FindPoint(id) != nullptr || request.source.FindPoint(id) != nullptr;
   };
   for (Overlap& overlap : request.overlaps) {
-    std::erase_if(overlap.inliers, [&is_seen](const PointPair& pair) {
-      return pair.query == pair.candidate || !is_seen(pair.query) || !is_seen(pair.candidate);
+    std::erase_if(overlap.inliers, [&is_there](const PointPair& pair) {
+      return pair.query == pair.candidate || !is_there(pair.query) || !is_there(pair.candidate);
     });
   }
 }
@@ -73,7 +91,8 @@ bool IsMetric(const MissionState& state, const IslandSnapshot& snapshot) {
   return state.global.islands.contains(snapshot.island);
 }
 
-std::optional<FusionRequest> PrepareFuse(const MissionState& state, const FusionAction& action) {
+std::optional<FusionRequest> PrepareFuse(const MissionState& state, const FusionAction& action,
+                                         const MapStoreOptions& options) {
   const Island* target = FindIsland(state, action.target);
   const Island* source = FindIsland(state, action.source);
   const bool weld = action.kind == FusionAction::Kind::kWeld;
@@ -91,10 +110,14 @@ std::optional<FusionRequest> PrepareFuse(const MissionState& state, const Fusion
   CallAgain(job.relaxed, job.request);
   // The keyframes that called for it have gone.
   if (job.request.new_overlaps.empty()) return std::nullopt;
-  job.target = TakeIslandSnapshot(state, *target, unplaced);
+  const std::set<KeyframeId> centres = CentresOf(job.request);
+  const std::set<MapPointId> points = PointsOf(job.request.overlaps);
+  job.target = TakeGraphSnapshot(state, *target, std::move(unplaced), centres,
+                                 options.neighbourhood, points);
   job.request.fix_scale = IsMetric(state, job.target);
   if (!weld) {
-    job.source = TakeIslandSnapshot(state, *source, source->displaced);
+    job.source = TakeGraphSnapshot(state, *source, source->displaced, centres,
+                                   options.neighbourhood, points);
     job.request.fix_scale = job.request.fix_scale && IsMetric(state, *job.source);
     job.request.source = std::move(job.source->view);
   }
@@ -110,7 +133,7 @@ std::optional<FusionRequest> PrepareAdjust(const MissionState& state, const Fusi
   if (island == nullptr) return std::nullopt;
   AdjustJob job;
   // With the whole in view, it decides anew which observations are wrong.
-  job.snapshot = TakeIslandSnapshot(state, *island, island->displaced, Rejected::kTryAgain);
+  job.snapshot = TakeWholeSnapshot(state, *island, island->displaced, Rejected::kTryAgain);
   const Map& view = job.snapshot.view;
   if (view.keyframes().size() < 2) return std::nullopt;
   // The first keyframe of the local map whose frame it is holds the frame.
@@ -182,7 +205,7 @@ std::optional<FusionRequest> PrepareRequest(const MissionState& state, const Fus
     }
     case FusionAction::Kind::kFuse:
     case FusionAction::Kind::kWeld:
-      return PrepareFuse(state, action);
+      return PrepareFuse(state, action, options);
     case FusionAction::Kind::kAdjust:
       return PrepareAdjust(state, action, options);
   }

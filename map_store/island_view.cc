@@ -1,6 +1,9 @@
 #include "map_store/island_view.h"
 
+#include <limits>
 #include <utility>
+
+#include "map_store/island_covisibility.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -8,41 +11,78 @@ namespace {
 // Builds a Map of an island's keyframes and what they see.
 class ViewBuilder {
  public:
-  ViewBuilder(const MissionState& state, const Island& island, const Unplaced& unplaced,
-              Rejected rejected)
-      : state_(state), unplaced_(unplaced), rejected_(rejected) {
-    for (const LocalMapId& id : island.local_maps) {
-      poses_[id] = ComputePoses(*state.FindLocalMap(id), state.global, unplaced);
-    }
-  }
+  ViewBuilder(const MissionState& state, const Unplaced& unplaced, Rejected rejected,
+              Covisibility covisibility)
+      : state_(state), unplaced_(unplaced), rejected_(rejected), view_(covisibility) {}
 
   void AddKeyframe(const LocalMapState& local_map, const Keyframe& from) {
     Keyframe keyframe;
     keyframe.payload = from.payload;
     keyframe.words = from.words;
-    keyframe.camera_from_map = poses_.at(local_map.id).at(from.id()).ToRigid();
+    keyframe.camera_from_map = PosesOf(local_map).at(from.id()).ToRigid();
+    keyframe.parent = from.parent;
     view_.AddKeyframe(std::move(keyframe));
   }
 
   // Once all keyframes are there.
-  void Connect() {
-    const std::vector<KeyframeId> ids = KeyframeIds();
-    for (const KeyframeId& id : ids) {
-      const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
-      const Keyframe& from = *local_map.map.FindKeyframe(id);
-      view_.SetParent(id, from.parent);
+  void AddEdges() {
+    std::set<LocalMapId> local_maps;
+    for (const KeyframeId& id : KeyframeIds()) {
+      const Keyframe& from = *state_.FindKeyframe(id);
+      if (from.parent != view_.FindKeyframe(id)->parent) view_.SetParent(id, from.parent);
       for (const KeyframeId& other : from.loop_edges) view_.AddLoopEdge(id, other);
-      AddObservations(local_map, from);
+      local_maps.insert(id.local_map);
     }
-    for (const auto& [id, poses] : poses_) {
+    for (const LocalMapId& id : local_maps) {
       for (const LoopEdge& edge : state_.FindLocalMap(id)->foreign_loop_edges) {
         view_.AddLoopEdge(edge.a, edge.b);
       }
     }
   }
 
+  // All that the view's keyframes see.
+  void AddSights() {
+    for (const KeyframeId& id : KeyframeIds()) AddSightsOf(id, /*only_known=*/false);
+  }
+
+  // What the neighbourhoods of the centres see, and who else sees it. Once covisibility is there.
+  void AddSightsAround(const std::set<KeyframeId>& centres, int neighbourhood) {
+    std::set<KeyframeId> inner;
+    for (const KeyframeId& id : centres) InsertNeighbours(id, neighbourhood, inner);
+    std::set<KeyframeId> outer;
+    for (const KeyframeId& id : inner) {
+      AddSightsOf(id, /*only_known=*/false);
+      InsertNeighbours(id, std::numeric_limits<int>::max(), outer);
+    }
+    for (const KeyframeId& id : outer) {
+      if (!inner.contains(id)) AddSightsOf(id, /*only_known=*/true);
+    }
+  }
+
+  void AddPoint(MapPointId id) {
+    const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
+    const MapPoint& from = *owner.map.FindPoint(id);
+    const IslandPoses& poses = PosesOf(owner);
+    const Similarity3d island_from_local =
+        IslandFromLocal(from.reference, owner, state_.global, poses);
+    MapPoint point;
+    point.id = id;
+    point.position_in_map = ComputePosition(from, owner, state_.global, poses, unplaced_);
+    point.reference = from.reference;
+    point.descriptor = from.descriptor;
+    point.normal_in_map = island_from_local.rotation * from.normal_in_map;
+    point.min_distance = from.min_distance * island_from_local.scale;
+    point.max_distance = from.max_distance * island_from_local.scale;
+    view_.AddPoint(std::move(point));
+  }
+
+  Map& view() { return view_; }
   Map TakeView() { return std::move(view_); }
-  const IslandPoses& poses(LocalMapId id) const { return poses_.at(id); }
+  const IslandPoses& PosesOf(const LocalMapState& local_map) {
+    const auto [it, added] = poses_.try_emplace(local_map.id);
+    if (added) it->second = ComputePoses(local_map, state_.global, unplaced_);
+    return it->second;
+  }
 
  private:
   std::vector<KeyframeId> KeyframeIds() const {
@@ -52,27 +92,25 @@ class ViewBuilder {
     return ids;
   }
 
-  void AddObservations(const LocalMapState& local_map, const Keyframe& from) {
-    const std::vector<MapPointId> points = ObservedPoints(state_, local_map, from, rejected_);
-    for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
-      const MapPointId id = points[keypoint];
-      if (!id.IsValid()) continue;
-      if (view_.FindPoint(id) == nullptr) AddPoint(id);
-      view_.AddObservation(id, from.id(), keypoint);
-    }
+  void InsertNeighbours(KeyframeId centre, int count, std::set<KeyframeId>& ids) const {
+    if (view_.FindKeyframe(centre) == nullptr) return;
+    ids.insert(centre);
+    for (const CovisibleKeyframe& near : view_.BestCovisible(centre, count)) ids.insert(near.id);
   }
 
-  void AddPoint(MapPointId id) {
-    const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
-    MapPoint point = *owner.map.FindPoint(id);
-    const IslandPoses& poses = poses_.at(owner.id);
-    const Similarity3d island_from_local =
-        IslandFromLocal(point.reference, owner, state_.global, poses);
-    point.position_in_map = ComputePosition(point, owner, state_.global, poses, unplaced_);
-    point.normal_in_map = island_from_local.rotation * point.normal_in_map;
-    point.min_distance *= island_from_local.scale;
-    point.max_distance *= island_from_local.scale;
-    view_.AddPoint(std::move(point));
+  void AddSightsOf(KeyframeId id, bool only_known) {
+    const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
+    const Keyframe& from = *local_map.map.FindKeyframe(id);
+    const std::vector<MapPointId> points = ObservedPoints(state_, local_map, from, rejected_);
+    for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
+      const MapPointId point = points[keypoint];
+      if (!point.IsValid()) continue;
+      if (view_.FindPoint(point) == nullptr) {
+        if (only_known) continue;
+        AddPoint(point);
+      }
+      view_.AddObservation(point, id, keypoint);
+    }
   }
 
   const MissionState& state_;
@@ -81,6 +119,27 @@ class ViewBuilder {
   std::map<LocalMapId, IslandPoses> poses_;
   Map view_;
 };
+
+// With its keyframes and edges.
+IslandSnapshot BeginSnapshot(const MissionState& state, const Island& island,
+                             ViewBuilder& builder) {
+  IslandSnapshot snapshot;
+  snapshot.island = island.id;
+  snapshot.revision = state.global.revision;
+  snapshot.generation = island.generation;
+  snapshot.version_of_owners = island.version_of_owners;
+  for (const LocalMapId& id : island.local_maps) {
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    const IslandPoses& poses = builder.PosesOf(local_map);
+    snapshot.poses.insert(poses.begin(), poses.end());
+    for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
+      builder.AddKeyframe(local_map, keyframe);
+      snapshot.local_poses[keyframe_id] = keyframe.camera_from_map;
+    }
+  }
+  builder.AddEdges();
+  return snapshot;
+}
 
 }  // namespace
 
@@ -112,37 +171,45 @@ std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMap
   return points;
 }
 
-IslandSnapshot TakeIslandSnapshot(const MissionState& state, const Island& island,
-                                  const Unplaced& unplaced, Rejected rejected) {
-  IslandSnapshot snapshot;
-  snapshot.island = island.id;
-  snapshot.revision = state.global.revision;
-  snapshot.generation = island.generation;
-  snapshot.version_of_owners = island.version_of_owners;
-  ViewBuilder builder(state, island, unplaced, rejected);
-  for (const LocalMapId& id : island.local_maps) {
-    const LocalMapState& local_map = *state.FindLocalMap(id);
-    snapshot.poses.insert(builder.poses(id).begin(), builder.poses(id).end());
-    for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
-      builder.AddKeyframe(local_map, keyframe);
-      snapshot.local_poses[keyframe_id] = keyframe.camera_from_map;
-    }
-  }
-  builder.Connect();
+IslandSnapshot TakeWholeSnapshot(const MissionState& state, const Island& island, Unplaced unplaced,
+                                 Rejected rejected) {
+  ViewBuilder builder(state, unplaced, rejected, Covisibility::kGiven);
+  IslandSnapshot snapshot = BeginSnapshot(state, island, builder);
+  builder.AddSights();
   snapshot.view = builder.TakeView();
+  snapshot.unplaced = std::move(unplaced);
   return snapshot;
 }
 
-Map BuildPartialView(const MissionState& state, const Island& island,
-                     const std::set<KeyframeId>& keyframes) {
+IslandSnapshot TakeGraphSnapshot(const MissionState& state, const Island& island, Unplaced unplaced,
+                                 const std::set<KeyframeId>& centres, int neighbourhood,
+                                 const std::set<MapPointId>& named) {
+  ViewBuilder builder(state, unplaced, Rejected::kLeaveOut, Covisibility::kGiven);
+  IslandSnapshot snapshot = BeginSnapshot(state, island, builder);
+  for (const CovisiblePair& pair : CountCovisibility(state, island)) {
+    builder.view().SetCovisibility(pair.a, pair.b, pair.weight);
+  }
+  builder.AddSightsAround(centres, neighbourhood);
+  for (const MapPointId& id : named) {
+    const bool here = state.FindPoint(id) != nullptr &&
+                      state.global.island_of.at(id.local_map) == island.id;
+    if (here && builder.view().FindPoint(id) == nullptr) builder.AddPoint(id);
+  }
+  snapshot.view = builder.TakeView();
+  snapshot.unplaced = std::move(unplaced);
+  return snapshot;
+}
+
+Map BuildPartialView(const MissionState& state, const std::set<KeyframeId>& keyframes) {
   const Unplaced none;
-  ViewBuilder builder(state, island, none, Rejected::kLeaveOut);
+  ViewBuilder builder(state, none, Rejected::kLeaveOut, Covisibility::kCounted);
   for (const KeyframeId& id : keyframes) {
     const LocalMapState* local_map = state.FindLocalMap(id.local_map);
     const Keyframe* keyframe = local_map == nullptr ? nullptr : local_map->map.FindKeyframe(id);
     if (keyframe != nullptr) builder.AddKeyframe(*local_map, *keyframe);
   }
-  builder.Connect();
+  builder.AddEdges();
+  builder.AddSights();
   return builder.TakeView();
 }
 

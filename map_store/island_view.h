@@ -19,25 +19,31 @@ struct IslandSnapshot {
   uint64_t revision = 0;
   uint64_t generation = 0;
   uint64_t version_of_owners = 0;
-  // In the island's frame; camera units rescaled to the island's. Points that no keyframe of the
-  // view sees are not in it; landmarks are their survivors.
-  Map view;
+  // In the island's frame; camera units rescaled to the island's. Landmarks are their survivors.
+  Map view{Covisibility::kGiven};
   // Of the view's keyframes: with their own scales, and the local poses they were derived from.
   IslandPoses poses;
   std::map<KeyframeId, Rigid3d> local_poses;
+  // Placed keyframes that were treated as if they were not.
+  Unplaced unplaced;
 };
 
 // What becomes of observations that fusion has rejected before.
 enum class Rejected { kLeaveOut, kTryAgain };
 
-// The whole island. `unplaced`: see placement.h.
-IslandSnapshot TakeIslandSnapshot(const MissionState& state, const Island& island,
-                                  const Unplaced& unplaced = {},
-                                  Rejected rejected = Rejected::kLeaveOut);
+// The whole island, for an adjustment: all points that a keyframe sees, and no covisibility.
+IslandSnapshot TakeWholeSnapshot(const MissionState& state, const Island& island, Unplaced unplaced,
+                                 Rejected rejected = Rejected::kLeaveOut);
 
-// Only some of the island's keyframes, and what they see.
-Map BuildPartialView(const MissionState& state, const Island& island,
-                     const std::set<KeyframeId>& keyframes);
+// The island's graph, for fusing: all keyframes with their covisibility, but of the points only
+// those that the neighbourhoods of `centres` (keyframes; unknown ones are skipped) see, with all
+// their observations, and the `named` ones.
+IslandSnapshot TakeGraphSnapshot(const MissionState& state, const Island& island, Unplaced unplaced,
+                                 const std::set<KeyframeId>& centres, int neighbourhood,
+                                 const std::set<MapPointId>& named);
+
+// Only some keyframes of one island, and what they see. Their covisibility is that of the view.
+Map BuildPartialView(const MissionState& state, const std::set<KeyframeId>& keyframes);
 
 // One entry a keypoint: the landmark or point that it sees. Only what lies in the same island as
 // the keyframe.

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "absl/container/btree_map.h"
 #include "absl/time/time.h"
 #include "map_store/landmarks.h"
 #include "map_store/lookups.h"
@@ -91,6 +92,7 @@ struct PlacedPoint {
   Eigen::Vector3d position_in_island = Eigen::Vector3d::Zero();
   uint64_t revision = 0;
 };
+using PlacedPoints = absl::btree_map<MapPointId, PlacedPoint>;
 
 struct Island {
   IslandId id;
@@ -139,7 +141,7 @@ using RejectedObservations = std::map<std::pair<KeyframeId, uint32_t>, MapPointI
 struct GlobalLayer {
   uint64_t revision = 0;
   std::map<KeyframeId, PlacedKeyframe> keyframes;
-  std::map<MapPointId, PlacedPoint> points;  // Of survivors and lone points.
+  PlacedPoints points;  // Of survivors and lone points.
   Landmarks landmarks;
   // Removed points, and another of the landmark that each was part of.
   std::map<MapPointId, MapPointId> heirs;

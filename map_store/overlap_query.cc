@@ -106,14 +106,12 @@ std::optional<VerifyOverlapRequest> BuildVerifyRequest(const MissionState& state
       BothMetric(*state.FindLocalMap(task.query.local_map), *state.FindLocalMap(task.against));
   std::set<KeyframeId> around_query;
   AddWithNeighbours(state, task.query, options.neighbourhood, around_query);
-  request.query_view =
-      BuildPartialView(state, *state.FindIslandOf(task.query.local_map), around_query);
+  request.query_view = BuildPartialView(state, around_query);
   std::set<KeyframeId> around_candidates;
   for (const VerifyOverlapRequest::Candidate& candidate : request.candidates) {
     AddWithNeighbours(state, candidate.id, options.neighbourhood, around_candidates);
   }
-  request.candidate_view =
-      BuildPartialView(state, *state.FindIslandOf(task.against), around_candidates);
+  request.candidate_view = BuildPartialView(state, around_candidates);
   return request;
 }
 

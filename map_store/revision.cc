@@ -1,9 +1,11 @@
 #include "map_store/revision.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "map_store/local_motion.h"
 #include "map_store/placement.h"
 
@@ -11,17 +13,10 @@ namespace corbslam::map_store {
 namespace {
 
 using NewPoses = std::map<KeyframeId, Similarity3d>;
-using NewPositions = std::map<MapPointId, Eigen::Vector3d>;
 
 NewPoses Index(const std::vector<KeyframePose>& poses) {
   NewPoses indexed;
   for (const KeyframePose& pose : poses) indexed[pose.id] = pose.camera_from_map;
-  return indexed;
-}
-
-NewPositions Index(const std::vector<PointPosition>& positions) {
-  NewPositions indexed;
-  for (const PointPosition& position : positions) indexed[position.id] = position.position_in_map;
   return indexed;
 }
 
@@ -43,16 +38,87 @@ void PlanKeyframes(const MissionState& state, const IslandSnapshot& snapshot,
   }
 }
 
-void PlanPoints(const MissionState& state, const Map& view, const NewPositions& new_positions,
-                const Similarity3d& target_from_view, RevisionPlan& plan) {
+// Only survivors whose reference keyframe is placed have a position of their own.
+bool IsPlaceable(const MissionState& state, MapPointId id, const RevisionPlan& plan) {
+  const MapPoint* own = state.FindPoint(id);
+  return own != nullptr && plan.keyframes.contains(own->reference) &&
+         state.global.landmarks.Survivor(id) == id;
+}
+
+void PlanPositions(const MissionState& state, const std::vector<PointPosition>& positions,
+                   RevisionPlan& plan) {
+  for (const auto& [id, position] : positions) {
+    if (IsPlaceable(state, id, plan)) plan.points[id] = {position, plan.revision};
+  }
+}
+
+// Also those that the adjustment left alone: what they were derived from may move from now on.
+void PlanPointsOfView(const MissionState& state, const Map& view, RevisionPlan& plan) {
   for (const auto& [id, point] : view.points()) {
-    const MapPoint* own = state.FindPoint(id);
-    if (own == nullptr || !plan.keyframes.contains(own->reference)) continue;
-    if (state.global.landmarks.Survivor(id) != id) continue;
-    const auto moved = new_positions.find(id);
-    const Eigen::Vector3d position =
-        moved == new_positions.end() ? target_from_view * point.position_in_map : moved->second;
-    plan.points[id] = {position, plan.revision};
+    if (!plan.points.contains(id) && IsPlaceable(state, id, plan)) {
+      plan.points[id] = {point.position_in_map, plan.revision};
+    }
+  }
+}
+
+// How points follow their reference keyframes into a revision that moves those.
+class Followers {
+ public:
+  Followers(const MissionState& state, const IslandSnapshot& snapshot, const RevisionPlan& plan)
+      : state_(state), snapshot_(snapshot), plan_(plan) {}
+
+  // Where a placed point comes to lie; none where its keyframe is not placed.
+  std::optional<Eigen::Vector3d> Follow(const MapPoint& point, const PlacedPoint& placed) {
+    const auto [it, added] = motions_.try_emplace(point.reference);
+    if (added) it->second = MotionOf(point.reference);
+    if (!it->second.has_value()) return std::nullopt;
+    const Motion& motion = *it->second;
+    return motion.moved *
+           (motion.from_local ? point.position_in_map : placed.position_in_island);
+  }
+
+ private:
+  struct Motion {
+    Similarity3d moved;
+    // The keyframe was derived anew from its owner's poses: so is what it sees.
+    bool from_local = false;
+  };
+
+  std::optional<Motion> MotionOf(KeyframeId id) const {
+    const auto planned = plan_.keyframes.find(id);
+    if (planned == plan_.keyframes.end()) return std::nullopt;
+    const Similarity3d island_from_camera = planned->second.camera_from_island.Inverse();
+    if (snapshot_.unplaced.contains(id)) {
+      const Similarity3d local = Similarity3d::FromRigid(planned->second.camera_from_local);
+      return Motion{island_from_camera * local, true};
+    }
+    if (const auto it = state_.global.keyframes.find(id); it != state_.global.keyframes.end()) {
+      return Motion{island_from_camera * it->second.camera_from_island, false};
+    }
+    const auto derived = snapshot_.poses.find(id);
+    if (derived == snapshot_.poses.end()) return std::nullopt;
+    return Motion{island_from_camera * derived->second, false};
+  }
+
+  const MissionState& state_;
+  const IslandSnapshot& snapshot_;
+  const RevisionPlan& plan_;
+  absl::flat_hash_map<KeyframeId, std::optional<Motion>> motions_;
+};
+
+void PlanFollowers(const MissionState& state, const IslandSnapshot& snapshot, RevisionPlan& plan) {
+  const auto island = state.global.islands.find(snapshot.island);
+  if (island == state.global.islands.end()) return;
+  Followers followers(state, snapshot, plan);
+  for (const LocalMapId& local_map : island->second.local_maps) {
+    const Map& map = state.FindLocalMap(local_map)->map;
+    for (auto it = state.global.points.lower_bound(MapPointId{local_map, 0});
+         it != state.global.points.end() && it->first.local_map == local_map; ++it) {
+      const MapPoint* point = map.FindPoint(it->first);
+      if (point == nullptr) continue;
+      const auto position = followers.Follow(*point, it->second);
+      if (position.has_value()) plan.points[it->first] = {*position, plan.revision};
+    }
   }
 }
 
@@ -95,7 +161,7 @@ void ForgetOldFrame(const RevisionPlan& plan, const Island& source, GlobalLayer&
   const std::set<LocalMapId> moved(source.local_maps.begin(), source.local_maps.end());
   const auto is_moved = [&moved](const auto& item) { return moved.contains(item.first.local_map); };
   std::erase_if(global.keyframes, is_moved);
-  std::erase_if(global.points, is_moved);
+  absl::erase_if(global.points, is_moved);
   for (const LocalMapId& id : source.local_maps) {
     global.island_of[id] = plan.target;
     global.island_from_local.erase(id);
@@ -174,15 +240,15 @@ RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseM
   plan.merges = result.merges;
   plan.overlaps = job.action.overlaps;
   const NewPoses poses = Index(result.poses);
-  const NewPositions positions = Index(result.positions);
   PlanKeyframes(state, job.target, poses, Similarity3d(), plan);
   std::vector<const Map*> views = {&job.request.target};
   if (job.source.has_value()) {
     PlanKeyframes(state, *job.source, poses, result.target_from_source.Inverse(), plan);
+    PlanFollowers(state, *job.source, plan);
     views.push_back(&job.request.source);
   }
-  PlanPoints(state, job.request.target, positions, Similarity3d(), plan);
-  PlanPoints(state, job.request.source, positions, result.target_from_source, plan);
+  PlanFollowers(state, job.target, plan);
+  PlanPositions(state, result.positions, plan);
   PlanRejected(state, views, result.rejected, plan);
   return plan;
 }
@@ -193,7 +259,8 @@ RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
   plan.revision = state.global.revision + 1;
   plan.target = job.snapshot.island;
   PlanKeyframes(state, job.snapshot, Index(result.poses), Similarity3d(), plan);
-  PlanPoints(state, job.request.view, Index(result.positions), Similarity3d(), plan);
+  PlanPositions(state, result.positions, plan);
+  PlanPointsOfView(state, job.request.view, plan);
   PlanRejected(state, {&job.request.view}, result.rejected, plan);
   for (const auto& [id, keyframe] : job.request.view.keyframes()) plan.decided_anew.insert(id);
   return plan;

@@ -21,7 +21,7 @@ struct RevisionPlan {
   IslandId target;
   IslandId source;  // Moves into `target`; invalid: none does.
   std::map<KeyframeId, PlacedKeyframe> keyframes;
-  std::map<MapPointId, PlacedPoint> points;
+  PlacedPoints points;
   std::vector<FuseMapsResult::Merge> merges;
   // Raw observations that were found wrong, and keyframes whose earlier rejections it takes back.
   RejectedObservations rejected_raw;
@@ -31,7 +31,8 @@ struct RevisionPlan {
 
 // Keyframes get the result's pose, else the one of the snapshot that the worker saw. Only settled
 // ones are placed: provisional ones still follow their robot's adjustment. Removed ones, and points
-// whose reference keyframe is not placed, are skipped.
+// whose reference keyframe is not placed, are skipped. Fusing sees few of the points: the others
+// follow their reference keyframes.
 RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseMapsResult& result);
 RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
                         const AdjustBundleResult& result);

@@ -26,6 +26,8 @@
 #include <variant>
 #include <vector>
 
+#include "absl/container/btree_map.h"
+
 namespace corbslam::map_store {
 
 static_assert(std::endian::native == std::endian::little);
@@ -83,6 +85,10 @@ class ArchiveWriter {
   }
   template <typename K, typename V>
   void Value(const std::map<K, V>& items) {
+    Items(items);
+  }
+  template <typename K, typename V>
+  void Value(const absl::btree_map<K, V>& items) {
     Items(items);
   }
   template <typename A, typename B>
@@ -178,11 +184,11 @@ class ArchiveReader {
   }
   template <typename K, typename V>
   void Value(std::map<K, V>& items) {
-    for (size_t left = Size(1); left > 0 && ok_; --left) {
-      K key{};
-      Value(key);
-      Value(items[std::move(key)]);
-    }
+    MapItems(items);
+  }
+  template <typename K, typename V>
+  void Value(absl::btree_map<K, V>& items) {
+    MapItems(items);
   }
   template <typename A, typename B>
   void Value(std::pair<A, B>& pair) {
@@ -205,6 +211,14 @@ class ArchiveReader {
       Alternative<I + 1>(index, value);
     } else {
       Fail();
+    }
+  }
+  template <typename Map>
+  void MapItems(Map& items) {
+    for (size_t left = Size(1); left > 0 && ok_; --left) {
+      typename Map::key_type key{};
+      Value(key);
+      Value(items[std::move(key)]);
     }
   }
   // Of items that take at least so many bytes each.

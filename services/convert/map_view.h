@@ -18,6 +18,7 @@ struct MapViewContent {
   bool descriptors = true;
   // False: only keypoints that see a point, numbered anew; results never name keypoints.
   bool all_keypoints = true;
+  bool covisibility = false;
 };
 
 // Gets serialised messages one after the other; false ends the writing.
@@ -31,8 +32,10 @@ bool WriteMapView(const Map& map, v1::MapView view, const MapViewContent& conten
 // Builds a Map from its chunks. Not thread-safe.
 class MapViewReader {
  public:
-  // `descriptors_optional`: keyframes and points may come without their looks.
-  explicit MapViewReader(bool descriptors_optional) : descriptors_optional_(descriptors_optional) {}
+  // `descriptors_optional`: keyframes and points may come without their looks. `covisibility`:
+  // whether it is counted, or comes with the view.
+  MapViewReader(bool descriptors_optional, Covisibility covisibility)
+      : descriptors_optional_(descriptors_optional), map_(covisibility) {}
 
   // INVALID_ARGUMENT names the item. After an error the reader is of no use.
   absl::Status Add(const v1::MapChunk& chunk);

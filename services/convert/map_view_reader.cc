@@ -8,6 +8,7 @@
 #include "services/convert/errors.h"
 #include "services/convert/geometry.h"
 #include "services/convert/ids.h"
+#include "services/convert/limits.h"
 #include "services/convert/map_view.h"
 #include "slam/util/status_macros.h"
 
@@ -153,6 +154,30 @@ absl::Status ReadGraph(const v1::MapChunk& chunk, const SlotReader& slots, Map& 
   return absl::OkStatus();
 }
 
+absl::Status ReadCovisibility(const v1::MapChunk::CovisibilityColumns& proto,
+                              const SlotReader& slots, Map& map) {
+  ASSIGN_OR_RETURN(const std::vector<KeyframeId> a, slots.Keyframes(proto.a(), "covisibility.a"));
+  ASSIGN_OR_RETURN(const std::vector<KeyframeId> b, slots.Keyframes(proto.b(), "covisibility.b"));
+  const auto count = static_cast<int64_t>(a.size());
+  if (b.size() != a.size()) {
+    return BadLength("covisibility.b", static_cast<int64_t>(b.size()), count);
+  }
+  if (proto.weights_size() != count) {
+    return BadLength("covisibility.weights", proto.weights_size(), count);
+  }
+  for (size_t i = 0; i < a.size(); ++i) {
+    const auto weight = static_cast<int64_t>(proto.weights(static_cast<int>(i)));
+    if (weight < 1 || weight > kMaxKeypoints) {
+      return OutOfRange("covisibility.weights", weight, 1, kMaxKeypoints);
+    }
+    if (map.SetCovisibility(a[i], b[i], static_cast<int>(weight))) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("covisibility of keyframes ", ToString(a[i]), " and ", ToString(b[i]),
+                     ": one is unknown, they are the same, or this view counts its own"));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status MapViewReader::Add(const v1::MapChunk& chunk) {
@@ -160,7 +185,8 @@ absl::Status MapViewReader::Add(const v1::MapChunk& chunk) {
   RETURN_IF_ERROR(ReadCameras(chunk, slots, cameras_));
   RETURN_IF_ERROR(ReadKeyframes(chunk, slots, cameras_, descriptors_optional_, map_));
   RETURN_IF_ERROR(ReadPoints(chunk.points(), slots, descriptors_optional_, map_));
-  return ReadGraph(chunk, slots, map_);
+  RETURN_IF_ERROR(ReadGraph(chunk, slots, map_));
+  return ReadCovisibility(chunk.covisibility(), slots, map_);
 }
 
 }  // namespace corbslam

@@ -13,6 +13,7 @@ namespace {
 constexpr size_t kPointBytes = 130;
 constexpr size_t kObservationBytes = 24;
 constexpr size_t kEdgeBytes = 28;
+constexpr size_t kPairBytes = 20;
 
 // Index of a kept keypoint among the kept ones; kNotKept for others.
 constexpr uint32_t kNotKept = 0xffffffffu;
@@ -216,6 +217,43 @@ void WriteEdges(const Map& map, ChunkWriter& writer) {
   }
 }
 
+struct Covisible {
+  KeyframeId a;
+  KeyframeId b;
+  int weight = 0;
+};
+
+void WriteCovisibilityBlock(const std::vector<Covisible>& pairs, ChunkWriter& writer) {
+  v1::MapChunk* chunk = writer.Reserve(pairs.size() * kPairBytes);
+  if (chunk == nullptr) return;
+  v1::MapChunk::CovisibilityColumns* proto = chunk->mutable_covisibility();
+  IdColumnWriter a(writer.slots(), proto->mutable_a());
+  IdColumnWriter b(writer.slots(), proto->mutable_b());
+  for (const Covisible& pair : pairs) {
+    a.Add(pair.a);
+    b.Add(pair.b);
+    proto->add_weights(static_cast<uint32_t>(pair.weight));
+  }
+}
+
+void WriteCovisibility(const Map& map, ChunkWriter& writer) {
+  constexpr size_t kBlock = kChunkTargetBytes / kPairBytes;
+  std::vector<Covisible> block;
+  const auto flush = [&] {
+    if (block.empty()) return;
+    writer.Flush();
+    WriteCovisibilityBlock(block, writer);
+    block.clear();
+  };
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    for (const auto& [other, weight] : keyframe.covisible) {
+      if (id < other) block.push_back({id, other, weight});
+      if (block.size() == kBlock) flush();
+    }
+  }
+  flush();
+}
+
 }  // namespace
 
 bool WriteMapView(const Map& map, v1::MapView view, const MapViewContent& content,
@@ -226,6 +264,7 @@ bool WriteMapView(const Map& map, v1::MapView view, const MapViewContent& conten
   WritePoints(map, content.descriptors, writer);
   WriteObservations(map, numbers, writer);
   WriteEdges(map, writer);
+  if (content.covisibility) WriteCovisibility(map, writer);
   writer.Flush();
   return writer.open();
 }

@@ -30,8 +30,8 @@ class VerifyOverlapRequestReader {
 
  private:
   VerifyOverlapRequest request_;
-  MapViewReader query_view_{/*descriptors_optional=*/false};
-  MapViewReader candidate_view_{/*descriptors_optional=*/false};
+  MapViewReader query_view_{/*descriptors_optional=*/false, Covisibility::kCounted};
+  MapViewReader candidate_view_{/*descriptors_optional=*/false, Covisibility::kCounted};
 };
 
 class FuseMapsRequestReader {
@@ -42,8 +42,8 @@ class FuseMapsRequestReader {
 
  private:
   FuseMapsRequest request_;
-  MapViewReader target_{/*descriptors_optional=*/false};
-  MapViewReader source_{/*descriptors_optional=*/false};
+  MapViewReader target_{/*descriptors_optional=*/false, Covisibility::kGiven};
+  MapViewReader source_{/*descriptors_optional=*/false, Covisibility::kGiven};
 };
 
 class AdjustBundleRequestReader {
@@ -54,7 +54,7 @@ class AdjustBundleRequestReader {
 
  private:
   AdjustBundleRequest request_;
-  MapViewReader view_{/*descriptors_optional=*/true};
+  MapViewReader view_{/*descriptors_optional=*/true, Covisibility::kGiven};
 };
 
 // The headers of requests and results.

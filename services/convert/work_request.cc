@@ -78,8 +78,9 @@ bool WriteChunks(const VerifyOverlapRequest& request, const ChunkSink& sink) {
 }
 
 bool WriteChunks(const FuseMapsRequest& request, const ChunkSink& sink) {
-  return WriteMapView(request.target, v1::MAP_VIEW_FIRST, {}, sink) &&
-         WriteMapView(request.source, v1::MAP_VIEW_SECOND, {}, sink) &&
+  const MapViewContent content = {.all_keypoints = false, .covisibility = true};
+  return WriteMapView(request.target, v1::MAP_VIEW_FIRST, content, sink) &&
+         WriteMapView(request.source, v1::MAP_VIEW_SECOND, content, sink) &&
          WriteOverlaps(request.overlaps, sink);
 }
 

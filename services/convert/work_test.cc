@@ -46,7 +46,6 @@ void ExpectSameGraph(const Map& a, const Map& b) {
     EXPECT_EQ(keyframe.parent, other->parent);
     EXPECT_EQ(keyframe.children, other->children);
     EXPECT_EQ(keyframe.loop_edges, other->loop_edges);
-    EXPECT_EQ(keyframe.covisible, other->covisible);
     EXPECT_EQ(keyframe.payload->timestamp_ns, other->payload->timestamp_ns);
   }
   for (const auto& [id, point] : a.points()) {
@@ -55,6 +54,29 @@ void ExpectSameGraph(const Map& a, const Map& b) {
     EXPECT_EQ(point.position_in_map, other->position_in_map);
     EXPECT_EQ(point.reference, other->reference);
     EXPECT_EQ(point.observations.size(), other->observations.size());
+  }
+}
+
+void ExpectSameCovisibility(const Map& a, const Map& b) {
+  for (const auto& [id, keyframe] : a.keyframes()) {
+    EXPECT_FALSE(keyframe.covisible.empty());
+    EXPECT_EQ(keyframe.covisible, b.FindKeyframe(id)->covisible) << ToString(id);
+  }
+}
+
+// Keypoints that see a point, whatever their numbers now are, and the points themselves.
+void ExpectSameSights(const Map& a, const Map& b) {
+  for (const auto& [id, point] : a.points()) {
+    const MapPoint& other = *b.FindPoint(id);
+    EXPECT_EQ(point.descriptor, other.descriptor);
+    EXPECT_EQ(point.max_distance, other.max_distance);
+    for (const auto& [keyframe, keypoint] : point.observations) {
+      const Keyframe& sent = *a.FindKeyframe(keyframe);
+      const Keyframe& got = *b.FindKeyframe(keyframe);
+      const uint32_t number = other.observations.at(keyframe);
+      EXPECT_EQ(got.keypoints()[number], sent.keypoints()[keypoint]);
+      EXPECT_EQ(got.descriptors()[number], sent.descriptors()[keypoint]);
+    }
   }
 }
 
@@ -74,7 +96,7 @@ void ExpectSameLooks(const Map& a, const Map& b) {
   }
 }
 
-TEST(WorkTest, AFusingPassesTheWireUnchanged) {
+TEST(WorkTest, AFusingCarriesItsGraphAndWhatItSees) {
   std::mt19937 random(1);
   FuseMapsRequest request;
   request.base_revision = 9;
@@ -89,8 +111,11 @@ TEST(WorkTest, AFusingPassesTheWireUnchanged) {
   EXPECT_EQ(read->fix_scale, request.fix_scale);
   EXPECT_EQ(read->new_overlaps, request.new_overlaps);
   ExpectSameGraph(request.target, read->target);
-  ExpectSameLooks(request.target, read->target);
+  ExpectSameCovisibility(request.target, read->target);
+  ExpectSameSights(request.target, read->target);
   ExpectSameGraph(request.source, read->source);
+  ExpectSameCovisibility(request.source, read->source);
+  EXPECT_LT(read->source.FindKeyframe({kOtherMap, 0})->keypoints().size(), 40u);
   ASSERT_EQ(read->overlaps.size(), 2u);
   EXPECT_EQ(read->overlaps[1].query, request.overlaps[1].query);
   EXPECT_EQ(read->overlaps[1].inliers, request.overlaps[1].inliers);
@@ -141,6 +166,7 @@ TEST(WorkTest, CandidatesCarryOnlyFeaturesWithPoints) {
   EXPECT_EQ(read->candidates[1].shared_words, 12);
   ExpectSameGraph(request.query_view, read->query_view);
   ExpectSameLooks(request.query_view, read->query_view);
+  ExpectSameCovisibility(request.query_view, read->query_view);
   ExpectSameGraph(request.candidate_view, read->candidate_view);
   const Keyframe& candidate = *read->candidate_view.FindKeyframe({kOtherMap, 2});
   EXPECT_EQ(candidate.descriptors().size(), candidate.keypoints().size());
@@ -271,6 +297,27 @@ TEST_F(BadWorkTest, ACycleOfParents) {
   edge->mutable_b()->set_index(2);
   (messages_.end() - 2)->mutable_chunk()->set_data(chunk.SerializeAsString());
   EXPECT_THAT(ReadMessage(), HasSubstr("makes a cycle"));
+}
+TEST_F(BadWorkTest, CovisibilityWithItself) {
+  ChangeChunk([](v1::MapChunk& chunk) {
+    auto* pairs = chunk.mutable_covisibility();
+    for (auto* column : {pairs->mutable_a(), pairs->mutable_b()}) {
+      column->add_slots(1);
+      column->add_index_deltas(0);
+    }
+    pairs->add_weights(3);
+  });
+  EXPECT_THAT(ReadMessage(), HasSubstr("one is unknown, they are the same"));
+}
+TEST_F(BadWorkTest, CovisibilityWithoutWeights) {
+  ChangeChunk([](v1::MapChunk& chunk) {
+    auto* pairs = chunk.mutable_covisibility();
+    for (auto* column : {pairs->mutable_a(), pairs->mutable_b()}) {
+      column->add_slots(1);
+      column->add_index_deltas(0);
+    }
+  });
+  EXPECT_THAT(ReadMessage(), HasSubstr("covisibility.weights has 0 entries, must have 1"));
 }
 TEST_F(BadWorkTest, AFixedKeyframeThatIsNotThere) {
   auto* fixed = messages_.front().mutable_header()->mutable_fixed();

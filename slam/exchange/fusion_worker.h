@@ -53,9 +53,11 @@ struct RejectedObservation {
 
 struct FuseMapsRequest {
   uint64_t base_revision = 0;
-  // The island whose frame stays, whole.
+  // The island whose frame stays: all its keyframes and their covisibility; of its points at least
+  // those that the neighbourhoods of the new overlaps' keyframes see, with all their observations,
+  // and those of the overlaps.
   Map target;
-  // The island that moves into it, whole; empty when `overlaps` lie inside one island (loops).
+  // The island that moves into it, likewise; empty when `overlaps` lie inside one island (loops).
   Map source;
   // Accepted overlaps between the two (or inside `target`), earlier-fused ones included: all are
   // edges of the essential graph. The query is not always on the same side.
@@ -73,6 +75,7 @@ struct FuseMapsResult {
   Similarity3d target_from_source;
   // In the target's frame; every keyframe of the source, and those of the target that moved.
   std::vector<KeyframePose> poses;
+  // Of the views' points: all of the source, and those of the target that moved.
   std::vector<PointPosition> positions;
   struct Merge {
     MapPointId survivor;

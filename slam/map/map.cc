@@ -25,32 +25,16 @@ std::vector<CovisibleKeyframe> SortByWeight(const Keyframe& keyframe, int min_we
 
 }  // namespace
 
-Map::Map(const Map& other) : keyframes_(other.keyframes_), points_(other.points_) {}
+Map::Map(const Map& other)
+    : keyframes_(other.keyframes_), points_(other.points_), covisibility_(other.covisibility_) {}
 
 Map& Map::operator=(const Map& other) {
   if (this == &other) return *this;
   keyframes_ = other.keyframes_;
   points_ = other.points_;
+  covisibility_ = other.covisibility_;
   observer_ = nullptr;
   return *this;
-}
-
-const Keyframe* Map::FindKeyframe(KeyframeId id) const {
-  const auto it = keyframes_.find(id);
-  return it == keyframes_.end() ? nullptr : &it->second;
-}
-
-const MapPoint* Map::FindPoint(MapPointId id) const {
-  const auto it = points_.find(id);
-  return it == points_.end() ? nullptr : &it->second;
-}
-
-Keyframe* Map::MutableKeyframe(KeyframeId id) {
-  return const_cast<Keyframe*>(std::as_const(*this).FindKeyframe(id));
-}
-
-MapPoint* Map::MutablePoint(MapPointId id) {
-  return const_cast<MapPoint*>(std::as_const(*this).FindPoint(id));
 }
 
 bool Map::AddKeyframe(Keyframe keyframe) {
@@ -61,9 +45,9 @@ bool Map::AddKeyframe(Keyframe keyframe) {
   keyframe.points.assign(keypoints, MapPointId());
   keyframe.children.clear();
   keyframe.covisible.clear();
-  const auto [it, added] = keyframes_.try_emplace(id, std::move(keyframe));
-  if (!added) return false;
-  if (parent != id && FindKeyframe(parent) != nullptr) Attach(it->second, parent);
+  Keyframe* added = keyframes_.Add(id, std::move(keyframe));
+  if (added == nullptr) return false;
+  if (parent != id && FindKeyframe(parent) != nullptr) Attach(*added, parent);
   (observer_ ? *observer_ : Silent()).OnKeyframeAdded(id);
   return true;
 }
@@ -71,31 +55,31 @@ bool Map::AddKeyframe(Keyframe keyframe) {
 bool Map::AddPoint(MapPoint point) {
   const MapPointId id = point.id;
   point.observations.clear();
-  if (!points_.try_emplace(id, std::move(point)).second) return false;
+  if (points_.Add(id, std::move(point)) == nullptr) return false;
   (observer_ ? *observer_ : Silent()).OnPointAdded(id);
   return true;
 }
 
 void Map::SetPose(KeyframeId id, const Rigid3d& camera_from_map) {
-  Keyframe* keyframe = MutableKeyframe(id);
+  Keyframe* keyframe = keyframes_.Find(id);
   if (keyframe == nullptr) return;
   keyframe->camera_from_map = camera_from_map;
   (observer_ ? *observer_ : Silent()).OnKeyframeMoved(id);
 }
 
 void Map::SetPosition(MapPointId id, const Eigen::Vector3d& position_in_map) {
-  MapPoint* point = MutablePoint(id);
+  MapPoint* point = points_.Find(id);
   if (point == nullptr) return;
   point->position_in_map = position_in_map;
   (observer_ ? *observer_ : Silent()).OnPointMoved(id);
 }
 
 void Map::SetWords(KeyframeId id, std::shared_ptr<const Words> words) {
-  if (Keyframe* keyframe = MutableKeyframe(id)) keyframe->words = std::move(words);
+  if (Keyframe* keyframe = keyframes_.Find(id)) keyframe->words = std::move(words);
 }
 
 void Map::DropFeatures(KeyframeId id) {
-  Keyframe* keyframe = MutableKeyframe(id);
+  Keyframe* keyframe = keyframes_.Find(id);
   if (keyframe == nullptr) return;
   const KeyframePayload& payload = *keyframe->payload;
   keyframe->payload = MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index,
@@ -110,13 +94,13 @@ bool Map::IsAncestor(KeyframeId ancestor, KeyframeId id) const {
 }
 
 void Map::Attach(Keyframe& child, KeyframeId parent) {
-  if (Keyframe* old = MutableKeyframe(child.parent)) old->children.erase(child.id());
+  if (Keyframe* old = keyframes_.Find(child.parent)) old->children.erase(child.id());
   child.parent = parent;
-  if (Keyframe* keyframe = MutableKeyframe(parent)) keyframe->children.insert(child.id());
+  if (Keyframe* keyframe = keyframes_.Find(parent)) keyframe->children.insert(child.id());
 }
 
 bool Map::SetParent(KeyframeId child, KeyframeId parent) {
-  Keyframe* keyframe = MutableKeyframe(child);
+  Keyframe* keyframe = keyframes_.Find(child);
   if (keyframe == nullptr || FindKeyframe(parent) == nullptr) return false;
   if (IsAncestor(child, parent)) return false;
   if (keyframe->parent == parent) return true;
@@ -126,8 +110,8 @@ bool Map::SetParent(KeyframeId child, KeyframeId parent) {
 }
 
 bool Map::AddLoopEdge(KeyframeId a, KeyframeId b) {
-  Keyframe* first = MutableKeyframe(a);
-  Keyframe* second = MutableKeyframe(b);
+  Keyframe* first = keyframes_.Find(a);
+  Keyframe* second = keyframes_.Find(b);
   if (first == nullptr || second == nullptr || first == second) return false;
   if (!first->loop_edges.insert(b).second) return false;
   second->loop_edges.insert(a);
@@ -135,10 +119,27 @@ bool Map::AddLoopEdge(KeyframeId a, KeyframeId b) {
   return true;
 }
 
+bool Map::SetCovisibility(KeyframeId a, KeyframeId b, int weight) {
+  Keyframe* first = keyframes_.Find(a);
+  Keyframe* second = keyframes_.Find(b);
+  if (covisibility_ != Covisibility::kGiven) return false;
+  if (first == nullptr || second == nullptr || first == second) return false;
+  first->covisible[b] = weight;
+  second->covisible[a] = weight;
+  return true;
+}
+
+void Map::ForgetCovisibility(const Keyframe& removed) {
+  for (const auto& [id, weight] : removed.covisible) {
+    keyframes_.Find(id)->covisible.erase(removed.id());
+  }
+}
+
 void Map::ChangeCovisibility(const MapPoint& point, Keyframe& keyframe, int change) {
+  if (covisibility_ == Covisibility::kGiven) return;
   for (const auto& [other_id, keypoint] : point.observations) {
     if (other_id == keyframe.id()) continue;
-    Keyframe& other = *MutableKeyframe(other_id);
+    Keyframe& other = *keyframes_.Find(other_id);
     const int weight = keyframe.covisible[other_id] += change;
     other.covisible[keyframe.id()] = weight;
     if (weight > 0) continue;
@@ -161,8 +162,8 @@ void Map::Disconnect(MapPoint& point, Keyframe& keyframe) {
 }
 
 bool Map::AddObservation(MapPointId point_id, KeyframeId keyframe_id, uint32_t keypoint) {
-  MapPoint* point = MutablePoint(point_id);
-  Keyframe* keyframe = MutableKeyframe(keyframe_id);
+  MapPoint* point = points_.Find(point_id);
+  Keyframe* keyframe = keyframes_.Find(keyframe_id);
   if (point == nullptr || keyframe == nullptr) return false;
   if (keypoint >= keyframe->points.size() || keyframe->points[keypoint].IsValid()) return false;
   if (point->observations.contains(keyframe_id)) return false;
@@ -172,38 +173,38 @@ bool Map::AddObservation(MapPointId point_id, KeyframeId keyframe_id, uint32_t k
 }
 
 bool Map::RemoveObservation(MapPointId point_id, KeyframeId keyframe_id) {
-  MapPoint* point = MutablePoint(point_id);
+  MapPoint* point = points_.Find(point_id);
   if (point == nullptr) return false;
   const auto it = point->observations.find(keyframe_id);
   if (it == point->observations.end()) return false;
   const uint32_t keypoint = it->second;
-  Disconnect(*point, *MutableKeyframe(keyframe_id));
+  Disconnect(*point, *keyframes_.Find(keyframe_id));
   (observer_ ? *observer_ : Silent()).OnObservationRemoved(point_id, keyframe_id, keypoint);
   return true;
 }
 
 bool Map::ReplacePoint(MapPointId replaced_id, MapPointId survivor_id) {
-  MapPoint* replaced = MutablePoint(replaced_id);
-  MapPoint* survivor = MutablePoint(survivor_id);
+  MapPoint* replaced = points_.Find(replaced_id);
+  MapPoint* survivor = points_.Find(survivor_id);
   if (replaced == nullptr || survivor == nullptr || replaced == survivor) return false;
   const auto observations = replaced->observations;
   for (const auto& [keyframe_id, keypoint] : observations) {
-    Keyframe& keyframe = *MutableKeyframe(keyframe_id);
+    Keyframe& keyframe = *keyframes_.Find(keyframe_id);
     Disconnect(*replaced, keyframe);
     if (!survivor->observations.contains(keyframe_id)) Connect(*survivor, keyframe, keypoint);
   }
-  points_.erase(replaced_id);
+  points_.Erase(replaced_id);
   (observer_ ? *observer_ : Silent()).OnPointReplaced(replaced_id, survivor_id);
   return true;
 }
 
 bool Map::RemovePoint(MapPointId id) {
-  MapPoint* point = MutablePoint(id);
+  MapPoint* point = points_.Find(id);
   if (point == nullptr) return false;
   while (!point->observations.empty()) {
-    Disconnect(*point, *MutableKeyframe(point->observations.begin()->first));
+    Disconnect(*point, *keyframes_.Find(point->observations.begin()->first));
   }
-  points_.erase(id);
+  points_.Erase(id);
   (observer_ ? *observer_ : Silent()).OnPointRemoved(id);
   return true;
 }
@@ -223,7 +224,7 @@ void Map::RehangChildren(const Keyframe& removed) {
   const absl::btree_set<KeyframeId> children = removed.children;
   KeyframeId heir;  // Of a removed root: its first child.
   for (const KeyframeId& child_id : children) {
-    Keyframe& child = *MutableKeyframe(child_id);
+    Keyframe& child = *keyframes_.Find(child_id);
     KeyframeId parent = removed.parent.IsValid() ? ChooseNewParent(child, removed) : heir;
     if (!heir.IsValid()) heir = child_id;
     Attach(child, parent);
@@ -232,11 +233,12 @@ void Map::RehangChildren(const Keyframe& removed) {
 }
 
 bool Map::RemoveKeyframe(KeyframeId id) {
-  Keyframe* keyframe = MutableKeyframe(id);
+  Keyframe* keyframe = keyframes_.Find(id);
   if (keyframe == nullptr) return false;
   for (const MapPointId& point_id : std::vector<MapPointId>(keyframe->points)) {
-    if (point_id.IsValid()) Disconnect(*MutablePoint(point_id), *keyframe);
+    if (point_id.IsValid()) Disconnect(*points_.Find(point_id), *keyframe);
   }
+  ForgetCovisibility(*keyframe);
   KeyframeId parent = keyframe->parent;
   if (!parent.IsValid() && !keyframe->children.empty()) parent = *keyframe->children.begin();
   Rigid3d parent_from_removed;
@@ -244,9 +246,9 @@ bool Map::RemoveKeyframe(KeyframeId id) {
     parent_from_removed = relative->camera_from_map * keyframe->camera_from_map.Inverse();
   }
   RehangChildren(*keyframe);
-  for (const KeyframeId& other : keyframe->loop_edges) MutableKeyframe(other)->loop_edges.erase(id);
-  if (Keyframe* relative = MutableKeyframe(keyframe->parent)) relative->children.erase(id);
-  keyframes_.erase(id);
+  for (const KeyframeId& other : keyframe->loop_edges) keyframes_.Find(other)->loop_edges.erase(id);
+  if (Keyframe* relative = keyframes_.Find(keyframe->parent)) relative->children.erase(id);
+  keyframes_.Erase(id);
   (observer_ ? *observer_ : Silent()).OnKeyframeRemoved(id, parent, parent_from_removed);
   return true;
 }

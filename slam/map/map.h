@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "slam/map/item_table.h"
 #include "slam/map/keyframe.h"
 #include "slam/map/map_observer.h"
 #include "slam/map/map_point.h"
@@ -19,14 +20,19 @@ struct CovisibleKeyframe {
   int weight = 0;  // Points seen by both.
 };
 
+// Where a map's covisibility comes from: counted from its own observations, or, for a view of a
+// larger map, given by whoever knows the whole (none, where nobody gives it).
+enum class Covisibility { kCounted, kGiven };
+
 // A value; copying shares the payloads and drops the observer. Not thread-safe. Invariants, kept
-// by every method: an observation stands in the keyframe and in the point; covisibility counts
-// agree with observations; the spanning tree has no cycle, and every child's parent lists it.
+// by every method: an observation stands in the keyframe and in the point; counted covisibility
+// agrees with observations; the spanning tree has no cycle, and every child's parent lists it.
 // Pointers to an item are good until that item is removed. Methods that name an unknown
 // id do nothing and return false (or empty) unless said otherwise.
 class Map {
  public:
   Map() = default;
+  explicit Map(Covisibility covisibility) : covisibility_(covisibility) {}
   Map(const Map& other);
   Map& operator=(const Map& other);
   Map(Map&&) = default;
@@ -35,11 +41,11 @@ class Map {
   // Not owned; null for none.
   void SetObserver(MapObserver* observer) { observer_ = observer; }
 
-  const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
-  const std::map<MapPointId, MapPoint>& points() const { return points_; }
+  const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_.items(); }
+  const std::map<MapPointId, MapPoint>& points() const { return points_.items(); }
   // Null when unknown.
-  const Keyframe* FindKeyframe(KeyframeId id) const;
-  const MapPoint* FindPoint(MapPointId id) const;
+  const Keyframe* FindKeyframe(KeyframeId id) const { return keyframes_.Find(id); }
+  const MapPoint* FindPoint(MapPointId id) const { return points_.Find(id); }
 
   // Adds a keyframe with its payload, words, pose and parent; `points` must be empty or all
   // invalid, children and covisible empty: observations come by AddObservation. Without features
@@ -57,6 +63,8 @@ class Map {
   // False, and no change, if that would make a cycle.
   bool SetParent(KeyframeId child, KeyframeId parent);
   bool AddLoopEdge(KeyframeId a, KeyframeId b);
+  // False where covisibility is counted. `weight` is greater than 0.
+  bool SetCovisibility(KeyframeId a, KeyframeId b, int weight);
 
   // False if either is unknown, the keypoint is taken or out of range, or the keyframe sees the
   // point already.
@@ -81,7 +89,7 @@ class Map {
                           double max_distance, KeyframeId reference);
 
   // The named keyframes and points (each once; unknown ones are skipped) with what lies between
-  // them, for an optimisation to work on: observations, covisibility counts (the whole map's) and
+  // them, for an optimisation to work on: observations, covisibility (given: the whole map's) and
   // edges that lead elsewhere are left out. Costs as much as the part is large.
   Map CopyPart(const std::vector<KeyframeId>& keyframes,
                const std::vector<MapPointId>& points) const;
@@ -92,18 +100,18 @@ class Map {
   std::vector<CovisibleKeyframe> BestCovisible(KeyframeId id, int count) const;
 
  private:
-  Keyframe* MutableKeyframe(KeyframeId id);
-  MapPoint* MutablePoint(MapPointId id);
   void Connect(MapPoint& point, Keyframe& keyframe, uint32_t keypoint);
   void Disconnect(MapPoint& point, Keyframe& keyframe);
   void ChangeCovisibility(const MapPoint& point, Keyframe& keyframe, int change);
+  void ForgetCovisibility(const Keyframe& removed);
   bool IsAncestor(KeyframeId ancestor, KeyframeId id) const;
   void Attach(Keyframe& child, KeyframeId parent);
   KeyframeId ChooseNewParent(const Keyframe& child, const Keyframe& removed) const;
   void RehangChildren(const Keyframe& removed);
 
-  std::map<KeyframeId, Keyframe> keyframes_;
-  std::map<MapPointId, MapPoint> points_;
+  ItemTable<KeyframeId, Keyframe> keyframes_;
+  ItemTable<MapPointId, MapPoint> points_;
+  Covisibility covisibility_ = Covisibility::kCounted;
   MapObserver* observer_ = nullptr;
 };
 

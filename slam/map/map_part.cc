@@ -32,10 +32,10 @@ Keyframe CopyWithin(const Keyframe& original, const absl::flat_hash_set<Keyframe
 Map Map::CopyPart(const std::vector<KeyframeId>& keyframes,
                   const std::vector<MapPointId>& points) const {
   const absl::flat_hash_set<KeyframeId> kept(keyframes.begin(), keyframes.end());
-  Map part;
+  Map part(Covisibility::kGiven);
   for (const KeyframeId id : keyframes) {
     const Keyframe* keyframe = FindKeyframe(id);
-    if (keyframe != nullptr) part.keyframes_.try_emplace(id, CopyWithin(*keyframe, kept));
+    if (keyframe != nullptr) part.keyframes_.Add(id, CopyWithin(*keyframe, kept));
   }
   for (const MapPointId id : points) {
     const MapPoint* original = FindPoint(id);
@@ -43,12 +43,12 @@ Map Map::CopyPart(const std::vector<KeyframeId>& keyframes,
     MapPoint copy = *original;
     copy.observations.clear();
     for (const auto& [keyframe_id, keypoint] : original->observations) {
-      const auto it = part.keyframes_.find(keyframe_id);
-      if (it == part.keyframes_.end()) continue;
+      Keyframe* keyframe = part.keyframes_.Find(keyframe_id);
+      if (keyframe == nullptr) continue;
       copy.observations.emplace_hint(copy.observations.end(), keyframe_id, keypoint);
-      it->second.points[keypoint] = id;
+      keyframe->points[keypoint] = id;
     }
-    part.points_.try_emplace(id, std::move(copy));
+    part.points_.Add(id, std::move(copy));
   }
   return part;
 }

@@ -37,7 +37,7 @@ size_t IndexOfLeastMedianDistance(const std::vector<const Descriptor*>& descript
 }  // namespace
 
 void Map::UpdatePointGeometry(MapPointId id) {
-  MapPoint* point = MutablePoint(id);
+  MapPoint* point = points_.Find(id);
   if (point == nullptr || point->observations.empty()) return;
   if (!point->observations.contains(point->reference)) {
     point->reference = point->observations.begin()->first;
@@ -56,7 +56,7 @@ void Map::UpdatePointGeometry(MapPointId id) {
 }
 
 void Map::UpdatePointAppearance(MapPointId id) {
-  MapPoint* point = MutablePoint(id);
+  MapPoint* point = points_.Find(id);
   if (point == nullptr || point->observations.empty()) return;
   std::vector<const Descriptor*> descriptors;
   for (const auto& [keyframe_id, keypoint] : point->observations) {
@@ -74,7 +74,7 @@ void Map::UpdatePointAppearance(MapPointId id) {
 void Map::SetPointAppearance(MapPointId id, const Descriptor& descriptor,
                              const Eigen::Vector3d& normal_in_map, double min_distance,
                              double max_distance, KeyframeId reference) {
-  MapPoint* point = MutablePoint(id);
+  MapPoint* point = points_.Find(id);
   if (point == nullptr) return;
   point->descriptor = descriptor;
   point->normal_in_map = normal_in_map;

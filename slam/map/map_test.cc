@@ -200,8 +200,38 @@ TEST(MapTest, PartHoldsWhatLiesBetweenItsItems) {
   EXPECT_FALSE(part.FindKeyframe(K(1))->points[6].IsValid());
   EXPECT_EQ(part.FindKeyframe(K(2))->parent, K(1));
   EXPECT_FALSE(part.FindKeyframe(K(1))->parent.IsValid());
+  // The whole map's, though the part has one of their five points.
+  EXPECT_EQ(part.FindKeyframe(K(1))->covisible.at(K(2)), 5);
   EXPECT_EQ(part.FindKeyframe(K(1))->covisible.size(), 1U);
   EXPECT_EQ(map.FindPoint(P(4))->observations.size(), 2U);
+}
+
+TEST(MapTest, GivenCovisibilityIsNotCounted) {
+  Map map(Covisibility::kGiven);
+  for (uint32_t k = 0; k < 3; ++k) map.AddKeyframe(MakeKeyframe(k));
+  map.AddPoint(MakePoint(0));
+  map.AddObservation(P(0), K(0), 0);
+  map.AddObservation(P(0), K(1), 0);
+  EXPECT_TRUE(map.Covisible(K(0), 1).empty());
+  EXPECT_TRUE(map.SetCovisibility(K(0), K(1), 17));
+  EXPECT_TRUE(map.SetCovisibility(K(2), K(0), 30));
+  EXPECT_FALSE(map.SetCovisibility(K(0), K(0), 5));
+  EXPECT_FALSE(map.SetCovisibility(K(0), K(9), 5));
+  map.RemoveObservation(P(0), K(1));
+  ASSERT_EQ(map.Covisible(K(0)).size(), 2u);
+  EXPECT_EQ(map.Covisible(K(0)).front().id, K(2));
+  EXPECT_EQ(map.Covisible(K(1)).front().weight, 17);
+  map.RemoveKeyframe(K(1));
+  EXPECT_EQ(map.Covisible(K(0)).size(), 1u);
+  EXPECT_FALSE(MakeChain().SetCovisibility(K(0), K(1), 3)) << "a map that counts";
+}
+
+TEST(MapTest, AMovedMapFindsItsItems) {
+  Map map = MakeChain();
+  const MapPoint* point = map.FindPoint(P(3));
+  const Map moved = std::move(map);
+  EXPECT_EQ(moved.FindPoint(P(3)), point);
+  EXPECT_EQ(moved.FindKeyframe(K(2))->points[7], P(7));
 }
 
 TEST(MapTest, ObserverHearsARemovedKeyframesPlaceInTheTree) {

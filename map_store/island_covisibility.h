@@ -1,0 +1,24 @@
+// Who sees how much together with whom, over a whole island.
+#ifndef CORBSLAM_MAP_STORE_ISLAND_COVISIBILITY_H_
+#define CORBSLAM_MAP_STORE_ISLAND_COVISIBILITY_H_
+
+#include <vector>
+
+#include "map_store/mission_state.h"
+
+namespace corbslam::map_store {
+
+struct CovisiblePair {
+  KeyframeId a;  // Less than b.
+  KeyframeId b;
+  int weight = 0;  // Landmarks that both see, as far as owners and fusion know.
+};
+
+// What owners counted inside their local maps, and what fusion and foreign observations add to it.
+// Costs as much as there are edges and landmarks that more than one local map, or point, takes part
+// in. In no order.
+std::vector<CovisiblePair> CountCovisibility(const MissionState& state, const Island& island);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_ISLAND_COVISIBILITY_H_
