@@ -101,6 +101,10 @@ void ReplayingAgent::OnAcknowledged(const Acknowledgement& acknowledgement) {
   TakeAcknowledgement(CountOf(acknowledgement));
 }
 
+void ReplayingAgent::OnShared(SharedUpdate update) {
+  if (options_.on_shared != nullptr) options_.on_shared(update);
+}
+
 void ReplayingAgent::TakeAcknowledgement(uint64_t count) {
   const absl::Time now = absl::Now();
   for (auto it = waiting_.begin(); it != waiting_.end() && it->first <= count;) {
@@ -143,17 +147,19 @@ void ReplayingAgent::MakeSession() {
 // The batch behind the last one sent, if it is due and the store keeps up.
 void ReplayingAgent::SendNext() {
   uint64_t count = 0;
+  absl::Time due;
   {
     absl::MutexLock lock(&mutex_);
     count = sent_ + 1;
     if (count > batches() || waiting_.size() >= options_.max_waiting) return;
-    const absl::Time due = DueTime(count);
-    if (due > absl::Now()) return;
+    if (DueTime(count) > absl::Now()) return;
     // What had to wait its turn has waited, too.
-    waiting_[count] = options_.keyframes_per_s > 0 ? due : absl::Now();
+    due = options_.keyframes_per_s > 0 ? DueTime(count) : absl::Now();
+    waiting_[count] = due;
     sent_ = count;
   }
   const MapUpdateBatch batch = AsLocalMap(BatchOf(count), LocalMapOf(count));
+  if (options_.on_sent != nullptr) options_.on_sent(batch, due);
   if (uplink_->Send(batch)) return;
   absl::MutexLock lock(&mutex_);
   // A session that opened meanwhile has set it itself.

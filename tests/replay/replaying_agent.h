@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -35,6 +36,10 @@ struct ReplayOptions {
   size_t max_waiting = 16;
   // After a session ended the next is opened so much later.
   absl::Duration retry_after = absl::Milliseconds(50);
+  // Called, where set, with each batch as it is sent and when it was due (see the ledger), and with
+  // what comes back; on threads of the agent's, without locks.
+  std::function<void(const MapUpdateBatch& batch, absl::Time due)> on_sent;
+  std::function<void(const SharedUpdate& update)> on_shared;
 };
 
 struct ReplayLedger {
@@ -61,11 +66,12 @@ class ReplayingAgent : private UplinkListener {
   void Stop();
   ReplayLedger ledger() const;
   uint64_t bytes_up() const { return uplink_->bytes_up(); }
+  uint64_t bytes_down() const { return uplink_->bytes_down(); }
 
  private:
   void OnSessionOpened(const SessionGrant& grant) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
-  void OnShared(SharedUpdate) override {}
+  void OnShared(SharedUpdate update) override;
   void OnSessionClosed(const absl::Status& reason) override;
 
   void Run();
