@@ -191,8 +191,8 @@ IslandSnapshot TakeGraphSnapshot(const MissionState& state, const Island& island
   }
   builder.AddSightsAround(centres, neighbourhood);
   for (const MapPointId& id : named) {
-    const bool here = state.FindPoint(id) != nullptr &&
-                      state.global.island_of.at(id.local_map) == island.id;
+    const bool here =
+        state.FindPoint(id) != nullptr && state.global.island_of.at(id.local_map) == island.id;
     if (here && builder.view().FindPoint(id) == nullptr) builder.AddPoint(id);
   }
   snapshot.view = builder.TakeView();

@@ -134,9 +134,8 @@ TEST_F(IslandViewTest, AGraphHasAllKeyframesButOnlyPointsAroundItsCentres) {
 
 TEST_F(IslandViewTest, RejectedObservationsAreLeftOutOrTriedAgain) {
   state_.global.rejected[{Ka(2), 0}] = Pa(10);
-  EXPECT_FALSE(TakeWholeSnapshot(state_, island(), {})
-                   .view.FindPoint(Pa(10))
-                   ->observations.contains(Ka(2)));
+  EXPECT_FALSE(
+      TakeWholeSnapshot(state_, island(), {}).view.FindPoint(Pa(10))->observations.contains(Ka(2)));
   EXPECT_TRUE(TakeWholeSnapshot(state_, island(), {}, Rejected::kTryAgain)
                   .view.FindPoint(Pa(10))
                   ->observations.contains(Ka(2)));

@@ -73,8 +73,7 @@ class Followers {
     if (added) it->second = MotionOf(point.reference);
     if (!it->second.has_value()) return std::nullopt;
     const Motion& motion = *it->second;
-    return motion.moved *
-           (motion.from_local ? point.position_in_map : placed.position_in_island);
+    return motion.moved * (motion.from_local ? point.position_in_map : placed.position_in_island);
   }
 
  private:
