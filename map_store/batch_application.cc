@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "map_store/change_recording.h"
 #include "map_store/graph_changes.h"
 #include "map_store/local_motion.h"
 #include "map_store/parked_references.h"
@@ -90,7 +91,17 @@ void MoveLightItems(const MapUpdateBatch& batch, LocalMapState& local_map) {
   }
 }
 
+// Points that stop to be what they were.
+absl::flat_hash_set<MapPointId> FindRenamed(const MapUpdateBatch& batch) {
+  absl::flat_hash_set<MapPointId> points(batch.removed_points.begin(), batch.removed_points.end());
+  for (const PointReplacement& replacement : batch.replacements) {
+    points.insert({replacement.replaced, replacement.survivor});
+  }
+  return points;
+}
+
 void ChangeGraph(const MapUpdateBatch& batch, MissionState& state, LocalMapState& local_map) {
+  NoteLandmarkChanges(FindRenamed(batch), state);
   for (const PointReplacement& replacement : batch.replacements) {
     ApplyReplacement(replacement, state, local_map);
   }
@@ -125,6 +136,7 @@ std::shared_ptr<const MapUpdateBatch> WithoutKnownKeyframes(const MapUpdateBatch
 
 void ApplyBatch(const MapUpdateBatch& batch, const BatchWords& words,
                 const MapStoreOptions& options, MissionState& state, LocalMapState& local_map) {
+  const ChangeRecorder recorder(local_map);
   AddFullItems(batch, words, state, local_map);
   MoveLightItems(batch, local_map);
   ChangeGraph(batch, state, local_map);

@@ -36,6 +36,16 @@ MapPointId RawObservation(const LocalMapState& local_map, KeyframeId keyframe_id
   return it == foreign->second.end() ? MapPointId() : it->second;
 }
 
+namespace {
+
+void CloseChangeLogs(const Island& island, MissionState& state) {
+  for (const LocalMapId& id : island.local_maps) {
+    state.FindLocalMap(id)->changes.Close(state.version);
+  }
+}
+
+}  // namespace
+
 LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string& agent) {
   LocalMapState& local_map = state.local_maps[id];
   local_map.id = id;
@@ -53,6 +63,7 @@ LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string
 void TouchByOwner(MissionState& state, LocalMapId local_map, bool share) {
   Island& island = *state.FindIslandOf(local_map);
   island.version = ++state.version;
+  CloseChangeLogs(island, state);
   island.version_of_owners = island.version;
   island.dirty = true;
   if (share) island.shared_version = island.version;
@@ -61,6 +72,7 @@ void TouchByOwner(MissionState& state, LocalMapId local_map, bool share) {
 void TouchByFusion(MissionState& state, IslandId id) {
   Island& island = state.global.islands.at(id);
   island.version = ++state.version;
+  CloseChangeLogs(island, state);
   island.shared_version = island.version;
   island.dirty = true;
 }

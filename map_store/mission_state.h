@@ -14,6 +14,7 @@
 
 #include "absl/container/btree_map.h"
 #include "absl/time/time.h"
+#include "map_store/change_log.h"
 #include "map_store/landmarks.h"
 #include "map_store/lookups.h"
 #include "map_store/share_state.h"
@@ -73,6 +74,8 @@ struct LocalMapState {
   uint64_t stored_bytes = 0;  // As StoredBytes counts them.
   // Words -> keyframes of `map`.
   KeyframeDatabase database;
+  // For telling others. Landmarks and foreign observations included; places are not.
+  ChangeLog changes;
 
   size_t CountParked() const { return parked.size() + parked_parents.size(); }
   bool IsSettled(KeyframeId keyframe) const {
@@ -224,7 +227,7 @@ MapPointId RawObservation(const LocalMapState& local_map, KeyframeId keyframe, u
 // Adds a local map of an agent, as an island of its own.
 LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string& agent);
 // Notes a change of the local map's island by its owner, and whether other agents should hear of
-// it; and one by fusion.
+// it; and one by fusion. Closes the change logs of the island's local maps.
 void TouchByOwner(MissionState& state, LocalMapId local_map, bool share);
 void TouchByFusion(MissionState& state, IslandId island);
 

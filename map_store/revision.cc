@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "map_store/change_recording.h"
 #include "map_store/local_motion.h"
 #include "map_store/placement.h"
 
@@ -179,7 +181,13 @@ void MergeIslands(const RevisionPlan& plan, MissionState& state) {
   members.insert(source.local_maps.begin(), source.local_maps.end());
   target.local_maps.clear();
   for (const LocalMapId& id : state.order) {
-    if (members.contains(id)) target.local_maps.push_back(id);
+    if (!members.contains(id)) continue;
+    target.local_maps.push_back(id);
+    // What lies in another island is not seen until now.
+    LocalMapState& local_map = *state.FindLocalMap(id);
+    for (const auto& [keyframe, seen] : local_map.foreign_observations) {
+      local_map.changes.Note(keyframe);
+    }
   }
   ForgetOldFrame(plan, source, state.global);
 }
@@ -187,14 +195,33 @@ void MergeIslands(const RevisionPlan& plan, MissionState& state) {
 void PlaceItems(const RevisionPlan& plan, GlobalLayer& global) {
   for (const auto& [id, placed] : plan.keyframes) global.keyframes[id] = placed;
   for (const auto& [id, placed] : plan.points) global.points[id] = placed;
-  std::erase_if(global.rejected, [&plan](const auto& rejected) {
-    return plan.decided_anew.contains(rejected.first.first);
-  });
-  for (const auto& [observation, raw] : plan.rejected_raw) global.rejected[observation] = raw;
+}
+
+void RejectObservations(const RevisionPlan& plan, MissionState& state) {
+  RejectedObservations& rejected = state.global.rejected;
+  const auto note = [&state](KeyframeId id) {
+    if (LocalMapState* owner = state.FindLocalMap(id.local_map)) owner->changes.Note(id);
+  };
+  for (const KeyframeId& id : plan.decided_anew) {
+    const auto begin = rejected.lower_bound({id, 0});
+    auto end = begin;
+    while (end != rejected.end() && end->first.first == id) ++end;
+    if (begin != end) note(id);
+    rejected.erase(begin, end);
+  }
+  for (const auto& [observation, raw] : plan.rejected_raw) {
+    rejected[observation] = raw;
+    note(observation.first);
+  }
 }
 
 void MergeLandmarks(const RevisionPlan& plan, MissionState& state) {
   GlobalLayer& global = state.global;
+  absl::flat_hash_set<MapPointId> renamed;
+  for (const FuseMapsResult::Merge& merge : plan.merges) {
+    renamed.insert({merge.survivor, merge.member});
+  }
+  NoteLandmarkChanges(renamed, state);
   for (const FuseMapsResult::Merge& merge : plan.merges) {
     const MapPointId survivor = ResolvePoint(state, merge.survivor);
     const MapPointId member = ResolvePoint(state, merge.member);
@@ -269,6 +296,7 @@ void CommitRevision(const RevisionPlan& plan, const MapStoreOptions& options, Mi
   state.global.revision = plan.revision;
   MergeIslands(plan, state);
   PlaceItems(plan, state.global);
+  RejectObservations(plan, state);
   MergeLandmarks(plan, state);
   Island& island = state.global.islands.at(plan.target);
   island.fused = true;

@@ -30,8 +30,13 @@ struct ShareState {
   std::map<MapPointId, std::vector<MapPointId>> landmarks;
   std::map<KeyframeId, Similarity3d> own_keyframes;
 
-  // The mission's version up to which all was sent; the last update and how many had its revision.
+  // Up to where all was sent: the island's version that was worth telling, the mission's version,
+  // the revision, and the local maps that the island had then.
   uint64_t complete_at_version = 0;
+  uint64_t seen_version = 0;
+  uint64_t seen_revision = 0;
+  std::set<LocalMapId> seen_local_maps;
+  // The last update and how many had its revision.
   uint64_t last_revision = 0;
   int updates_of_last_revision = 0;
   bool restart = false;

@@ -2,8 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "map_store/map_store.h"
 #include "map_store/testing/shared_world.h"
@@ -224,6 +227,161 @@ TEST_F(SharingTest, ReplacedPointsGoOnAsTheirLandmarks) {
   const int updates = c.mirror().updates;
   ASSERT_TRUE(c.TakeShared().ok());
   EXPECT_EQ(c.mirror().updates, updates);
+}
+
+// What was said step by step is what somebody is told who has heard nothing.
+class StepByStepTest : public SharingTest {
+ protected:
+  StepByStepTest() {
+    a_ = std::make_unique<TestAgent>(store_, kMission, "a", map_a_);
+    b_ = std::make_unique<TestAgent>(store_, kMission, "b", map_b_);
+    c_ = std::make_unique<TestAgent>(store_, kMission, "c", map_c_);
+  }
+
+  // The other agents hear of each step by itself; in the end they, and newcomers of their names,
+  // hold the same.
+  void Hear() {
+    for (TestAgent* agent : {a_.get(), b_.get(), c_.get()}) ASSERT_TRUE(agent->TakeShared().ok());
+  }
+  void ExpectAsFromScratch() {
+    Hear();
+    ExpectAsFromScratch(*b_, "b", map_b_);
+    ExpectAsFromScratch(*c_, "c", map_c_);
+  }
+  void ExpectAsFromScratch(const TestAgent& agent, const std::string& name,
+                           const SyntheticMap& made) {
+    TestAgent newcomer(store_, kMission, name, made);
+    ASSERT_TRUE(newcomer.TakeShared().ok());
+    const SharedMirror& told = agent.mirror();
+    const SharedMirror& all = newcomer.mirror();
+    ASSERT_FALSE(all.keyframes.empty());
+    EXPECT_EQ(Keys(told.keyframes), Keys(all.keyframes));
+    for (const auto& [id, keyframe] : all.keyframes) {
+      const SharedKeyframe& other = told.keyframes.at(id);
+      EXPECT_EQ(keyframe.points, other.points) << ToString(id);
+      EXPECT_LT(
+          (keyframe.camera_from_global.translation - other.camera_from_global.translation).norm(),
+          1e-4);
+    }
+    for (const auto& [id, point] : all.points) {
+      const auto other = told.points.find(id);
+      ASSERT_NE(other, told.points.end()) << ToString(id);
+      EXPECT_LT((point.position_in_global - other->second.position_in_global).norm(), 2e-3);
+    }
+    for (const auto& [survivor, members] : all.landmarks) {
+      const auto other = told.landmarks.find(survivor);
+      ASSERT_NE(other, told.landmarks.end()) << ToString(survivor);
+      EXPECT_EQ(members, other->second);
+    }
+  }
+  template <typename Items>
+  static std::set<typename Items::key_type> Keys(const Items& items) {
+    std::set<typename Items::key_type> keys;
+    for (const auto& [id, item] : items) keys.insert(id);
+    return keys;
+  }
+
+  void FuseAll() {
+    for (TestAgent* agent : {a_.get(), b_.get(), c_.get()}) ASSERT_TRUE(agent->Stream(9).ok());
+    Fuse();
+    Hear();
+    ASSERT_EQ(store_.GetStatistics(kMission)->islands, 1u);
+  }
+  // Points of A's that B was sent, those that are landmarks with others' points first.
+  std::vector<MapPointId> HeldOfA() const {
+    std::vector<MapPointId> held;
+    for (const auto& [survivor, members] : b_->mirror().landmarks) {
+      if (survivor.local_map == a_->local_map()) held.push_back(survivor);
+    }
+    for (const auto& [id, point] : b_->mirror().points) {
+      const bool listed = std::find(held.begin(), held.end(), id) != held.end();
+      if (id.local_map == a_->local_map() && !listed) held.push_back(id);
+    }
+    return held;
+  }
+
+  std::unique_ptr<TestAgent> a_, b_, c_;
+};
+
+TEST_F(StepByStepTest, NewKeyframes) {
+  FuseAll();
+  for (int i = 0; i < 4; ++i) {
+    for (TestAgent* agent : {a_.get(), b_.get(), c_.get()}) ASSERT_TRUE(agent->Stream(1).ok());
+    Hear();
+  }
+  ExpectAsFromScratch();
+}
+
+TEST_F(StepByStepTest, MovedKeyframesAndPoints) {
+  FuseAll();
+  ASSERT_TRUE(a_->Stream(2).ok());
+  Hear();
+  MapUpdateBatch batch = a_->EmptyBatch();
+  for (const auto& [id, keyframe] : map_a_.map.keyframes()) {
+    if (id.index < 5 || id.index > 10) continue;
+    Rigid3d pose = keyframe.camera_from_map;
+    pose.translation.x() += 0.01 * id.index;
+    batch.light_keyframes.push_back({id, pose, keyframe.parent});
+  }
+  for (const MapPointId& id : HeldOfA()) {
+    batch.light_points.push_back(
+        {id, map_a_.map.FindPoint(id)->position_in_map + Eigen::Vector3d(0.05, 0, 0)});
+  }
+  ASSERT_TRUE(a_->Send(batch).ok());
+  // A move alone is no reason for a message; the next keyframe is.
+  ASSERT_TRUE(a_->Stream(1).ok());
+  ExpectAsFromScratch();
+}
+
+TEST_F(StepByStepTest, RemovedAndReplacedPoints) {
+  FuseAll();
+  const std::vector<MapPointId> held = HeldOfA();
+  ASSERT_GT(held.size(), 40u);
+  MapUpdateBatch batch = a_->EmptyBatch();
+  for (size_t i = 0; i < 10; ++i) batch.removed_points.push_back(held[i]);
+  ASSERT_TRUE(a_->Send(batch).ok());
+  Hear();
+  batch = a_->EmptyBatch();
+  for (size_t i = 10; i < 20; i += 2) batch.replacements.push_back({held[i], held[i + 1]});
+  // By another robot's point.
+  const MapPointId foreign = map_b_.map.points().begin()->first;
+  batch.replacements.push_back({held[20], foreign});
+  ASSERT_TRUE(a_->Send(batch).ok());
+  ExpectAsFromScratch();
+}
+
+TEST_F(StepByStepTest, RemovedKeyframesAndObservations) {
+  FuseAll();
+  MapUpdateBatch batch = a_->EmptyBatch();
+  batch.removed_keyframes.push_back({a_->Id(4), a_->Id(3), Rigid3d::Identity()});
+  const auto& [point, seen] = *map_a_.map.points().begin();
+  const auto& [keyframe, keypoint] = *seen.observations.begin();
+  batch.observations.push_back({ObservationChange::Kind::kRemoved, point, keyframe, keypoint});
+  ASSERT_TRUE(a_->Send(batch).ok());
+  ExpectAsFromScratch();
+}
+
+TEST_F(StepByStepTest, FurtherFusing) {
+  FuseAll();
+  for (TestAgent* agent : {a_.get(), b_.get(), c_.get()}) {
+    ASSERT_TRUE(agent->Stream(3).ok());
+    Fuse();
+    Hear();
+  }
+  for (TestAgent* agent : {a_.get(), b_.get(), c_.get()}) ASSERT_TRUE(agent->Close().ok());
+  Fuse();
+  ExpectAsFromScratch();
+}
+
+TEST_F(StepByStepTest, RetractionBetweenTwoLooks) {
+  FuseAll();
+  OverlapFilter filter;
+  filter.accepted = true;
+  const auto accepted = store_.ListOverlaps(kMission, filter, {})->items;
+  ASSERT_FALSE(accepted.empty());
+  ASSERT_TRUE(store_.RetractOverlap(kMission, accepted.front().id, false).ok());
+  Fuse();
+  ExpectAsFromScratch();
 }
 
 TEST_F(SharingTest, ListenersHearOfARevision) {
