@@ -232,8 +232,9 @@ void MergeLandmarks(const RevisionPlan& plan, MissionState& state) {
     global.landmarks.Merge(survivor, member);
     const auto lost = global.points.find(member);
     if (lost == global.points.end()) continue;
-    global.points.try_emplace(survivor, lost->second);
+    const PlacedPoint placed = lost->second;
     global.points.erase(lost);
+    global.points.try_emplace(survivor, placed);
   }
 }
 
