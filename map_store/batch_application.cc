@@ -119,6 +119,15 @@ void ChangeGraph(const MapUpdateBatch& batch, MissionState& state, LocalMapState
   }
 }
 
+// New ones, and those that they make old enough to be told of. False: there are none.
+bool NoteShareable(size_t share_after, size_t arrived_before, LocalMapState& local_map) {
+  const size_t arrived = local_map.arrived.size();
+  if (arrived == arrived_before && !local_map.closed) return false;
+  const size_t first = arrived_before - std::min(arrived_before, share_after);
+  for (size_t i = first; i < arrived; ++i) local_map.changes.Note(local_map.arrived[i]);
+  return true;
+}
+
 }  // namespace
 
 std::shared_ptr<const MapUpdateBatch> WithoutKnownKeyframes(const MapUpdateBatch& batch,
@@ -137,6 +146,7 @@ std::shared_ptr<const MapUpdateBatch> WithoutKnownKeyframes(const MapUpdateBatch
 void ApplyBatch(const MapUpdateBatch& batch, const BatchWords& words,
                 const MapStoreOptions& options, MissionState& state, LocalMapState& local_map) {
   const ChangeRecorder recorder(local_map);
+  const size_t arrived_before = local_map.arrived.size();
   AddFullItems(batch, words, state, local_map);
   MoveLightItems(batch, local_map);
   ChangeGraph(batch, state, local_map);
@@ -150,10 +160,10 @@ void ApplyBatch(const MapUpdateBatch& batch, const BatchWords& words,
   for (const LightKeyframe& light : batch.light_keyframes) {
     NoteLocalMotion(light.id, options.local_motion_px, state, local_map);
   }
-  const size_t settled_before = local_map.settled;
   SettleKeyframes(options.settle_after, state, local_map);
-  const bool share = local_map.settled != settled_before || !batch.removed_keyframes.empty() ||
-                     !batch.removed_points.empty() || !batch.replacements.empty();
+  const bool share = NoteShareable(options.share_after, arrived_before, local_map) ||
+                     !batch.removed_keyframes.empty() || !batch.removed_points.empty() ||
+                     !batch.replacements.empty();
   TouchByOwner(state, local_map.id, share);
 }
 

@@ -82,6 +82,11 @@ struct LocalMapState {
     const auto it = arrival.find(keyframe);
     return it != arrival.end() && it->second < settled;
   }
+  // So many newer ones have arrived, or none will.
+  bool IsFollowedBy(size_t newer, KeyframeId keyframe) const {
+    const auto it = arrival.find(keyframe);
+    return it != arrival.end() && (closed || it->second + newer < arrived.size());
+  }
 };
 
 // A pose that fusion itself gave to a keyframe.

@@ -12,10 +12,13 @@ namespace corbslam {
 struct MapStoreOptions {
   // What changes results.
 
-  // Keyframes of a local map that are provisional: not queried for overlaps, not placed by fusion
-  // and not shared until this many newer ones have arrived, or the local map is closed. The
-  // robot's local adjustment has then moved them as often (docs/adr/0003-settled-keyframes.md).
+  // Keyframes of a local map that are provisional: not queried for overlaps and not placed by
+  // fusion until this many newer ones have arrived, or the local map is closed. The robot's local
+  // adjustment has then moved them as often (docs/adr/0003-settled-keyframes.md).
   size_t settle_after = 3;
+  // Others hear of a keyframe when this many newer ones have arrived (0: at once), or the local map
+  // is closed; and again when it moves.
+  size_t share_after = 0;
   // A candidate must share at least this many words with the query, and this share of what the
   // best one shares.
   int min_shared_words = 10;

@@ -8,7 +8,6 @@ void SettleKeyframes(size_t settle_after, MissionState& state, LocalMapState& lo
   for (; local_map.settled + provisional < arrived; ++local_map.settled) {
     const KeyframeId id = local_map.arrived[local_map.settled];
     if (local_map.map.FindKeyframe(id) == nullptr) continue;
-    local_map.changes.Note(id);
     ++state.statistics.overlaps_queried;
     for (const LocalMapId& other : state.order) state.queries.push_back({id, other, 0});
   }

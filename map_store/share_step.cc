@@ -126,6 +126,10 @@ class ShareStep {
     return it != state_.global.island_of.end() && it->second == island_.id;
   }
 
+  bool IsShareable(const LocalMapState& local_map, KeyframeId id) const {
+    return local_map.IsFollowedBy(options_.share_after, id);
+  }
+
   void AddForeign(const LocalMapState& local_map, const Keyframe& keyframe) {
     ForeignKeyframe& foreign = foreign_[keyframe.id()];
     foreign.keyframe = &keyframe;
@@ -133,20 +137,20 @@ class ShareStep {
     foreign.points = Compact(ObservedPoints(state_, local_map, keyframe));
   }
 
-  // Others' settled keyframes within the scope.
+  // Others' keyframes within the scope.
   void CollectForeign() {
     for (const LocalMapId& id : island_.local_maps) {
       if (id == share_.local_map || !scope_.everything) continue;
       const LocalMapState& local_map = *state_.FindLocalMap(id);
       for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
-        if (local_map.IsSettled(keyframe_id)) AddForeign(local_map, keyframe);
+        if (IsShareable(local_map, keyframe_id)) AddForeign(local_map, keyframe);
       }
     }
     for (const KeyframeId& id : scope_.keyframes) {
       if (id.local_map == share_.local_map) continue;
       const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
       const Keyframe* keyframe = local_map.map.FindKeyframe(id);
-      if (keyframe != nullptr && local_map.IsSettled(id)) AddForeign(local_map, *keyframe);
+      if (keyframe != nullptr && IsShareable(local_map, id)) AddForeign(local_map, *keyframe);
     }
   }
 

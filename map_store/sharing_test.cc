@@ -384,6 +384,37 @@ TEST_F(StepByStepTest, RetractionBetweenTwoLooks) {
   ExpectAsFromScratch();
 }
 
+TEST(SharingAtOnceTest, ProvisionalKeyframesToo) {
+  const SyntheticMap map_a = MakeRingMap(0xa, 0, 14);
+  const SyntheticMap map_b = MakeRingMap(0xb, 32, 14);
+  TruthfulWorker worker{{&map_a, &map_b}};
+  MapStoreOptions options = DeterministicOptions();
+  options.share_after = 0;
+  MapStore store(options, TheWorld().vocabulary, std::make_unique<InMemoryJournal>(), &worker);
+  TestAgent a(store, kMission, "a", map_a);
+  TestAgent b(store, kMission, "b", map_b);
+  ASSERT_TRUE(a.Stream(11).ok());
+  ASSERT_TRUE(b.Stream().ok());
+  ASSERT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+  ASSERT_TRUE(b.TakeShared().ok());
+  EXPECT_EQ(b.mirror().keyframes.size(), 11u);
+  ASSERT_TRUE(a.Stream(1).ok());
+  ASSERT_TRUE(b.TakeShared().ok());
+  EXPECT_EQ(b.mirror().keyframes.size(), 12u);
+  // It follows its robot as long as fusion has not placed it.
+  MapUpdateBatch move = a.EmptyBatch();
+  const Keyframe& newest = *map_a.map.FindKeyframe(a.Id(11));
+  Rigid3d moved = newest.camera_from_map;
+  moved.translation.x() += 0.5;
+  move.light_keyframes.push_back({newest.id(), moved, newest.parent});
+  ASSERT_TRUE(a.Send(move).ok());
+  ASSERT_TRUE(a.Stream(1).ok());
+  const Similarity3d before = b.mirror().keyframes.at(a.Id(11)).camera_from_global;
+  ASSERT_TRUE(b.TakeShared().ok());
+  const Similarity3d after = b.mirror().keyframes.at(a.Id(11)).camera_from_global;
+  EXPECT_NEAR((after.translation - before.translation).norm(), 0.5, 0.05);
+}
+
 TEST_F(SharingTest, ListenersHearOfARevision) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);

@@ -34,6 +34,7 @@ inline MapStoreOptions DeterministicOptions() {
   MapStoreOptions options;
   options.deterministic = true;
   options.settle_after = 3;
+  options.share_after = 3;
   return options;
 }
 
