@@ -1,5 +1,5 @@
 // What an agent lacks of the global layer, step by step within a byte budget (CORB-SLAM, section
-// 2.3): others' settled keyframes and points, the nearest first, in full; moved ones light;
+// 2.3): others' keyframes and points, the nearest first, in full; moved ones light;
 // landmark sets; where its own keyframes stand.
 #ifndef CORBSLAM_MAP_STORE_SHARING_H_
 #define CORBSLAM_MAP_STORE_SHARING_H_
