@@ -16,12 +16,14 @@ constexpr absl::Duration kAfterFailedSnapshot = absl::Minutes(1);
 
 }  // namespace
 
-void FusionExecutor::Start(ListMissions missions) {
+void FusionExecutor::Start(ListMissions missions, int threads_per_lane) {
   missions_ = std::move(missions);
   threads_.emplace_back([this] { RunKeeper(); });
   if (worker_ == nullptr) return;
-  threads_.emplace_back([this] { RunLane(FusionLane::kGraph); });
-  threads_.emplace_back([this] { RunLane(FusionLane::kAdjustment); });
+  for (int i = 0; i < threads_per_lane; ++i) {
+    threads_.emplace_back([this] { RunLane(FusionLane::kGraph); });
+    threads_.emplace_back([this] { RunLane(FusionLane::kAdjustment); });
+  }
 }
 
 void FusionExecutor::Stop() {

@@ -27,8 +27,8 @@ class FusionExecutor {
       : worker_(worker), retry_after_(retry_after) {}
   ~FusionExecutor() { Stop(); }
 
-  // Starts a thread a lane, and one that keeps snapshots.
-  void Start(ListMissions missions);
+  // Starts `threads_per_lane` threads for each lane, and one that keeps snapshots.
+  void Start(ListMissions missions, int threads_per_lane);
   // Cancels what runs and joins. The missions must still be there.
   void Stop();
   // There may be something to do.

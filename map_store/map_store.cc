@@ -23,12 +23,13 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       has_worker_(worker != nullptr),
       executor_(std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms))) {
   if (options_.deterministic) return;
-  executor_->Start([this] {
+  const auto list_missions = [this] {
     std::vector<std::shared_ptr<Mission>> missions;
     absl::MutexLock lock(&mutex_);
     for (const auto& [name, mission] : missions_) missions.push_back(mission);
     return missions;
-  });
+  };
+  executor_->Start(list_missions, options_.fusion_threads);
 }
 
 MapStore::~MapStore() { executor_->Stop(); }

@@ -29,6 +29,7 @@ absl::Status MapStoreOptions::Validate() const {
   status.Update(CheckPositive("adjust_iterations", adjust_iterations));
   status.Update(CheckPositive("local_motion_px", local_motion_px));
   status.Update(CheckPositive("adjust_threads", adjust_threads));
+  status.Update(CheckPositive("fusion_threads", fusion_threads));
   status.Update(CheckPositive("max_attempts", max_attempts));
   status.Update(CheckPositive("retry_ms", retry_ms));
   status.Update(CheckPositive("max_page_size", static_cast<double>(max_page_size)));

@@ -52,6 +52,9 @@ struct MapStoreOptions {
   // What changes speed, and the limits.
 
   int adjust_threads = 1;
+  // Missions whose requests of one lane (verifying and fusing; adjusting) are with a worker at the
+  // same time: about as many as there are workers.
+  int fusion_threads = 1;
   // Attempts at a request that a worker answers with an error. UNAVAILABLE and DEADLINE_EXCEEDED
   // do not count when there are threads: it waits `retry_ms` and goes on.
   int max_attempts = 3;

@@ -4,10 +4,12 @@
 
 #include <atomic>
 #include <memory>
+#include <string>
 #include <thread>
 #include <variant>
 
 #include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
@@ -73,6 +75,35 @@ TEST_F(ThreadedStoreTest, TwoStreamsAtOnceBecomeOneIsland) {
   EXPECT_TRUE(*store->IsFusionIdle(kMission));
   EXPECT_TRUE(b.TakeShared().ok());
   EXPECT_EQ(b.mirror().keyframes.size(), 14u);
+}
+
+// A mission whose adjustment takes for ever keeps no other from its own.
+TEST_F(ThreadedStoreTest, MissionsShareTheWorkers) {
+  absl::Notification let_go;
+  std::atomic<int> adjusting = 0;
+  worker_.during_adjust = [&](const ProgressCallback&) {
+    if (adjusting++ == 0) let_go.WaitForNotification();
+    return true;
+  };
+  MapStoreOptions options = Options();
+  options.fusion_threads = 2;
+  MapStore store(options, TheWorld().vocabulary, std::make_unique<InMemoryJournal>(), &worker_);
+  const auto fuse = [&](const std::string& mission) {
+    TestAgent a(store, mission, "a", map_a_);
+    TestAgent b(store, mission, "b", map_b_);
+    for (TestAgent* agent : {&a, &b}) {
+      ASSERT_TRUE(agent->Stream().ok());
+      ASSERT_TRUE(agent->Close().ok());
+    }
+  };
+  ASSERT_NO_FATAL_FAILURE(fuse("slow"));
+  while (adjusting == 0) absl::SleepFor(absl::Milliseconds(1));
+  ASSERT_NO_FATAL_FAILURE(fuse("quick"));
+  EXPECT_TRUE(store.WaitUntilFusionIdle("quick", absl::Seconds(30)).ok());
+  EXPECT_EQ(store.GetStatistics("quick")->islands, 1u);
+  EXPECT_FALSE(*store.IsFusionIdle("slow"));
+  let_go.Notify();
+  EXPECT_TRUE(store.WaitUntilFusionIdle("slow", absl::Seconds(30)).ok());
 }
 
 TEST_F(ThreadedStoreTest, WaitsForAWorkerThatIsAway) {

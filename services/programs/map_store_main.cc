@@ -1,6 +1,7 @@
 // map_store: collects the agents' maps, has them fused, and shares the result.
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -67,7 +68,8 @@ absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const Flags& flags) {
   return RocksJournal::Open(options);
 }
 
-absl::Status Run(const Flags& flags) {
+absl::Status Run(Flags flags) {
+  flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
   ASSIGN_OR_RETURN(const ServerSecurity security, MakeServerSecurity(flags.security));
