@@ -124,7 +124,7 @@ bool NoteShareable(size_t share_after, size_t arrived_before, LocalMapState& loc
   const size_t arrived = local_map.arrived.size();
   if (arrived == arrived_before && !local_map.closed) return false;
   const size_t first = arrived_before - std::min(arrived_before, share_after);
-  for (size_t i = first; i < arrived; ++i) local_map.changes.Note(local_map.arrived[i]);
+  for (size_t i = first; i < arrived; ++i) local_map.changes.NoteKeyframe(local_map.arrived[i]);
   return true;
 }
 

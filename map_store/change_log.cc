@@ -23,11 +23,11 @@ void SortEachOnce(std::vector<Id>& ids) {
 }  // namespace
 
 void ChangeLog::Close(uint64_t version) {
-  if (open_.keyframes.empty() && open_.points.empty()) return;
+  if (open_.size() == 0) return;
   entries_.push_back({version, std::exchange(open_, {})});
-  items_ += entries_.back().size();
+  items_ += entries_.back().changes.size();
   while (items_ > kMaxItems) {
-    items_ -= entries_.front().size();
+    items_ -= entries_.front().changes.size();
     known_after_ = entries_.front().version;
     entries_.pop_front();
   }
@@ -43,10 +43,14 @@ std::optional<ItemChanges> ChangeLog::Since(uint64_t version) const {
   ItemChanges changes;
   for (auto it = entries_.rbegin(); it != entries_.rend() && it->version > version; ++it) {
     Append(it->changes.keyframes, changes.keyframes);
+    Append(it->changes.sights, changes.sights);
     Append(it->changes.points, changes.points);
+    Append(it->changes.landmarks, changes.landmarks);
   }
   SortEachOnce(changes.keyframes);
+  SortEachOnce(changes.sights);
   SortEachOnce(changes.points);
+  SortEachOnce(changes.landmarks);
   return changes;
 }
 

@@ -11,10 +11,15 @@
 
 namespace corbslam::map_store {
 
-// Ascending, each once.
 struct ItemChanges {
-  std::vector<KeyframeId> keyframes;
-  std::vector<MapPointId> points;
+  std::vector<KeyframeId> keyframes;  // Came, moved or went.
+  std::vector<KeyframeId> sights;     // See other points, or the same by other names.
+  std::vector<MapPointId> points;     // Moved.
+  std::vector<MapPointId> landmarks;  // Went, or belong to other landmarks.
+
+  size_t size() const {
+    return keyframes.size() + sights.size() + points.size() + landmarks.size();
+  }
 };
 
 // A value; not thread-safe. Of the past it remembers as much as it has room for. Not stored: after
@@ -22,22 +27,22 @@ struct ItemChanges {
 class ChangeLog {
  public:
   // Of the change that is under way.
-  void Note(KeyframeId id) { open_.keyframes.push_back(id); }
-  void Note(MapPointId id) { open_.points.push_back(id); }
+  void NoteKeyframe(KeyframeId id) { open_.keyframes.push_back(id); }
+  void NoteSights(KeyframeId id) { open_.sights.push_back(id); }
+  void NotePoint(MapPointId id) { open_.points.push_back(id); }
+  void NoteLandmark(MapPointId id) { open_.landmarks.push_back(id); }
   // It made the mission's state this version.
   void Close(uint64_t version);
   // Up to this version anything may have changed.
   void Forget(uint64_t version);
 
-  // What changed after `version`, as far as that is known: none when it is not.
+  // What changed after `version`, ascending, each once; none when that is not known any more.
   std::optional<ItemChanges> Since(uint64_t version) const;
 
  private:
   struct Entry {
     uint64_t version = 0;
     ItemChanges changes;
-
-    size_t size() const { return changes.keyframes.size() + changes.points.size(); }
   };
 
   ItemChanges open_;

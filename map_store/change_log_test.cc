@@ -14,12 +14,12 @@ constexpr MapPointId P(uint32_t index) { return {{0xa}, index}; }
 
 TEST(ChangeLogTest, SaysWhatCameAfterAVersionEachOnce) {
   ChangeLog log;
-  log.Note(K(3));
-  log.Note(P(7));
+  log.NoteKeyframe(K(3));
+  log.NotePoint(P(7));
   log.Close(10);
-  log.Note(K(2));
-  log.Note(K(3));
-  log.Note(K(2));
+  log.NoteKeyframe(K(2));
+  log.NoteKeyframe(K(3));
+  log.NoteKeyframe(K(2));
   log.Close(12);
   log.Close(13);  // Nothing was noted.
   EXPECT_THAT(log.Since(9)->keyframes, ElementsAre(K(2), K(3)));
@@ -31,11 +31,11 @@ TEST(ChangeLogTest, SaysWhatCameAfterAVersionEachOnce) {
 
 TEST(ChangeLogTest, ForgottenIsNotUnchanged) {
   ChangeLog log;
-  log.Note(K(1));
+  log.NoteKeyframe(K(1));
   log.Close(5);
   log.Forget(6);
   EXPECT_FALSE(log.Since(5).has_value());
-  log.Note(K(2));
+  log.NoteKeyframe(K(2));
   log.Close(7);
   EXPECT_THAT(log.Since(6)->keyframes, ElementsAre(K(2)));
 }
@@ -43,7 +43,7 @@ TEST(ChangeLogTest, ForgottenIsNotUnchanged) {
 TEST(ChangeLogTest, TheOldestGoesWhenThereIsNoRoom) {
   ChangeLog log;
   for (uint64_t version = 1; version <= 20; ++version) {
-    for (uint32_t i = 0; i < 10'000; ++i) log.Note(P(i));
+    for (uint32_t i = 0; i < 10'000; ++i) log.NotePoint(P(i));
     log.Close(version);
   }
   EXPECT_FALSE(log.Since(9).has_value());

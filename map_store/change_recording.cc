@@ -7,10 +7,10 @@ namespace {
 void NoteOwnSightings(MapPointId id, MissionState& state) {
   LocalMapState* owner = state.FindLocalMap(id.local_map);
   if (owner == nullptr) return;
-  owner->changes.Note(id);
+  owner->changes.NoteLandmark(id);
   const MapPoint* point = owner->map.FindPoint(id);
   if (point == nullptr) return;
-  for (const auto& [keyframe, keypoint] : point->observations) owner->changes.Note(keyframe);
+  for (const auto& [keyframe, keypoint] : point->observations) owner->changes.NoteSights(keyframe);
 }
 
 void NoteForeignSightings(const absl::flat_hash_set<MapPointId>& landmarks, MissionState& state) {
@@ -18,7 +18,7 @@ void NoteForeignSightings(const absl::flat_hash_set<MapPointId>& landmarks, Miss
     for (const auto& [keyframe, seen] : local_map.foreign_observations) {
       for (const auto& [keypoint, raw] : seen) {
         if (!landmarks.contains(ResolvePoint(state, raw))) continue;
-        local_map.changes.Note(keyframe);
+        local_map.changes.NoteSights(keyframe);
         break;
       }
     }

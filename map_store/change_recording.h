@@ -8,7 +8,8 @@
 
 namespace corbslam::map_store {
 
-// As long as it lives, all changes of a local map's own graph are noted.
+// As long as it lives, all changes of a local map's own graph are noted, but for those of points
+// that go: see NoteLandmarkChanges.
 class ChangeRecorder : private MapObserver {
  public:
   explicit ChangeRecorder(LocalMapState& local_map) : local_map_(local_map) {
@@ -19,19 +20,15 @@ class ChangeRecorder : private MapObserver {
   ChangeRecorder& operator=(const ChangeRecorder&) = delete;
 
  private:
-  void OnKeyframeAdded(KeyframeId id) override { log().Note(id); }
-  void OnKeyframeMoved(KeyframeId id) override { log().Note(id); }
-  void OnParentChanged(KeyframeId id) override { log().Note(id); }
-  void OnKeyframeRemoved(KeyframeId id, KeyframeId, const Rigid3d&) override { log().Note(id); }
-  void OnPointAdded(MapPointId id) override { log().Note(id); }
-  void OnPointMoved(MapPointId id) override { log().Note(id); }
-  void OnObservationAdded(MapPointId, KeyframeId id, uint32_t) override { log().Note(id); }
-  void OnObservationRemoved(MapPointId, KeyframeId id, uint32_t) override { log().Note(id); }
-  void OnPointReplaced(MapPointId replaced, MapPointId survivor) override {
-    log().Note(replaced);
-    log().Note(survivor);
+  void OnKeyframeAdded(KeyframeId id) override { log().NoteKeyframe(id); }
+  void OnKeyframeMoved(KeyframeId id) override { log().NoteKeyframe(id); }
+  void OnParentChanged(KeyframeId id) override { log().NoteKeyframe(id); }
+  void OnKeyframeRemoved(KeyframeId id, KeyframeId, const Rigid3d&) override {
+    log().NoteKeyframe(id);
   }
-  void OnPointRemoved(MapPointId id) override { log().Note(id); }
+  void OnPointMoved(MapPointId id) override { log().NotePoint(id); }
+  void OnObservationAdded(MapPointId, KeyframeId id, uint32_t) override { log().NoteSights(id); }
+  void OnObservationRemoved(MapPointId, KeyframeId id, uint32_t) override { log().NoteSights(id); }
 
   ChangeLog& log() { return local_map_.changes; }
 

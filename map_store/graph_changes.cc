@@ -9,7 +9,7 @@ namespace {
 void RemoveForeignObservation(KeyframeId keyframe, uint32_t keypoint, LocalMapState& local_map) {
   const auto it = local_map.foreign_observations.find(keyframe);
   if (it == local_map.foreign_observations.end()) return;
-  local_map.changes.Note(keyframe);
+  local_map.changes.NoteSights(keyframe);
   it->second.erase(keypoint);
   if (it->second.empty()) local_map.foreign_observations.erase(it);
 }
@@ -38,7 +38,7 @@ void ObserveForeign(KeyframeId keyframe, uint32_t keypoint, MapPointId point,
   }
   ClearKeypoint(keyframe, keypoint, local_map);
   local_map.foreign_observations[keyframe][keypoint] = point;
-  local_map.changes.Note(keyframe);
+  local_map.changes.NoteSights(keyframe);
 }
 
 // What the owner's own point became through the owner's own replacements: another own point, or

@@ -186,7 +186,7 @@ void MergeIslands(const RevisionPlan& plan, MissionState& state) {
     // What lies in another island is not seen until now.
     LocalMapState& local_map = *state.FindLocalMap(id);
     for (const auto& [keyframe, seen] : local_map.foreign_observations) {
-      local_map.changes.Note(keyframe);
+      local_map.changes.NoteSights(keyframe);
     }
   }
   ForgetOldFrame(plan, source, state.global);
@@ -200,7 +200,7 @@ void PlaceItems(const RevisionPlan& plan, GlobalLayer& global) {
 void RejectObservations(const RevisionPlan& plan, MissionState& state) {
   RejectedObservations& rejected = state.global.rejected;
   const auto note = [&state](KeyframeId id) {
-    if (LocalMapState* owner = state.FindLocalMap(id.local_map)) owner->changes.Note(id);
+    if (LocalMapState* owner = state.FindLocalMap(id.local_map)) owner->changes.NoteSights(id);
   };
   for (const KeyframeId& id : plan.decided_anew) {
     const auto begin = rejected.lower_bound({id, 0});

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/btree_map.h"
+#include "absl/container/btree_set.h"
 #include "map_store/lookups.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
@@ -17,8 +19,19 @@ namespace corbslam::map_store {
 
 struct SentKeyframe {
   Similarity3d camera_from_global;
+  // Where its points were, as far as fusion has not placed them.
+  Similarity3d global_from_local;
   // Keypoint and landmark, by keypoint.
   std::vector<std::pair<uint32_t, MapPointId>> points;
+};
+
+// What may be news to the agent: to be looked at, and sent if it is.
+struct ShareNews {
+  absl::btree_set<KeyframeId> keyframes;
+  absl::btree_set<KeyframeId> sights;
+  absl::btree_set<MapPointId> points;
+  absl::btree_set<MapPointId> landmarks;
+  bool own_keyframes = false;
 };
 
 struct ShareState {
@@ -26,16 +39,18 @@ struct ShareState {
   IslandId island;
   LocalMapId local_map;
   std::map<KeyframeId, SentKeyframe> keyframes;
-  std::map<MapPointId, Eigen::Vector3d> points;
-  std::map<MapPointId, std::vector<MapPointId>> landmarks;
+  absl::btree_map<MapPointId, Eigen::Vector3d> points;
+  absl::btree_map<MapPointId, std::vector<MapPointId>> landmarks;
   std::map<KeyframeId, Similarity3d> own_keyframes;
 
-  // Up to where all was sent: the island's version that was worth telling, the mission's version,
-  // the revision, and the local maps that the island had then.
-  uint64_t complete_at_version = 0;
+  // Not sent yet, and up to where the mission has been searched for news: its version, the
+  // revision, and the local maps that the island had then.
+  ShareNews news;
   uint64_t seen_version = 0;
   uint64_t seen_revision = 0;
   std::set<LocalMapId> seen_local_maps;
+  // The island's version that was worth telling up to which all was sent.
+  uint64_t complete_at_version = 0;
   // The last update and how many had its revision.
   uint64_t last_revision = 0;
   int updates_of_last_revision = 0;

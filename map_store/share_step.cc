@@ -13,7 +13,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "map_store/island_view.h"
 #include "map_store/placement.h"
-#include "map_store/share_scope.h"
+#include "map_store/share_news.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -59,16 +59,20 @@ class Budget {
   bool complete_ = true;
 };
 
-struct ForeignKeyframe {
+using Sights = std::vector<std::pair<uint32_t, MapPointId>>;  // Keypoint and landmark.
+
+// A keyframe that the agent does not have.
+struct NewKeyframe {
   const Keyframe* keyframe = nullptr;
-  Similarity3d camera_from_global;
-  // Keypoint and landmark.
-  std::vector<std::pair<uint32_t, MapPointId>> points;
+  Sights sights;
   int shared_landmarks = 0;
   double distance = 0;
 };
 
-// Compares what an agent has been sent with what is there now.
+// So few new keyframes are sent in the order of their ids, more the nearest first.
+constexpr size_t kFew = 8;
+
+// Goes through what may be news, compares it with what was sent, and sends what is.
 class ShareStep {
  public:
   ShareStep(const MissionState& state, const Island& island, const MapStoreOptions& options,
@@ -78,42 +82,36 @@ class ShareStep {
         options_(options),
         budget_(byte_budget),
         share_(share),
-        scope_(FindShareScope(state, island, share)) {}
+        news_(share.news) {}
 
   SharedUpdate Take() {
     update_.revision = state_.global.revision;
     update_.restart = std::exchange(share_.restart, false);
-    CollectForeign();
-    TakeRemovals();
-    if (scope_.everything || scope_.places) TakeOwnKeyframes();
+    for (const LocalMapId& id : CollectNews(state_, island_, share_)) {
+      if (id != share_.local_map) FindFollowers(*state_.FindLocalMap(id));
+    }
+    if (news_.own_keyframes) TakeOwnKeyframes();
+    TakeKeyframes();
     TakeLandmarks();
-    TakeKeyframeMoves();
+    TakeSights();
+    TakeNewKeyframes();
     TakePointMoves();
-    TakeObservations();
-    TakeFullKeyframes();
-    if (budget_.complete()) NoteComplete();
+    if (budget_.complete()) share_.complete_at_version = island_.shared_version;
     return std::move(update_);
   }
 
  private:
-  static std::vector<std::pair<uint32_t, MapPointId>> Compact(
-      const std::vector<MapPointId>& points) {
-    std::vector<std::pair<uint32_t, MapPointId>> compact;
+  Sights SightsOf(const LocalMapState& local_map, const Keyframe& keyframe) const {
+    const std::vector<MapPointId> points = ObservedPoints(state_, local_map, keyframe);
+    Sights sights;
     for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
-      if (points[keypoint].IsValid()) compact.emplace_back(keypoint, points[keypoint]);
+      if (points[keypoint].IsValid()) sights.emplace_back(keypoint, points[keypoint]);
     }
-    return compact;
+    return sights;
   }
 
   bool IsOwn(MapPointId point) const { return point.local_map == share_.local_map; }
   bool IsKnown(MapPointId point) const { return IsOwn(point) || share_.points.contains(point); }
-
-  void NoteComplete() {
-    share_.complete_at_version = island_.shared_version;
-    share_.seen_version = state_.version;
-    share_.seen_revision = state_.global.revision;
-    share_.seen_local_maps = {island_.local_maps.begin(), island_.local_maps.end()};
-  }
 
   const IslandPoses& PosesOf(const LocalMapState& local_map) const {
     const auto [it, added] = poses_.try_emplace(local_map.id);
@@ -126,86 +124,101 @@ class ShareStep {
     return it != state_.global.island_of.end() && it->second == island_.id;
   }
 
-  bool IsShareable(const LocalMapState& local_map, KeyframeId id) const {
-    return local_map.IsFollowedBy(options_.share_after, id);
+  Similarity3d GlobalFromLocal(KeyframeId reference, const LocalMapState& local_map) const {
+    return IslandFromLocal(reference, local_map, state_.global, PosesOf(local_map));
   }
 
-  void AddForeign(const LocalMapState& local_map, const Keyframe& keyframe) {
-    ForeignKeyframe& foreign = foreign_[keyframe.id()];
-    foreign.keyframe = &keyframe;
-    foreign.camera_from_global = PosesOf(local_map).at(keyframe.id());
-    foreign.points = Compact(ObservedPoints(state_, local_map, keyframe));
-  }
-
-  // Others' keyframes within the scope.
-  void CollectForeign() {
-    for (const LocalMapId& id : island_.local_maps) {
-      if (id == share_.local_map || !scope_.everything) continue;
-      const LocalMapState& local_map = *state_.FindLocalMap(id);
-      for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
-        if (IsShareable(local_map, keyframe_id)) AddForeign(local_map, keyframe);
+  // Keyframes that fusion has not placed follow others of their local map, and points follow them.
+  void FindFollowers(const LocalMapState& local_map) {
+    for (auto it = share_.keyframes.lower_bound(KeyframeId{local_map.id, 0});
+         it != share_.keyframes.end() && it->first.local_map == local_map.id; ++it) {
+      const Keyframe* keyframe = local_map.map.FindKeyframe(it->first);
+      if (keyframe == nullptr || state_.global.keyframes.contains(it->first)) continue;
+      const Similarity3d global_from_local = GlobalFromLocal(it->first, local_map);
+      if (!HasMoved(it->second.global_from_local, global_from_local)) continue;
+      it->second.global_from_local = global_from_local;
+      news_.keyframes.insert(it->first);
+      for (const MapPointId& point : keyframe->points) {
+        if (share_.points.contains(point)) news_.points.insert(point);
       }
     }
-    for (const KeyframeId& id : scope_.keyframes) {
-      if (id.local_map == share_.local_map) continue;
-      const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
-      const Keyframe* keyframe = local_map.map.FindKeyframe(id);
-      if (keyframe != nullptr && IsShareable(local_map, id)) AddForeign(local_map, *keyframe);
-    }
   }
 
-  void MeasureNearness(const std::vector<KeyframeId>& ids) {
-    absl::flat_hash_set<MapPointId> own_landmarks;
-    std::vector<Eigen::Vector3d> own_centres;
+  void TakeOwnKeyframes() {
     const LocalMapState& own = *state_.FindLocalMap(share_.local_map);
-    for (const auto& [id, keyframe] : own.map.keyframes()) {
-      own_centres.push_back(CameraCentre(PosesOf(own).at(id).ToRigid()));
-      for (const MapPointId& point : ObservedPoints(state_, own, keyframe)) {
-        if (point.IsValid()) own_landmarks.insert(point);
+    for (const auto& [id, pose] : PosesOf(own)) {
+      if (!state_.global.keyframes.contains(id)) continue;
+      const auto sent = share_.own_keyframes.find(id);
+      if (sent != share_.own_keyframes.end() && !HasMoved(sent->second, pose)) continue;
+      if (!budget_.Take(kLightBytes)) return;
+      update_.own_keyframes.push_back({id, pose});
+      share_.own_keyframes[id] = pose;
+    }
+    news_.own_keyframes = false;
+  }
+
+  // Those that went and those that moved; the new ones are set aside.
+  void TakeKeyframes() {
+    for (auto it = news_.keyframes.begin(); it != news_.keyframes.end();) {
+      const LocalMapState& local_map = *state_.FindLocalMap(it->local_map);
+      const Keyframe* keyframe = local_map.map.FindKeyframe(*it);
+      const auto sent = share_.keyframes.find(*it);
+      if (sent == share_.keyframes.end()) {
+        // What is not old enough is news again when it is.
+        const bool is_new =
+            keyframe != nullptr && local_map.IsFollowedBy(options_.share_after, *it);
+        if (is_new) new_keyframes_[*it].keyframe = keyframe;
+        it = is_new ? std::next(it) : news_.keyframes.erase(it);
+        continue;
       }
-    }
-    for (const KeyframeId& id : ids) MeasureNearness(own_landmarks, own_centres, foreign_.at(id));
-  }
-
-  static void MeasureNearness(const absl::flat_hash_set<MapPointId>& own_landmarks,
-                              const std::vector<Eigen::Vector3d>& own_centres,
-                              ForeignKeyframe& foreign) {
-    for (const auto& [keypoint, point] : foreign.points) {
-      if (own_landmarks.contains(point)) ++foreign.shared_landmarks;
-    }
-    const Eigen::Vector3d centre = CameraCentre(foreign.camera_from_global.ToRigid());
-    foreign.distance = std::numeric_limits<double>::max();
-    for (const Eigen::Vector3d& own : own_centres) {
-      foreign.distance = std::min(foreign.distance, (own - centre).squaredNorm());
+      const bool taken = keyframe == nullptr ? TakeRemoval(sent) : TakeMove(local_map, *sent);
+      if (!taken) return;
+      it = news_.keyframes.erase(it);
     }
   }
 
-  // Ids of what the agent was sent, within the scope.
-  template <typename Id, typename Sent>
-  std::vector<Id> SentInScope(const Sent& sent, const std::vector<Id>& changed) const {
-    std::vector<Id> ids;
-    if (scope_.everything) {
-      for (const auto& [id, item] : sent) ids.push_back(id);
-    } else {
-      std::copy_if(changed.begin(), changed.end(), std::back_inserter(ids),
-                   [&sent](Id id) { return sent.contains(id); });
-    }
-    return ids;
+  // These say false when the budget ends.
+  bool TakeRemoval(std::map<KeyframeId, SentKeyframe>::iterator sent) {
+    if (!budget_.Take(kIdBytes)) return false;
+    update_.removed_keyframes.push_back(sent->first);
+    share_.keyframes.erase(sent);
+    return true;
+  }
+  bool TakeMove(const LocalMapState& local_map, std::pair<const KeyframeId, SentKeyframe>& sent) {
+    const Similarity3d& pose = PosesOf(local_map).at(sent.first);
+    if (!HasMoved(sent.second.camera_from_global, pose)) return true;
+    if (!budget_.Take(kLightBytes)) return false;
+    update_.moved_keyframes.push_back({sent.first, pose});
+    sent.second.camera_from_global = pose;
+    return true;
   }
 
-  void TakeRemovals() {
-    for (const KeyframeId& id : SentInScope(share_.keyframes, scope_.keyframes)) {
-      if (foreign_.contains(id) || !budget_.Take(kIdBytes)) continue;
-      update_.removed_keyframes.push_back(id);
-      share_.keyframes.erase(id);
+  // Points that went, and sets of which the agent holds a point.
+  void TakeLandmarks() {
+    for (auto it = news_.landmarks.begin(); it != news_.landmarks.end();) {
+      if (!TakeLandmarkOf(*it)) return;
+      it = news_.landmarks.erase(it);
     }
-    // Apart from the walk: what replaces a point may take others off the list.
-    std::vector<MapPointId> gone;
-    for (const MapPointId& id : SentInScope(share_.points, scope_.points)) {
-      if (state_.FindPoint(id) == nullptr && budget_.Take(kIdBytes)) gone.push_back(id);
+  }
+
+  bool TakeLandmarkOf(MapPointId id) {
+    const bool is_gone = share_.points.contains(id) && state_.FindPoint(id) == nullptr;
+    if (is_gone) {
+      if (!budget_.Take(kIdBytes)) return false;
+      share_.points.erase(id);
+      TakeReplacement(id);
     }
-    for (const MapPointId& id : gone) share_.points.erase(id);
-    for (const MapPointId& id : gone) TakeReplacement(id);
+    const Landmarks::Sets& sets = state_.global.landmarks.sets();
+    const auto set = sets.find(ResolvePoint(state_, id));
+    if (set == sets.end()) return true;
+    const auto& [survivor, members] = *set;
+    const bool known = IsKnown(survivor) || std::ranges::any_of(members, [this](MapPointId point) {
+                         return IsKnown(point);
+                       });
+    if (!known) return true;
+    if (!budget_.Take(kIdBytes * (1 + members.size()))) return false;
+    TakeLandmark(survivor, members);
+    return true;
   }
 
   // A point whose owner replaced it goes on as the point that stands for it now.
@@ -219,46 +232,12 @@ class ShareStep {
     update_.landmarks.push_back({survivor, {gone}});
   }
 
-  void TakeOwnKeyframes() {
-    const LocalMapState& own = *state_.FindLocalMap(share_.local_map);
-    for (const auto& [id, pose] : PosesOf(own)) {
-      if (!state_.global.keyframes.contains(id)) continue;
-      const auto sent = share_.own_keyframes.find(id);
-      if (sent != share_.own_keyframes.end() && !HasMoved(sent->second, pose)) continue;
-      if (!budget_.Take(kLightBytes)) return;
-      update_.own_keyframes.push_back({id, pose});
-      share_.own_keyframes[id] = pose;
-    }
-  }
-
-  // Sets of which the agent holds a point, or is about to.
-  void TakeLandmarks() {
-    const Landmarks::Sets& sets = state_.global.landmarks.sets();
-    if (scope_.everything) {
-      for (const auto& [survivor, members] : sets) TakeKnownLandmark(survivor, members);
-      return;
-    }
-    std::set<MapPointId> survivors;
-    for (const MapPointId& id : scope_.points) survivors.insert(ResolvePoint(state_, id));
-    for (const MapPointId& survivor : survivors) {
-      const auto it = sets.find(survivor);
-      if (it != sets.end()) TakeKnownLandmark(survivor, it->second);
-    }
-  }
-
-  void TakeKnownLandmark(MapPointId survivor, const std::set<MapPointId>& members) {
-    const bool known =
-        IsKnown(survivor) || std::any_of(members.begin(), members.end(),
-                                         [this](MapPointId point) { return IsKnown(point); });
-    if (known) TakeLandmark(survivor, members);
-  }
-
+  // Goes with what needs it, whatever the budget says.
   void TakeLandmark(MapPointId survivor, const std::set<MapPointId>& members) {
     if (state_.FindPoint(survivor) == nullptr) return;
     std::vector<MapPointId> listed(members.begin(), members.end());
     const auto sent = share_.landmarks.find(survivor);
     if (sent != share_.landmarks.end() && sent->second == listed) return;
-    if (!budget_.Take(kIdBytes * (1 + listed.size()))) return;
     TakePoint(survivor);
     update_.landmarks.push_back({survivor, listed});
     // Members are held no more: the survivor stands for them.
@@ -266,46 +245,14 @@ class ShareStep {
     share_.landmarks[survivor] = std::move(listed);
   }
 
-  // Also those that nobody touched: they follow others of their local map.
-  void TakeKeyframeMoves() {
-    for (auto& [id, sent] : share_.keyframes) {
-      const bool in_scope =
-          scope_.everything || scope_.places || scope_.local_maps.contains(id.local_map);
-      if (!in_scope || state_.FindKeyframe(id) == nullptr) continue;
-      const Similarity3d& pose = PosesOf(*state_.FindLocalMap(id.local_map)).at(id);
-      if (!HasMoved(sent.camera_from_global, pose)) continue;
-      if (!budget_.Take(kLightBytes)) return;
-      update_.moved_keyframes.push_back({id, pose});
-      sent.camera_from_global = pose;
-    }
-  }
-
   void TakePointMoves() {
-    if (scope_.everything || scope_.places) {
-      for (auto& [id, sent] : share_.points) {
-        if (!TakePointMove(id, sent)) return;
-      }
-      return;
-    }
-    std::set<MapPointId> ids(scope_.points.begin(), scope_.points.end());
-    for (const LocalMapId& id : scope_.local_maps) InsertFollowers(*state_.FindLocalMap(id), ids);
-    for (const MapPointId& id : ids) {
-      const auto it = share_.points.find(id);
-      if (it != share_.points.end() && !TakePointMove(id, it->second)) return;
+    for (auto it = news_.points.begin(); it != news_.points.end();) {
+      const auto sent = share_.points.find(*it);
+      if (sent != share_.points.end() && !TakePointMove(*it, sent->second)) return;
+      it = news_.points.erase(it);
     }
   }
 
-  // Points that keyframes see which fusion has not placed: they move with these.
-  void InsertFollowers(const LocalMapState& local_map, std::set<MapPointId>& points) const {
-    for (const auto& [id, keyframe] : local_map.map.keyframes()) {
-      if (state_.global.keyframes.contains(id)) continue;
-      for (const MapPointId& point : keyframe.points) {
-        if (point.IsValid()) points.insert(point);
-      }
-    }
-  }
-
-  // False when the budget ends.
   bool TakePointMove(MapPointId id, Eigen::Vector3d& sent) {
     const MapPoint* point = state_.FindPoint(id);
     if (point == nullptr) return true;
@@ -318,19 +265,23 @@ class ShareStep {
     return true;
   }
 
-  void TakeObservations() {
-    for (auto& [id, sent] : share_.keyframes) {
-      const auto it = foreign_.find(id);
-      if (it == foreign_.end() || it->second.points == sent.points) continue;
-      if (!budget_.Take(kObservationBytes)) return;
-      TakeObservationChanges(id, sent.points, it->second.points);
-      sent.points = it->second.points;
+  void TakeSights() {
+    for (auto it = news_.sights.begin(); it != news_.sights.end();) {
+      const auto sent = share_.keyframes.find(*it);
+      const Keyframe* keyframe = state_.FindKeyframe(*it);
+      if (sent != share_.keyframes.end() && keyframe != nullptr) {
+        Sights sights = SightsOf(*state_.FindLocalMap(it->local_map), *keyframe);
+        if (sights != sent->second.points) {
+          if (!budget_.Take(kObservationBytes)) return;
+          TakeObservationChanges(*it, sent->second.points, sights);
+          sent->second.points = std::move(sights);
+        }
+      }
+      it = news_.sights.erase(it);
     }
   }
 
-  void TakeObservationChanges(KeyframeId id,
-                              const std::vector<std::pair<uint32_t, MapPointId>>& before,
-                              const std::vector<std::pair<uint32_t, MapPointId>>& now) {
+  void TakeObservationChanges(KeyframeId id, const Sights& before, const Sights& now) {
     for (const auto& [keypoint, point] : before) {
       if (std::binary_search(now.begin(), now.end(), std::make_pair(keypoint, point))) continue;
       budget_.Take(kObservationBytes);
@@ -346,41 +297,73 @@ class ShareStep {
     }
   }
 
-  // Those that the agent does not have. Where few are news, the order is theirs.
-  std::vector<KeyframeId> NewOnesNearestFirst() {
-    std::vector<KeyframeId> nearest;
-    for (const auto& [id, foreign] : foreign_) {
-      if (!share_.keyframes.contains(id)) nearest.push_back(id);
+  void MeasureNearness() {
+    absl::flat_hash_set<MapPointId> own_landmarks;
+    std::vector<Eigen::Vector3d> own_centres;
+    const LocalMapState& own = *state_.FindLocalMap(share_.local_map);
+    for (const auto& [id, keyframe] : own.map.keyframes()) {
+      own_centres.push_back(CameraCentre(PosesOf(own).at(id).ToRigid()));
+      for (const MapPointId& point : ObservedPoints(state_, own, keyframe)) {
+        if (point.IsValid()) own_landmarks.insert(point);
+      }
     }
-    if (!scope_.everything) return nearest;
-    MeasureNearness(nearest);
+    for (auto& [id, item] : new_keyframes_) {
+      const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
+      item.sights = SightsOf(local_map, *item.keyframe);
+      for (const auto& [keypoint, point] : item.sights) {
+        if (own_landmarks.contains(point)) ++item.shared_landmarks;
+      }
+      const Eigen::Vector3d centre = CameraCentre(PosesOf(local_map).at(id).ToRigid());
+      item.distance = std::numeric_limits<double>::max();
+      for (const Eigen::Vector3d& place : own_centres) {
+        item.distance = std::min(item.distance, (place - centre).squaredNorm());
+      }
+    }
+  }
+
+  std::vector<KeyframeId> NearestFirst() {
+    std::vector<KeyframeId> nearest;
+    for (const auto& [id, item] : new_keyframes_) nearest.push_back(id);
+    if (nearest.size() <= kFew) return nearest;
+    MeasureNearness();
     std::sort(nearest.begin(), nearest.end(), [this](KeyframeId a, KeyframeId b) {
-      const ForeignKeyframe& first = foreign_.at(a);
-      const ForeignKeyframe& second = foreign_.at(b);
+      const NewKeyframe& first = new_keyframes_.at(a);
+      const NewKeyframe& second = new_keyframes_.at(b);
       return std::make_tuple(-first.shared_landmarks, first.distance, a) <
              std::make_tuple(-second.shared_landmarks, second.distance, b);
     });
     return nearest;
   }
 
-  void TakeFullKeyframes() {
-    for (const KeyframeId& id : NewOnesNearestFirst()) {
+  void TakeNewKeyframes() {
+    if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
+    for (const KeyframeId& id : NearestFirst()) {
       if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
-      const ForeignKeyframe& foreign = foreign_.at(id);
-      const size_t keypoints = foreign.keyframe->keypoints().size();
-      if (!budget_.Take(kLightBytes + keypoints * kBytesPerKeypoint)) return;
-      SharedKeyframe shared;
-      shared.payload = foreign.keyframe->payload;
-      shared.camera_from_global = foreign.camera_from_global;
-      shared.parent = foreign.keyframe->parent;
-      shared.points.resize(keypoints);
-      for (const auto& [keypoint, point] : foreign.points) {
-        shared.points[keypoint] = point;
-        TakePoint(point);
-      }
-      update_.keyframes.push_back(std::move(shared));
-      share_.keyframes[id] = {foreign.camera_from_global, foreign.points};
+      const Keyframe& keyframe = *new_keyframes_.at(id).keyframe;
+      if (!budget_.Take(kLightBytes + keyframe.keypoints().size() * kBytesPerKeypoint)) return;
+      TakeNewKeyframe(keyframe);
+      news_.keyframes.erase(id);
     }
+  }
+
+  void TakeNewKeyframe(const Keyframe& keyframe) {
+    const KeyframeId id = keyframe.id();
+    const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
+    SentKeyframe sent;
+    sent.camera_from_global = PosesOf(local_map).at(id);
+    sent.global_from_local = GlobalFromLocal(id, local_map);
+    sent.points = SightsOf(local_map, keyframe);
+    SharedKeyframe shared;
+    shared.payload = keyframe.payload;
+    shared.camera_from_global = sent.camera_from_global;
+    shared.parent = keyframe.parent;
+    shared.points.resize(keyframe.keypoints().size());
+    for (const auto& [keypoint, point] : sent.points) {
+      shared.points[keypoint] = point;
+      TakePoint(point);
+    }
+    update_.keyframes.push_back(std::move(shared));
+    share_.keyframes[id] = std::move(sent);
   }
 
   Eigen::Vector3d PositionOf(MapPointId id) const {
@@ -394,8 +377,7 @@ class ShareStep {
     if (IsOwn(id) || share_.points.contains(id)) return;
     const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
     const MapPoint& point = *owner.map.FindPoint(id);
-    const Similarity3d global_from_local =
-        IslandFromLocal(point.reference, owner, state_.global, PosesOf(owner));
+    const Similarity3d global_from_local = GlobalFromLocal(point.reference, owner);
     SharedMapPoint shared;
     shared.id = id;
     shared.position_in_global = PositionOf(id);
@@ -416,9 +398,9 @@ class ShareStep {
   const MapStoreOptions& options_;
   Budget budget_;
   ShareState& share_;
-  const ShareScope scope_;
+  ShareNews& news_;
   mutable std::map<LocalMapId, IslandPoses> poses_;
-  std::map<KeyframeId, ForeignKeyframe> foreign_;
+  std::map<KeyframeId, NewKeyframe> new_keyframes_;
   SharedUpdate update_;
 };
 
