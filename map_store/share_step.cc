@@ -64,12 +64,12 @@ using Sights = std::vector<std::pair<uint32_t, MapPointId>>;  // Keypoint and la
 // A keyframe that the agent does not have.
 struct NewKeyframe {
   const Keyframe* keyframe = nullptr;
-  Sights sights;
   int shared_landmarks = 0;
   double distance = 0;
 };
 
-// So few new keyframes are sent in the order of their ids, more the nearest first.
+// Of more new keyframes than that, those that see the agent's own landmarks come first, then the
+// nearest; of fewer the nearest.
 constexpr size_t kFew = 8;
 
 // Goes through what may be news, compares it with what was sent, and sends what is.
@@ -297,26 +297,30 @@ class ShareStep {
     }
   }
 
-  void MeasureNearness() {
+  void CountOwnLandmarks() {
     absl::flat_hash_set<MapPointId> own_landmarks;
-    std::vector<Eigen::Vector3d> own_centres;
     const LocalMapState& own = *state_.FindLocalMap(share_.local_map);
     for (const auto& [id, keyframe] : own.map.keyframes()) {
-      own_centres.push_back(CameraCentre(PosesOf(own).at(id).ToRigid()));
-      for (const MapPointId& point : ObservedPoints(state_, own, keyframe)) {
-        if (point.IsValid()) own_landmarks.insert(point);
-      }
+      for (const auto& [keypoint, point] : SightsOf(own, keyframe)) own_landmarks.insert(point);
     }
     for (auto& [id, item] : new_keyframes_) {
-      const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
-      item.sights = SightsOf(local_map, *item.keyframe);
-      for (const auto& [keypoint, point] : item.sights) {
-        if (own_landmarks.contains(point)) ++item.shared_landmarks;
+      for (const auto& sight : SightsOf(*state_.FindLocalMap(id.local_map), *item.keyframe)) {
+        if (own_landmarks.contains(sight.second)) ++item.shared_landmarks;
       }
-      const Eigen::Vector3d centre = CameraCentre(PosesOf(local_map).at(id).ToRigid());
+    }
+  }
+
+  void MeasureDistances() {
+    std::vector<Eigen::Vector3d> own_centres;
+    for (const auto& [id, pose] : PosesOf(*state_.FindLocalMap(share_.local_map))) {
+      own_centres.push_back(CameraCentre(pose.ToRigid()));
+    }
+    for (auto& [id, item] : new_keyframes_) {
+      const IslandPoses& poses = PosesOf(*state_.FindLocalMap(id.local_map));
+      const Eigen::Vector3d centre = CameraCentre(poses.at(id).ToRigid());
       item.distance = std::numeric_limits<double>::max();
-      for (const Eigen::Vector3d& place : own_centres) {
-        item.distance = std::min(item.distance, (place - centre).squaredNorm());
+      for (const Eigen::Vector3d& own : own_centres) {
+        item.distance = std::min(item.distance, (own - centre).squaredNorm());
       }
     }
   }
@@ -324,8 +328,8 @@ class ShareStep {
   std::vector<KeyframeId> NearestFirst() {
     std::vector<KeyframeId> nearest;
     for (const auto& [id, item] : new_keyframes_) nearest.push_back(id);
-    if (nearest.size() <= kFew) return nearest;
-    MeasureNearness();
+    if (nearest.size() > kFew) CountOwnLandmarks();
+    MeasureDistances();
     std::sort(nearest.begin(), nearest.end(), [this](KeyframeId a, KeyframeId b) {
       const NewKeyframe& first = new_keyframes_.at(a);
       const NewKeyframe& second = new_keyframes_.at(b);
