@@ -9,6 +9,7 @@
 #include "absl/time/time.h"
 #include "fusion_worker/view_validation.h"
 #include "slam/fusing/map_fusing.h"
+#include "slam/fusing/redundant_keyframes.h"
 #include "slam/optimisation/bundle_adjustment.h"
 #include "slam/util/status_macros.h"
 #include "slam/verification/place_verification.h"
@@ -103,6 +104,10 @@ absl::Status CheckAdjustment(const AdjustBundleRequest& request) {
     return absl::InvalidArgumentError(absl::StrCat("max_iterations is ", request.max_iterations,
                                                    ", must be 1 to ", kMaxIterations));
   }
+  if (!(request.redundant_share >= 0 && request.redundant_share <= 1)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("redundant_share is ", request.redundant_share, ", must be 0 to 1"));
+  }
   return CheckView(request.view);
 }
 
@@ -142,6 +147,9 @@ absl::StatusOr<AdjustBundleResult> LocalFusionWorker::AdjustBundle(
                    corbslam::AdjustBundle(request.view, scope, bundle));
   if (adjusted.cancelled) return absl::CancelledError("bundle adjustment was cancelled");
   AdjustBundleResult result = MakeResult(request, scope, adjusted);
+  result.redundant = FindRedundantKeyframes(
+      request.view, {request.fixed.begin(), request.fixed.end()},
+      {.seen_share = request.redundant_share, .target_keyframes = request.target_keyframes});
   result.seconds = absl::ToDoubleSeconds(absl::Now() - begin);
   return result;
 }

@@ -142,6 +142,8 @@ std::optional<FusionRequest> PrepareAdjust(const MissionState& state, const Fusi
   job.request.fixed = {fixed->first};
   job.request.base_revision = state.global.revision;
   job.request.max_iterations = options.adjust_iterations;
+  job.request.redundant_share = options.cull_share;
+  job.request.target_keyframes = options.cull_target;
   job.request.threads = options.deterministic ? 1 : options.adjust_threads;
   job.request.view = std::move(job.snapshot.view);
   return FusionRequest(std::move(job));

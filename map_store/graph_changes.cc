@@ -195,6 +195,7 @@ void ApplyKeyframeRemoval(const KeyframeRemoval& removal, MissionState& state,
   local_map.map.RemoveKeyframe(removal.id);
   local_map.foreign_observations.erase(removal.id);
   state.global.keyframes.erase(removal.id);
+  state.global.culled.erase(removal.id);
   state.FindIslandOf(local_map.id)->displaced.erase(removal.id);
 }
 

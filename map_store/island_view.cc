@@ -120,8 +120,10 @@ class ViewBuilder {
   Map view_;
 };
 
+enum class Culled { kLeaveOut, kTakeAlong };
+
 // With its keyframes and edges.
-IslandSnapshot BeginSnapshot(const MissionState& state, const Island& island,
+IslandSnapshot BeginSnapshot(const MissionState& state, const Island& island, Culled culled,
                              ViewBuilder& builder) {
   IslandSnapshot snapshot;
   snapshot.island = island.id;
@@ -133,8 +135,10 @@ IslandSnapshot BeginSnapshot(const MissionState& state, const Island& island,
     const IslandPoses& poses = builder.PosesOf(local_map);
     snapshot.poses.insert(poses.begin(), poses.end());
     for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
-      builder.AddKeyframe(local_map, keyframe);
       snapshot.local_poses[keyframe_id] = keyframe.camera_from_map;
+      const bool left_out =
+          culled == Culled::kLeaveOut && state.global.culled.contains(keyframe_id);
+      if (!left_out) builder.AddKeyframe(local_map, keyframe);
     }
   }
   builder.AddEdges();
@@ -174,7 +178,7 @@ std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMap
 IslandSnapshot TakeWholeSnapshot(const MissionState& state, const Island& island, Unplaced unplaced,
                                  Rejected rejected) {
   ViewBuilder builder(state, unplaced, rejected, Covisibility::kGiven);
-  IslandSnapshot snapshot = BeginSnapshot(state, island, builder);
+  IslandSnapshot snapshot = BeginSnapshot(state, island, Culled::kLeaveOut, builder);
   builder.AddSights();
   snapshot.view = builder.TakeView();
   snapshot.unplaced = std::move(unplaced);
@@ -185,7 +189,8 @@ IslandSnapshot TakeGraphSnapshot(const MissionState& state, const Island& island
                                  const std::set<KeyframeId>& centres, int neighbourhood,
                                  const std::set<MapPointId>& named) {
   ViewBuilder builder(state, unplaced, Rejected::kLeaveOut, Covisibility::kGiven);
-  IslandSnapshot snapshot = BeginSnapshot(state, island, builder);
+  // Without them the spanning tree would fall apart.
+  IslandSnapshot snapshot = BeginSnapshot(state, island, Culled::kTakeAlong, builder);
   for (const CovisiblePair& pair : CountCovisibility(state, island)) {
     builder.view().SetCovisibility(pair.a, pair.b, pair.weight);
   }

@@ -31,7 +31,8 @@ struct IslandSnapshot {
 // What becomes of observations that fusion has rejected before.
 enum class Rejected { kLeaveOut, kTryAgain };
 
-// The whole island, for an adjustment: all points that a keyframe sees, and no covisibility.
+// The whole island, for an adjustment: all keyframes that were not culled, all points that they
+// see, and no covisibility.
 IslandSnapshot TakeWholeSnapshot(const MissionState& state, const Island& island, Unplaced unplaced,
                                  Rejected rejected = Rejected::kLeaveOut);
 

@@ -154,6 +154,8 @@ struct GlobalLayer {
   // Removed points, and another of the landmark that each was part of.
   std::map<MapPointId, MapPointId> heirs;
   RejectedObservations rejected;
+  // Keyframes that fusion does without: they follow their relatives, and nobody is sent them.
+  std::set<KeyframeId> culled;
   std::map<uint64_t, OverlapEntry> overlaps;
   std::map<IslandId, Island> islands;
   std::map<LocalMapId, IslandId> island_of;

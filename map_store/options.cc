@@ -28,6 +28,10 @@ absl::Status MapStoreOptions::Validate() const {
   status.Update(CheckPositive("adjust_every", static_cast<double>(adjust_every)));
   status.Update(CheckPositive("adjust_iterations", adjust_iterations));
   status.Update(CheckPositive("local_motion_px", local_motion_px));
+  if (!(cull_share >= 0 && cull_share <= 1)) {
+    status.Update(
+        absl::InvalidArgumentError(absl::StrCat("cull_share is ", cull_share, ", must be 0 to 1")));
+  }
   status.Update(CheckPositive("adjust_threads", adjust_threads));
   status.Update(CheckPositive("fusion_threads", fusion_threads));
   status.Update(CheckPositive("max_attempts", max_attempts));

@@ -42,6 +42,11 @@ struct MapStoreOptions {
   // overlaps, and at the end of all streams.
   size_t adjust_every = 5;
   int adjust_iterations = 20;
+  // Keyframes of whose points so large a share is seen by three others as well are culled from the
+  // global layer after an adjustment (0: none), and the most redundant beyond so many of an island
+  // (0: any number stays). Their owners keep them.
+  double cull_share = 0;
+  size_t cull_target = 0;
   // Local motion of a placed keyframe relative to its parent that calls for a refresh.
   double local_motion_px = 1.0;
   // Foreign keyframes that one agent is sent at most; the nearest ones.

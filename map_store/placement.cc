@@ -81,14 +81,22 @@ Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& loca
                                 const GlobalLayer& global, const IslandPoses& poses,
                                 const Unplaced& unplaced) {
   const auto placed = global.points.find(point.id);
-  if (placed != global.points.end() && !unplaced.contains(point.reference)) {
+  KeyframeId reference = ReferenceOf(point, global);
+  if (placed != global.points.end() && !unplaced.contains(reference)) {
     return placed->second.position_in_island;
   }
-  KeyframeId reference = point.reference;
   if (!poses.contains(reference) && !point.observations.empty()) {
     reference = point.observations.begin()->first;
   }
   return IslandFromLocal(reference, local_map, global, poses) * point.position_in_map;
+}
+
+KeyframeId ReferenceOf(const MapPoint& point, const GlobalLayer& global) {
+  if (!global.culled.contains(point.reference)) return point.reference;
+  for (const auto& [id, keypoint] : point.observations) {
+    if (!global.culled.contains(id)) return id;
+  }
+  return point.reference;
 }
 
 bool FindLivingRelative(const MissionState& state, KeyframeId id, LivingRelative& found) {

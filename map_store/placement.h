@@ -33,6 +33,10 @@ Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& loca
 Similarity3d IslandFromLocal(KeyframeId reference, const LocalMapState& local_map,
                              const GlobalLayer& global, const IslandPoses& poses);
 
+// The keyframe that the point follows: its reference, or where that one was culled, the first one
+// that sees it and was not.
+KeyframeId ReferenceOf(const MapPoint& point, const GlobalLayer& global);
+
 // The keyframe that stands for `id`: itself, or through removals the nearest living relative, with
 // the pose of `id` relative to it. False when the chain ends.
 struct LivingRelative {

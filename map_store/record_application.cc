@@ -161,6 +161,7 @@ absl::Status CheckPlaces(const RevisionPlan& plan, const MissionState& state) {
   };
   for (const auto& [id, placed] : plan.keyframes) RETURN_IF_ERROR(check(id));
   for (const auto& [id, placed] : plan.points) RETURN_IF_ERROR(check(id));
+  for (const KeyframeId& id : plan.culled) RETURN_IF_ERROR(check(id));
   return absl::OkStatus();
 }
 

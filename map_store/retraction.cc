@@ -52,6 +52,8 @@ void ForgetPlaces(const std::set<LocalMapId>& members, GlobalLayer& global) {
   std::erase_if(global.rejected, [&members](const auto& item) {
     return members.contains(item.first.first.local_map);
   });
+  std::erase_if(global.culled,
+                [&members](KeyframeId id) { return members.contains(id.local_map); });
   global.landmarks.Dissolve(members);
   for (const LocalMapId& id : members) global.island_from_local.erase(id);
 }

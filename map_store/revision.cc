@@ -33,6 +33,7 @@ void PlanKeyframes(const MissionState& state, const IslandSnapshot& snapshot,
   for (const auto& [id, pose] : snapshot.poses) {
     const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
     if (!local_map.IsSettled(id) || local_map.map.FindKeyframe(id) == nullptr) continue;
+    if (state.global.culled.contains(id)) continue;
     const auto moved = new_poses.find(id);
     const Similarity3d placed =
         moved == new_poses.end() ? pose * snapshot_from_target : Rescale(moved->second, pose.scale);
@@ -43,7 +44,7 @@ void PlanKeyframes(const MissionState& state, const IslandSnapshot& snapshot,
 // Only survivors whose reference keyframe is placed have a position of their own.
 bool IsPlaceable(const MissionState& state, MapPointId id, const RevisionPlan& plan) {
   const MapPoint* own = state.FindPoint(id);
-  return own != nullptr && plan.keyframes.contains(own->reference) &&
+  return own != nullptr && plan.keyframes.contains(ReferenceOf(*own, state.global)) &&
          state.global.landmarks.Survivor(id) == id;
 }
 
@@ -71,8 +72,9 @@ class Followers {
 
   // Where a placed point comes to lie; none where its keyframe is not placed.
   std::optional<Eigen::Vector3d> Follow(const MapPoint& point, const PlacedPoint& placed) {
-    const auto [it, added] = motions_.try_emplace(point.reference);
-    if (added) it->second = MotionOf(point.reference);
+    const KeyframeId reference = ReferenceOf(point, state_.global);
+    const auto [it, added] = motions_.try_emplace(reference);
+    if (added) it->second = MotionOf(reference);
     if (!it->second.has_value()) return std::nullopt;
     const Motion& motion = *it->second;
     return motion.moved * (motion.from_local ? point.position_in_map : placed.position_in_island);
@@ -215,6 +217,16 @@ void RejectObservations(const RevisionPlan& plan, MissionState& state) {
   }
 }
 
+void CullKeyframes(const RevisionPlan& plan, MissionState& state) {
+  for (const KeyframeId& id : plan.culled) {
+    LocalMapState* owner = state.FindLocalMap(id.local_map);
+    if (owner == nullptr || owner->map.FindKeyframe(id) == nullptr) continue;
+    state.global.culled.insert(id);
+    state.global.keyframes.erase(id);
+    owner->changes.NoteKeyframe(id);
+  }
+}
+
 void MergeLandmarks(const RevisionPlan& plan, MissionState& state) {
   GlobalLayer& global = state.global;
   absl::flat_hash_set<MapPointId> renamed;
@@ -285,6 +297,7 @@ RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
   RevisionPlan plan;
   plan.revision = state.global.revision + 1;
   plan.target = job.snapshot.island;
+  plan.culled = result.redundant;
   PlanKeyframes(state, job.snapshot, Index(result.poses), Similarity3d(), plan);
   PlanPositions(state, result.positions, plan);
   PlanPointsOfView(state, job.request.view, plan);
@@ -298,6 +311,7 @@ void CommitRevision(const RevisionPlan& plan, const MapStoreOptions& options, Mi
   MergeIslands(plan, state);
   PlaceItems(plan, state.global);
   RejectObservations(plan, state);
+  CullKeyframes(plan, state);
   MergeLandmarks(plan, state);
   Island& island = state.global.islands.at(plan.target);
   island.fused = true;

@@ -26,6 +26,7 @@ struct RevisionPlan {
   // Raw observations that were found wrong, and keyframes whose earlier rejections it takes back.
   RejectedObservations rejected_raw;
   std::set<KeyframeId> decided_anew;
+  std::vector<KeyframeId> culled;
   std::vector<uint64_t> overlaps;  // Now in the graph.
 };
 

@@ -157,6 +157,11 @@ class ShareStep {
     news_.own_keyframes = false;
   }
 
+  bool IsShared(KeyframeId id) const {
+    return state_.FindLocalMap(id.local_map)->IsFollowedBy(options_.share_after, id) &&
+           !state_.global.culled.contains(id);
+  }
+
   // Those that went and those that moved; the new ones are set aside.
   void TakeKeyframes() {
     for (auto it = news_.keyframes.begin(); it != news_.keyframes.end();) {
@@ -165,13 +170,13 @@ class ShareStep {
       const auto sent = share_.keyframes.find(*it);
       if (sent == share_.keyframes.end()) {
         // What is not old enough is news again when it is.
-        const bool is_new =
-            keyframe != nullptr && local_map.IsFollowedBy(options_.share_after, *it);
+        const bool is_new = keyframe != nullptr && IsShared(*it);
         if (is_new) new_keyframes_[*it].keyframe = keyframe;
         it = is_new ? std::next(it) : news_.keyframes.erase(it);
         continue;
       }
-      const bool taken = keyframe == nullptr ? TakeRemoval(sent) : TakeMove(local_map, *sent);
+      const bool is_there = keyframe != nullptr && IsShared(*it);
+      const bool taken = is_there ? TakeMove(local_map, *sent) : TakeRemoval(sent);
       if (!taken) return;
       it = news_.keyframes.erase(it);
     }

@@ -119,6 +119,9 @@ absl::Status ValidatePlaces(const MissionState& state) {
   const bool places = std::ranges::all_of(state.global.keyframes, known) &&
                       std::ranges::all_of(state.global.points, known);
   RETURN_IF_ERROR(Check(places, "what fusion placed"));
+  const bool culled = std::ranges::all_of(
+      state.global.culled, [&state](KeyframeId id) { return IsKnown(state, id.local_map); });
+  RETURN_IF_ERROR(Check(culled, "what fusion culled"));
   const bool rejected = std::ranges::all_of(state.global.rejected,
                                             [](const auto& item) { return item.second.IsValid(); });
   return Check(rejected, "what fusion rejected");

@@ -68,7 +68,7 @@ void Fields(Archive& archive, T& agent) {
 
 namespace {
 
-constexpr uint32_t kStateFormat = 2;
+constexpr uint32_t kStateFormat = 3;
 
 absl::Status Unreadable(absl::string_view what) {
   return absl::DataLossError(absl::StrCat(what, " can't be read: its bytes are damaged"));
@@ -208,7 +208,7 @@ void GlobalFields(Archive& archive, State& state) {
   auto& global = state.global;
   archive(state.name, state.agents, state.order, state.queries, state.next_overlap, state.version,
           state.statistics, global.revision, global.keyframes, global.points, global.heirs,
-          global.rejected, global.overlaps, global.islands, global.island_of,
+          global.rejected, global.culled, global.overlaps, global.islands, global.island_of,
           global.island_from_local, global.taken_back, global.kept_apart);
 }
 

@@ -88,7 +88,7 @@ void Fields(Archive& archive, T& task) {
 template <typename Archive, MayBeConst<RevisionPlan> T>
 void Fields(Archive& archive, T& plan) {
   archive(plan.revision, plan.target, plan.source, plan.keyframes, plan.points, plan.merges,
-          plan.rejected_raw, plan.decided_anew, plan.overlaps);
+          plan.rejected_raw, plan.decided_anew, plan.culled, plan.overlaps);
 }
 
 template <typename Archive, MayBeConst<BatchRecord> T>

@@ -136,6 +136,7 @@ absl::StatusOr<AdjustBundleResult> TruthfulWorker::AdjustBundle(const AdjustBund
         {id, Similarity3d::FromRigid(camera_from_world_.at(id) * world_from_map)});
   }
   result.rejected = reject;
+  result.redundant = redundant;
   result.keyframes = static_cast<int>(request.view.keyframes().size());
   result.points = static_cast<int>(request.view.points().size());
   absl::MutexLock lock(&mutex_);

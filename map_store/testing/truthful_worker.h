@@ -48,6 +48,7 @@ class TruthfulWorker : public FusionWorker {
   LocalMapId lies_about;
   // Observations that an adjustment finds to be wrong.
   std::vector<RejectedObservation> reject;
+  std::vector<KeyframeId> redundant;
   // Keyframes farther apart show different places.
   double same_place_m = 4;
 

@@ -69,6 +69,8 @@ v1::AdjustBundleRequest::Header HeaderOf(const AdjustBundleRequest& request) {
   for (const KeyframeId id : request.fixed) fixed.Add(id);
   header.set_max_iterations(static_cast<uint32_t>(std::max(request.max_iterations, 0)));
   header.set_threads(static_cast<uint32_t>(std::max(request.threads, 0)));
+  header.set_redundant_share(request.redundant_share);
+  header.set_target_keyframes(static_cast<uint32_t>(request.target_keyframes));
   return header;
 }
 
@@ -168,6 +170,11 @@ absl::Status AdjustBundleRequestReader::AddHeader(const v1::AdjustBundleRequest:
   if (header.threads() > kMaxSolverThreads) {
     return OutOfRange("threads", header.threads(), 0, kMaxSolverThreads);
   }
+  if (!(header.redundant_share() >= 0 && header.redundant_share() <= 1)) {
+    return OutOfRange("redundant_share", header.redundant_share(), 0, 1);
+  }
+  request_.redundant_share = header.redundant_share();
+  request_.target_keyframes = header.target_keyframes();
   request_.max_iterations = static_cast<int>(header.max_iterations());
   request_.threads = std::max(1, static_cast<int>(header.threads()));
   return absl::OkStatus();

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "services/convert/geometry.h"
+#include "services/convert/ids.h"
 #include "services/convert/work.h"
 #include "slam/util/status_macros.h"
 
@@ -41,6 +42,9 @@ v1::AdjustBundleResponse::Header HeaderOf(const AdjustBundleResult& result) {
   header.set_initial_cost(result.initial_cost);
   header.set_final_cost(result.final_cost);
   header.set_seconds(result.seconds);
+  SlotWriter slots(header.mutable_local_maps());
+  IdColumnWriter redundant(slots, header.mutable_redundant());
+  for (const KeyframeId& id : result.redundant) redundant.Add(id);
   return header;
 }
 
@@ -100,6 +104,8 @@ absl::StatusOr<AdjustBundleResult> MakeResult(const v1::AdjustBundleResponse::He
   result.initial_cost = header.initial_cost();
   result.final_cost = header.final_cost();
   result.seconds = header.seconds();
+  ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(header.local_maps()));
+  ASSIGN_OR_RETURN(result.redundant, slots.Keyframes(header.redundant(), "redundant"));
   result.poses = std::move(items.poses);
   result.positions = std::move(items.positions);
   result.rejected = std::move(items.rejected);

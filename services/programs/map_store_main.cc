@@ -116,6 +116,13 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "Solver threads of a bundle adjustment")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  app.add_option("--cull-share", flags.store.cull_share,
+                 "Keyframes whose points three others see to this share are culled; 0: none")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--cull-target", flags.store.cull_target,
+                 "Keyframes of an island beyond which the most redundant are culled; 0: none")
+      ->capture_default_str();
   app.add_option("--max-shared-keyframes", flags.store.max_shared_keyframes,
                  "Others' keyframes that one agent is sent at most")
       ->capture_default_str();

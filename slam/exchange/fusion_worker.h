@@ -91,6 +91,10 @@ struct AdjustBundleRequest {
   // Held fixed (gauge): at least one.
   std::vector<KeyframeId> fixed;
   int max_iterations = 20;
+  // What to say of keyframes that the others can do without: see FindRedundantKeyframes. 0 and 0:
+  // nothing.
+  double redundant_share = 0;
+  size_t target_keyframes = 0;
   int threads = 1;
 };
 
@@ -99,6 +103,7 @@ struct AdjustBundleResult {
   std::vector<KeyframePose> poses;
   std::vector<PointPosition> positions;
   std::vector<RejectedObservation> rejected;
+  std::vector<KeyframeId> redundant;
   int keyframes = 0;
   int points = 0;
   int iterations = 0;
