@@ -31,7 +31,10 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<
                                             v1::MapStore::WithCallbackMethod_GetTrajectory<
                                                 v1::MapStore::WithCallbackMethod_ListOverlaps<
                                                     v1::MapStore::WithCallbackMethod_RetractOverlap<
-                                                        v1::MapStore::Service>>>>>>>>>>>>>>>>;
+                                                        v1::MapStore::
+                                                            WithCallbackMethod_RederiveGlobalLayer<
+                                                                v1::MapStore::
+                                                                    Service>>>>>>>>>>>>>>>>>;
 
 // Whether a caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -106,6 +109,9 @@ class MapStoreService : public MapStoreMethods {
   grpc::ServerUnaryReactor* RetractOverlap(grpc::CallbackServerContext* context,
                                            const v1::RetractOverlapRequest* request,
                                            v1::RetractOverlapResponse* response) override;
+  grpc::ServerUnaryReactor* RederiveGlobalLayer(grpc::CallbackServerContext* context,
+                                                const v1::RederiveGlobalLayerRequest* request,
+                                                v1::RederiveGlobalLayerResponse* response) override;
 
  private:
   MapStore& store_;

@@ -75,6 +75,23 @@ TEST_F(RetractOverlapTest, ByTheNameThatTheListGives) {
   EXPECT_THAT(again.error_message(), HasSubstr("TAKEN_BACK"));
 }
 
+TEST_F(RetractOverlapTest, DerivingAgainForgetsTheRest) {
+  ASSERT_GT(store_->GetStatistics("m")->revision, 0u);
+  const uint64_t revision = store_->GetStatistics("m")->revision;
+  grpc::ClientContext context;
+  v1::RederiveGlobalLayerRequest request;
+  request.set_name("missions/m");
+  v1::RederiveGlobalLayerResponse response;
+  const grpc::Status status = stub_->RederiveGlobalLayer(&context, request, &response);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(store_->GetStatistics("m")->revision, revision + 1);
+  EXPECT_EQ(ListAccepted().overlaps_size(), 0);
+  grpc::ClientContext unknown;
+  request.set_name("missions/nobodys");
+  EXPECT_EQ(stub_->RederiveGlobalLayer(&unknown, request, &response).error_code(),
+            grpc::StatusCode::NOT_FOUND);
+}
+
 TEST_F(RetractOverlapTest, OthersAreRefusedByName) {
   v1::RetractOverlapResponse response;
   EXPECT_EQ(Retract("missions/m/overlaps/77", &response).error_code(), grpc::StatusCode::NOT_FOUND);

@@ -154,6 +154,14 @@ grpc::ServerUnaryReactor* GuardedMapStore::RetractOverlap(grpc::CallbackServerCo
                      : Refuse(context, status);
 }
 
+grpc::ServerUnaryReactor* GuardedMapStore::RederiveGlobalLayer(
+    grpc::CallbackServerContext* context, const v1::RederiveGlobalLayerRequest* request,
+    v1::RederiveGlobalLayerResponse* response) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->name());
+  return status.ok() ? service_.RederiveGlobalLayer(context, request, response)
+                     : Refuse(context, status);
+}
+
 grpc::ServerUnaryReactor* GuardedMapStore::ListOverlaps(grpc::CallbackServerContext* context,
                                                         const v1::ListOverlapsRequest* request,
                                                         v1::ListOverlapsResponse* response) {

@@ -67,6 +67,9 @@ class GuardedMapStore : public MapStoreMethods {
   grpc::ServerUnaryReactor* RetractOverlap(grpc::CallbackServerContext* context,
                                            const v1::RetractOverlapRequest* request,
                                            v1::RetractOverlapResponse* response) override;
+  grpc::ServerUnaryReactor* RederiveGlobalLayer(grpc::CallbackServerContext* context,
+                                                const v1::RederiveGlobalLayerRequest* request,
+                                                v1::RederiveGlobalLayerResponse* response) override;
 
  private:
   // Of a resource's name, which begins with its mission's.

@@ -1,0 +1,17 @@
+#include "services/convert/resource_names.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/server/unary.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+grpc::ServerUnaryReactor* MapStoreService::RederiveGlobalLayer(
+    grpc::CallbackServerContext* context, const v1::RederiveGlobalLayerRequest* request,
+    v1::RederiveGlobalLayerResponse*) {
+  return AnswerOn(pool_, context, [this, request]() -> absl::Status {
+    ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->name()));
+    return store_.RederiveGlobalLayer(mission);
+  });
+}
+
+}  // namespace corbslam
