@@ -95,21 +95,6 @@ TEST_F(CullingTest, OthersForgetItItsOwnerDoesNot) {
   EXPECT_EQ(store_.GetLocalMap(kMission, a_.local_map())->keyframes, 14u);
 }
 
-TEST_F(CullingTest, PointsThatItHeldGoOnWithOthers) {
-  CullOne();
-  size_t held = 0;
-  ASSERT_TRUE(b_.TakeShared().ok());
-  for (const auto& [id, point] : b_.mirror().points) {
-    if (point.reference != kCulled) continue;
-    ++held;
-    const Eigen::Vector3d in_culled = Pose(kCulled) * point.position_in_global;
-    const Eigen::Vector3d local = map_a_.map.FindKeyframe(kCulled)->camera_from_map *
-                                  map_a_.map.FindPoint(id)->position_in_map;
-    EXPECT_LT((in_culled - local).norm(), 0.1);
-  }
-  EXPECT_GT(held, 0u);
-}
-
 TEST_F(CullingTest, DerivingAgainTakesItBack) {
   CullOne();
   ASSERT_TRUE(store_.RederiveGlobalLayer(kMission).ok());

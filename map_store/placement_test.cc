@@ -111,5 +111,25 @@ TEST_F(PlacementTest, RemovedKeyframesChainToTheLiving) {
   EXPECT_FALSE(FindLivingRelative(state_, Kf(5), found));
 }
 
+// Keyframe 2, which the point refers to, was culled; 3 sees it, too.
+TEST_F(PlacementTest, APointWhoseReferenceWasCulledFollowsAnotherThatSeesIt) {
+  MapPoint point;
+  point.id = {kMap, 0};
+  point.position_in_map = {2, 0, 5};
+  point.reference = Kf(2);
+  point.observations = {{Kf(2), 0}, {Kf(3), 0}};
+  EXPECT_EQ(ReferenceOf(point, state_.global), Kf(2));
+  state_.global.culled.insert(Kf(2));
+  EXPECT_EQ(ReferenceOf(point, state_.global), Kf(3));
+  Place(3, 13);
+  const IslandPoses poses = ComputePoses(local_map_, state_.global);
+  EXPECT_NEAR(ComputePosition(point, local_map_, state_.global, poses).x(), 12, 1e-12);
+  state_.global.points[point.id] = {{4, 0, 5}, 1};
+  EXPECT_EQ(ComputePosition(point, local_map_, state_.global, poses).x(), 4);
+  EXPECT_NEAR(ComputePosition(point, local_map_, state_.global, poses, {Kf(3)}).x(), 12, 1e-12);
+  state_.global.culled.insert(Kf(3));
+  EXPECT_EQ(ReferenceOf(point, state_.global), Kf(2)) << "nobody is left";
+}
+
 }  // namespace
 }  // namespace corbslam::map_store
