@@ -1,5 +1,6 @@
 #include "map_store/sharing.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "map_store/share_step.h"
@@ -10,6 +11,13 @@ namespace {
 bool HasSent(const ShareState& share) {
   return !share.keyframes.empty() || !share.points.empty() || !share.landmarks.empty() ||
          !share.own_keyframes.empty();
+}
+
+// A local map that the agent heard of is not in its island any more.
+bool HasLostAny(const ShareState& share, const Island& island) {
+  return std::ranges::any_of(share.seen_local_maps, [&island](LocalMapId id) {
+    return std::ranges::find(island.local_maps, id) == island.local_maps.end();
+  });
 }
 
 // Forgets what was sent; the agent is told to forget it too if it has anything.
@@ -36,7 +44,9 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
   ShareState& share = agent.share;
   const LocalMapId own = agent.local_maps.back();
   const Island& island = *state.FindIslandOf(own);
-  if (share.local_map != own || share.island != island.id) StartAgain(own, island.id, share);
+  if (share.local_map != own || share.island != island.id || HasLostAny(share, island)) {
+    StartAgain(own, island.id, share);
+  }
   if (island.local_maps.size() < 2) {
     // It may have been larger, under the same name.
     if (HasSent(share)) StartAgain(own, island.id, share);

@@ -415,6 +415,28 @@ TEST(SharingAtOnceTest, ProvisionalKeyframesToo) {
   EXPECT_NEAR((after.translation - before.translation).norm(), 0.5, 0.05);
 }
 
+TEST_F(StepByStepTest, AMapThatIsKeptApartFromNowOn) {
+  FuseAll();
+  OverlapFilter filter;
+  filter.accepted = true;
+  filter.local_map = c_->local_map();
+  const auto with_c = store_.ListOverlaps(kMission, filter, {})->items;
+  ASSERT_FALSE(with_c.empty());
+  for (const OverlapInfo& overlap : with_c) {
+    store_.RetractOverlap(kMission, overlap.id, true).IgnoreError();
+  }
+  Fuse();
+  ASSERT_EQ(store_.GetStatistics(kMission)->islands, 2u);
+  Hear();
+  for (const TestAgent* agent : {a_.get(), b_.get()}) {
+    EXPECT_FALSE(agent->mirror().keyframes.empty());
+    for (const auto& [id, keyframe] : agent->mirror().keyframes) {
+      EXPECT_NE(id.local_map, c_->local_map());
+    }
+  }
+  EXPECT_TRUE(c_->mirror().keyframes.empty());
+}
+
 TEST_F(SharingTest, ListenersHearOfARevision) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);
