@@ -38,8 +38,8 @@ struct ReplayOptions {
   absl::Duration retry_after = absl::Milliseconds(50);
   // Called, where set, with each batch as it is sent and when it was due (see the ledger), and with
   // what comes back; on threads of the agent's, without locks.
-  std::function<void(const MapUpdateBatch& batch, absl::Time due)> on_sent;
-  std::function<void(const SharedUpdate& update)> on_shared;
+  std::function<void(const MapUpdateBatch& batch, absl::Time due)> on_sent = nullptr;
+  std::function<void(const SharedUpdate& update)> on_shared = nullptr;
 };
 
 struct ReplayLedger {
