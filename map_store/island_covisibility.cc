@@ -1,32 +1,50 @@
 #include "map_store/island_covisibility.h"
 
 #include <algorithm>
-#include <utility>
+#include <cstddef>
+#include <cstdint>
 
 #include "absl/container/flat_hash_map.h"
 
 namespace corbslam::map_store {
 namespace {
 
-using Pair = std::pair<KeyframeId, KeyframeId>;
+// Counts for all pairs of so many things; half a square of them.
+class PairCounts {
+ public:
+  explicit PairCounts(size_t size) : counts_(size * (size + 1) / 2, 0) {}
 
-// A keyframe that sees a landmark, and by which name of it. Owners have counted those of one name.
+  // a > b.
+  uint32_t& At(size_t a, size_t b) { return counts_[a * (a - 1) / 2 + b]; }
+
+ private:
+  std::vector<uint32_t> counts_;
+};
+
+// A keyframe that sees a landmark, and by which of its names. Owners have counted those of one
+// name.
 struct Sighting {
-  KeyframeId keyframe;
+  uint32_t keyframe = 0;
   MapPointId name;
   bool is_foreign = false;
 };
 
 class Counter {
  public:
-  Counter(const MissionState& state, const Island& island) : state_(state), island_(island) {}
+  Counter(const MissionState& state, const Island& island)
+      : state_(state),
+        island_(island),
+        keyframes_(KeyframesOf(state, island)),
+        counts_(keyframes_.size()) {
+    index_.reserve(keyframes_.size());
+    for (uint32_t i = 0; i < keyframes_.size(); ++i) index_[keyframes_[i]] = i;
+  }
 
   void AddOwnersCounts() {
-    for (const LocalMapId& id : island_.local_maps) {
-      for (const auto& [a, keyframe] : state_.FindLocalMap(id)->map.keyframes()) {
-        for (const auto& [b, weight] : keyframe.covisible) {
-          if (a < b) counts_[{a, b}] += weight;
-        }
+    for (uint32_t i = 0; i < keyframes_.size(); ++i) {
+      for (const auto& [other, weight] : state_.FindKeyframe(keyframes_[i])->covisible) {
+        const uint32_t j = index_.at(other);
+        if (j < i) counts_.At(i, j) += static_cast<uint32_t>(weight);
       }
     }
   }
@@ -56,14 +74,29 @@ class Counter {
     }
   }
 
-  std::vector<CovisiblePair> Take() const {
+  std::vector<CovisiblePair> Take() {
     std::vector<CovisiblePair> pairs;
-    pairs.reserve(counts_.size());
-    for (const auto& [pair, weight] : counts_) pairs.push_back({pair.first, pair.second, weight});
+    for (uint32_t i = 0; i < keyframes_.size(); ++i) {
+      for (uint32_t j = 0; j < i; ++j) {
+        const auto weight = static_cast<int>(counts_.At(i, j));
+        if (weight > 0) pairs.push_back({keyframes_[j], keyframes_[i], weight});
+      }
+    }
     return pairs;
   }
 
  private:
+  static std::vector<KeyframeId> KeyframesOf(const MissionState& state, const Island& island) {
+    std::vector<KeyframeId> keyframes;
+    for (const LocalMapId& id : island.local_maps) {
+      for (const auto& [keyframe, item] : state.FindLocalMap(id)->map.keyframes()) {
+        keyframes.push_back(keyframe);
+      }
+    }
+    std::sort(keyframes.begin(), keyframes.end());
+    return keyframes;
+  }
+
   bool IsHere(LocalMapId id) const {
     const auto it = state_.global.island_of.find(id);
     return it != state_.global.island_of.end() && it->second == island_.id;
@@ -73,7 +106,7 @@ class Counter {
     const MapPoint* point = IsHere(id.local_map) ? state_.FindPoint(id) : nullptr;
     if (point == nullptr) return;
     for (const auto& [keyframe, keypoint] : point->observations) {
-      sightings.push_back({keyframe, id});
+      sightings.push_back({index_.at(keyframe), id});
     }
   }
 
@@ -82,19 +115,21 @@ class Counter {
     if (!survivor.IsValid() || !IsHere(survivor.local_map)) return;
     const auto [it, added] = landmarks_.try_emplace(survivor);
     if (added) AddOwnSightings(survivor, it->second);
-    it->second.push_back({keyframe, raw, true});
+    it->second.push_back({index_.at(keyframe), raw, true});
   }
 
   void CountPair(const Sighting& a, const Sighting& b) {
     const bool counted_by_owner = a.name == b.name && !a.is_foreign && !b.is_foreign;
     if (counted_by_owner || a.keyframe == b.keyframe) return;
-    ++counts_[{std::min(a.keyframe, b.keyframe), std::max(a.keyframe, b.keyframe)}];
+    ++counts_.At(std::max(a.keyframe, b.keyframe), std::min(a.keyframe, b.keyframe));
   }
 
   const MissionState& state_;
   const Island& island_;
+  const std::vector<KeyframeId> keyframes_;  // Ascending.
+  absl::flat_hash_map<KeyframeId, uint32_t> index_;
+  PairCounts counts_;
   absl::flat_hash_map<MapPointId, std::vector<Sighting>> landmarks_;
-  absl::flat_hash_map<Pair, int> counts_;
 };
 
 }  // namespace

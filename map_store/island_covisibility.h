@@ -14,9 +14,9 @@ struct CovisiblePair {
   int weight = 0;  // Landmarks that both see, as far as owners and fusion know.
 };
 
-// What owners counted inside their local maps, and what fusion and foreign observations add to it.
-// Costs as much as there are edges and landmarks that more than one local map, or point, takes part
-// in. In no order.
+// What owners counted inside their local maps, and what fusion and foreign observations add to it,
+// in ascending order. Costs the landmarks that more than one local map, or point, takes part in,
+// and four bytes for each two keyframes of the island.
 std::vector<CovisiblePair> CountCovisibility(const MissionState& state, const Island& island);
 
 }  // namespace corbslam::map_store
