@@ -1,0 +1,90 @@
+#!/bin/sh
+# build.sh [OPTION...] [PROGRAM...] [-- ARGUMENT...]: builds the images of map_store, fusion_worker
+# and client_agent, or of those named, with buildah. Arguments go to buildah build, for example
+# --isolation chroot --network host where containers get no network of their own.
+#
+# --binaries DIR   ships the programs in DIR, built on this machine (Debian 12), with its libraries;
+#                  without: builds them in a container
+# --base IMAGE     to build on (docker.io/library/debian:bookworm-slim)
+# --debootstrap    makes the base with debootstrap first, as localhost/corbslam/base (needs root)
+# --prefix NAME    of the images' names (localhost/corbslam)
+# --tag TAG        of the images (latest)
+set -eu
+
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+binaries='' base='' prefix=localhost/corbslam tag=latest debootstrap='' programs=''
+
+usage() {
+  [ $# -eq 0 ] || echo "build.sh: $*" >&2
+  sed -n '2,12s/^# \{0,1\}//p' "$0" >&2
+  exit 2
+}
+while [ $# -gt 0 ] && [ "$1" != -- ]; do
+  case $1 in
+    --binaries | --base | --prefix | --tag)
+      [ $# -ge 2 ] || usage "$1 needs a value"
+      case $1 in
+        --binaries) binaries=$2 ;;
+        --base) base=$2 ;;
+        --prefix) prefix=$2 ;;
+        --tag) tag=$2 ;;
+      esac
+      shift
+      ;;
+    --debootstrap) debootstrap=yes ;;
+    map_store | fusion_worker | client_agent) programs="$programs $1" ;;
+    *) usage "no such option or program: $1" ;;
+  esac
+  shift
+done
+[ $# -eq 0 ] || shift
+: "${programs:=map_store fusion_worker client_agent}"
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+trap 'exit 1' HUP INT TERM
+
+# A minimal Debian with the package sources that this machine has.
+make_base() {
+  debootstrap --variant=minbase bookworm "$work/base" >&2
+  for sources in sources.list sources.list.d/debian.sources; do
+    if [ -e "/etc/apt/$sources" ]; then cp "/etc/apt/$sources" "$work/base/etc/apt/$sources"; fi
+  done
+  rm -rf "$work/base/var/cache/apt/archives" "$work/base/var/lib/apt/lists"
+  mkdir -p "$work/base/var/cache/apt/archives/partial" "$work/base/var/lib/apt/lists/partial"
+  container=$(buildah from scratch)
+  buildah add -q "$container" "$work/base" / >&2
+  buildah config --cmd /bin/bash "$container"
+  buildah commit -q --rm "$container" "$1" >&2
+  rm -rf "$work/base"
+}
+
+if [ -n "$debootstrap" ]; then
+  : "${base:=localhost/corbslam/base:bookworm}"
+  make_base "$base"
+fi
+
+# The context that stands for the stage "build": what it would have made.
+if [ -n "$binaries" ]; then
+  for program in $programs; do
+    [ -x "$binaries/$program" ] || usage "--binaries: there is no program $binaries/$program"
+    "$here/collect.sh" "$work/context/roots/$program" "$binaries/$program"
+  done
+  set -- --build-context "build=$work/context" "$@"
+else
+  # Packages are installed once, and programs built once, for all images.
+  set -- --layers --build-arg "JOBS=$(nproc)" "$@"
+fi
+
+version=$(sed -n 's/^project(corbslam VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")
+revision=$(git -C "$root" describe --always --dirty --abbrev=40 2>/dev/null || echo unknown)
+for program in $programs; do
+  # Of the two image formats docker's is the one that knows HEALTHCHECK.
+  buildah build --format docker ${base:+--build-arg "BASE=$base"} \
+    --build-arg "VERSION=$version" --build-arg "REVISION=$revision" \
+    --file "$here/Containerfile" --target "$program" --tag "$prefix/$program:$tag" "$@" "$root"
+done
+for program in $programs; do
+  buildah images --format '{{.Name}}:{{.Tag}} {{.Size}}' "$prefix/$program:$tag"
+done

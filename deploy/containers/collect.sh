@@ -1,0 +1,85 @@
+#!/bin/sh
+# collect.sh ROOT PROGRAM...: makes the folder ROOT the file system of an image that runs PROGRAM:
+#
+# /usr/bin          the programs, health, and what health is made of (bash, openssl)
+# /usr/lib          the shared libraries that these load, and nothing else of Debian
+# /usr/share/doc    the licences of the packages that the libraries are from, and the SBOM
+# /var/lib/dpkg     what dpkg knows of these packages, so that scanners find them
+#
+# Runs where the programs were built: on Debian 12 with the libraries installed. Needs no root.
+set -eu
+
+[ $# -ge 2 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+here=$(cd "$(dirname "$0")" && pwd)
+root=$1
+shift
+# Of the user that the images run as.
+uid=10001
+
+fail() {
+  echo "collect.sh: $*" >&2
+  exit 1
+}
+
+[ ! -e "$root" ] || [ -z "$(ls -A "$root")" ] || fail "$root is not empty"
+umask 022
+for folder in etc usr/bin usr/lib usr/lib64 usr/share/corbslam usr/share/doc/corbslam \
+  var/lib/dpkg/status.d var/lib/corbslam tmp; do
+  mkdir -p "$root/$folder"
+done
+chmod 1777 "$root/tmp"
+for folder in bin lib lib64; do ln -s "usr/$folder" "$root/$folder"; done
+lists=$(mktemp -d)
+trap 'rm -rf "$lists"' EXIT
+
+for program in "$@" /bin/bash /usr/bin/openssl; do
+  [ -x "$program" ] || fail "$program is no program"
+  install -m 755 "$program" "$root/usr/bin/${program##*/}"
+  ldd "$program" > "$lists/ldd" || fail "$program is not dynamically linked"
+  if grep "not found" "$lists/ldd" >&2; then fail "$program lacks the libraries above"; fi
+  # "NAME => FILE (ADDRESS)", and the loader's "FILE (ADDRESS)".
+  awk '$2 == "=>" && $3 ~ /^\// {print $3} $1 ~ /^\// {print $1}' "$lists/ldd" >> "$lists/files"
+done
+sort -u "$lists/files" > "$lists/libraries"
+while read -r file; do
+  target=$root/usr${file#/usr}
+  mkdir -p "${target%/*}"
+  install -m 755 "$file" "$target"
+  # dpkg may know it without the /usr of a merged system.
+  real=$(readlink -f "$file")
+  printf '%s\n%s\n' "$real" "${real#/usr}" >> "$lists/names"
+done < "$lists/libraries"
+xargs dpkg-query -S < "$lists/names" > "$lists/found" 2>/dev/null || true
+while read -r file; do
+  real=$(readlink -f "$file")
+  grep -q -e ": $real\$" -e ": ${real#/usr}\$" "$lists/found" ||
+    fail "$file is of no Debian package: what loads it can't be shipped"
+done < "$lists/libraries"
+sed 's/: .*//' "$lists/found" > "$lists/owners"
+for program in bash openssl; do
+  dpkg-query -W -f '${Package}\n' "$program" >> "$lists/owners"
+done
+# Two packages may be named at once, "a, b: file", and with their architecture.
+tr ',' '\n' < "$lists/owners" | sed 's/ //g; s/:.*//' | sort -u > "$lists/packages"
+
+while read -r package; do
+  dpkg-query -s "$package" > "$root/var/lib/dpkg/status.d/$package"
+  licence=/usr/share/doc/$package/copyright
+  [ -e "$licence" ] || fail "$licence is missing: $package can't be shipped"
+  install -D -m 644 "$licence" "$root$licence"
+done < "$lists/packages"
+
+ln -s bash "$root/usr/bin/sh"
+install -m 755 "$here/health" "$root/usr/bin/health"
+install -m 644 "$here/../../slam/vocabulary/data/corbslam.voc" "$root/usr/share/corbslam/"
+install -m 644 "$here/../../LICENSE" "$root/usr/share/doc/corbslam/copyright"
+install -m 644 /etc/os-release "$root/etc/os-release"
+echo "root:x:0:0:root:/:/usr/bin/false
+corbslam:x:$uid:$uid::/var/lib/corbslam:/usr/bin/false" > "$root/etc/passwd"
+echo "root:x:0:
+corbslam:x:$uid:" > "$root/etc/group"
+echo "hosts: files dns" > "$root/etc/nsswitch.conf"
+sed 's/[^/]*$//' "$lists/libraries" | sort -u > "$root/etc/ld.so.conf"
+/sbin/ldconfig -r "$root" -X
+
+"$here/sbom.sh" "$lists/packages" "$@" > "$root/usr/share/doc/corbslam/sbom.spdx.json"
