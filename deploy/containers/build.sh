@@ -67,6 +67,7 @@ fi
 
 # The context that stands for the stage "build": what it would have made.
 if [ -n "$binaries" ]; then
+  mkdir -p "$work/context/roots/state/corbslam"
   for program in $programs; do
     [ -x "$binaries/$program" ] || usage "--binaries: there is no program $binaries/$program"
     "$here/collect.sh" "$work/context/roots/$program" "$binaries/$program"

@@ -24,7 +24,7 @@ fail() {
 [ ! -e "$root" ] || [ -z "$(ls -A "$root")" ] || fail "$root is not empty"
 umask 022
 for folder in etc usr/bin usr/lib usr/lib64 usr/share/corbslam usr/share/doc/corbslam \
-  var/lib/dpkg/status.d var/lib/corbslam tmp; do
+  var/lib/dpkg/status.d tmp; do
   mkdir -p "$root/$folder"
 done
 chmod 1777 "$root/tmp"

@@ -42,7 +42,7 @@ fail() {
   echo "containers_test.sh: $*" >&2
   for container in worker store alpha bravo; do
     echo "--- $container" >&2
-    podman logs --tail 30 "$name-$container" >&2 2>/dev/null || true
+    podman logs --tail 30 "$name-$container" >&2 2>&1 || true
   done
   exit 1
 }

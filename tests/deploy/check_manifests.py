@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+"""check_manifests.py FOLDER: checks a kustomization without a cluster.
+
+Each object by manifests_schema.json, then what lies between objects: that files and names that are
+pointed to are there, that selectors select, that ports exist, that flags go with the rest. Prints
+"FILE: KIND/NAME: FIELD: what is wrong" for each finding, and ends with 1 if there was any.
+"""
+
+import json
+import pathlib
+import sys
+
+import jsonschema
+import yaml
+
+SCHEMA = pathlib.Path(__file__).with_name("manifests_schema.json")
+WORKLOADS = ("Deployment", "StatefulSet")
+
+
+class Objects:
+    """The objects of a kustomization, and what was found wrong with them."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+        self.problems = []
+        self.objects = []
+        kustomization = self.read("kustomization.yaml")[0]
+        self.images = {image["name"] for image in kustomization.get("images", [])}
+        resources = kustomization.get("resources", [])
+        for name in resources:
+            if not (self.folder / name).exists():
+                self.problem("kustomization.yaml", f"resources: there is no {name}")
+                continue
+            self.objects += [(name, document) for document in self.read(name)]
+        for path in sorted(self.folder.glob("*.yaml")):
+            if path.name not in resources and path.name != "kustomization.yaml":
+                self.problem("kustomization.yaml", f"resources: {path.name} is not among them")
+
+    def read(self, name):
+        with open(self.folder / name, encoding="utf-8") as file:
+            return [document for document in yaml.safe_load_all(file) if document]
+
+    def problem(self, place, what):
+        self.problems.append(f"{self.folder / place}: {what}")
+
+    def of_kind(self, *kinds):
+        return [(file, item) for file, item in self.objects if item.get("kind") in kinds]
+
+    def find(self, kind, name):
+        return next((item for _, item in self.of_kind(kind) if item["metadata"]["name"] == name), None)
+
+    def selected(self, labels):
+        """The workloads whose pods have these labels."""
+        return [item for _, item in self.of_kind(*WORKLOADS)
+                if labels.items() <= item["spec"]["template"]["metadata"]["labels"].items()]
+
+
+def called(item):
+    return f"{item.get('kind')}/{item.get('metadata', {}).get('name')}"
+
+
+def containers_of(workload):
+    return workload["spec"]["template"]["spec"]["containers"]
+
+
+def ports_of(workload):
+    return {port["name"]: port["containerPort"]
+            for container in containers_of(workload) for port in container["ports"]}
+
+
+def check_schema(objects):
+    validator = jsonschema.Draft7Validator(json.loads(SCHEMA.read_text(encoding="utf-8")))
+    seen = set()
+    for file, item in objects.objects:
+        for error in validator.iter_errors(item):
+            field = ".".join(str(part) for part in error.absolute_path) or "the object"
+            objects.problem(file, f"{called(item)}: {field}: {error.message}")
+        if called(item) in seen:
+            objects.problem(file, f"{called(item)}: is there twice")
+        seen.add(called(item))
+
+
+def check_services(objects):
+    for file, service in objects.of_kind("Service"):
+        workloads = objects.selected(service["spec"]["selector"])
+        if not workloads:
+            objects.problem(file, f"{called(service)}: spec.selector: selects no pods")
+        for workload in workloads:
+            for port in service["spec"]["ports"]:
+                if port["targetPort"] not in ports_of(workload):
+                    objects.problem(file, f"{called(service)}: spec.ports: {called(workload)} has no "
+                                          f"port named {port['targetPort']}")
+
+
+def check_workloads(objects):
+    for file, workload in objects.of_kind(*WORKLOADS):
+        spec, pod = workload["spec"], workload["spec"]["template"]["spec"]
+
+        def problem(what, file=file, workload=workload):
+            objects.problem(file, f"{called(workload)}: {what}")
+
+        if not (spec["selector"]["matchLabels"].items()
+                <= spec["template"]["metadata"]["labels"].items()):
+            problem("spec.selector: does not match spec.template.metadata.labels")
+        if "serviceName" in spec and not objects.find("Service", spec["serviceName"]):
+            problem(f"spec.serviceName: there is no Service/{spec['serviceName']}")
+        if not objects.find("ServiceAccount", pod["serviceAccountName"]):
+            problem(f"serviceAccountName: there is no ServiceAccount/{pod['serviceAccountName']}")
+        volumes = {volume["name"] for volume in pod.get("volumes", [])}
+        volumes |= {claim["metadata"]["name"] for claim in spec.get("volumeClaimTemplates", [])}
+        for container in pod["containers"]:
+            check_container(container, volumes, objects, problem)
+        drain = flag(containers_of(workload)[0], "--drain")
+        if drain and float(drain[0]) >= pod["terminationGracePeriodSeconds"]:
+            problem(f"--drain: {drain[0]} s are not over within terminationGracePeriodSeconds, "
+                    f"{pod['terminationGracePeriodSeconds']}")
+
+
+def flag(container, name):
+    return [argument.partition("=")[2] for argument in container["args"]
+            if argument.partition("=")[0] == name]
+
+
+def check_container(container, volumes, objects, problem):
+    if container["image"] not in objects.images:
+        problem(f"image: kustomization.yaml's images don't say where {container['image']} is from")
+    mounts = {mount["mountPath"]: mount["name"] for mount in container["volumeMounts"]}
+    for name in mounts.values():
+        if name not in volumes:
+            problem(f"volumeMounts: there is no volume {name}")
+    for name in volumes - set(mounts.values()):
+        problem(f"volumes: {name} is mounted nowhere")
+    if "--insecure" in container["args"]:
+        problem("args: --insecure")
+    paths = [value for name in ("--tls-ca", "--tls-cert", "--tls-key") for value in flag(container, name)]
+    if len(paths) != 3:
+        problem("args: need --tls-ca, --tls-cert and --tls-key")
+    paths += flag(container, "--token-key") + flag(container, "--data-dir")
+    paths += [entry["value"] for entry in container.get("env", []) if entry["name"] == "CORBSLAM_HEALTH_CA"]
+    for path in paths:
+        if not any(path.startswith(mount + "/") for mount in mounts):
+            problem(f"args: {path} is on no volume")
+    listen = [int(value.rpartition(":")[2]) for value in flag(container, "--listen")]
+    if listen != [port["containerPort"] for port in container["ports"]]:
+        problem(f"ports: are not what --listen says, {listen}")
+
+
+def check_worker_addresses(objects):
+    """A flag --worker is a service and its port, as often as there may be workers."""
+    for file, workload in objects.of_kind(*WORKLOADS):
+        addresses = [address for container in containers_of(workload)
+                     for address in flag(container, "--worker")]
+        for address in sorted(set(addresses)):
+            host, _, port = address.rpartition(":")
+            service = objects.find("Service", host)
+            if not service or int(port) not in [p["port"] for p in service["spec"]["ports"]]:
+                objects.problem(file, f"{called(workload)}: --worker: no service is at {address}")
+                continue
+            names = [called(item) for item in objects.selected(service["spec"]["selector"])]
+            for _, scaler in objects.of_kind("HorizontalPodAutoscaler"):
+                target = scaler["spec"]["scaleTargetRef"]
+                most = scaler["spec"]["maxReplicas"]
+                if f"{target['kind']}/{target['name']}" in names and addresses.count(address) != most:
+                    objects.problem(file, f"{called(workload)}: --worker: {address} is named "
+                                          f"{addresses.count(address)} times, maxReplicas is {most}")
+
+
+def check_scaling(objects):
+    for file, scaler in objects.of_kind("HorizontalPodAutoscaler"):
+        spec = scaler["spec"]
+        target = objects.find(spec["scaleTargetRef"]["kind"], spec["scaleTargetRef"]["name"])
+        if not target:
+            objects.problem(file, f"{called(scaler)}: spec.scaleTargetRef: is not there")
+        elif "replicas" in target["spec"]:
+            objects.problem(file, f"{called(target)}: spec.replicas: would undo {called(scaler)}")
+        if spec["minReplicas"] > spec["maxReplicas"]:
+            objects.problem(file, f"{called(scaler)}: spec.minReplicas: above maxReplicas")
+    for file, budget in objects.of_kind("PodDisruptionBudget"):
+        if not objects.selected(budget["spec"]["selector"]["matchLabels"]):
+            objects.problem(file, f"{called(budget)}: spec.selector: selects no pods")
+
+
+def check_policies(objects):
+    for file, policy in objects.of_kind("NetworkPolicy"):
+        spec = policy["spec"]
+        own = spec["podSelector"].get("matchLabels")
+        if own and not objects.selected(own):
+            objects.problem(file, f"{called(policy)}: spec.podSelector: selects no pods")
+        for direction, side in (("ingress", "from"), ("egress", "to")):
+            for rule in spec.get(direction, []):
+                check_rule(objects, file, policy, own, direction, rule, rule.get(side, []))
+
+
+def check_rule(objects, file, policy, own, direction, rule, peers):
+    # The port is the callee's.
+    callees = [own] if direction == "ingress" else [
+        peer["podSelector"]["matchLabels"] for peer in peers if "podSelector" in peer]
+    for peer in peers:
+        if "podSelector" in peer and not objects.selected(peer["podSelector"]["matchLabels"]):
+            objects.problem(file, f"{called(policy)}: spec.{direction}: podSelector selects no pods")
+    for port in rule["ports"]:
+        for labels in callees:
+            for workload in objects.selected(labels or {}):
+                if isinstance(port["port"], str) and port["port"] not in ports_of(workload):
+                    objects.problem(file, f"{called(policy)}: spec.{direction}: {called(workload)} has "
+                                          f"no port named {port['port']}")
+
+
+def check(folder):
+    objects = Objects(folder)
+    check_schema(objects)
+    # The rest reads fields that the schema wants.
+    if not objects.problems:
+        for step in (check_services, check_workloads, check_worker_addresses, check_scaling,
+                     check_policies):
+            step(objects)
+    return objects.problems
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    problems = check(sys.argv[1])
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    sys.exit(1 if problems else 0)
+
+
+if __name__ == "__main__":
+    main()
