@@ -41,20 +41,14 @@ for program in "$@" /bin/bash /usr/bin/openssl; do
   awk '$2 == "=>" && $3 ~ /^\// {print $3} $1 ~ /^\// {print $1}' "$lists/ldd" >> "$lists/files"
 done
 sort -u "$lists/files" > "$lists/libraries"
-while read -r file; do
-  target=$root/usr${file#/usr}
-  mkdir -p "${target%/*}"
-  install -m 755 "$file" "$target"
-  # dpkg may know it without the /usr of a merged system.
-  real=$(readlink -f "$file")
-  printf '%s\n%s\n' "$real" "${real#/usr}" >> "$lists/names"
-done < "$lists/libraries"
-xargs dpkg-query -S < "$lists/names" > "$lists/found" 2>/dev/null || true
-while read -r file; do
-  real=$(readlink -f "$file")
-  grep -q -e ": $real\$" -e ": ${real#/usr}\$" "$lists/found" ||
-    fail "$file is of no Debian package: what loads it can't be shipped"
-done < "$lists/libraries"
+# Where the links of Debian's alternatives end, for dpkg to know them; it may do so without the /usr
+# of a merged system.
+xargs readlink -f < "$lists/libraries" > "$lists/real"
+sed 'p; s|^/usr||' "$lists/real" | xargs dpkg-query -S > "$lists/found" 2>/dev/null || true
+sed 's/.*: //; s|^/usr||' "$lists/found" | sort -u > "$lists/known"
+sed 's|^/usr||' "$lists/real" | sort -u | comm -23 - "$lists/known" > "$lists/unknown"
+[ ! -s "$lists/unknown" ] || fail "$(tr '\n' ' ' < "$lists/unknown")is of no Debian package"
+xargs cp -L --parents -t "$root" < "$lists/libraries"
 sed 's/: .*//' "$lists/found" > "$lists/owners"
 for program in bash openssl; do
   dpkg-query -W -f '${Package}\n' "$program" >> "$lists/owners"
@@ -62,12 +56,14 @@ done
 # Two packages may be named at once, "a, b: file", and with their architecture.
 tr ',' '\n' < "$lists/owners" | sed 's/ //g; s/:.*//' | sort -u > "$lists/packages"
 
-while read -r package; do
-  dpkg-query -s "$package" > "$root/var/lib/dpkg/status.d/$package"
-  licence=/usr/share/doc/$package/copyright
-  [ -e "$licence" ] || fail "$licence is missing: $package can't be shipped"
-  install -D -m 644 "$licence" "$root$licence"
-done < "$lists/packages"
+# One paragraph a package.
+xargs dpkg-query -s < "$lists/packages" |
+  awk -v folder="$root/var/lib/dpkg/status.d/" '
+    /^Package: / { file = folder $2 }
+    NF { print > file }
+    !NF { close(file) }'
+sed 's|.*|/usr/share/doc/&/copyright|' "$lists/packages" | xargs cp -L --parents -t "$root" ||
+  fail "a licence is missing: its package can't be shipped"
 
 ln -s bash "$root/usr/bin/sh"
 install -m 755 "$here/health" "$root/usr/bin/health"

@@ -70,7 +70,7 @@ run() {
   # shellcheck disable=SC2086
   podman run -d --name "$name-$container" --network "$name" \
     --read-only --read-only-tmpfs=false --cap-drop ALL --security-opt no-new-privileges \
-    --ulimit nofile=1024:1024 --ulimit nproc=1024:1024 \
+    --ulimit nofile=1024:1024 --ulimit nproc=1024:1024 --healthcheck-interval disable \
     -v "$work/certificates:/certificates:ro" -e CORBSLAM_HEALTH_CA=/certificates/ca.pem \
     $options "$prefix/$program:$tag" "$@" --tls-ca /certificates/ca.pem \
     --tls-cert "/certificates/$identity.pem" --tls-key "/certificates/$identity.key" >/dev/null
