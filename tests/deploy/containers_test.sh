@@ -26,6 +26,7 @@ done
 [ "$(id -u)" -eq 0 ] || skip "a network of containers needs root"
 
 work=$(mktemp -d)
+: > "$work/podman.log"
 clean_up() {
   podman rm -f -t 2 "$name-worker" "$name-store" "$name-alpha" "$name-bravo" >/dev/null 2>&1 || true
   podman volume rm -f "$name" >/dev/null 2>&1 || true
@@ -40,6 +41,8 @@ trap 'exit 1' HUP INT TERM
 
 fail() {
   echo "containers_test.sh: $*" >&2
+  # Where there is no systemd, podman complains for each container that it can't set timers.
+  cat "$work/podman.log" >&2
   for container in worker store alpha bravo; do
     echo "--- $container" >&2
     podman logs --tail 30 "$name-$container" >&2 2>&1 || true
@@ -70,10 +73,11 @@ run() {
   # shellcheck disable=SC2086
   podman run -d --name "$name-$container" --network "$name" \
     --read-only --read-only-tmpfs=false --cap-drop ALL --security-opt no-new-privileges \
-    --ulimit nofile=1024:1024 --ulimit nproc=1024:1024 --healthcheck-interval disable \
+    --ulimit nofile=1024:1024 --ulimit nproc=1024:1024 \
     -v "$work/certificates:/certificates:ro" -e CORBSLAM_HEALTH_CA=/certificates/ca.pem \
     $options "$prefix/$program:$tag" "$@" --tls-ca /certificates/ca.pem \
-    --tls-cert "/certificates/$identity.pem" --tls-key "/certificates/$identity.key" >/dev/null
+    --tls-cert "/certificates/$identity.pem" --tls-key "/certificates/$identity.key" \
+    >/dev/null 2>> "$work/podman.log" || fail "$container can't be started"
 }
 
 wait_until_healthy() {
@@ -136,7 +140,7 @@ esac
 podman stop -t 20 "$name-store" >/dev/null
 code=$(podman inspect --format '{{.State.ExitCode}}' "$name-store")
 [ "$code" = 0 ] || fail "the store ended with $code when it was told to stop"
-podman rm "$name-store" >/dev/null
+podman rm "$name-store" >/dev/null 2>> "$work/podman.log"
 start_store
 after=$(wait_for_idle)
 echo "after the store's container was replaced: $after"
