@@ -49,7 +49,7 @@ struct MapStoreServiceOptions {
   // the journal, and one sync then serves several.
   int threads = 8;
   // Of one shared update, about. Smaller ones let a robot on a slow link see something sooner.
-  size_t shared_bytes = 512u << 10;
+  size_t shared_bytes = 128u << 10;
   StreamLimitOptions streams;
   // Null: everybody may.
   SessionCheck may_open;
