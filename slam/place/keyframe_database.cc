@@ -6,10 +6,9 @@
 namespace corbslam {
 namespace {
 
-struct Shared {
-  int words = 0;
-  double score = 0;
-};
+// An array for all slots is no dearer than a hash table for the touched ones up to so many slots a
+// posting.
+constexpr size_t kMaxSlotsPerPosting = 4;
 
 bool IsBetter(const PlaceCandidate& a, const PlaceCandidate& b) {
   return a.score != b.score ? a.score > b.score : a.id < b.id;
@@ -23,20 +22,48 @@ int MostSharedWords(const std::vector<PlaceCandidate>& candidates) {
 
 }  // namespace
 
-void KeyframeDatabase::Add(KeyframeId id, std::shared_ptr<const Words> words) {
-  Remove(id);
-  uint32_t slot = static_cast<uint32_t>(entries_.size());
+uint32_t KeyframeDatabase::TakeSlot() {
   if (free_slots_.empty()) {
     entries_.emplace_back();
-  } else {
-    slot = free_slots_.back();
-    free_slots_.pop_back();
+    return static_cast<uint32_t>(entries_.size() - 1);
   }
+  const uint32_t slot = free_slots_.back();
+  free_slots_.pop_back();
+  return slot;
+}
+
+void KeyframeDatabase::Add(KeyframeId id, std::shared_ptr<const Words> words) {
+  Remove(id);
+  const uint32_t slot = TakeSlot();
   slots_[id] = slot;
-  if (words) {
-    for (const WordWeight& word : words->bag) postings_[word.word].push_back({slot, word.weight});
+  Entry entry;
+  entry.id = id;
+  entry.words = std::move(words);
+  if (entry.words) {
+    entry.positions.reserve(entry.words->bag.size());
+    for (const WordWeight& word : entry.words->bag) {
+      std::vector<Posting>& postings = postings_[word.word];
+      entry.positions.push_back(static_cast<uint32_t>(postings.size()));
+      postings.push_back({slot, word.weight});
+    }
   }
-  entries_[slot] = {id, std::move(words)};
+  entries_[slot] = std::move(entry);
+}
+
+void KeyframeDatabase::RemovePosting(uint32_t word, uint32_t position) {
+  const auto found = postings_.find(word);
+  std::vector<Posting>& postings = found->second;
+  if (position + 1 < postings.size()) {
+    const Posting moved = postings[position] = postings.back();
+    Entry& owner = entries_[moved.slot];
+    const BagOfWords& bag = owner.words->bag;
+    const auto of_word = std::lower_bound(
+        bag.begin(), bag.end(), word,
+        [](const WordWeight& weight, uint32_t wanted) { return weight.word < wanted; });
+    owner.positions[static_cast<size_t>(of_word - bag.begin())] = position;
+  }
+  postings.pop_back();
+  if (postings.empty()) postings_.erase(found);
 }
 
 bool KeyframeDatabase::Remove(KeyframeId id) {
@@ -45,36 +72,69 @@ bool KeyframeDatabase::Remove(KeyframeId id) {
   const uint32_t slot = found->second;
   slots_.erase(found);
   const Entry entry = std::exchange(entries_[slot], Entry());
-  free_slots_.push_back(slot);
-  if (!entry.words) return true;
-  for (const WordWeight& word : entry.words->bag) {
-    const auto postings = postings_.find(word.word);
-    std::erase_if(postings->second, [slot](const Posting& p) { return p.slot == slot; });
-    if (postings->second.empty()) postings_.erase(postings);
+  for (size_t i = 0; i < entry.positions.size(); ++i) {
+    RemovePosting(entry.words->bag[i].word, entry.positions[i]);
   }
+  free_slots_.push_back(slot);
   return true;
 }
 
-std::vector<PlaceCandidate> KeyframeDatabase::Query(const BagOfWords& query,
-                                                    const QueryOptions& options) const {
-  std::vector<Shared> shared(entries_.size());
-  std::vector<uint32_t> touched;
+std::vector<KeyframeDatabase::QueryWord> KeyframeDatabase::FindWords(
+    const BagOfWords& query) const {
+  std::vector<QueryWord> words;
+  words.reserve(query.size());
   for (const WordWeight& word : query) {
     const auto postings = postings_.find(word.word);
-    if (postings == postings_.end()) continue;
-    for (const Posting& posting : postings->second) {
-      Shared& with = shared[posting.slot];
+    if (postings != postings_.end()) words.push_back({word.weight, &postings->second});
+  }
+  return words;
+}
+
+size_t KeyframeDatabase::Count(const std::vector<QueryWord>& words) {
+  size_t count = 0;
+  for (const QueryWord& word : words) count += word.postings->size();
+  return count;
+}
+
+template <typename SharedBySlot>
+std::vector<KeyframeDatabase::Shared> KeyframeDatabase::AddUp(const std::vector<QueryWord>& words,
+                                                              SharedBySlot& by_slot) {
+  std::vector<uint32_t> touched;
+  for (const QueryWord& word : words) {
+    for (const Posting& posting : *word.postings) {
+      Shared& with = by_slot[posting.slot];
       if (with.words++ == 0) touched.push_back(posting.slot);
       with.score += static_cast<double>(std::min(word.weight, posting.weight));
     }
   }
-
-  std::vector<PlaceCandidate> candidates;
-  candidates.reserve(touched.size());
+  std::vector<Shared> shared;
+  shared.reserve(touched.size());
   for (const uint32_t slot : touched) {
-    const KeyframeId id = entries_[slot].id;
+    shared.push_back(by_slot[slot]);
+    shared.back().slot = slot;
+  }
+  return shared;
+}
+
+std::vector<KeyframeDatabase::Shared> KeyframeDatabase::FindSharing(const BagOfWords& query) const {
+  const std::vector<QueryWord> words = FindWords(query);
+  if (entries_.size() <= kMaxSlotsPerPosting * Count(words)) {
+    std::vector<Shared> by_slot(entries_.size());
+    return AddUp(words, by_slot);
+  }
+  absl::flat_hash_map<uint32_t, Shared> by_slot;
+  return AddUp(words, by_slot);
+}
+
+std::vector<PlaceCandidate> KeyframeDatabase::Query(const BagOfWords& query,
+                                                    const QueryOptions& options) const {
+  const std::vector<Shared> sharing = FindSharing(query);
+  std::vector<PlaceCandidate> candidates;
+  candidates.reserve(sharing.size());
+  for (const Shared& with : sharing) {
+    const KeyframeId id = entries_[with.slot].id;
     if (options.admit && !options.admit(id)) continue;
-    candidates.push_back({id, shared[slot].words, shared[slot].score});
+    candidates.push_back({id, with.words, with.score});
   }
   const double least_words = std::max(
       static_cast<double>(options.min_shared_words),

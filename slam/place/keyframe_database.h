@@ -31,7 +31,8 @@ struct QueryOptions {
   std::function<bool(KeyframeId)> admit;
 };
 
-// One a local map. Not thread-safe: its owner locks.
+// One a local map. Not thread-safe: its owner locks; queries may run side by side. Adding and
+// removing cost as much as the keyframe has words, whatever the map's size.
 class KeyframeDatabase {
  public:
   // Replaces the words of a keyframe that is there already. Null words are an empty bag.
@@ -41,10 +42,11 @@ class KeyframeDatabase {
   bool Contains(KeyframeId id) const { return slots_.contains(id); }
   size_t size() const { return slots_.size(); }
 
-  // Best first, ties by id. Costs as much as the keyframes that share the query's words, word by
-  // word.
+  // Best first, ties by id. Costs as much as the postings that it touches, whatever the map's size.
   std::vector<PlaceCandidate> Query(const BagOfWords& query,
                                     const QueryOptions& options = {}) const;
+  // That many: for each word of the query, the keyframes that have it.
+  size_t CountPostings(const BagOfWords& query) const { return Count(FindWords(query)); }
 
  private:
   struct Posting {
@@ -54,7 +56,30 @@ class KeyframeDatabase {
   struct Entry {
     KeyframeId id;
     std::shared_ptr<const Words> words;
+    // Of each word's posting in its list.
+    std::vector<uint32_t> positions;
   };
+  // What a keyframe has in common with a query.
+  struct Shared {
+    uint32_t slot = 0;
+    int words = 0;
+    double score = 0;
+  };
+  struct QueryWord {
+    float weight = 0;
+    const std::vector<Posting>* postings = nullptr;
+  };
+
+  uint32_t TakeSlot();
+  // The last posting of the word takes the place of the removed one.
+  void RemovePosting(uint32_t word, uint32_t position);
+  // Those that any keyframe has.
+  std::vector<QueryWord> FindWords(const BagOfWords& query) const;
+  static size_t Count(const std::vector<QueryWord>& words);
+  // `by_slot` is a vector or a hash table, empty.
+  template <typename SharedBySlot>
+  static std::vector<Shared> AddUp(const std::vector<QueryWord>& words, SharedBySlot& by_slot);
+  std::vector<Shared> FindSharing(const BagOfWords& query) const;
 
   absl::flat_hash_map<KeyframeId, uint32_t> slots_;
   std::vector<Entry> entries_;

@@ -77,6 +77,26 @@ TEST(KeyframeDatabase, EqualsBruteForceThroughAddAndRemove) {
   }
 }
 
+// Few postings in a large map go another way than many.
+TEST(KeyframeDatabase, AQueryThatTouchesLittleOfALargeMapEqualsBruteForce) {
+  KeyframeDatabase database;
+  Content content;
+  for (uint32_t i = 0; i < 2000; ++i) {
+    // Word 1000 + i / 4 is of four keyframes.
+    const BagOfWords bag = {{1000 + i / 4, 0.5f}, {5000 + i, 0.5f}};
+    content[Id(i)] = std::make_shared<Words>(Words{bag, {}});
+    database.Add(Id(i), content[Id(i)]);
+  }
+  for (uint32_t i = 0; i < 2000; i += 3) {
+    ASSERT_TRUE(database.Remove(Id(i)));
+    content.erase(Id(i));
+  }
+  const BagOfWords query = {{1025, 0.3f}, {1026, 0.3f}, {5105, 0.3f}, {9999, 0.1f}};
+  EXPECT_EQ(database.CountPostings(query), 6u);  // Keyframes 100, 101, 103; 104, 106, 107; none.
+  ExpectBruteForce(database, content, query);
+  EXPECT_EQ(database.CountPostings({}), 0u);
+}
+
 TEST(KeyframeDatabase, OptionsNarrowTheResult) {
   KeyframeDatabase database;
   const auto add = [&database](uint32_t index, BagOfWords bag) {
