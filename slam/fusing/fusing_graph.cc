@@ -130,8 +130,8 @@ absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
   solved.camera_from_target = std::move(result.camera_from_map);
   for (const auto& [id, pose] : initial) solved.camera_from_target.try_emplace(id, pose);
   for (const OrientedOverlap& overlap : problem.overlaps) {
-    solved.worst_edge_chi2 =
-        std::max(solved.worst_edge_chi2, Chi2(problem, overlap, solved.camera_from_target));
+    solved.initial_chi2.push_back(Chi2(problem, overlap, initial));
+    solved.chi2.push_back(Chi2(problem, overlap, solved.camera_from_target));
   }
   return solved;
 }

@@ -37,8 +37,9 @@ struct SolvedGraph {
   std::map<KeyframeId, Similarity3d> camera_from_target;
   // Those that were held.
   absl::btree_set<KeyframeId> fixed;
-  // The largest over all overlaps, in squared standard deviations (MapFusingOptions).
-  double worst_edge_chi2 = 0;
+  // Of each overlap before and after, in squared standard deviations (MapFusingOptions).
+  std::vector<double> initial_chi2;
+  std::vector<double> chi2;
 };
 
 absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,

@@ -18,6 +18,22 @@ bool Agrees(const Map& mover_map, const OrientedOverlap& overlap, const Similari
   return distance < kAgreementShareOfDepth * depth && angle_rad < kAgreementAngle_rad;
 }
 
+// Of those that are in the map and before the camera.
+std::optional<double> MedianDepth(const Map& map, const Keyframe& keyframe,
+                                  const std::vector<MapPointId>& points) {
+  std::vector<double> depths;
+  for (const MapPointId& id : points) {
+    const MapPoint* point = map.FindPoint(id);
+    if (point == nullptr) continue;
+    const double depth = (keyframe.camera_from_map * point->position_in_map).z();
+    if (depth > 0) depths.push_back(depth);
+  }
+  if (depths.empty()) return std::nullopt;
+  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
 }  // namespace
 
 OrientedOverlap Orient(const Overlap& overlap, bool swap) {
@@ -70,17 +86,12 @@ std::optional<Similarity3d> AlignByConsensus(const Map& anchor_map, const Map& m
 
 double MedianDepth(const Map& anchor_map, const OrientedOverlap& overlap) {
   const Keyframe* anchor = anchor_map.FindKeyframe(overlap.anchor);
-  std::vector<double> depths;
-  for (const auto& [anchor_point, mover_point] : overlap.points) {
-    const MapPoint* point = anchor_map.FindPoint(anchor_point);
-    if (anchor == nullptr || point == nullptr) continue;
-    const double depth = (anchor->camera_from_map * point->position_in_map).z();
-    if (depth > 0) depths.push_back(depth);
-  }
-  if (depths.empty()) return 1;
-  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  if (anchor == nullptr) return 1;
+  std::vector<MapPointId> points;
+  for (const auto& [anchor_point, mover_point] : overlap.points) points.push_back(anchor_point);
+  std::optional<double> depth = MedianDepth(anchor_map, *anchor, points);
+  if (!depth.has_value()) depth = MedianDepth(anchor_map, *anchor, anchor->points);
+  return depth.value_or(1);
 }
 
 }  // namespace corbslam

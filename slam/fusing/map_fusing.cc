@@ -1,8 +1,10 @@
 #include "slam/fusing/map_fusing.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -128,6 +130,18 @@ void KeepPointsOfOthers(const Map& map, LocalMapId only_moves,
   }
 }
 
+// As MapFusingOptions::max_edge_chi2 says.
+bool ContradictsGraph(const FusingProblem& problem, const SolvedGraph& graph, double max_chi2) {
+  const std::set<size_t> new_overlaps(problem.new_overlaps.begin(), problem.new_overlaps.end());
+  size_t overturned = 0;
+  for (size_t i = 0; i < problem.overlaps.size(); ++i) {
+    if (graph.chi2[i] <= max_chi2) continue;
+    if (new_overlaps.contains(i)) return true;
+    overturned += graph.initial_chi2[i] <= max_chi2;
+  }
+  return overturned > 0 && overturned >= new_overlaps.size();
+}
+
 bool HasMoved(const Rigid3d& before, const Rigid3d& after) {
   return (CameraCentre(before) - CameraCentre(after)).norm() > kMoved ||
          RotationAngle(before.rotation.conjugate() * after.rotation) > kMoved;
@@ -175,8 +189,8 @@ absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
     if (DriftOfLoop(problem, problem.overlaps[index], options) > 1) return result;
   }
   ASSIGN_OR_RETURN(const SolvedGraph graph, SolveFusingGraph(problem, options));
-  result.worst_edge_chi2 = graph.worst_edge_chi2;
-  if (graph.worst_edge_chi2 > options.max_edge_chi2) return result;
+  result.worst_edge_chi2 = *std::max_element(graph.chi2.begin(), graph.chi2.end());
+  if (ContradictsGraph(problem, graph, options.max_edge_chi2)) return result;
   if (is_cancelled(0.5)) return absl::CancelledError("fusing was cancelled after the graph");
 
   std::map<MapPointId, Eigen::Vector3d> positions = MovePoints(problem, graph);

@@ -46,6 +46,33 @@ class MapFusingTest : public ::testing::Test {
     return request;
   }
 
+  // Overlaps between A and B after `first` made them one island: `later` ones are new.
+  FuseMapsRequest MakeLaterRequest(const FuseMapsResult& first, std::vector<Overlap> earlier,
+                                   const std::vector<Overlap>& later) const {
+    FuseMapsRequest request;
+    request.target = ApplyFusing(a_.map, b_.map, first);
+    for (size_t i = 0; i < later.size(); ++i) request.new_overlaps.push_back(earlier.size() + i);
+    earlier.insert(earlier.end(), later.begin(), later.end());
+    for (Overlap& overlap : earlier) {
+      // What became one point says nothing any more.
+      std::erase_if(overlap.inliers, [&request](const PointPair& pair) {
+        return request.target.FindPoint(pair.query) == nullptr ||
+               request.target.FindPoint(pair.candidate) == nullptr;
+      });
+    }
+    request.overlaps = std::move(earlier);
+    return request;
+  }
+  Overlap VerifyWrong(double x_m, double z_m) const {
+    Overlap wrong = Verify(4, 28);
+    wrong.candidate_from_query.translation += Eigen::Vector3d(x_m, 0, z_m);
+    return wrong;
+  }
+  double AteOf(const FuseMapsRequest& request, const FuseMapsResult& result) const {
+    return AteRmse_m(PosesOf(ApplyFusing(request.target, request.source, result)),
+                     JoinTruth(a_, b_));
+  }
+
   const testing::SyntheticWorld world_;
   const SyntheticMap a_;
   const SyntheticMap b_;
@@ -123,14 +150,49 @@ TEST_F(MapFusingTest, OverlapsMayBeNamedFromEitherSide) {
 }
 
 TEST_F(MapFusingTest, AnOverlapThatContradictsTheOthersIsRefused) {
-  Overlap wrong = Verify(4, 28);
-  ASSERT_TRUE(wrong.IsAccepted());
-  wrong.candidate_from_query.translation += Eigen::Vector3d(6, 0, 3);
-  const auto result = FuseMaps(MakeRequest({Verify(2, 26), Verify(3, 27), wrong}), {}, nullptr);
+  FuseMapsRequest request = MakeRequest({Verify(2, 26), Verify(3, 27), VerifyWrong(6, 3)});
+  request.new_overlaps = {0, 1, 2};
+  const auto result = FuseMaps(request, {}, nullptr);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_FALSE(result->accepted);
   EXPECT_GT(result->worst_edge_chi2, 50);
   EXPECT_TRUE(result->poses.empty());
+}
+
+TEST_F(MapFusingTest, AnEarlierOverlapThatWasWrongDoesNotRefuseALaterGoodOne) {
+  const auto first = FuseMaps(MakeRequest({Verify(2, 26)}), {}, nullptr);
+  ASSERT_TRUE(first.ok() && first->accepted);
+  const FuseMapsRequest request =
+      MakeLaterRequest(*first, {Verify(2, 26), VerifyWrong(6, 3)}, {Verify(3, 27)});
+  const auto result = FuseMaps(request, {}, nullptr);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_TRUE(result->accepted);
+  EXPECT_GT(result->worst_edge_chi2, 50);
+  EXPECT_LT(AteOf(request, *result), AteOf(MakeRequest({}), *first) + 0.05);
+}
+
+TEST_F(MapFusingTest, ANewOverlapAgainstAnEarlierOneIsRefused) {
+  const auto first = FuseMaps(MakeRequest({Verify(2, 26)}), {}, nullptr);
+  ASSERT_TRUE(first.ok() && first->accepted);
+  for (const double error_m : {2.0, 6.0, 20.0}) {
+    const auto result =
+        FuseMaps(MakeLaterRequest(*first, {Verify(2, 26)}, {VerifyWrong(error_m, 0)}), {}, nullptr);
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_FALSE(result->accepted) << error_m;
+  }
+}
+
+TEST_F(MapFusingTest, AnEarlierWrongOverlapYieldsToSeveralNewOnes) {
+  const auto first = FuseMaps(MakeRequest({VerifyWrong(6, 3)}), {}, nullptr);
+  ASSERT_TRUE(first.ok() && first->accepted);
+  EXPECT_GT(AteOf(MakeRequest({}), *first), 1);
+  const FuseMapsRequest request =
+      MakeLaterRequest(*first, {VerifyWrong(6, 3)}, {Verify(2, 26), Verify(3, 27), Verify(1, 25)});
+  const auto result = FuseMaps(request, {}, nullptr);
+  ASSERT_TRUE(result.ok()) << result.status();
+  ASSERT_TRUE(result->accepted);
+  // What welding bent at the wrong place stays until the global adjustment.
+  EXPECT_LT(AteOf(request, *result), 0.5);
 }
 
 TEST_F(MapFusingTest, MonocularMapsComeToOneScale) {
