@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "slam/optimisation/geman_mcclure_loss.h"
+#include "slam/optimisation/graduated_non_convexity.h"
 #include "slam/optimisation/relative_pose_cost.h"
 #include "slam/optimisation/similarity_manifold.h"
 #include "slam/util/status_macros.h"
@@ -22,8 +22,9 @@ using Blocks = std::map<KeyframeId, SimilarityBlock>;
 // 95 % bounds of chi2 with six and seven degrees of freedom.
 constexpr double kChi2Rigid = 12.592;
 constexpr double kChi2Similarity = 14.067;
-// Of the second stage's loss to the last one's.
-constexpr double kWideFactor = 10;
+// A switched-off edge still holds the graph together.
+constexpr double kLeastWeight = 1e-9;
+constexpr int kMaxRounds = 100;
 
 bool IsFinite(const Similarity3d& s) {
   return std::isfinite(s.scale) && s.scale > 0 && s.rotation.coeffs().allFinite() &&
@@ -97,15 +98,16 @@ absl::Status CheckAnchored(const Poses& poses, absl::Span<const PoseGraphEdge> e
   return absl::OkStatus();
 }
 
-// `loss` is that of the robust edges; the caller's.
+// `weights` are those of the robust edges, one an edge; the caller's.
 template <int kTangent>
 void AddEdges(absl::Span<const PoseGraphEdge> edges, const absl::btree_set<KeyframeId>& fixed,
-              ceres::LossFunction* loss, Blocks& blocks, ceres::Problem& problem) {
+              std::vector<AdjustableWeight>& weights, Blocks& blocks, ceres::Problem& problem) {
   // Shared; the problem deletes it once.
   auto* manifold = new LeftPerturbation<kTangent>();
-  for (const PoseGraphEdge& edge : edges) {
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const PoseGraphEdge& edge = edges[i];
     problem.AddResidualBlock(new RelativePoseCost<kTangent>(edge.b_from_a, edge.weight),
-                             edge.robust ? loss : nullptr, blocks.at(edge.a).data(),
+                             edge.robust ? &weights[i] : nullptr, blocks.at(edge.a).data(),
                              blocks.at(edge.b).data());
   }
   bool is_used = false;
@@ -118,9 +120,16 @@ void AddEdges(absl::Span<const PoseGraphEdge> edges, const absl::btree_set<Keyfr
   if (!is_used) delete manifold;
 }
 
-double EdgeChi2(const PoseGraphEdge& edge, const Poses& poses, bool fix_scale) {
-  const Vector7d error = LogSim3(edge.b_from_a * poses.at(edge.a) * poses.at(edge.b).Inverse());
-  return edge.weight * (fix_scale ? error.head<6>().squaredNorm() : error.squaredNorm());
+// weight * |residual|^2 of each edge.
+std::vector<double> EdgeChi2(absl::Span<const PoseGraphEdge> edges, const Blocks& blocks,
+                             bool fix_scale) {
+  std::vector<double> chi2;
+  for (const PoseGraphEdge& edge : edges) {
+    const Vector7d error = LogSim3(edge.b_from_a * FromBlock(blocks.at(edge.a).data()) *
+                                   FromBlock(blocks.at(edge.b).data()).Inverse());
+    chi2.push_back(edge.weight * (fix_scale ? error.head<6>().squaredNorm() : error.squaredNorm()));
+  }
+  return chi2;
 }
 
 ceres::Solver::Options SolverOptions(const PoseGraphOptions& options) {
@@ -145,31 +154,58 @@ absl::Status Solve(const PoseGraphOptions& options, ceres::Problem& problem,
   return absl::OkStatus();
 }
 
-double CostOf(ceres::Problem& problem) {
+double MaxChi2(const PoseGraphOptions& options) {
+  return options.fix_scale ? kChi2Rigid : kChi2Similarity;
+}
+
+double TruncatedCost(absl::Span<const PoseGraphEdge> edges, const std::vector<double>& chi2,
+                     double max_chi2) {
   double cost = 0;
-  problem.Evaluate({}, &cost, nullptr, nullptr, nullptr);
+  for (size_t i = 0; i < edges.size(); ++i) {
+    cost += 0.5 * (edges[i].robust ? std::min(chi2[i], max_chi2) : chi2[i]);
+  }
   return cost;
 }
 
-// One stage where no edge is robust, else one for each loss of `robust_loss`.
-absl::Status SolveInStages(const PoseGraphOptions& options, bool any_robust,
-                           ceres::LossFunctionWrapper& robust_loss, ceres::Problem& problem,
-                           PoseGraphResult& result) {
-  const double max_chi2 = options.fix_scale ? kChi2Rigid : kChi2Similarity;
-  const auto use = [&](ceres::LossFunction* loss) {
-    robust_loss.Reset(loss, ceres::TAKE_OWNERSHIP);
-  };
-  use(new GemanMcClureLoss(max_chi2));
-  result.initial_cost = CostOf(problem);
-  if (any_robust) {
-    use(new ceres::HuberLoss(std::sqrt(max_chi2)));
-    RETURN_IF_ERROR(Solve(options, problem, result));
-    use(new GemanMcClureLoss(kWideFactor * max_chi2));
-    RETURN_IF_ERROR(Solve(options, problem, result));
-    use(new GemanMcClureLoss(max_chi2));
+double WorstRobust(absl::Span<const PoseGraphEdge> edges, const std::vector<double>& chi2) {
+  double worst = 0;
+  for (size_t i = 0; i < edges.size(); ++i) {
+    if (edges[i].robust) worst = std::max(worst, chi2[i]);
   }
+  return worst;
+}
+
+// True if any robust edge's weight changed.
+bool UpdateWeights(absl::Span<const PoseGraphEdge> edges, const std::vector<double>& chi2,
+                   const GraduatedTruncation& truncation, std::vector<AdjustableWeight>& weights) {
+  bool changed = false;
+  for (size_t i = 0; i < edges.size(); ++i) {
+    if (!edges[i].robust) continue;
+    const double weight = std::max(kLeastWeight, truncation.Weight(chi2[i]));
+    changed |= weight != weights[i].value();
+    weights[i].set_value(weight);
+  }
+  return changed;
+}
+
+// Algorithm 1 of Yang et al.: solve with all weights 1, then weigh and solve in turn while the
+// truncation sharpens.
+absl::Status SolveGraduated(const PoseGraphOptions& options, absl::Span<const PoseGraphEdge> edges,
+                            const Blocks& blocks, std::vector<AdjustableWeight>& weights,
+                            ceres::Problem& problem, PoseGraphResult& result) {
   RETURN_IF_ERROR(Solve(options, problem, result));
-  result.final_cost = CostOf(problem);
+  std::vector<double> chi2 = EdgeChi2(edges, blocks, options.fix_scale);
+  const double max_chi2 = MaxChi2(options);
+  const double worst = WorstRobust(edges, chi2);
+  if (worst <= max_chi2) return absl::OkStatus();
+  GraduatedTruncation truncation(max_chi2, worst);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    // Weights between 0 and 1 change with the truncation: those that don't are all decided.
+    if (!UpdateWeights(edges, chi2, truncation, weights)) break;
+    RETURN_IF_ERROR(Solve(options, problem, result));
+    chi2 = EdgeChi2(edges, blocks, options.fix_scale);
+    truncation.Sharpen();
+  }
   return absl::OkStatus();
 }
 
@@ -188,28 +224,31 @@ absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const Poses& initial,
   RETURN_IF_ERROR(CheckPoses(initial, options.fix_scale));
   RETURN_IF_ERROR(CheckEdges(initial, edges));
   RETURN_IF_ERROR(CheckAnchored(initial, edges, fixed));
+  std::vector<PoseGraphEdge> measured(edges.begin(), edges.end());
+  if (options.fix_scale) {
+    for (PoseGraphEdge& edge : measured) edge.b_from_a.scale = 1;
+  }
   Blocks blocks;
   for (const auto& [id, pose] : initial) blocks[id] = ToBlock(pose);
-  ceres::LossFunctionWrapper robust_loss(nullptr, ceres::TAKE_OWNERSHIP);
+  std::vector<AdjustableWeight> weights(edges.size());
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
   if (options.fix_scale) {
-    std::vector<PoseGraphEdge> rigid(edges.begin(), edges.end());
-    for (PoseGraphEdge& edge : rigid) edge.b_from_a.scale = 1;
-    AddEdges<6>(rigid, fixed, &robust_loss, blocks, problem);
+    AddEdges<6>(measured, fixed, weights, blocks, problem);
   } else {
-    AddEdges<7>(edges, fixed, &robust_loss, blocks, problem);
+    AddEdges<7>(measured, fixed, weights, blocks, problem);
   }
-  const bool any_robust = std::any_of(edges.begin(), edges.end(),
-                                      [](const PoseGraphEdge& edge) { return edge.robust; });
   PoseGraphResult result;
-  RETURN_IF_ERROR(SolveInStages(options, any_robust, robust_loss, problem, result));
+  const auto cost = [&] {
+    result.edge_chi2 = EdgeChi2(measured, blocks, options.fix_scale);
+    return TruncatedCost(measured, result.edge_chi2, MaxChi2(options));
+  };
+  result.initial_cost = cost();
+  RETURN_IF_ERROR(SolveGraduated(options, measured, blocks, weights, problem, result));
+  result.final_cost = cost();
   for (const auto& [id, block] : blocks) {
     result.camera_from_map[id] = fixed.contains(id) ? initial.at(id) : FromBlock(block.data());
-  }
-  for (const PoseGraphEdge& edge : edges) {
-    result.edge_chi2.push_back(EdgeChi2(edge, result.camera_from_map, options.fix_scale));
   }
   return result;
 }

@@ -22,7 +22,7 @@ struct PoseGraphEdge {
   Similarity3d b_from_a;
   // Multiplies the squared residual.
   double weight = 1;
-  // For edges that may be wrong: one that disagrees with the rest loses its pull. What counts is
+  // For edges that may be wrong: one that disagrees with the rest has no say. What counts is
   // weight * |residual|^2 against the 95 % bound of chi2 (12.6 rigid, 14.1 with scale), so weights
   // should be inverse variances of the tangent's components.
   bool robust = false;
@@ -32,7 +32,7 @@ struct PoseGraphOptions {
   // SE(3) on the edges' rigid parts (metric maps), else Sim(3). With it the scales stay what they
   // are in `initial`, which must be 1.
   bool fix_scale = true;
-  // With robust edges: of each of the three stages.
+  // Of each solve: where robust edges disagree, there are some tens.
   int max_iterations = 20;
   // Solver threads. One gives the same bits every time.
   int threads = 1;
@@ -40,7 +40,7 @@ struct PoseGraphOptions {
 
 struct PoseGraphResult {
   std::map<KeyframeId, Similarity3d> camera_from_map;
-  // 0.5 * sum of weighted squared residuals; of robust edges with the last stage's loss.
+  // 0.5 * sum of weighted squared residuals; of a robust edge at most the bound of chi2.
   double initial_cost = 0;
   double final_cost = 0;
   // weight * |residual|^2 of each input edge after, without loss.
@@ -49,13 +49,14 @@ struct PoseGraphResult {
 };
 
 // The residual of an edge is log(b_from_a * camera_a_from_map * camera_b_from_map^-1), in the order
-// (translation, rotation, log of scale). Fixed keyframes and those without edges stay. Robust edges
-// get Huber's loss first, under which a true loop pulls however large the drift, then from there
-// Geman and McClure's, wide and narrow, which neutralises what still disagrees. INVALID_ARGUMENT,
-// naming the id, where an edge ends at an unknown keyframe, begins and ends at the same, a part of
-// the graph has no fixed keyframe, or a value is not finite. Pure; any thread. Sources: Strasdat et
-// al., "Scale Drift-Aware Large Scale Monocular SLAM", RSS 2010; the stages after Yang et al.,
-// "Graduated Non-Convexity for Robust Spatial Perception", RA-L 2020.
+// (translation, rotation, log of scale). Fixed keyframes and those without edges stay. All robust
+// edges pull at first, a true loop so however large the drift; where some then disagree beyond the
+// bound, truncated least squares by graduated non-convexity decides between them, wherever the
+// graph began (docs/adr/0006). INVALID_ARGUMENT, naming the id, where an edge ends at an unknown
+// keyframe, begins and ends at the same, a part of the graph has no fixed keyframe, or a value is
+// not finite. Pure; any thread. Sources: Strasdat et al., "Scale Drift-Aware Large Scale Monocular
+// SLAM", RSS 2010; Yang et al., "Graduated Non-Convexity for Robust Spatial Perception", RA-L 2020,
+// algorithm 1.
 absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const std::map<KeyframeId, Similarity3d>& initial,
                                                   absl::Span<const PoseGraphEdge> edges,
                                                   const absl::btree_set<KeyframeId>& fixed,

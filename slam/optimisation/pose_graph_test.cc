@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "slam/geometry/lie.h"
-#include "slam/optimisation/geman_mcclure_loss.h"
+#include "slam/optimisation/graduated_non_convexity.h"
 #include "slam/optimisation/relative_pose_cost.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
 
@@ -181,20 +181,57 @@ TEST(PoseGraphTest, ATrueRobustLoopStillUndoesDrift) {
   EXPECT_LT(Distance(result->camera_from_map.at(Id(19)), truth.at(Id(19))), 0.1 * before);
 }
 
-TEST(GemanMcClureLossTest, DerivativesAgreeWithNumericDifferences) {
-  const GemanMcClureLoss loss(12.6);
-  constexpr double kStep = 1e-5;
-  for (const double s : {0.01, 5.0, 300.0}) {
-    double at[3];
-    double above[3];
-    double below[3];
-    loss.Evaluate(s, at);
-    loss.Evaluate(s + kStep, above);
-    loss.Evaluate(s - kStep, below);
-    EXPECT_NEAR(at[1], (above[0] - below[0]) / (2 * kStep), 1e-8);
-    EXPECT_NEAR(at[2], (above[1] - below[1]) / (2 * kStep), 1e-8);
-    EXPECT_LT(at[0], 12.6);
+// Half of the loops are wrong, and four of them agree with each other.
+TEST(PoseGraphTest, AsManyWrongRobustEdgesAsTrueOnesLeaveThePosesNearTheTruth) {
+  const auto truth = Circle(40);
+  auto drifted = truth;
+  for (int i = 1; i < 40; ++i) {
+    drifted[Id(i)] =
+        ExpSim3((Vector7d() << 0.02 * i, -0.01 * i, 0, 0, 0, 0.002 * i, 0).finished()) *
+        truth.at(Id(i));
   }
+  auto edges = RingEdges(drifted);
+  edges.pop_back();
+  for (PoseGraphEdge& edge : edges) edge.weight = 1e3;
+  const auto add = [&](int a, int b, const Similarity3d& map_from_map) {
+    edges.push_back(
+        {Id(a), Id(b), truth.at(Id(b)) * map_from_map * truth.at(Id(a)).Inverse(), 1e3, true});
+  };
+  for (int i = 0; i < 6; ++i) add(i, 39 - i, Similarity3d::Identity());
+  const Similarity3d alias = ExpSim3((Vector7d() << 8, 3, 0, 0, 0, 1, 0).finished());
+  for (int i = 0; i < 4; ++i) add(2 + i, 20 + i, alias);
+  add(10, 30, ExpSim3((Vector7d() << -5, 4, 1, 0, 0, 0, 0).finished()));
+  add(12, 28, ExpSim3((Vector7d() << 3, 9, 0, 0, 0.3, 0, 0).finished()));
+  const auto result = OptimisePoseGraph(drifted, edges, {Id(0)}, {});
+  ASSERT_TRUE(result.ok());
+  for (size_t i = 39; i < edges.size(); ++i) {
+    EXPECT_EQ(result->edge_chi2[i] > 12.6, i >= 39 + 6) << i;
+  }
+  EXPECT_LT(Distance(result->camera_from_map.at(Id(39)), truth.at(Id(39))),
+            0.1 * Distance(drifted.at(Id(39)), truth.at(Id(39))));
+}
+
+TEST(GraduatedTruncationTest, SharpensFromTheWorstErrorOnToACut) {
+  constexpr double kMax = 12.6;
+  GraduatedTruncation truncation(kMax, 1000);
+  // Remark 5 of Yang et al.: all have a say at first.
+  EXPECT_EQ(truncation.Weight(0), 1);
+  EXPECT_GT(truncation.Weight(1000), 0);
+  for (int i = 0; i < 40; ++i) {
+    // Falls from 1 to 0, and without a jump while it is not sharp.
+    double last = 1;
+    for (double s = 0.01; s < 3000; s *= 1.01) {
+      const double weight = truncation.Weight(s);
+      EXPECT_LE(weight, last) << i << " " << s;
+      EXPECT_GE(weight, 0);
+      EXPECT_LT(last - weight, i < 10 ? 0.1 : 1.1) << i << " " << s;
+      last = weight;
+    }
+    EXPECT_EQ(last, 0);
+    truncation.Sharpen();
+  }
+  EXPECT_EQ(truncation.Weight(1.01 * kMax), 0);
+  EXPECT_EQ(truncation.Weight(0.99 * kMax), 1);
 }
 
 TEST(PoseGraphTest, RefusesBadGraphsAndNamesTheId) {
