@@ -262,6 +262,41 @@ TEST_F(FusionFlowTest, RefusedFusingIsKeptWithItsReason) {
   EXPECT_TRUE(found);
 }
 
+// Several overlaps go into one request: one that bends the graph takes no other along.
+TEST_F(FusionFlowTest, OneBadOverlapDoesNotRefuseTheOthers) {
+  const auto run = [this](MapStore& store) {
+    TestAgent a(store, kMission, "a", map_a_);
+    TestAgent b(store, kMission, "b", map_b_);
+    for (TestAgent* agent : {&a, &b}) {
+      EXPECT_TRUE(agent->Stream().ok());
+      EXPECT_TRUE(agent->Close().ok());
+    }
+    EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+    return store.ListOverlaps(kMission, {}, {})->items;
+  };
+  size_t fused = 0;
+  KeyframeId bad;
+  for (const OverlapInfo& info : run(store_)) {
+    if (!info.fused) continue;
+    ++fused;
+    bad = info.overlap.query;
+  }
+  ASSERT_GT(fused, 2u);
+  worker_.bends_graph = [bad](const Overlap& overlap) { return overlap.query == bad; };
+  MapStore other(DeterministicOptions(), TheWorld().vocabulary, std::make_unique<InMemoryJournal>(),
+                 &worker_);
+  size_t fused_then = 0;
+  bool refused = false;
+  for (const OverlapInfo& info : run(other)) {
+    if (info.fused) ++fused_then;
+    if (info.overlap.verdict != OverlapVerdict::kBendsGraph) continue;
+    EXPECT_EQ(info.overlap.query, bad);
+    refused = true;
+  }
+  EXPECT_TRUE(refused);
+  EXPECT_GE(fused_then, fused - 1);
+}
+
 TEST_F(FusionFlowTest, FailingWorkerIsAskedAgainButNotForEver) {
   worker_.fuse_failures = {absl::InternalError("one"), absl::InternalError("two")};
   TestAgent a(store_, kMission, "a", map_a_);

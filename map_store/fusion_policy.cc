@@ -27,6 +27,17 @@ bool KeepsFrame(const IslandSummary& a, const IslandSummary& b) {
   return rank(a) < rank(b);
 }
 
+// The first by itself if it is to be alone, else all that need not be.
+std::vector<uint64_t> ChooseTogether(const std::vector<OverlapSummary>& overlaps) {
+  std::vector<uint64_t> chosen;
+  if (overlaps.empty()) return chosen;
+  if (overlaps.front().alone) return {overlaps.front().id};
+  for (const OverlapSummary& overlap : overlaps) {
+    if (!overlap.alone) chosen.push_back(overlap.id);
+  }
+  return chosen;
+}
+
 std::optional<FusionAction> DecideFuse(const FusionSummary& summary) {
   for (const OverlapSummary& first : summary.waiting) {
     if (first.a == first.b) continue;
@@ -34,38 +45,40 @@ std::optional<FusionAction> DecideFuse(const FusionSummary& summary) {
     const IslandSummary* b = Find(summary, first.b);
     if (a == nullptr || b == nullptr) continue;
     if (!KeepsFrame(*a, *b)) std::swap(a, b);
-    FusionAction action{FusionAction::Kind::kFuse, a->id, b->id, {}};
+    std::vector<OverlapSummary> between;
     for (const OverlapSummary& overlap : summary.waiting) {
       const bool same = std::minmax(overlap.a, overlap.b) == std::minmax(first.a, first.b);
-      if (same) action.overlaps.push_back(overlap.id);
+      if (same) between.push_back(overlap);
     }
-    return action;
+    return FusionAction{FusionAction::Kind::kFuse, a->id, b->id, ChooseTogether(between)};
   }
   return std::nullopt;
 }
 
 std::optional<FusionAction> DecideWeld(const FusionSummary& summary, const PolicyLimits& limits) {
   for (const IslandSummary& island : summary.islands) {
-    FusionAction action{FusionAction::Kind::kWeld, island.id, {}, {}};
+    std::vector<OverlapSummary> inside;
     bool urgent = island.relaxed > 0;
     for (const OverlapSummary& overlap : summary.waiting) {
       if (overlap.a != island.id || overlap.b != island.id) continue;
-      action.overlaps.push_back(overlap.id);
-      urgent = urgent || overlap.urgent;
+      inside.push_back(overlap);
+      urgent = urgent || overlap.urgent || overlap.alone;
     }
-    const bool last = island.quiet && summary.queries == 0 && !action.overlaps.empty();
-    if (urgent || last || action.overlaps.size() >= limits.weld_every) return action;
+    const bool last = island.quiet && summary.queries == 0 && !inside.empty();
+    if (urgent || last || inside.size() >= limits.weld_every) {
+      return FusionAction{FusionAction::Kind::kWeld, island.id, {}, ChooseTogether(inside)};
+    }
   }
   return std::nullopt;
 }
 
 // The graph lane has work that will change the island.
 bool IsAboutToChange(const FusionSummary& summary, const IslandSummary& island) {
-  return std::any_of(summary.waiting.begin(), summary.waiting.end(),
-                     [&island](const OverlapSummary& overlap) {
-                       const bool touches = overlap.a == island.id || overlap.b == island.id;
-                       return touches && (overlap.a != overlap.b || overlap.urgent);
-                     });
+  return std::any_of(
+      summary.waiting.begin(), summary.waiting.end(), [&island](const OverlapSummary& overlap) {
+        const bool touches = overlap.a == island.id || overlap.b == island.id;
+        return touches && (overlap.a != overlap.b || overlap.urgent || overlap.alone);
+      });
 }
 
 std::optional<FusionAction> DecideAdjust(const FusionSummary& summary, const PolicyLimits& limits) {

@@ -31,6 +31,7 @@ struct FusionSummary {
     IslandId a;
     IslandId b;  // The same: a loop within the island.
     bool urgent = false;
+    bool alone = false;  // To be asked about by itself.
   };
   std::vector<IslandSummary> islands;   // By order.
   std::vector<OverlapSummary> waiting;  // By id.

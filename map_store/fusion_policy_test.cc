@@ -88,6 +88,20 @@ TEST(FusionPolicyTest, AnUrgentOneOrTheEndOfTheStreamsOrALocalLoopDoesNotWait) {
   EXPECT_THAT(DecideActions(loop, {}), ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {}}));
 }
 
+TEST(FusionPolicyTest, OverlapsThatWereRefusedTogetherAreTriedOneByOne) {
+  FusionSummary weld = MakeSummary();
+  weld.waiting = {{1, kFirst, kFirst, false, true}, {2, kFirst, kFirst, false, true}};
+  EXPECT_THAT(DecideActions(weld, {}), ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {1}}));
+  // What came since goes first, together, when it stands first.
+  weld.waiting = {
+      {1, kFirst, kFirst, false}, {2, kFirst, kFirst, false, true}, {3, kFirst, kFirst, false}};
+  EXPECT_THAT(DecideActions(weld, {}), ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {1, 3}}));
+  FusionSummary fuse = MakeSummary();
+  fuse.waiting = {{1, kFirst, kSecond, false, true}, {2, kFirst, kSecond, false, true}};
+  EXPECT_THAT(DecideActions(fuse, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kFirst, kSecond, {1}}));
+}
+
 TEST(FusionPolicyTest, AdjustmentFollowsFusingAndRunsBesideQueries) {
   FusionSummary summary = MakeSummary();
   summary.islands[0].fused = true;

@@ -59,8 +59,8 @@ FusionSummary Mission::Summarise() const {
     if (entry.state != OverlapState::kWaiting) continue;
     const LocalMapId a = entry.overlap.query.local_map;
     const LocalMapId b = entry.overlap.candidate.local_map;
-    summary.waiting.push_back(
-        {id, state_.global.island_of.at(a), state_.global.island_of.at(b), entry.urgent});
+    summary.waiting.push_back({id, state_.global.island_of.at(a), state_.global.island_of.at(b),
+                               entry.urgent, entry.alone});
   }
   summary.queries = state_.queries.size();
   summary.graph_lane_busy = lanes_[static_cast<size_t>(FusionLane::kGraph)].busy;

@@ -136,6 +136,7 @@ struct OverlapEntry {
   Overlap overlap;
   OverlapState state = OverlapState::kRefused;
   bool urgent = false;  // Disagrees with the graph as it is.
+  bool alone = false;   // It was refused among others: one of them may be to blame.
   int attempts = 0;
   uint64_t revision = 0;
   absl::Time verified_at;

@@ -100,6 +100,10 @@ bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionStat
 void Apply(const FuseRefusedRecord& record, MissionState& state) {
   for (const uint64_t id : record.overlaps) {
     OverlapEntry& entry = state.global.overlaps.at(id);
+    if (record.overlaps.size() > 1) {
+      entry.alone = true;
+      continue;
+    }
     Refuse(absl::StrCat("bends the graph: worst edge chi2 ", record.worst_edge_chi2),
            OverlapState::kRefused, entry);
     entry.overlap.verdict = OverlapVerdict::kBendsGraph;

@@ -73,6 +73,7 @@ void WaitAgain(const std::set<LocalMapId>& members, const MapStoreOptions& optio
     }
     entry.state = OverlapState::kWaiting;
     entry.attempts = 0;
+    entry.alone = false;
     entry.revision = 0;
     entry.note.clear();
     entry.urgent = overlap.query.local_map == overlap.candidate.local_map &&

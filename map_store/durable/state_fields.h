@@ -77,7 +77,7 @@ void Fields(Archive& archive, T& island) {
 }
 template <typename Archive, MayBeConst<OverlapEntry> T>
 void Fields(Archive& archive, T& entry) {
-  archive(entry.id, entry.overlap, entry.state, entry.urgent, entry.attempts, entry.revision,
+  archive(entry.id, entry.overlap, entry.state, entry.urgent, entry.alone, entry.attempts, entry.revision,
           entry.note);
   Time(archive, entry.verified_at);
 }

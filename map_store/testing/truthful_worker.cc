@@ -35,6 +35,12 @@ absl::Status TruthfulWorker::TakeFailure(std::deque<absl::Status>& failures) {
   return failure;
 }
 
+bool TruthfulWorker::HasBendingOverlap(const FuseMapsRequest& request) const {
+  return bends_graph != nullptr && std::ranges::any_of(request.new_overlaps, [&](size_t index) {
+           return bends_graph(request.overlaps.at(index));
+         });
+}
+
 bool TruthfulWorker::TakeLie(const Overlap& overlap) {
   absl::MutexLock lock(&mutex_);
   const bool lies = !has_lied_ && lies_about.IsValid() && !overlap.IsAccepted() &&
@@ -90,7 +96,7 @@ absl::StatusOr<FuseMapsResult> TruthfulWorker::FuseMaps(const FuseMapsRequest& r
   if (during_fuse) during_fuse();
   RETURN_IF_ERROR(TakeFailure(fuse_failures));
   FuseMapsResult result;
-  result.accepted = !refuse_fusing;
+  result.accepted = !refuse_fusing && !HasBendingOverlap(request);
   const Overlap& overlap = request.overlaps.at(request.new_overlaps.at(0));
   Similarity3d candidate_from_query = overlap.candidate_from_query;
   KeyframeId in_target = overlap.candidate;

@@ -44,6 +44,8 @@ class TruthfulWorker : public FusionWorker {
   std::deque<absl::Status> fuse_failures;
   std::deque<absl::Status> adjust_failures;
   bool refuse_fusing = false;
+  // Refuses every request that has this one among its new overlaps.
+  std::function<bool(const Overlap&)> bends_graph;
   // Once it accepts, wrongly, what a keyframe of this local map asks of another one.
   LocalMapId lies_about;
   // Observations that an adjustment finds to be wrong.
@@ -56,6 +58,7 @@ class TruthfulWorker : public FusionWorker {
   absl::Status TakeFailure(std::deque<absl::Status>& failures);
   // Whether it is time to lie about it.
   bool TakeLie(const Overlap& overlap);
+  bool HasBendingOverlap(const FuseMapsRequest& request) const;
   Overlap Compare(const VerifyOverlapRequest& request, KeyframeId candidate) const;
 
   std::map<KeyframeId, Rigid3d> camera_from_world_;
