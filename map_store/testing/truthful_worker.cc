@@ -1,5 +1,6 @@
 #include "map_store/testing/truthful_worker.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "slam/util/status_macros.h"
