@@ -264,7 +264,12 @@ TEST_F(FusionFlowTest, RefusedFusingIsKeptWithItsReason) {
 
 // Several overlaps go into one request: one that bends the graph takes no other along.
 TEST_F(FusionFlowTest, OneBadOverlapDoesNotRefuseTheOthers) {
-  const auto run = [this](MapStore& store) {
+  MapStoreOptions options = DeterministicOptions();
+  // Ask everybody, however well linked.
+  options.overlap_spacing = 0;
+  options.min_shared_landmarks = 100000;
+  const auto run = [&] {
+    MapStore store(options, TheWorld().vocabulary, std::make_unique<InMemoryJournal>(), &worker_);
     TestAgent a(store, kMission, "a", map_a_);
     TestAgent b(store, kMission, "b", map_b_);
     for (TestAgent* agent : {&a, &b}) {
@@ -276,18 +281,16 @@ TEST_F(FusionFlowTest, OneBadOverlapDoesNotRefuseTheOthers) {
   };
   size_t fused = 0;
   KeyframeId bad;
-  for (const OverlapInfo& info : run(store_)) {
+  for (const OverlapInfo& info : run()) {
     if (!info.fused) continue;
     ++fused;
     bad = info.overlap.query;
   }
   ASSERT_GT(fused, 2u);
   worker_.bends_graph = [bad](const Overlap& overlap) { return overlap.query == bad; };
-  MapStore other(DeterministicOptions(), TheWorld().vocabulary, std::make_unique<InMemoryJournal>(),
-                 &worker_);
   size_t fused_then = 0;
   bool refused = false;
-  for (const OverlapInfo& info : run(other)) {
+  for (const OverlapInfo& info : run()) {
     if (info.fused) ++fused_then;
     if (info.overlap.verdict != OverlapVerdict::kBendsGraph) continue;
     EXPECT_EQ(info.overlap.query, bad);
