@@ -77,8 +77,8 @@ void Fields(Archive& archive, T& island) {
 }
 template <typename Archive, MayBeConst<OverlapEntry> T>
 void Fields(Archive& archive, T& entry) {
-  archive(entry.id, entry.overlap, entry.state, entry.urgent, entry.alone, entry.attempts, entry.revision,
-          entry.note);
+  archive(entry.id, entry.overlap, entry.state, entry.urgent, entry.alone, entry.attempts,
+          entry.revision, entry.note);
   Time(archive, entry.verified_at);
 }
 template <typename Archive, MayBeConst<QueryTask> T>
