@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,6 +17,7 @@
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
 #include "tests/replay/quantile.h"
 #include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
@@ -65,16 +65,7 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
   std::vector<std::shared_ptr<grpc::Channel>> channels;
   const absl::Time begin = absl::Now();
   for (size_t i = 0; i < agents; ++i) {
-    ReplayOptions options;
-    options.mission = "ingest";
-    options.agent = absl::StrCat("agent", i);
-    options.local_map = LocalMapId{0x1000 + i};
-    options.keyframes_per_s = pace;
-    // Robots don't see their frames at the same moment.
-    if (pace > 0) {
-      options.start_after =
-          absl::Seconds(static_cast<double>(i) / (pace * static_cast<double>(agents)));
-    }
+    const ReplayOptions options = OptionsOfOne("ingest", i, agents, pace);
     channels.push_back(MakeChannel(address));
     robots.push_back(
         std::make_unique<ReplayingAgent>(options, &uploads, MakeRemoteUplink(channels.back())));
@@ -143,9 +134,7 @@ absl::Status Run(const Flags& flags) {
     }
   }
   if (flags.json.empty()) return absl::OkStatus();
-  std::ofstream file(flags.json);
-  file << Json{{"source", flags.source}, {"rows", rows}}.dump(2) << "\n";
-  return file ? absl::OkStatus() : absl::UnavailableError(absl::StrCat("can't write ", flags.json));
+  return WriteLines({Json{{"source", flags.source}, {"rows", rows}}.dump(2)}, flags.json);
 }
 
 }  // namespace

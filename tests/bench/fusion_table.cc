@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -26,6 +25,7 @@
 #include "services/server/process_usage.h"
 #include "slam/fusing/testing/fused_maps.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
 #include "slam/verification/testing/synthetic_world.h"
 #include "tests/bench/timed_worker.h"
 
@@ -198,9 +198,7 @@ absl::Status Run(const Flags& flags) {
     written["global_adjustment_exponent"] = adjustment;
   }
   if (flags.json.empty()) return absl::OkStatus();
-  std::ofstream file(flags.json);
-  file << written.dump(2) << "\n";
-  return file ? absl::OkStatus() : absl::UnavailableError(absl::StrCat("can't write ", flags.json));
+  return WriteLines({written.dump(2)}, flags.json);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -18,6 +17,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
 #include "slam/verification/testing/synthetic_world.h"
 #include "tests/bench/aliased_graph.h"
 #include "tests/bench/injected_fusing.h"
@@ -173,9 +173,7 @@ absl::Status Run(const Flags& flags) {
   if (flags.seeds > 0) RETURN_IF_ERROR(CompareSolvers(flags, written["graphs"]));
   if (flags.fusing_seeds > 0) RETURN_IF_ERROR(CompareFusings(flags, written["fusings"]));
   if (flags.json.empty()) return absl::OkStatus();
-  std::ofstream file(flags.json);
-  file << written.dump(2) << "\n";
-  return file ? absl::OkStatus() : absl::UnavailableError(absl::StrCat("can't write ", flags.json));
+  return WriteLines({written.dump(2)}, flags.json);
 }
 
 }  // namespace

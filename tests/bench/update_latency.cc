@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "services/corbslam/child_process.h"
@@ -22,6 +20,7 @@
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
 #include "tests/replay/quantile.h"
 #include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
@@ -124,14 +123,7 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents,
   std::vector<std::unique_ptr<ReplayingAgent>> robots;
   const absl::Time begin = absl::Now();
   for (size_t i = 0; i < agents; ++i) {
-    ReplayOptions options;
-    options.mission = "latency";
-    options.agent = absl::StrCat("agent", i);
-    options.local_map = LocalMapId{0x1000 + i};
-    options.keyframes_per_s = flags.keyframes_per_s;
-    // Robots don't see their frames at the same moment.
-    options.start_after = absl::Seconds(static_cast<double>(i) /
-                                        (flags.keyframes_per_s * static_cast<double>(agents)));
+    ReplayOptions options = OptionsOfOne("latency", i, agents, flags.keyframes_per_s);
     options.on_sent = [&stopwatch](const MapUpdateBatch& batch, absl::Time due) {
       stopwatch.NoteSent(batch, due);
     };
@@ -213,9 +205,7 @@ absl::Status Run(const Flags& flags) {
     rows.push_back(ToJson(row));
   }
   if (flags.json.empty()) return absl::OkStatus();
-  std::ofstream file(flags.json);
-  file << Json{{"sources", flags.sources}, {"rows", rows}}.dump(2) << "\n";
-  return file ? absl::OkStatus() : absl::UnavailableError(absl::StrCat("can't write ", flags.json));
+  return WriteLines({Json{{"sources", flags.sources}, {"rows", rows}}.dump(2)}, flags.json);
 }
 
 }  // namespace

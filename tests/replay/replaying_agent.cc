@@ -19,6 +19,20 @@ bool IsFinal(const absl::Status& reason) {
 
 }  // namespace
 
+ReplayOptions OptionsOfOne(const std::string& mission, size_t index, size_t count,
+                           double keyframes_per_s) {
+  ReplayOptions options;
+  options.mission = mission;
+  options.agent = absl::StrCat("agent", index);
+  options.local_map = LocalMapId{0x1000 + index};
+  options.keyframes_per_s = keyframes_per_s;
+  if (keyframes_per_s > 0) {
+    options.start_after =
+        absl::Seconds(static_cast<double>(index) / (keyframes_per_s * static_cast<double>(count)));
+  }
+  return options;
+}
+
 ReplayingAgent::ReplayingAgent(const ReplayOptions& options, const RecordedUploads* uploads,
                                std::unique_ptr<Uplink> uplink)
     : options_(options),

@@ -42,6 +42,11 @@ struct ReplayOptions {
   std::function<void(const SharedUpdate& update)> on_shared = nullptr;
 };
 
+// Of robot `index` of `count` in one mission, each with a name and a local map of its own. Robots
+// don't see their frames at the same moment: with a pace they start out of step.
+ReplayOptions OptionsOfOne(const std::string& mission, size_t index, size_t count,
+                           double keyframes_per_s);
+
 struct ReplayLedger {
   uint64_t acknowledged = 0;  // Batches, over all laps.
   uint64_t keyframes = 0;     // In those.
