@@ -72,19 +72,26 @@ class IslandViewTest : public ::testing::Test {
   }
   std::map<std::pair<KeyframeId, KeyframeId>, int> Counted() const {
     std::map<std::pair<KeyframeId, KeyframeId>, int> counted;
-    for (const CovisiblePair& pair : CountCovisibility(state_, state_.global.islands.at(kMapA))) {
+    UnbrokenRead read;
+    const auto pairs = CountCovisibility(state_, state_.global.islands.at(kMapA), read);
+    for (const CovisiblePair& pair : *pairs) {
       counted[{pair.a, pair.b}] = pair.weight;
     }
     return counted;
   }
 
+  Map Whole(Rejected rejected) {
+    return TakeWholeSnapshot(state_, island(), {}, rejected, read_).value().view;
+  }
+
   MissionState state_;
+  UnbrokenRead read_;
 };
 
 TEST_F(IslandViewTest, CovisibilityIsThatOfAMapThatCountsItself) {
   Fuse();
   std::map<std::pair<KeyframeId, KeyframeId>, int> expected;
-  const Map counting = BuildPartialView(state_, AllKeyframes());
+  const Map counting = BuildPartialView(state_, AllKeyframes(), read_).value();
   for (const auto& [id, keyframe] : counting.keyframes()) {
     for (const auto& [other, weight] : keyframe.covisible) {
       if (id < other) expected[{id, other}] = weight;
@@ -108,8 +115,8 @@ TEST_F(IslandViewTest, WhatLiesInAnotherIslandIsNotCounted) {
 
 TEST_F(IslandViewTest, AGraphHasAllKeyframesButOnlyPointsAroundItsCentres) {
   Fuse();
-  const Map whole = TakeWholeSnapshot(state_, island(), {}).view;
-  const Map graph = TakeGraphSnapshot(state_, island(), {}, {Kb(0)}, 1, {Pa(0)}).view;
+  const Map whole = Whole(Rejected::kLeaveOut);
+  const Map graph = TakeGraphSnapshot(state_, island(), {}, {Kb(0)}, 1, {Pa(0)}, read_).value().view;
   ASSERT_EQ(graph.keyframes().size(), 12u);
   for (const auto& [id, keyframe] : whole.keyframes()) {
     const Keyframe& other = *graph.FindKeyframe(id);
@@ -134,11 +141,11 @@ TEST_F(IslandViewTest, AGraphHasAllKeyframesButOnlyPointsAroundItsCentres) {
 
 TEST_F(IslandViewTest, RejectedObservationsAreLeftOutOrTriedAgain) {
   state_.global.rejected[{Ka(2), 0}] = Pa(10);
-  EXPECT_FALSE(
-      TakeWholeSnapshot(state_, island(), {}).view.FindPoint(Pa(10))->observations.contains(Ka(2)));
-  EXPECT_TRUE(TakeWholeSnapshot(state_, island(), {}, Rejected::kTryAgain)
-                  .view.FindPoint(Pa(10))
-                  ->observations.contains(Ka(2)));
+  const auto sees = [](const Map& view) {
+    return view.FindPoint(Pa(10))->observations.contains(Ka(2));
+  };
+  EXPECT_FALSE(sees(Whole(Rejected::kLeaveOut)));
+  EXPECT_TRUE(sees(Whole(Rejected::kTryAgain)));
 }
 
 }  // namespace

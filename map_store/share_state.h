@@ -32,6 +32,10 @@ struct ShareNews {
   absl::btree_set<MapPointId> points;
   absl::btree_set<MapPointId> landmarks;
   bool own_keyframes = false;
+  // How many of the agent's own landmarks keyframes saw that it lacked, when they were counted, and
+  // the mission's revision then.
+  absl::btree_map<KeyframeId, int> own_landmarks;
+  uint64_t counted_at_revision = 0;
 };
 
 struct ShareState {

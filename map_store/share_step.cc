@@ -64,12 +64,12 @@ using Sights = std::vector<std::pair<uint32_t, MapPointId>>;  // Keypoint and la
 // A keyframe that the agent does not have.
 struct NewKeyframe {
   const Keyframe* keyframe = nullptr;
-  int shared_landmarks = 0;
   double distance = 0;
 };
 
 // Of more new keyframes than that, those that see the agent's own landmarks come first, then the
-// nearest; of fewer the nearest.
+// nearest; of fewer the nearest. Counting takes a look at the agent's whole map: as many may come
+// uncounted before they are counted again.
 constexpr size_t kFew = 8;
 
 // Goes through what may be news, compares it with what was sent, and sends what is.
@@ -308,11 +308,27 @@ class ShareStep {
     for (const auto& [id, keyframe] : own.map.keyframes()) {
       for (const auto& [keypoint, point] : SightsOf(own, keyframe)) own_landmarks.insert(point);
     }
-    for (auto& [id, item] : new_keyframes_) {
+    news_.own_landmarks.clear();
+    for (const auto& [id, item] : new_keyframes_) {
+      int& count = news_.own_landmarks[id];
       for (const auto& sight : SightsOf(*state_.FindLocalMap(id.local_map), *item.keyframe)) {
-        if (own_landmarks.contains(sight.second)) ++item.shared_landmarks;
+        if (own_landmarks.contains(sight.second)) ++count;
       }
     }
+    news_.counted_at_revision = state_.global.revision;
+  }
+
+  bool AreCounted() const {
+    if (news_.counted_at_revision != state_.global.revision) return false;
+    const auto uncounted = std::ranges::count_if(new_keyframes_, [this](const auto& item) {
+      return !news_.own_landmarks.contains(item.first);
+    });
+    return static_cast<size_t>(uncounted) <= kFew;
+  }
+
+  int OwnLandmarksOf(KeyframeId id) const {
+    const auto it = news_.own_landmarks.find(id);
+    return it == news_.own_landmarks.end() ? 0 : it->second;
   }
 
   void MeasureDistances() {
@@ -333,14 +349,14 @@ class ShareStep {
   std::vector<KeyframeId> NearestFirst() {
     std::vector<KeyframeId> nearest;
     for (const auto& [id, item] : new_keyframes_) nearest.push_back(id);
-    if (nearest.size() > kFew) CountOwnLandmarks();
+    const bool many = nearest.size() > kFew;
+    if (many && !AreCounted()) CountOwnLandmarks();
     MeasureDistances();
-    std::sort(nearest.begin(), nearest.end(), [this](KeyframeId a, KeyframeId b) {
-      const NewKeyframe& first = new_keyframes_.at(a);
-      const NewKeyframe& second = new_keyframes_.at(b);
-      return std::make_tuple(-first.shared_landmarks, first.distance, a) <
-             std::make_tuple(-second.shared_landmarks, second.distance, b);
-    });
+    const auto rank = [this, many](KeyframeId id) {
+      return std::make_tuple(many ? -OwnLandmarksOf(id) : 0, new_keyframes_.at(id).distance, id);
+    };
+    std::sort(nearest.begin(), nearest.end(),
+              [&rank](KeyframeId a, KeyframeId b) { return rank(a) < rank(b); });
     return nearest;
   }
 
