@@ -17,11 +17,7 @@ class ViewBuilder {
  public:
   ViewBuilder(const MissionState& state, const Unplaced& unplaced, Rejected rejected,
               Covisibility covisibility, LongRead& read)
-      : state_(state),
-        unplaced_(unplaced),
-        rejected_(rejected),
-        read_(read),
-        view_(covisibility) {}
+      : state_(state), unplaced_(unplaced), rejected_(rejected), read_(read), view_(covisibility) {}
 
   void AddKeyframe(const LocalMapState& local_map, const Keyframe& from) {
     Keyframe keyframe;
@@ -74,7 +70,8 @@ class ViewBuilder {
   // Of keyframes that the view has.
   void SetCovisibility(const std::vector<CovisiblePair>& pairs) {
     for (const CovisiblePair& pair : pairs) {
-      const bool here = view_.FindKeyframe(pair.a) != nullptr && view_.FindKeyframe(pair.b) != nullptr;
+      const bool here =
+          view_.FindKeyframe(pair.a) != nullptr && view_.FindKeyframe(pair.b) != nullptr;
       if (here) view_.SetCovisibility(pair.a, pair.b, pair.weight);
     }
     // They were counted in pieces.

@@ -88,8 +88,7 @@ class LongReadTest : public ::testing::Test {
     const Keyframe& keyframe = *map.FindKeyframe(id);
     const Rigid3d& parent = map.FindKeyframe(keyframe.parent)->camera_from_map;
     MapUpdateBatch batch = b_.EmptyBatch();
-    batch.removed_keyframes = {
-        {id, keyframe.parent, parent * keyframe.camera_from_map.Inverse()}};
+    batch.removed_keyframes = {{id, keyframe.parent, parent * keyframe.camera_from_map.Inverse()}};
     Apply(batch, "b");
   }
 
@@ -171,8 +170,7 @@ TEST_F(LongReadTest, AWholeViewFitsTogetherWhateverRobotsDoMeanwhile) {
   ASSERT_TRUE(during.ok()) << during.status();
   EXPECT_GE(busy.pauses(), 2u);
   EXPECT_EQ(during->view.keyframes().size(), before.view.keyframes().size());
-  EXPECT_LT(MeanReprojectionError_px2(during->view),
-            1.1 * MeanReprojectionError_px2(before.view));
+  EXPECT_LT(MeanReprojectionError_px2(during->view), 1.1 * MeanReprojectionError_px2(before.view));
 }
 
 TEST_F(LongReadTest, AGraphFitsTogetherWhateverRobotsDoMeanwhile) {
@@ -185,8 +183,7 @@ TEST_F(LongReadTest, AGraphFitsTogetherWhateverRobotsDoMeanwhile) {
   ASSERT_TRUE(during.ok()) << during.status();
   EXPECT_GE(busy.pauses(), 3u);
   EXPECT_EQ(during->view.keyframes().size(), before.view.keyframes().size());
-  EXPECT_LT(MeanReprojectionError_px2(during->view),
-            1.1 * MeanReprojectionError_px2(before.view));
+  EXPECT_LT(MeanReprojectionError_px2(during->view), 1.1 * MeanReprojectionError_px2(before.view));
 }
 
 TEST_F(LongReadTest, ARequestWhoseKeyframeWentIsMadeAgain) {

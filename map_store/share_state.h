@@ -11,6 +11,7 @@
 
 #include "absl/container/btree_map.h"
 #include "absl/container/btree_set.h"
+#include "absl/container/flat_hash_map.h"
 #include "map_store/lookups.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
@@ -43,7 +44,7 @@ struct ShareState {
   IslandId island;
   LocalMapId local_map;
   std::map<KeyframeId, SentKeyframe> keyframes;
-  absl::btree_map<MapPointId, Eigen::Vector3d> points;
+  absl::flat_hash_map<MapPointId, Eigen::Vector3d> points;
   absl::btree_map<MapPointId, std::vector<MapPointId>> landmarks;
   std::map<KeyframeId, Similarity3d> own_keyframes;
 

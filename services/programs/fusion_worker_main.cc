@@ -1,7 +1,11 @@
 // fusion_worker: computes for map stores.
+#include <sys/resource.h>
+
+#include <cerrno>
 #include <memory>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/programs/program.h"
@@ -17,10 +21,19 @@ struct Flags {
   FusionWorkerOptions worker;
   FusionWorkerServiceOptions service;
   SecurityOptions security;
+  // Who shares the machine with it may be a map store, and robots wait for that one.
+  int niceness = 5;
   double drain_s = 2;
 };
 
+// Of this thread and all that it will start.
+absl::Status LowerPriority(int niceness) {
+  if (setpriority(PRIO_PROCESS, 0, niceness) == 0) return absl::OkStatus();
+  return absl::ErrnoToStatus(errno, absl::StrCat("--niceness ", niceness));
+}
+
 absl::Status Run(const Flags& flags) {
+  RETURN_IF_ERROR(LowerPriority(flags.niceness));
   ASSIGN_OR_RETURN(const ServerSecurity security, MakeServerSecurity(flags.security));
   const std::unique_ptr<FusionWorker> worker = MakeLocalFusionWorker(flags.worker);
   FusionWorkerService service(worker.get(), flags.service);
@@ -52,6 +65,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   app.add_option("--seed", flags.worker.seed, "Of all random choices")->capture_default_str();
+  app.add_option("--niceness", flags.niceness,
+                 "Of its threads: 0 like others, 19 only when nobody else wants the processor")
+      ->check(CLI::Range(0, 19))
+      ->capture_default_str();
   app.add_option("--drain", flags.drain_s, "Seconds that requests have to end after SIGTERM")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
