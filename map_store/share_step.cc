@@ -287,15 +287,15 @@ class ShareStep {
   }
 
   void TakeObservationChanges(KeyframeId id, const Sights& before, const Sights& now) {
-    for (const auto& [keypoint, point] : before) {
-      if (std::binary_search(now.begin(), now.end(), std::make_pair(keypoint, point))) continue;
+    Sights changed;
+    std::ranges::set_difference(before, now, std::back_inserter(changed));
+    for (const auto& [keypoint, point] : changed) {
       budget_.Take(kObservationBytes);
       update_.observations.push_back({ObservationChange::Kind::kRemoved, point, id, keypoint});
     }
-    for (const auto& [keypoint, point] : now) {
-      if (std::binary_search(before.begin(), before.end(), std::make_pair(keypoint, point))) {
-        continue;
-      }
+    changed.clear();
+    std::ranges::set_difference(now, before, std::back_inserter(changed));
+    for (const auto& [keypoint, point] : changed) {
       budget_.Take(kObservationBytes);
       TakePoint(point);
       update_.observations.push_back({ObservationChange::Kind::kAdded, point, id, keypoint});

@@ -26,8 +26,9 @@ struct Flags {
   double drain_s = 2;
 };
 
-// Of this thread and all that it will start.
+// Of this thread and all that it will start, unless it is lower already.
 absl::Status LowerPriority(int niceness) {
+  if (getpriority(PRIO_PROCESS, 0) >= niceness) return absl::OkStatus();
   if (setpriority(PRIO_PROCESS, 0, niceness) == 0) return absl::OkStatus();
   return absl::ErrnoToStatus(errno, absl::StrCat("--niceness ", niceness));
 }
