@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "map_store/island_covisibility.h"
 #include "slam/util/status_macros.h"
 
@@ -44,6 +45,17 @@ class ViewBuilder {
     }
   }
 
+  // As owners counted it. Likewise.
+  void AddOwnersCovisibility() {
+    for (const KeyframeId& id : KeyframeIds()) {
+      for (const auto& [other, weight] : state_.FindKeyframe(id)->covisible) {
+        if (id < other && view_.FindKeyframe(other) != nullptr) {
+          view_.SetCovisibility(id, other, weight);
+        }
+      }
+    }
+  }
+
   // All that the view's keyframes see.
   absl::Status AddSights() {
     for (const KeyframeId& id : KeyframeIds()) {
@@ -75,7 +87,7 @@ class ViewBuilder {
       if (here) view_.SetCovisibility(pair.a, pair.b, pair.weight);
     }
     // They were counted in pieces.
-    poses_.clear();
+    ForgetPoses();
   }
 
   // Unless the view has it.
@@ -83,12 +95,10 @@ class ViewBuilder {
     if (view_.FindPoint(id) != nullptr) return;
     const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
     const MapPoint& from = *owner.map.FindPoint(id);
-    const IslandPoses& poses = PosesOf(owner);
-    const Similarity3d island_from_local =
-        IslandFromLocal(from.reference, owner, state_.global, poses);
+    const Similarity3d& island_from_local = IslandFromLocalAt(from.reference, owner);
     MapPoint point;
     point.id = id;
-    point.position_in_map = ComputePosition(from, owner, state_.global, poses, unplaced_);
+    point.position_in_map = ComputePosition(from, owner, state_.global, PosesOf(owner), unplaced_);
     point.reference = from.reference;
     point.descriptor = from.descriptor;
     point.normal_in_map = island_from_local.rotation * from.normal_in_map;
@@ -118,13 +128,27 @@ class ViewBuilder {
     for (const CovisibleKeyframe& near : view_.BestCovisible(centre, count)) ids.insert(near.id);
   }
 
+  // The motion is the same for all points of a reference keyframe.
+  const Similarity3d& IslandFromLocalAt(KeyframeId reference, const LocalMapState& local_map) {
+    const auto [it, added] = motions_.try_emplace(reference);
+    if (added) {
+      it->second = IslandFromLocal(reference, local_map, state_.global, PosesOf(local_map));
+    }
+    return it->second;
+  }
+
+  void ForgetPoses() {
+    poses_.clear();
+    motions_.clear();
+  }
+
   absl::Status PauseAtTimes() {
     if (++keyframes_in_piece_ < kKeyframesInAPiece) return absl::OkStatus();
     keyframes_in_piece_ = 0;
     const uint64_t version = state_.version;
     RETURN_IF_ERROR(read_.Pause());
     // Owners' poses are others now, of other keyframes.
-    if (state_.version != version) poses_.clear();
+    if (state_.version != version) ForgetPoses();
     return absl::OkStatus();
   }
 
@@ -151,6 +175,7 @@ class ViewBuilder {
   LongRead& read_;
   size_t keyframes_in_piece_ = 0;
   std::map<LocalMapId, IslandPoses> poses_;
+  absl::flat_hash_map<KeyframeId, Similarity3d> motions_;
   Map view_;
 };
 
@@ -245,13 +270,14 @@ absl::StatusOr<IslandSnapshot> TakeGraphSnapshot(const MissionState& state, cons
 absl::StatusOr<Map> BuildPartialView(const MissionState& state,
                                      const std::set<KeyframeId>& keyframes, LongRead& read) {
   const Unplaced none;
-  ViewBuilder builder(state, none, Rejected::kLeaveOut, Covisibility::kCounted, read);
+  ViewBuilder builder(state, none, Rejected::kLeaveOut, Covisibility::kGiven, read);
   for (const KeyframeId& id : keyframes) {
     const LocalMapState* local_map = state.FindLocalMap(id.local_map);
     const Keyframe* keyframe = local_map == nullptr ? nullptr : local_map->map.FindKeyframe(id);
     if (keyframe != nullptr) builder.AddKeyframe(*local_map, *keyframe);
   }
   builder.AddEdges();
+  builder.AddOwnersCovisibility();
   RETURN_IF_ERROR(builder.AddSights());
   return builder.TakeView();
 }

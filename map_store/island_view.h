@@ -49,8 +49,8 @@ absl::StatusOr<IslandSnapshot> TakeGraphSnapshot(const MissionState& state, cons
                                                  int neighbourhood,
                                                  const std::set<MapPointId>& named, LongRead& read);
 
-// Only some keyframes of one island, unknown ones left out, and what they see. Their covisibility
-// is that of the view. ABORTED: as `read` says.
+// Only some keyframes of one island, unknown ones left out, and what they see. Covisibility is what
+// owners counted within their local maps. ABORTED: as `read` says.
 absl::StatusOr<Map> BuildPartialView(const MissionState& state,
                                      const std::set<KeyframeId>& keyframes, LongRead& read);
 

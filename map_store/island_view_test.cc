@@ -65,11 +65,6 @@ class IslandViewTest : public ::testing::Test {
   }
 
   Island& island() { return state_.global.islands.at(kMapA); }
-  std::set<KeyframeId> AllKeyframes() const {
-    std::set<KeyframeId> ids;
-    for (uint32_t i = 0; i < 6; ++i) ids.insert({Ka(i), Kb(i)});
-    return ids;
-  }
   std::map<std::pair<KeyframeId, KeyframeId>, int> Counted() const {
     std::map<std::pair<KeyframeId, KeyframeId>, int> counted;
     UnbrokenRead read;
@@ -78,6 +73,25 @@ class IslandViewTest : public ::testing::Test {
       counted[{pair.a, pair.b}] = pair.weight;
     }
     return counted;
+  }
+
+  // A map of the same observations that counts by itself.
+  static Map Recounted(const Map& view) {
+    Map counting;
+    for (const auto& [id, keyframe] : view.keyframes()) {
+      Keyframe copy;
+      copy.payload = keyframe.payload;
+      counting.AddKeyframe(std::move(copy));
+    }
+    for (const auto& [id, point] : view.points()) {
+      MapPoint copy;
+      copy.id = id;
+      counting.AddPoint(std::move(copy));
+      for (const auto& [keyframe, keypoint] : point.observations) {
+        counting.AddObservation(id, keyframe, keypoint);
+      }
+    }
+    return counting;
   }
 
   Map Whole(Rejected rejected) {
@@ -91,7 +105,7 @@ class IslandViewTest : public ::testing::Test {
 TEST_F(IslandViewTest, CovisibilityIsThatOfAMapThatCountsItself) {
   Fuse();
   std::map<std::pair<KeyframeId, KeyframeId>, int> expected;
-  const Map counting = BuildPartialView(state_, AllKeyframes(), read_).value();
+  const Map counting = Recounted(Whole(Rejected::kLeaveOut));
   for (const auto& [id, keyframe] : counting.keyframes()) {
     for (const auto& [other, weight] : keyframe.covisible) {
       if (id < other) expected[{id, other}] = weight;
@@ -101,6 +115,14 @@ TEST_F(IslandViewTest, CovisibilityIsThatOfAMapThatCountsItself) {
   // 5 landmarks, and for the keyframe that also sees point 30, 6.
   EXPECT_EQ(expected.at({Ka(5), Kb(0)}), 6);
   EXPECT_EQ(expected.at({Ka(4), Kb(0)}), 5);
+}
+
+TEST_F(IslandViewTest, APartOfALocalMapIsCovisibleAsItsOwnerCounted) {
+  const Map part = BuildPartialView(state_, {Ka(1), Ka(2), Ka(4), {kMapA, 77}}, read_).value();
+  ASSERT_EQ(part.keyframes().size(), 3u);
+  EXPECT_EQ(part.FindKeyframe(Ka(1))->covisible, (absl::btree_map<KeyframeId, int>{{Ka(2), 5}}));
+  EXPECT_TRUE(part.FindKeyframe(Ka(4))->covisible.empty());
+  EXPECT_EQ(part.points().size(), 25u);
 }
 
 TEST_F(IslandViewTest, WhatLiesInAnotherIslandIsNotCounted) {
@@ -116,7 +138,8 @@ TEST_F(IslandViewTest, WhatLiesInAnotherIslandIsNotCounted) {
 TEST_F(IslandViewTest, AGraphHasAllKeyframesButOnlyPointsAroundItsCentres) {
   Fuse();
   const Map whole = Whole(Rejected::kLeaveOut);
-  const Map graph = TakeGraphSnapshot(state_, island(), {}, {Kb(0)}, 1, {Pa(0)}, read_).value().view;
+  const Map graph =
+      TakeGraphSnapshot(state_, island(), {}, {Kb(0)}, 1, {Pa(0)}, read_).value().view;
   ASSERT_EQ(graph.keyframes().size(), 12u);
   for (const auto& [id, keyframe] : whole.keyframes()) {
     const Keyframe& other = *graph.FindKeyframe(id);
