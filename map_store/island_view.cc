@@ -18,7 +18,12 @@ class ViewBuilder {
  public:
   ViewBuilder(const MissionState& state, const Unplaced& unplaced, Rejected rejected,
               Covisibility covisibility, LongRead& read)
-      : state_(state), unplaced_(unplaced), rejected_(rejected), read_(read), view_(covisibility) {}
+      : state_(state),
+        unplaced_(unplaced),
+        rejected_(rejected),
+        read_(read),
+        poses_(state.global, unplaced),
+        view_(covisibility) {}
 
   void AddKeyframe(const LocalMapState& local_map, const Keyframe& from) {
     Keyframe keyframe;
@@ -108,11 +113,7 @@ class ViewBuilder {
   }
 
   Map TakeView() { return std::move(view_); }
-  const IslandPoses& PosesOf(const LocalMapState& local_map) {
-    const auto [it, added] = poses_.try_emplace(local_map.id);
-    if (added) it->second = ComputePoses(local_map, state_.global, unplaced_);
-    return it->second;
-  }
+  const IslandPoses& PosesOf(const LocalMapState& local_map) { return poses_.Of(local_map); }
 
  private:
   std::vector<KeyframeId> KeyframeIds() const {
@@ -138,7 +139,7 @@ class ViewBuilder {
   }
 
   void ForgetPoses() {
-    poses_.clear();
+    poses_.Clear();
     motions_.clear();
   }
 
@@ -174,7 +175,7 @@ class ViewBuilder {
   const Rejected rejected_;
   LongRead& read_;
   size_t keyframes_in_piece_ = 0;
-  std::map<LocalMapId, IslandPoses> poses_;
+  PoseCache poses_;
   absl::flat_hash_map<KeyframeId, Similarity3d> motions_;
   Map view_;
 };

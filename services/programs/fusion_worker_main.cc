@@ -23,6 +23,8 @@ struct Flags {
   SecurityOptions security;
   // Who shares the machine with it may be a map store, and robots wait for that one.
   int niceness = 5;
+  // Where many workers have one name, stores get to know new ones by new connections.
+  double max_connection_age_s = 300;
   double drain_s = 2;
 };
 
@@ -36,10 +38,12 @@ absl::Status LowerPriority(int niceness) {
 absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(LowerPriority(flags.niceness));
   ASSIGN_OR_RETURN(const ServerSecurity security, MakeServerSecurity(flags.security));
+  ServerOptions server_options = security.server;
+  server_options.max_connection_age = absl::Seconds(flags.max_connection_age_s);
   const std::unique_ptr<FusionWorker> worker = MakeLocalFusionWorker(flags.worker);
   FusionWorkerService service(worker.get(), flags.service);
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
-                   Server::Start(flags.listen, {&service}, security.server));
+                   Server::Start(flags.listen, {&service}, server_options));
   AnnounceAddress(server->address());
   WaitForStopSignal();
   server->Shutdown(absl::Seconds(flags.drain_s));
@@ -69,6 +73,10 @@ int main(int argc, char** argv) {
   app.add_option("--niceness", flags.niceness,
                  "Of its threads: 0 like others, 19 only when nobody else wants the processor")
       ->check(CLI::Range(0, 19))
+      ->capture_default_str();
+  app.add_option("--max-connection-age", flags.max_connection_age_s,
+                 "Seconds after which a store is asked to connect anew")
+      ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str();
   app.add_option("--drain", flags.drain_s, "Seconds that requests have to end after SIGTERM")
       ->check(CLI::Range(0.0, 3600.0))

@@ -34,6 +34,9 @@ struct ServerOptions {
   // when none comes within the second time.
   absl::Duration keepalive_time = absl::Seconds(20);
   absl::Duration keepalive_timeout = absl::Seconds(20);
+  // Callers with an older connection are told to make a new one, which may lead elsewhere; calls
+  // that are under way end where they began.
+  absl::Duration max_connection_age = absl::InfiniteDuration();
 };
 
 // A running server. Thread-safe.
