@@ -1,0 +1,83 @@
+#include "tests/bench/lying_worker.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "fusion_worker/local_fusion_worker.h"
+#include "slam/fusing/map_fusing.h"
+#include "slam/geometry/lie.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+std::vector<MapPointId> PointsOf(const Map& map, KeyframeId id) {
+  std::vector<MapPointId> points = map.FindKeyframe(id)->points;
+  std::erase_if(points, [](MapPointId point) { return !point.IsValid(); });
+  return points;
+}
+
+}  // namespace
+
+LyingWorker::LyingWorker(std::optional<LieOptions> lie)
+    : lie_(std::move(lie)),
+      honest_(MakeLocalFusionWorker()),
+      random_(lie_.has_value() ? lie_->seed : 0) {}
+
+bool LyingWorker::IsLie(const Overlap& overlap) const {
+  return told_.has_value() && told_ == std::pair(overlap.query, overlap.candidate);
+}
+
+// The true pose where it was found, else none, and a step away from it.
+Overlap LyingWorker::Lie(const VerifyOverlapRequest& request, const Overlap& honest) {
+  Overlap lie = honest;
+  Vector6d direction;
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 6; ++i) direction[i] = normal(random_);
+  Vector6d step;
+  step << lie_->shift_m * direction.head<3>().normalized(),
+      lie_->turn_rad * direction.tail<3>().normalized();
+  const Similarity3d before =
+      honest.IsAccepted() ? honest.candidate_from_query : Similarity3d::Identity();
+  lie.candidate_from_query = Similarity3d::FromRigid(ExpSE3(step)) * before;
+  std::vector<MapPointId> of_query = PointsOf(request.query_view, lie.query);
+  std::vector<MapPointId> of_candidate = PointsOf(request.candidate_view, lie.candidate);
+  std::shuffle(of_query.begin(), of_query.end(), random_);
+  std::shuffle(of_candidate.begin(), of_candidate.end(), random_);
+  const size_t pairs =
+      std::min({of_query.size(), of_candidate.size(), static_cast<size_t>(lie_->wrong_pairs)});
+  lie.inliers.clear();
+  for (size_t i = 0; i < pairs; ++i) {
+    if (of_query[i] != of_candidate[i]) lie.inliers.push_back({of_query[i], of_candidate[i]});
+  }
+  lie.verdict = OverlapVerdict::kAccepted;
+  told_ = std::pair(lie.query, lie.candidate);
+  return lie;
+}
+
+absl::StatusOr<VerifyOverlapResult> LyingWorker::VerifyOverlap(const VerifyOverlapRequest& request,
+                                                               const ProgressCallback& progress) {
+  ASSIGN_OR_RETURN(VerifyOverlapResult result, honest_->VerifyOverlap(request, progress));
+  if (result.overlaps.empty()) return result;
+  Overlap& last = result.overlaps.back();
+  if (last.query.local_map == last.candidate.local_map) return result;
+  const bool is_due = lie_.has_value() && !told_.has_value() && verified_ == lie_->after;
+  ++verified_;
+  if (is_due) last = Lie(request, last);
+  return result;
+}
+
+absl::StatusOr<FuseMapsResult> LyingWorker::FuseMaps(const FuseMapsRequest& request,
+                                                     const ProgressCallback& progress) {
+  const bool for_lie = std::any_of(request.new_overlaps.begin(), request.new_overlaps.end(),
+                                   [&](size_t index) { return IsLie(request.overlaps.at(index)); });
+  if (!for_lie) return honest_->FuseMaps(request, progress);
+  MapFusingOptions gullible;
+  gullible.max_edge_chi2 = std::numeric_limits<double>::infinity();
+  gullible.max_drift = std::numeric_limits<double>::infinity();
+  return corbslam::FuseMaps(request, gullible, progress);
+}
+
+}  // namespace corbslam
