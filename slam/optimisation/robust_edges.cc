@@ -17,10 +17,18 @@ namespace {
 // A switched-off edge still holds the graph together.
 constexpr double kLeastWeight = 1e-9;
 constexpr int kMaxRounds = 100;
-// Suppositions at most: each is about as many solves as the first decision.
+// Losers at most; each supposition is about as many solves as the first decision.
 constexpr int kMaxChances = 20;
 // What is found must cost less by this share.
 constexpr double kCheaper = 1e-6;
+
+// How a loser is supposed to be right.
+struct Supposition {
+  double weight = 1;            // Of the loser, never truncated.
+  bool all_have_a_say = false;  // All others have it again, else only those that won.
+};
+// Each finds what the others don't, where several wrong clusters support each other.
+constexpr Supposition kSuppositions[] = {{1, false}, {1, true}, {100, false}};
 
 class Decision {
  public:
@@ -86,15 +94,16 @@ class Decision {
   }
 
   // What comes of it if a loser is right: the others are decided under it, then it as any other.
-  absl::Status Suppose(size_t loser, bool all_have_a_say) {
+  absl::Status Suppose(size_t loser, const Supposition& supposition) {
     supposed_ = loser;
-    problem_.SetWeight(loser, 1);
-    if (all_have_a_say) {
+    if (supposition.all_have_a_say) {
       for (const size_t edge : problem_.robust()) problem_.SetWeight(edge, 1);
     }
+    problem_.SetWeight(loser, supposition.weight);
     RETURN_IF_ERROR(Solve());
     RETURN_IF_ERROR(Graduate());
     supposed_.reset();
+    if (problem_.SetWeight(loser, 1)) RETURN_IF_ERROR(Solve());
     return Graduate();
   }
 
@@ -122,16 +131,14 @@ class Decision {
   }
 
   // True if what it led to costs less than `best`, which is replaced then.
-  absl::StatusOr<bool> GiveChance(size_t loser, bool all_have_a_say, State& best) {
-    RETURN_IF_ERROR(Suppose(loser, all_have_a_say));
+  absl::StatusOr<bool> GiveChance(size_t loser, const Supposition& supposition, State& best) {
+    RETURN_IF_ERROR(Suppose(loser, supposition));
     State supposed = Save();
     if (supposed.cost >= (1 - kCheaper) * best.cost) return false;
     best = std::move(supposed);
     return true;
   }
 
-  // First among those that won, then with all others having their say again: either finds what the
-  // other doesn't.
   absl::Status GiveSecondChances() {
     State best = Save();
     std::set<size_t> heard;
@@ -139,8 +146,8 @@ class Decision {
       const std::optional<size_t> loser = NextLoser(heard);
       if (!loser.has_value()) break;
       heard.insert(*loser);
-      for (const bool all_have_a_say : {false, true}) {
-        ASSIGN_OR_RETURN(const bool is_cheaper, GiveChance(*loser, all_have_a_say, best));
+      for (const Supposition& supposition : kSuppositions) {
+        ASSIGN_OR_RETURN(const bool is_cheaper, GiveChance(*loser, supposition, best));
         // Those that agree with it would lead to the same.
         for (const size_t edge : problem_.robust()) {
           if (!IsLoser(edge)) heard.insert(edge);

@@ -22,22 +22,24 @@ std::string Spread(const std::optional<double>& median, const std::vector<SplitR
   return absl::StrFormat("%.4f (%.4f to %.4f)", *median, *least->ate_m, *most->ate_m);
 }
 
+const char* Judgement(const SplitVerdict& verdict, bool is_met) {
+  if (!verdict.IsComplete()) return "runs missing";
+  return is_met ? "met" : "MISSED";
+}
+
 std::string MapRow(const SplitVerdict& verdict) {
-  const char* judgement = !verdict.IsComplete() ? "runs missing"
-                          : verdict.IsMet()     ? "met"
-                                                : "MISSED";
-  return absl::StrFormat("| %s | %d, %d | %d | %s | %s | %s | %s; %s | %s |\n", verdict.name,
-                         verdict.runs.size(), verdict.reference_runs.size(), verdict.most_islands,
-                         Spread(verdict.ate_m, verdict.runs),
-                         Spread(verdict.reference_ate_m, verdict.reference_runs),
-                         Number(verdict.Ratio(), 3), Number(verdict.ate_from_frame_m, 4),
-                         Number(verdict.reference_ate_from_frame_m, 4), judgement);
+  return absl::StrFormat(
+      "| %s | %d, %d | %d | %s | %s | %s | %s; %s | %s |\n", verdict.name, verdict.runs.size(),
+      verdict.reference_runs.size(), verdict.most_islands, Spread(verdict.ate_m, verdict.runs),
+      Spread(verdict.reference_ate_m, verdict.reference_runs), Number(verdict.Ratio(), 3),
+      Number(verdict.ate_from_frame_m, 4), Number(verdict.reference_ate_from_frame_m, 4),
+      Judgement(verdict, verdict.IsMapMet()));
 }
 
 std::string RobotRow(const SplitVerdict& verdict, const RobotVerdict& robot) {
-  return absl::StrFormat("| %s | %s | %s | %s | %d of %d |\n", verdict.name, robot.name,
+  return absl::StrFormat("| %s | %s | %s | %s | %d of %d | %s |\n", verdict.name, robot.name,
                          Number(robot.local_ate_m, 4), Number(robot.global_ate_m, 4),
-                         robot.worse_runs, robot.runs);
+                         robot.worse_runs, robot.runs, Judgement(verdict, robot.IsMet()));
 }
 
 // Null where there is no value.
@@ -71,6 +73,7 @@ Json ToJson(const RobotVerdict& robot) {
   return {{"name", robot.name},
           {"local_ate_m", OrNull(robot.local_ate_m)},
           {"global_ate_m", OrNull(robot.global_ate_m)},
+          {"met", robot.IsMet()},
           {"worse_runs", robot.worse_runs},
           {"runs", robot.runs}};
 }
@@ -81,6 +84,7 @@ Json ToJson(const SplitVerdict& verdict) {
   return {{"name", verdict.name},
           {"reference", verdict.reference},
           {"complete", verdict.IsComplete()},
+          {"map_met", verdict.IsMapMet()},
           {"met", verdict.IsMet()},
           {"islands", verdict.most_islands},
           {"ate_m", OrNull(verdict.ate_m)},
@@ -103,8 +107,8 @@ std::string ToMarkdown(const std::vector<SplitVerdict>& verdicts) {
       "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
       SplitVerdict::kMaxRatio);
   std::string robots =
-      "\n| split | robot | local layer's ATE, m: median | global layer's | global above local |\n"
-      "| --- | --- | --- | --- | --- |\n";
+      "\n| split | robot | local layer's ATE, m: median | global layer's | global above local | "
+      "at most the local one's |\n| --- | --- | --- | --- | --- | --- |\n";
   for (const SplitVerdict& verdict : verdicts) {
     if (verdict.runs.empty()) continue;
     absl::StrAppend(&text, MapRow(verdict));

@@ -57,9 +57,14 @@ std::optional<double> SplitVerdict::Ratio() const {
   return *ate_m / *reference_ate_m;
 }
 
-bool SplitVerdict::IsMet() const {
+bool SplitVerdict::IsMapMet() const {
   const std::optional<double> ratio = Ratio();
   return most_islands == 1 && ratio.has_value() && *ratio <= kMaxRatio;
+}
+
+bool SplitVerdict::IsMet() const {
+  return IsMapMet() && std::all_of(robots.begin(), robots.end(),
+                                   [](const RobotVerdict& robot) { return robot.IsMet(); });
 }
 
 SplitVerdict Judge(const std::string& name, const std::string& reference,

@@ -18,6 +18,9 @@ struct RobotVerdict {
   int worse_runs = 0;                 // In which the global layer's error is above the local one's.
   std::optional<double> local_ate_m;  // Medians.
   std::optional<double> global_ate_m;
+
+  // The global layer's median is at most the local one's.
+  bool IsMet() const { return runs > 0 && *global_ate_m <= *local_ate_m; }
 };
 
 struct SplitVerdict {
@@ -38,7 +41,9 @@ struct SplitVerdict {
 
   bool IsComplete() const;
   std::optional<double> Ratio() const;
-  // One island in every run, and accurate enough. A robot's layers are not in it.
+  // One island in every run, and accurate enough.
+  bool IsMapMet() const;
+  // That, and every robot's layers.
   bool IsMet() const;
 };
 

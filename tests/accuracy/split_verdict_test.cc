@@ -72,6 +72,15 @@ TEST(SplitVerdictTest, CountsRunsWhoseGlobalLayerIsTheWorseOne) {
   EXPECT_EQ(verdict.robots[0].runs, 2);
   EXPECT_EQ(verdict.robots[0].worse_runs, 1);
   EXPECT_THAT(verdict.robots[0].global_ate_m, Optional(DoubleEq(1.0)));
+  EXPECT_TRUE(verdict.robots[0].IsMet());
+}
+
+TEST(SplitVerdictTest, AWorseGlobalLayerMissesTheBarThoughTheMapMeetsItsOwn) {
+  std::vector<SplitRun> runs = {RunOf(1)};
+  runs[0].robots = {RobotOf(1.0, 0.9), RobotOf(1.0, 1.01)};
+  const auto verdict = Judge("two", "one", runs, {RunOf(1)}, 1);
+  EXPECT_TRUE(verdict.IsMapMet());
+  EXPECT_FALSE(verdict.IsMet());
 }
 
 class SplitRunsTest : public ::testing::Test {

@@ -27,21 +27,31 @@ LyingWorker::LyingWorker(std::optional<LieOptions> lie)
       random_(lie_.has_value() ? lie_->seed : 0) {}
 
 bool LyingWorker::IsLie(const Overlap& overlap) const {
-  return told_.has_value() && told_ == std::pair(overlap.query, overlap.candidate);
+  return told_.contains({overlap.query, overlap.candidate});
 }
 
-// The true pose where it was found, else none, and a step away from it.
-Overlap LyingWorker::Lie(const VerifyOverlapRequest& request, const Overlap& honest) {
-  Overlap lie = honest;
+Rigid3d LyingWorker::Step() {
   Vector6d direction;
   std::normal_distribution<double> normal;
   for (int i = 0; i < 6; ++i) direction[i] = normal(random_);
   Vector6d step;
   step << lie_->shift_m * direction.head<3>().normalized(),
       lie_->turn_rad * direction.tail<3>().normalized();
-  const Similarity3d before =
-      honest.IsAccepted() ? honest.candidate_from_query : Similarity3d::Identity();
-  lie.candidate_from_query = Similarity3d::FromRigid(ExpSE3(step)) * before;
+  return ExpSE3(step);
+}
+
+// Of the first a step from the true pose, where that was found; the others are as the maps lie.
+Overlap LyingWorker::Lie(const VerifyOverlapRequest& request, const Overlap& honest) {
+  Overlap lie = honest;
+  if (told_.empty()) {
+    const Similarity3d before =
+        honest.IsAccepted() ? honest.candidate_from_query : Similarity3d::Identity();
+    lie.candidate_from_query = Similarity3d::FromRigid(Step()) * before;
+  } else {
+    lie.candidate_from_query = Similarity3d::FromRigid(
+        request.candidate_view.FindKeyframe(lie.candidate)->camera_from_map *
+        request.query_view.FindKeyframe(lie.query)->camera_from_map.Inverse());
+  }
   std::vector<MapPointId> of_query = PointsOf(request.query_view, lie.query);
   std::vector<MapPointId> of_candidate = PointsOf(request.candidate_view, lie.candidate);
   std::shuffle(of_query.begin(), of_query.end(), random_);
@@ -53,7 +63,7 @@ Overlap LyingWorker::Lie(const VerifyOverlapRequest& request, const Overlap& hon
     if (of_query[i] != of_candidate[i]) lie.inliers.push_back({of_query[i], of_candidate[i]});
   }
   lie.verdict = OverlapVerdict::kAccepted;
-  told_ = std::pair(lie.query, lie.candidate);
+  told_.emplace(lie.query, lie.candidate);
   return lie;
 }
 
@@ -63,7 +73,8 @@ absl::StatusOr<VerifyOverlapResult> LyingWorker::VerifyOverlap(const VerifyOverl
   if (result.overlaps.empty()) return result;
   Overlap& last = result.overlaps.back();
   if (last.query.local_map == last.candidate.local_map) return result;
-  const bool is_due = lie_.has_value() && !told_.has_value() && verified_ == lie_->after;
+  const bool is_due = lie_.has_value() && verified_ >= lie_->after &&
+                      told_.size() < static_cast<size_t>(lie_->lies);
   ++verified_;
   if (is_due) last = Lie(request, last);
   return result;

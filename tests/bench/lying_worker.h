@@ -1,4 +1,4 @@
-// A fusion worker that says of one pair of places that they are the same, which they are not.
+// A fusion worker that says of some pairs of places that they are the same, which they are not.
 #ifndef CORBSLAM_TESTS_BENCH_LYING_WORKER_H_
 #define CORBSLAM_TESTS_BENCH_LYING_WORKER_H_
 
@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <set>
 #include <utility>
 
 #include "slam/exchange/fusion_worker.h"
@@ -13,8 +14,11 @@
 namespace corbslam {
 
 struct LieOptions {
-  // Verified places of two different local maps before the one that is lied about.
+  // Verified places of two different local maps before the first that is lied about.
   int after = 0;
+  // One lie, and so many that stand by it: each says that its places are where the first one has
+  // led. As where two streets look alike for a while.
+  int lies = 1;
   // How far from where they are the two places are said to be, from each other.
   double shift_m = 5;
   double turn_rad = 0.2;
@@ -39,18 +43,18 @@ class LyingWorker : public FusionWorker {
 
   // Places of different local maps that were verified.
   int verified() const { return verified_; }
-  // Query and candidate of the lie, once it was told.
-  const std::optional<std::pair<KeyframeId, KeyframeId>>& told() const { return told_; }
+  // Whether the worker made it up.
+  bool IsLie(const Overlap& overlap) const;
 
  private:
+  Rigid3d Step();
   Overlap Lie(const VerifyOverlapRequest& request, const Overlap& honest);
-  bool IsLie(const Overlap& overlap) const;
 
   const std::optional<LieOptions> lie_;
   const std::unique_ptr<FusionWorker> honest_;
   std::mt19937_64 random_;
   int verified_ = 0;
-  std::optional<std::pair<KeyframeId, KeyframeId>> told_;
+  std::set<std::pair<KeyframeId, KeyframeId>> told_;  // Query and candidate.
 };
 
 }  // namespace corbslam

@@ -1,6 +1,6 @@
 // What is left of a wrong overlap after it was taken back. Recorded robots are fused in one
-// process: honestly; then again with a worker that tells one lie, at the beginning, in the middle
-// or near the end; then the lie is taken back (MapStore::RetractOverlap), and the global layer is
+// process: honestly; then again with a worker that lies, at the beginning, in the middle
+// or near the end; then the lies are taken back (MapStore::RetractOverlap), and the global layer is
 // not derived again. Prints a table and writes JSON. Exit status 1: the bar is missed.
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -30,6 +30,7 @@ struct Flags {
   size_t robots = 2;
   std::vector<int> percents = {0, 50, 90};
   int seeds = 3;
+  int lies = 1;
   double shift_m = 5;
   std::string json;
 };
@@ -37,6 +38,7 @@ struct Flags {
 struct Row {
   int percent = 0;  // Of the honest mission's verified places, before the lie.
   int seed = 0;
+  size_t believed = 0;  // Lies.
   FusedMapError never;
   FusedMapError with;
   FusedMapError after;
@@ -47,16 +49,18 @@ struct Row {
   }
 };
 
-absl::StatusOr<uint64_t> FindLie(const MapStore& store, const LyingWorker& worker) {
-  if (!worker.told().has_value()) return absl::NotFoundError("no lie was told");
+// Those that were believed.
+absl::StatusOr<std::vector<uint64_t>> FindLies(const MapStore& store, const LyingWorker& worker) {
   OverlapFilter accepted;
   accepted.accepted = true;
   ASSIGN_OR_RETURN(const Page<OverlapInfo> page,
                    store.ListOverlaps(ReplayedMission::name(), accepted, {}));
+  std::vector<uint64_t> lies;
   for (const OverlapInfo& info : page.items) {
-    if (std::pair(info.overlap.query, info.overlap.candidate) == *worker.told()) return info.id;
+    if (worker.IsLie(info.overlap)) lies.push_back(info.id);
   }
-  return absl::NotFoundError("the lie was told and not believed");
+  if (lies.empty()) return absl::NotFoundError("no lie was believed");
+  return lies;
 }
 
 absl::StatusOr<Row> TellAndTakeBack(const RecordedMission& recorded, const LieOptions& lie) {
@@ -65,18 +69,21 @@ absl::StatusOr<Row> TellAndTakeBack(const RecordedMission& recorded, const LieOp
   RETURN_IF_ERROR(mission.Stream());
   Row row;
   ASSIGN_OR_RETURN(row.with, mission.Error());
-  ASSIGN_OR_RETURN(const uint64_t id, FindLie(mission.store(), worker));
-  RETURN_IF_ERROR(
-      mission.store().RetractOverlap(ReplayedMission::name(), id, /*keep_apart=*/false).status());
-  RETURN_IF_ERROR(mission.Fuse());
+  ASSIGN_OR_RETURN(const std::vector<uint64_t> lies, FindLies(mission.store(), worker));
+  row.believed = lies.size();
+  for (const uint64_t id : lies) {
+    RETURN_IF_ERROR(
+        mission.store().RetractOverlap(ReplayedMission::name(), id, /*keep_apart=*/false).status());
+    RETURN_IF_ERROR(mission.Fuse());
+  }
   ASSIGN_OR_RETURN(row.after, mission.Error());
   return row;
 }
 
 void Print(const Row& row) {
-  absl::PrintF("| %3d %% | %4d | %11.4f | %8.4f | %10.4f | %5.3f | %d, %d, %d | %s |\n",
-               row.percent, row.seed, row.never.ate_m, row.with.ate_m, row.after.ate_m, row.Ratio(),
-               row.never.islands, row.with.islands, row.after.islands,
+  absl::PrintF("| %3d %% | %4d | %4d | %11.4f | %8.4f | %10.4f | %5.3f | %d, %d, %d | %s |\n",
+               row.percent, row.seed, row.believed, row.never.ate_m, row.with.ate_m,
+               row.after.ate_m, row.Ratio(), row.never.islands, row.with.islands, row.after.islands,
                row.IsMet() ? "met" : "MISSED");
   std::fflush(stdout);
 }
@@ -86,9 +93,9 @@ Json ToJson(const FusedMapError& error) {
 }
 
 Json ToJson(const Row& row) {
-  return {{"percent", row.percent},   {"seed", row.seed},           {"never", ToJson(row.never)},
-          {"with", ToJson(row.with)}, {"after", ToJson(row.after)}, {"ratio", row.Ratio()},
-          {"met", row.IsMet()}};
+  return {{"percent", row.percent},     {"seed", row.seed},         {"lies", row.believed},
+          {"never", ToJson(row.never)}, {"with", ToJson(row.with)}, {"after", ToJson(row.after)},
+          {"ratio", row.Ratio()},       {"met", row.IsMet()}};
 }
 
 absl::StatusOr<bool> Run(const Flags& flags) {
@@ -98,14 +105,17 @@ absl::StatusOr<bool> Run(const Flags& flags) {
   RETURN_IF_ERROR(never.Stream());
   ASSIGN_OR_RETURN(const FusedMapError error, never.Error());
   std::printf(
-      "| lie at | seed | never had it | with it  | taken back | ratio | islands | at most 1.02 |\n"
-      "| ------ | ---- | ----------- | -------- | ---------- | ----- | ------- | ------------ |\n");
+      "| lie at | seed | lies | never had it | with it  | taken back | ratio | islands | at most "
+      "1.02 |\n"
+      "| ------ | ---- | ---- | ----------- | -------- | ---------- | ----- | ------- | "
+      "------------ |\n");
   Json rows = Json::array();
   bool all_met = true;
   for (const int percent : flags.percents) {
     for (int seed = 1; seed <= flags.seeds; ++seed) {
       LieOptions lie;
       lie.after = honest.verified() * percent / 100;
+      lie.lies = flags.lies;
       lie.shift_m = flags.shift_m;
       lie.seed = static_cast<uint64_t>(seed);
       ASSIGN_OR_RETURN(Row row, TellAndTakeBack(recorded, lie));
@@ -135,6 +145,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 99))
       ->capture_default_str();
   app.add_option("--seeds", flags.seeds, "Lies at each time")->capture_default_str();
+  app.add_option("--lies", flags.lies, "One, and those that stand by it")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--shift", flags.shift_m, "How far off the lie is, metres")->capture_default_str();
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
