@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
@@ -17,8 +18,8 @@ namespace {
 // A switched-off edge still holds the graph together.
 constexpr double kLeastWeight = 1e-9;
 constexpr int kMaxRounds = 100;
-// Losers at most; each supposition is about as many solves as the first decision.
-constexpr int kMaxChances = 20;
+// Each is about as many solves as the first decision.
+constexpr int kMaxChances = 60;
 // What is found must cost less by this share.
 constexpr double kCheaper = 1e-6;
 
@@ -139,23 +140,31 @@ class Decision {
     return true;
   }
 
-  absl::Status GiveSecondChances() {
-    State best = Save();
+  // True as soon as one way of supposing found something cheaper than `best`.
+  absl::StatusOr<bool> GiveChances(const Supposition& supposition, State& best) {
     std::set<size_t> heard;
-    for (int chance = 0; chance < kMaxChances; ++chance) {
+    bool is_cheaper = false;
+    while (!is_cheaper && chances_left_ > 0) {
       const std::optional<size_t> loser = NextLoser(heard);
       if (!loser.has_value()) break;
+      --chances_left_;
+      ASSIGN_OR_RETURN(is_cheaper, GiveChance(*loser, supposition, best));
+      // Those that agree with it would lead to the same.
       heard.insert(*loser);
-      for (const Supposition& supposition : kSuppositions) {
-        ASSIGN_OR_RETURN(const bool is_cheaper, GiveChance(*loser, supposition, best));
-        // Those that agree with it would lead to the same.
-        for (const size_t edge : problem_.robust()) {
-          if (!IsLoser(edge)) heard.insert(edge);
-        }
-        if (is_cheaper) heard.clear();
-        Restore(best);
-        if (is_cheaper) break;
+      for (const size_t edge : problem_.robust()) {
+        if (!IsLoser(edge)) heard.insert(edge);
       }
+      Restore(best);
+    }
+    return is_cheaper;
+  }
+
+  absl::Status GiveSecondChances() {
+    State best = Save();
+    const auto* supposition = std::begin(kSuppositions);
+    while (supposition != std::end(kSuppositions)) {
+      ASSIGN_OR_RETURN(const bool is_cheaper, GiveChances(*supposition, best));
+      supposition = is_cheaper ? std::begin(kSuppositions) : supposition + 1;
     }
     return absl::OkStatus();
   }
@@ -163,6 +172,7 @@ class Decision {
   PoseGraphProblem& problem_;
   std::vector<double> chi2_;  // Of all edges, after the last solve.
   std::optional<size_t> supposed_;
+  int chances_left_ = kMaxChances;
 };
 
 }  // namespace
