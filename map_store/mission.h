@@ -30,6 +30,7 @@
 
 namespace corbslam {
 struct BatchTransfer;
+struct MissionLoad;
 }  // namespace corbslam
 
 namespace corbslam::map_store {
@@ -98,11 +99,14 @@ class Mission {
   absl::StatusOr<std::vector<uint64_t>> RetractOverlap(uint64_t overlap, bool keep_apart)
       ABSL_LOCKS_EXCLUDED(writer_mutex_, mutex_);
   bool IsFusionIdle() const;
+  MissionLoad Load() const;
   bool WaitUntilFusionIdle(absl::Time deadline) const;
 
  private:
   struct Lane {
     bool busy = false;
+    // Of what runs.
+    FusionAction::Kind kind = FusionAction::Kind::kQuery;
     IslandId target;
     std::shared_ptr<std::atomic<bool>> cancelled;
   };
@@ -125,6 +129,7 @@ class Mission {
   void CountTransfer(const MapUpdateBatch& batch, const BatchTransfer* measured, double ms)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  PolicyLimits Limits() const;
   FusionSummary Summarise() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   std::optional<FusionAction> NextAction(FusionLane lane) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   // Starts the next piece of work, if there is any; true: nothing came of it, go on.

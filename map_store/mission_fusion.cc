@@ -94,12 +94,16 @@ FusionSummary Mission::Summarise() const {
   return summary;
 }
 
-std::optional<FusionAction> Mission::NextAction(FusionLane lane) const {
-  if (deleted_ || !environment_.has_worker) return std::nullopt;
+PolicyLimits Mission::Limits() const {
   PolicyLimits limits;
   limits.weld_every = environment_.options->weld_every;
   limits.adjust_every = environment_.options->adjust_every;
-  for (const FusionAction& action : DecideActions(Summarise(), limits)) {
+  return limits;
+}
+
+std::optional<FusionAction> Mission::NextAction(FusionLane lane) const {
+  if (deleted_ || !environment_.has_worker) return std::nullopt;
+  for (const FusionAction& action : DecideActions(Summarise(), Limits())) {
     if (LaneOf(action) == lane) return action;
   }
   return std::nullopt;
@@ -125,6 +129,7 @@ std::optional<FusionAction> Mission::ClaimLane(FusionLane lane_id,
     return std::nullopt;
   }
   lane.busy = true;
+  lane.kind = action->kind;
   lane.target = action->target;
   lane.cancelled = cancelled = std::make_shared<std::atomic<bool>>(false);
   return action;
