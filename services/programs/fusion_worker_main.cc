@@ -8,7 +8,9 @@
 #include "absl/strings/str_cat.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
+#include "services/programs/worker_observers.h"
 #include "services/security/flags.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
@@ -25,6 +27,7 @@ struct Flags {
   int niceness = 5;
   // Where many workers have one name, stores get to know new ones by new connections.
   double max_connection_age_s = 300;
+  ObserveFlags observe;
   double drain_s = 2;
 };
 
@@ -37,13 +40,15 @@ absl::Status LowerPriority(int niceness) {
 
 absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(LowerPriority(flags.niceness));
-  ASSIGN_OR_RETURN(const ServerSecurity security, MakeServerSecurity(flags.security));
-  ServerOptions server_options = security.server;
-  server_options.max_connection_age = absl::Seconds(flags.max_connection_age_s);
+  ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
+  security.server.max_connection_age = absl::Seconds(flags.max_connection_age_s);
+  WorkerObservers observers(flags.observe);
   const std::unique_ptr<FusionWorker> worker = MakeLocalFusionWorker(flags.worker);
-  FusionWorkerService service(worker.get(), flags.service);
+  FusionWorkerService service(observers.Watch(worker.get()), flags.service);
+  ASSIGN_OR_RETURN(const auto metrics, observers.Serve(service));
+  security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
-                   Server::Start(flags.listen, {&service}, server_options));
+                   Server::Start(flags.listen, {&service}, security.server));
   AnnounceAddress(server->address());
   WaitForStopSignal();
   server->Shutdown(absl::Seconds(flags.drain_s));
@@ -83,5 +88,6 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   corbslam::AddTlsFlags(app, flags.security);
   corbslam::AddServerFlags(app, flags.security);
+  corbslam::AddMetricsFlag(app, flags.observe);
   return corbslam::RunProgram(app, argc, argv, [&] { return corbslam::Run(flags); });
 }

@@ -84,6 +84,11 @@ void Configure(const ServerOptions& options, grpc::ServerBuilder& builder) {
   }
   // A robot that has nothing to say for long is asked again and again.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  if (options.rpc_observer != nullptr) {
+    std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> creators;
+    creators.push_back(MakeRpcInterceptors(options.rpc_observer));
+    builder.experimental().SetInterceptorCreators(std::move(creators));
+  }
 }
 
 }  // namespace
@@ -150,6 +155,10 @@ void WaitForStopSignal() {
 
 void AnnounceAddress(const std::string& address) {
   std::cout << "listening on " << address << std::endl;
+}
+
+void AnnounceMetrics(const std::string& address) {
+  std::cout << "metrics on " << address << std::endl;
 }
 
 void AnnounceFinished() { std::cout << "finished" << std::endl; }
