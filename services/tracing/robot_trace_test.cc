@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/tracing/testing/read_trace.h"
 
@@ -23,9 +24,15 @@ std::shared_ptr<const KeyframePayload> MakePayload(KeyframeId id, int64_t timest
   return payload;
 }
 
+// Of the test that runs, and no other.
+std::string TracePath() {
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  return absl::StrCat(::testing::TempDir(), "/", test->test_suite_name(), "_", test->name());
+}
+
 class RobotTraceTest : public ::testing::Test {
  protected:
-  RobotTraceTest() : path_(::testing::TempDir() + "/robot_trace_test.json") {
+  RobotTraceTest() : path_(TracePath()) {
     file_ = *TraceFile::Open(path_, "client_agent lab/alpha");
     trace_ = std::make_unique<RobotTrace>(file_.get(), "lab", "alpha");
   }

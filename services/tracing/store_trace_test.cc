@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "map_store/testing/small_mission.h"
 #include "services/tracing/testing/read_trace.h"
 
@@ -14,9 +15,15 @@ namespace {
 
 using ::testing::UnorderedElementsAre;
 
+// Of the test that runs, and no other.
+std::string TracePath() {
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  return absl::StrCat(::testing::TempDir(), "/", test->test_suite_name(), "_", test->name());
+}
+
 class StoreTraceTest : public ::testing::Test {
  protected:
-  StoreTraceTest() : path_(::testing::TempDir() + "/store_trace_test.json") {
+  StoreTraceTest() : path_(TracePath()) {
     file_ = *TraceFile::Open(path_, "map_store");
     trace_ = std::make_unique<StoreTrace>(file_.get());
   }

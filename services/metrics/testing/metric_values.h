@@ -2,7 +2,7 @@
 #ifndef CORBSLAM_SERVICES_METRICS_TESTING_METRIC_VALUES_H_
 #define CORBSLAM_SERVICES_METRICS_TESTING_METRIC_VALUES_H_
 
-#include <prometheus/collectable.h>
+#include <prometheus/metric_family.h>
 
 #include <map>
 #include <optional>
