@@ -11,6 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
+#include "services/command_line/command_line.h"
 #include "services/convert/resource_names.h"
 #include "services/corbslam/commands.h"
 #include "services/corbslam/mission_run.h"
@@ -179,7 +180,7 @@ absl::Status Run(RunArguments arguments) {
   report.mission = arguments.mission.mission;
   report.pace = arguments.mission.pace;
   report.from_frame = arguments.from_frame;
-  report.version = CORBSLAM_VERSION;
+  report.version = ProgramVersion();
   report.command = arguments.command_line;
   report.wall_s = absl::ToDoubleSeconds(absl::Now() - start);
   RETURN_IF_ERROR(WriteAll(arguments, *outcome));

@@ -1,9 +1,11 @@
 // fusion_worker: computes for map stores.
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/programs/checks.h"
 #include "services/programs/program.h"
 #include "services/security/flags.h"
 #include "services/server/server.h"
@@ -19,6 +21,10 @@ struct Flags {
   SecurityOptions security;
   double drain_s = 2;
 };
+
+std::vector<absl::Status> Check(const Flags& flags) {
+  return {CheckFlagAddress("--listen", flags.listen), MakeServerSecurity(flags.security).status()};
+}
 
 absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(const ServerSecurity security, MakeServerSecurity(flags.security));
@@ -57,5 +63,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   corbslam::AddTlsFlags(app, flags.security);
   corbslam::AddServerFlags(app, flags.security);
-  return corbslam::RunProgram(app, argc, argv, [&] { return corbslam::Run(flags); });
+  return corbslam::RunProgram(
+      app, argc, argv,
+      {[&] { return corbslam::Run(flags); }, [&] { return corbslam::Check(flags); }});
 }

@@ -5,23 +5,53 @@
 #include <signal.h>
 
 #include <exception>
+#include <iostream>
+#include <string>
 
+#include "services/command_line/command_line.h"
 #include "services/server/server.h"
 
 namespace corbslam {
+namespace {
 
-int RunProgram(CLI::App& app, int argc, char** argv, const std::function<absl::Status()>& run) {
-  app.set_config("--config", "", "File with flags, in TOML");
-  CLI11_PARSE(app, argc, argv);
+constexpr int kInvalid = 2;
+
+// A line for each thing that is wrong.
+int Validate(const Program& program, const std::string& name) {
+  bool valid = true;
+  for (const absl::Status& status : program.check()) {
+    if (!status.ok()) std::cerr << name << ": " << status.message() << "\n";
+    valid = valid && status.ok();
+  }
+  if (valid) std::cout << name << ": the configuration is valid\n";
+  return valid ? 0 : kInvalid;
+}
+
+absl::Status RunWithoutExceptions(const Program& program) {
+  try {
+    return program.run();
+  } catch (const std::exception& error) {
+    return absl::InternalError(error.what());
+  }
+}
+
+}  // namespace
+
+int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
+  bool validate_only = false;
+  app.add_flag("--validate-config", validate_only,
+               "Check all this and the files it names, and exit")
+      ->configurable(false);
+  CommandLine command_line(&app, app.get_name());
+  if (const auto exit_code = command_line.ParseOrExit(argc, argv); exit_code.has_value()) {
+    return *exit_code != 0 && validate_only ? kInvalid : *exit_code;
+  }
   FLAGS_logtostderr = true;
   google::InitGoogleLogging(argv[0]);
-  LOG(INFO) << app.get_name() << " with\n" << app.config_to_str(/*default_also=*/true);
-  absl::Status status;
-  try {
-    status = run();
-  } catch (const std::exception& error) {
-    status = absl::InternalError(error.what());
-  }
+  if (validate_only) return Validate(program, app.get_name());
+  LOG(INFO) << app.get_name() << " " << ProgramVersion() << " with\n"
+            << command_line.DescribeConfiguration();
+  const absl::Status status = RunWithoutExceptions(program);
   if (!status.ok()) LOG(ERROR) << status;
   google::ShutdownGoogleLogging();
   return status.ok() ? 0 : 1;
