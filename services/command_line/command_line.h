@@ -16,7 +16,8 @@ namespace corbslam {
 // Of all programs, as "0.1.0".
 std::string ProgramVersion();
 
-// Not thread-safe. Adds what every program has: --config, --version, --help-all.
+// Not thread-safe. Adds what every program has: --config, --version, --help-all, and, for packagers
+// and not in --help, --man-page and --completion bash|zsh.
 class CommandLine {
  public:
   // All flags and commands must have been added. Variables are called CORBSLAM_PROGRAM_FLAG. The
@@ -34,6 +35,7 @@ class CommandLine {
   std::string DescribeConfiguration();
 
  private:
+  void AddPrinters();
   void CheckEnvironment() const;
   // Where its value stands: "command line", a variable or FILE:LINE; "" for a default.
   std::string Source(const CLI::Option& option) const;
