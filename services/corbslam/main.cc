@@ -19,6 +19,9 @@ int main(int argc, char** argv) {
   CLI::App app("Several robots, one map", "corbslam");
   app.require_subcommand(1);
   corbslam::Command chosen;
+  corbslam::AddCompletionCommand(app, chosen);
+  corbslam::AddDemoCommand(app, command_line, chosen);
+  corbslam::AddDoctorCommand(app, chosen);
   corbslam::AddRunCommand(app, command_line, chosen);
   corbslam::AddMissionCommand(app, chosen);
   corbslam::AddEvalCommand(app, chosen);
