@@ -8,9 +8,4 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 out=${1:-$root/out/demo}
 source=${2:-sim:city?seed=7&length=400}
 "$root/deploy/build.sh" -DCORBSLAM_BUILD_TESTS=OFF -DCORBSLAM_BUILD_BENCHMARKS=OFF
-"$root/build/release/bin/corbslam" run --source "$source" --robots 2 --overlap 20 --pace max \
-  --out "$out"
-echo
-cat "$out/report.md"
-echo
-echo "the map: $out/map.png"
+exec "$root/build/release/bin/corbslam" demo --source "$source" --out "$out"

@@ -16,6 +16,11 @@ using Command = std::function<absl::Status()>;
 // Each sets `chosen` when its sub-command is on the command line.
 void AddMissionCommand(CLI::App& app, Command& chosen);
 void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chosen);
+// Not in --help.
+void AddCompletionCommand(CLI::App& app, Command& chosen);
+// `run` of a simulated town, with the report printed.
+void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& chosen);
+void AddDoctorCommand(CLI::App& app, Command& chosen);
 void AddEvalCommand(CLI::App& app, Command& chosen);
 void AddRenderCommand(CLI::App& app, Command& chosen);
 void AddSimulateCommand(CLI::App& app, Command& chosen);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_join.h"
+#include "services/command_line/command_line.h"
 #include "services/corbslam/commands.h"
 
 int main(int argc, char** argv) {
@@ -15,10 +16,12 @@ int main(int argc, char** argv) {
   FLAGS_logtostderr = true;
   FLAGS_minloglevel = google::GLOG_WARNING;
   const std::string command_line = absl::StrJoin(std::vector<std::string>(argv, argv + argc), " ");
-  CLI::App app("Several robots, one map");
+  CLI::App app("Several robots, one map", "corbslam");
   app.require_subcommand(1);
-  app.set_version_flag("--version", std::string(CORBSLAM_VERSION));
   corbslam::Command chosen;
+  corbslam::AddCompletionCommand(app, chosen);
+  corbslam::AddDemoCommand(app, command_line, chosen);
+  corbslam::AddDoctorCommand(app, chosen);
   corbslam::AddRunCommand(app, command_line, chosen);
   corbslam::AddMissionCommand(app, chosen);
   corbslam::AddEvalCommand(app, chosen);
@@ -27,7 +30,10 @@ int main(int argc, char** argv) {
   corbslam::AddSplitCommand(app, chosen);
   corbslam::AddTokenCommand(app, chosen);
   corbslam::AddVocabularyCommand(app, chosen);
-  CLI11_PARSE(app, argc, argv);
+  corbslam::CommandLine flags(&app, "tool");
+  if (const auto exit_code = flags.ParseOrExit(argc, argv); exit_code.has_value()) {
+    return *exit_code;
+  }
   const absl::Status status = chosen();
   if (status.ok()) return 0;
   std::fprintf(stderr, "corbslam: %s\n", status.ToString().c_str());

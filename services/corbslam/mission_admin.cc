@@ -40,25 +40,30 @@ absl::StatusOr<std::vector<v1::Mission>> MissionAdmin::List() {
   return missions;
 }
 
-absl::StatusOr<uint64_t> MissionAdmin::BackUp(const std::string& mission, const std::string& path,
-                                              const Progress& on_progress) {
-  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path));
+absl::Status MissionAdmin::ReadBackup(
+    const std::string& mission, const std::function<absl::Status(const std::string& piece)>& sink) {
   grpc::ClientContext context;
   v1::BackupMissionRequest request;
   request.set_name(MissionName(mission));
   const auto reader = stub_->BackupMission(&context, request);
-  uint64_t bytes = 0;
-  absl::Status written;
+  absl::Status taken;
   v1::BackupMissionResponse response;
-  while (written.ok() && reader->Read(&response)) {
-    written = file.Append(response.piece());
-    bytes += response.piece().size();
-    if (on_progress != nullptr) on_progress(bytes);
-  }
-  if (!written.ok()) context.TryCancel();
+  while (taken.ok() && reader->Read(&response)) taken = sink(response.piece());
+  if (!taken.ok()) context.TryCancel();
   const grpc::Status status = reader->Finish();
-  RETURN_IF_ERROR(written);
-  RETURN_IF_ERROR(ToStatus(status, "BackupMission"));
+  RETURN_IF_ERROR(taken);
+  return ToStatus(status, "BackupMission");
+}
+
+absl::StatusOr<uint64_t> MissionAdmin::BackUp(const std::string& mission, const std::string& path,
+                                              const Progress& on_progress) {
+  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path));
+  uint64_t bytes = 0;
+  RETURN_IF_ERROR(ReadBackup(mission, [&](const std::string& piece) {
+    bytes += piece.size();
+    if (on_progress != nullptr) on_progress(bytes);
+    return file.Append(piece);
+  }));
   RETURN_IF_ERROR(file.Finish());
   return bytes;
 }

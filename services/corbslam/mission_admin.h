@@ -30,6 +30,9 @@ class MissionAdmin {
   // is there under this name is whole. Returns its size in bytes.
   absl::StatusOr<uint64_t> BackUp(const std::string& mission, const std::string& path,
                                   const Progress& on_progress = nullptr);
+  // Gives the mission's backup to `sink`, piece by piece, which ends it with an error of its own.
+  absl::Status ReadBackup(const std::string& mission,
+                          const std::function<absl::Status(const std::string& piece)>& sink);
   absl::StatusOr<v1::Mission> Restore(const std::string& path, const std::string& mission,
                                       const Progress& on_progress = nullptr);
   // Local maps that went with it.

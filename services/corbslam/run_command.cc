@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <memory>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
+#include "services/command_line/command_line.h"
 #include "services/convert/resource_names.h"
 #include "services/corbslam/commands.h"
 #include "services/corbslam/mission_run.h"
@@ -179,7 +181,7 @@ absl::Status Run(RunArguments arguments) {
   report.mission = arguments.mission.mission;
   report.pace = arguments.mission.pace;
   report.from_frame = arguments.from_frame;
-  report.version = CORBSLAM_VERSION;
+  report.version = ProgramVersion();
   report.command = arguments.command_line;
   report.wall_s = absl::ToDoubleSeconds(absl::Now() - start);
   RETURN_IF_ERROR(WriteAll(arguments, *outcome));
@@ -229,6 +231,26 @@ void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chos
   run->add_option("--out", arguments->out, "Folder for all results")->capture_default_str();
   AddMissionOptions(*run, *arguments);
   run->callback([arguments, &chosen] { chosen = [arguments] { return Run(*arguments); }; });
+}
+
+void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& chosen) {
+  auto arguments = std::make_shared<RunArguments>();
+  arguments->command_line = command_line;
+  arguments->sources = {"sim:city?seed=7&length=400"};
+  arguments->out = "out/demo";
+  CLI::App* demo =
+      app.add_subcommand("demo", "Two robots map a simulated town together: try this first");
+  demo->add_option("--source", arguments->sources[0], "Another sequence, as for run")
+      ->capture_default_str();
+  demo->add_option("--out", arguments->out, "Folder for all results")->capture_default_str();
+  demo->callback([arguments, &chosen] {
+    chosen = [arguments]() -> absl::Status {
+      RETURN_IF_ERROR(Run(*arguments));
+      std::ifstream report(arguments->out + "/report.md");
+      std::cout << "\n" << report.rdbuf() << "\nthe map: " << arguments->out << "/map.png\n";
+      return absl::OkStatus();
+    };
+  });
 }
 
 }  // namespace corbslam

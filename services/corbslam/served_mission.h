@@ -37,6 +37,7 @@ struct ServedMap {
   };
   std::vector<Keyframe> keyframes;
   std::vector<Eigen::Vector3d> points;
+  std::vector<std::string> point_agents;  // Who made each of them; "" where that is not known.
 };
 
 }  // namespace corbslam

@@ -48,7 +48,11 @@ absl::Status AddIsland(const v1::WatchMapResponse::Island& island, const SlotRea
   }
   ASSIGN_OR_RETURN(const std::vector<LightMapPoint> points,
                    ReadLightPoints(island.points(), slots));
-  for (const LightMapPoint& point : points) map.points.push_back(point.position_in_local);
+  for (const LightMapPoint& point : points) {
+    map.points.push_back(point.position_in_local);
+    const auto agent = agents.find(point.id.local_map);
+    map.point_agents.push_back(agent == agents.end() ? "" : agent->second);
+  }
   return absl::OkStatus();
 }
 

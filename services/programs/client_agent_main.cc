@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/image_source.h"
@@ -15,6 +16,7 @@
 #include "services/convert/resource_names.h"
 #include "services/logging/log_fields.h"
 #include "services/programs/agent_run.h"
+#include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
@@ -60,10 +62,12 @@ absl::StatusOr<std::unique_ptr<ImageSource>> OpenFlaggedSource(const Flags& flag
   return OpenSource(spec);
 }
 
+absl::Status SpoolNeedsServer() { return absl::InvalidArgumentError("--spool-dir needs --server"); }
+
 // Null: none was asked for.
 absl::StatusOr<std::unique_ptr<Spool>> OpenFlaggedSpool(const Flags& flags) {
   if (flags.spool_dir.empty()) return nullptr;
-  if (flags.server.empty()) return absl::InvalidArgumentError("--spool-dir needs --server");
+  if (flags.server.empty()) return SpoolNeedsServer();
   ASSIGN_OR_RETURN(std::unique_ptr<SpoolFiles> files, OpenSpoolFolder(flags.spool_dir));
   SpoolOptions options;
   options.owner = AgentName(flags.mission, flags.agent);
@@ -130,6 +134,25 @@ absl::StatusOr<ServerSecurity> MakeListenSecurity(const Flags& flags) {
   return MakeServerSecurity(security, flags.mission);
 }
 
+std::vector<absl::Status> Check(const Flags& flags) {
+  std::vector<absl::Status> found = {
+      CheckNameSegment("--mission", flags.mission),
+      CheckNameSegment("--agent", flags.agent),
+      MakeUplink(flags).status(),
+      MakeListenSecurity(flags).status(),
+      CheckVocabulary(flags.vocabulary),
+      OpenFlaggedSource(flags).status(),
+  };
+  if (!flags.server.empty()) found.push_back(CheckFlagAddress("--server", flags.server));
+  if (!flags.listen.empty()) found.push_back(CheckFlagAddress("--listen", flags.listen));
+  if (!flags.spool_dir.empty()) found.push_back(CheckFolder("--spool-dir", flags.spool_dir));
+  if (!flags.spool_dir.empty() && flags.server.empty()) found.push_back(SpoolNeedsServer());
+  for (const std::string& file : {flags.stats, flags.trajectory}) {
+    if (!file.empty()) found.push_back(CheckFolderOf(file));
+  }
+  return found;
+}
+
 absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", flags.mission));
   RETURN_IF_ERROR(CheckNameSegment("--agent", flags.agent));
@@ -183,6 +206,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--pace", flags.pace, "sensor: frames that come too fast are dropped; max: wait")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, Pace>{{"sensor", Pace::kSensor}, {"max", Pace::kMax}}))
+      ->type_name("max|sensor")
       ->default_str("max");
   app.add_option("--listen", flags.listen, "HOST:PORT for other programs on the robot");
   app.add_option("--stats", flags.stats, "File to write statistics to, as JSON");
@@ -203,9 +227,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "Seconds to wait after the last frame until the map store has everything")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
-  app.add_option("--spool-dir", flags.spool_dir,
-                 "Folder for what the map store has not acknowledged and memory has no room for; "
-                 "what an earlier run left in it goes up first")
+  app.add_option(
+         "--spool-dir", flags.spool_dir,
+         "Folder for what is not acknowledged and too much for memory; outlives the program")
       ->capture_default_str();
   app.add_option("--spool-mb", flags.spool_mb, "MiB in it at most")
       ->check(CLI::Range(1, 1 << 20))
@@ -215,8 +239,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str();
   app.add_flag("--stay", flags.stay,
-               "Then say \"finished\" and stay connected, and take in what others made, until "
-               "SIGTERM");
+               "At the end say \"finished\" and stay connected until SIGTERM");
   AddTlsFlags(app, flags.security);
   AddServerFlags(app, flags.security);
   AddClientFlags(app, flags.security);
@@ -234,5 +257,7 @@ int main(int argc, char** argv) {
   corbslam::Flags flags;
   CLI::App app("One robot of a shared exploration", "client_agent");
   corbslam::AddFlags(app, flags);
-  return corbslam::RunProgram(app, argc, argv, [&] { return corbslam::Run(flags); });
+  return corbslam::RunProgram(
+      app, argc, argv,
+      {[&] { return corbslam::Run(flags); }, [&] { return corbslam::Check(flags); }});
 }

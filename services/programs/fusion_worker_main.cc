@@ -4,10 +4,12 @@
 #include <cerrno>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/programs/checks.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
 #include "services/programs/worker_observers.h"
@@ -36,6 +38,10 @@ absl::Status LowerPriority(int niceness) {
   if (getpriority(PRIO_PROCESS, 0) >= niceness) return absl::OkStatus();
   if (setpriority(PRIO_PROCESS, 0, niceness) == 0) return absl::OkStatus();
   return absl::ErrnoToStatus(errno, absl::StrCat("--niceness ", niceness));
+}
+
+std::vector<absl::Status> Check(const Flags& flags) {
+  return {CheckFlagAddress("--listen", flags.listen), MakeServerSecurity(flags.security).status()};
 }
 
 absl::Status Run(const Flags& flags) {
@@ -89,5 +95,7 @@ int main(int argc, char** argv) {
   corbslam::AddTlsFlags(app, flags.security);
   corbslam::AddServerFlags(app, flags.security);
   corbslam::AddMetricsFlag(app, flags.observe);
-  return corbslam::RunProgram(app, argc, argv, [&] { return corbslam::Run(flags); });
+  return corbslam::RunProgram(
+      app, argc, argv,
+      {[&] { return corbslam::Run(flags); }, [&] { return corbslam::Check(flags); }});
 }

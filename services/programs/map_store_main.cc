@@ -11,6 +11,7 @@
 #include "map_store/durable/rocks_journal.h"
 #include "map_store/map_store.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/limit_flags.h"
 #include "services/programs/observe_flags.h"
@@ -71,6 +72,22 @@ absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const Flags& flags) {
   return RocksJournal::Open(options);
 }
 
+std::vector<absl::Status> Check(const Flags& flags) {
+  std::vector<absl::Status> found = {
+      flags.store.Validate(),
+      flags.service.streams.Validate(),
+      CheckFlagAddress("--listen", flags.listen),
+      MakeServerSecurity(flags.security).status(),
+      MakeWorker(flags).status(),
+      CheckVocabulary(flags.vocabulary),
+  };
+  for (const std::string& worker : flags.workers) {
+    found.push_back(CheckFlagAddress("--worker", worker));
+  }
+  if (!flags.data_dir.empty()) found.push_back(CheckFolder("--data-dir", flags.data_dir));
+  return found;
+}
+
 absl::Status Run(Flags flags) {
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
@@ -108,7 +125,8 @@ absl::Status Run(Flags flags) {
 void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--listen", flags.listen, "HOST:PORT to serve on; port 0: any free one")
       ->capture_default_str();
-  app.add_option("--worker", flags.workers, "HOST:PORT of a fusion worker; may be repeated");
+  app.add_option("--worker", flags.workers, "HOST:PORT of a fusion worker; may be repeated")
+      ->delimiter(',');
   app.add_flag("--in-process-worker", flags.in_process_worker, "Fuse in this process");
   app.add_option("--data-dir", flags.data_dir,
                  "Folder that keeps the missions; made if it is not there. Without: in memory");
@@ -158,5 +176,7 @@ int main(int argc, char** argv) {
   corbslam::Flags flags;
   CLI::App app("Collects the maps of agents, has them fused, and shares the result", "map_store");
   corbslam::AddFlags(app, flags);
-  return corbslam::RunProgram(app, argc, argv, [&] { return corbslam::Run(flags); });
+  return corbslam::RunProgram(
+      app, argc, argv,
+      {[&] { return corbslam::Run(flags); }, [&] { return corbslam::Check(flags); }});
 }

@@ -5,9 +5,11 @@
 #include <signal.h>
 
 #include <exception>
+#include <iostream>
 #include <map>
 #include <string>
 
+#include "services/command_line/command_line.h"
 #include "services/logging/log_format.h"
 #include "services/server/server.h"
 
@@ -21,21 +23,45 @@ void AddLogFlag(CLI::App& app, LogFormat& format) {
       ->default_str("text");
 }
 
+constexpr int kInvalid = 2;
+
+// A line for each thing that is wrong.
+int Validate(const Program& program, const std::string& name) {
+  bool valid = true;
+  for (const absl::Status& status : program.check()) {
+    if (!status.ok()) std::cerr << name << ": " << status.message() << "\n";
+    valid = valid && status.ok();
+  }
+  if (valid) std::cout << name << ": the configuration is valid\n";
+  return valid ? 0 : kInvalid;
+}
+
+absl::Status RunWithoutExceptions(const Program& program) {
+  try {
+    return program.run();
+  } catch (const std::exception& error) {
+    return absl::InternalError(error.what());
+  }
+}
+
 }  // namespace
 
-int RunProgram(CLI::App& app, int argc, char** argv, const std::function<absl::Status()>& run) {
-  app.set_config("--config", "", "File with flags, in TOML");
+int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
   LogFormat format = LogFormat::kText;
   AddLogFlag(app, format);
-  CLI11_PARSE(app, argc, argv);
-  StartLogging(argv[0], format);
-  LOG(INFO) << app.get_name() << " with\n" << app.config_to_str(/*default_also=*/true);
-  absl::Status status;
-  try {
-    status = run();
-  } catch (const std::exception& error) {
-    status = absl::InternalError(error.what());
+  bool validate_only = false;
+  app.add_flag("--validate-config", validate_only,
+               "Check all this and the files it names, and exit")
+      ->configurable(false);
+  CommandLine command_line(&app, app.get_name());
+  if (const auto exit_code = command_line.ParseOrExit(argc, argv); exit_code.has_value()) {
+    return *exit_code != 0 && validate_only ? kInvalid : *exit_code;
   }
+  StartLogging(argv[0], format);
+  if (validate_only) return Validate(program, app.get_name());
+  LOG(INFO) << app.get_name() << " " << ProgramVersion() << " with\n"
+            << command_line.DescribeConfiguration();
+  const absl::Status status = RunWithoutExceptions(program);
   if (!status.ok()) LOG(ERROR) << status;
   EndLogging();
   return status.ok() ? 0 : 1;

@@ -5,16 +5,25 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <thread>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/synchronization/notification.h"
 
 namespace corbslam {
 
-// Parses flags into what `app` is bound to, logs the effective configuration, and runs. The exit
-// code is 0, 1 (logged to standard error) or CLI11's for bad flags. Every flag can also stand in a
-// file that --config names.
-int RunProgram(CLI::App& app, int argc, char** argv, const std::function<absl::Status()>& run);
+struct Program {
+  // Until it is told to stop, or its work is done.
+  std::function<absl::Status()> run;
+  // Everything that `run` would refuse before it starts, the files that flags name included; OK
+  // ones count for nothing. Starts and changes nothing.
+  std::function<std::vector<absl::Status>()> check;
+};
+
+// Parses flags into what `app` is bound to (services/command_line), logs the effective
+// configuration, and runs. The exit code is 0, 1 (logged to standard error) or CLI11's for bad
+// flags. With --validate-config it only checks: 0, or 2 with a line for each thing that is wrong.
+int RunProgram(CLI::App& app, int argc, char** argv, const Program& program);
 
 // Hears SIGTERM and SIGINT, which must be blocked (BlockStopSignals), as long as it lives.
 class StopWatcher {

@@ -10,6 +10,7 @@ void AddSwitch(CLI::App& app, const std::string& flag, bool& value, const std::s
                const std::string& off, const std::string& what) {
   app.add_option(flag, value, what)
       ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{on, true}, {off, false}}))
+      ->type_name(on + "|" + off)
       ->default_str(on);
 }
 

@@ -39,19 +39,6 @@ class WithoutReflection : public grpc::ServerBuilderOption {
   }
 };
 
-// gRPC takes ports modulo 65536.
-absl::Status CheckAddress(const std::string& address) {
-  const size_t colon = address.rfind(':');
-  int port = 0;
-  if (address.empty() ||
-      (colon != std::string::npos && absl::SimpleAtoi(address.substr(colon + 1), &port) &&
-       port >= 0 && port <= 65535)) {
-    return absl::OkStatus();
-  }
-  return absl::InvalidArgumentError(
-      absl::StrCat("address is \"", address, "\", must be HOST:PORT with a port of 0 to 65535"));
-}
-
 sigset_t StopSignals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -93,10 +80,22 @@ void Configure(const ServerOptions& options, grpc::ServerBuilder& builder) {
 
 }  // namespace
 
+// gRPC takes ports modulo 65536.
+absl::Status CheckAddress(const std::string& address) {
+  const size_t colon = address.rfind(':');
+  int port = 0;
+  if (colon != std::string::npos && absl::SimpleAtoi(address.substr(colon + 1), &port) &&
+      port >= 0 && port <= 65535) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("address is \"", address, "\", must be HOST:PORT with a port of 0 to 65535"));
+}
+
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const std::string& address,
                                                       const std::vector<grpc::Service*>& services,
                                                       const ServerOptions& options) {
-  RETURN_IF_ERROR(CheckAddress(address));
+  if (!address.empty()) RETURN_IF_ERROR(CheckAddress(address));
   RegisterPlugins();
   KeepCallbackThreads();
   grpc::ServerBuilder builder;

@@ -18,15 +18,21 @@ struct Flags {
   std::string address;
   std::string method;
   std::string request = "{}";
+  bool omit_defaults = false;
+  double max_time_s = 0;
   SecurityOptions security;
 };
 
 absl::Status Ask(const Flags& flags) {
   ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
   GenericClient client(MakeChannel(flags.address, credentials));
-  ASSIGN_OR_RETURN(
-      const std::vector<std::string> answers,
-      flags.method.empty() ? client.ListServices() : client.Call(flags.method, flags.request));
+  GenericCallOptions options;
+  options.defaults = !flags.omit_defaults;
+  options.may_be_cut = flags.max_time_s > 0;
+  if (options.may_be_cut) options.max_time = absl::Seconds(flags.max_time_s);
+  ASSIGN_OR_RETURN(const std::vector<std::string> answers,
+                   flags.method.empty() ? client.ListServices()
+                                        : client.Call(flags.method, flags.request, options));
   for (const std::string& answer : answers) std::cout << answer << "\n";
   return absl::OkStatus();
 }
@@ -43,6 +49,8 @@ int main(int argc, char** argv) {
   app.add_option("address", flags.address, "HOST:PORT")->required();
   app.add_option("method", flags.method, "PACKAGE.SERVICE/METHOD; without: lists the services");
   app.add_option("request", flags.request, "JSON")->capture_default_str();
+  app.add_flag("--omit-defaults", flags.omit_defaults, "Leave out fields with default values");
+  app.add_option("--max-time", flags.max_time_s, "Seconds after which a stream's answer is whole");
   corbslam::AddTlsFlags(app, flags.security);
   corbslam::AddClientFlags(app, flags.security);
   CLI11_PARSE(app, argc, argv);

@@ -7,11 +7,11 @@
 #include <grpcpp/completion_queue.h>
 #include <grpcpp/generic/generic_stub.h>
 
-#include <chrono>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "absl/time/clock.h"
 #include "reflection.pb.h"
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
@@ -39,11 +39,12 @@ std::string ToString(const grpc::ByteBuffer& buffer) {
 // One message up, all messages down.
 absl::StatusOr<std::vector<std::string>> CallBytes(const std::shared_ptr<grpc::Channel>& channel,
                                                    const std::string& path,
-                                                   const std::string& request) {
+                                                   const std::string& request,
+                                                   const GenericCallOptions& options = {}) {
   grpc::GenericStub stub(channel);
   grpc::CompletionQueue queue;
   grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(30));
+  context.set_deadline(absl::ToChronoTime(absl::Now() + options.max_time));
   const auto call = stub.PrepareCall(&context, path, &queue);
   // One operation at a time, so that what comes next is always its end.
   const auto wait = [&queue] {
@@ -70,7 +71,8 @@ absl::StatusOr<std::vector<std::string>> CallBytes(const std::shared_ptr<grpc::C
   queue.Shutdown();
   while (wait()) {
   }
-  RETURN_IF_ERROR(FromGrpcStatus(status));
+  const bool cut = status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
+  if (!cut || !options.may_be_cut) RETURN_IF_ERROR(FromGrpcStatus(status));
   return responses;
 }
 
@@ -140,8 +142,21 @@ absl::StatusOr<std::vector<std::string>> GenericClient::ListServices() {
   return names;
 }
 
+absl::StatusOr<std::vector<std::string>> GenericClient::ListMethods(const std::string& service) {
+  const google::protobuf::ServiceDescriptor* descriptor = pool_.FindServiceByName(service);
+  if (descriptor == nullptr) {
+    return absl::NotFoundError(absl::StrCat("the server has no service ", service));
+  }
+  std::vector<std::string> names;
+  for (int i = 0; i < descriptor->method_count(); ++i) {
+    names.push_back(descriptor->method(i)->name());
+  }
+  return names;
+}
+
 absl::StatusOr<std::vector<std::string>> GenericClient::Call(const std::string& method,
-                                                             const std::string& request_json) {
+                                                             const std::string& request_json,
+                                                             const GenericCallOptions& options) {
   const google::protobuf::MethodDescriptor* descriptor =
       pool_.FindMethodByName(absl::StrReplaceAll(method, {{"/", "."}}));
   if (descriptor == nullptr) {
@@ -151,19 +166,20 @@ absl::StatusOr<std::vector<std::string>> GenericClient::Call(const std::string& 
       factory_.GetPrototype(descriptor->input_type())->New());
   const auto parsed = google::protobuf::util::JsonStringToMessage(request_json, request.get());
   if (!parsed.ok()) return absl::InvalidArgumentError(parsed.ToString());
-  ASSIGN_OR_RETURN(const std::vector<std::string> answers,
-                   CallBytes(channel_, absl::StrCat("/", method), request->SerializeAsString()));
+  ASSIGN_OR_RETURN(
+      const std::vector<std::string> answers,
+      CallBytes(channel_, absl::StrCat("/", method), request->SerializeAsString(), options));
   std::vector<std::string> responses;
   for (const std::string& answer : answers) {
     const std::unique_ptr<google::protobuf::Message> response(
         factory_.GetPrototype(descriptor->output_type())->New());
     if (!response->ParseFromString(answer)) return absl::DataLossError("an unreadable response");
-    google::protobuf::util::JsonPrintOptions options;
-    options.add_whitespace = true;
-    options.always_print_primitive_fields = true;
+    google::protobuf::util::JsonPrintOptions print;
+    print.add_whitespace = true;
+    print.always_print_primitive_fields = options.defaults;
     responses.emplace_back();
     const auto printed =
-        google::protobuf::util::MessageToJsonString(*response, &responses.back(), options);
+        google::protobuf::util::MessageToJsonString(*response, &responses.back(), print);
     if (!printed.ok()) return absl::DataLossError(printed.ToString());
   }
   return responses;

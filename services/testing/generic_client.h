@@ -11,8 +11,18 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 
 namespace corbslam {
+
+struct GenericCallOptions {
+  absl::Duration max_time = absl::Seconds(30);
+  // What came within `max_time` is the answer, for streams that don't end; else it is
+  // DEADLINE_EXCEEDED.
+  bool may_be_cut = false;
+  // Fields that have their default value are printed, too.
+  bool defaults = true;
+};
 
 // Not thread-safe. All calls block.
 class GenericClient {
@@ -22,9 +32,12 @@ class GenericClient {
 
   // Full names.
   absl::StatusOr<std::vector<std::string>> ListServices();
+  // Of one service, "corbslam.v1.MapStore"; their names alone. NOT_FOUND: the server has none such.
+  absl::StatusOr<std::vector<std::string>> ListMethods(const std::string& service);
   // `method` as "corbslam.v1.MapStore/GetMission"; the request and each response as JSON.
   absl::StatusOr<std::vector<std::string>> Call(const std::string& method,
-                                                const std::string& request_json);
+                                                const std::string& request_json,
+                                                const GenericCallOptions& options = {});
 
  private:
   const std::shared_ptr<grpc::Channel> channel_;

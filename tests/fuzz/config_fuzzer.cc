@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "services/command_line/command_line.h"
 #include "services/programs/limit_flags.h"
 #include "tests/fuzz/fuzz_files.h"
 #include "tests/fuzz/messages.h"
@@ -21,13 +22,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   app.add_option("--listen", address);
   app.add_option("--worker", workers);
   app.add_flag("--insecure", insecure);
-  app.set_config("--config", "", "File with flags, in TOML");
+  CommandLine command_line(&app, "program");
+  const std::string config = "--config=" + path;
+  const char* const arguments[] = {"program", config.c_str()};
   try {
-    app.parse(std::vector<std::string>{"--config=" + path});
-    (void)app.config_to_str(/*default_also=*/true);
+    command_line.Parse(2, arguments);
+    (void)command_line.DescribeConfiguration();
     (void)store.Validate();
   } catch (const CLI::Error&) {
-    // As CLI11_PARSE; anything else would end the program without a word.
+    // As ParseOrExit; anything else would end the program without a word.
   }
   return 0;
 }

@@ -1,0 +1,74 @@
+# What is installed where, and as which part: common (the tool, the vocabulary, documents), server
+# and robot.
+include(GNUInstallDirs)
+
+# Only what is installed is built for it.
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY TRUE)
+set(CORBSLAM_DOCUMENTS "${CMAKE_BINARY_DIR}/documents")
+file(MAKE_DIRECTORY "${CORBSLAM_DOCUMENTS}")
+find_program(GZIP_PROGRAM gzip REQUIRED)
+
+# Programs say themselves what is in their manuals and completions.
+function(corbslam_install_program NAME PART)
+  set(PREFIX "${CORBSLAM_DOCUMENTS}/${NAME}")
+  add_custom_command(
+    OUTPUT "${PREFIX}.1.gz" "${PREFIX}.bash" "${PREFIX}.zsh"
+    COMMAND "$<TARGET_FILE:${NAME}>" --man-page > "${PREFIX}.1"
+    COMMAND "${GZIP_PROGRAM}" -9nf "${PREFIX}.1"
+    COMMAND "$<TARGET_FILE:${NAME}>" --completion bash > "${PREFIX}.bash"
+    COMMAND "$<TARGET_FILE:${NAME}>" --completion zsh > "${PREFIX}.zsh"
+    DEPENDS ${NAME})
+  add_custom_target(${NAME}_documents ALL
+                    DEPENDS "${PREFIX}.1.gz" "${PREFIX}.bash" "${PREFIX}.zsh")
+  add_dependencies(installed ${NAME} ${NAME}_documents)
+  install(TARGETS ${NAME} RUNTIME COMPONENT ${PART})
+  install(FILES "${PREFIX}.1.gz" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT ${PART})
+  install(FILES "${PREFIX}.bash" RENAME ${NAME}
+          DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" COMPONENT ${PART})
+  install(FILES "${PREFIX}.zsh" RENAME _${NAME}
+          DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions" COMPONENT ${PART})
+endfunction()
+
+# A Debian package's own papers.
+function(corbslam_install_papers PART)
+  set(FOLDER "${CMAKE_INSTALL_DATADIR}/doc/corbslam-${PART}")
+  install(FILES "${CMAKE_SOURCE_DIR}/deploy/debian/copyright" DESTINATION "${FOLDER}"
+          COMPONENT ${PART})
+  install(FILES "${CORBSLAM_DOCUMENTS}/changelog.gz" DESTINATION "${FOLDER}" COMPONENT ${PART})
+endfunction()
+
+add_custom_command(
+  OUTPUT "${CORBSLAM_DOCUMENTS}/changelog.gz"
+  COMMAND "${GZIP_PROGRAM}" -9nc "${CMAKE_SOURCE_DIR}/deploy/debian/changelog"
+          > "${CORBSLAM_DOCUMENTS}/changelog.gz"
+  DEPENDS "${CMAKE_SOURCE_DIR}/deploy/debian/changelog")
+add_custom_target(changelog ALL DEPENDS "${CORBSLAM_DOCUMENTS}/changelog.gz")
+# Everything that `cmake --install` wants to be there.
+add_custom_target(installed DEPENDS changelog)
+
+corbslam_install_program(corbslam common)
+corbslam_install_program(map_store server)
+corbslam_install_program(fusion_worker server)
+corbslam_install_program(client_agent robot)
+foreach(PART common server robot)
+  corbslam_install_papers(${PART})
+endforeach()
+
+install(FILES "${CMAKE_SOURCE_DIR}/slam/vocabulary/data/corbslam.voc"
+        DESTINATION "${CMAKE_INSTALL_DATADIR}/corbslam" COMPONENT common)
+install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs/" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/corbslam"
+        COMPONENT common FILES_MATCHING PATTERN "*.md")
+install(FILES deploy/systemd/map_store.service deploy/systemd/fusion_worker.service
+        DESTINATION lib/systemd/system COMPONENT server)
+install(FILES deploy/systemd/client_agent@.service DESTINATION lib/systemd/system COMPONENT robot)
+# Beside /usr where that is the prefix, as the units have it; else below the prefix.
+install(CODE [[
+  set(FOLDER "${CMAKE_INSTALL_PREFIX}/etc/corbslam")
+  if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
+    set(FOLDER "/etc/corbslam")
+  endif()]] COMPONENT server)
+install(CODE "file(INSTALL \"${CMAKE_SOURCE_DIR}/deploy/systemd/map_store.env\"
+                   \"${CMAKE_SOURCE_DIR}/deploy/systemd/fusion_worker.env\"
+                   DESTINATION \"\${FOLDER}\")" COMPONENT server)
+install(FILES deploy/systemd/client_agent-alpha.env
+        DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/corbslam-robot/examples" COMPONENT robot)

@@ -1,0 +1,48 @@
+# Debian packages: cpack -G DEB. corbslam-common, corbslam-server and corbslam-robot.
+set(CPACK_PACKAGE_NAME corbslam)
+set(CPACK_PACKAGE_VENDOR "CORB-SLAM")
+set(CPACK_PACKAGE_CONTACT "CORB-SLAM maintainers <maintainers@corbslam.invalid>")
+set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
+set(CPACK_GENERATOR DEB)
+set(CPACK_COMPONENTS_ALL common server robot)
+set(CPACK_STRIP_FILES ON)
+# Some files are in /etc.
+set(CPACK_INSTALL_PREFIX /usr)
+set(CPACK_SET_DESTDIR ON)
+
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+# The first line is the short description.
+set(CPACK_COMPONENT_COMMON_DESCRIPTION
+    "visual SLAM of several robots: the tool and what all share\n\
+The corbslam tool runs, simulates, measures, draws and administers missions. Here\n\
+are also the vocabulary and the documents.")
+set(CPACK_COMPONENT_SERVER_DESCRIPTION
+    "visual SLAM of several robots: the servers\n\
+The map store keeps every robot's map and has them fused; fusion workers verify\n\
+overlaps, fuse maps and adjust bundles. With systemd units, not enabled.")
+set(CPACK_COMPONENT_ROBOT_DESCRIPTION
+    "visual SLAM of several robots: what runs on each\n\
+The client agent tracks, maps and closes loops, and streams its map to a map\n\
+store. With a systemd unit for each robot's name, not enabled.")
+foreach(PART COMMON SERVER ROBOT)
+  string(TOLOWER ${PART} NAME)
+  set(CPACK_DEBIAN_${PART}_PACKAGE_NAME "corbslam-${NAME}")
+endforeach()
+set(CPACK_DEBIAN_SERVER_PACKAGE_DEPENDS "corbslam-common (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_ROBOT_PACKAGE_DEPENDS "corbslam-common (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_COMMON_PACKAGE_SUGGESTS "corbslam-server, corbslam-robot")
+set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
+    "${CMAKE_SOURCE_DIR}/deploy/debian/server/conffiles"
+    "${CMAKE_SOURCE_DIR}/deploy/debian/server/postinst"
+    "${CMAKE_SOURCE_DIR}/deploy/debian/server/prerm"
+    "${CMAKE_SOURCE_DIR}/deploy/debian/server/postrm")
+set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_EXTRA
+    "${CMAKE_SOURCE_DIR}/deploy/debian/robot/postinst"
+    "${CMAKE_SOURCE_DIR}/deploy/debian/robot/prerm"
+    "${CMAKE_SOURCE_DIR}/deploy/debian/robot/postrm")
+include(CPack)

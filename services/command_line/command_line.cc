@@ -1,0 +1,139 @@
+#include "services/command_line/command_line.h"
+
+#include <cstdlib>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "services/command_line/completion.h"
+#include "services/command_line/environment.h"
+#include "services/command_line/help_formatter.h"
+#include "services/command_line/man_page.h"
+
+namespace corbslam {
+namespace {
+
+std::string GetVariable(const std::string& name) {
+  const char* value = name.empty() ? nullptr : std::getenv(name.c_str());
+  return value == nullptr ? "" : value;
+}
+
+void SetFormatter(CLI::App& app, const std::shared_ptr<HelpFormatter>& formatter) {
+  app.formatter(formatter);
+  for (CLI::App* command : app.get_subcommands(nullptr)) SetFormatter(*command, formatter);
+}
+
+// The flag's name, and not only the beginning of a longer one.
+bool Names(const std::string& message, const CLI::Option& option) {
+  if (option.get_lnames().empty()) return false;
+  const std::string flag = "--" + option.get_lnames()[0];
+  const size_t at = message.find(flag);
+  if (at == std::string::npos) return false;
+  const size_t end = at + flag.size();
+  return end == message.size() || (message[end] != '-' && std::isalnum(message[end]) == 0);
+}
+
+bool HasRareFlags(const CLI::App& app) {
+  for (const std::string& group : app.get_groups()) {
+    if (group == kRareGroup) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string ProgramVersion() { return CORBSLAM_VERSION; }
+
+CommandLine::CommandLine(CLI::App* app, const std::string& program)
+    : app_(app), prefix_(EnvironmentPrefix(program)), file_(std::make_shared<ConfigFile>(app)) {
+  const std::string path = GetVariable(prefix_ + "CONFIG");
+  app_->set_config("--config", path, "File with flags, in TOML: name = value", !path.empty())
+      ->type_name("FILE")
+      ->configurable(false);
+  app_->config_formatter(file_);
+  app_->allow_config_extras(CLI::config_extras_mode::error);
+  app_->set_version_flag("--version", ProgramVersion(), "Print the version and exit")
+      ->configurable(false);
+  app_->set_help_flag("-h,--help", "Print this and exit")->configurable(false);
+  if (HasRareFlags(*app_)) {
+    app_->set_help_all_flag("--help-all", "With the limits, too")->configurable(false);
+  }
+  app_->footer(absl::StrCat("\nFlags count before environment variables (", prefix_,
+                            "FLAG for --flag, dashes as\nunderscores), those before the file of "
+                            "--config, that before the [defaults]."));
+  AddPrinters();
+  SetFormatter(*app_, std::make_shared<HelpFormatter>());
+  ReadFromEnvironment(*app_, prefix_);
+}
+
+void CommandLine::AddPrinters() {
+  const auto print = [](const std::string& text) { throw CLI::CallForVersion(text, 0); };
+  app_->add_flag_callback("--man-page",
+                          [=, this] { print(FormatManPage(*app_, prefix_, ProgramVersion())); })
+      ->group("")
+      ->configurable(false);
+  app_->add_option_function<std::string>(
+          "--completion",
+          [=, this](const std::string& shell) {
+            print(shell == "zsh" ? ZshCompletion(*app_) : BashCompletion(*app_));
+          })
+      ->check(CLI::IsMember({"bash", "zsh"}))
+      ->group("")
+      ->configurable(false);
+}
+
+void CommandLine::CheckEnvironment() const {
+  const std::string unknown = DescribeUnknownVariables(*app_, prefix_);
+  if (!unknown.empty()) throw CLI::ConfigError(unknown);
+}
+
+void CommandLine::Parse(int argc, const char* const* argv) {
+  try {
+    app_->parse(argc, argv);
+    CheckEnvironment();
+  } catch (const CLI::Success&) {
+    throw;
+  } catch (const CLI::ParseError& error) {
+    const std::string sources = SourcesOf(error.what());
+    if (sources.empty()) throw;
+    throw CLI::ParseError(absl::StrCat(error.what(), " (", sources, ")"), error.get_exit_code());
+  }
+}
+
+std::optional<int> CommandLine::ParseOrExit(int argc, const char* const* argv) {
+  try {
+    Parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app_->exit(error);
+  }
+  return std::nullopt;
+}
+
+std::string CommandLine::Source(const CLI::Option& option) const {
+  if (option.get_lnames().empty() || !option.get_configurable()) return "";
+  const auto place = file_->places().find(option.get_lnames()[0]);
+  if (place != file_->places().end() && option.count() > 0) return place->second;
+  const std::string value = GetVariable(option.get_envname());
+  if (!value.empty() && absl::StrJoin(option.results(), ",") == value) return option.get_envname();
+  return option.count() > 0 ? "command line" : "";
+}
+
+std::string CommandLine::SourcesOf(const std::string& message) {
+  std::vector<std::string> sources;
+  ForEachOption(*app_, [&](CLI::App&, CLI::Option& option) {
+    const std::string source = Names(message, option) ? Source(option) : "";
+    if (!source.empty() && source != "command line") sources.push_back(source);
+  });
+  return absl::StrJoin(sources, ", ");
+}
+
+std::string CommandLine::DescribeConfiguration() {
+  std::vector<std::string> set;
+  ForEachOption(*app_, [&](CLI::App&, CLI::Option& option) {
+    const std::string source = Source(option);
+    if (!source.empty()) set.push_back(absl::StrCat("--", option.get_lnames()[0], ": ", source));
+  });
+  return absl::StrCat(app_->config_to_str(/*default_also=*/true), "set by ",
+                      set.empty() ? "nothing" : absl::StrJoin(set, "; "));
+}
+
+}  // namespace corbslam

@@ -1,0 +1,16 @@
+// A program's page for man, made from its flags.
+#ifndef CORBSLAM_SERVICES_COMMAND_LINE_MAN_PAGE_H_
+#define CORBSLAM_SERVICES_COMMAND_LINE_MAN_PAGE_H_
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace corbslam {
+
+// Section 1, for troff's man macros. Defaults that are paths are left out: they are this machine's.
+std::string FormatManPage(const CLI::App& app, const std::string& environment_prefix,
+                          const std::string& version);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_COMMAND_LINE_MAN_PAGE_H_

@@ -1,0 +1,71 @@
+#include "services/corbslam/mission_summary.h"
+
+#include <chrono>
+
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "services/convert/resource_names.h"
+#include "services/corbslam/call_status.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr absl::Duration kCallTimeout = absl::Seconds(60);
+
+void SetDeadline(grpc::ClientContext& context) {
+  context.set_deadline(absl::ToChronoTime(absl::Now() + kCallTimeout));
+}
+
+// Calls `list(context, request, response)` until the last page; `take` gets each.
+template <typename Request, typename Response, typename List, typename Take>
+absl::Status ReadPages(const std::string& parent, const char* call, const List& list,
+                       const Take& take) {
+  Request request;
+  request.set_parent(parent);
+  do {
+    grpc::ClientContext context;
+    SetDeadline(context);
+    Response response;
+    RETURN_IF_ERROR(ToStatus(list(&context, request, &response), call));
+    take(response);
+    request.set_page_token(response.next_page_token());
+  } while (!request.page_token().empty());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<MissionSummary> ReadSummary(const std::shared_ptr<grpc::Channel>& channel,
+                                           const std::string& mission) {
+  const auto stub = v1::MapStore::NewStub(channel);
+  const std::string name = MissionName(mission);
+  MissionSummary summary;
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::GetMissionRequest request;
+  request.set_name(name);
+  RETURN_IF_ERROR(ToStatus(stub->GetMission(&context, request, &summary.mission), "GetMission"));
+  RETURN_IF_ERROR((ReadPages<v1::ListAgentsRequest, v1::ListAgentsResponse>(
+      name, "ListAgents", [&](const auto&... arguments) { return stub->ListAgents(arguments...); },
+      [&](const v1::ListAgentsResponse& page) {
+        summary.agents.insert(summary.agents.end(), page.agents().begin(), page.agents().end());
+      })));
+  RETURN_IF_ERROR((ReadPages<v1::ListLocalMapsRequest, v1::ListLocalMapsResponse>(
+      name, "ListLocalMaps",
+      [&](const auto&... arguments) { return stub->ListLocalMaps(arguments...); },
+      [&](const v1::ListLocalMapsResponse& page) {
+        summary.local_maps.insert(summary.local_maps.end(), page.local_maps().begin(),
+                                  page.local_maps().end());
+      })));
+  RETURN_IF_ERROR((ReadPages<v1::ListOverlapsRequest, v1::ListOverlapsResponse>(
+      name, "ListOverlaps",
+      [&](const auto&... arguments) { return stub->ListOverlaps(arguments...); },
+      [&](const v1::ListOverlapsResponse& page) {
+        summary.overlaps.insert(summary.overlaps.end(), page.overlaps().begin(),
+                                page.overlaps().end());
+      })));
+  return summary;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,138 @@
+#include "services/doctor/local_checks.h"
+
+#include <sys/timex.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client_agent/source/frame_reader.h"
+#include "slam/util/status_macros.h"
+#include "slam/vocabulary/vocabulary.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMiB = uint64_t{1} << 20;
+constexpr uint64_t kLittle = 1024 * kMiB;
+constexpr uint64_t kTooLittle = 64 * kMiB;
+
+// When the program was written to this disk.
+absl::StatusOr<absl::Time> TimeOfProgram() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (error) return absl::UnavailableError("/proc/self/exe can't be read");
+  const auto written = fs::last_write_time(program, error);
+  if (error) return absl::UnavailableError(program.string() + " can't be read");
+  return absl::FromChrono(std::chrono::file_clock::to_sys(written));
+}
+
+// The kernel knows whether anybody corrects its clock.
+bool IsSynchronised() {
+  timex state = {};
+  return adjtimex(&state) != TIME_ERROR;
+}
+
+absl::Status LoadVocabulary(const std::string& path) {
+  ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(path));
+  return vocabulary->Verify();
+}
+
+absl::StatusOr<size_t> ReadEnds(const std::string& source) {
+  ASSIGN_OR_RETURN(const SourceSpec spec, ParseSourceSpec(source));
+  ASSIGN_OR_RETURN(const auto reader, OpenReader(spec));
+  const size_t frames = reader->frame_count();
+  if (frames == 0) return absl::NotFoundError("it has no frames");
+  for (const size_t frame : {size_t{0}, frames - 1}) RETURN_IF_ERROR(reader->Read(frame).status());
+  return frames;
+}
+
+fs::path NearestThere(const std::string& path) {
+  std::error_code error;
+  fs::path there = fs::absolute(path, error);
+  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  return there;
+}
+
+bool CanMakeFile(const fs::path& folder) {
+  std::string name = (folder / ".corbslam_doctor_XXXXXX").string();
+  const int file = mkstemp(name.data());
+  if (file < 0) return false;
+  const bool good = write(file, "x", 1) == 1;
+  close(file);
+  unlink(name.c_str());
+  return good;
+}
+
+Finding CheckSpace(const fs::path& folder) {
+  std::error_code error;
+  const uint64_t free = fs::space(folder, error).available;
+  if (error) {
+    return {Level::kFail, "free space", absl::StrCat(folder.string(), ": ", error.message()),
+            "give --data-dir a folder of this machine's disks"};
+  }
+  const std::string text =
+      absl::StrFormat("%.1f GB free at %s", 1e-9 * static_cast<double>(free), folder.string());
+  if (free >= kLittle) return {Level::kOk, "free space", text, ""};
+  return {free < kTooLittle ? Level::kFail : Level::kWarn, "free space", text,
+          "make room: with less than --min-free-mb (64) a store tells robots to wait"};
+}
+
+}  // namespace
+
+Findings CheckClock(absl::Time now) {
+  Findings findings;
+  const absl::StatusOr<absl::Time> made = TimeOfProgram();
+  const std::string text = absl::FormatTime(absl::RFC3339_sec, now, absl::UTCTimeZone());
+  if (made.ok() && now < *made) {
+    findings.push_back({Level::kFail, "clock",
+                        absl::StrCat(text, ", which is before this program was installed"),
+                        "set the clock (timedatectl); certificates and tokens are judged by it"});
+  } else {
+    findings.push_back({Level::kOk, "clock", text, ""});
+  }
+  if (!IsSynchronised()) {
+    findings.push_back({Level::kWarn, "clock", "the kernel's clock is not synchronised",
+                        "run an NTP client (systemd-timesyncd, chrony)"});
+  }
+  return findings;
+}
+
+Finding CheckVocabularyFile(const std::string& path) {
+  const absl::Status status = LoadVocabulary(path);
+  if (status.ok()) return {Level::kOk, "vocabulary", path, ""};
+  return {Level::kFail, "vocabulary", std::string(status.message()),
+          "reinstall corbslam-common, or name another by --vocabulary"};
+}
+
+Findings CheckDataFolder(const std::string& path) {
+  const fs::path folder = NearestThere(path);
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    return {{Level::kFail, "data folder", absl::StrCat(folder.string(), " is no folder"),
+             "give --data-dir a folder"}};
+  }
+  if (!CanMakeFile(folder)) {
+    return {{Level::kFail, "data folder", absl::StrCat("can't write to ", folder.string()),
+             "chown it to whoever runs the store, and see that its disk is mounted writable"}};
+  }
+  return {{Level::kOk, "data folder", absl::StrCat(folder.string(), " can be written to"), ""},
+          CheckSpace(folder)};
+}
+
+Finding CheckSource(const std::string& source) {
+  const absl::StatusOr<size_t> frames = ReadEnds(source);
+  if (frames.ok()) {
+    return {Level::kOk, "source", absl::StrCat(source, ": ", *frames, " frames"), ""};
+  }
+  return {Level::kFail, "source", absl::StrCat(source, ": ", frames.status().message()),
+          "kitti:DIR, euroc:DIR, tum:DIR or sim:WORLD, with the files that the benchmark has"};
+}
+
+}  // namespace corbslam

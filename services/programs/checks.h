@@ -1,0 +1,23 @@
+// What --validate-config looks at. Nothing is made or changed. Errors name the flag.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_CHECKS_H_
+#define CORBSLAM_SERVICES_PROGRAMS_CHECKS_H_
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+
+namespace corbslam {
+
+// HOST:PORT.
+absl::Status CheckFlagAddress(absl::string_view flag, const std::string& address);
+// A folder that can be written to, or that can be made.
+absl::Status CheckFolder(absl::string_view flag, const std::string& path);
+// The folder of a file that is going to be written.
+absl::Status CheckFolderOf(const std::string& file);
+// Every byte of it.
+absl::Status CheckVocabulary(const std::string& path);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_CHECKS_H_

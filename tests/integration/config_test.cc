@@ -1,0 +1,169 @@
+// How the programs are configured: what they print of it, refuse and log.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "services/corbslam/child_process.h"
+#include "services/security/testing/test_certificates.h"
+#include "tests/integration/mission_fixture.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct Ended {
+  int exit_code = -1;
+  std::string text;
+};
+
+std::string TempFile(const std::string& name) {
+  return ::testing::TempDir() + "/corbslam_config_test_" + name;
+}
+
+std::string WriteConfig(const std::string& text) {
+  const std::string path = TempFile("config.toml");
+  std::ofstream(path) << text;
+  return path;
+}
+
+Ended RunToEnd(const std::string& program, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
+  const std::string log = TempFile("output.txt");
+  const auto process = ChildProcess::Start(program, arguments, log);
+  EXPECT_TRUE(process.ok()) << process.status();
+  if (!process.ok()) return {};
+  EXPECT_TRUE((*process)->WaitForEnd(absl::Seconds(60))) << "still runs";
+  const int exit_code = (*process)->Stop(absl::ZeroDuration()).exit_code;
+  return {exit_code, ReadText(log)};
+}
+
+TEST(ConfigTest, HelpFitsAScreen) {
+  for (const char* program : {"map_store", "fusion_worker", "client_agent", "corbslam"}) {
+    const Ended help = RunToEnd(program, {"--help"});
+    EXPECT_EQ(help.exit_code, 0) << program;
+    const auto lines = std::count(help.text.begin(), help.text.end(), '\n');
+    EXPECT_GE(lines, 20) << program;
+    EXPECT_LE(lines, 50) << program;
+  }
+  EXPECT_THAT(RunToEnd("map_store", {"--help"}).text, Not(HasSubstr("--max-parked")));
+  EXPECT_THAT(RunToEnd("map_store", {"--help-all"}).text, HasSubstr("--max-parked"));
+}
+
+TEST(ConfigTest, EveryProgramHasTheSameVersion) {
+  const Ended tool = RunToEnd("corbslam", {"--version"});
+  EXPECT_EQ(tool.exit_code, 0);
+  for (const char* program : {"map_store", "fusion_worker", "client_agent"}) {
+    EXPECT_EQ(RunToEnd(program, {"--version"}).text, tool.text) << program;
+  }
+}
+
+TEST(ConfigTest, ValidConfigurationsEndWithZeroAndStartNothing) {
+  const std::string folder = TempFile("missions");
+  std::filesystem::remove_all(folder);
+  const Ended store = RunToEnd("map_store", {"--validate-config", "--insecure", "--data-dir",
+                                             folder, "--in-process-worker"});
+  EXPECT_EQ(store.exit_code, 0) << store.text;
+  EXPECT_THAT(store.text, AllOf(HasSubstr("map_store: the configuration is valid"),
+                                Not(HasSubstr("listening"))));
+  EXPECT_FALSE(std::filesystem::exists(folder));
+  EXPECT_EQ(RunToEnd("fusion_worker", {"--validate-config", "--insecure"}).exit_code, 0);
+  const Ended agent = RunToEnd("client_agent", {"--validate-config", "--insecure", "--source",
+                                                DemoSource(), "--server", "127.0.0.1:1"});
+  EXPECT_EQ(agent.exit_code, 0) << agent.text;
+}
+
+TEST(ConfigTest, InvalidConfigurationsEndWithTwoAndSayAllThatIsWrong) {
+  const Ended store = RunToEnd(
+      "map_store", {"--validate-config", "--listen", "nowhere", "--worker", "a:b", "--vocabulary",
+                    "/none.voc", "--data-dir", "/dev/null/missions", "--max-missions", "0"});
+  EXPECT_EQ(store.exit_code, 2);
+  EXPECT_THAT(store.text, AllOf(HasSubstr("map_store: --listen: address is \"nowhere\""),
+                                HasSubstr("map_store: --worker: address is \"a:b\""),
+                                HasSubstr("/none.voc"), HasSubstr("/dev/null is no folder"),
+                                HasSubstr("max_missions"), HasSubstr("--tls-cert")));
+  const Ended agent = RunToEnd(
+      "client_agent", {"--validate-config", "--source", "tum:/nowhere", "--agent", "a b",
+                       "--spool-dir", TempFile("spool"), "--stats", "/nowhere/stats.json"});
+  EXPECT_EQ(agent.exit_code, 2);
+  EXPECT_THAT(agent.text,
+              AllOf(HasSubstr("/nowhere/rgb.txt"), HasSubstr("--agent is \"a b\""),
+                    HasSubstr("--spool-dir needs --server"), HasSubstr("/nowhere/stats.json")));
+  // What can't even be parsed.
+  const Ended flag = RunToEnd("fusion_worker", {"--validate-config", "--threads", "none"});
+  EXPECT_EQ(flag.exit_code, 2);
+  EXPECT_THAT(flag.text, HasSubstr("--threads"));
+}
+
+TEST(ConfigTest, FilesThatFlagsNameAreLookedInto) {
+  const test_data::TestCertificates certificates("lab");
+  std::vector<std::string> flags = certificates.Flags("store");
+  flags.push_back("--validate-config");
+  EXPECT_EQ(RunToEnd("fusion_worker", flags).exit_code, 0);
+  std::filesystem::copy_file(certificates.Path("alpha.key"), certificates.Path("store.key"),
+                             std::filesystem::copy_options::overwrite_existing);
+  const Ended mixed = RunToEnd("fusion_worker", flags);
+  EXPECT_EQ(mixed.exit_code, 2);
+  EXPECT_THAT(mixed.text, HasSubstr("does not belong to"));
+}
+
+TEST(ConfigTest, UnknownKeysAreRefusedByFileAndLine) {
+  const std::string path = WriteConfig("insecure = true\nlisen = \"127.0.0.1:0\"\n");
+  const Ended store = RunToEnd("map_store", {"--config", path});
+  EXPECT_NE(store.exit_code, 0);
+  EXPECT_THAT(store.text, HasSubstr(path + ":2: \"lisen\" is no flag of this program"));
+  setenv("CORBSLAM_MAP_STORE_LISEN", "127.0.0.1:0", 1);
+  const Ended variable = RunToEnd("map_store", {"--validate-config"});
+  unsetenv("CORBSLAM_MAP_STORE_LISEN");
+  EXPECT_EQ(variable.exit_code, 2);
+  EXPECT_THAT(variable.text, HasSubstr("CORBSLAM_MAP_STORE_LISEN means no flag"));
+}
+
+// Starts a worker, and returns what it logged until it was stopped.
+std::string LogOfWorker(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/fusion_worker"));
+  const std::string log = TempFile("worker.txt");
+  const auto worker = ChildProcess::Start("fusion_worker", arguments, log);
+  EXPECT_TRUE(worker.ok()) << worker.status();
+  if (!worker.ok()) return "";
+  const auto address = (*worker)->WaitForAddress(absl::Seconds(60));
+  EXPECT_TRUE(address.ok()) << address.status();
+  EXPECT_EQ((*worker)->Stop(absl::Seconds(20)).exit_code, 0);
+  return ReadText(log);
+}
+
+TEST(ConfigTest, TheEffectiveConfigurationIsLoggedWithItsSources) {
+  const std::string path = WriteConfig("threads = 3\nrequests = 7\n");
+  setenv("CORBSLAM_FUSION_WORKER_REQUESTS", "5", 1);
+  const std::string log = LogOfWorker({"--config", path, "--insecure", "--listen", "127.0.0.1:0"});
+  unsetenv("CORBSLAM_FUSION_WORKER_REQUESTS");
+  EXPECT_THAT(
+      log, AllOf(HasSubstr("fusion_worker "), HasSubstr("threads=3\n"), HasSubstr("requests=5\n"),
+                 HasSubstr("drain=2\n"), HasSubstr("--requests: CORBSLAM_FUSION_WORKER_REQUESTS"),
+                 HasSubstr("--threads: " + path + ":1"), HasSubstr("--listen: command line")));
+}
+
+TEST(ConfigTest, SecretsAreNotLogged) {
+  const test_data::TestCertificates certificates("lab");
+  std::vector<std::string> flags = certificates.Flags("worker");
+  flags.insert(flags.end(), {"--listen", "127.0.0.1:0"});
+  const std::string log = LogOfWorker(flags);
+  EXPECT_THAT(log, HasSubstr(certificates.Path("worker.key")));
+  const std::string key = ReadText(certificates.Path("worker.key"));
+  for (size_t begin = 0; begin + 64 < key.size(); begin = key.find('\n', begin) + 1) {
+    const std::string line = key.substr(begin, key.find('\n', begin) - begin);
+    EXPECT_THAT(log, Not(HasSubstr(line)));
+  }
+}
+
+}  // namespace
+}  // namespace corbslam
