@@ -39,7 +39,9 @@ TEST(MeasuredFusionWorkerTest, RequestsAreCountedByKindAndEnd) {
   prometheus::Registry registry;
   LookingWorker inner(&registry);
   const auto worker = MakeMeasuredFusionWorker(&inner, registry);
-  EXPECT_EQ(worker->VerifyOverlap({.base_revision = 7}, {})->base_revision, 7u);
+  VerifyOverlapRequest request;
+  request.base_revision = 7;
+  EXPECT_EQ(worker->VerifyOverlap(request, {})->base_revision, 7u);
   EXPECT_TRUE(worker->VerifyOverlap({}, {}).ok());
   EXPECT_EQ(worker->FuseMaps({}, {}).status(), absl::UnavailableError("no worker"));
   EXPECT_EQ(inner.running_, 1);

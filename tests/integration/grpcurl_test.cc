@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
@@ -147,7 +148,8 @@ class GrpcurlTest : public ::testing::Test {
   void CheckError(const GrpcurlCall& call, const absl::Status& status) {
     std::string code = absl::StatusCodeToString(status.code());
     code = absl::StrReplaceAll(code, {{"_", ""}});
-    EXPECT_TRUE(absl::StrContainsIgnoreCase(call.answer, absl::StrCat("Code: ", code, "\n")))
+    EXPECT_THAT(absl::AsciiStrToLower(call.answer),
+                HasSubstr(absl::AsciiStrToLower(absl::StrCat("Code: ", code, "\n"))))
         << status;
     EXPECT_THAT(call.answer, HasSubstr(std::string(status.message())));
   }
