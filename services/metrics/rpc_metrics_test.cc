@@ -81,7 +81,7 @@ TEST_F(RpcMetricsTest, TheRawStreamIsMeasuredToo) {
   grpc::ClientContext context;
   const auto stream = stub_->Sync(&context);
   v1::SyncRequest open;
-  open.mutable_open()->set_mission("lab");
+  open.mutable_open()->set_mission("missions/lab");
   open.mutable_open()->set_agent("alpha");
   ASSERT_TRUE(stream->Write(open));
   v1::SyncResponse grant;
