@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "services/testing/test_path.h"
 
 namespace corbslam {
 namespace {
@@ -62,7 +63,7 @@ struct Program {
 };
 
 std::string WriteConfig(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "/corbslam_command_line_test.toml";
+  const std::string path = TestPath("flags.toml");
   std::ofstream(path) << text;
   return path;
 }

@@ -13,6 +13,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "services/command_line/command_line.h"
+#include "services/testing/test_path.h"
 
 namespace corbslam {
 namespace {
@@ -43,7 +44,7 @@ struct Tool {
 // What a real bash offers for the words, the last of which is being typed.
 std::vector<std::string> Complete(const std::vector<std::string>& words) {
   Tool tool;
-  const std::string script = ::testing::TempDir() + "/corbslam_completion_test.bash";
+  const std::string script = TestPath("completion.bash");
   std::ofstream(script) << BashCompletion(tool.app);
   const std::string command = absl::StrCat(
       "bash -c 'source ", script, "; COMP_WORDS=(\"", absl::StrJoin(words, "\" \""),

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "services/command_line/command_line.h"
+#include "services/testing/test_path.h"
 
 namespace corbslam {
 namespace {
@@ -47,7 +48,7 @@ TEST(ManPageTest, HasEveryFlagButTheHiddenOnes) {
 TEST(ManPageTest, IsRenderedWithoutWarnings) {
   if (std::system("command -v man >/dev/null") != 0) GTEST_SKIP() << "there is no man";
   const Program program;
-  const std::string page = ::testing::TempDir() + "/corbslam_man_page_test.1";
+  const std::string page = TestPath("page.1");
   std::ofstream(page) << FormatManPage(program.app, "CORBSLAM_PROGRAM_", "1.2");
   FILE* pipe = popen(
       absl::StrCat("LC_ALL=C.UTF-8 MANWIDTH=80 man --warnings -l ", page, " 2>&1").c_str(), "r");

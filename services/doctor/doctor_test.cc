@@ -13,6 +13,7 @@
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/security/testing/test_certificates.h"
+#include "services/testing/test_path.h"
 
 namespace corbslam {
 namespace {
@@ -59,7 +60,7 @@ TEST(DoctorTest, ReadsVocabularies) {
 }
 
 TEST(DoctorTest, LooksIntoDataFolders) {
-  const fs::path folder = fs::path(::testing::TempDir()) / "corbslam_doctor_test";
+  const fs::path folder = TestPath("folder");
   fs::remove_all(folder);
   fs::create_directories(folder);
   EXPECT_FALSE(AnyFailed(CheckDataFolder(folder / "new/deep")));

@@ -9,6 +9,7 @@
 
 #include "services/mission_export/robot_colours.h"
 #include "services/mission_export/testing/colmap_reader.h"
+#include "services/testing/test_path.h"
 
 namespace corbslam {
 namespace {
@@ -78,7 +79,7 @@ class ColmapModelTest : public ::testing::Test {
  protected:
   void SetUp() override { std::filesystem::remove_all(folder_); }
 
-  const std::string folder_ = ::testing::TempDir() + "/corbslam_colmap_model_test/model";
+  const std::string folder_ = TestPath("folder") + "/model";
 };
 
 TEST_F(ColmapModelTest, ProjectsItsPointsOntoItsKeypoints) {

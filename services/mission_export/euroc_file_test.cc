@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "services/testing/test_path.h"
 #include "slam/evaluation/trajectory_io.h"
 
 namespace corbslam {
@@ -21,7 +22,7 @@ TEST(EurocFileTest, IsReadBackAsItWas) {
                        {Eigen::Quaterniond(Eigen::AngleAxisd(0.3 * i - 3, axis)),
                         Eigen::Vector3d(0.1 * i, -5, 1e3)}});
   }
-  const std::string path = ::testing::TempDir() + "/corbslam_euroc_file_test.csv";
+  const std::string path = TestPath("poses.csv");
   ASSERT_TRUE(WriteEurocTrajectory(written, path).ok());
   const auto read = ReadEurocTrajectory(path, Rigid3d());
   ASSERT_TRUE(read.ok()) << read.status();
@@ -38,7 +39,7 @@ TEST(EurocFileTest, IsReadBackAsItWas) {
 }
 
 TEST(EurocFileTest, HasNanosecondsAndWFirst) {
-  const std::string path = ::testing::TempDir() + "/corbslam_euroc_file_test.csv";
+  const std::string path = TestPath("poses.csv");
   ASSERT_TRUE(
       WriteEurocTrajectory({{12, {Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d(4, 5, 6)}}}, path)
           .ok());

@@ -8,13 +8,15 @@
 #include <iterator>
 #include <string>
 
+#include "services/testing/test_path.h"
+
 namespace corbslam {
 namespace {
 
 using ::testing::HasSubstr;
 
 TEST(PlyFileTest, HasFifteenBytesAPointBehindTheHeader) {
-  const std::string path = ::testing::TempDir() + "/corbslam_ply_file_test.ply";
+  const std::string path = TestPath("points.ply");
   const std::vector<ColouredPoint> points = {{{1.5, -2, 1e4}, {1, 2, 3}}, {{0, 0, 0}, {255, 0, 7}}};
   ASSERT_TRUE(WritePly(points, {"alpha #010203"}, path).ok());
   std::ifstream file(path, std::ios::binary);

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "services/programs/default_vocabulary.h"
+#include "services/testing/test_path.h"
 
 namespace corbslam {
 namespace {
@@ -24,7 +25,7 @@ class ChecksTest : public ::testing::Test {
     fs::create_directories(folder_);
   }
 
-  const fs::path folder_ = fs::path(::testing::TempDir()) / "corbslam_checks_test";
+  const fs::path folder_ = TestPath("folder");
 };
 
 TEST_F(ChecksTest, AddressesNeedAPort) {
