@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
@@ -145,9 +146,11 @@ class GrpcurlTest : public ::testing::Test {
 
   // "ERROR:\n  Code: NotFound\n  Message: ..."
   void CheckError(const GrpcurlCall& call, const absl::Status& status) {
-    std::string code = absl::StatusCodeToString(status.code());
-    code = absl::StrReplaceAll(code, {{"_", ""}});
-    EXPECT_TRUE(absl::StrContainsIgnoreCase(call.answer, absl::StrCat("Code: ", code, "\n")))
+    // "NOT_FOUND" here is "NotFound" there.
+    const std::string code =
+        absl::StrReplaceAll(absl::StatusCodeToString(status.code()), {{"_", ""}});
+    EXPECT_THAT(absl::AsciiStrToLower(call.answer),
+                HasSubstr(absl::StrCat("code: ", absl::AsciiStrToLower(code), "\n")))
         << status;
     EXPECT_THAT(call.answer, HasSubstr(std::string(status.message())));
   }
