@@ -6,6 +6,7 @@
 
 #include "map_store/overlap_query.h"
 #include "map_store/placement.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -84,6 +85,16 @@ void DropIdlePairs(FuseMapsRequest& request) {
   }
 }
 
+// Owners may have removed keyframes while the views were built.
+bool HoldsOverlaps(const FuseMapsRequest& request) {
+  const auto is_there = [&request](KeyframeId id) {
+    return request.target.FindKeyframe(id) != nullptr || request.source.FindKeyframe(id) != nullptr;
+  };
+  return std::ranges::all_of(request.overlaps, [&is_there](const Overlap& overlap) {
+    return is_there(overlap.query) && is_there(overlap.candidate);
+  });
+}
+
 bool IsMetric(const MissionState& state, const IslandSnapshot& snapshot) {
   for (const auto& [id, keyframe] : snapshot.view.keyframes()) {
     if (!keyframe.camera().IsMetric()) return false;
@@ -91,8 +102,10 @@ bool IsMetric(const MissionState& state, const IslandSnapshot& snapshot) {
   return state.global.islands.contains(snapshot.island);
 }
 
-std::optional<FusionRequest> PrepareFuse(const MissionState& state, const FusionAction& action,
-                                         const MapStoreOptions& options) {
+absl::StatusOr<std::optional<FusionRequest>> PrepareFuse(const MissionState& state,
+                                                         const FusionAction& action,
+                                                         const MapStoreOptions& options,
+                                                         LongRead& read) {
   const Island* target = FindIsland(state, action.target);
   const Island* source = FindIsland(state, action.source);
   const bool weld = action.kind == FusionAction::Kind::kWeld;
@@ -112,28 +125,32 @@ std::optional<FusionRequest> PrepareFuse(const MissionState& state, const Fusion
   if (job.request.new_overlaps.empty()) return std::nullopt;
   const std::set<KeyframeId> centres = CentresOf(job.request);
   const std::set<MapPointId> points = PointsOf(job.request.overlaps);
-  job.target = TakeGraphSnapshot(state, *target, std::move(unplaced), centres,
-                                 options.neighbourhood, points);
+  ASSIGN_OR_RETURN(job.target, TakeGraphSnapshot(state, *target, std::move(unplaced), centres,
+                                                 options.neighbourhood, points, read));
   job.request.fix_scale = IsMetric(state, job.target);
   if (!weld) {
-    job.source = TakeGraphSnapshot(state, *source, source->displaced, centres,
-                                   options.neighbourhood, points);
+    ASSIGN_OR_RETURN(job.source, TakeGraphSnapshot(state, *source, source->displaced, centres,
+                                                   options.neighbourhood, points, read));
     job.request.fix_scale = job.request.fix_scale && IsMetric(state, *job.source);
     job.request.source = std::move(job.source->view);
   }
   job.request.base_revision = state.global.revision;
   job.request.target = std::move(job.target.view);
+  if (!HoldsOverlaps(job.request)) return absl::AbortedError("a keyframe of an overlap has gone");
   DropIdlePairs(job.request);
   return FusionRequest(std::move(job));
 }
 
-std::optional<FusionRequest> PrepareAdjust(const MissionState& state, const FusionAction& action,
-                                           const MapStoreOptions& options) {
+absl::StatusOr<std::optional<FusionRequest>> PrepareAdjust(const MissionState& state,
+                                                           const FusionAction& action,
+                                                           const MapStoreOptions& options,
+                                                           LongRead& read) {
   const Island* island = FindIsland(state, action.target);
   if (island == nullptr) return std::nullopt;
   AdjustJob job;
   // With the whole in view, it decides anew which observations are wrong.
-  job.snapshot = TakeWholeSnapshot(state, *island, island->displaced, Rejected::kTryAgain);
+  ASSIGN_OR_RETURN(job.snapshot, TakeWholeSnapshot(state, *island, island->displaced,
+                                                   Rejected::kTryAgain, read));
   const Map& view = job.snapshot.view;
   if (view.keyframes().size() < 2) return std::nullopt;
   // The first keyframe of the local map whose frame it is holds the frame.
@@ -196,20 +213,23 @@ Unplaced FindRelaxedKeyframes(const MissionState& state, const Island& island,
   return placed;
 }
 
-std::optional<FusionRequest> PrepareRequest(const MissionState& state, const FusionAction& action,
-                                            const MapStoreOptions& options) {
+absl::StatusOr<std::optional<FusionRequest>> PrepareRequest(const MissionState& state,
+                                                            const FusionAction& action,
+                                                            const MapStoreOptions& options,
+                                                            LongRead& read) {
   switch (action.kind) {
     case FusionAction::Kind::kQuery: {
       if (state.queries.empty()) return std::nullopt;
-      auto request = BuildVerifyRequest(state, state.queries.front(), options);
+      const QueryTask task = state.queries.front();
+      ASSIGN_OR_RETURN(auto request, BuildVerifyRequest(state, task, options, read));
       if (!request.has_value()) return std::nullopt;
-      return FusionRequest(QueryJob{state.queries.front(), *std::move(request)});
+      return FusionRequest(QueryJob{task, *std::move(request)});
     }
     case FusionAction::Kind::kFuse:
     case FusionAction::Kind::kWeld:
-      return PrepareFuse(state, action, options);
+      return PrepareFuse(state, action, options, read);
     case FusionAction::Kind::kAdjust:
-      return PrepareAdjust(state, action, options);
+      return PrepareAdjust(state, action, options, read);
   }
   return std::nullopt;
 }

@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "map_store/fusion_policy.h"
 #include "map_store/island_view.h"
+#include "map_store/long_read.h"
 #include "map_store/mission_state.h"
 #include "map_store/options.h"
 #include "slam/exchange/fusion_worker.h"
@@ -47,9 +48,12 @@ struct FusionJob {
 };
 
 // Builds the request from the state as it is now. None when it turns out that nothing is to be
-// done (the query has no candidates, the islands have gone).
-std::optional<FusionRequest> PrepareRequest(const MissionState& state, const FusionAction& action,
-                                            const MapStoreOptions& options);
+// done (the query has no candidates, the islands have gone). ABORTED: start again, with the action
+// that is the next one then.
+absl::StatusOr<std::optional<FusionRequest>> PrepareRequest(const MissionState& state,
+                                                            const FusionAction& action,
+                                                            const MapStoreOptions& options,
+                                                            LongRead& read);
 
 // Asks the worker; blocks. Called without any lock.
 absl::StatusOr<FusionResult> RunRequest(const FusionRequest& work, FusionWorker& worker,

@@ -5,9 +5,14 @@
 #include <cstdint>
 
 #include "absl/container/flat_hash_map.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
+
+// Pieces of a long read.
+constexpr size_t kKeyframesInAPiece = 64;
+constexpr size_t kLandmarksInAPiece = 1000;
 
 // Counts for all pairs of so many things; half a square of them.
 class PairCounts {
@@ -31,39 +36,57 @@ struct Sighting {
 
 class Counter {
  public:
-  Counter(const MissionState& state, const Island& island)
+  Counter(const MissionState& state, const Island& island, LongRead& read)
       : state_(state),
         island_(island),
+        read_(read),
         keyframes_(KeyframesOf(state, island)),
         counts_(keyframes_.size()) {
     index_.reserve(keyframes_.size());
     for (uint32_t i = 0; i < keyframes_.size(); ++i) index_[keyframes_[i]] = i;
   }
 
-  void AddOwnersCounts() {
+  absl::Status AddOwnersCounts() {
     for (uint32_t i = 0; i < keyframes_.size(); ++i) {
-      for (const auto& [other, weight] : state_.FindKeyframe(keyframes_[i])->covisible) {
-        const uint32_t j = index_.at(other);
-        if (j < i) counts_.At(i, j) += static_cast<uint32_t>(weight);
+      RETURN_IF_ERROR(PauseAfter(kKeyframesInAPiece, i));
+      const Keyframe* keyframe = state_.FindKeyframe(keyframes_[i]);
+      if (keyframe == nullptr) continue;
+      for (const auto& [other, weight] : keyframe->covisible) {
+        const auto j = index_.find(other);
+        if (j != index_.end() && j->second < i) {
+          counts_.At(i, j->second) += static_cast<uint32_t>(weight);
+        }
       }
     }
+    return absl::OkStatus();
   }
 
-  void CollectLandmarks() {
+  absl::Status CollectLandmarks() {
+    std::vector<MapPointId> survivors;
     for (const auto& [survivor, members] : state_.global.landmarks.sets()) {
-      if (!IsHere(survivor.local_map)) continue;
-      std::vector<Sighting>& sightings = landmarks_[survivor];
-      AddOwnSightings(survivor, sightings);
-      for (const MapPointId& member : members) AddOwnSightings(member, sightings);
+      if (IsHere(survivor.local_map)) survivors.push_back(survivor);
     }
+    for (size_t i = 0; i < survivors.size(); ++i) {
+      RETURN_IF_ERROR(PauseAfter(kLandmarksInAPiece, i));
+      const auto set = state_.global.landmarks.sets().find(survivors[i]);
+      if (set == state_.global.landmarks.sets().end()) continue;
+      std::vector<Sighting>& sightings = landmarks_[set->first];
+      AddOwnSightings(set->first, sightings);
+      for (const MapPointId& member : set->second) AddOwnSightings(member, sightings);
+    }
+    return absl::OkStatus();
   }
 
-  void CollectForeignObservations() {
-    for (const LocalMapId& id : island_.local_maps) {
-      for (const auto& [keyframe, seen] : state_.FindLocalMap(id)->foreign_observations) {
-        for (const auto& [keypoint, raw] : seen) AddForeignSighting(keyframe, raw);
-      }
+  absl::Status CollectForeignObservations() {
+    for (uint32_t i = 0; i < keyframes_.size(); ++i) {
+      RETURN_IF_ERROR(PauseAfter(kKeyframesInAPiece, i));
+      const KeyframeId keyframe = keyframes_[i];
+      const auto& foreign = state_.FindLocalMap(keyframe.local_map)->foreign_observations;
+      const auto seen = foreign.find(keyframe);
+      if (seen == foreign.end()) continue;
+      for (const auto& [keypoint, raw] : seen->second) AddForeignSighting(i, raw);
     }
+    return absl::OkStatus();
   }
 
   void CountLandmarks() {
@@ -97,6 +120,10 @@ class Counter {
     return keyframes;
   }
 
+  absl::Status PauseAfter(size_t piece, size_t done) {
+    return done > 0 && done % piece == 0 ? read_.Pause() : absl::OkStatus();
+  }
+
   bool IsHere(LocalMapId id) const {
     const auto it = state_.global.island_of.find(id);
     return it != state_.global.island_of.end() && it->second == island_.id;
@@ -106,16 +133,18 @@ class Counter {
     const MapPoint* point = IsHere(id.local_map) ? state_.FindPoint(id) : nullptr;
     if (point == nullptr) return;
     for (const auto& [keyframe, keypoint] : point->observations) {
-      sightings.push_back({index_.at(keyframe), id});
+      // Keyframes that came during a pause don't count.
+      const auto it = index_.find(keyframe);
+      if (it != index_.end()) sightings.push_back({it->second, id});
     }
   }
 
-  void AddForeignSighting(KeyframeId keyframe, MapPointId raw) {
+  void AddForeignSighting(uint32_t keyframe, MapPointId raw) {
     const MapPointId survivor = ResolvePoint(state_, raw);
     if (!survivor.IsValid() || !IsHere(survivor.local_map)) return;
     const auto [it, added] = landmarks_.try_emplace(survivor);
     if (added) AddOwnSightings(survivor, it->second);
-    it->second.push_back({index_.at(keyframe), raw, true});
+    it->second.push_back({keyframe, raw, true});
   }
 
   void CountPair(const Sighting& a, const Sighting& b) {
@@ -126,6 +155,7 @@ class Counter {
 
   const MissionState& state_;
   const Island& island_;
+  LongRead& read_;
   const std::vector<KeyframeId> keyframes_;  // Ascending.
   absl::flat_hash_map<KeyframeId, uint32_t> index_;
   PairCounts counts_;
@@ -134,11 +164,14 @@ class Counter {
 
 }  // namespace
 
-std::vector<CovisiblePair> CountCovisibility(const MissionState& state, const Island& island) {
-  Counter counter(state, island);
-  counter.AddOwnersCounts();
-  counter.CollectLandmarks();
-  counter.CollectForeignObservations();
+absl::StatusOr<std::vector<CovisiblePair>> CountCovisibility(const MissionState& state,
+                                                             const Island& island,
+                                                             LongRead& read) {
+  Counter counter(state, island, read);
+  RETURN_IF_ERROR(counter.AddOwnersCounts());
+  RETURN_IF_ERROR(counter.CollectLandmarks());
+  RETURN_IF_ERROR(counter.CollectForeignObservations());
+  RETURN_IF_ERROR(read.Pause());
   counter.CountLandmarks();
   return counter.Take();
 }

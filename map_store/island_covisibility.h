@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "absl/status/statusor.h"
+#include "map_store/long_read.h"
 #include "map_store/mission_state.h"
 
 namespace corbslam::map_store {
@@ -16,8 +18,9 @@ struct CovisiblePair {
 
 // What owners counted inside their local maps, and what fusion and foreign observations add to it,
 // in ascending order. Costs the landmarks that more than one local map, or point, takes part in,
-// and four bytes for each two keyframes of the island.
-std::vector<CovisiblePair> CountCovisibility(const MissionState& state, const Island& island);
+// and four bytes for each two keyframes of the island. ABORTED: as `read` says.
+absl::StatusOr<std::vector<CovisiblePair>> CountCovisibility(const MissionState& state,
+                                                             const Island& island, LongRead& read);
 
 }  // namespace corbslam::map_store
 

@@ -3,17 +3,27 @@
 #include <limits>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "map_store/island_covisibility.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
+
+// A piece of a long read: 2 to 4 ms with 2,000 keypoints each.
+constexpr size_t kKeyframesInAPiece = 8;
 
 // Builds a Map of an island's keyframes and what they see.
 class ViewBuilder {
  public:
   ViewBuilder(const MissionState& state, const Unplaced& unplaced, Rejected rejected,
-              Covisibility covisibility)
-      : state_(state), unplaced_(unplaced), rejected_(rejected), view_(covisibility) {}
+              Covisibility covisibility, LongRead& read)
+      : state_(state),
+        unplaced_(unplaced),
+        rejected_(rejected),
+        read_(read),
+        poses_(state.global, unplaced),
+        view_(covisibility) {}
 
   void AddKeyframe(const LocalMapState& local_map, const Keyframe& from) {
     Keyframe keyframe;
@@ -24,7 +34,7 @@ class ViewBuilder {
     view_.AddKeyframe(std::move(keyframe));
   }
 
-  // Once all keyframes are there.
+  // Once all keyframes are there, in the same piece.
   void AddEdges() {
     std::set<LocalMapId> local_maps;
     for (const KeyframeId& id : KeyframeIds()) {
@@ -40,34 +50,60 @@ class ViewBuilder {
     }
   }
 
+  // As owners counted it. Likewise.
+  void AddOwnersCovisibility() {
+    for (const KeyframeId& id : KeyframeIds()) {
+      for (const auto& [other, weight] : state_.FindKeyframe(id)->covisible) {
+        if (id < other && view_.FindKeyframe(other) != nullptr) {
+          view_.SetCovisibility(id, other, weight);
+        }
+      }
+    }
+  }
+
   // All that the view's keyframes see.
-  void AddSights() {
-    for (const KeyframeId& id : KeyframeIds()) AddSightsOf(id, /*only_known=*/false);
+  absl::Status AddSights() {
+    for (const KeyframeId& id : KeyframeIds()) {
+      RETURN_IF_ERROR(AddSightsOf(id, /*only_known=*/false));
+    }
+    return absl::OkStatus();
   }
 
   // What the neighbourhoods of the centres see, and who else sees it. Once covisibility is there.
-  void AddSightsAround(const std::set<KeyframeId>& centres, int neighbourhood) {
+  absl::Status AddSightsAround(const std::set<KeyframeId>& centres, int neighbourhood) {
     std::set<KeyframeId> inner;
     for (const KeyframeId& id : centres) InsertNeighbours(id, neighbourhood, inner);
     std::set<KeyframeId> outer;
     for (const KeyframeId& id : inner) {
-      AddSightsOf(id, /*only_known=*/false);
+      RETURN_IF_ERROR(AddSightsOf(id, /*only_known=*/false));
       InsertNeighbours(id, std::numeric_limits<int>::max(), outer);
     }
     for (const KeyframeId& id : outer) {
-      if (!inner.contains(id)) AddSightsOf(id, /*only_known=*/true);
+      if (!inner.contains(id)) RETURN_IF_ERROR(AddSightsOf(id, /*only_known=*/true));
     }
+    return absl::OkStatus();
   }
 
+  // Of keyframes that the view has.
+  void SetCovisibility(const std::vector<CovisiblePair>& pairs) {
+    for (const CovisiblePair& pair : pairs) {
+      const bool here =
+          view_.FindKeyframe(pair.a) != nullptr && view_.FindKeyframe(pair.b) != nullptr;
+      if (here) view_.SetCovisibility(pair.a, pair.b, pair.weight);
+    }
+    // They were counted in pieces.
+    ForgetPoses();
+  }
+
+  // Unless the view has it.
   void AddPoint(MapPointId id) {
+    if (view_.FindPoint(id) != nullptr) return;
     const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
     const MapPoint& from = *owner.map.FindPoint(id);
-    const IslandPoses& poses = PosesOf(owner);
-    const Similarity3d island_from_local =
-        IslandFromLocal(from.reference, owner, state_.global, poses);
+    const Similarity3d& island_from_local = IslandFromLocalAt(from.reference, owner);
     MapPoint point;
     point.id = id;
-    point.position_in_map = ComputePosition(from, owner, state_.global, poses, unplaced_);
+    point.position_in_map = ComputePosition(from, owner, state_.global, PosesOf(owner), unplaced_);
     point.reference = from.reference;
     point.descriptor = from.descriptor;
     point.normal_in_map = island_from_local.rotation * from.normal_in_map;
@@ -76,13 +112,8 @@ class ViewBuilder {
     view_.AddPoint(std::move(point));
   }
 
-  Map& view() { return view_; }
   Map TakeView() { return std::move(view_); }
-  const IslandPoses& PosesOf(const LocalMapState& local_map) {
-    const auto [it, added] = poses_.try_emplace(local_map.id);
-    if (added) it->second = ComputePoses(local_map, state_.global, unplaced_);
-    return it->second;
-  }
+  const IslandPoses& PosesOf(const LocalMapState& local_map) { return poses_.Of(local_map); }
 
  private:
   std::vector<KeyframeId> KeyframeIds() const {
@@ -98,25 +129,54 @@ class ViewBuilder {
     for (const CovisibleKeyframe& near : view_.BestCovisible(centre, count)) ids.insert(near.id);
   }
 
-  void AddSightsOf(KeyframeId id, bool only_known) {
+  // The motion is the same for all points of a reference keyframe.
+  const Similarity3d& IslandFromLocalAt(KeyframeId reference, const LocalMapState& local_map) {
+    const auto [it, added] = motions_.try_emplace(reference);
+    if (added) {
+      it->second = IslandFromLocal(reference, local_map, state_.global, PosesOf(local_map));
+    }
+    return it->second;
+  }
+
+  void ForgetPoses() {
+    poses_.Clear();
+    motions_.clear();
+  }
+
+  absl::Status PauseAtTimes() {
+    if (++keyframes_in_piece_ < kKeyframesInAPiece) return absl::OkStatus();
+    keyframes_in_piece_ = 0;
+    const uint64_t version = state_.version;
+    RETURN_IF_ERROR(read_.Pause());
+    // Owners' poses are others now, of other keyframes.
+    if (state_.version != version) ForgetPoses();
+    return absl::OkStatus();
+  }
+
+  absl::Status AddSightsOf(KeyframeId id, bool only_known) {
+    RETURN_IF_ERROR(PauseAtTimes());
     const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
-    const Keyframe& from = *local_map.map.FindKeyframe(id);
-    const std::vector<MapPointId> points = ObservedPoints(state_, local_map, from, rejected_);
+    const Keyframe* from = local_map.map.FindKeyframe(id);
+    // Its owner removed it during a pause.
+    if (from == nullptr) return absl::OkStatus();
+    const std::vector<MapPointId> points = ObservedPoints(state_, local_map, *from, rejected_);
     for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
       const MapPointId point = points[keypoint];
       if (!point.IsValid()) continue;
-      if (view_.FindPoint(point) == nullptr) {
-        if (only_known) continue;
-        AddPoint(point);
-      }
+      if (only_known && view_.FindPoint(point) == nullptr) continue;
+      AddPoint(point);
       view_.AddObservation(point, id, keypoint);
     }
+    return absl::OkStatus();
   }
 
   const MissionState& state_;
   const Unplaced& unplaced_;
   const Rejected rejected_;
-  std::map<LocalMapId, IslandPoses> poses_;
+  LongRead& read_;
+  size_t keyframes_in_piece_ = 0;
+  PoseCache poses_;
+  absl::flat_hash_map<KeyframeId, Similarity3d> motions_;
   Map view_;
 };
 
@@ -175,46 +235,51 @@ std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMap
   return points;
 }
 
-IslandSnapshot TakeWholeSnapshot(const MissionState& state, const Island& island, Unplaced unplaced,
-                                 Rejected rejected) {
-  ViewBuilder builder(state, unplaced, rejected, Covisibility::kGiven);
+absl::StatusOr<IslandSnapshot> TakeWholeSnapshot(const MissionState& state, const Island& island,
+                                                 Unplaced unplaced, Rejected rejected,
+                                                 LongRead& read) {
+  ViewBuilder builder(state, unplaced, rejected, Covisibility::kGiven, read);
   IslandSnapshot snapshot = BeginSnapshot(state, island, Culled::kLeaveOut, builder);
-  builder.AddSights();
+  RETURN_IF_ERROR(builder.AddSights());
   snapshot.view = builder.TakeView();
   snapshot.unplaced = std::move(unplaced);
   return snapshot;
 }
 
-IslandSnapshot TakeGraphSnapshot(const MissionState& state, const Island& island, Unplaced unplaced,
-                                 const std::set<KeyframeId>& centres, int neighbourhood,
-                                 const std::set<MapPointId>& named) {
-  ViewBuilder builder(state, unplaced, Rejected::kLeaveOut, Covisibility::kGiven);
+absl::StatusOr<IslandSnapshot> TakeGraphSnapshot(const MissionState& state, const Island& island,
+                                                 Unplaced unplaced,
+                                                 const std::set<KeyframeId>& centres,
+                                                 int neighbourhood,
+                                                 const std::set<MapPointId>& named,
+                                                 LongRead& read) {
+  ViewBuilder builder(state, unplaced, Rejected::kLeaveOut, Covisibility::kGiven, read);
   // Without them the spanning tree would fall apart.
   IslandSnapshot snapshot = BeginSnapshot(state, island, Culled::kTakeAlong, builder);
-  for (const CovisiblePair& pair : CountCovisibility(state, island)) {
-    builder.view().SetCovisibility(pair.a, pair.b, pair.weight);
-  }
-  builder.AddSightsAround(centres, neighbourhood);
+  ASSIGN_OR_RETURN(const std::vector<CovisiblePair> pairs, CountCovisibility(state, island, read));
+  builder.SetCovisibility(pairs);
+  RETURN_IF_ERROR(builder.AddSightsAround(centres, neighbourhood));
   for (const MapPointId& id : named) {
     const bool here =
         state.FindPoint(id) != nullptr && state.global.island_of.at(id.local_map) == island.id;
-    if (here && builder.view().FindPoint(id) == nullptr) builder.AddPoint(id);
+    if (here) builder.AddPoint(id);
   }
   snapshot.view = builder.TakeView();
   snapshot.unplaced = std::move(unplaced);
   return snapshot;
 }
 
-Map BuildPartialView(const MissionState& state, const std::set<KeyframeId>& keyframes) {
+absl::StatusOr<Map> BuildPartialView(const MissionState& state,
+                                     const std::set<KeyframeId>& keyframes, LongRead& read) {
   const Unplaced none;
-  ViewBuilder builder(state, none, Rejected::kLeaveOut, Covisibility::kCounted);
+  ViewBuilder builder(state, none, Rejected::kLeaveOut, Covisibility::kGiven, read);
   for (const KeyframeId& id : keyframes) {
     const LocalMapState* local_map = state.FindLocalMap(id.local_map);
     const Keyframe* keyframe = local_map == nullptr ? nullptr : local_map->map.FindKeyframe(id);
     if (keyframe != nullptr) builder.AddKeyframe(*local_map, *keyframe);
   }
   builder.AddEdges();
-  builder.AddSights();
+  builder.AddOwnersCovisibility();
+  RETURN_IF_ERROR(builder.AddSights());
   return builder.TakeView();
 }
 

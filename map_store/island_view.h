@@ -7,13 +7,16 @@
 #include <set>
 #include <vector>
 
+#include "absl/status/statusor.h"
+#include "map_store/long_read.h"
 #include "map_store/mission_state.h"
 #include "map_store/placement.h"
 #include "slam/map/map.h"
 
 namespace corbslam::map_store {
 
-// A snapshot: shares the payloads, nothing else, with the state that it was made of.
+// A snapshot: shares the payloads, nothing else, with the state that it was made of. Its keyframes
+// are those that there were when it was begun, what they see may be a little newer.
 struct IslandSnapshot {
   IslandId island;
   uint64_t revision = 0;
@@ -32,19 +35,24 @@ struct IslandSnapshot {
 enum class Rejected { kLeaveOut, kTryAgain };
 
 // The whole island, for an adjustment: all keyframes that were not culled, all points that they
-// see, and no covisibility.
-IslandSnapshot TakeWholeSnapshot(const MissionState& state, const Island& island, Unplaced unplaced,
-                                 Rejected rejected = Rejected::kLeaveOut);
+// see, and no covisibility. ABORTED: as `read` says.
+absl::StatusOr<IslandSnapshot> TakeWholeSnapshot(const MissionState& state, const Island& island,
+                                                 Unplaced unplaced, Rejected rejected,
+                                                 LongRead& read);
 
 // The island's graph, for fusing: all keyframes with their covisibility, but of the points only
 // those that the neighbourhoods of `centres` (keyframes; unknown ones are skipped) see, with all
-// their observations, and the `named` ones.
-IslandSnapshot TakeGraphSnapshot(const MissionState& state, const Island& island, Unplaced unplaced,
-                                 const std::set<KeyframeId>& centres, int neighbourhood,
-                                 const std::set<MapPointId>& named);
+// their observations, and the `named` ones. ABORTED: as `read` says.
+absl::StatusOr<IslandSnapshot> TakeGraphSnapshot(const MissionState& state, const Island& island,
+                                                 Unplaced unplaced,
+                                                 const std::set<KeyframeId>& centres,
+                                                 int neighbourhood,
+                                                 const std::set<MapPointId>& named, LongRead& read);
 
-// Only some keyframes of one island, and what they see. Their covisibility is that of the view.
-Map BuildPartialView(const MissionState& state, const std::set<KeyframeId>& keyframes);
+// Only some keyframes of one island, unknown ones left out, and what they see. Covisibility is what
+// owners counted within their local maps. ABORTED: as `read` says.
+absl::StatusOr<Map> BuildPartialView(const MissionState& state,
+                                     const std::set<KeyframeId>& keyframes, LongRead& read);
 
 // One entry a keypoint: the landmark or point that it sees. Only what lies in the same island as
 // the keyframe.

@@ -65,26 +65,47 @@ class IslandViewTest : public ::testing::Test {
   }
 
   Island& island() { return state_.global.islands.at(kMapA); }
-  std::set<KeyframeId> AllKeyframes() const {
-    std::set<KeyframeId> ids;
-    for (uint32_t i = 0; i < 6; ++i) ids.insert({Ka(i), Kb(i)});
-    return ids;
-  }
   std::map<std::pair<KeyframeId, KeyframeId>, int> Counted() const {
     std::map<std::pair<KeyframeId, KeyframeId>, int> counted;
-    for (const CovisiblePair& pair : CountCovisibility(state_, state_.global.islands.at(kMapA))) {
+    UnbrokenRead read;
+    const auto pairs = CountCovisibility(state_, state_.global.islands.at(kMapA), read);
+    for (const CovisiblePair& pair : *pairs) {
       counted[{pair.a, pair.b}] = pair.weight;
     }
     return counted;
   }
 
+  // A map of the same observations that counts by itself.
+  static Map Recounted(const Map& view) {
+    Map counting;
+    for (const auto& [id, keyframe] : view.keyframes()) {
+      Keyframe copy;
+      copy.payload = keyframe.payload;
+      counting.AddKeyframe(std::move(copy));
+    }
+    for (const auto& [id, point] : view.points()) {
+      MapPoint copy;
+      copy.id = id;
+      counting.AddPoint(std::move(copy));
+      for (const auto& [keyframe, keypoint] : point.observations) {
+        counting.AddObservation(id, keyframe, keypoint);
+      }
+    }
+    return counting;
+  }
+
+  Map Whole(Rejected rejected) {
+    return TakeWholeSnapshot(state_, island(), {}, rejected, read_).value().view;
+  }
+
   MissionState state_;
+  UnbrokenRead read_;
 };
 
 TEST_F(IslandViewTest, CovisibilityIsThatOfAMapThatCountsItself) {
   Fuse();
   std::map<std::pair<KeyframeId, KeyframeId>, int> expected;
-  const Map counting = BuildPartialView(state_, AllKeyframes());
+  const Map counting = Recounted(Whole(Rejected::kLeaveOut));
   for (const auto& [id, keyframe] : counting.keyframes()) {
     for (const auto& [other, weight] : keyframe.covisible) {
       if (id < other) expected[{id, other}] = weight;
@@ -94,6 +115,14 @@ TEST_F(IslandViewTest, CovisibilityIsThatOfAMapThatCountsItself) {
   // 5 landmarks, and for the keyframe that also sees point 30, 6.
   EXPECT_EQ(expected.at({Ka(5), Kb(0)}), 6);
   EXPECT_EQ(expected.at({Ka(4), Kb(0)}), 5);
+}
+
+TEST_F(IslandViewTest, APartOfALocalMapIsCovisibleAsItsOwnerCounted) {
+  const Map part = BuildPartialView(state_, {Ka(1), Ka(2), Ka(4), {kMapA, 77}}, read_).value();
+  ASSERT_EQ(part.keyframes().size(), 3u);
+  EXPECT_EQ(part.FindKeyframe(Ka(1))->covisible, (absl::btree_map<KeyframeId, int>{{Ka(2), 5}}));
+  EXPECT_TRUE(part.FindKeyframe(Ka(4))->covisible.empty());
+  EXPECT_EQ(part.points().size(), 25u);
 }
 
 TEST_F(IslandViewTest, WhatLiesInAnotherIslandIsNotCounted) {
@@ -108,8 +137,9 @@ TEST_F(IslandViewTest, WhatLiesInAnotherIslandIsNotCounted) {
 
 TEST_F(IslandViewTest, AGraphHasAllKeyframesButOnlyPointsAroundItsCentres) {
   Fuse();
-  const Map whole = TakeWholeSnapshot(state_, island(), {}).view;
-  const Map graph = TakeGraphSnapshot(state_, island(), {}, {Kb(0)}, 1, {Pa(0)}).view;
+  const Map whole = Whole(Rejected::kLeaveOut);
+  const Map graph =
+      TakeGraphSnapshot(state_, island(), {}, {Kb(0)}, 1, {Pa(0)}, read_).value().view;
   ASSERT_EQ(graph.keyframes().size(), 12u);
   for (const auto& [id, keyframe] : whole.keyframes()) {
     const Keyframe& other = *graph.FindKeyframe(id);
@@ -134,11 +164,11 @@ TEST_F(IslandViewTest, AGraphHasAllKeyframesButOnlyPointsAroundItsCentres) {
 
 TEST_F(IslandViewTest, RejectedObservationsAreLeftOutOrTriedAgain) {
   state_.global.rejected[{Ka(2), 0}] = Pa(10);
-  EXPECT_FALSE(
-      TakeWholeSnapshot(state_, island(), {}).view.FindPoint(Pa(10))->observations.contains(Ka(2)));
-  EXPECT_TRUE(TakeWholeSnapshot(state_, island(), {}, Rejected::kTryAgain)
-                  .view.FindPoint(Pa(10))
-                  ->observations.contains(Ka(2)));
+  const auto sees = [](const Map& view) {
+    return view.FindPoint(Pa(10))->observations.contains(Ka(2));
+  };
+  EXPECT_FALSE(sees(Whole(Rejected::kLeaveOut)));
+  EXPECT_TRUE(sees(Whole(Rejected::kTryAgain)));
 }
 
 }  // namespace

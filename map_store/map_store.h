@@ -31,6 +31,8 @@
 
 namespace corbslam {
 
+struct MissionLoad;
+
 namespace map_store {
 class FusionExecutor;
 class Mission;
@@ -138,6 +140,9 @@ class MapStore {
                                                    const PageRequest& page) const;
   absl::StatusOr<KeyframeInfo> GetKeyframe(absl::string_view mission, KeyframeId id) const;
   absl::StatusOr<MissionStatistics> GetStatistics(absl::string_view mission) const;
+  // Of all missions (mission_load.h). Cheaper than the look-ups above: nothing is walked through
+  // but local maps and what waits for fusion.
+  std::vector<MissionLoad> ListLoads() const;
   // Of one agent, or of all (empty name) in the order of names. Global: only what lies in the
   // reference island, unless `all_islands`.
   absl::StatusOr<std::vector<AgentTrajectory>> GetTrajectory(absl::string_view mission,

@@ -6,6 +6,7 @@
 #include "map_store/answers.h"
 #include "map_store/map_store.h"
 #include "map_store/mission.h"
+#include "map_store/mission_load.h"
 #include "map_store/trajectory.h"
 #include "slam/util/status_macros.h"
 
@@ -114,6 +115,17 @@ absl::StatusOr<KeyframeInfo> MapStore::GetKeyframe(absl::string_view mission_nam
 absl::StatusOr<MissionStatistics> MapStore::GetStatistics(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   return mission->WithState(map_store::DescribeStatistics);
+}
+
+std::vector<MissionLoad> MapStore::ListLoads() const {
+  std::vector<std::shared_ptr<Mission>> missions;
+  {
+    absl::MutexLock lock(&mutex_);
+    for (const auto& [name, mission] : missions_) missions.push_back(mission);
+  }
+  std::vector<MissionLoad> loads;
+  for (const auto& mission : missions) loads.push_back(mission->Load());
+  return loads;
 }
 
 absl::StatusOr<std::vector<AgentTrajectory>> MapStore::GetTrajectory(absl::string_view mission_name,

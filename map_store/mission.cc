@@ -81,7 +81,9 @@ absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
     }
     AgentState& agent = state_.agents[request.agent];
     fenced = std::exchange(agent.session, session_id);
-    ResumeSharing(request.last_revision, agent.share);
+    Told& told = told_[request.agent];
+    absl::MutexLock telling(&told.mutex);
+    ResumeSharing(request.last_revision, told.share);
     ++state_.version;
   }
   std::function<void()> listener;
@@ -213,9 +215,12 @@ void Mission::CloseSession(uint64_t session_id, const std::string& agent) {
 absl::StatusOr<std::optional<SharedUpdate>> Mission::NextShared(uint64_t session_id,
                                                                 const std::string& agent,
                                                                 size_t byte_budget) {
-  absl::MutexLock lock(&mutex_);
+  absl::ReaderMutexLock lock(&mutex_);
   RETURN_IF_ERROR(CheckSession(session_id, agent));
-  return TakeSharedUpdate(state_, *environment_.options, byte_budget, state_.agents.at(agent));
+  Told& told = told_.at(agent);
+  absl::MutexLock telling(&told.mutex);
+  return TakeSharedUpdate(state_, *environment_.options, byte_budget, state_.agents.at(agent),
+                          told.share);
 }
 
 void Mission::SetSharedListener(uint64_t session_id, std::function<void()> listener) {

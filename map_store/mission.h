@@ -24,11 +24,13 @@
 #include "map_store/mission_state.h"
 #include "map_store/options.h"
 #include "map_store/revision.h"
+#include "map_store/share_state.h"
 #include "slam/exchange/uplink.h"
 #include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam {
 struct BatchTransfer;
+struct MissionLoad;
 }  // namespace corbslam
 
 namespace corbslam::map_store {
@@ -97,14 +99,24 @@ class Mission {
   absl::StatusOr<std::vector<uint64_t>> RetractOverlap(uint64_t overlap, bool keep_apart)
       ABSL_LOCKS_EXCLUDED(writer_mutex_, mutex_);
   bool IsFusionIdle() const;
+  MissionLoad Load() const;
   bool WaitUntilFusionIdle(absl::Time deadline) const;
 
  private:
   struct Lane {
     bool busy = false;
+    // Of what runs.
+    FusionAction::Kind kind = FusionAction::Kind::kQuery;
     IslandId target;
     std::shared_ptr<std::atomic<bool>> cancelled;
   };
+
+  // What one agent was told. Who tells it more holds the state's lock for reading.
+  struct Told {
+    absl::Mutex mutex;
+    ShareState share ABSL_GUARDED_BY(mutex);
+  };
+  class PausingRead;
 
   void Begin(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status CheckSession(uint64_t session_id, const std::string& agent) const
@@ -117,10 +129,18 @@ class Mission {
   void CountTransfer(const MapUpdateBatch& batch, const BatchTransfer* measured, double ms)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  PolicyLimits Limits() const;
   FusionSummary Summarise() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   std::optional<FusionAction> NextAction(FusionLane lane) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
-  // Starts the next piece of work, if there is any; true: it turned out to be nothing, go on.
+  // Starts the next piece of work, if there is any; true: nothing came of it, go on.
   bool TryStart(FusionLane lane, std::optional<FusionJob>& job) ABSL_LOCKS_EXCLUDED(mutex_);
+  // The lane is the caller's from here on, until ReleaseLane.
+  std::optional<FusionAction> ClaimLane(FusionLane lane,
+                                        std::shared_ptr<std::atomic<bool>>& cancelled)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<std::optional<FusionRequest>> Prepare(const FusionAction& action,
+                                                       const std::atomic<bool>& cancelled) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
   bool IsIdleLocked() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   // The action needs no worker: says so in the state.
   void SkipAction(const FusionAction& action) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -164,6 +184,7 @@ class Mission {
   mutable absl::Mutex mutex_;
   mutable absl::CondVar lane_released_;
   MissionState state_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, Told> told_ ABSL_GUARDED_BY(mutex_);  // Of all agents with a session.
   std::array<Lane, 2> lanes_ ABSL_GUARDED_BY(mutex_);
   std::map<IslandId, int> adjust_attempts_ ABSL_GUARDED_BY(mutex_);
   bool deleted_ ABSL_GUARDED_BY(mutex_) = false;

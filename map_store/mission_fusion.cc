@@ -11,6 +11,12 @@
 namespace corbslam::map_store {
 namespace {
 
+// The caller holds it for reading. A writer that waits comes first.
+void LetWritersIn(absl::Mutex& mutex) ABSL_NO_THREAD_SAFETY_ANALYSIS {
+  mutex.ReaderUnlock();
+  mutex.ReaderLock();
+}
+
 FusionLane LaneOf(const FusionAction& action) {
   return action.kind == FusionAction::Kind::kAdjust ? FusionLane::kAdjustment : FusionLane::kGraph;
 }
@@ -48,6 +54,26 @@ void GiveUpAdjustment(Island& island) {
 
 }  // namespace
 
+// Made, used and given up under the state's lock, held for reading.
+class Mission::PausingRead : public LongRead {
+ public:
+  PausingRead(const Mission& mission, const std::atomic<bool>& cancelled)
+      ABSL_SHARED_LOCKS_REQUIRED(mission.mutex_)
+      : mission_(mission), cancelled_(cancelled), revision_(mission.state_.global.revision) {}
+
+  absl::Status Pause() override ABSL_NO_THREAD_SAFETY_ANALYSIS {
+    LetWritersIn(mission_.mutex_);
+    if (cancelled_.load()) return absl::AbortedError("cancelled");
+    if (mission_.state_.global.revision == revision_) return absl::OkStatus();
+    return absl::AbortedError("another revision was committed");
+  }
+
+ private:
+  const Mission& mission_;
+  const std::atomic<bool>& cancelled_;
+  const uint64_t revision_;
+};
+
 FusionSummary Mission::Summarise() const {
   FusionSummary summary;
   for (const auto& [id, island] : state_.global.islands) {
@@ -68,12 +94,16 @@ FusionSummary Mission::Summarise() const {
   return summary;
 }
 
-std::optional<FusionAction> Mission::NextAction(FusionLane lane) const {
-  if (deleted_ || !environment_.has_worker) return std::nullopt;
+PolicyLimits Mission::Limits() const {
   PolicyLimits limits;
   limits.weld_every = environment_.options->weld_every;
   limits.adjust_every = environment_.options->adjust_every;
-  for (const FusionAction& action : DecideActions(Summarise(), limits)) {
+  return limits;
+}
+
+std::optional<FusionAction> Mission::NextAction(FusionLane lane) const {
+  if (deleted_ || !environment_.has_worker) return std::nullopt;
+  for (const FusionAction& action : DecideActions(Summarise(), Limits())) {
     if (LaneOf(action) == lane) return action;
   }
   return std::nullopt;
@@ -88,25 +118,45 @@ std::optional<FusionJob> Mission::StartJob(FusionLane lane_id) {
   return job;
 }
 
-bool Mission::TryStart(FusionLane lane_id, std::optional<FusionJob>& job) {
+std::optional<FusionAction> Mission::ClaimLane(FusionLane lane_id,
+                                               std::shared_ptr<std::atomic<bool>>& cancelled) {
   absl::MutexLock lock(&mutex_);
   Lane& lane = lanes_[static_cast<size_t>(lane_id)];
-  if (lane.busy) return false;
+  if (lane.busy) return std::nullopt;
   const std::optional<FusionAction> action = NextAction(lane_id);
   if (!action.has_value()) {
     lane_released_.SignalAll();
-    return false;
-  }
-  std::optional<FusionRequest> request = PrepareRequest(state_, *action, *environment_.options);
-  if (!request.has_value()) {
-    SkipAction(*action);
-    return true;
+    return std::nullopt;
   }
   lane.busy = true;
+  lane.kind = action->kind;
   lane.target = action->target;
-  lane.cancelled = std::make_shared<std::atomic<bool>>(false);
-  job = FusionJob{*std::move(request), lane.cancelled};
-  return false;
+  lane.cancelled = cancelled = std::make_shared<std::atomic<bool>>(false);
+  return action;
+}
+
+absl::StatusOr<std::optional<FusionRequest>> Mission::Prepare(
+    const FusionAction& action, const std::atomic<bool>& cancelled) const {
+  absl::ReaderMutexLock lock(&mutex_);
+  PausingRead read(*this, cancelled);
+  return PrepareRequest(state_, action, *environment_.options, read);
+}
+
+bool Mission::TryStart(FusionLane lane, std::optional<FusionJob>& job) {
+  std::shared_ptr<std::atomic<bool>> cancelled;
+  const std::optional<FusionAction> action = ClaimLane(lane, cancelled);
+  if (!action.has_value()) return false;
+  absl::StatusOr<std::optional<FusionRequest>> request = Prepare(*action, *cancelled);
+  if (request.ok() && request->has_value()) {
+    job = FusionJob{**std::move(request), std::move(cancelled)};
+    return false;
+  }
+  if (request.ok()) {
+    absl::MutexLock lock(&mutex_);
+    if (!cancelled->load()) SkipAction(*action);
+  }
+  ReleaseLane(lane);
+  return true;
 }
 
 void Mission::SkipAction(const FusionAction& action) {
@@ -115,7 +165,8 @@ void Mission::SkipAction(const FusionAction& action) {
     return;
   }
   if (action.kind == FusionAction::Kind::kAdjust) {
-    GiveUpAdjustment(state_.global.islands.at(action.target));
+    const auto island = state_.global.islands.find(action.target);
+    if (island != state_.global.islands.end()) GiveUpAdjustment(island->second);
     return;
   }
   for (const uint64_t id : action.overlaps) {

@@ -17,7 +17,6 @@
 #include "map_store/change_log.h"
 #include "map_store/landmarks.h"
 #include "map_store/lookups.h"
-#include "map_store/share_state.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
 #include "slam/map/map.h"
@@ -178,7 +177,6 @@ struct QueryTask {
 struct AgentState {
   std::vector<LocalMapId> local_maps;
   uint64_t session = 0;  // 0: not connected.
-  ShareState share;
 };
 
 struct MissionState {

@@ -9,6 +9,7 @@
 #include "map_store/placement.h"
 #include "slam/place/candidate_groups.h"
 #include "slam/place/keyframe_database.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -53,6 +54,13 @@ std::vector<PlaceCandidate> FindSharingWords(const MissionState& state, const Qu
   return against.database.Query(query.words->bag, query_options);
 }
 
+bool IsComplete(const VerifyOverlapRequest& request) {
+  return request.query_view.FindKeyframe(request.query) != nullptr &&
+         std::ranges::all_of(request.candidates, [&request](const auto& candidate) {
+           return request.candidate_view.FindKeyframe(candidate.id) != nullptr;
+         });
+}
+
 void AddWithNeighbours(const MissionState& state, KeyframeId id, int neighbours,
                        std::set<KeyframeId>& keyframes) {
   keyframes.insert(id);
@@ -94,9 +102,9 @@ std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& 
   return candidates;
 }
 
-std::optional<VerifyOverlapRequest> BuildVerifyRequest(const MissionState& state,
-                                                       const QueryTask& task,
-                                                       const MapStoreOptions& options) {
+absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
+    const MissionState& state, const QueryTask& task, const MapStoreOptions& options,
+    LongRead& read) {
   VerifyOverlapRequest request;
   request.candidates = FindCandidates(state, task, options);
   if (request.candidates.empty()) return std::nullopt;
@@ -106,12 +114,15 @@ std::optional<VerifyOverlapRequest> BuildVerifyRequest(const MissionState& state
       BothMetric(*state.FindLocalMap(task.query.local_map), *state.FindLocalMap(task.against));
   std::set<KeyframeId> around_query;
   AddWithNeighbours(state, task.query, options.neighbourhood, around_query);
-  request.query_view = BuildPartialView(state, around_query);
   std::set<KeyframeId> around_candidates;
   for (const VerifyOverlapRequest::Candidate& candidate : request.candidates) {
     AddWithNeighbours(state, candidate.id, options.neighbourhood, around_candidates);
   }
-  request.candidate_view = BuildPartialView(state, around_candidates);
+  RETURN_IF_ERROR(read.Pause());
+  ASSIGN_OR_RETURN(request.query_view, BuildPartialView(state, around_query, read));
+  RETURN_IF_ERROR(read.Pause());
+  ASSIGN_OR_RETURN(request.candidate_view, BuildPartialView(state, around_candidates, read));
+  if (!IsComplete(request)) return absl::AbortedError("a keyframe has gone");
   return request;
 }
 

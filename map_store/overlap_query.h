@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "absl/status/statusor.h"
+#include "map_store/long_read.h"
 #include "map_store/mission_state.h"
 #include "map_store/options.h"
 #include "slam/exchange/fusion_worker.h"
@@ -20,10 +22,10 @@ std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& 
                                                             const MapStoreOptions& options);
 
 // Both sides with the keyframes around them, in their islands' frames. None when there are no
-// candidates.
-std::optional<VerifyOverlapRequest> BuildVerifyRequest(const MissionState& state,
-                                                       const QueryTask& task,
-                                                       const MapStoreOptions& options);
+// candidates. ABORTED: as `read` says, or the owner removed one of the keyframes meanwhile.
+absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
+    const MissionState& state, const QueryTask& task, const MapStoreOptions& options,
+    LongRead& read);
 
 // Both local maps have a scale of their own.
 bool BothMetric(const LocalMapState& a, const LocalMapState& b);

@@ -65,6 +65,12 @@ IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& glob
   return poses;
 }
 
+const IslandPoses& PoseCache::Of(const LocalMapState& local_map) {
+  const auto [it, added] = poses_.try_emplace(local_map.id);
+  if (added) it->second = ComputePoses(local_map, global_, unplaced_);
+  return it->second;
+}
+
 Similarity3d IslandFromLocal(KeyframeId reference, const LocalMapState& local_map,
                              const GlobalLayer& global, const IslandPoses& poses) {
   auto it = poses.lower_bound(reference);

@@ -22,6 +22,23 @@ using Unplaced = std::set<KeyframeId>;
 IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& global,
                          const Unplaced& unplaced = {});
 
+// ComputePoses of one local map after the other, each once. Of a state that stays as it is.
+class PoseCache {
+ public:
+  // Neither is copied.
+  PoseCache(const GlobalLayer& global, const Unplaced& unplaced)
+      : global_(global), unplaced_(unplaced) {}
+
+  const IslandPoses& Of(const LocalMapState& local_map);
+  // The state is another now.
+  void Clear() { poses_.clear(); }
+
+ private:
+  const GlobalLayer& global_;
+  const Unplaced& unplaced_;
+  std::map<LocalMapId, IslandPoses> poses_;
+};
+
 // Position of a living point of `local_map` in its island: fusion's own, where its reference
 // keyframe is placed, or by its place relative to its reference keyframe. `poses` are those of the
 // point's local map.

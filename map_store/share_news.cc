@@ -1,5 +1,6 @@
 #include "map_store/share_news.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -49,7 +50,11 @@ void AddPlaces(ShareState& share) {
   ShareNews& news = share.news;
   news.own_keyframes = true;
   for (const auto& [id, sent] : share.keyframes) news.keyframes.insert(news.keyframes.end(), id);
-  for (const auto& [id, sent] : share.points) news.points.insert(news.points.end(), id);
+  std::vector<MapPointId> points;
+  points.reserve(share.points.size());
+  for (const auto& [id, sent] : share.points) points.push_back(id);
+  std::sort(points.begin(), points.end());
+  for (const MapPointId& id : points) news.points.insert(news.points.end(), id);
 }
 
 }  // namespace

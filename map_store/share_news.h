@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "map_store/mission_state.h"
+#include "map_store/share_state.h"
 
 namespace corbslam::map_store {
 

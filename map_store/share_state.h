@@ -11,6 +11,7 @@
 
 #include "absl/container/btree_map.h"
 #include "absl/container/btree_set.h"
+#include "absl/container/flat_hash_map.h"
 #include "map_store/lookups.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
@@ -32,6 +33,10 @@ struct ShareNews {
   absl::btree_set<MapPointId> points;
   absl::btree_set<MapPointId> landmarks;
   bool own_keyframes = false;
+  // How many of the agent's own landmarks keyframes saw that it lacked, when they were counted, and
+  // the mission's revision then.
+  absl::btree_map<KeyframeId, int> own_landmarks;
+  uint64_t counted_at_revision = 0;
 };
 
 struct ShareState {
@@ -39,7 +44,7 @@ struct ShareState {
   IslandId island;
   LocalMapId local_map;
   std::map<KeyframeId, SentKeyframe> keyframes;
-  absl::btree_map<MapPointId, Eigen::Vector3d> points;
+  absl::flat_hash_map<MapPointId, Eigen::Vector3d> points;
   absl::btree_map<MapPointId, std::vector<MapPointId>> landmarks;
   std::map<KeyframeId, Similarity3d> own_keyframes;
 

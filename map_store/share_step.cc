@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <set>
-#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "absl/container/flat_hash_set.h"
-#include "map_store/island_view.h"
 #include "map_store/placement.h"
 #include "map_store/share_news.h"
+#include "map_store/share_order.h"
+#include "map_store/sights.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -59,19 +57,6 @@ class Budget {
   bool complete_ = true;
 };
 
-using Sights = std::vector<std::pair<uint32_t, MapPointId>>;  // Keypoint and landmark.
-
-// A keyframe that the agent does not have.
-struct NewKeyframe {
-  const Keyframe* keyframe = nullptr;
-  int shared_landmarks = 0;
-  double distance = 0;
-};
-
-// Of more new keyframes than that, those that see the agent's own landmarks come first, then the
-// nearest; of fewer the nearest.
-constexpr size_t kFew = 8;
-
 // Goes through what may be news, compares it with what was sent, and sends what is.
 class ShareStep {
  public:
@@ -82,7 +67,8 @@ class ShareStep {
         options_(options),
         budget_(byte_budget),
         share_(share),
-        news_(share.news) {}
+        news_(share.news),
+        poses_(state.global, all_placed_) {}
 
   SharedUpdate Take() {
     update_.revision = state_.global.revision;
@@ -101,30 +87,17 @@ class ShareStep {
   }
 
  private:
-  Sights SightsOf(const LocalMapState& local_map, const Keyframe& keyframe) const {
-    const std::vector<MapPointId> points = ObservedPoints(state_, local_map, keyframe);
-    Sights sights;
-    for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
-      if (points[keypoint].IsValid()) sights.emplace_back(keypoint, points[keypoint]);
-    }
-    return sights;
-  }
-
   bool IsOwn(MapPointId point) const { return point.local_map == share_.local_map; }
   bool IsKnown(MapPointId point) const { return IsOwn(point) || share_.points.contains(point); }
 
-  const IslandPoses& PosesOf(const LocalMapState& local_map) const {
-    const auto [it, added] = poses_.try_emplace(local_map.id);
-    if (added) it->second = ComputePoses(local_map, state_.global);
-    return it->second;
-  }
+  const IslandPoses& PosesOf(const LocalMapState& local_map) { return poses_.Of(local_map); }
 
   bool IsHere(LocalMapId id) const {
     const auto it = state_.global.island_of.find(id);
     return it != state_.global.island_of.end() && it->second == island_.id;
   }
 
-  Similarity3d GlobalFromLocal(KeyframeId reference, const LocalMapState& local_map) const {
+  Similarity3d GlobalFromLocal(KeyframeId reference, const LocalMapState& local_map) {
     return IslandFromLocal(reference, local_map, state_.global, PosesOf(local_map));
   }
 
@@ -171,7 +144,7 @@ class ShareStep {
       if (sent == share_.keyframes.end()) {
         // What is not old enough is news again when it is.
         const bool is_new = keyframe != nullptr && IsShared(*it);
-        if (is_new) new_keyframes_[*it].keyframe = keyframe;
+        if (is_new) new_keyframes_[*it] = keyframe;
         it = is_new ? std::next(it) : news_.keyframes.erase(it);
         continue;
       }
@@ -275,7 +248,7 @@ class ShareStep {
       const auto sent = share_.keyframes.find(*it);
       const Keyframe* keyframe = state_.FindKeyframe(*it);
       if (sent != share_.keyframes.end() && keyframe != nullptr) {
-        Sights sights = SightsOf(*state_.FindLocalMap(it->local_map), *keyframe);
+        Sights sights = SightsOf(state_, *state_.FindLocalMap(it->local_map), *keyframe);
         if (sights != sent->second.points) {
           if (!budget_.Take(kObservationBytes)) return;
           TakeObservationChanges(*it, sent->second.points, sights);
@@ -287,68 +260,26 @@ class ShareStep {
   }
 
   void TakeObservationChanges(KeyframeId id, const Sights& before, const Sights& now) {
-    for (const auto& [keypoint, point] : before) {
-      if (std::binary_search(now.begin(), now.end(), std::make_pair(keypoint, point))) continue;
+    Sights changed;
+    std::ranges::set_difference(before, now, std::back_inserter(changed));
+    for (const auto& [keypoint, point] : changed) {
       budget_.Take(kObservationBytes);
       update_.observations.push_back({ObservationChange::Kind::kRemoved, point, id, keypoint});
     }
-    for (const auto& [keypoint, point] : now) {
-      if (std::binary_search(before.begin(), before.end(), std::make_pair(keypoint, point))) {
-        continue;
-      }
+    changed.clear();
+    std::ranges::set_difference(now, before, std::back_inserter(changed));
+    for (const auto& [keypoint, point] : changed) {
       budget_.Take(kObservationBytes);
       TakePoint(point);
       update_.observations.push_back({ObservationChange::Kind::kAdded, point, id, keypoint});
     }
   }
 
-  void CountOwnLandmarks() {
-    absl::flat_hash_set<MapPointId> own_landmarks;
-    const LocalMapState& own = *state_.FindLocalMap(share_.local_map);
-    for (const auto& [id, keyframe] : own.map.keyframes()) {
-      for (const auto& [keypoint, point] : SightsOf(own, keyframe)) own_landmarks.insert(point);
-    }
-    for (auto& [id, item] : new_keyframes_) {
-      for (const auto& sight : SightsOf(*state_.FindLocalMap(id.local_map), *item.keyframe)) {
-        if (own_landmarks.contains(sight.second)) ++item.shared_landmarks;
-      }
-    }
-  }
-
-  void MeasureDistances() {
-    std::vector<Eigen::Vector3d> own_centres;
-    for (const auto& [id, pose] : PosesOf(*state_.FindLocalMap(share_.local_map))) {
-      own_centres.push_back(CameraCentre(pose.ToRigid()));
-    }
-    for (auto& [id, item] : new_keyframes_) {
-      const IslandPoses& poses = PosesOf(*state_.FindLocalMap(id.local_map));
-      const Eigen::Vector3d centre = CameraCentre(poses.at(id).ToRigid());
-      item.distance = std::numeric_limits<double>::max();
-      for (const Eigen::Vector3d& own : own_centres) {
-        item.distance = std::min(item.distance, (own - centre).squaredNorm());
-      }
-    }
-  }
-
-  std::vector<KeyframeId> NearestFirst() {
-    std::vector<KeyframeId> nearest;
-    for (const auto& [id, item] : new_keyframes_) nearest.push_back(id);
-    if (nearest.size() > kFew) CountOwnLandmarks();
-    MeasureDistances();
-    std::sort(nearest.begin(), nearest.end(), [this](KeyframeId a, KeyframeId b) {
-      const NewKeyframe& first = new_keyframes_.at(a);
-      const NewKeyframe& second = new_keyframes_.at(b);
-      return std::make_tuple(-first.shared_landmarks, first.distance, a) <
-             std::make_tuple(-second.shared_landmarks, second.distance, b);
-    });
-    return nearest;
-  }
-
   void TakeNewKeyframes() {
     if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
-    for (const KeyframeId& id : NearestFirst()) {
+    for (const KeyframeId& id : OrderNewKeyframes(state_, new_keyframes_, poses_, share_)) {
       if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
-      const Keyframe& keyframe = *new_keyframes_.at(id).keyframe;
+      const Keyframe& keyframe = *new_keyframes_.at(id);
       if (!budget_.Take(kLightBytes + keyframe.keypoints().size() * kBytesPerKeypoint)) return;
       TakeNewKeyframe(keyframe);
       news_.keyframes.erase(id);
@@ -361,7 +292,7 @@ class ShareStep {
     SentKeyframe sent;
     sent.camera_from_global = PosesOf(local_map).at(id);
     sent.global_from_local = GlobalFromLocal(id, local_map);
-    sent.points = SightsOf(local_map, keyframe);
+    sent.points = SightsOf(state_, local_map, keyframe);
     SharedKeyframe shared;
     shared.payload = keyframe.payload;
     shared.camera_from_global = sent.camera_from_global;
@@ -375,7 +306,7 @@ class ShareStep {
     share_.keyframes[id] = std::move(sent);
   }
 
-  Eigen::Vector3d PositionOf(MapPointId id) const {
+  Eigen::Vector3d PositionOf(MapPointId id) {
     const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
     return ComputePosition(*owner.map.FindPoint(id), owner, state_.global, PosesOf(owner));
   }
@@ -408,8 +339,9 @@ class ShareStep {
   Budget budget_;
   ShareState& share_;
   ShareNews& news_;
-  mutable std::map<LocalMapId, IslandPoses> poses_;
-  std::map<KeyframeId, NewKeyframe> new_keyframes_;
+  const Unplaced all_placed_;
+  PoseCache poses_;
+  std::map<KeyframeId, const Keyframe*> new_keyframes_;
   SharedUpdate update_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "map_store/mission_state.h"
 #include "map_store/options.h"
+#include "map_store/share_state.h"
 #include "slam/exchange/shared_update.h"
 
 namespace corbslam::map_store {

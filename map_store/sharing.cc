@@ -39,9 +39,8 @@ void NoteSent(uint64_t revision, ShareState& share) {
 
 std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
                                              const MapStoreOptions& options, size_t byte_budget,
-                                             AgentState& agent) {
+                                             const AgentState& agent, ShareState& share) {
   if (agent.local_maps.empty()) return std::nullopt;
-  ShareState& share = agent.share;
   const LocalMapId own = agent.local_maps.back();
   const Island& island = *state.FindIslandOf(own);
   if (share.local_map != own || share.island != island.id || HasLostAny(share, island)) {

@@ -9,17 +9,18 @@
 
 #include "map_store/mission_state.h"
 #include "map_store/options.h"
+#include "map_store/share_state.h"
 #include "slam/exchange/shared_update.h"
 
 namespace corbslam::map_store {
 
-// The next update for the agent, which is noted as sent; none when it has all. The agent's own
+// The next update for the agent, noted in `share` as sent; none when it has all. The agent's own
 // local map is the one that it opened last; others' are shared once it is in one island with them.
 // Own earlier local maps are others' by that rule. Another island's frame, or another local map,
 // begins with `restart`.
 std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
                                              const MapStoreOptions& options, size_t byte_budget,
-                                             AgentState& agent);
+                                             const AgentState& agent, ShareState& share);
 
 // The agent opened a session and says up to which revision it has applied what it was sent: goes
 // on from there if that is certain, else starts again.

@@ -1,7 +1,7 @@
 #!/bin/sh
 # collect.sh ROOT PROGRAM...: makes the folder ROOT the file system of an image that runs PROGRAM:
 #
-# /usr/bin          the programs, health, and what health is made of (bash, openssl)
+# /usr/bin          the programs, and health, which lies beside the first of them here
 # /usr/lib          the shared libraries that these load, and nothing else of Debian
 # /usr/share/doc    the licences of the packages that the libraries are from, and the SBOM
 # /var/lib/dpkg     what dpkg knows of these packages, so that scanners find them
@@ -32,7 +32,7 @@ for folder in bin lib lib64; do ln -s "usr/$folder" "$root/$folder"; done
 lists=$(mktemp -d)
 trap 'rm -rf "$lists"' EXIT
 
-for program in "$@" /bin/bash /usr/bin/openssl; do
+for program in "$@" "${1%/*}/health"; do
   [ -x "$program" ] || fail "$program is no program"
   install -m 755 "$program" "$root/usr/bin/${program##*/}"
   ldd "$program" > "$lists/ldd" || fail "$program is not dynamically linked"
@@ -50,9 +50,6 @@ sed 's|^/usr||' "$lists/real" | sort -u | comm -23 - "$lists/known" > "$lists/un
 [ ! -s "$lists/unknown" ] || fail "$(tr '\n' ' ' < "$lists/unknown")is of no Debian package"
 xargs cp -L --parents -t "$root" < "$lists/libraries"
 sed 's/: .*//' "$lists/found" > "$lists/owners"
-for program in bash openssl; do
-  dpkg-query -W -f '${Package}\n' "$program" >> "$lists/owners"
-done
 # Two packages may be named at once, "a, b: file", and with their architecture.
 tr ',' '\n' < "$lists/owners" | sed 's/ //g; s/:.*//' | sort -u > "$lists/packages"
 
@@ -65,8 +62,6 @@ xargs dpkg-query -s < "$lists/packages" |
 sed 's|.*|/usr/share/doc/&/copyright|' "$lists/packages" | xargs cp -L --parents -t "$root" ||
   fail "a licence is missing: its package can't be shipped"
 
-ln -s bash "$root/usr/bin/sh"
-install -m 755 "$here/health" "$root/usr/bin/health"
 install -m 644 "$here/../../slam/vocabulary/data/corbslam.voc" "$root/usr/share/corbslam/"
 install -m 644 "$here/../../LICENSE" "$root/usr/share/doc/corbslam/copyright"
 install -m 644 /etc/os-release "$root/etc/os-release"

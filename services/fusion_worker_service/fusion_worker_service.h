@@ -4,6 +4,7 @@
 #define CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_FUSION_WORKER_SERVICE_H_
 
 #include <atomic>
+#include <cstddef>
 
 #include "corbslam/v1/fusion_worker_service.grpc.pb.h"
 #include "services/server/task_pool.h"
@@ -32,6 +33,10 @@ class FusionWorkerService : public v1::FusionWorker::CallbackService {
       grpc::CallbackServerContext* context) override;
   grpc::ServerBidiReactor<v1::AdjustBundleRequest, v1::AdjustBundleResponse>* AdjustBundle(
       grpc::CallbackServerContext* context) override;
+
+  // Received, worked on or waiting; and those of them that no thread has begun with.
+  int requests() const { return requests_; }
+  size_t waiting_requests() const { return pool_.waiting(); }
 
  private:
   FusionWorker& worker_;

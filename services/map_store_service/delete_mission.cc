@@ -1,4 +1,7 @@
+#include <glog/logging.h>
+
 #include "services/convert/resource_names.h"
+#include "services/logging/log_fields.h"
 #include "services/map_store_service/lookups_to_proto.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/map_store_service/paging.h"
@@ -14,6 +17,7 @@ grpc::ServerUnaryReactor* MapStoreService::DeleteMission(grpc::CallbackServerCon
     ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->name()));
     ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(mission));
     RETURN_IF_ERROR(store_.DeleteMission(mission));
+    LOG(INFO) << LogFields{.mission = mission} << "mission deleted";
     response->set_local_maps(static_cast<uint32_t>(info.local_maps));
     return absl::OkStatus();
   });

@@ -7,10 +7,12 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "map_store/map_store.h"
 #include "services/map_store_service/stream_limits.h"
+#include "services/map_store_service/sync_observer.h"
 #include "services/server/task_pool.h"
 
 namespace corbslam {
@@ -51,6 +53,8 @@ struct MapStoreServiceOptions {
   // Of one shared update, about. Smaller ones let a robot on a slow link see something sooner.
   size_t shared_bytes = 128u << 10;
   StreamLimitOptions streams;
+  // Not owned, must outlive the service.
+  std::vector<SyncObserver*> observers;
   // Null: everybody may.
   SessionCheck may_open;
   RestoreCheck may_restore;
@@ -65,6 +69,10 @@ class MapStoreService : public MapStoreMethods {
 
   // The server is about to stop: streams end with UNAVAILABLE, once what they had to say is said.
   void EndStreams() { limits_.Close(); }
+
+  // Calls and batches that no thread has begun with.
+  size_t waiting_tasks() const { return pool_.waiting(); }
+  const StreamLimits& streams() const { return limits_; }
 
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Sync(
       grpc::CallbackServerContext* context) override;

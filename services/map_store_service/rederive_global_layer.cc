@@ -1,4 +1,7 @@
+#include <glog/logging.h>
+
 #include "services/convert/resource_names.h"
+#include "services/logging/log_fields.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
@@ -10,7 +13,9 @@ grpc::ServerUnaryReactor* MapStoreService::RederiveGlobalLayer(
     v1::RederiveGlobalLayerResponse*) {
   return AnswerOn(pool_, context, [this, request]() -> absl::Status {
     ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->name()));
-    return store_.RederiveGlobalLayer(mission);
+    RETURN_IF_ERROR(store_.RederiveGlobalLayer(mission));
+    LOG(INFO) << LogFields{.mission = mission} << "fusion begins afresh";
+    return absl::OkStatus();
   });
 }
 

@@ -1,8 +1,11 @@
+#include <glog/logging.h>
+
 #include <string>
 #include <utility>
 
 #include "services/convert/resource_names.h"
 #include "services/convert/status.h"
+#include "services/logging/log_fields.h"
 #include "services/map_store_service/lookups_to_proto.h"
 #include "services/map_store_service/map_store_service.h"
 #include "slam/util/status_macros.h"
@@ -47,6 +50,7 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
     if (mission_.empty()) return absl::InvalidArgumentError("no message came");
     ASSIGN_OR_RETURN(map_store::MissionState state, restorer_.Finish());
     RETURN_IF_ERROR(store_.RestoreMission(mission_, std::move(state)));
+    LOG(INFO) << LogFields{.mission = mission_} << "mission restored";
     ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(mission_));
     ToProto(info, &response_);
     return absl::OkStatus();

@@ -19,11 +19,13 @@ constexpr size_t kMaxReplies = 64;
 
 }  // namespace
 
-SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits, size_t shared_bytes,
-                         OpenCheck may_open, absl::string_view peer)
+SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
+                         const MapStoreServiceOptions& options, OpenCheck may_open,
+                         absl::string_view peer)
     : store_(store),
       pool_(pool),
-      shared_bytes_(shared_bytes),
+      shared_bytes_(options.shared_bytes),
+      observers_(options.observers),
       may_open_(std::move(may_open)),
       link_(std::make_shared<Link>()),
       limits_(limits.options()) {
@@ -69,6 +71,7 @@ void SyncReactor::OnReadDone(bool ok) {
   {
     absl::MutexLock lock(&mutex_);
     (ok ? has_request_ : read_to_end_) = true;
+    read_at_ = absl::Now();
   }
   Kick();
 }
@@ -154,29 +157,39 @@ void SyncReactor::Work() {
       case Job::kShare:
         Share();
         break;
-      case Job::kFinish: {
-        if (session_id_) store_.SetSharedListener(*session_id_, nullptr);
-        if (session_id_) store_.CloseSession(*session_id_);
-        // Before the agent hears of the end: it may come again at once.
-        ticket_.reset();
-        absl::Status status;
-        {
-          absl::MutexLock lock(&mutex_);
-          status = end_.value_or(cancelled_ ? absl::CancelledError("the stream broke")
-                                            : absl::OkStatus());
-        }
+      case Job::kFinish:
         // The reactor may be gone once this is called.
-        Finish(ToGrpcStatus(status));
+        Finish(ToGrpcStatus(Leave()));
         return;
-      }
     }
   }
 }
 
+absl::Status SyncReactor::Leave() {
+  if (session_id_) store_.SetSharedListener(*session_id_, nullptr);
+  if (session_id_) store_.CloseSession(*session_id_);
+  // Before the agent hears of the end: it may come again at once.
+  ticket_.reset();
+  absl::Status status;
+  {
+    absl::MutexLock lock(&mutex_);
+    status =
+        end_.value_or(cancelled_ ? absl::CancelledError("the stream broke") : absl::OkStatus());
+  }
+  if (session_id_) {
+    for (SyncObserver* observer : observers_) observer->OnClosed(who_, status);
+  }
+  return status;
+}
+
 void SyncReactor::HandleRequest() {
+  const size_t bytes = request_.Length();
   v1::SyncRequest request;
   absl::Status status = ReadRequest(request);
   if (status.ok()) status = Handle(request);
+  if (session_id_) {
+    for (SyncObserver* observer : observers_) observer->OnReceived(who_, bytes);
+  }
   if (!status.ok()) return End(status);
   {
     absl::MutexLock lock(&mutex_);
@@ -212,6 +225,8 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   RETURN_IF_ERROR(ticket_->Name(AgentName(request.mission, request.agent)));
   ASSIGN_OR_RETURN(const MapStore::OpenedSession opened, store_.OpenSession(request));
   session_id_ = opened.session_id;
+  who_ = {request.mission, request.agent};
+  for (SyncObserver* observer : observers_) observer->OnOpened(who_);
   Disarm();
   v1::SyncResponse response;
   ToProto(opened.grant, response.mutable_grant());
@@ -245,13 +260,27 @@ absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
     return absl::OkStatus();
   }
   Disarm();
-  const BatchTransfer transfer = std::exchange(transfer_, {});
-  ASSIGN_OR_RETURN(const Acknowledgement stored, store_.Apply(*session_id_, *batch, &transfer));
+  ASSIGN_OR_RETURN(const Acknowledgement stored, ApplyWhole(*batch));
   ticket_->ReleaseAll();
   v1::SyncResponse response;
   ToProto(stored, response.mutable_acknowledgement());
   Reply(response);
   return absl::OkStatus();
+}
+
+absl::StatusOr<Acknowledgement> SyncReactor::ApplyWhole(const MapUpdateBatch& batch) {
+  for (SyncObserver* observer : observers_) observer->OnBatch(who_, batch);
+  const BatchTransfer transfer = std::exchange(transfer_, {});
+  const auto stored = store_.Apply(*session_id_, batch, &transfer);
+  absl::Duration took;
+  {
+    absl::MutexLock lock(&mutex_);
+    took = absl::Now() - read_at_;
+  }
+  for (SyncObserver* observer : observers_) {
+    observer->OnApplied(who_, batch, took, stored.status());
+  }
+  return stored;
 }
 
 void SyncReactor::Share() {
@@ -264,6 +293,7 @@ void SyncReactor::Share() {
       store_.NextShared(*session_id_, shared_bytes_);
   if (!update.ok()) return End(update.status());
   if (!update->has_value()) return;
+  for (SyncObserver* observer : observers_) observer->OnShared(who_, **update);
   for (v1::SharedUpdate& part : ToProto(**update, sent_cameras_, kPartBytes)) {
     v1::SyncResponse response;
     *response.mutable_shared() = std::move(part);
@@ -280,6 +310,7 @@ void SyncReactor::Reply(const v1::SyncResponse& response) {
   const grpc::Status written =
       grpc::SerializationTraits<v1::SyncResponse>::Serialize(response, &bytes, &own_buffer);
   if (!written.ok()) return End(FromGrpcStatus(written));
+  for (SyncObserver* observer : observers_) observer->OnSent(who_, bytes.Length());
   absl::MutexLock lock(&mutex_);
   replies_.push_back(std::move(bytes));
 }
@@ -295,7 +326,7 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MapStoreService::Sy
     if (options_.may_open == nullptr) return absl::OkStatus();
     return options_.may_open(*context, request.mission, request.agent);
   };
-  return new SyncReactor(store_, pool_, limits_, options_.shared_bytes, may_open, context->peer());
+  return new SyncReactor(store_, pool_, limits_, options_, may_open, context->peer());
 }
 
 }  // namespace corbslam

@@ -12,15 +12,19 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "map_store/map_store.h"
 #include "services/convert/features.h"
 #include "services/convert/map_update.h"
+#include "services/map_store_service/map_store_service.h"
 #include "services/map_store_service/stream_limits.h"
+#include "services/map_store_service/sync_observer.h"
 #include "services/server/task_pool.h"
 
 namespace corbslam {
@@ -34,8 +38,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   using OpenCheck = std::function<absl::Status(const SessionRequest&)>;
 
   // `peer` is who calls, as gRPC spells it.
-  SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits, size_t shared_bytes,
-              OpenCheck may_open, absl::string_view peer);
+  SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
+              const MapStoreServiceOptions& options, OpenCheck may_open, absl::string_view peer);
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -64,13 +68,17 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   absl::Status Handle(const v1::SyncRequest& request);
   absl::Status Open(const v1::OpenSession& open);
   absl::Status Apply(const v1::MapUpdateBatch& part);
+  absl::StatusOr<Acknowledgement> ApplyWhole(const MapUpdateBatch& batch);
   void Share();
   void Reply(const v1::SyncResponse& response);
+  // Leaves the store and says how the stream ends.
+  absl::Status Leave();
   void End(const absl::Status& status);
 
   MapStore& store_;
   TaskPool& pool_;
   const size_t shared_bytes_;
+  const std::vector<SyncObserver*>& observers_;
   const OpenCheck may_open_;
   const std::shared_ptr<Link> link_;
 
@@ -83,6 +91,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   grpc::ByteBuffer request_;
   // Of Work.
   std::optional<uint64_t> session_id_;
+  SessionAgent who_;  // Once the session is open.
   CameraBook received_cameras_;
   CameraBook sent_cameras_;
   BatchAssembler assembler_;
@@ -91,6 +100,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   absl::Mutex mutex_;
   bool working_ ABSL_GUARDED_BY(mutex_) = false;
   bool has_request_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::Time read_at_ ABSL_GUARDED_BY(mutex_);
   bool shareable_ ABSL_GUARDED_BY(mutex_) = false;
   bool read_to_end_ ABSL_GUARDED_BY(mutex_) = false;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;

@@ -134,7 +134,11 @@ absl::StatusOr<Map> GlobalMapOf(const map_store::MissionState& state) {
   if (island == state.global.islands.end()) {
     return absl::NotFoundError(absl::StrCat("mission ", state.name, " has no keyframes yet"));
   }
-  return map_store::TakeWholeSnapshot(state, island->second, {}).view;
+  map_store::UnbrokenRead read;
+  ASSIGN_OR_RETURN(map_store::IslandSnapshot snapshot,
+                   map_store::TakeWholeSnapshot(state, island->second, {},
+                                                map_store::Rejected::kLeaveOut, read));
+  return std::move(snapshot.view);
 }
 
 absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map,

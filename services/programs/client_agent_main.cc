@@ -14,10 +14,13 @@
 #include "services/agent_service/agent_service.h"
 #include "services/convert/batch_bytes.h"
 #include "services/convert/resource_names.h"
+#include "services/logging/log_fields.h"
 #include "services/programs/agent_run.h"
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
+#include "services/programs/robot_observers.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
 #include "services/security/flags.h"
@@ -49,6 +52,7 @@ struct Flags {
   uint64_t outbox_mb = 64;
   bool stay = false;
   SecurityOptions security;
+  ObserveFlags observe;
   bool listen_insecure = false;
 };
 
@@ -106,7 +110,7 @@ absl::Status WriteResults(const Flags& flags, const Agent& agent, const PlayedFr
   const std::string statistics = StatisticsJson(flags.agent, agent.GetStatus(), played,
                                                 uplink != nullptr ? uplink->bytes_up() : 0,
                                                 uplink != nullptr ? uplink->bytes_down() : 0);
-  LOG(INFO) << "done\n" << statistics;
+  LOG(INFO) << LogFields{.mission = flags.mission, .agent = flags.agent} << "done\n" << statistics;
   return flags.stats.empty() ? absl::OkStatus() : WriteText(flags.stats, statistics);
 }
 
@@ -155,23 +159,30 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool, OpenFlaggedSpool(flags));
   // Outlives the agent, which closes it.
   ASSIGN_OR_RETURN(const std::unique_ptr<Uplink> uplink, MakeUplink(flags));
-  ASSIGN_OR_RETURN(const ServerSecurity security, MakeListenSecurity(flags));
+  ASSIGN_OR_RETURN(const auto observers,
+                   RobotObservers::Make(flags.observe, flags.mission, flags.agent));
+  ASSIGN_OR_RETURN(ServerSecurity security, MakeListenSecurity(flags));
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
   ASSIGN_OR_RETURN(const auto source, OpenFlaggedSource(flags));
-  ASSIGN_OR_RETURN(const auto agent, Agent::Create(MakeAgentOptions(flags, source->calibration()),
-                                                   source->calibration(), vocabulary, uplink.get(),
-                                                   std::move(spool)));
+  ASSIGN_OR_RETURN(
+      const auto agent,
+      Agent::Create(MakeAgentOptions(flags, source->calibration()), source->calibration(),
+                    vocabulary, observers->Watch(uplink.get()), std::move(spool)));
+  Agent* const watched = observers->Watch(agent.get());
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "", .agent = flags.agent});
+  ASSIGN_OR_RETURN(const auto metrics, observers->Serve(agent.get(), uplink.get()));
+  security.server.rpc_observer = observers->OfCalls();
   std::unique_ptr<Server> server;
   if (!flags.listen.empty()) {
     ASSIGN_OR_RETURN(server, Server::Start(flags.listen, {&service}, security.server));
     AnnounceAddress(server->address());
   }
   ASSIGN_OR_RETURN(const PlayedFrames played,
-                   PlaySource(*source, *agent, flags.pace, stop.stopped(),
+                   PlaySource(*source, *watched, flags.pace, stop.stopped(),
                               [&](const TrackingResult& result, uint64_t dropped) {
+                                observers->SetDropped(dropped);
                                 if (server != nullptr) service.OnFrame(result, dropped);
                               }));
   const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
@@ -232,6 +243,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
   AddTlsFlags(app, flags.security);
   AddServerFlags(app, flags.security);
   AddClientFlags(app, flags.security);
+  AddMetricsFlag(app, flags.observe);
+  AddTraceFlag(app, flags.observe);
   app.add_flag("--listen-insecure", flags.listen_insecure,
                "Without TLS on --listen only, for a loopback address");
 }

@@ -1,12 +1,18 @@
 // fusion_worker: computes for map stores.
+#include <sys/resource.h>
+
+#include <cerrno>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/programs/checks.h"
+#include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
+#include "services/programs/worker_observers.h"
 #include "services/security/flags.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
@@ -19,17 +25,34 @@ struct Flags {
   FusionWorkerOptions worker;
   FusionWorkerServiceOptions service;
   SecurityOptions security;
+  // Who shares the machine with it may be a map store, and robots wait for that one.
+  int niceness = 5;
+  // Where many workers have one name, stores get to know new ones by new connections.
+  double max_connection_age_s = 300;
+  ObserveFlags observe;
   double drain_s = 2;
 };
+
+// Of this thread and all that it will start, unless it is lower already.
+absl::Status LowerPriority(int niceness) {
+  if (getpriority(PRIO_PROCESS, 0) >= niceness) return absl::OkStatus();
+  if (setpriority(PRIO_PROCESS, 0, niceness) == 0) return absl::OkStatus();
+  return absl::ErrnoToStatus(errno, absl::StrCat("--niceness ", niceness));
+}
 
 std::vector<absl::Status> Check(const Flags& flags) {
   return {CheckFlagAddress("--listen", flags.listen), MakeServerSecurity(flags.security).status()};
 }
 
 absl::Status Run(const Flags& flags) {
-  ASSIGN_OR_RETURN(const ServerSecurity security, MakeServerSecurity(flags.security));
+  RETURN_IF_ERROR(LowerPriority(flags.niceness));
+  ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
+  security.server.max_connection_age = absl::Seconds(flags.max_connection_age_s);
+  WorkerObservers observers(flags.observe);
   const std::unique_ptr<FusionWorker> worker = MakeLocalFusionWorker(flags.worker);
-  FusionWorkerService service(worker.get(), flags.service);
+  FusionWorkerService service(observers.Watch(worker.get()), flags.service);
+  ASSIGN_OR_RETURN(const auto metrics, observers.Serve(service));
+  security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&service}, security.server));
   AnnounceAddress(server->address());
@@ -58,11 +81,20 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   app.add_option("--seed", flags.worker.seed, "Of all random choices")->capture_default_str();
+  app.add_option("--niceness", flags.niceness,
+                 "Of its threads: 0 like others, 19 only when nobody else wants the processor")
+      ->check(CLI::Range(0, 19))
+      ->capture_default_str();
+  app.add_option("--max-connection-age", flags.max_connection_age_s,
+                 "Seconds after which a store is asked to connect anew")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
   app.add_option("--drain", flags.drain_s, "Seconds that requests have to end after SIGTERM")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   corbslam::AddTlsFlags(app, flags.security);
   corbslam::AddServerFlags(app, flags.security);
+  corbslam::AddMetricsFlag(app, flags.observe);
   return corbslam::RunProgram(
       app, argc, argv,
       {[&] { return corbslam::Run(flags); }, [&] { return corbslam::Check(flags); }});

@@ -14,7 +14,9 @@
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/limit_flags.h"
+#include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
+#include "services/programs/store_observers.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_fusion_worker.h"
 #include "services/security/flags.h"
@@ -37,6 +39,7 @@ struct Flags {
   MapStoreOptions store;
   MapStoreServiceOptions service;
   SecurityOptions security;
+  ObserveFlags observe;
   double drain_s = 2;
 };
 
@@ -89,18 +92,24 @@ absl::Status Run(Flags flags) {
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
-  ASSIGN_OR_RETURN(const ServerSecurity security, MakeServerSecurity(flags.security));
+  ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
+  ASSIGN_OR_RETURN(const std::unique_ptr<StoreObservers> observers,
+                   StoreObservers::Make(flags.observe));
   ASSIGN_OR_RETURN(std::shared_ptr<const Vocabulary> vocabulary,
                    Vocabulary::Load(flags.vocabulary));
   ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> worker, MakeWorker(flags));
   ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(flags));
-  MapStore store(flags.store, vocabulary, std::move(journal), worker.get());
+  MapStore store(flags.store, vocabulary, observers->Watch(std::move(journal)),
+                 observers->Watch(worker.get()));
   RETURN_IF_ERROR(store.Recover());
   MapStoreServiceOptions service_options = flags.service;
   service_options.may_open = MakeSessionCheck(security.access);
   service_options.may_restore = MakeRestoreCheck(security.access);
+  service_options.observers = observers->OfStreams();
   MapStoreService service(&store, service_options);
   GuardedMapStore guarded(&service, security.access);
+  ASSIGN_OR_RETURN(const auto metrics, observers->Serve(store, service));
+  security.server.rpc_observer = observers->OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&guarded}, security.server));
   AnnounceAddress(server->address());
@@ -155,6 +164,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
   AddTlsFlags(app, flags.security);
   AddServerFlags(app, flags.security);
   AddClientFlags(app, flags.security);
+  AddMetricsFlag(app, flags.observe);
+  AddTraceFlag(app, flags.observe);
 }
 
 }  // namespace

@@ -7,13 +7,22 @@
 #include <algorithm>
 #include <exception>
 #include <iostream>
+#include <map>
 #include <string>
 
 #include "services/command_line/command_line.h"
+#include "services/logging/log_format.h"
 #include "services/server/server.h"
 
 namespace corbslam {
 namespace {
+
+void AddLogFlag(CLI::App& app, LogFormat& format) {
+  app.add_option("--log-format", format, "text: glog's lines; json: an object a line")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, LogFormat>{{"text", LogFormat::kText}, {"json", LogFormat::kJson}}))
+      ->default_str("text");
+}
 
 constexpr int kInvalid = 2;
 
@@ -44,6 +53,8 @@ absl::Status RunWithoutExceptions(const Program& program) {
 }  // namespace
 
 int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
+  LogFormat format = LogFormat::kText;
+  AddLogFlag(app, format);
   bool validate_only = false;
   app.add_flag("--validate-config", validate_only,
                "Check all this and the files it names, and exit")
@@ -52,14 +63,13 @@ int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
   if (const auto exit_code = command_line.ParseOrExit(argc, argv); exit_code.has_value()) {
     return *exit_code != 0 && AsksForValidation(argc, argv) ? kInvalid : *exit_code;
   }
-  FLAGS_logtostderr = true;
-  google::InitGoogleLogging(argv[0]);
+  StartLogging(argv[0], format);
   if (validate_only) return Validate(program, app.get_name());
   LOG(INFO) << app.get_name() << " " << ProgramVersion() << " with\n"
             << command_line.DescribeConfiguration();
   const absl::Status status = RunWithoutExceptions(program);
   if (!status.ok()) LOG(ERROR) << status;
-  google::ShutdownGoogleLogging();
+  EndLogging();
   return status.ok() ? 0 : 1;
 }
 

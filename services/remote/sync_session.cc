@@ -20,7 +20,8 @@ constexpr size_t kFrameBytes = 5;
 
 SyncSession::SyncSession(std::shared_ptr<SyncTransport> transport, const SessionRequest& request,
                          UplinkListener* listener, size_t max_queued_bytes, DoneCallback on_done)
-    : transport_(std::move(transport)),
+    : who_{.mission = request.mission, .agent = request.agent},
+      transport_(std::move(transport)),
       listener_(listener),
       max_queued_bytes_(max_queued_bytes),
       on_done_(std::move(on_done)) {
@@ -157,7 +158,7 @@ void SyncSession::OnDone(const grpc::Status& status) {
     if (reason.ok()) reason = absl::UnavailableError("the map store closed the stream");
     // What the store sent was wrong, not what was sent to it: trying again may help.
     if (!failure_.ok()) reason = absl::InternalError(failure_.message());
-    LOG(WARNING) << "the session with the map store ended: " << reason;
+    LOG(WARNING) << who_ << "the session with the map store ended: " << reason;
     listener_->OnSessionClosed(reason);
   }
   // Destroys this session at the end, unless somebody else holds it.

@@ -15,6 +15,7 @@
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "services/convert/features.h"
 #include "services/convert/shared_update.h"
+#include "services/logging/log_fields.h"
 #include "slam/exchange/uplink.h"
 
 namespace corbslam {
@@ -58,6 +59,7 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   // Whether the hold that keeps the call alive for Send is to be given up now.
   bool TakeHold() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  const LogFields who_;
   const std::shared_ptr<SyncTransport> transport_;
   UplinkListener* const listener_;
   const size_t max_queued_bytes_;

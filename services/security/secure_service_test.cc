@@ -23,7 +23,7 @@
 #include "services/security/testing/test_certificates.h"
 #include "services/server/server.h"
 #include "services/testing/generic_client.h"
-#include "services/testing/health_client.h"
+#include "services/remote/health_client.h"
 #include "services/testing/uplink_notes.h"
 
 namespace corbslam {

@@ -65,8 +65,17 @@ void Configure(const ServerOptions& options, grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, Milliseconds(options.keepalive_time));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS,
                              Milliseconds(options.keepalive_timeout));
+  if (options.max_connection_age < absl::InfiniteDuration()) {
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS,
+                               Milliseconds(options.max_connection_age));
+  }
   // A robot that has nothing to say for long is asked again and again.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  if (options.rpc_observer != nullptr) {
+    std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> creators;
+    creators.push_back(MakeRpcInterceptors(options.rpc_observer));
+    builder.experimental().SetInterceptorCreators(std::move(creators));
+  }
 }
 
 }  // namespace
@@ -145,6 +154,10 @@ void WaitForStopSignal() {
 
 void AnnounceAddress(const std::string& address) {
   std::cout << "listening on " << address << std::endl;
+}
+
+void AnnounceMetrics(const std::string& address) {
+  std::cout << "metrics on " << address << std::endl;
 }
 
 void AnnounceFinished() { std::cout << "finished" << std::endl; }

@@ -14,6 +14,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "services/server/rpc_observer.h"
 
 namespace corbslam {
 
@@ -37,6 +38,11 @@ struct ServerOptions {
   // when none comes within the second time.
   absl::Duration keepalive_time = absl::Seconds(20);
   absl::Duration keepalive_timeout = absl::Seconds(20);
+  // Callers with an older connection are told to make a new one, which may lead elsewhere; calls
+  // that are under way end where they began.
+  absl::Duration max_connection_age = absl::InfiniteDuration();
+  // Hears of every call. Not owned, must outlive the server; null: nobody.
+  RpcObserver* rpc_observer = nullptr;
 };
 
 // A running server. Thread-safe.
@@ -77,6 +83,8 @@ void BlockStopSignals();
 void WaitForStopSignal();
 // Writes "listening on HOST:PORT" to standard output and flushes it.
 void AnnounceAddress(const std::string& address);
+// Likewise "metrics on HOST:PORT", before the line above.
+void AnnounceMetrics(const std::string& address);
 // Likewise "finished": the program's work is done and it waits to be stopped.
 void AnnounceFinished();
 

@@ -5,13 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <string>
 
 #include "absl/time/clock.h"
+#include "services/remote/health_client.h"
 #include "services/server/process_usage.h"
 #include "services/server/readiness_watch.h"
 #include "services/testing/generic_client.h"
-#include "services/testing/health_client.h"
 
 namespace corbslam {
 namespace {
@@ -113,6 +114,19 @@ TEST(ProcessUsageTest, IsThatOfThisProcess) {
   EXPECT_GT(usage.peak_rss_bytes, 1u << 20);
   EXPECT_LT(usage.peak_rss_bytes, 1u << 30);
   EXPECT_GE(usage.cpu_s, 0);
+}
+
+TEST(ServerTest, AnOldConnectionIsReplaced) {
+  ServerOptions options;
+  options.max_connection_age = absl::Milliseconds(300);
+  const auto server = Server::Start("127.0.0.1:0", {}, options);
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto channel = Connect(**server);
+  for (int connection = 0; connection < 3; ++connection) {
+    ASSERT_TRUE(CheckHealth(channel, kReadiness).ok());
+    const auto deadline = std::chrono::system_clock::now() + std::chrono::seconds(20);
+    EXPECT_TRUE(channel->WaitForStateChange(GRPC_CHANNEL_READY, deadline));
+  }
 }
 
 }  // namespace

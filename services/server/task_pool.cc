@@ -21,6 +21,11 @@ void TaskPool::Schedule(std::function<void()> task) {
   tasks_.push_back(std::move(task));
 }
 
+size_t TaskPool::waiting() const {
+  absl::MutexLock lock(&mutex_);
+  return tasks_.size();
+}
+
 void TaskPool::Run() {
   while (true) {
     std::function<void()> task;

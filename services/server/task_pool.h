@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SERVICES_SERVER_TASK_POOL_H_
 #define CORBSLAM_SERVICES_SERVER_TASK_POOL_H_
 
+#include <cstddef>
 #include <deque>
 #include <functional>
 #include <thread>
@@ -22,13 +23,15 @@ class TaskPool {
   TaskPool& operator=(const TaskPool&) = delete;
 
   void Schedule(std::function<void()> task);
+  // Scheduled and not begun.
+  size_t waiting() const;
   int threads() const { return static_cast<int>(threads_.size()); }
 
  private:
   void Run();
   bool HasNews() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return stopping_ || !tasks_.empty(); }
 
-  absl::Mutex mutex_;
+  mutable absl::Mutex mutex_;
   std::deque<std::function<void()>> tasks_ ABSL_GUARDED_BY(mutex_);
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_;

@@ -18,7 +18,8 @@ struct Window {
   absl::btree_set<KeyframeId> anchors;
   absl::btree_set<KeyframeId> movers;
   std::vector<KeyframeId> outer;
-  Map map;
+  // Nobody asks it who is covisible.
+  Map map{Covisibility::kGiven};
 };
 
 void InsertNeighbourhood(const Map& map, KeyframeId centre, int count,

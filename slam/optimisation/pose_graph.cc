@@ -1,30 +1,19 @@
 #include "slam/optimisation/pose_graph.h"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "slam/optimisation/graduated_non_convexity.h"
-#include "slam/optimisation/relative_pose_cost.h"
-#include "slam/optimisation/similarity_manifold.h"
+#include "slam/optimisation/pose_graph_problem.h"
+#include "slam/optimisation/robust_edges.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
 
 using Poses = std::map<KeyframeId, Similarity3d>;
-using Blocks = std::map<KeyframeId, SimilarityBlock>;
-
-// 95 % bounds of chi2 with six and seven degrees of freedom.
-constexpr double kChi2Rigid = 12.592;
-constexpr double kChi2Similarity = 14.067;
-// A switched-off edge still holds the graph together.
-constexpr double kLeastWeight = 1e-9;
-constexpr int kMaxRounds = 100;
 
 bool IsFinite(const Similarity3d& s) {
   return std::isfinite(s.scale) && s.scale > 0 && s.rotation.coeffs().allFinite() &&
@@ -98,117 +87,6 @@ absl::Status CheckAnchored(const Poses& poses, absl::Span<const PoseGraphEdge> e
   return absl::OkStatus();
 }
 
-// `weights` are those of the robust edges, one an edge; the caller's.
-template <int kTangent>
-void AddEdges(absl::Span<const PoseGraphEdge> edges, const absl::btree_set<KeyframeId>& fixed,
-              std::vector<AdjustableWeight>& weights, Blocks& blocks, ceres::Problem& problem) {
-  // Shared; the problem deletes it once.
-  auto* manifold = new LeftPerturbation<kTangent>();
-  for (size_t i = 0; i < edges.size(); ++i) {
-    const PoseGraphEdge& edge = edges[i];
-    problem.AddResidualBlock(new RelativePoseCost<kTangent>(edge.b_from_a, edge.weight),
-                             edge.robust ? &weights[i] : nullptr, blocks.at(edge.a).data(),
-                             blocks.at(edge.b).data());
-  }
-  bool is_used = false;
-  for (auto& [id, block] : blocks) {
-    if (!problem.HasParameterBlock(block.data())) continue;
-    problem.SetManifold(block.data(), manifold);
-    is_used = true;
-    if (fixed.contains(id)) problem.SetParameterBlockConstant(block.data());
-  }
-  if (!is_used) delete manifold;
-}
-
-// weight * |residual|^2 of each edge.
-std::vector<double> EdgeChi2(absl::Span<const PoseGraphEdge> edges, const Blocks& blocks,
-                             bool fix_scale) {
-  std::vector<double> chi2;
-  for (const PoseGraphEdge& edge : edges) {
-    const Vector7d error = LogSim3(edge.b_from_a * FromBlock(blocks.at(edge.a).data()) *
-                                   FromBlock(blocks.at(edge.b).data()).Inverse());
-    chi2.push_back(edge.weight * (fix_scale ? error.head<6>().squaredNorm() : error.squaredNorm()));
-  }
-  return chi2;
-}
-
-ceres::Solver::Options SolverOptions(const PoseGraphOptions& options) {
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.max_num_iterations = options.max_iterations;
-  solver.num_threads = options.threads;
-  solver.logging_type = ceres::SILENT;
-  // The graph begins near its minimum: trust the first Gauss-Newton step.
-  solver.initial_trust_region_radius = 1e16;
-  return solver;
-}
-
-absl::Status Solve(const PoseGraphOptions& options, ceres::Problem& problem,
-                   PoseGraphResult& result) {
-  ceres::Solver::Summary summary;
-  ceres::Solve(SolverOptions(options), &problem, &summary);
-  if (!summary.IsSolutionUsable()) {
-    return absl::InternalError(absl::StrCat("pose graph: ", summary.message));
-  }
-  result.iterations += static_cast<int>(summary.iterations.size());
-  return absl::OkStatus();
-}
-
-double MaxChi2(const PoseGraphOptions& options) {
-  return options.fix_scale ? kChi2Rigid : kChi2Similarity;
-}
-
-double TruncatedCost(absl::Span<const PoseGraphEdge> edges, const std::vector<double>& chi2,
-                     double max_chi2) {
-  double cost = 0;
-  for (size_t i = 0; i < edges.size(); ++i) {
-    cost += 0.5 * (edges[i].robust ? std::min(chi2[i], max_chi2) : chi2[i]);
-  }
-  return cost;
-}
-
-double WorstRobust(absl::Span<const PoseGraphEdge> edges, const std::vector<double>& chi2) {
-  double worst = 0;
-  for (size_t i = 0; i < edges.size(); ++i) {
-    if (edges[i].robust) worst = std::max(worst, chi2[i]);
-  }
-  return worst;
-}
-
-// True if any robust edge's weight changed.
-bool UpdateWeights(absl::Span<const PoseGraphEdge> edges, const std::vector<double>& chi2,
-                   const GraduatedTruncation& truncation, std::vector<AdjustableWeight>& weights) {
-  bool changed = false;
-  for (size_t i = 0; i < edges.size(); ++i) {
-    if (!edges[i].robust) continue;
-    const double weight = std::max(kLeastWeight, truncation.Weight(chi2[i]));
-    changed |= weight != weights[i].value();
-    weights[i].set_value(weight);
-  }
-  return changed;
-}
-
-// Algorithm 1 of Yang et al.: solve with all weights 1, then weigh and solve in turn while the
-// truncation sharpens.
-absl::Status SolveGraduated(const PoseGraphOptions& options, absl::Span<const PoseGraphEdge> edges,
-                            const Blocks& blocks, std::vector<AdjustableWeight>& weights,
-                            ceres::Problem& problem, PoseGraphResult& result) {
-  RETURN_IF_ERROR(Solve(options, problem, result));
-  std::vector<double> chi2 = EdgeChi2(edges, blocks, options.fix_scale);
-  const double max_chi2 = MaxChi2(options);
-  const double worst = WorstRobust(edges, chi2);
-  if (worst <= max_chi2) return absl::OkStatus();
-  GraduatedTruncation truncation(max_chi2, worst);
-  for (int round = 0; round < kMaxRounds; ++round) {
-    // Weights between 0 and 1 change with the truncation: those that don't are all decided.
-    if (!UpdateWeights(edges, chi2, truncation, weights)) break;
-    RETURN_IF_ERROR(Solve(options, problem, result));
-    chi2 = EdgeChi2(edges, blocks, options.fix_scale);
-    truncation.Sharpen();
-  }
-  return absl::OkStatus();
-}
-
 PoseGraphEdge PresentEdge(const Map& map, KeyframeId a, KeyframeId b) {
   const Rigid3d b_from_a =
       map.FindKeyframe(b)->camera_from_map * map.FindKeyframe(a)->camera_from_map.Inverse();
@@ -228,26 +106,14 @@ absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const Poses& initial,
   if (options.fix_scale) {
     for (PoseGraphEdge& edge : measured) edge.b_from_a.scale = 1;
   }
-  Blocks blocks;
-  for (const auto& [id, pose] : initial) blocks[id] = ToBlock(pose);
-  std::vector<AdjustableWeight> weights(edges.size());
-  ceres::Problem::Options problem_options;
-  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(problem_options);
-  if (options.fix_scale) {
-    AddEdges<6>(measured, fixed, weights, blocks, problem);
-  } else {
-    AddEdges<7>(measured, fixed, weights, blocks, problem);
-  }
+  PoseGraphProblem problem(initial, measured, fixed, options);
   PoseGraphResult result;
-  const auto cost = [&] {
-    result.edge_chi2 = EdgeChi2(measured, blocks, options.fix_scale);
-    return TruncatedCost(measured, result.edge_chi2, MaxChi2(options));
-  };
-  result.initial_cost = cost();
-  RETURN_IF_ERROR(SolveGraduated(options, measured, blocks, weights, problem, result));
-  result.final_cost = cost();
-  for (const auto& [id, block] : blocks) {
+  result.initial_cost = problem.TruncatedCost(problem.EdgeChi2());
+  RETURN_IF_ERROR(SolveRobustly(problem));
+  result.edge_chi2 = problem.EdgeChi2();
+  result.final_cost = problem.TruncatedCost(result.edge_chi2);
+  result.iterations = problem.iterations();
+  for (const auto& [id, block] : problem.poses()) {
     result.camera_from_map[id] = fixed.contains(id) ? initial.at(id) : FromBlock(block.data());
   }
   return result;

@@ -52,11 +52,11 @@ struct PoseGraphResult {
 // (translation, rotation, log of scale). Fixed keyframes and those without edges stay. All robust
 // edges pull at first, a true loop so however large the drift; where some then disagree beyond the
 // bound, truncated least squares by graduated non-convexity decides between them, wherever the
-// graph began (docs/adr/0006). INVALID_ARGUMENT, naming the id, where an edge ends at an unknown
-// keyframe, begins and ends at the same, a part of the graph has no fixed keyframe, or a value is
-// not finite. Pure; any thread. Sources: Strasdat et al., "Scale Drift-Aware Large Scale Monocular
-// SLAM", RSS 2010; Yang et al., "Graduated Non-Convexity for Robust Spatial Perception", RA-L 2020,
-// algorithm 1.
+// graph began, and losers get a second chance (docs/adr/0006). INVALID_ARGUMENT, naming the id,
+// where an edge ends at an unknown keyframe or begins and ends at the same, a part of the graph has
+// no fixed keyframe, or a value is not finite. Pure; any thread. Sources: Strasdat et al., RSS 2010
+// (scale drift-aware large scale monocular SLAM); Yang et al., "Graduated Non-Convexity for Robust
+// Spatial Perception", RA-L 2020, algorithm 1.
 absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const std::map<KeyframeId, Similarity3d>& initial,
                                                   absl::Span<const PoseGraphEdge> edges,
                                                   const absl::btree_set<KeyframeId>& fixed,

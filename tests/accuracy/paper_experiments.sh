@@ -14,22 +14,10 @@ set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 out=${1:-$root/out/paper}
 [ $# -gt 0 ] && shift
-truth=${CORBSLAM_DATA_DIR:?must name the folder that holds kitti_ground_truth}/kitti_ground_truth
-bin=${CORBSLAM_BIN:-$root/build/release/bin}
 pace=${PACE:-max}
 experiments=${*:-one_00 two_00 two_00_other one_05 three_05 three_05_other}
 
-# The rig differs a little from its calibration, as real ones do.
-rig='scale_error=0.003&disparity_error_px=0.08&epipolar_error_px=0.15'
-
-draw() {  # NAME SEQUENCE [OPTIONS]
-  if [ ! -d "$out/pictures/$1" ]; then
-    rm -rf "$out/pictures/$1.part"
-    "$bin/corbslam" simulate --layout kitti --threads "$(nproc)" --out "$out/pictures/$1.part" \
-      --source "sim:path?poses=$truth/$2.txt&moving_cars=6&$rig${3:-}"
-    mv "$out/pictures/$1.part" "$out/pictures/$1"
-  fi
-}
+. "$root/tests/accuracy/streets.sh"
 
 run() {  # NAME ARGUMENTS...
   name=$1
@@ -39,33 +27,30 @@ run() {  # NAME ARGUMENTS...
   fi
 }
 
-pictures="kitti:$out/pictures"
-# Another robot: half a frame later on the way, darker, other noise.
-other='&phase=0.5&exposure=0.75&noise_seed=2'
 for experiment in $experiments; do
   case $experiment in
     one_00)
-      draw 00 00
+      draw_street 00 00
       run one_00 --robots 1 --source "$pictures/00" ;;
     two_00)
-      draw 00 00
+      draw_street 00 00
       run two_00 --robots 2 --overlap 20 --source "$pictures/00" ;;
     two_00_other)
-      draw 00 00
-      draw 00_second 00 "&robot=2/2$other"
+      draw_street 00 00
+      draw_street 00_second 00 "&robot=2/2$other"
       run two_00_other --source "$pictures/00?robot=1/2&truth_frame=00" \
         --source "$pictures/00_second?truth_frame=00" ;;
     one_05)
-      draw 05 05
+      draw_street 05 05
       run one_05 --robots 1 --source "$pictures/05" ;;
     three_05)
-      draw 05 05
+      draw_street 05 05
       run three_05 --robots 3 --overlap 20 --source "$pictures/05" ;;
     # The third one backwards through its part.
     three_05_other)
-      draw 05 05
-      draw 05_second 05 "&robot=2/3$other"
-      draw 05_third 05 '&robot=3/3&exposure_drift=0.2&noise_seed=3'
+      draw_street 05 05
+      draw_street 05_second 05 "&robot=2/3$other"
+      draw_street 05_third 05 '&robot=3/3&exposure_drift=0.2&noise_seed=3'
       run three_05_other --source "$pictures/05?robot=1/3&truth_frame=05" \
         --source "$pictures/05_second?truth_frame=05" \
         --source "$pictures/05_third?reverse=1&truth_frame=05" ;;

@@ -81,8 +81,7 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
     const ReplayLedger ledger = robot->ledger();
     keyframes += ledger.keyframes;
     row.bytes_per_s += static_cast<double>(robot->bytes_up()) / seconds;
-    latencies.insert(latencies.end(), ledger.acknowledged_after_ms.begin(),
-                     ledger.acknowledged_after_ms.end());
+    AppendDelays(ledger, latencies);
   }
   row.keyframes_per_s = static_cast<double>(keyframes) / seconds;
   row.p50_ms = Quantile(latencies, 0.5);

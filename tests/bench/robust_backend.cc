@@ -32,6 +32,7 @@ struct Flags {
   std::vector<int> maps = {2, 3, 4};
   std::vector<int> clusters = {1, 4};
   std::vector<int> wrong_percent = {0, 10, 20, 30, 40, 50};
+  std::vector<std::string> solvers;
   int seeds = 10;
   int fusing_seeds = 10;
   std::string json;
@@ -61,11 +62,22 @@ double Ate_m(const PoseGraphResult& result, const AliasedGraph& graph) {
   return testing::AteRmse_m(estimate, graph.true_camera_from_world);
 }
 
-absl::Status SolveAll(const AliasedGraph& graph, std::map<std::string, Errors>& errors) {
+// Those that were asked for; all if none was.
+std::vector<RobustSolver> Chosen(const Flags& flags) {
+  std::vector<RobustSolver> chosen = RobustSolvers();
+  std::erase_if(chosen, [&](const RobustSolver& solver) {
+    return !flags.solvers.empty() && std::find(flags.solvers.begin(), flags.solvers.end(),
+                                               solver.name) == flags.solvers.end();
+  });
+  return chosen;
+}
+
+absl::Status SolveAll(const AliasedGraph& graph, const std::vector<RobustSolver>& solvers,
+                      std::map<std::string, Errors>& errors) {
   ASSIGN_OR_RETURN(const PoseGraphResult clean, SolveClean(graph));
   const double clean_ate_m = Ate_m(clean, graph);
   errors["clean"].ate_m.push_back(clean_ate_m);
-  for (const RobustSolver& solver : RobustSolvers()) {
+  for (const RobustSolver& solver : solvers) {
     const absl::Time begin = absl::Now();
     ASSIGN_OR_RETURN(const PoseGraphResult result, solver.solve(graph));
     Errors& of_solver = errors[solver.name];
@@ -76,15 +88,16 @@ absl::Status SolveAll(const AliasedGraph& graph, std::map<std::string, Errors>& 
   return absl::OkStatus();
 }
 
-void PrintHead() {
+void PrintHead(const std::vector<RobustSolver>& solvers) {
   std::printf("| robots | wrong overlaps | clean, m |");
-  for (const RobustSolver& solver : RobustSolvers()) std::printf(" %s |", solver.name.c_str());
+  for (const RobustSolver& solver : solvers) std::printf(" %s |", solver.name.c_str());
   std::printf("\n| --- | --- | --- |");
-  for (size_t i = 0; i < RobustSolvers().size(); ++i) std::printf(" --- |");
+  for (size_t i = 0; i < solvers.size(); ++i) std::printf(" --- |");
   std::printf("\n");
 }
 
-Json PrintRow(int maps, int cluster, int percent, std::map<std::string, Errors>& errors) {
+Json PrintRow(int maps, int cluster, int percent, const std::vector<RobustSolver>& solvers,
+              std::map<std::string, Errors>& errors) {
   absl::PrintF("| %d | %d %%%s | %.3f |", maps, percent,
                percent == 0 || cluster == 1 ? "" : absl::StrCat(", ", cluster, " agree"),
                Median(errors["clean"].ate_m));
@@ -92,7 +105,7 @@ Json PrintRow(int maps, int cluster, int percent, std::map<std::string, Errors>&
               {"wrong_percent", percent},
               {"cluster", cluster},
               {"clean_ate_m", Median(errors["clean"].ate_m)}};
-  for (const RobustSolver& solver : RobustSolvers()) {
+  for (const RobustSolver& solver : solvers) {
     const Errors& of_solver = errors[solver.name];
     const double ratio = Median(of_solver.ratio);
     absl::PrintF(" %.3f (%.2f, %.2f) |", Median(of_solver.ate_m), ratio, Largest(of_solver.ratio));
@@ -110,7 +123,8 @@ Json PrintRow(int maps, int cluster, int percent, std::map<std::string, Errors>&
 absl::Status CompareSolvers(const Flags& flags, Json& json) {
   std::printf("ATE, m: median (of the ratios to the clean run: median, largest), %d seeds\n\n",
               flags.seeds);
-  PrintHead();
+  const std::vector<RobustSolver> solvers = Chosen(flags);
+  PrintHead(solvers);
   for (const int maps : flags.maps) {
     for (const int cluster : flags.clusters) {
       for (const int percent : flags.wrong_percent) {
@@ -122,9 +136,9 @@ absl::Status CompareSolvers(const Flags& flags, Json& json) {
           options.wrong_share = percent / 100.0;
           options.cluster = cluster;
           options.seed = static_cast<uint64_t>(seed);
-          RETURN_IF_ERROR(SolveAll(MakeAliasedGraph(options), errors));
+          RETURN_IF_ERROR(SolveAll(MakeAliasedGraph(options), solvers, errors));
         }
-        json.push_back(PrintRow(maps, cluster, percent, errors));
+        json.push_back(PrintRow(maps, cluster, percent, solvers, errors));
       }
     }
   }
@@ -191,6 +205,12 @@ int main(int argc, char** argv) {
   app.add_option("--wrong", flags.wrong_percent, "Share of wrong overlaps, percent of all")
       ->check(CLI::Range(0, 90))
       ->capture_default_str();
+  std::vector<std::string> names;
+  for (const corbslam::RobustSolver& solver : corbslam::RobustSolvers()) {
+    names.push_back(solver.name);
+  }
+  app.add_option("--solvers", flags.solvers, "To compare; all without")
+      ->check(CLI::IsMember(names));
   app.add_option("--seeds", flags.seeds, "Pose graphs of each kind; 0: none")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

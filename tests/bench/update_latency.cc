@@ -143,8 +143,7 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents,
     const ReplayLedger ledger = robot->ledger();
     row.keyframes_per_s += static_cast<double>(ledger.keyframes) / seconds;
     row.bytes_down_per_s += static_cast<double>(robot->bytes_down()) / seconds;
-    acknowledged.insert(acknowledged.end(), ledger.acknowledged_after_ms.begin(),
-                        ledger.acknowledged_after_ms.end());
+    AppendDelays(ledger, acknowledged);
   }
   robots.clear();
   const std::vector<double> latencies = stopwatch.latencies_ms();

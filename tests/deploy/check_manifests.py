@@ -13,7 +13,10 @@ import sys
 import jsonschema
 import yaml
 
+import metric_table
+
 SCHEMA = pathlib.Path(__file__).with_name("manifests_schema.json")
+METRICS = pathlib.Path(__file__).resolve().parents[2] / "docs" / "metrics.md"
 WORKLOADS = ("Deployment", "StatefulSet")
 
 
@@ -110,10 +113,20 @@ def check_workloads(objects):
         volumes |= {claim["metadata"]["name"] for claim in spec.get("volumeClaimTemplates", [])}
         for container in pod["containers"]:
             check_container(container, volumes, objects, problem)
+        check_scraping(workload, problem)
         drain = flag(containers_of(workload)[0], "--drain")
         if drain and float(drain[0]) >= pod["terminationGracePeriodSeconds"]:
             problem(f"--drain: {drain[0]} s are not over within terminationGracePeriodSeconds, "
                     f"{pod['terminationGracePeriodSeconds']}")
+
+
+def check_scraping(workload, problem):
+    """Prometheus finds the metrics by the usual annotations."""
+    annotations = workload["spec"]["template"]["metadata"].get("annotations", {})
+    wanted = {"prometheus.io/scrape": "true", "prometheus.io/path": "/metrics",
+              "prometheus.io/port": str(ports_of(workload).get("metrics"))}
+    if not wanted.items() <= annotations.items():
+        problem(f"spec.template.metadata.annotations: are not {wanted}")
 
 
 def flag(container, name):
@@ -140,9 +153,10 @@ def check_container(container, volumes, objects, problem):
     for path in paths:
         if not any(path.startswith(mount + "/") for mount in mounts):
             problem(f"args: {path} is on no volume")
-    listen = [int(value.rpartition(":")[2]) for value in flag(container, "--listen")]
-    if listen != [port["containerPort"] for port in container["ports"]]:
-        problem(f"ports: are not what --listen says, {listen}")
+    listen = {name: [int(value.rpartition(":")[2]) for value in flag(container, argument)]
+              for name, argument in (("grpc", "--listen"), ("metrics", "--metrics-listen"))}
+    if listen != {port["name"]: [port["containerPort"]] for port in container["ports"]}:
+        problem(f"ports: are not what --listen and --metrics-listen say, {listen}")
 
 
 def check_worker_addresses(objects):
@@ -173,6 +187,10 @@ def check_scaling(objects):
             objects.problem(file, f"{called(scaler)}: spec.scaleTargetRef: is not there")
         elif "replicas" in target["spec"]:
             objects.problem(file, f"{called(target)}: spec.replicas: would undo {called(scaler)}")
+        for metric in spec["metrics"]:
+            name = metric["external"]["metric"]["name"]
+            if name not in metric_table.read(METRICS):
+                objects.problem(file, f"{called(scaler)}: spec.metrics: no program has {name}")
         if spec["minReplicas"] > spec["maxReplicas"]:
             objects.problem(file, f"{called(scaler)}: spec.minReplicas: above maxReplicas")
     for file, budget in objects.of_kind("PodDisruptionBudget"):

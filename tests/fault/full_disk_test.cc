@@ -10,7 +10,7 @@
 #include "absl/time/clock.h"
 #include "services/corbslam/store_reader.h"
 #include "services/remote/channel.h"
-#include "services/testing/health_client.h"
+#include "services/remote/health_client.h"
 #include "tests/fault/disk/small_disk.h"
 #include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"

@@ -78,8 +78,7 @@ class HostileClientTest : public FaultTest {
       const absl::Status done = agent->WaitUntilDone(absl::Minutes(30));
       EXPECT_TRUE(done.ok()) << done;
       EXPECT_EQ(agent->ledger().sessions, 1) << "it was thrown out";
-      const std::vector<double> own = agent->ledger().acknowledged_after_ms;
-      latencies.insert(latencies.end(), own.begin(), own.end());
+      AppendDelays(agent->ledger(), latencies);
     }
     return latencies;
   }

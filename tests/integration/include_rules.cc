@@ -68,6 +68,9 @@ std::string WhyNot(absl::string_view path, absl::string_view include) {
   if (IsWire(include) && top != "services" && top != "tests") {
     return "only services/ knows gRPC and protobuf";
   }
+  if (absl::StartsWith(include, "prometheus/") && top != "services") {
+    return "only services/ knows Prometheus";
+  }
   const absl::string_view target = Part(include, 0);
   if (!TopRules().contains(target) || IsWire(include)) return "";  // Not ours.
   if (target != top && !TopRules().at(top).contains(target)) {

@@ -33,6 +33,10 @@ ReplayOptions OptionsOfOne(const std::string& mission, size_t index, size_t coun
   return options;
 }
 
+void AppendDelays(const ReplayLedger& ledger, std::vector<double>& delays_ms) {
+  for (const ReplayLedger::Delay& delay : ledger.delays) delays_ms.push_back(delay.ms());
+}
+
 ReplayingAgent::ReplayingAgent(const ReplayOptions& options, const RecordedUploads* uploads,
                                std::unique_ptr<Uplink> uplink)
     : options_(options),
@@ -123,7 +127,7 @@ void ReplayingAgent::TakeAcknowledgement(uint64_t count) {
   const absl::Time now = absl::Now();
   for (auto it = waiting_.begin(); it != waiting_.end() && it->first <= count;) {
     if (!BatchOf(it->first).full_keyframes.empty()) {
-      ledger_.acknowledged_after_ms.push_back(absl::ToDoubleMilliseconds(now - it->second));
+      ledger_.delays.push_back({it->second, now});
     }
     it = waiting_.erase(it);
   }

@@ -51,10 +51,18 @@ struct ReplayLedger {
   uint64_t acknowledged = 0;  // Batches, over all laps.
   uint64_t keyframes = 0;     // In those.
   int sessions = 0;
-  // From when a batch was due (without a pace: sent) to its acknowledgement; of batches with
-  // keyframes.
-  std::vector<double> acknowledged_after_ms;
+  // Of one batch with keyframes: when it was due (without a pace: sent), and when acknowledged.
+  struct Delay {
+    absl::Time due;
+    absl::Time acknowledged;
+
+    double ms() const { return absl::ToDoubleMilliseconds(acknowledged - due); }
+  };
+  std::vector<Delay> delays;
 };
+
+// Adds the ledger's delays to `delays_ms`.
+void AppendDelays(const ReplayLedger& ledger, std::vector<double>& delays_ms);
 
 // Thread-safe. Streams from its construction on, on a thread of its own.
 class ReplayingAgent : private UplinkListener {

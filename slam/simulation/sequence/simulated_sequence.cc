@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <mutex>
 #include <opencv2/core.hpp>
 #include <utility>
 #include <variant>
 
-#include "absl/base/call_once.h"
 #include "absl/strings/str_cat.h"
 #include "slam/simulation/motion/pose_sequence.h"
 #include "slam/simulation/renderer.h"
@@ -52,7 +52,7 @@ class DrawnSequence : public SimulatedSequence {
   const SimulatedRig rig_;
   const FrameClock clock_;
   // Set once, under once_.
-  mutable absl::once_flag once_;
+  mutable std::once_flag once_;
   mutable absl::StatusOr<std::unique_ptr<Renderer>> renderer_;
 };
 
@@ -75,7 +75,7 @@ Shot DrawnSequence::ShotOf(size_t frame, int camera) const {
 }
 
 absl::StatusOr<const Renderer*> DrawnSequence::GetRenderer() const {
-  absl::call_once(once_, [this] {
+  std::call_once(once_, [this] {
     // A frame's two pictures are drawn at a time.
     renderer_ =
         Renderer::Make(BuildWorld(spec_, way_), {spec_.lens, std::max(1, spec_.threads / 2)});

@@ -1,20 +1,23 @@
-#include "services/testing/health_client.h"
+#include "services/remote/health_client.h"
 
 #include <grpcpp/client_context.h>
 #include <grpcpp/completion_queue.h>
 #include <grpcpp/generic/generic_stub.h>
 
-#include <chrono>
-
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
 
-absl::Status CheckHealth(const std::shared_ptr<grpc::Channel>& channel,
-                         const std::string& service) {
+absl::Status CheckHealth(const std::shared_ptr<grpc::Channel>& channel, const std::string& service,
+                         absl::Duration timeout) {
+  if (service.size() > 127) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a service's name has ", service.size(), " characters, 127 is the limit"));
+  }
   // Debian has no grpc/health/v1/health.proto: the request's field 1 is the service's name, the
   // answer's field 1 is 1 for SERVING.
   const grpc::Slice bytes(
@@ -23,7 +26,7 @@ absl::Status CheckHealth(const std::shared_ptr<grpc::Channel>& channel,
   grpc::GenericStub stub(channel);
   grpc::CompletionQueue queue;
   grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
+  context.set_deadline(absl::ToChronoTime(absl::Now() + timeout));
   const auto call =
       stub.PrepareUnaryCall(&context, "/grpc.health.v1.Health/Check", request, &queue);
   call->StartCall();

@@ -1,0 +1,45 @@
+// What happens on the agents' streams, for those who only watch.
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_OBSERVER_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_OBSERVER_H_
+
+#include <cstddef>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+#include "slam/exchange/map_update.h"
+#include "slam/exchange/shared_update.h"
+
+namespace corbslam {
+
+// Whose session it is.
+struct SessionAgent {
+  std::string mission;
+  std::string agent;
+  friend auto operator<=>(const SessionAgent&, const SessionAgent&) = default;
+};
+
+// Called on the service's threads, several at once, of one session one after the other; must return
+// soon.
+class SyncObserver {
+ public:
+  virtual ~SyncObserver() = default;
+  virtual void OnOpened(const SessionAgent&) {}
+  // Once for each OnOpened.
+  virtual void OnClosed(const SessionAgent&, const absl::Status&) {}
+  // Of each message of an open session.
+  virtual void OnReceived(const SessionAgent&, size_t) {}
+  virtual void OnSent(const SessionAgent&, size_t) {}
+  // A batch is there as a whole, and is applied next.
+  virtual void OnBatch(const SessionAgent&, const MapUpdateBatch&) {}
+  // It is durable and will be acknowledged, unless `status` refuses it. `took`: since its last part
+  // was read.
+  virtual void OnApplied(const SessionAgent&, const MapUpdateBatch&, absl::Duration,
+                         const absl::Status&) {}
+  // It will be sent next.
+  virtual void OnShared(const SessionAgent&, const SharedUpdate&) {}
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_OBSERVER_H_

@@ -1,0 +1,48 @@
+#include "services/metrics/process_collector.h"
+
+#include <unistd.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "services/metrics/families.h"
+#include "services/server/process_usage.h"
+
+namespace corbslam {
+namespace {
+
+double ResidentBytes() {
+  uint64_t size = 0;
+  uint64_t resident = 0;
+  std::ifstream("/proc/self/statm") >> size >> resident;
+  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+double OpenFiles() {
+  std::error_code error;
+  int count = 0;
+  for (std::filesystem::directory_iterator file("/proc/self/fd", error), end; !error && file != end;
+       file.increment(error)) {
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<prometheus::MetricFamily> ProcessCollector::Collect() const {
+  Families families;
+  families.Gauge("corbslam_build_info", "Which program this is, in which version; always 1.", 1,
+                 {{"program", program_}, {"version", CORBSLAM_VERSION}});
+  families.Counter("process_cpu_seconds_total", "Processor time, user and system.",
+                   GetProcessUsage().cpu_s);
+  families.Gauge("process_resident_memory_bytes", "Memory that is resident.", ResidentBytes());
+  families.Gauge("process_start_time_seconds", "When the process began, since 1970.",
+                 absl::ToDoubleSeconds(started_ - absl::UnixEpoch()));
+  families.Gauge("process_open_fds", "Open files and connections.", OpenFiles());
+  return families.Take();
+}
+
+}  // namespace corbslam

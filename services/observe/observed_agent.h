@@ -1,0 +1,29 @@
+// An agent that tells others of each frame.
+#ifndef CORBSLAM_SERVICES_OBSERVE_OBSERVED_AGENT_H_
+#define CORBSLAM_SERVICES_OBSERVE_OBSERVED_AGENT_H_
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "absl/time/time.h"
+#include "client_agent/agent/agent.h"
+
+namespace corbslam {
+
+// Called on the thread that tracks; must return soon.
+class FrameObserver {
+ public:
+  virtual ~FrameObserver() = default;
+  // A frame of this time is there, and is tracked next.
+  virtual void OnFrame(int64_t timestamp_ns) = 0;
+  virtual void OnTracked(const TrackingResult& result, absl::Duration took) = 0;
+};
+
+// Thread contract and effect are those of `agent`. Neither it nor `observers` is owned; both must
+// outlive this.
+std::unique_ptr<Agent> MakeObservedAgent(Agent* agent, std::vector<FrameObserver*> observers);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_OBSERVE_OBSERVED_AGENT_H_

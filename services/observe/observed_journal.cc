@@ -1,0 +1,78 @@
+#include "services/observe/observed_journal.h"
+
+#include <string>
+#include <utility>
+
+#include "absl/time/clock.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+class ObservedJournal : public Journal {
+ public:
+  ObservedJournal(std::unique_ptr<Journal> journal, std::vector<JournalObserver*> observers)
+      : journal_(std::move(journal)), observers_(std::move(observers)) {}
+
+  absl::StatusOr<Position> Append(absl::string_view mission,
+                                  const map_store::JournalRecord& record) override {
+    const absl::Time start = absl::Now();
+    absl::StatusOr<Position> position = journal_->Append(mission, record);
+    for (JournalObserver* observer : observers_) {
+      observer->OnAppended(mission, record, absl::Now() - start, position.status());
+    }
+    return position;
+  }
+
+  absl::Status Sync(Position position) override {
+    const absl::Time start = absl::Now();
+    const absl::Status status = journal_->Sync(position);
+    for (JournalObserver* observer : observers_) observer->OnSynced(absl::Now() - start, status);
+    return status;
+  }
+
+  absl::Status WriteSnapshot(absl::string_view mission, const JournalSnapshot& snapshot) override {
+    const absl::Time start = absl::Now();
+    const absl::Status status = journal_->WriteSnapshot(mission, snapshot);
+    for (JournalObserver* observer : observers_) observer->OnSnapshot(absl::Now() - start, status);
+    return status;
+  }
+
+  absl::Status CheckWritable() override {
+    const absl::Status writable = journal_->CheckWritable();
+    for (JournalObserver* observer : observers_) observer->OnChecked(writable);
+    return writable;
+  }
+
+  bool WantsSnapshot(absl::string_view mission) const override {
+    return journal_->WantsSnapshot(mission);
+  }
+  absl::Status CreateMission(absl::string_view mission,
+                             const map_store::MissionState& state) override {
+    return journal_->CreateMission(mission, state);
+  }
+  absl::StatusOr<std::vector<std::string>> ListMissions() const override {
+    return journal_->ListMissions();
+  }
+  absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override {
+    return journal_->Recover(mission, replay);
+  }
+  absl::Status DeleteMission(absl::string_view mission) override {
+    RETURN_IF_ERROR(journal_->DeleteMission(mission));
+    for (JournalObserver* observer : observers_) observer->OnDeleted(mission);
+    return absl::OkStatus();
+  }
+
+ private:
+  const std::unique_ptr<Journal> journal_;
+  const std::vector<JournalObserver*> observers_;
+};
+
+}  // namespace
+
+std::unique_ptr<Journal> MakeObservedJournal(std::unique_ptr<Journal> journal,
+                                             std::vector<JournalObserver*> observers) {
+  return std::make_unique<ObservedJournal>(std::move(journal), std::move(observers));
+}
+
+}  // namespace corbslam

@@ -1,0 +1,86 @@
+#include "services/observe/observed_journal.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/testing/small_mission.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::ElementsAre;
+
+// In memory; fails on demand.
+class FailingJournal : public InMemoryJournal {
+ public:
+  explicit FailingJournal(const absl::Status* failure) : failure_(*failure) {}
+
+  absl::StatusOr<Position> Append(absl::string_view mission,
+                                  const map_store::JournalRecord& record) override {
+    if (!failure_.ok()) return failure_;
+    return InMemoryJournal::Append(mission, record);
+  }
+  absl::Status Sync(Position) override { return failure_; }
+  absl::Status CheckWritable() override { return failure_; }
+
+ private:
+  const absl::Status& failure_;
+};
+
+class Notes : public JournalObserver {
+ public:
+  void OnAppended(absl::string_view mission, const map_store::JournalRecord& record, absl::Duration,
+                  const absl::Status& status) override {
+    notes.push_back(absl::StrCat("append ", mission, " ", record.index(), " ", Code(status)));
+  }
+  void OnSynced(absl::Duration, const absl::Status& status) override {
+    notes.push_back("sync " + Code(status));
+  }
+  void OnSnapshot(absl::Duration, const absl::Status& status) override {
+    notes.push_back("snapshot " + Code(status));
+  }
+  void OnChecked(const absl::Status& writable) override {
+    notes.push_back("check " + Code(writable));
+  }
+  void OnDeleted(absl::string_view mission) override {
+    notes.push_back(absl::StrCat("deleted ", mission));
+  }
+
+  std::vector<std::string> notes;
+
+ private:
+  static std::string Code(const absl::Status& status) {
+    return absl::StatusCodeToString(status.code());
+  }
+};
+
+TEST(ObservedJournalTest, ObserversHearWhatHappenedAndHowItEnded) {
+  absl::Status failure;
+  auto in_memory = std::make_unique<FailingJournal>(&failure);
+  const InMemoryJournal& inner = *in_memory;
+  Notes notes;
+  const auto journal = MakeObservedJournal(std::move(in_memory), {&notes});
+  const map_store::JournalRecord record = testing::MakeSmallMission().front();
+  EXPECT_TRUE(journal->Append("lab", record).ok());
+  EXPECT_TRUE(journal->Sync(1).ok());
+  EXPECT_TRUE(journal->CheckWritable().ok());
+  EXPECT_TRUE(journal->WriteSnapshot("lab", {}).ok());
+  EXPECT_TRUE(journal->DeleteMission("lab").ok());
+  EXPECT_EQ(inner.records(), 1u);
+  failure = absl::ResourceExhaustedError("full");
+  EXPECT_EQ(journal->Append("lab", record).status(), failure);
+  EXPECT_EQ(journal->Sync(1), failure);
+  EXPECT_EQ(journal->CheckWritable(), failure);
+  EXPECT_THAT(notes.notes, ElementsAre("append lab 0 OK", "sync OK", "check OK", "snapshot OK",
+                                       "deleted lab", "append lab 0 RESOURCE_EXHAUSTED",
+                                       "sync RESOURCE_EXHAUSTED", "check RESOURCE_EXHAUSTED"));
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,23 @@
+// Flags of those who watch a program at work.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_OBSERVE_FLAGS_H_
+#define CORBSLAM_SERVICES_PROGRAMS_OBSERVE_FLAGS_H_
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace corbslam {
+
+// Empty: that is off, and costs nothing.
+struct ObserveFlags {
+  std::string metrics_listen;
+  std::string trace_file;
+};
+
+// --metrics-listen (docs/metrics.md).
+void AddMetricsFlag(CLI::App& app, ObserveFlags& flags);
+// --trace-file (docs/tracing.md).
+void AddTraceFlag(CLI::App& app, ObserveFlags& flags);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_OBSERVE_FLAGS_H_

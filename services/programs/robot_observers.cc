@@ -1,0 +1,62 @@
+#include "services/programs/robot_observers.h"
+
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "services/metrics/process_collector.h"
+#include "services/metrics/robot_collector.h"
+#include "services/server/server.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+absl::StatusOr<std::unique_ptr<RobotObservers>> RobotObservers::Make(const ObserveFlags& flags,
+                                                                     const std::string& mission,
+                                                                     const std::string& agent) {
+  std::unique_ptr<RobotObservers> observers(new RobotObservers(flags, mission, agent));
+  if (!flags.metrics_listen.empty()) observers->metrics_ = std::make_unique<Metrics>();
+  if (!flags.trace_file.empty()) {
+    const std::string process = absl::StrCat("client_agent ", mission, "/", agent);
+    ASSIGN_OR_RETURN(observers->trace_file_, TraceFile::Open(flags.trace_file, process));
+    observers->trace_ = std::make_unique<RobotTrace>(observers->trace_file_.get(), mission, agent);
+  }
+  return observers;
+}
+
+Uplink* RobotObservers::Watch(Uplink* uplink) {
+  std::vector<UplinkObserver*> observers;
+  if (metrics_ != nullptr) observers.push_back(&metrics_->robot);
+  if (trace_ != nullptr) observers.push_back(trace_.get());
+  if (observers.empty() || uplink == nullptr) return uplink;
+  uplink_ = MakeObservedUplink(uplink, std::move(observers));
+  return uplink_.get();
+}
+
+Agent* RobotObservers::Watch(Agent* agent) {
+  std::vector<FrameObserver*> observers;
+  if (metrics_ != nullptr) observers.push_back(&metrics_->robot);
+  if (trace_ != nullptr) observers.push_back(trace_.get());
+  if (observers.empty()) return agent;
+  agent_ = MakeObservedAgent(agent, std::move(observers));
+  return agent_.get();
+}
+
+RpcObserver* RobotObservers::OfCalls() { return metrics_ != nullptr ? &metrics_->rpc : nullptr; }
+
+void RobotObservers::SetDropped(uint64_t frames) {
+  if (metrics_ != nullptr) metrics_->robot.SetDropped(frames);
+}
+
+absl::StatusOr<std::unique_ptr<MetricsEndpoint>> RobotObservers::Serve(const Agent* agent,
+                                                                       const Uplink* uplink) {
+  if (metrics_ == nullptr) return nullptr;
+  ASSIGN_OR_RETURN(auto endpoint,
+                   MetricsEndpoint::Start(
+                       flags_.metrics_listen,
+                       {std::make_shared<ProcessCollector>("client_agent"), metrics_->registry,
+                        std::make_shared<RobotCollector>(agent, uplink, mission_, name_)}));
+  AnnounceMetrics(endpoint->address());
+  return endpoint;
+}
+
+}  // namespace corbslam

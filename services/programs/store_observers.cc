@@ -1,0 +1,60 @@
+#include "services/programs/store_observers.h"
+
+#include <utility>
+
+#include "services/metrics/measured_fusion_worker.h"
+#include "services/metrics/mission_collector.h"
+#include "services/metrics/process_collector.h"
+#include "services/observe/observed_journal.h"
+#include "services/server/server.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+absl::StatusOr<std::unique_ptr<StoreObservers>> StoreObservers::Make(const ObserveFlags& flags) {
+  std::unique_ptr<StoreObservers> observers(new StoreObservers(flags));
+  if (!flags.metrics_listen.empty()) observers->metrics_ = std::make_unique<Metrics>();
+  if (!flags.trace_file.empty()) {
+    ASSIGN_OR_RETURN(std::unique_ptr<TraceFile> file,
+                     TraceFile::Open(flags.trace_file, "map_store"));
+    observers->trace_.reset(new Trace{std::move(file)});
+  }
+  return observers;
+}
+
+std::unique_ptr<Journal> StoreObservers::Watch(std::unique_ptr<Journal> journal) {
+  std::vector<JournalObserver*> observers;
+  if (metrics_ != nullptr) observers.push_back(&metrics_->journal);
+  if (trace_ != nullptr) observers.push_back(&trace_->store);
+  if (observers.empty()) return journal;
+  return MakeObservedJournal(std::move(journal), std::move(observers));
+}
+
+FusionWorker* StoreObservers::Watch(FusionWorker* worker) {
+  if (metrics_ == nullptr || worker == nullptr) return worker;
+  metrics_->worker = MakeMeasuredFusionWorker(worker, *metrics_->registry);
+  return metrics_->worker.get();
+}
+
+std::vector<SyncObserver*> StoreObservers::OfStreams() {
+  std::vector<SyncObserver*> observers = {&log_};
+  if (metrics_ != nullptr) observers.push_back(&metrics_->ingest);
+  if (trace_ != nullptr) observers.push_back(&trace_->store);
+  return observers;
+}
+
+RpcObserver* StoreObservers::OfCalls() { return metrics_ != nullptr ? &metrics_->rpc : nullptr; }
+
+absl::StatusOr<std::unique_ptr<MetricsEndpoint>> StoreObservers::Serve(
+    const MapStore& store, const MapStoreService& service) {
+  if (metrics_ == nullptr) return nullptr;
+  ASSIGN_OR_RETURN(auto endpoint,
+                   MetricsEndpoint::Start(
+                       flags_.metrics_listen,
+                       {std::make_shared<ProcessCollector>("map_store"), metrics_->registry,
+                        std::make_shared<MissionCollector>(&store, &service, &metrics_->ingest)}));
+  AnnounceMetrics(endpoint->address());
+  return endpoint;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,63 @@
+// Who watches a map store at work: its log, and as the flags say metrics and a trace.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_STORE_OBSERVERS_H_
+#define CORBSLAM_SERVICES_PROGRAMS_STORE_OBSERVERS_H_
+
+#include <prometheus/registry.h>
+
+#include <memory>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "map_store/map_store.h"
+#include "services/logging/sync_log.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/metrics/ingest_metrics.h"
+#include "services/metrics/journal_metrics.h"
+#include "services/metrics/metrics_endpoint.h"
+#include "services/metrics/rpc_metrics.h"
+#include "services/programs/observe_flags.h"
+#include "services/tracing/store_trace.h"
+
+namespace corbslam {
+
+// One thread. Outlives all that it watches.
+class StoreObservers {
+ public:
+  // UNAVAILABLE where the trace file can't be written.
+  static absl::StatusOr<std::unique_ptr<StoreObservers>> Make(const ObserveFlags& flags);
+
+  // What they are given, or the same watched.
+  std::unique_ptr<Journal> Watch(std::unique_ptr<Journal> journal);
+  FusionWorker* Watch(FusionWorker* worker);
+  // For MapStoreServiceOptions and ServerOptions.
+  std::vector<SyncObserver*> OfStreams();
+  RpcObserver* OfCalls();
+  // Serves the metrics, and announces where; null where none are wanted. To be destroyed before the
+  // store and its service.
+  absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const MapStore& store,
+                                                         const MapStoreService& service);
+
+ private:
+  struct Metrics {
+    std::shared_ptr<prometheus::Registry> registry = std::make_shared<prometheus::Registry>();
+    RpcMetrics rpc{*registry};
+    IngestMetrics ingest{*registry};
+    JournalMetrics journal{*registry};
+    std::unique_ptr<FusionWorker> worker;
+  };
+  struct Trace {
+    std::unique_ptr<TraceFile> file;
+    StoreTrace store{file.get()};
+  };
+
+  explicit StoreObservers(const ObserveFlags& flags) : flags_(flags) {}
+
+  const ObserveFlags flags_;
+  SyncLog log_;
+  std::unique_ptr<Metrics> metrics_;
+  std::unique_ptr<Trace> trace_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_STORE_OBSERVERS_H_

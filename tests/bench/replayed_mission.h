@@ -1,0 +1,55 @@
+// A mission of recorded robots in one process: the same uploads again under other conditions, and
+// how far the fused map is from the truth.
+#ifndef CORBSLAM_TESTS_BENCH_REPLAYED_MISSION_H_
+#define CORBSLAM_TESTS_BENCH_REPLAYED_MISSION_H_
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "map_store/map_store.h"
+#include "slam/evaluation/trajectory.h"
+#include "tests/replay/recorded_uploads.h"
+
+namespace corbslam {
+
+struct RecordedMission {
+  std::shared_ptr<const Vocabulary> vocabulary;
+  std::vector<RecordedUploads> robots;  // Each with a local map of its own.
+  Trajectory truth;
+};
+
+// Each of `robots` robots runs alone over its part of the source (`corbslam run`'s split with 20
+// frames of overlap). NOT_FOUND: the sequence has no truth.
+absl::StatusOr<RecordedMission> RecordMission(const std::string& source, size_t robots);
+
+struct FusedMapError {
+  size_t islands = 0;
+  size_t frames = 0;  // In the reference island.
+  double ate_m = 0;   // Of these, under one rigid alignment.
+};
+
+// Deterministic: the same recording, options and worker give the same map to the bit.
+class ReplayedMission {
+ public:
+  // `recorded` and `worker` must outlive it.
+  ReplayedMission(const RecordedMission& recorded, MapStoreOptions options, FusionWorker* worker);
+
+  // Every robot sends a batch in turn, and all that is to be fused is fused.
+  absl::Status Stream();
+  absl::Status Fuse() { return store_.RunFusionUntilIdle(name()); }
+  absl::StatusOr<FusedMapError> Error() const;
+
+  MapStore& store() { return store_; }
+  static const std::string& name();
+
+ private:
+  const RecordedMission& recorded_;
+  MapStore store_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_BENCH_REPLAYED_MISSION_H_

@@ -1,0 +1,246 @@
+// What the running programs say of themselves is what happened: metrics, traces and logs.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <fstream>
+#include <set>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "services/remote/channel.h"
+#include "services/testing/generic_client.h"
+#include "services/tracing/testing/read_trace.h"
+#include "tests/integration/mission_fixture.h"
+#include "tests/integration/observed_mission.h"
+
+namespace corbslam {
+namespace {
+
+using nlohmann::json;
+using ::testing::IsSupersetOf;
+
+constexpr char kStatistics[] = "corbslam.v1.MapStore/GetStatistics";
+constexpr char kSync[] = "corbslam.v1.MapStore/Sync";
+// Of gRPC, before each message; robots count it.
+constexpr double kFrameBytes = 5;
+
+// protobuf's JSON has 64-bit numbers as text, and leaves out zeros.
+double Number(const json& object, const std::string& field) {
+  const json value = object.value(field, json(0));
+  return value.is_string() ? std::stod(value.get<std::string>()) : value.get<double>();
+}
+
+class MetricsTest : public ObservedMissionTest {
+ protected:
+  json Statistics() { return Ask(kStatistics, {{"mission", "missions/lab"}})["mission"]; }
+
+  void ExpectWhatTheStoreSays(const Scrape& store, const json& statistics) {
+    const auto of_mission = [&store](const std::string& name) {
+      return store.Value(name, {{"mission", "lab"}});
+    };
+    EXPECT_GT(of_mission("corbslam_mission_keyframes"), 4);
+    EXPECT_EQ(of_mission("corbslam_mission_keyframes"), Number(statistics, "keyframes"));
+    EXPECT_GE(of_mission("corbslam_mission_map_points"), Number(statistics, "mapPoints"));
+    EXPECT_EQ(of_mission("corbslam_mission_islands"), 1);
+    EXPECT_EQ(of_mission("corbslam_mission_local_maps"), 2);
+    EXPECT_EQ(of_mission("corbslam_mission_agents_connected"), 2);
+    EXPECT_EQ(of_mission("corbslam_mission_revision"), Number(statistics, "revision"));
+    for (const char* stage : {"queried", "verified", "accepted"}) {
+      std::string field = absl::StrCat("overlaps", stage);
+      field[8] = static_cast<char>(std::toupper(field[8]));
+      EXPECT_EQ(store.Value("corbslam_mission_overlaps_total", {{"stage", stage}}),
+                Number(statistics, field));
+    }
+    EXPECT_EQ(store.Value("corbslam_merge_duration_seconds_count"), statistics["mergeMs"].size());
+    double merge_s = 0;
+    for (const json& ms : statistics["mergeMs"]) merge_s += ms.get<double>() * 1e-3;
+    EXPECT_NEAR(store.Value("corbslam_merge_duration_seconds_sum"), merge_s, 1e-6);
+    EXPECT_EQ(store.Value("corbslam_global_adjustment_duration_seconds_count"),
+              statistics.value("adjustments", json::array()).size());
+    EXPECT_EQ(store.Sum("corbslam_fusion_requests_waiting"), 0);
+    EXPECT_EQ(store.Count("corbslam_fusion_requests_waiting"), 3u);
+    EXPECT_EQ(store.Value("corbslam_journal_writable"), 1);
+    EXPECT_EQ(store.Sum("corbslam_journal_errors_total"), 0);
+    EXPECT_EQ(store.Value("corbslam_batches_waiting"), 0);
+  }
+
+  // What went up and came down, as both ends have counted it.
+  void ExpectBothEndsAgree(const Scrape& store, const std::vector<Scrape>& robots) {
+    const auto of_robots = [&robots](const std::string& name) {
+      double sum = 0;
+      for (const Scrape& robot : robots) sum += robot.Sum(name);
+      return sum;
+    };
+    const std::map<std::string, std::string> sync = {{"method", kSync}};
+    EXPECT_EQ(of_robots("corbslam_robot_sent_bytes_total"),
+              store.Sum("corbslam_agent_received_bytes_total") +
+                  kFrameBytes * store.Value("corbslam_rpc_received_message_bytes_count", sync));
+    EXPECT_EQ(of_robots("corbslam_robot_received_bytes_total"),
+              store.Sum("corbslam_agent_sent_bytes_total") +
+                  kFrameBytes * store.Value("corbslam_rpc_sent_message_bytes_count", sync));
+    EXPECT_EQ(store.Value("corbslam_rpc_received_message_bytes_sum", sync),
+              store.Sum("corbslam_agent_received_bytes_total"));
+    EXPECT_EQ(of_robots("corbslam_robot_acknowledgement_duration_seconds_count"),
+              store.Value("corbslam_batches_total", {{"code", "OK"}}));
+    EXPECT_EQ(store.Value("corbslam_acknowledgement_duration_seconds_count"),
+              store.Sum("corbslam_agent_batches_total"));
+    EXPECT_EQ(store.Value("corbslam_rpc_calls_running", sync), 2) << "both robots stay";
+  }
+
+  void ExpectAWholeRun(const Scrape& robot) {
+    EXPECT_EQ(robot.Sum("corbslam_robot_frames_total"), 86);
+    EXPECT_GE(robot.Value("corbslam_robot_frames_total", {{"state", "tracking"}}), 84);
+    EXPECT_EQ(robot.Value("corbslam_robot_frame_duration_seconds_count"), 86);
+    EXPECT_EQ(robot.Sum("corbslam_robot_tracking_state"), 1) << "one state at a time";
+    EXPECT_GE(robot.Value("corbslam_robot_keyframes_made_total"),
+              robot.Value("corbslam_robot_keyframes"));
+    EXPECT_GT(robot.Value("corbslam_robot_keyframes"), 1);
+    EXPECT_EQ(robot.Sum("corbslam_robot_outbox_bytes"), 0) << "all is acknowledged";
+    EXPECT_EQ(robot.Value("corbslam_robot_outbox_batches"), 0);
+    EXPECT_EQ(robot.Value("corbslam_robot_connected"), 1);
+    EXPECT_EQ(robot.Value("corbslam_robot_reconnects_total"), 0);
+    EXPECT_EQ(robot.Value("corbslam_robot_local_maps_lost_total"), 0);
+    EXPECT_EQ(robot.Value("corbslam_robot_in_global_frame"), 1);
+  }
+
+  void WriteJson(const std::string& name, const json& content) {
+    std::ofstream(FileOf(name)) << content.dump();
+  }
+};
+
+TEST_F(MetricsTest, SayWhatHappened) {
+  const json statistics = Statistics();
+  // Asked for once, so that robots' calls are in their metrics, too.
+  for (const char* name : {"alpha", "bravo"}) {
+    GenericClient robot(MakeChannel(AddressOf(name)));
+    ASSERT_TRUE(robot.Call("corbslam.v1.Agent/GetStatus", "{}").ok());
+  }
+  const Scrape store = ScrapeOf("store");
+  const Scrape worker = ScrapeOf("worker");
+  const std::vector<Scrape> robots = {ScrapeOf("alpha"), ScrapeOf("bravo")};
+  ExpectWhatTheStoreSays(store, statistics);
+  ExpectBothEndsAgree(store, robots);
+  for (const Scrape& robot : robots) {
+    ExpectAWholeRun(robot);
+    EXPECT_EQ(robot.Value("corbslam_rpc_calls_total", {{"method", "corbslam.v1.Agent/GetStatus"}}),
+              1);
+  }
+  EXPECT_EQ(robots[0].Value("corbslam_robot_info", {{"mission", "lab"}, {"agent", "alpha"}}), 1);
+  for (const char* kind : {"verify", "fuse", "adjust"}) {
+    const std::map<std::string, std::string> good = {{"kind", kind}, {"code", "OK"}};
+    EXPECT_GE(worker.Value("corbslam_fusion_requests_total", good), 1) << kind;
+    EXPECT_EQ(worker.Value("corbslam_fusion_requests_total", good),
+              store.Value("corbslam_fusion_requests_total", good))
+        << kind;
+  }
+  EXPECT_EQ(worker.Value("corbslam_worker_requests_held"), 0);
+  EXPECT_EQ(worker.Value("corbslam_rpc_calls_total",
+                         {{"method", "corbslam.v1.FusionWorker/FuseMaps"}, {"code", "OK"}}),
+            worker.Value("corbslam_fusion_requests_total", {{"kind", "fuse"}, {"code", "OK"}}));
+  WriteJson("store.json", store.families());
+  WriteJson("worker.json", worker.families());
+  WriteJson("alpha.json", robots[0].families());
+  // Fails where docs/metrics.md is not what was scraped.
+  RunScript("check_metric_table.py", {absl::StrCat(CORBSLAM_SOURCE_DIR, "/docs/metrics.md"),
+                                      absl::StrCat("map_store=", FileOf("store.json")),
+                                      absl::StrCat("fusion_worker=", FileOf("worker.json")),
+                                      absl::StrCat("client_agent=", FileOf("alpha.json"))});
+}
+
+TEST_F(MetricsTest, GoWithWhatTheyAreAbout) {
+  EXPECT_EQ(ScrapeOf("store").Count("corbslam_agent_connected", {{"mission", "lab"}}), 2u);
+  Ask("corbslam.v1.MapStore/DeleteMission", {{"name", "missions/lab"}});
+  const Scrape store = ScrapeOf("store");
+  EXPECT_EQ(store.Value("corbslam_missions"), 0);
+  for (const auto& [name, family] : store.families().items()) {
+    EXPECT_EQ(store.Count(name, {{"mission", "lab"}}), 0u) << name;
+  }
+  EXPECT_EQ(store.Value("corbslam_rpc_calls_total",
+                        {{"method", "corbslam.v1.MapStore/DeleteMission"}, {"code", "OK"}}),
+            1);
+}
+
+class TraceTest : public ObservedMissionTest {
+ protected:
+  std::vector<json> Events(const std::string& name) {
+    const auto events = testing::ReadTrace(FileOf(name));
+    EXPECT_TRUE(events.ok()) << events.status();
+    return events.value_or(std::vector<json>());
+  }
+};
+
+// Robots' and store's files share nothing but the keyframes' ids, and join by them.
+TEST_F(TraceTest, JoinsToTheWholeWayOfAKeyframe) {
+  StopAll();
+  const auto alpha = testing::WaysOf(Events("alpha.trace"));
+  const auto bravo = testing::WaysOf(Events("bravo.trace"));
+  const std::vector<json> store_events = Events("store.trace");
+  const auto store = testing::WaysOf(store_events);
+  int whole = 0;
+  for (const auto& [trace, way] : alpha) {
+    if (!way.contains("captured")) continue;
+    EXPECT_THAT(way, IsSupersetOf({"sent", "acknowledged"})) << trace;
+    ASSERT_TRUE(store.contains(trace)) << "acknowledged and unknown to the store: " << trace;
+    const std::set<std::string>& stored = store.at(trace);
+    EXPECT_THAT(stored, IsSupersetOf({"received", "durable"})) << trace;
+    const bool placed = stored.contains("placed") && stored.contains("adjusted");
+    const bool arrived = bravo.contains(trace) && bravo.at(trace).contains("arrived");
+    if (arrived) {
+      EXPECT_TRUE(stored.contains("shared")) << trace;
+    }
+    whole += placed && arrived && way.contains("global_pose");
+  }
+  EXPECT_GE(whole, 1) << "no keyframe went the whole way";
+}
+
+TEST_F(TraceTest, TimesGoTheKeyframesWay) {
+  StopAll();
+  std::map<std::string, std::map<std::string, int64_t>> first;
+  for (const char* file : {"alpha.trace", "store.trace"}) {
+    for (const json& event : Events(file)) {
+      if (event["ph"] != "n") continue;
+      first[event["args"]["trace"]].emplace(event["name"], event["ts"]);
+    }
+  }
+  // One machine, one clock.
+  const std::vector<std::string> order = {"captured", "sent", "received", "durable",
+                                          "acknowledged"};
+  int checked = 0;
+  for (const auto& [trace, times] : first) {
+    if (!times.contains("captured")) continue;
+    for (size_t i = 1; i < order.size(); ++i) {
+      EXPECT_LE(times.at(order[i - 1]), times.at(order[i])) << order[i] << " of " << trace;
+    }
+    ++checked;
+  }
+  EXPECT_GT(checked, 1);
+}
+
+TEST_F(TraceTest, JsonLogsSayWhoseSessionItIs) {
+  StopAll();
+  std::set<std::string> opened;
+  int objects = 0;
+  for (const absl::string_view line : absl::StrSplit(ReadText(LogOf("store")), '\n')) {
+    if (line.empty() || absl::StartsWith(line, "listening on ") ||
+        absl::StartsWith(line, "metrics on ")) {
+      continue;
+    }
+    const json object = json::parse(line.begin(), line.end(), nullptr, false);
+    ASSERT_TRUE(object.is_object()) << line;
+    for (const char* field : {"time", "severity", "file", "line", "message"}) {
+      EXPECT_TRUE(object.contains(field)) << line;
+    }
+    ++objects;
+    if (object["message"] == "session opened") {
+      EXPECT_EQ(object.value("mission", ""), "lab");
+      opened.insert(object.value("agent", ""));
+    }
+  }
+  EXPECT_GT(objects, 3);
+  EXPECT_EQ(opened, (std::set<std::string>{"alpha", "bravo"}));
+}
+
+}  // namespace
+}  // namespace corbslam
