@@ -87,7 +87,7 @@ std::string Function(const CLI::App& app) {
   return absl::StrCat(FunctionName(app), R"(() {
   local cur="${COMP_WORDS[COMP_CWORD]}" prev="${COMP_WORDS[COMP_CWORD-1]}"
   local command="" words="" word
-  for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
+  for word in "${COMP_WORDS[@]:1:$((COMP_CWORD - 1))}"; do
     case "$command:$word" in
 )",
                       FollowCases(app), R"(      *) ;;

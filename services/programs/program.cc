@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <map>
@@ -24,6 +25,11 @@ void AddLogFlag(CLI::App& app, LogFormat& format) {
 }
 
 constexpr int kInvalid = 2;
+
+// Also where the rest can't be parsed.
+bool AsksForValidation(int argc, char** argv) {
+  return std::find(argv, argv + argc, std::string("--validate-config")) != argv + argc;
+}
 
 // A line for each thing that is wrong.
 int Validate(const Program& program, const std::string& name) {
@@ -55,7 +61,7 @@ int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
       ->configurable(false);
   CommandLine command_line(&app, app.get_name());
   if (const auto exit_code = command_line.ParseOrExit(argc, argv); exit_code.has_value()) {
-    return *exit_code != 0 && validate_only ? kInvalid : *exit_code;
+    return *exit_code != 0 && AsksForValidation(argc, argv) ? kInvalid : *exit_code;
   }
   StartLogging(argv[0], format);
   if (validate_only) return Validate(program, app.get_name());

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <set>
 #include <string>
@@ -36,6 +37,12 @@ class ExportTest : public ::testing::Test {
     arguments.insert(arguments.begin(), "mission");
     arguments.insert(arguments.end(), {"--server", servers_.store_address(), "--insecure"});
     return RunTool(arguments);
+  }
+  // The log's warning of --insecure comes first.
+  nlohmann::json RunForJson(const std::vector<std::string>& arguments) {
+    const std::string text = Run(arguments);
+    const size_t begin = std::min(text.find_first_of("{["), text.size());
+    return nlohmann::json::parse(text.substr(begin), nullptr, false);
   }
   // Returns where.
   std::string Export(const std::string& format, std::vector<std::string> more = {}) {
@@ -126,12 +133,11 @@ void ExportTest::CheckShow() {
   EXPECT_THAT(Run({"show", "--mission", "lab"}),
               AllOf(HasSubstr("Mission lab: 2 robots, "), HasSubstr("alpha/1 and bravo/1, fused: "),
                     HasSubstr(" accepted (up to ")));
-  const auto json =
-      nlohmann::json::parse(Run({"show", "--mission", "lab", "--json"}), nullptr, false);
+  const auto json = RunForJson({"show", "--mission", "lab", "--json"});
   ASSERT_FALSE(json.is_discarded());
   EXPECT_EQ(json["mission"]["agents"], 2);
   EXPECT_EQ(json["agents"][0]["name"], "missions/lab/agents/alpha");
-  const auto list = nlohmann::json::parse(Run({"list", "--json"}), nullptr, false);
+  const auto list = RunForJson({"list", "--json"});
   ASSERT_FALSE(list.is_discarded());
   EXPECT_EQ(list[0]["name"], "missions/lab");
 }

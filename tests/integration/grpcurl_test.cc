@@ -146,10 +146,11 @@ class GrpcurlTest : public ::testing::Test {
 
   // "ERROR:\n  Code: NotFound\n  Message: ..."
   void CheckError(const GrpcurlCall& call, const absl::Status& status) {
-    std::string code = absl::StatusCodeToString(status.code());
-    code = absl::StrReplaceAll(code, {{"_", ""}});
+    // "NOT_FOUND" here is "NotFound" there.
+    const std::string code =
+        absl::StrReplaceAll(absl::StatusCodeToString(status.code()), {{"_", ""}});
     EXPECT_THAT(absl::AsciiStrToLower(call.answer),
-                HasSubstr(absl::AsciiStrToLower(absl::StrCat("Code: ", code, "\n"))))
+                HasSubstr(absl::StrCat("code: ", absl::AsciiStrToLower(code), "\n")))
         << status;
     EXPECT_THAT(call.answer, HasSubstr(std::string(status.message())));
   }
