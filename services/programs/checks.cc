@@ -48,6 +48,15 @@ absl::Status CheckFolderOf(const std::string& file) {
                                                  folder.string(), " that can be written to"));
 }
 
+std::vector<absl::Status> CheckObserving(const ObserveFlags& flags) {
+  std::vector<absl::Status> found;
+  if (!flags.metrics_listen.empty()) {
+    found.push_back(CheckFlagAddress("--metrics-listen", flags.metrics_listen));
+  }
+  if (!flags.trace_file.empty()) found.push_back(CheckFolderOf(flags.trace_file));
+  return found;
+}
+
 absl::Status CheckVocabulary(const std::string& path) {
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(path));
   return vocabulary->Verify();

@@ -3,9 +3,11 @@
 #define CORBSLAM_SERVICES_PROGRAMS_CHECKS_H_
 
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
+#include "services/programs/observe_flags.h"
 
 namespace corbslam {
 
@@ -15,6 +17,8 @@ absl::Status CheckFlagAddress(absl::string_view flag, const std::string& address
 absl::Status CheckFolder(absl::string_view flag, const std::string& path);
 // The folder of a file that is going to be written.
 absl::Status CheckFolderOf(const std::string& file);
+// Where metrics and traces go.
+std::vector<absl::Status> CheckObserving(const ObserveFlags& flags);
 // Every byte of it.
 absl::Status CheckVocabulary(const std::string& path);
 

@@ -150,6 +150,8 @@ std::vector<absl::Status> Check(const Flags& flags) {
   for (const std::string& file : {flags.stats, flags.trajectory}) {
     if (!file.empty()) found.push_back(CheckFolderOf(file));
   }
+  const std::vector<absl::Status> observing = CheckObserving(flags.observe);
+  found.insert(found.end(), observing.begin(), observing.end());
   return found;
 }
 

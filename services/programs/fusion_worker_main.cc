@@ -41,7 +41,10 @@ absl::Status LowerPriority(int niceness) {
 }
 
 std::vector<absl::Status> Check(const Flags& flags) {
-  return {CheckFlagAddress("--listen", flags.listen), MakeServerSecurity(flags.security).status()};
+  std::vector<absl::Status> found = CheckObserving(flags.observe);
+  found.push_back(CheckFlagAddress("--listen", flags.listen));
+  found.push_back(MakeServerSecurity(flags.security).status());
+  return found;
 }
 
 absl::Status Run(const Flags& flags) {

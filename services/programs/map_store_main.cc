@@ -85,6 +85,8 @@ std::vector<absl::Status> Check(const Flags& flags) {
     found.push_back(CheckFlagAddress("--worker", worker));
   }
   if (!flags.data_dir.empty()) found.push_back(CheckFolder("--data-dir", flags.data_dir));
+  const std::vector<absl::Status> observing = CheckObserving(flags.observe);
+  found.insert(found.end(), observing.begin(), observing.end());
   return found;
 }
 

@@ -21,6 +21,7 @@ void AddLogFlag(CLI::App& app, LogFormat& format) {
   app.add_option("--log-format", format, "text: glog's lines; json: an object a line")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, LogFormat>{{"text", LogFormat::kText}, {"json", LogFormat::kJson}}))
+      ->type_name("text|json")
       ->default_str("text");
 }
 
