@@ -51,8 +51,7 @@ has server usr/bin/map_store usr/bin/fusion_worker usr/lib/systemd/system/map_st
 has robot usr/bin/client_agent usr/lib/systemd/system/client_agent@.service
 grep -q "corbslam-common (=" "$work/server.control" || fail "server does not depend on common"
 grep -q "corbslam-common (=" "$work/robot.control" || fail "robot does not depend on common"
-dpkg-deb --ctrl-tarfile "$work"/corbslam-server_*.deb | tar -tf - | grep -q conffiles ||
-  fail "the files in /etc are no conffiles"
+says /etc/corbslam/map_store.env dpkg-deb -I "$work"/corbslam-server_*.deb conffiles
 
 for program in corbslam map_store fusion_worker client_agent; do
   says 0.1.0 "$work/root/usr/bin/$program" --version
