@@ -12,11 +12,11 @@
 #include "corbslam/v1/map_store_service.pb.h"
 #include "services/doctor/certificate_checks.h"
 #include "services/doctor/tls_probe.h"
+#include "services/reflection/generic_client.h"
 #include "services/remote/channel.h"
 #include "services/remote/health_client.h"
 #include "services/security/pem_files.h"
 #include "services/server/server.h"
-#include "services/testing/generic_client.h"
 
 namespace corbslam {
 namespace {

@@ -16,9 +16,9 @@
 #include "services/convert/shared_update.h"
 #include "services/convert/test_data.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/reflection/generic_client.h"
 #include "services/remote/remote_uplink.h"
 #include "services/server/server.h"
-#include "services/testing/generic_client.h"
 #include "services/testing/uplink_notes.h"
 
 namespace corbslam {

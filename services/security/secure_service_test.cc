@@ -16,14 +16,14 @@
 #include "services/convert/test_data.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/reflection/generic_client.h"
 #include "services/remote/channel.h"
+#include "services/remote/health_client.h"
 #include "services/remote/remote_uplink.h"
 #include "services/security/guarded_map_store.h"
 #include "services/security/security_options.h"
 #include "services/security/testing/test_certificates.h"
 #include "services/server/server.h"
-#include "services/testing/generic_client.h"
-#include "services/remote/health_client.h"
 #include "services/testing/uplink_notes.h"
 
 namespace corbslam {

@@ -9,10 +9,10 @@
 #include <string>
 
 #include "absl/time/clock.h"
+#include "services/reflection/generic_client.h"
 #include "services/remote/health_client.h"
 #include "services/server/process_usage.h"
 #include "services/server/readiness_watch.h"
-#include "services/testing/generic_client.h"
 
 namespace corbslam {
 namespace {

@@ -6,9 +6,9 @@
 #include <iostream>
 #include <string>
 
+#include "services/reflection/generic_client.h"
 #include "services/remote/channel.h"
 #include "services/security/flags.h"
-#include "services/testing/generic_client.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {

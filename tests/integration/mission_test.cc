@@ -8,8 +8,8 @@
 #include <map>
 
 #include "absl/strings/str_cat.h"
+#include "services/reflection/generic_client.h"
 #include "services/remote/channel.h"
-#include "services/testing/generic_client.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "tests/integration/mission_fixture.h"

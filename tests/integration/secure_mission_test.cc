@@ -11,9 +11,9 @@
 #include "absl/time/clock.h"
 #include "services/corbslam/child_process.h"
 #include "services/corbslam/store_reader.h"
+#include "services/reflection/generic_client.h"
 #include "services/remote/channel.h"
 #include "services/security/testing/test_certificates.h"
-#include "services/testing/generic_client.h"
 #include "tests/integration/mission_fixture.h"
 
 namespace corbslam {

@@ -1,4 +1,4 @@
-#include "services/testing/generic_client.h"
+#include "services/reflection/generic_client.h"
 
 #include <google/protobuf/descriptor.pb.h>
 #include <google/protobuf/descriptor_database.h>

@@ -1,6 +1,6 @@
 // Calls any method of a server that has reflection on, knowing no proto of it.
-#ifndef CORBSLAM_SERVICES_TESTING_GENERIC_CLIENT_H_
-#define CORBSLAM_SERVICES_TESTING_GENERIC_CLIENT_H_
+#ifndef CORBSLAM_SERVICES_REFLECTION_GENERIC_CLIENT_H_
+#define CORBSLAM_SERVICES_REFLECTION_GENERIC_CLIENT_H_
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/dynamic_message.h>
@@ -48,4 +48,4 @@ class GenericClient {
 
 }  // namespace corbslam
 
-#endif  // CORBSLAM_SERVICES_TESTING_GENERIC_CLIENT_H_
+#endif  // CORBSLAM_SERVICES_REFLECTION_GENERIC_CLIENT_H_
