@@ -1,11 +1,11 @@
 #include "services/corbslam/layout_files.h"
 
-#include <filesystem>
 #include <variant>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "slam/evaluation/trajectory_io.h"
+#include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
@@ -136,13 +136,7 @@ FramePaths PathsOfFrame(SourceLayout layout, size_t index, int64_t timestamp_ns)
 
 absl::Status MakeLayoutFolders(SourceLayout layout, const std::string& folder) {
   for (const std::string& each : FoldersOf(layout)) {
-    const std::string path = absl::StrCat(folder, "/", each);
-    std::error_code error;
-    std::filesystem::create_directories(path, error);
-    if (error) {
-      return absl::UnavailableError(
-          absl::StrCat("cannot make the folder ", path, ": ", error.message()));
-    }
+    RETURN_IF_ERROR(MakeFolder(absl::StrCat(folder, "/", each)));
   }
   return absl::OkStatus();
 }

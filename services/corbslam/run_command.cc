@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -19,13 +18,12 @@
 #include "services/corbslam/picture.h"
 #include "services/security/flags.h"
 #include "slam/evaluation/trajectory_io.h"
+#include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
 namespace corbslam {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct RunArguments {
   std::vector<std::string> sources;
@@ -90,14 +88,6 @@ void ShowOnTerminal(const Progress& progress) {
   for (const auto& [name, frames] : progress.robots)
     absl::StrAppend(&line, "  ", name, " ", frames);
   std::fprintf(stderr, "\r%-78s", line.substr(0, 78).c_str());
-}
-
-absl::Status MakeFolder(const std::string& path) {
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (!error) return absl::OkStatus();
-  return absl::UnavailableError(
-      absl::StrCat("cannot make the folder ", path, ": ", error.message()));
 }
 
 absl::Status WriteTrajectories(const MissionOutcome& outcome, const std::string& folder) {

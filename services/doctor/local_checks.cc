@@ -11,8 +11,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source/frame_reader.h"
+#include "services/programs/checks.h"
+#include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
-#include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam {
 namespace {
@@ -39,11 +40,6 @@ bool IsSynchronised() {
   return adjtimex(&state) != TIME_ERROR;
 }
 
-absl::Status LoadVocabulary(const std::string& path) {
-  ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(path));
-  return vocabulary->Verify();
-}
-
 absl::StatusOr<size_t> ReadEnds(const std::string& source) {
   ASSIGN_OR_RETURN(const SourceSpec spec, ParseSourceSpec(source));
   ASSIGN_OR_RETURN(const auto reader, OpenReader(spec));
@@ -51,13 +47,6 @@ absl::StatusOr<size_t> ReadEnds(const std::string& source) {
   if (frames == 0) return absl::NotFoundError("it has no frames");
   for (const size_t frame : {size_t{0}, frames - 1}) RETURN_IF_ERROR(reader->Read(frame).status());
   return frames;
-}
-
-fs::path NearestThere(const std::string& path) {
-  std::error_code error;
-  fs::path there = fs::absolute(path, error);
-  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
-  return there;
 }
 
 bool CanMakeFile(const fs::path& folder) {
@@ -105,7 +94,7 @@ Findings CheckClock(absl::Time now) {
 }
 
 Finding CheckVocabularyFile(const std::string& path) {
-  const absl::Status status = LoadVocabulary(path);
+  const absl::Status status = CheckVocabulary(path);
   if (status.ok()) return {Level::kOk, "vocabulary", path, ""};
   return {Level::kFail, "vocabulary", std::string(status.message()),
           "reinstall corbslam-common, or name another by --vocabulary"};

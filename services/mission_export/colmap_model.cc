@@ -1,8 +1,6 @@
 #include "services/mission_export/colmap_model.h"
 
-#include <filesystem>
 #include <set>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -10,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "map_store/island_view.h"
 #include "services/mission_export/robot_colours.h"
+#include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
@@ -144,11 +143,7 @@ absl::StatusOr<Map> GlobalMapOf(const map_store::MissionState& state) {
 absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map,
                                               const std::map<LocalMapId, std::string>& robots,
                                               const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) {
-    return absl::UnavailableError(absl::StrCat("can't make ", folder, ": ", error.message()));
-  }
+  RETURN_IF_ERROR(MakeFolder(folder));
   const Numbers numbers = NumberAll(map);
   RETURN_IF_ERROR(WriteCameras(map, numbers, folder + "/cameras.txt"));
   RETURN_IF_ERROR(WriteImages(map, numbers, robots, folder + "/images.txt"));

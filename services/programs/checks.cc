@@ -7,15 +7,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "services/server/server.h"
+#include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam {
-namespace {
 
 namespace fs = std::filesystem;
-
-}  // namespace
 
 absl::Status CheckFlagAddress(absl::string_view flag, const std::string& address) {
   const absl::Status status = CheckAddress(address);
@@ -25,8 +23,7 @@ absl::Status CheckFlagAddress(absl::string_view flag, const std::string& address
 
 absl::Status CheckFolder(absl::string_view flag, const std::string& path) {
   std::error_code error;
-  fs::path there = fs::absolute(path, error);
-  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  const fs::path there = NearestThere(path);
   if (!fs::is_directory(there, error)) {
     return absl::InvalidArgumentError(
         absl::StrCat(flag, " ", path, ": ", there.string(), " is no folder"));

@@ -1,0 +1,20 @@
+// Folders of people's choice.
+#ifndef CORBSLAM_SLAM_UTIL_FOLDERS_H_
+#define CORBSLAM_SLAM_UTIL_FOLDERS_H_
+
+#include <filesystem>
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace corbslam {
+
+// With those above it; it may be there. UNAVAILABLE names it.
+absl::Status MakeFolder(const std::string& path);
+
+// The path itself, or the nearest above it that is there.
+std::filesystem::path NearestThere(const std::string& path);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_UTIL_FOLDERS_H_
