@@ -1,8 +1,6 @@
 #include <cstdio>
-#include <filesystem>
 #include <limits>
 #include <set>
-#include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -16,6 +14,7 @@
 #include "services/mission_export/euroc_file.h"
 #include "services/mission_export/ply_file.h"
 #include "slam/evaluation/trajectory_io.h"
+#include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
@@ -49,13 +48,6 @@ absl::Status ExportTrajectory(const MissionArguments& arguments, StoreReader& st
   return absl::OkStatus();
 }
 
-absl::Status MakeFolder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (!error) return absl::OkStatus();
-  return absl::UnavailableError(absl::StrCat("can't make ", path, ": ", error.message()));
-}
-
 // One robot's into the file, or everybody's into files of a folder.
 absl::Status ExportTrajectories(const MissionArguments& arguments,
                                 const std::shared_ptr<grpc::Channel>& channel) {
@@ -64,10 +56,10 @@ absl::Status ExportTrajectories(const MissionArguments& arguments,
     RETURN_IF_ERROR(CheckNameSegment("--agent", arguments.agent));
     return ExportTrajectory(arguments, store, arguments.agent, arguments.file);
   }
-  ASSIGN_OR_RETURN(const MissionSummary summary, ReadSummary(channel, arguments.mission));
+  ASSIGN_OR_RETURN(const auto agents, ReadAgents(channel, arguments.mission));
   RETURN_IF_ERROR(MakeFolder(arguments.file));
   const std::string ending = arguments.format == "euroc" ? ".csv" : ".txt";
-  for (const v1::MissionAgent& agent : summary.agents) {
+  for (const v1::MissionAgent& agent : agents) {
     const std::string name = agent.name().substr(agent.name().rfind('/') + 1);
     RETURN_IF_ERROR(
         ExportTrajectory(arguments, store, name, absl::StrCat(arguments.file, "/", name, ending)));

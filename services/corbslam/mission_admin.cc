@@ -1,11 +1,9 @@
 #include "services/corbslam/mission_admin.h"
 
-#include <chrono>
 #include <fstream>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/clock.h"
 #include "services/convert/resource_names.h"
 #include "services/corbslam/call_status.h"
 #include "services/corbslam/whole_file.h"
@@ -14,12 +12,7 @@
 namespace corbslam {
 namespace {
 
-constexpr absl::Duration kCallTimeout = absl::Seconds(60);
 constexpr size_t kPieceBytes = 1 << 20;
-
-void SetDeadline(grpc::ClientContext& context) {
-  context.set_deadline(absl::ToChronoTime(absl::Now() + kCallTimeout));
-}
 
 }  // namespace
 

@@ -1,21 +1,11 @@
 #include "services/corbslam/mission_summary.h"
 
-#include <chrono>
-
-#include "absl/time/clock.h"
-#include "absl/time/time.h"
 #include "services/convert/resource_names.h"
 #include "services/corbslam/call_status.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
-
-constexpr absl::Duration kCallTimeout = absl::Seconds(60);
-
-void SetDeadline(grpc::ClientContext& context) {
-  context.set_deadline(absl::ToChronoTime(absl::Now() + kCallTimeout));
-}
 
 // Calls `list(context, request, response)` until the last page; `take` gets each.
 template <typename Request, typename Response, typename List, typename Take>
@@ -36,6 +26,19 @@ absl::Status ReadPages(const std::string& parent, const char* call, const List& 
 
 }  // namespace
 
+absl::StatusOr<std::vector<v1::MissionAgent>> ReadAgents(
+    const std::shared_ptr<grpc::Channel>& channel, const std::string& mission) {
+  const auto stub = v1::MapStore::NewStub(channel);
+  std::vector<v1::MissionAgent> agents;
+  RETURN_IF_ERROR((ReadPages<v1::ListAgentsRequest, v1::ListAgentsResponse>(
+      MissionName(mission), "ListAgents",
+      [&](const auto&... arguments) { return stub->ListAgents(arguments...); },
+      [&](const v1::ListAgentsResponse& page) {
+        agents.insert(agents.end(), page.agents().begin(), page.agents().end());
+      })));
+  return agents;
+}
+
 absl::StatusOr<MissionSummary> ReadSummary(const std::shared_ptr<grpc::Channel>& channel,
                                            const std::string& mission) {
   const auto stub = v1::MapStore::NewStub(channel);
@@ -46,11 +49,7 @@ absl::StatusOr<MissionSummary> ReadSummary(const std::shared_ptr<grpc::Channel>&
   v1::GetMissionRequest request;
   request.set_name(name);
   RETURN_IF_ERROR(ToStatus(stub->GetMission(&context, request, &summary.mission), "GetMission"));
-  RETURN_IF_ERROR((ReadPages<v1::ListAgentsRequest, v1::ListAgentsResponse>(
-      name, "ListAgents", [&](const auto&... arguments) { return stub->ListAgents(arguments...); },
-      [&](const v1::ListAgentsResponse& page) {
-        summary.agents.insert(summary.agents.end(), page.agents().begin(), page.agents().end());
-      })));
+  ASSIGN_OR_RETURN(summary.agents, ReadAgents(channel, mission));
   RETURN_IF_ERROR((ReadPages<v1::ListLocalMapsRequest, v1::ListLocalMapsResponse>(
       name, "ListLocalMaps",
       [&](const auto&... arguments) { return stub->ListLocalMaps(arguments...); },

@@ -22,6 +22,10 @@ struct MissionSummary {
   std::vector<v1::Overlap> overlaps;
 };
 
+// Those of a mission, by name.
+absl::StatusOr<std::vector<v1::MissionAgent>> ReadAgents(
+    const std::shared_ptr<grpc::Channel>& channel, const std::string& mission);
+
 // By several calls: what changes in between may be in one and not in the other. Errors name the
 // call.
 absl::StatusOr<MissionSummary> ReadSummary(const std::shared_ptr<grpc::Channel>& channel,

@@ -18,12 +18,12 @@
 namespace corbslam {
 namespace {
 
-constexpr absl::Duration kCallTimeout = absl::Seconds(60);
 // How often a store is asked whether it is idle; it has no call that waits for that.
 constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
 
-void SetDeadline(grpc::ClientContext& context) {
-  context.set_deadline(absl::ToChronoTime(absl::Now() + kCallTimeout));
+// It may be starting.
+void WaitForAnswer(grpc::ClientContext& context) {
+  SetDeadline(context);
   context.set_wait_for_ready(true);
 }
 
@@ -87,7 +87,7 @@ StoreReader::StoreReader(std::shared_ptr<grpc::Channel> channel, std::string mis
 
 absl::StatusOr<v1::GetStatisticsResponse> StoreReader::Statistics() {
   grpc::ClientContext context;
-  SetDeadline(context);
+  WaitForAnswer(context);
   v1::GetStatisticsRequest request;
   request.set_mission(MissionName(mission_));
   v1::GetStatisticsResponse response;
@@ -114,7 +114,7 @@ absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames
   std::map<std::string, uint64_t> frames;
   do {
     grpc::ClientContext context;
-    SetDeadline(context);
+    WaitForAnswer(context);
     v1::ListLocalMapsResponse response;
     const grpc::Status status = stub_->ListLocalMaps(&context, request, &response);
     if (status.error_code() == grpc::StatusCode::NOT_FOUND) return frames;
@@ -131,7 +131,7 @@ absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames
 absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& agent,
                                                              v1::TrajectoryFrame frame) {
   grpc::ClientContext context;
-  SetDeadline(context);
+  WaitForAnswer(context);
   v1::GetTrajectoryRequest request;
   request.set_name(AgentName(mission_, agent));
   request.set_frame(frame);
@@ -150,7 +150,7 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
 
 absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
   grpc::ClientContext context;
-  SetDeadline(context);
+  WaitForAnswer(context);
   v1::WatchMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(true);
