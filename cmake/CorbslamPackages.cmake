@@ -19,8 +19,8 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 # The first line is the short description.
 set(CPACK_COMPONENT_COMMON_DESCRIPTION
     "visual SLAM of several robots: the tool and what all share\n\
-The corbslam tool runs, simulates, measures, draws and administers missions. Here\n\
-are also the vocabulary and the documents.")
+The corbslam tool runs, simulates, measures, draws and administers missions.\n\
+Here are also the vocabulary and the documents.")
 set(CPACK_COMPONENT_SERVER_DESCRIPTION
     "visual SLAM of several robots: the servers\n\
 The map store keeps every robot's map and has them fused; fusion workers verify\n\
