@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -41,24 +42,50 @@ struct Tool {
   std::unique_ptr<CommandLine> command_line;
 };
 
-// What a real bash offers for the words, the last of which is being typed.
-std::vector<std::string> Complete(const std::vector<std::string>& words) {
-  Tool tool;
-  const std::string script = TestPath("completion.bash");
-  std::ofstream(script) << BashCompletion(tool.app);
-  const std::string command = absl::StrCat(
-      "bash -c 'source ", script, "; COMP_WORDS=(\"", absl::StrJoin(words, "\" \""),
-      "\"); COMP_CWORD=", words.size() - 1,
-      "; _corbslam_complete_tool; printf \"%s\\n\" \"${COMPREPLY[@]}\"; complete -p tool'");
+std::string RunShell(const std::string& command) {
   std::string output;
   FILE* pipe = popen(command.c_str(), "r");
   EXPECT_NE(pipe, nullptr);
   for (int c = fgetc(pipe); c != EOF; c = fgetc(pipe)) output.push_back(static_cast<char>(c));
   EXPECT_EQ(pclose(pipe), 0);
+  return output;
+}
+
+// What a real bash offers for the words, the last of which is being typed.
+std::vector<std::string> Complete(const std::vector<std::string>& words) {
+  Tool tool;
+  const std::string script = TestPath("completion.bash");
+  std::ofstream(script) << BashCompletion(tool.app);
+  const std::string output = RunShell(absl::StrCat(
+      "bash -c 'source ", script, "; COMP_WORDS=(\"", absl::StrJoin(words, "\" \""),
+      "\"); COMP_CWORD=", words.size() - 1,
+      "; _corbslam_complete_tool; printf \"%s\\n\" \"${COMPREPLY[@]}\"; complete -p tool'"));
   std::vector<std::string> lines = absl::StrSplit(output, '\n', absl::SkipEmpty());
   EXPECT_EQ(lines.back(), "complete -o default -F _corbslam_complete_tool tool");
   lines.pop_back();
   return lines;
+}
+
+// What a real zsh chooses from for the words; it leaves out itself what does not begin like the
+// last one.
+std::vector<std::string> CompleteInZsh(const std::vector<std::string>& words) {
+  Tool tool;
+  const std::string script = TestPath("completion.zsh");
+  // The script's last line completes, which zsh allows where Tab was hit and nowhere else. Options
+  // are those in which its bashcompinit calls functions.
+  std::ofstream(script) << "autoload -Uz compinit; compinit -D\n"
+                        << ZshCompletion(tool.app) << R"(
+offer() {
+  emulate -L sh
+  setopt kshglob noshglob braceexpand ksharrays
+  COMP_WORDS=("$@") COMP_CWORD=$(($# - 1))
+  _corbslam_complete_tool
+  printf '%s\n' "${COMPREPLY[@]}"
+}
+)"
+                        << "offer \"" << absl::StrJoin(words, "\" \"") << "\"\n";
+  return absl::StrSplit(RunShell(absl::StrCat("zsh -f ", script, " 2>/dev/null </dev/null")), '\n',
+                        absl::SkipEmpty());
 }
 
 TEST(CompletionTest, OffersCommandsAndFlags) {
@@ -80,6 +107,19 @@ TEST(CompletionTest, OffersValuesWhereThereAreFew) {
 TEST(CompletionTest, FollowsCommandsBehindFlagsAndValues) {
   EXPECT_THAT(Complete({"tool", "--config", "file", "mission", "save", "--fo"}),
               ElementsAre("--format"));
+}
+
+TEST(CompletionTest, IsTheSameInZsh) {
+  if (std::system("command -v zsh >/dev/null") != 0) {
+    ASSERT_EQ(std::getenv("CI"), nullptr) << "there is no zsh";
+    GTEST_SKIP() << "there is no zsh";
+  }
+  EXPECT_THAT(CompleteInZsh({"tool", "mi"}),
+              AllOf(Contains("list"), Contains("mission"), Contains("--version")));
+  EXPECT_THAT(CompleteInZsh({"tool", "mission", "s"}),
+              AllOf(Contains("save"), Not(Contains("list"))));
+  EXPECT_THAT(CompleteInZsh({"tool", "mission", "save", "--format", ""}),
+              ElementsAre("ply", "tum"));
 }
 
 TEST(CompletionTest, IsPrintedByThePrograms) {

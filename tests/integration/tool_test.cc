@@ -3,20 +3,26 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/corbslam/child_process.h"
+#include "services/testing/test_path.h"
 #include "tests/integration/mission_fixture.h"
 
 namespace corbslam {
 namespace {
 
+using ::nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 // Nobody listens there: it is reserved for tcpmux, which nobody runs.
 constexpr char kNobody[] = "127.0.0.1:1";
@@ -85,6 +91,40 @@ TEST(ToolTest, SaysInTwoLinesWhatItDoesWhereNobodyWatches) {
   EXPECT_THAT(text, AllOf(HasSubstr("alpha map tum:"), HasSubstr("results go to " + folder),
                           HasSubstr(folder + "/report.md"), Not(HasSubstr("\r"))));
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << text;
+}
+
+TEST(ToolTest, ShowsWhatItIsGoodFor) {
+  const std::string folder = TestPath("demo");
+  RunTool({"demo", "--source", DemoSource(), "--out", folder});
+  const json report = json::parse(ReadText(folder + "/report.json"));
+  ASSERT_EQ(report["robots"].size(), 2u);
+  EXPECT_EQ(report["fused"]["islands"], 1);
+  EXPECT_LT(report["fused"]["ate_m"], 0.03);
+  EXPECT_THAT(ReadText(folder + "/report.md"), HasSubstr("| bravo |"));
+  EXPECT_THAT(ReadText(folder + "/map.png"), StartsWith("\x89PNG"));
+}
+
+TEST(ToolTest, FindsNothingWrongWithWhatWorks) {
+  RunningServers servers;
+  ASSERT_FALSE(servers.store_address().empty());
+  // The log's warning of --insecure comes first.
+  const std::string said = RunTool({"doctor", "--insecure", "--server", servers.store_address(),
+                                    "--source", DemoSource(), "--json"});
+  const json findings = json::parse(said.substr(std::min(said.find("[\n"), said.size())));
+  std::set<std::string> checks;
+  for (const json& finding : findings) {
+    EXPECT_NE(finding["level"], "fail") << finding;
+    checks.insert(finding["check"]);
+  }
+  EXPECT_THAT(checks,
+              IsSupersetOf({std::string("clock"), std::string("source"), std::string("vocabulary"),
+                            "store " + servers.store_address()}));
+}
+
+TEST(ToolTest, SaysWhatIsWrongWithWhatDoesNot) {
+  EXPECT_THAT(
+      Complaint("corbslam", {"doctor", "--insecure", "--server", kNobody}, absl::Seconds(30)),
+      HasSubstr(kNobody));
 }
 
 TEST(ToolTest, TrainsAVocabularyInSilenceWhereNobodyWatches) {
