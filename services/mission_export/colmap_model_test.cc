@@ -57,8 +57,8 @@ Keyframe MakeKeyframe(KeyframeId id, double fx_px, const Rigid3d& camera_from_ma
 Map MakeMap() {
   constexpr uint32_t kPoints = 20;
   Map map;
-  const Rigid3d turned(Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())),
-                       {0.2, -0.1, 0.3});
+  const Rigid3d turned{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())),
+                       {0.2, -0.1, 0.3}};
   map.AddKeyframe(MakeKeyframe({kMapA, 0}, 500, Rigid3d(), kPoints, 1));
   map.AddKeyframe(MakeKeyframe({kMapB, 7}, 600, turned, kPoints, 2));
   for (uint32_t i = 0; i < kPoints; ++i) {
