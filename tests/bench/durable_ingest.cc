@@ -12,14 +12,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "services/corbslam/child_process.h"
-#include "services/programs/default_vocabulary.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
+#include "tests/bench/started_server.h"
 #include "tests/replay/quantile.h"
-#include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
 
 namespace corbslam {
@@ -52,21 +50,18 @@ struct Row {
 absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
                             const RecordedUploads& uploads) {
   fs::remove_all(flags.data_dir);
-  ASSIGN_OR_RETURN(const std::string program, FindProgramBeside("map_store"));
-  std::vector<std::string> command = {program,      "--listen",   "127.0.0.1:0",
-                                      "--insecure", "--data-dir", flags.data_dir};
+  std::vector<std::string> arguments = {"--data-dir", flags.data_dir};
   if (flags.threads > 0) {
-    command.insert(command.end(), {"--threads", absl::StrCat(flags.threads)});
+    arguments.insert(arguments.end(), {"--threads", absl::StrCat(flags.threads)});
   }
-  ASSIGN_OR_RETURN(const std::unique_ptr<ChildProcess> store,
-                   ChildProcess::Start("map_store", command, flags.data_dir + ".log"));
-  ASSIGN_OR_RETURN(const std::string address, store->WaitForAddress(absl::Seconds(30)));
+  ASSIGN_OR_RETURN(const StartedServer store,
+                   StartServer("map_store", arguments, flags.data_dir + ".log"));
   std::vector<std::unique_ptr<ReplayingAgent>> robots;
   std::vector<std::shared_ptr<grpc::Channel>> channels;
   const absl::Time begin = absl::Now();
   for (size_t i = 0; i < agents; ++i) {
     const ReplayOptions options = OptionsOfOne("ingest", i, agents, pace);
-    channels.push_back(MakeChannel(address));
+    channels.push_back(MakeChannel(store.address));
     robots.push_back(
         std::make_unique<ReplayingAgent>(options, &uploads, MakeRemoteUplink(channels.back())));
   }
@@ -87,7 +82,7 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
   row.p50_ms = Quantile(latencies, 0.5);
   row.p99_ms = Quantile(latencies, 0.99);
   robots.clear();
-  const ProcessEnd ended = store->Stop(absl::Seconds(30));
+  const ProcessEnd ended = store.process->Stop(kStopTimeout);
   row.store_cpu_cores = ended.cpu_s / seconds;
   row.peak_rss_mb = ended.peak_rss_mb;
   fs::remove_all(flags.data_dir);
@@ -113,9 +108,8 @@ Json ToJson(const Row& row) {
 }
 
 absl::Status Run(const Flags& flags) {
-  ASSIGN_OR_RETURN(const std::shared_ptr<const Vocabulary> vocabulary,
-                   Vocabulary::Load(DefaultVocabularyPath()));
-  ASSIGN_OR_RETURN(const RecordedUploads uploads, RecordUploads(flags.source, vocabulary));
+  ASSIGN_OR_RETURN(const std::vector<RecordedUploads> recorded, RecordAll({flags.source}));
+  const RecordedUploads& uploads = recorded.front();
   uint64_t keyframes = 0;
   for (const MapUpdateBatch& batch : uploads) keyframes += batch.full_keyframes.size();
   std::printf("%s: %zu batches, %lu keyframes; %g s each\n\n", flags.source.c_str(), uploads.size(),

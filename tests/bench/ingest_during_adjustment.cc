@@ -16,17 +16,15 @@
 
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
-#include "services/corbslam/child_process.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
-#include "services/programs/default_vocabulary.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_fusion_worker.h"
 #include "services/remote/remote_uplink.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
+#include "tests/bench/started_server.h"
 #include "tests/replay/quantile.h"
-#include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
 
 namespace corbslam {
@@ -34,9 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-constexpr absl::Duration kStartTimeout = absl::Seconds(30);
-constexpr absl::Duration kStopTimeout = absl::Seconds(30);
 
 struct Flags {
   std::vector<std::string> sources;
@@ -145,14 +140,6 @@ Side Summarise(const std::vector<ReplayLedger>& ledgers, const Windows& windows,
           Quantile(after_ms, 1)};
 }
 
-absl::StatusOr<std::unique_ptr<ChildProcess>> StartProgram(const std::string& name,
-                                                           std::vector<std::string> arguments,
-                                                           const std::string& log) {
-  ASSIGN_OR_RETURN(const std::string path, FindProgramBeside(name));
-  arguments.insert(arguments.begin(), {path, "--listen", "127.0.0.1:0", "--insecure"});
-  return ChildProcess::Start(name, arguments, log);
-}
-
 std::vector<std::unique_ptr<ReplayingAgent>> StartRobots(
     const Flags& flags, const std::string& address, const std::vector<RecordedUploads>& uploads) {
   std::vector<std::unique_ptr<ReplayingAgent>> robots;
@@ -166,20 +153,18 @@ std::vector<std::unique_ptr<ReplayingAgent>> StartRobots(
 
 absl::StatusOr<Row> Measure(const Flags& flags, const std::vector<RecordedUploads>& uploads) {
   fs::remove_all(flags.data_dir);
-  ASSIGN_OR_RETURN(const auto worker,
-                   StartProgram("fusion_worker", {}, flags.data_dir + ".worker.log"));
-  ASSIGN_OR_RETURN(const std::string worker_address, worker->WaitForAddress(kStartTimeout));
+  ASSIGN_OR_RETURN(const StartedServer worker,
+                   StartServer("fusion_worker", {}, flags.data_dir + ".worker.log"));
   const absl::Time begin = absl::Now();
   const Windows windows(begin, absl::Seconds(flags.window_s));
-  Gate gate(MakeRemoteFusionWorker({MakeChannel(worker_address)}), windows);
+  Gate gate(MakeRemoteFusionWorker({MakeChannel(worker.address)}), windows);
   FusionWorkerService service(&gate);
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server, Server::Start("127.0.0.1:0", {&service}));
   ASSIGN_OR_RETURN(
-      const auto store,
-      StartProgram("map_store", {"--data-dir", flags.data_dir, "--worker", server->address()},
-                   flags.data_dir + ".log"));
-  ASSIGN_OR_RETURN(const std::string address, store->WaitForAddress(kStartTimeout));
-  const auto robots = StartRobots(flags, address, uploads);
+      const StartedServer store,
+      StartServer("map_store", {"--data-dir", flags.data_dir, "--worker", server->address()},
+                  flags.data_dir + ".log"));
+  const auto robots = StartRobots(flags, store.address, uploads);
   const absl::Time end = begin + absl::Seconds(flags.seconds);
   for (const auto& robot : robots) robot->WaitUntilDone(end - absl::Now()).IgnoreError();
   const absl::Duration took = absl::Now() - begin;
@@ -196,9 +181,9 @@ absl::StatusOr<Row> Measure(const Flags& flags, const std::vector<RecordedUpload
   row.adjustments = gate.adjustments();
   row.largest = gate.largest();
   row.adjusting_share = 2 * absl::FDivDuration(gate.adjusting(), took);
-  store->Stop(kStopTimeout);
+  store.process->Stop(kStopTimeout);
   server->Shutdown(absl::ZeroDuration());
-  worker->Stop(kStopTimeout);
+  worker.process->Stop(kStopTimeout);
   fs::remove_all(flags.data_dir);
   return row;
 }
@@ -226,13 +211,7 @@ Json ToJson(const Side& side) {
 }
 
 absl::Status Run(const Flags& flags) {
-  ASSIGN_OR_RETURN(const std::shared_ptr<const Vocabulary> vocabulary,
-                   Vocabulary::Load(DefaultVocabularyPath()));
-  std::vector<RecordedUploads> uploads;
-  for (const std::string& source : flags.sources) {
-    ASSIGN_OR_RETURN(RecordedUploads recorded, RecordUploads(source, vocabulary));
-    uploads.push_back(std::move(recorded));
-  }
+  ASSIGN_OR_RETURN(const std::vector<RecordedUploads> uploads, RecordAll(flags.sources));
   ASSIGN_OR_RETURN(const Row row, Measure(flags, uploads));
   Print(row);
   if (flags.json.empty()) return absl::OkStatus();

@@ -15,14 +15,12 @@
 
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
-#include "services/corbslam/child_process.h"
-#include "services/programs/default_vocabulary.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
+#include "tests/bench/started_server.h"
 #include "tests/replay/quantile.h"
-#include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
 
 namespace corbslam {
@@ -30,9 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-constexpr absl::Duration kStartTimeout = absl::Seconds(30);
-constexpr absl::Duration kStopTimeout = absl::Seconds(30);
 
 struct Flags {
   std::vector<std::string> sources;
@@ -91,27 +86,17 @@ class Stopwatch {
 };
 
 struct Services {
-  std::unique_ptr<ChildProcess> worker;
-  std::unique_ptr<ChildProcess> store;
-  std::string address;
+  StartedServer worker;
+  StartedServer store;
 };
 
 absl::StatusOr<Services> StartServices(const std::string& data_dir) {
   Services services;
-  ASSIGN_OR_RETURN(const std::string worker, FindProgramBeside("fusion_worker"));
+  ASSIGN_OR_RETURN(services.worker, StartServer("fusion_worker", {}, data_dir + ".worker.log"));
   ASSIGN_OR_RETURN(
-      services.worker,
-      ChildProcess::Start("fusion_worker", {worker, "--listen", "127.0.0.1:0", "--insecure"},
-                          data_dir + ".worker.log"));
-  ASSIGN_OR_RETURN(const std::string worker_address,
-                   services.worker->WaitForAddress(kStartTimeout));
-  ASSIGN_OR_RETURN(const std::string store, FindProgramBeside("map_store"));
-  ASSIGN_OR_RETURN(services.store,
-                   ChildProcess::Start("map_store",
-                                       {store, "--listen", "127.0.0.1:0", "--insecure",
-                                        "--data-dir", data_dir, "--worker", worker_address},
-                                       data_dir + ".log"));
-  ASSIGN_OR_RETURN(services.address, services.store->WaitForAddress(kStartTimeout));
+      services.store,
+      StartServer("map_store", {"--data-dir", data_dir, "--worker", services.worker.address},
+                  data_dir + ".log"));
   return services;
 }
 
@@ -130,8 +115,9 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents,
     options.on_shared = [&stopwatch, i](const SharedUpdate& update) {
       stopwatch.NoteShared(i, update);
     };
-    robots.push_back(std::make_unique<ReplayingAgent>(
-        options, &uploads[i % uploads.size()], MakeRemoteUplink(MakeChannel(services.address))));
+    robots.push_back(
+        std::make_unique<ReplayingAgent>(options, &uploads[i % uploads.size()],
+                                         MakeRemoteUplink(MakeChannel(services.store.address))));
   }
   const absl::Time end = begin + absl::Seconds(flags.seconds);
   for (const auto& robot : robots) robot->WaitUntilDone(end - absl::Now()).IgnoreError();
@@ -153,8 +139,8 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents,
   row.p99_ms = Quantile(latencies, 0.99);
   row.acknowledged_p50_ms = Quantile(acknowledged, 0.5);
   row.acknowledged_p99_ms = Quantile(acknowledged, 0.99);
-  row.store_cpu_cores = services.store->Stop(kStopTimeout).cpu_s / seconds;
-  row.worker_cpu_cores = services.worker->Stop(kStopTimeout).cpu_s / seconds;
+  row.store_cpu_cores = services.store.process->Stop(kStopTimeout).cpu_s / seconds;
+  row.worker_cpu_cores = services.worker.process->Stop(kStopTimeout).cpu_s / seconds;
   fs::remove_all(flags.data_dir);
   return row;
 }
@@ -183,13 +169,7 @@ Json ToJson(const Row& row) {
 }
 
 absl::Status Run(const Flags& flags) {
-  ASSIGN_OR_RETURN(const std::shared_ptr<const Vocabulary> vocabulary,
-                   Vocabulary::Load(DefaultVocabularyPath()));
-  std::vector<RecordedUploads> uploads;
-  for (const std::string& source : flags.sources) {
-    ASSIGN_OR_RETURN(RecordedUploads recorded, RecordUploads(source, vocabulary));
-    uploads.push_back(std::move(recorded));
-  }
+  ASSIGN_OR_RETURN(const std::vector<RecordedUploads> uploads, RecordAll(flags.sources));
   std::printf(
       "| agents | keyframes/s | arrivals | p50, ms | p90, ms | p99, ms | ack p50 | ack p99 | MB/s  "
       " "

@@ -1,0 +1,34 @@
+// What benchmarks with real servers begin with.
+#ifndef CORBSLAM_TESTS_BENCH_STARTED_SERVER_H_
+#define CORBSLAM_TESTS_BENCH_STARTED_SERVER_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "services/corbslam/child_process.h"
+#include "tests/replay/recorded_uploads.h"
+
+namespace corbslam {
+
+inline constexpr absl::Duration kStopTimeout = absl::Seconds(30);
+
+struct StartedServer {
+  std::unique_ptr<ChildProcess> process;
+  std::string address;  // On loopback.
+};
+
+// The program `name` beside this one, without TLS, once it listens. What it says goes to the file
+// `log`.
+absl::StatusOr<StartedServer> StartServer(const std::string& name,
+                                          std::vector<std::string> arguments,
+                                          const std::string& log);
+
+// What a robot uploads of each source, with the vocabulary that ships.
+absl::StatusOr<std::vector<RecordedUploads>> RecordAll(const std::vector<std::string>& sources);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_BENCH_STARTED_SERVER_H_
