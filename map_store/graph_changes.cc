@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 namespace corbslam::map_store {
 namespace {
@@ -42,15 +43,31 @@ void ObserveForeign(KeyframeId keyframe, uint32_t keypoint, MapPointId point,
 }
 
 // What the owner's own point became through the owner's own replacements: another own point, or
-// somebody else's.
-MapPointId FollowReplacements(const LocalMapState& local_map, MapPointId point) {
-  auto it = local_map.replaced_points.find(point);
-  for (size_t step = 0; it != local_map.replaced_points.end(); ++step) {
-    point = it->second;
-    if (step > local_map.replaced_points.size()) return MapPointId();
-    it = local_map.replaced_points.find(point);
+// somebody else's. Whoever asks again finds it at once.
+MapPointId FollowReplacements(LocalMapState& local_map, MapPointId point) {
+  auto& replaced = local_map.replaced_points;
+  MapPointId last = point;
+  size_t steps = 0;
+  for (auto it = replaced.find(last); it != replaced.end(); it = replaced.find(last)) {
+    last = it->second;
+    // Only what was restored from elsewhere can lead in a circle.
+    if (++steps > replaced.size()) return MapPointId();
   }
-  return point;
+  while (point != last) point = std::exchange(replaced.at(point), last);
+  return last;
+}
+
+// Whether what the owners replaced, one after the other, leads from `point` to `goal`.
+bool LeadsTo(const MissionState& state, MapPointId point, MapPointId goal) {
+  constexpr int kMaxSteps = 1000;
+  for (int step = 0; step < kMaxSteps && point != goal; ++step) {
+    const LocalMapState* owner = state.FindLocalMap(point.local_map);
+    if (owner == nullptr) return false;
+    const auto next = owner->replaced_points.find(point);
+    if (next == owner->replaced_points.end()) return false;
+    point = next->second;
+  }
+  return true;
 }
 
 void RemoveObservation(const ObservationChange& change, LocalMapState& local_map) {
@@ -115,10 +132,12 @@ bool ApplyParent(KeyframeId child_id, KeyframeId parent, LocalMapState& local_ma
     }
     return true;
   }
-  // A removed parent's children hang where it hung.
-  for (size_t step = 0; step <= local_map.removed_keyframes.size(); ++step) {
-    const auto it = local_map.removed_keyframes.find(parent);
-    if (it == local_map.removed_keyframes.end()) break;
+  // A removed parent's children hang where it hung; how far up that is, is limited.
+  constexpr int kMaxSteps = 1000;
+  int step = 0;
+  for (auto it = local_map.removed_keyframes.find(parent); it != local_map.removed_keyframes.end();
+       it = local_map.removed_keyframes.find(parent)) {
+    if (++step > kMaxSteps) return true;
     parent = it->second.parent;
   }
   if (!parent.IsValid()) return true;
@@ -153,7 +172,7 @@ void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
   // Two robots may each have put the other's point in the place of its own: then the point stays,
   // and stands for both. What fusion merged does not change what an owner says of its own points.
   const MapPointId stands_for = ResolvePoint(state, survivor);
-  if (!is_own && stands_for == replaced) return;
+  if (!is_own && (stands_for == replaced || LeadsTo(state, survivor, replaced))) return;
   if (is_own) {
     if (!local_map.map.ReplacePoint(replaced, survivor)) local_map.map.RemovePoint(replaced);
   } else if (const MapPoint* point = local_map.map.FindPoint(replaced)) {

@@ -217,6 +217,36 @@ TEST_F(IngestionTest, NothingIsAcknowledgedBeforeItIsSynced) {
   EXPECT_EQ(store_.GetMission("m")->keyframes, 2u);
 }
 
+// What a grant acknowledges is as good as any other acknowledgement.
+TEST_F(IngestionTest, NoGrantAcknowledgesWhatIsNotSynced) {
+  const uint64_t a = Open("a");
+  journal_->sync_fails = true;
+  ASSERT_FALSE(store_.Apply(a, First()).ok());
+  SessionRequest request;
+  request.mission = "m";
+  request.agent = "a";
+  request.local_maps = {kMapA};
+  EXPECT_EQ(store_.OpenSession(request).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_FALSE(store_.ListAgents("m", {})->items[0].connected);
+  journal_->sync_fails = false;
+  Open("a", {kMapA});
+  ASSERT_EQ(last_grant_.acknowledged.size(), 1u);
+  EXPECT_EQ(last_grant_.acknowledged[0].number, 1u);
+}
+
+// Each is found in one step again once somebody has gone all the way.
+TEST_F(IngestionTest, LongChainsOfReplacementsCostNoTime) {
+  const uint64_t a = Open("a");
+  constexpr uint32_t kLength = 50000;
+  MapUpdateBatch batch = First();
+  for (uint32_t i = 1; i < kLength; ++i) batch.replacements.push_back({PtA(i), PtA(i + 1)});
+  ASSERT_TRUE(store_.Apply(a, batch).ok());
+  MapUpdateBatch seen = Next(2);
+  for (uint32_t i = 0; i < kLength; ++i) seen.observations.push_back(Add(PtA(1), KfA(0), 2));
+  ASSERT_TRUE(store_.Apply(a, seen).ok());
+  EXPECT_EQ(MapInfo().map_points, 1u);
+}
+
 TEST_F(IngestionTest, ParksWhatComesBeforeItsPointWithinALimit) {
   const uint64_t a = Open("a");
   ASSERT_TRUE(store_.Apply(a, First()).ok());

@@ -61,7 +61,7 @@ absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
   uint64_t fenced = 0;
   {
     absl::MutexLock lock(&mutex_);
-    if (deleted_) return absl::NotFoundError(absl::StrCat("mission ", name_, " is deleted"));
+    if (deleted_) return Deleted();
     for (const LocalMapId& id : request.local_maps) {
       const LocalMapState* local_map = state_.FindLocalMap(id);
       if (local_map != nullptr && local_map->agent != request.agent) {
@@ -85,6 +85,13 @@ absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
     absl::MutexLock telling(&told.mutex);
     ResumeSharing(request.last_revision, told.share);
     ++state_.version;
+  }
+  // The robot forgets what the grant acknowledges.
+  if (const absl::Status durable = SyncJournal(); !durable.ok()) {
+    absl::MutexLock lock(&mutex_);
+    uint64_t& session = state_.agents.at(request.agent).session;
+    if (session == session_id) session = 0;
+    return durable;
   }
   std::function<void()> listener;
   {
@@ -171,6 +178,10 @@ absl::Status Mission::ApplyNext(const std::string& agent, const MapUpdateBatch& 
   absl::MutexLock lock(&mutex_);
   map_store::Apply(record, words, *environment_.options, state_);
   return absl::OkStatus();
+}
+
+absl::Status Mission::Deleted() const {
+  return absl::NotFoundError(absl::StrCat("mission ", name_, " is deleted"));
 }
 
 bool Mission::IsDeleted() const {
