@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "map_store/map_store.h"
+#include "map_store/testing/byte_journal.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
@@ -12,7 +13,9 @@
 namespace corbslam {
 namespace {
 
+using testing::ByteJournal;
 using testing::DeterministicOptions;
+using testing::JournalBytes;
 using testing::MakeRingMap;
 using testing::SyntheticMap;
 using testing::TestAgent;
@@ -93,6 +96,25 @@ TEST_F(CullingTest, OthersForgetItItsOwnerDoesNot) {
   ASSERT_TRUE(b_.TakeShared().ok());
   EXPECT_FALSE(b_.mirror().keyframes.contains(kCulled));
   EXPECT_EQ(store_.GetLocalMap(kMission, a_.local_map())->keyframes, 14u);
+}
+
+// A worker may be wrong about what it was asked; what it was not asked is none of its business.
+TEST_F(CullingTest, NothingIsCulledThatWasNotInView) {
+  const auto bytes = std::make_shared<JournalBytes>();
+  MapStore store(CullingOptions(), TheWorld().vocabulary, std::make_unique<ByteJournal>(bytes),
+                 &worker_);
+  worker_.redundant = {{{0xc}, 1}, {{0xa}, 1000}};
+  TestAgent a(store, kMission, "a", map_a_);
+  TestAgent b(store, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  ASSERT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+  ASSERT_FALSE(worker_.adjusted().empty());
+  MapStore again(CullingOptions(), TheWorld().vocabulary, std::make_unique<ByteJournal>(bytes),
+                 nullptr);
+  const absl::Status recovered = again.Recover();
+  EXPECT_TRUE(recovered.ok()) << recovered;
+  EXPECT_EQ(again.GetStatistics(kMission)->revision, store.GetStatistics(kMission)->revision);
 }
 
 TEST_F(CullingTest, DerivingAgainTakesItBack) {

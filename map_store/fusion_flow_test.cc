@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "map_store/map_store.h"
 #include "map_store/testing/shared_world.h"
@@ -131,6 +132,38 @@ TEST_F(FusionFlowTest, NewKeyframesFollowTheirCorrectedParentWithoutASeam) {
                           map_b_.map.FindKeyframe(b.Id(k))->camera_from_map.Inverse();
     EXPECT_LT(Difference(Relative(b.Id(k), b.Id(k + 1)), local), 1e-9) << k;
   }
+}
+
+// The robot says that a keyframe of another robot's stands for the one that was recognised, and
+// that one is in no island of the two that are to be fused.
+TEST_F(FusionFlowTest, AnOverlapThatGoesOverToAnotherIslandHoldsNothingUp) {
+  const SyntheticMap far = MakeRingMap(0xc, 180, 14);
+  TruthfulWorker worker({&map_a_, &map_b_, &far});
+  MapStore store(DeterministicOptions(), TheWorld().vocabulary, std::make_unique<InMemoryJournal>(),
+                 &worker);
+  TestAgent a(store, kMission, "a", map_a_);
+  TestAgent b(store, kMission, "b", map_b_);
+  TestAgent c(store, kMission, "c", far);
+  bool removed = false;
+  // While a worker fails to fuse them.
+  worker.fuse_failures = {absl::InternalError("try again")};
+  OverlapFilter only_accepted;
+  only_accepted.accepted = true;
+  worker.during_fuse = [&] {
+    if (std::exchange(removed, true)) return;
+    const auto overlaps = store.ListOverlaps(kMission, only_accepted, {})->items;
+    MapUpdateBatch batch = b.EmptyBatch();
+    for (const OverlapInfo& overlap : overlaps) {
+      batch.removed_keyframes.push_back({overlap.overlap.query, c.Id(3), Rigid3d::Identity()});
+    }
+    EXPECT_TRUE(b.Send(batch).ok());
+  };
+  ASSERT_TRUE(c.Stream().ok());
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream(10).ok());
+  ASSERT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+  EXPECT_TRUE(removed);
+  EXPECT_TRUE(*store.IsFusionIdle(kMission));
 }
 
 // B crosses A's way twice, at places far from each other.

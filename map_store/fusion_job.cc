@@ -22,6 +22,10 @@ bool LiesIn(const MissionState& state, KeyframeId keyframe, const FusionAction& 
   return it->second == action.target || it->second == action.source;
 }
 
+bool LiesIn(const MissionState& state, const Overlap& overlap, const FusionAction& action) {
+  return LiesIn(state, overlap.query, action) && LiesIn(state, overlap.candidate, action);
+}
+
 bool Touches(const Overlap& overlap, const std::vector<LocalMapId>& local_maps) {
   return std::any_of(local_maps.begin(), local_maps.end(), [&overlap](LocalMapId id) {
     return overlap.query.local_map == id || overlap.candidate.local_map == id;
@@ -46,10 +50,10 @@ void CollectOverlaps(const MissionState& state, const FusionAction& action,
   for (const auto& [id, entry] : state.global.overlaps) {
     const bool is_new = called_for.contains(id);
     if (!is_new && entry.state != OverlapState::kInGraph) continue;
-    if (!LiesIn(state, entry.overlap.query, action)) continue;
-    if (!LiesIn(state, entry.overlap.candidate, action)) continue;
+    if (!LiesIn(state, entry.overlap, action)) continue;
+    // The keyframes that stand for removed ones may be in another robot's map, and elsewhere.
     std::optional<Overlap> overlap = ChainOverlap(state, entry.overlap);
-    if (!overlap.has_value()) continue;
+    if (!overlap.has_value() || !LiesIn(state, *overlap, action)) continue;
     if (is_new) request.new_overlaps.push_back(request.overlaps.size());
     request.overlaps.push_back(*std::move(overlap));
   }
@@ -149,8 +153,8 @@ absl::StatusOr<std::optional<FusionRequest>> PrepareAdjust(const MissionState& s
   if (island == nullptr) return std::nullopt;
   AdjustJob job;
   // With the whole in view, it decides anew which observations are wrong.
-  ASSIGN_OR_RETURN(job.snapshot, TakeWholeSnapshot(state, *island, island->displaced,
-                                                   Rejected::kTryAgain, read));
+  ASSIGN_OR_RETURN(job.snapshot,
+                   TakeWholeSnapshot(state, *island, island->displaced, Rejected::kTryAgain, read));
   const Map& view = job.snapshot.view;
   if (view.keyframes().size() < 2) return std::nullopt;
   // The first keyframe of the local map whose frame it is holds the frame.

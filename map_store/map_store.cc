@@ -159,6 +159,12 @@ absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
 
 absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  // Who waited for another one's deletion must not delete what has got the name since.
+  absl::MutexLock deleting(&deletion_mutex_);
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> still, FindMission(mission_name));
+  if (still != mission) {
+    return absl::NotFoundError(absl::StrCat("mission ", mission_name, " is deleted"));
+  }
   // Nothing is appended any more: what is deleted stays so.
   mission->Delete();
   RETURN_IF_ERROR(journal_->DeleteMission(mission_name));

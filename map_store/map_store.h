@@ -182,6 +182,8 @@ class MapStore {
   const bool has_worker_;
   std::unique_ptr<map_store::FusionExecutor> executor_;
 
+  // Held by one deletion from its beginning to its end.
+  absl::Mutex deletion_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
   mutable absl::Mutex mutex_;
   std::map<std::string, std::shared_ptr<map_store::Mission>, std::less<>> missions_
       ABSL_GUARDED_BY(mutex_);

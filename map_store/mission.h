@@ -132,8 +132,10 @@ class Mission {
   PolicyLimits Limits() const;
   FusionSummary Summarise() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   std::optional<FusionAction> NextAction(FusionLane lane) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
-  // Starts the next piece of work, if there is any; true: nothing came of it, go on.
-  bool TryStart(FusionLane lane, std::optional<FusionJob>& job) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Starts the next piece of work, if there is any; true: nothing came of it, go on. Work that was
+  // interrupted too often is skipped.
+  bool TryStart(FusionLane lane, int& interruptions, std::optional<FusionJob>& job)
+      ABSL_LOCKS_EXCLUDED(mutex_);
   // The lane is the caller's from here on, until ReleaseLane.
   std::optional<FusionAction> ClaimLane(FusionLane lane,
                                         std::shared_ptr<std::atomic<bool>>& cancelled)
@@ -151,6 +153,7 @@ class Mission {
       ABSL_LOCKS_EXCLUDED(mutex_);
   // It stays as it is while the strand is held.
   bool IsDeleted() const ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status Deleted() const;
   absl::Status Append(const JournalRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
   // All that was appended so far is durable.
   absl::Status SyncJournal() ABSL_LOCKS_EXCLUDED(writer_mutex_, mutex_);
@@ -162,6 +165,8 @@ class Mission {
   absl::Status CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(writer_mutex_);
   absl::Status Commit(const FusionJob& job, const FusionResult& result);
+  // A revision that was committed after the job began has placed what the record would place.
+  bool IsOvertaken(const FuseJob& job, const FuseRecord& record) const ABSL_LOCKS_EXCLUDED(mutex_);
   // Milliseconds since the first of the overlaps was verified.
   double SinceVerified(const std::vector<uint64_t>& overlaps) const
       ABSL_SHARED_LOCKS_REQUIRED(mutex_);

@@ -11,6 +11,9 @@
 namespace corbslam::map_store {
 namespace {
 
+// Of one piece of work while its views are read: others commit far more seldom than that.
+constexpr int kMaxInterruptions = 20;
+
 // The caller holds it for reading. A writer that waits comes first.
 void LetWritersIn(absl::Mutex& mutex) ABSL_NO_THREAD_SAFETY_ANALYSIS {
   mutex.ReaderUnlock();
@@ -111,8 +114,9 @@ std::optional<FusionAction> Mission::NextAction(FusionLane lane) const {
 
 std::optional<FusionJob> Mission::StartJob(FusionLane lane_id) {
   bool skipped = false;
+  int interruptions = 0;
   std::optional<FusionJob> job;
-  while (TryStart(lane_id, job)) skipped = true;
+  while (TryStart(lane_id, interruptions, job)) skipped = true;
   // What was skipped may have been all that the other lane waited for.
   if (skipped) environment_.wake_fusion();
   return job;
@@ -142,7 +146,7 @@ absl::StatusOr<std::optional<FusionRequest>> Mission::Prepare(
   return PrepareRequest(state_, action, *environment_.options, read);
 }
 
-bool Mission::TryStart(FusionLane lane, std::optional<FusionJob>& job) {
+bool Mission::TryStart(FusionLane lane, int& interruptions, std::optional<FusionJob>& job) {
   std::shared_ptr<std::atomic<bool>> cancelled;
   const std::optional<FusionAction> action = ClaimLane(lane, cancelled);
   if (!action.has_value()) return false;
@@ -151,9 +155,11 @@ bool Mission::TryStart(FusionLane lane, std::optional<FusionJob>& job) {
     job = FusionJob{**std::move(request), std::move(cancelled)};
     return false;
   }
-  if (request.ok()) {
+  interruptions = request.ok() ? 0 : interruptions + 1;
+  if (request.ok() || interruptions == kMaxInterruptions) {
     absl::MutexLock lock(&mutex_);
     if (!cancelled->load()) SkipAction(*action);
+    interruptions = 0;
   }
   ReleaseLane(lane);
   return true;
@@ -180,16 +186,16 @@ void Mission::SkipAction(const FusionAction& action) {
 bool Mission::FinishJob(FusionLane lane, const FusionJob& job,
                         absl::StatusOr<FusionResult> result) {
   absl::Status status = result.status();
-  bool try_later = absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status);
+  bool try_later = absl::IsUnavailable(status);
   if (result.ok()) {
     status = Commit(job, *result);
     // Only the journal can refuse: nothing is wrong with the work.
     try_later = !status.ok();
   }
   try_later = try_later && !environment_.options->deterministic;
-  if (!status.ok() && !try_later && !job.cancelled->load()) {
+  if (!status.ok() && !try_later) {
     absl::MutexLock lock(&mutex_);
-    NoteFailure(job, status);
+    if (!job.cancelled->load()) NoteFailure(job, status);
   }
   ReleaseLane(lane);
   if (status.ok()) NotifyAll(0);
@@ -207,6 +213,7 @@ void Mission::ReleaseLane(FusionLane lane_id) {
 absl::Status Mission::Rederive() {
   {
     absl::MutexLock turn(&writer_mutex_);
+    if (IsDeleted()) return Deleted();
     const RederiveRecord record;
     RETURN_IF_ERROR(Append(record));
     CancelJobs();
@@ -224,6 +231,7 @@ absl::StatusOr<std::vector<uint64_t>> Mission::RetractOverlap(uint64_t overlap, 
   std::vector<uint64_t> taken_back;
   {
     absl::MutexLock turn(&writer_mutex_);
+    if (IsDeleted()) return Deleted();
     RETURN_IF_ERROR(WithState(
         [overlap](const MissionState& state) { return CheckRetractable(state, overlap); }));
     const RetractRecord record{overlap, keep_apart};
@@ -303,6 +311,9 @@ absl::Status Mission::CommitFuse(const FuseJob& job, const FuseMapsResult& resul
     record.plan = PlanFuse(state_, job, result);
     record.merge_ms = SinceVerified(record.plan.overlaps);
   }
+  // Where all was adjusted since, poses from before would undo that; fused anew, they don't. After
+  // an urgent one all is adjusted again.
+  if (IsOvertaken(job, record)) return absl::OkStatus();
   // Only writers change what the plan was made of, and this one has the turn.
   RETURN_IF_ERROR(Append(record));
   absl::MutexLock lock(&mutex_);
@@ -311,6 +322,16 @@ absl::Status Mission::CommitFuse(const FuseJob& job, const FuseMapsResult& resul
   const bool stale = lane.target == job.action.target || lane.target == job.action.source;
   if (urgent && stale && lane.cancelled != nullptr) lane.cancelled->store(true);
   return absl::OkStatus();
+}
+
+bool Mission::IsOvertaken(const FuseJob& job, const FuseRecord& record) const {
+  absl::ReaderMutexLock lock(&mutex_);
+  if (IsUrgent(record, state_)) return false;
+  return std::ranges::any_of(record.plan.keyframes, [&](const auto& planned) {
+    const auto placed = state_.global.keyframes.find(planned.first);
+    return placed != state_.global.keyframes.end() &&
+           placed->second.revision > job.request.base_revision;
+  });
 }
 
 double Mission::SinceVerified(const std::vector<uint64_t>& overlaps) const {
@@ -329,8 +350,9 @@ absl::Status Mission::CommitAdjust(const AdjustJob& job, const AdjustBundleResul
     if (it == state_.global.islands.end()) return absl::OkStatus();
     if (it->second.generation != job.snapshot.generation) return absl::OkStatus();
     record.plan = PlanAdjust(state_, job, result);
-    // What arrived while the worker was busy waits for the next one.
-    record.dirty = it->second.version_of_owners > job.snapshot.version_of_owners;
+    // What arrived or was welded while the worker was busy waits for the next one.
+    record.dirty = it->second.version_of_owners > job.snapshot.version_of_owners ||
+                   state_.global.revision > job.request.base_revision;
   }
   record.statistics = {result.keyframes, result.points, result.iterations, result.seconds * 1e3};
   RETURN_IF_ERROR(Append(record));

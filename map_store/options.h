@@ -60,8 +60,8 @@ struct MapStoreOptions {
   // Missions whose requests of one lane (verifying and fusing; adjusting) are with a worker at the
   // same time: about as many as there are workers.
   int fusion_threads = 1;
-  // Attempts at a request that a worker answers with an error. UNAVAILABLE and DEADLINE_EXCEEDED
-  // do not count when there are threads: it waits `retry_ms` and goes on.
+  // Attempts at a request that a worker answers with an error. UNAVAILABLE does not count when
+  // there are threads: it waits `retry_ms` and goes on.
   int max_attempts = 3;
   int retry_ms = 1000;
   size_t max_missions = 1000;

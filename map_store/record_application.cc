@@ -80,13 +80,18 @@ void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionSta
   }
 }
 
+bool IsUrgent(const FuseRecord& record, const MissionState& state) {
+  return record.plan.source.IsValid() || !record.relaxed.empty() ||
+         std::ranges::any_of(record.plan.overlaps,
+                             [&state](uint64_t id) { return state.global.overlaps.at(id).urgent; });
+}
+
 bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionState& state) {
   const RevisionPlan& plan = record.plan;
   const bool merged = plan.source.IsValid();
   CommitRevision(plan, options, state);
   Island& island = state.global.islands.at(plan.target);
-  bool urgent = merged || !record.relaxed.empty();
-  for (const uint64_t id : plan.overlaps) urgent |= state.global.overlaps.at(id).urgent;
+  const bool urgent = IsUrgent(record, state);
   for (const LocalMapId& id : record.relaxed) island.relaxed.erase(id);
   island.overlaps_since_adjustment += plan.overlaps.size();
   if (merged) state.statistics.merge_ms.push_back(record.merge_ms);
@@ -129,6 +134,8 @@ void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionS
 
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
                        Island& island) {
+  // One that runs already does not know of it.
+  if (!relaxed.empty()) ++island.generation;
   for (const LocalMapId& id : relaxed) {
     island.displaced.merge(FindRelaxedKeyframes(state, island, id));
     island.relaxed.erase(id);

@@ -18,7 +18,10 @@ BatchWords ComputeWords(const MapUpdateBatch& batch, const Vocabulary* vocabular
 void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOptions& options,
            MissionState& state);
 void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionState& state);
-// Whether an adjustment of what it touched is due at once.
+// It merges islands, or mends what a loop has shown to be wrong: whether an adjustment of what it
+// touches is due at once.
+bool IsUrgent(const FuseRecord& record, const MissionState& state);
+// The same, of what was applied.
 bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionState& state);
 void Apply(const FuseRefusedRecord& record, MissionState& state);
 void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionState& state);

@@ -297,7 +297,9 @@ RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
   RevisionPlan plan;
   plan.revision = state.global.revision + 1;
   plan.target = job.snapshot.island;
-  plan.culled = result.redundant;
+  for (const KeyframeId& id : result.redundant) {
+    if (job.snapshot.poses.contains(id)) plan.culled.push_back(id);
+  }
   PlanKeyframes(state, job.snapshot, Index(result.poses), Similarity3d(), plan);
   PlanPositions(state, result.positions, plan);
   PlanPointsOfView(state, job.request.view, plan);

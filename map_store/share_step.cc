@@ -208,6 +208,8 @@ class ShareStep {
     }
     TakePoint(survivor);
     update_.landmarks.push_back({survivor, {gone}});
+    // To the robot that was the whole set: what else is in it goes behind.
+    share_.landmarks.erase(survivor);
   }
 
   // Goes with what needs it, whatever the budget says.

@@ -270,7 +270,8 @@ class StepByStepTest : public SharingTest {
     }
     // A landmark has one name, the same one.
     for (const auto& [survivor, members] : all.landmarks) {
-      EXPECT_TRUE(told.landmarks.contains(survivor)) << ToString(survivor);
+      ASSERT_TRUE(told.landmarks.contains(survivor)) << ToString(survivor);
+      EXPECT_EQ(told.landmarks.at(survivor), members) << ToString(survivor);
       for (const MapPointId& member : members) EXPECT_FALSE(told.points.contains(member));
     }
   }
@@ -347,6 +348,36 @@ TEST_F(StepByStepTest, RemovedAndReplacedPoints) {
   const MapPointId foreign = map_b_.map.points().begin()->first;
   batch.replacements.push_back({held[20], foreign});
   ASSERT_TRUE(a_->Send(batch).ok());
+  ExpectAsFromScratch();
+}
+
+// Two robots each say that the other's point stands for their own; fusion had made one of the two
+// the same as a third one's.
+TEST_F(StepByStepTest, PointsThatReplaceEachOther) {
+  FuseAll();
+  MapPointId of_b;
+  for (const auto& [survivor, members] : c_->mirror().landmarks) {
+    if (survivor.local_map != a_->local_map()) continue;
+    for (const MapPointId& member : members) {
+      if (member.local_map == b_->local_map()) of_b = member;
+    }
+  }
+  ASSERT_TRUE(of_b.IsValid()) << "fusion merged nothing";
+  KeyframeId sees_it;
+  for (const auto& [id, keyframe] : map_b_.map.keyframes()) {
+    const auto& points = keyframe.points;
+    if (id.index < 9 && std::find(points.begin(), points.end(), of_b) != points.end()) sees_it = id;
+  }
+  ASSERT_TRUE(sees_it.IsValid());
+  const size_t before = store_.GetKeyframe(kMission, sees_it)->observed_points;
+  const MapPointId of_c = map_c_.map.points().begin()->first;
+  MapUpdateBatch batch = c_->EmptyBatch();
+  batch.replacements = {{of_c, of_b}};
+  ASSERT_TRUE(c_->Send(batch).ok());
+  batch = b_->EmptyBatch();
+  batch.replacements = {{of_b, of_c}};
+  ASSERT_TRUE(b_->Send(batch).ok());
+  EXPECT_EQ(store_.GetKeyframe(kMission, sees_it)->observed_points, before);
   ExpectAsFromScratch();
 }
 

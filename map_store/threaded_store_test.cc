@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <variant>
 
 #include "absl/synchronization/notification.h"
@@ -182,6 +184,41 @@ TEST_F(ThreadedStoreTest, DeletingAMissionEndsItsWork) {
   ASSERT_TRUE(store->DeleteMission(kMission).ok());
   EXPECT_EQ(b.Send(b.EmptyBatch()).code(), absl::StatusCode::kAborted);
   EXPECT_TRUE(store->ListMissions({})->items.empty());
+}
+
+// Calls back while a mission is being deleted.
+class WatchedJournal : public InMemoryJournal {
+ public:
+  absl::Status DeleteMission(absl::string_view) override {
+    while_deleting();
+    return absl::OkStatus();
+  }
+  std::function<void()> while_deleting;
+};
+
+TEST_F(ThreadedStoreTest, NothingIsWrittenToAMissionThatIsBeingDeleted) {
+  auto journal = std::make_unique<WatchedJournal>();
+  WatchedJournal& watched = *journal;
+  MapStore store(Options(), TheWorld().vocabulary, std::move(journal), &worker_);
+  TestAgent a(store, kMission, "a", map_a_);
+  TestAgent b(store, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  ASSERT_TRUE(store.WaitUntilFusionIdle(kMission, absl::Seconds(30)).ok());
+  OverlapFilter filter;
+  filter.accepted = true;
+  const auto accepted = store.ListOverlaps(kMission, filter, {})->items;
+  ASSERT_FALSE(accepted.empty());
+  const uint64_t written = watched.records();
+  int called = 0;
+  watched.while_deleting = [&] {
+    ++called;
+    EXPECT_TRUE(absl::IsNotFound(store.RederiveGlobalLayer(kMission)));
+    EXPECT_TRUE(absl::IsNotFound(store.RetractOverlap(kMission, accepted[0].id, false).status()));
+  };
+  ASSERT_TRUE(store.DeleteMission(kMission).ok());
+  EXPECT_EQ(called, 1);
+  EXPECT_EQ(watched.records(), written);
 }
 
 }  // namespace

@@ -226,6 +226,9 @@ absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
   turn.DeleteRange(records, RecordKey(name, snapshot.position + 1));
   const std::string snapshots = MissionPrefix(JournalPart::kSnapshot, name);
   turn.DeleteRange(snapshots, SnapshotKey(name, snapshot.position, 0));
+  // What an attempt that failed at the same position may have left behind.
+  turn.DeleteRange(SnapshotKey(name, snapshot.position, chunks),
+                   SnapshotKey(name, snapshot.position + 1, 0));
   for (const KeyframeId& id : unneeded) turn.Delete(FeaturesKey(name, id));
   RETURN_IF_ERROR(ToStatus(database_->Write(turn, true)));
   absl::MutexLock lock(&mutex_);
