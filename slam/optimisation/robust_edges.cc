@@ -133,7 +133,11 @@ class Decision {
 
   // True if what it led to costs less than `best`, which is replaced then.
   absl::StatusOr<bool> GiveChance(size_t loser, const Supposition& supposition, State& best) {
-    RETURN_IF_ERROR(Suppose(loser, supposition));
+    if (!Suppose(loser, supposition).ok()) {
+      // Weights of such a spread can't always be solved: then there is nothing in it.
+      supposed_.reset();
+      return false;
+    }
     State supposed = Save();
     if (supposed.cost >= (1 - kCheaper) * best.cost) return false;
     best = std::move(supposed);
