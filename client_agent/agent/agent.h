@@ -68,8 +68,10 @@ struct AgentStatus {
   // Seconds between Create and the first acknowledged keyframe.
   std::optional<double> first_upload_s;
   UploadStatus upload;
+};
 
-  // One entry a frame, a local bundle adjustment.
+// One entry a frame, a local bundle adjustment, since the beginning.
+struct AgentTimings {
   std::vector<double> tracking_ms;
   std::vector<double> local_ba_ms;
 };
@@ -102,7 +104,12 @@ class Agent {
   // be called afterwards.
   virtual absl::Status Finish(absl::Duration timeout) = 0;
 
+  // Counts the local maps' contents: for every few seconds, not for every frame.
   virtual AgentStatus GetStatus() const = 0;
+  // Of the local map in use, as the map store said last; for every frame.
+  virtual std::optional<Similarity3d> GlobalFromLocal() const = 0;
+  // For the end: copies them all.
+  virtual AgentTimings GetTimings() const = 0;
   // Every tracked frame, by the map as it is now.
   virtual std::vector<TrajectoryPose> LocalTrajectory() const = 0;
   // A copy of the local map in use.

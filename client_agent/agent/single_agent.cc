@@ -127,7 +127,7 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
     status_.state = result.state;
     ++status_.frames;
     ++(tracked ? status_.tracked : status_.lost);
-    status_.tracking_ms.push_back(tracking_ms);
+    tracking_ms_.push_back(tracking_ms);
     if (tracked) {
       status_.timestamp_ns = result.timestamp_ns;
       status_.local_from_camera = result.camera_from_local.Inverse();
@@ -169,6 +169,23 @@ std::vector<const LocalMapSession*> SingleAgent::Sessions() const {
   return sessions;
 }
 
+std::optional<Similarity3d> SingleAgent::GlobalFromLocal() const {
+  return memory_->GlobalFromLocal();
+}
+
+AgentTimings SingleAgent::GetTimings() const {
+  AgentTimings timings;
+  {
+    absl::MutexLock lock(&mutex_);
+    timings.tracking_ms = tracking_ms_;
+  }
+  for (const LocalMapSession* session : Sessions()) {
+    const std::vector<double> ms = session->mapper().local_ba_ms();
+    timings.local_ba_ms.insert(timings.local_ba_ms.end(), ms.begin(), ms.end());
+  }
+  return timings;
+}
+
 AgentStatus SingleAgent::GetStatus() const {
   AgentStatus status;
   {
@@ -189,8 +206,6 @@ AgentStatus SingleAgent::GetStatus() const {
     const LoopCloserCounts loops = session->loop_closer().counts();
     status.loops_closed += loops.closed;
     status.foreign_loops_closed += loops.closed_against_others;
-    const std::vector<double> local_ba_ms = session->mapper().local_ba_ms();
-    status.local_ba_ms.insert(status.local_ba_ms.end(), local_ba_ms.begin(), local_ba_ms.end());
   }
   status.global_from_local = memory_->GlobalFromLocal();
   status.foreign_keyframes = static_cast<int>(memory_->shared_keyframes());

@@ -25,6 +25,8 @@ class SingleAgent : public Agent {
   void Step() override;
   absl::Status Finish(absl::Duration timeout) override;
   AgentStatus GetStatus() const override;
+  std::optional<Similarity3d> GlobalFromLocal() const override;
+  AgentTimings GetTimings() const override;
   std::vector<TrajectoryPose> LocalTrajectory() const override;
   Map CopyMap() const override;
 
@@ -48,6 +50,7 @@ class SingleAgent : public Agent {
   std::vector<std::unique_ptr<LocalMapSession>> sessions_ ABSL_GUARDED_BY(mutex_);
   std::vector<TrackedFrame> tracked_frames_ ABSL_GUARDED_BY(mutex_);
   AgentStatus status_ ABSL_GUARDED_BY(mutex_);
+  std::vector<double> tracking_ms_ ABSL_GUARDED_BY(mutex_);
   int64_t points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t foreign_points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   // Reads the sessions' maps: goes before them.

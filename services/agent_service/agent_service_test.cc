@@ -26,7 +26,7 @@ class FakeAgent : public Agent {
     status.frames = 12;
     status.lost = 3;
     status.keyframes = 4;
-    status.global_from_local = Similarity3d::Identity();
+    status.global_from_local = GlobalFromLocal();
     status.upload.batches = 6;
     status.upload.memory_bytes = 70;
     status.upload.spool_bytes = 800;
@@ -35,6 +35,8 @@ class FakeAgent : public Agent {
     status.upload.lost_local_maps = 2;
     return status;
   }
+  std::optional<Similarity3d> GlobalFromLocal() const override { return Similarity3d::Identity(); }
+  AgentTimings GetTimings() const override { return {}; }
   std::vector<TrajectoryPose> LocalTrajectory() const override {
     std::vector<TrajectoryPose> poses;
     for (int i = 0; i < 2500; ++i) {

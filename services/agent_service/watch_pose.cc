@@ -105,7 +105,7 @@ void AgentService::OnFrame(const TrackingResult& result, uint64_t dropped) {
   if (result.state == TrackingState::kTracking) {
     ToProto(result.camera_from_local.Inverse(), pose.mutable_local_from_camera());
   }
-  const std::optional<Similarity3d> global_from_local = agent_.GetStatus().global_from_local;
+  const std::optional<Similarity3d> global_from_local = agent_.GlobalFromLocal();
   if (global_from_local) ToProto(*global_from_local, pose.mutable_global_from_local());
   poses_.Post(std::move(pose), dropped);
 }

@@ -13,7 +13,9 @@ Spread ParseSpread(const nlohmann::json& json) {
 
 }  // namespace
 
-RobotReport MakeRobotReport(const AgentStatus& status) {
+RobotReport MakeRobotReport(const Agent& agent) {
+  const AgentStatus status = agent.GetStatus();
+  const AgentTimings timings = agent.GetTimings();
   RobotReport report;
   report.frames = status.frames;
   report.tracked = status.tracked;
@@ -26,9 +28,9 @@ RobotReport MakeRobotReport(const AgentStatus& status) {
   report.loops_closed = status.loops_closed;
   report.keyframes = status.keyframes;
   report.map_points = status.map_points;
-  report.tracking_ms = ComputeSpread(status.tracking_ms);
-  report.local_ba_ms = ComputeSpread(status.local_ba_ms);
-  report.local_ba_count = static_cast<int>(status.local_ba_ms.size());
+  report.tracking_ms = ComputeSpread(timings.tracking_ms);
+  report.local_ba_ms = ComputeSpread(timings.local_ba_ms);
+  report.local_ba_count = static_cast<int>(timings.local_ba_ms.size());
   return report;
 }
 

@@ -11,7 +11,7 @@
 namespace corbslam {
 
 // Without name, source, dropped frames, bytes, memory, processor time and accuracy.
-RobotReport MakeRobotReport(const AgentStatus& status);
+RobotReport MakeRobotReport(const Agent& agent);
 
 // What `client_agent --stats` writes. DATA_LOSS names the field that is missing or of another kind.
 absl::StatusOr<RobotReport> ParseRobotReport(const nlohmann::json& json);

@@ -150,7 +150,7 @@ absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {
   MissionOutcome outcome;
   RETURN_IF_ERROR(ReadOutcome(reader, options_.robots, outcome));
   for (const LockstepRobot& robot : robots_) {
-    RobotReport report = MakeRobotReport(robot.agent->GetStatus());
+    RobotReport report = MakeRobotReport(*robot.agent);
     report.name = robot.plan.name;
     report.source = FormatSourceSpec(robot.plan.source);
     report.bytes_up = robot.uplink->bytes_up();

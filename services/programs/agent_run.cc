@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "absl/time/clock.h"
@@ -75,10 +74,12 @@ absl::StatusOr<PlayedFrames> PlaySource(
   return frames;
 }
 
-std::string StatisticsJson(const std::string& name, const AgentStatus& status,
-                           const PlayedFrames& played, uint64_t bytes_up, uint64_t bytes_down) {
+std::string StatisticsJson(const std::string& name, const Agent& agent, const PlayedFrames& played,
+                           uint64_t bytes_up, uint64_t bytes_down) {
   using Json = nlohmann::ordered_json;
-  const Json local_ba = Spread(status.local_ba_ms);
+  const AgentStatus status = agent.GetStatus();
+  const AgentTimings timings = agent.GetTimings();
+  const Json local_ba = Spread(timings.local_ba_ms);
   const Json statistics = {
       {"name", name},
       {"frames", played.played + played.dropped},
@@ -94,10 +95,10 @@ std::string StatisticsJson(const std::string& name, const AgentStatus& status,
       {"loops_closed", status.loops_closed},
       {"keyframes", status.keyframes},
       {"map_points", status.map_points},
-      {"tracking_ms", Spread(status.tracking_ms)},
+      {"tracking_ms", Spread(timings.tracking_ms)},
       {"local_ba_ms", local_ba["median"]},
       {"local_ba",
-       {{"count", status.local_ba_ms.size()},
+       {{"count", timings.local_ba_ms.size()},
         {"mean_ms", local_ba["mean"]},
         {"p99_ms", local_ba["p99"]}}},
       {"peak_rss_mb", static_cast<double>(GetProcessUsage().peak_rss_bytes) / (1 << 20)},

@@ -30,8 +30,8 @@ absl::StatusOr<PlayedFrames> PlaySource(
     const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame);
 
 // The agent's part of report.json (docs/report.md) as JSON text.
-std::string StatisticsJson(const std::string& name, const AgentStatus& status,
-                           const PlayedFrames& played, uint64_t bytes_up, uint64_t bytes_down);
+std::string StatisticsJson(const std::string& name, const Agent& agent, const PlayedFrames& played,
+                           uint64_t bytes_up, uint64_t bytes_down);
 
 }  // namespace corbslam
 
