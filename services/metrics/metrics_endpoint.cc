@@ -9,27 +9,24 @@
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
-namespace {
 
 // The HTTP server takes lists of ports, and ports without a host, which would be all interfaces.
-absl::StatusOr<std::string> CheckHost(const std::string& address) {
+absl::Status CheckMetricsAddress(const std::string& address) {
   const size_t colon = address.rfind(':');
   int port = 0;
   const bool good = colon != std::string::npos && colon > 0 &&
                     absl::SimpleAtoi(address.substr(colon + 1), &port) && port >= 0 &&
                     port <= 65535 &&
                     address.find_first_not_of("0123456789abcdefABCDEF.:[]") == std::string::npos;
-  if (good) return address.substr(0, colon);
+  if (good) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrCat("the metrics' address is \"", address,
                    "\", must be HOST:PORT with an IP address and a port of 0 to 65535"));
 }
 
-}  // namespace
-
 absl::StatusOr<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::Start(const std::string& address,
                                                                         Collectables collectables) {
-  ASSIGN_OR_RETURN(const std::string host, CheckHost(address));
+  RETURN_IF_ERROR(CheckMetricsAddress(address));
   std::unique_ptr<prometheus::Exposer> exposer;
   try {
     exposer = std::make_unique<prometheus::Exposer>(address);
@@ -42,7 +39,8 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::Start(const st
     return absl::UnavailableError(absl::StrCat("can't serve metrics on \"", address, "\""));
   }
   return std::unique_ptr<MetricsEndpoint>(new MetricsEndpoint(
-      std::move(exposer), absl::StrCat(host, ":", ports.front()), std::move(collectables)));
+      std::move(exposer), absl::StrCat(address.substr(0, address.rfind(':')), ":", ports.front()),
+      std::move(collectables)));
 }
 
 MetricsEndpoint::MetricsEndpoint(std::unique_ptr<prometheus::Exposer> exposer, std::string address,

@@ -9,9 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
 namespace corbslam {
+
+// "HOST:PORT", HOST an IP address, a port of 0 to 65535. INVALID_ARGUMENT otherwise.
+absl::Status CheckMetricsAddress(const std::string& address);
 
 // HTTP without TLS and without a password, read-only: for a loopback address or a network of the
 // operators' own. Each scrape asks the collectables on a thread of the endpoint.
@@ -19,9 +23,8 @@ class MetricsEndpoint {
  public:
   using Collectables = std::vector<std::shared_ptr<prometheus::Collectable>>;
 
-  // On "HOST:PORT", HOST an IP address; port 0: the system chooses one. The destructor waits for
-  // scrapes that are under way. INVALID_ARGUMENT for an address of another form, UNAVAILABLE where
-  // it can't listen.
+  // On an address that CheckMetricsAddress takes; port 0: the system chooses one. The destructor
+  // waits for scrapes that are under way. UNAVAILABLE where it can't listen.
   static absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Start(const std::string& address,
                                                                 Collectables collectables);
 

@@ -32,12 +32,14 @@ void AddContents(const MissionLoad& load, Families& families) {
 void AddFusion(const MissionLoad& load, Families& families) {
   const auto stage = [&](const std::string& name, uint64_t value) {
     families.Counter("corbslam_mission_overlaps_total",
-                     "Keyframes queried, candidates verified by a worker, overlaps accepted.",
-                     Number(value), {{"mission", load.mission}, {"stage", name}});
+                     "Keyframes queried, candidates verified by a worker.", Number(value),
+                     {{"mission", load.mission}, {"stage", name}});
   };
   stage("queried", load.overlaps_queried);
   stage("verified", load.overlaps_verified);
-  stage("accepted", load.overlaps_accepted);
+  families.Gauge("corbslam_mission_overlaps_accepted",
+                 "Overlaps that hold islands together; fewer once one is refused or taken back.",
+                 Number(load.overlaps_accepted), {{"mission", load.mission}});
   families.Counter("corbslam_mission_failed_requests_total",
                    "Requests that a fusion worker answered with an error.",
                    Number(load.failed_requests), {{"mission", load.mission}});

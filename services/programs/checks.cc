@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
+#include "services/metrics/metrics_endpoint.h"
 #include "services/server/server.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
@@ -48,7 +49,10 @@ absl::Status CheckFolderOf(const std::string& file) {
 std::vector<absl::Status> CheckObserving(const ObserveFlags& flags) {
   std::vector<absl::Status> found;
   if (!flags.metrics_listen.empty()) {
-    found.push_back(CheckFlagAddress("--metrics-listen", flags.metrics_listen));
+    const absl::Status status = CheckMetricsAddress(flags.metrics_listen);
+    found.push_back(status.ok() ? status
+                                : absl::InvalidArgumentError(
+                                      absl::StrCat("--metrics-listen: ", status.message())));
   }
   if (!flags.trace_file.empty()) found.push_back(CheckFolderOf(flags.trace_file));
   return found;

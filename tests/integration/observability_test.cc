@@ -47,12 +47,14 @@ class MetricsTest : public ObservedMissionTest {
     EXPECT_EQ(of_mission("corbslam_mission_local_maps"), 2);
     EXPECT_EQ(of_mission("corbslam_mission_agents_connected"), 2);
     EXPECT_EQ(of_mission("corbslam_mission_revision"), Number(statistics, "revision"));
-    for (const char* stage : {"queried", "verified", "accepted"}) {
+    for (const char* stage : {"queried", "verified"}) {
       std::string field = absl::StrCat("overlaps", stage);
       field[8] = static_cast<char>(std::toupper(field[8]));
       EXPECT_EQ(store.Value("corbslam_mission_overlaps_total", {{"stage", stage}}),
                 Number(statistics, field));
     }
+    EXPECT_EQ(of_mission("corbslam_mission_overlaps_accepted"),
+              Number(statistics, "overlapsAccepted"));
     EXPECT_EQ(store.Value("corbslam_merge_duration_seconds_count"), statistics["mergeMs"].size());
     double merge_s = 0;
     for (const json& ms : statistics["mergeMs"]) merge_s += ms.get<double>() * 1e-3;
