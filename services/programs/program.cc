@@ -3,8 +3,10 @@
 #include <glog/logging.h>
 #include <pthread.h>
 #include <signal.h>
+#include <sysexits.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <map>
@@ -43,6 +45,11 @@ int Validate(const Program& program, const std::string& name) {
   return valid ? 0 : kInvalid;
 }
 
+int ExitCode(const absl::Status& status) {
+  if (status.ok()) return EXIT_SUCCESS;
+  return absl::IsDeadlineExceeded(status) ? EX_TEMPFAIL : EXIT_FAILURE;
+}
+
 absl::Status RunWithoutExceptions(const Program& program) {
   try {
     return program.run();
@@ -71,7 +78,7 @@ int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
   const absl::Status status = RunWithoutExceptions(program);
   if (!status.ok()) LOG(ERROR) << status;
   EndLogging();
-  return status.ok() ? 0 : 1;
+  return ExitCode(status);
 }
 
 StopWatcher::StopWatcher()
