@@ -73,4 +73,4 @@ echo "hosts: files dns" > "$root/etc/nsswitch.conf"
 sed 's/[^/]*$//' "$lists/libraries" | sort -u > "$root/etc/ld.so.conf"
 /sbin/ldconfig -r "$root" -X
 
-"$here/sbom.sh" "$lists/packages" "$@" > "$root/usr/share/doc/corbslam/sbom.spdx.json"
+"$here/sbom.sh" "$lists/packages" "$@" "${1%/*}/health" > "$root/usr/share/doc/corbslam/sbom.spdx.json"
