@@ -6,12 +6,11 @@
 #include <openssl/x509_vfy.h>
 #include <openssl/x509v3.h>
 
+#include <algorithm>
 #include <ctime>
 #include <memory>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "services/security/pem_files.h"
 
 namespace corbslam {
@@ -79,8 +78,12 @@ std::string VerifyChain(const std::vector<CertificatePtr>& chain,
 Finding CheckExpiry(const std::string& check, const std::string& pem, absl::Time now) {
   const std::vector<CertificatePtr> certificates = ParseAll(pem);
   if (certificates.empty()) return NoCertificate(check);
-  const absl::Time begin = ToTime(X509_get0_notBefore(certificates[0].get()));
-  const absl::Time end = ToTime(X509_get0_notAfter(certificates[0].get()));
+  absl::Time begin = absl::InfinitePast();
+  absl::Time end = absl::InfiniteFuture();
+  for (const CertificatePtr& certificate : certificates) {
+    begin = std::max(begin, ToTime(X509_get0_notBefore(certificate.get())));
+    end = std::min(end, ToTime(X509_get0_notAfter(certificate.get())));
+  }
   if (now < begin) {
     return {Level::kFail, check, "is good from " + Day(begin) + " on only", "set the clock"};
   }

@@ -11,7 +11,7 @@
 namespace corbslam {
 
 // Certificates are looked at as they are at `now`: not begun or expired fails, less than 14 days
-// left is a warning.
+// left is a warning. Of several in a file, the one that ends first.
 Finding CheckExpiry(const std::string& check, const std::string& pem, absl::Time now);
 // The chain in `pem` (a certificate, then those between) leads to one of the authorities.
 Finding CheckChain(const std::string& check, const std::string& pem,

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "absl/time/clock.h"
+#include "fusion_worker/local_fusion_worker.h"
 #include "services/doctor/certificate_checks.h"
 #include "services/doctor/local_checks.h"
 #include "services/doctor/server_checks.h"
@@ -126,7 +127,8 @@ class ServerChecksTest : public ::testing::Test {
     return CheckServer("worker", server_->address(), service, options, absl::Now());
   }
 
-  FusionWorkerService service_{nullptr};
+  const std::unique_ptr<FusionWorker> worker_ = MakeLocalFusionWorker();
+  FusionWorkerService service_{worker_.get()};
   std::unique_ptr<Server> server_;
   SecurityOptions insecure_ = [] {
     SecurityOptions options;

@@ -2,7 +2,6 @@
 #ifndef CORBSLAM_SERVICES_DOCTOR_LOCAL_CHECKS_H_
 #define CORBSLAM_SERVICES_DOCTOR_LOCAL_CHECKS_H_
 
-#include <cstdint>
 #include <string>
 
 #include "absl/time/time.h"

@@ -19,16 +19,17 @@
 namespace corbslam {
 
 struct TraceFileOptions {
-  // Events that wait for the disk at most; further ones are dropped, and counted.
+  // Events that wait for the disk at most; further ones are dropped.
   size_t max_waiting = 1 << 16;
 };
 
 // A JSON array of which the closing bracket is left out, as Chrome's format allows: "[" and then a
-// line an event. So it can be read at any time, also after a crash. Thread-safe.
+// line an event. So it can be read at any time, also after a crash. Thread-safe. Events that it
+// can't take or write are counted, and the log says so: at the first, and at the end.
 class TraceFile {
  public:
-  // Begins the file anew. `process` is how viewers call this one. UNAVAILABLE where it can't be
-  // written.
+  // Begins the file anew; one that is there becomes PATH.before. `process` is how viewers call this
+  // one. UNAVAILABLE where it can't be written.
   static absl::StatusOr<std::unique_ptr<TraceFile>> Open(const std::string& path,
                                                          absl::string_view process,
                                                          const TraceFileOptions& options = {});
@@ -41,15 +42,19 @@ class TraceFile {
   void Add(const KeyframeEvent& event);
   void Add(const std::vector<KeyframeEvent>& events);
 
+  // Events that are not in the file.
   uint64_t dropped() const;
 
  private:
-  TraceFile(std::ofstream file, int process, const TraceFileOptions& options);
+  TraceFile(std::string path, std::ofstream file, int process, const TraceFileOptions& options);
 
   void Run();
   void AddLine(std::string line) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // False: they are not all there.
+  bool Write(const std::vector<std::string>& lines);
   bool HasNews() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return stop_ || !waiting_.empty(); }
 
+  const std::string path_;
   const int process_;
   const TraceFileOptions options_;
   std::ofstream file_;  // Of the thread.

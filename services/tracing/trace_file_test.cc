@@ -45,6 +45,15 @@ TEST(ProcessNumberTest, DiffersWhereNamesDoAndIsNoNegativeNumber) {
   EXPECT_GE(ProcessNumber("map_store"), 0);
 }
 
+TEST(TraceFileTest, WhatWasThereIsKeptBesideIt) {
+  const std::string path = ::testing::TempDir() + "/trace_file_before_test.json";
+  for (const absl::string_view process : {"first", "second"}) {
+    ASSERT_TRUE(TraceFile::Open(path, process).ok());
+  }
+  EXPECT_EQ((*testing::ReadTrace(path))[0]["args"]["name"], "second");
+  EXPECT_EQ((*testing::ReadTrace(path + ".before"))[0]["args"]["name"], "first");
+}
+
 TEST(TraceFileTest, HoldsWhatWasAddedOnceItIsClosed) {
   const std::string path = ::testing::TempDir() + "/trace_file_test.json";
   {
