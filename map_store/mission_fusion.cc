@@ -327,10 +327,10 @@ absl::Status Mission::CommitFuse(const FuseJob& job, const FuseMapsResult& resul
 bool Mission::IsOvertaken(const FuseJob& job, const FuseRecord& record) const {
   absl::ReaderMutexLock lock(&mutex_);
   if (IsUrgent(record, state_)) return false;
+  const auto& placed = state_.global.keyframes;
   return std::ranges::any_of(record.plan.keyframes, [&](const auto& planned) {
-    const auto placed = state_.global.keyframes.find(planned.first);
-    return placed != state_.global.keyframes.end() &&
-           placed->second.revision > job.request.base_revision;
+    const auto it = placed.find(planned.first);
+    return it != placed.end() && it->second.revision > job.request.base_revision;
   });
 }
 
