@@ -9,7 +9,6 @@
 #include <memory>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "services/testing/test_path.h"
 
 namespace corbslam {

@@ -1,7 +1,5 @@
 #include "services/command_line/man_page.h"
 
-#include <vector>
-
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"

@@ -1,7 +1,6 @@
 #include <cstdio>
 #include <memory>
 
-#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/command_line/command_line.h"
 #include "services/corbslam/commands.h"

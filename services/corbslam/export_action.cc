@@ -60,7 +60,7 @@ absl::Status ExportTrajectories(const MissionArguments& arguments,
   RETURN_IF_ERROR(MakeFolder(arguments.file));
   const std::string ending = arguments.format == "euroc" ? ".csv" : ".txt";
   for (const v1::MissionAgent& agent : agents) {
-    const std::string name = agent.name().substr(agent.name().rfind('/') + 1);
+    const std::string name = LastSegment(agent.name());
     RETURN_IF_ERROR(
         ExportTrajectory(arguments, store, name, absl::StrCat(arguments.file, "/", name, ending)));
   }
@@ -69,9 +69,16 @@ absl::Status ExportTrajectories(const MissionArguments& arguments,
 
 absl::Status ExportPoints(const MissionArguments& arguments,
                           const std::shared_ptr<grpc::Channel>& channel) {
+  ASSIGN_OR_RETURN(const auto agents, ReadAgents(channel, arguments.mission));
+  std::set<std::string> names;
+  for (const v1::MissionAgent& agent : agents) names.insert(LastSegment(agent.name()));
+  if (!arguments.agent.empty() && !names.contains(arguments.agent)) {
+    return absl::NotFoundError(
+        absl::StrCat("mission ", arguments.mission, " has no robot ", arguments.agent));
+  }
   StoreReader store(channel, arguments.mission);
   ASSIGN_OR_RETURN(const ServedMap map, store.ReadGlobalMap());
-  const auto colours = ChooseColours({map.point_agents.begin(), map.point_agents.end()});
+  const auto colours = ChooseColours(names);
   std::vector<ColouredPoint> points;
   for (size_t i = 0; i < map.points.size(); ++i) {
     if (!arguments.agent.empty() && map.point_agents[i] != arguments.agent) continue;
@@ -79,6 +86,7 @@ absl::Status ExportPoints(const MissionArguments& arguments,
   }
   std::vector<std::string> comments;
   for (const auto& [agent, colour] : colours) {
+    if (!arguments.agent.empty() && agent != arguments.agent) continue;
     comments.push_back(absl::StrCat("robot ", agent, " ", ToString(colour)));
     std::printf("%s\n", comments.back().c_str());
   }

@@ -15,6 +15,7 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/server/server.h"
+#include "services/testing/test_path.h"
 
 namespace corbslam {
 namespace {
@@ -49,7 +50,7 @@ class MissionAdminTest : public ::testing::Test {
 
   std::string File(const std::string& name) const { return (folder_ / name).string(); }
 
-  const fs::path folder_ = fs::path(::testing::TempDir()) / "mission_admin_test";
+  const fs::path folder_ = TestPath("folder");
   std::unique_ptr<MapStore> store_;
   std::unique_ptr<MapStoreService> service_;
   std::unique_ptr<Server> server_;

@@ -26,6 +26,8 @@ absl::Status ReadPages(const std::string& parent, const char* call, const List& 
 
 }  // namespace
 
+std::string LastSegment(const std::string& name) { return name.substr(name.rfind('/') + 1); }
+
 absl::StatusOr<std::vector<v1::MissionAgent>> ReadAgents(
     const std::shared_ptr<grpc::Channel>& channel, const std::string& mission) {
   const auto stub = v1::MapStore::NewStub(channel);

@@ -22,6 +22,9 @@ struct MissionSummary {
   std::vector<v1::Overlap> overlaps;
 };
 
+// Of a resource's name: "alpha" of "missions/lab/agents/alpha".
+std::string LastSegment(const std::string& name);
+
 // Those of a mission, by name.
 absl::StatusOr<std::vector<v1::MissionAgent>> ReadAgents(
     const std::shared_ptr<grpc::Channel>& channel, const std::string& mission);

@@ -1,4 +1,3 @@
-#include <set>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -8,8 +7,6 @@
 
 namespace corbslam {
 namespace {
-
-std::string LastSegment(const std::string& name) { return name.substr(name.rfind('/') + 1); }
 
 std::string Count(uint64_t count, const std::string& what) {
   return absl::StrCat(count, " ", what, count == 1 ? "" : "s");

@@ -5,13 +5,13 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
 #include "services/convert/columns.h"
 #include "services/convert/geometry.h"
 #include "services/convert/ids.h"
 #include "services/convert/resource_names.h"
 #include "services/corbslam/call_status.h"
+#include "services/corbslam/mission_summary.h"
 #include "services/remote/channel.h"
 #include "slam/util/status_macros.h"
 
@@ -25,11 +25,6 @@ constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
 void WaitForAnswer(grpc::ClientContext& context) {
   SetDeadline(context);
   context.set_wait_for_ready(true);
-}
-
-std::string LastSegment(absl::string_view name) {
-  const std::vector<absl::string_view> parts = absl::StrSplit(name, '/');
-  return std::string(parts.back());
 }
 
 // Adds the keyframes and points of an island in the global frame.
@@ -131,7 +126,7 @@ absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames
 absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& agent,
                                                              v1::TrajectoryFrame frame) {
   grpc::ClientContext context;
-  WaitForAnswer(context);
+  context.set_wait_for_ready(true);
   v1::GetTrajectoryRequest request;
   request.set_name(AgentName(mission_, agent));
   request.set_frame(frame);
@@ -150,7 +145,7 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
 
 absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
   grpc::ClientContext context;
-  WaitForAnswer(context);
+  context.set_wait_for_ready(true);
   v1::WatchMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(true);

@@ -3,12 +3,9 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 
 namespace corbslam {
 namespace {
-
-std::string LastSegment(const std::string& name) { return name.substr(name.rfind('/') + 1); }
 
 // missions/M/localMaps/L of missions/M/localMaps/L/keyframes/K.
 std::string LocalMapOf(const std::string& keyframe) {

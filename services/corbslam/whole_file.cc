@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {

@@ -107,9 +107,9 @@ absl::Status WriteResults(const Flags& flags, const Agent& agent, const PlayedFr
     }
     RETURN_IF_ERROR(WriteTumTrajectory(trajectory, flags.trajectory));
   }
-  const std::string statistics = StatisticsJson(flags.agent, agent.GetStatus(), played,
-                                                uplink != nullptr ? uplink->bytes_up() : 0,
-                                                uplink != nullptr ? uplink->bytes_down() : 0);
+  const std::string statistics =
+      StatisticsJson(flags.agent, agent, played, uplink != nullptr ? uplink->bytes_up() : 0,
+                     uplink != nullptr ? uplink->bytes_down() : 0);
   LOG(INFO) << LogFields{.mission = flags.mission, .agent = flags.agent} << "done\n" << statistics;
   return flags.stats.empty() ? absl::OkStatus() : WriteText(flags.stats, statistics);
 }
@@ -198,7 +198,7 @@ absl::Status Run(const Flags& flags) {
 
 void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--source", flags.source,
-                 "kitti:DIR, euroc:DIR or tum:DIR, with options: kitti:DIR?frames=0:120&stride=2")
+                 "kitti:DIR, euroc:DIR, tum:DIR or sim:WORLD, with options: kitti:DIR?frames=0:120")
       ->required();
   app.add_option("--frames", flags.frames, "First and last frame, A:B");
   app.add_option("--server", flags.server, "HOST:PORT of a map store; without: one robot alone");

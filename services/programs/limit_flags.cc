@@ -1,11 +1,13 @@
 #include "services/programs/limit_flags.h"
 
+#include "services/command_line/help_formatter.h"
+
 namespace corbslam {
 namespace {
 
 template <typename Value>
 void Add(CLI::App& app, const char* flag, Value& value, const char* what) {
-  app.add_option(flag, value, what)->capture_default_str()->group("Limits");
+  app.add_option(flag, value, what)->capture_default_str()->group(kRareGroup);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <glog/logging.h>
 
 #include <utility>
-#include <vector>
 
 #include "services/convert/limits.h"
 #include "services/convert/map_update.h"
