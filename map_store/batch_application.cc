@@ -106,7 +106,7 @@ void ChangeGraph(const MapUpdateBatch& batch, MissionState& state, LocalMapState
     ApplyReplacement(replacement, state, local_map);
   }
   for (const ObservationChange& change : batch.observations) {
-    if (!ApplyObservation(state, change, local_map)) Park(change, local_map);
+    if (!ApplyObservation(change, local_map)) Park(change, local_map);
   }
   for (const MapPointId& point : batch.removed_points) {
     ApplyPointRemoval(point, state, local_map);

@@ -89,8 +89,7 @@ void HandOverPosition(MapPointId from, MapPointId to, GlobalLayer& global) {
 
 }  // namespace
 
-bool ApplyObservation(const MissionState&, const ObservationChange& change,
-                      LocalMapState& local_map) {
+bool ApplyObservation(const ObservationChange& change, LocalMapState& local_map) {
   if (local_map.removed_keyframes.contains(change.keyframe)) return true;
   const Keyframe* keyframe = local_map.map.FindKeyframe(change.keyframe);
   if (keyframe == nullptr) return false;

@@ -10,8 +10,7 @@ namespace corbslam::map_store {
 
 // False when it refers to what has not arrived: to be parked. What refers to removed items is
 // dropped, and is no reason to wait. The owner's latest word wins over its earlier ones.
-bool ApplyObservation(const MissionState& state, const ObservationChange& change,
-                      LocalMapState& local_map);
+bool ApplyObservation(const ObservationChange& change, LocalMapState& local_map);
 bool ApplyParent(KeyframeId child, KeyframeId parent, LocalMapState& local_map);
 bool ApplyLoopEdge(const LoopEdge& edge, MissionState& state, LocalMapState& local_map);
 

@@ -11,7 +11,7 @@ namespace {
 
 bool TryParked(const ParkedReference& parked, MissionState& state, LocalMapState& local_map) {
   if (const auto* change = std::get_if<ObservationChange>(&parked.reference)) {
-    return ApplyObservation(state, *change, local_map);
+    return ApplyObservation(*change, local_map);
   }
   return ApplyLoopEdge(std::get<LoopEdge>(parked.reference), state, local_map);
 }

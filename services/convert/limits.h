@@ -10,7 +10,9 @@ namespace corbslam {
 inline constexpr int kMaxKeypoints = 20000;
 inline constexpr int kMaxLocalMapsOfMessage = 10000;
 inline constexpr uint32_t kMaxCameraIndex = 1000;
-inline constexpr double kMaxCoordinate = 1e7;
+// Far beyond what the map store takes from robots (docs/limits.md): what it has stored must not be
+// refused by a worker or a robot that it is sent to, in whichever frame it stands.
+inline constexpr double kMaxCoordinate = 1e10;
 inline constexpr double kMinScale = 1e-6;
 inline constexpr double kMaxScale = 1e6;
 inline constexpr double kQuaternionTolerance = 0.01;

@@ -40,13 +40,13 @@ absl::Status StreamLimitOptions::Validate() const {
   return status;
 }
 
-std::string HostOf(absl::string_view peer) {
+std::string HostOfPeer(absl::string_view peer) {
   const bool has_port = absl::StartsWith(peer, "ipv4:") || absl::StartsWith(peer, "ipv6:");
   return std::string(has_port ? peer.substr(0, peer.rfind(':')) : peer);
 }
 
 absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> StreamLimits::Enter(absl::string_view peer) {
-  std::string host = HostOf(peer);
+  std::string host = HostOfPeer(peer);
   absl::MutexLock lock(&mutex_);
   if (closed_) return Stopping();
   if (tickets_.size() >= options_.max_streams) {

@@ -37,7 +37,7 @@ struct StreamLimitOptions {
 };
 
 // "ipv4:10.0.0.7:4711" without the port.
-std::string HostOf(absl::string_view peer);
+std::string HostOfPeer(absl::string_view peer);
 
 // Thread-safe. Errors are RESOURCE_EXHAUSTED, naming whose limit and what it is.
 class StreamLimits {

@@ -21,9 +21,9 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(HostOfTest, LeavesThePortOut) {
-  EXPECT_EQ(HostOf("ipv4:10.0.0.7:4711"), "ipv4:10.0.0.7");
-  EXPECT_EQ(HostOf("ipv6:%5B::1%5D:4711"), "ipv6:%5B::1%5D");
-  EXPECT_EQ(HostOf("unix:/tmp/socket:1"), "unix:/tmp/socket:1");
+  EXPECT_EQ(HostOfPeer("ipv4:10.0.0.7:4711"), "ipv4:10.0.0.7");
+  EXPECT_EQ(HostOfPeer("ipv6:%5B::1%5D:4711"), "ipv6:%5B::1%5D");
+  EXPECT_EQ(HostOfPeer("unix:/tmp/socket:1"), "unix:/tmp/socket:1");
 }
 
 void ExpectTooMuch(const absl::Status& status, const std::string& says) {
