@@ -48,6 +48,14 @@ FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Is
   return summary;
 }
 
+// Something that the plan places.
+bool WasPlacedSince(uint64_t revision, const RevisionPlan& plan, const GlobalLayer& global) {
+  return std::ranges::any_of(plan.keyframes, [&](const auto& planned) {
+    const auto it = global.keyframes.find(planned.first);
+    return it != global.keyframes.end() && it->second.revision > revision;
+  });
+}
+
 void GiveUpAdjustment(Island& island) {
   island.needs_adjustment = false;
   island.dirty = false;
@@ -326,12 +334,8 @@ absl::Status Mission::CommitFuse(const FuseJob& job, const FuseMapsResult& resul
 
 bool Mission::IsOvertaken(const FuseJob& job, const FuseRecord& record) const {
   absl::ReaderMutexLock lock(&mutex_);
-  if (IsUrgent(record, state_)) return false;
-  const auto& placed = state_.global.keyframes;
-  return std::ranges::any_of(record.plan.keyframes, [&](const auto& planned) {
-    const auto it = placed.find(planned.first);
-    return it != placed.end() && it->second.revision > job.request.base_revision;
-  });
+  return !IsUrgent(record, state_) &&
+         WasPlacedSince(job.request.base_revision, record.plan, state_.global);
 }
 
 double Mission::SinceVerified(const std::vector<uint64_t>& overlaps) const {
