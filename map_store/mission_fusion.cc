@@ -356,7 +356,7 @@ absl::Status Mission::CommitAdjust(const AdjustJob& job, const AdjustBundleResul
     record.plan = PlanAdjust(state_, job, result);
     // What arrived or was welded while the worker was busy waits for the next one.
     record.dirty = it->second.version_of_owners > job.snapshot.version_of_owners ||
-                   state_.global.revision > job.request.base_revision;
+                   WasPlacedSince(job.request.base_revision, record.plan, state_.global);
   }
   record.statistics = {result.keyframes, result.points, result.iterations, result.seconds * 1e3};
   RETURN_IF_ERROR(Append(record));
