@@ -16,14 +16,8 @@ name=corbslam-test-$$
 tag=${CORBSLAM_IMAGE_TAG:-test-$$}
 prefix=localhost/corbslam
 
-skip() {
-  echo "skipped: $*" >&2
-  exit 77
-}
-for tool in podman buildah openssl; do
-  command -v "$tool" >/dev/null || skip "$tool is not installed (deploy/packages_containers.txt)"
-done
-[ "$(id -u)" -eq 0 ] || skip "a network of containers needs root"
+. "$here/container_tools.sh"
+need podman buildah openssl
 
 work=$(mktemp -d)
 : > "$work/podman.log"

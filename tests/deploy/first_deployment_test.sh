@@ -15,14 +15,9 @@ name=corbslam-first-$$
 packages=
 if [ "${1:-}" = --packages ]; then packages=$(cd "$2" && pwd); fi
 
-skip() {
-  echo "skipped: $*" >&2
-  exit 77
-}
-for tool in podman buildah debootstrap; do
-  command -v "$tool" >/dev/null || skip "$tool is not installed (deploy/packages_containers.txt)"
-done
-[ "$(id -u)" -eq 0 ] || skip "a container with systemd needs root"
+# shellcheck source=tests/deploy/container_tools.sh
+. "$root/tests/deploy/container_tools.sh"
+need podman debootstrap ssh-keygen
 
 work=$(mktemp -d)
 clean_up() {
