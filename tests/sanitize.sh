@@ -28,11 +28,12 @@ cmake --build "$build"
 
 rm -rf "$build/reports"
 mkdir -p "$build/reports"
-common=log_path=$build/reports/report:handle_abort=1
+# Quoted: the values end at spaces and colons otherwise.
+common="log_path='$build/reports/report':handle_abort=1"
 export ASAN_OPTIONS="$common:detect_stack_use_after_return=1:strict_string_checks=1"
-export LSAN_OPTIONS="suppressions=$root/tests/sanitize/leaks.txt:print_suppressions=0"
+export LSAN_OPTIONS="suppressions='$root/tests/sanitize/leaks.txt':print_suppressions=0"
 export UBSAN_OPTIONS="$common:print_stacktrace=1"
-export TSAN_OPTIONS="$common:suppressions=$root/tests/sanitize/threads.txt:second_deadlock_stack=1"
+export TSAN_OPTIONS="$common:suppressions='$root/tests/sanitize/threads.txt':second_deadlock_stack=1"
 # The sanitizers of clang 14 can't have their shadow memory where some kernels' random layouts put
 # other things.
 fixed=

@@ -46,7 +46,10 @@ TEST(ManPageTest, HasEveryFlagButTheHiddenOnes) {
 }
 
 TEST(ManPageTest, IsRenderedWithoutWarnings) {
-  if (std::system("command -v man >/dev/null") != 0) GTEST_SKIP() << "there is no man";
+  if (std::system("command -v man >/dev/null") != 0) {
+    ASSERT_EQ(std::getenv("CI"), nullptr) << "there is no man";
+    GTEST_SKIP() << "there is no man (deploy/packages_checks.txt)";
+  }
   const Program program;
   const std::string page = TestPath("page.1");
   std::ofstream(page) << FormatManPage(program.app, "CORBSLAM_PROGRAM_", "1.2");

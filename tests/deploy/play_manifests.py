@@ -15,6 +15,7 @@ import argparse
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -146,6 +147,7 @@ def clean_up():
     run("podman", "volume", "rm", "-f", "missions", *SECRETS, check=False)
     run("podman", "secret", "rm", *SECRETS, check=False)
     run("podman", "network", "rm", "-f", NETWORK, check=False)
+    run("podman", "rmi", PAUSE, check=False)
 
 
 def play(work, tag, yaml):
@@ -181,6 +183,10 @@ def main():
     for tool in ("podman", "buildah", "openssl", "curl"):
         if shutil.which(tool) is None:
             skip(f"{tool} is not installed (deploy/packages_containers.txt)")
+    if os.geteuid() != 0:
+        skip("a network of containers needs root")
+    # Stopped from outside it cleans up too.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     with tempfile.TemporaryDirectory() as folder:
         work = pathlib.Path(folder)
         work.chmod(0o755)

@@ -19,7 +19,7 @@ namespace {
 int RunHealth(const std::vector<std::string>& environment,
               const std::vector<std::string>& arguments) {
   const std::string command =
-      absl::StrCat("env ", absl::StrJoin(environment, " "), " " CORBSLAM_PROGRAMS_DIR "/health ",
+      absl::StrCat("env ", absl::StrJoin(environment, " "), " '" CORBSLAM_PROGRAMS_DIR "/health' ",
                    absl::StrJoin(arguments, " "), " 2>&1");
   const int status = std::system(command.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
