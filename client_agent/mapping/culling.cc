@@ -30,7 +30,8 @@ RecentPoints::Verdict RecentPoints::Judge(const Map& map, const Recent& recent,
   const MapPoint* point = map.FindPoint(recent.id);
   if (point == nullptr) return Verdict::kKeep;
   if (statistics_->FoundRatio(recent.id) < kMinFoundRatio) return Verdict::kRemove;
-  const uint32_t age = newest - recent.made_at;
+  // Keyframes are inserted while an older one is mapped: their points are not old yet.
+  const uint32_t age = newest > recent.made_at ? newest - recent.made_at : 0;
   if (age >= kAgeToBeSeen && CountObservations(map, *point) <= kTooFewObservations) {
     return Verdict::kRemove;
   }

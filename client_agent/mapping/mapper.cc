@@ -2,6 +2,9 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include "absl/time/clock.h"
@@ -16,26 +19,47 @@ namespace {
 // With fewer there is nothing to adjust.
 constexpr size_t kMinKeyframesToAdjust = 3;
 
-// Keyframes born during an adjustment, and their own points, move with the keyframe they hang on.
-void MoveBorn(const Map& before, KeyframeId born, Map& map) {
-  const Keyframe* keyframe = map.FindKeyframe(born);
-  if (keyframe == nullptr) return;
-  const Keyframe* parent_now = map.FindKeyframe(keyframe->parent);
-  const Keyframe* parent_before = before.FindKeyframe(keyframe->parent);
-  if (parent_now == nullptr || parent_before == nullptr) return;
-  const Rigid3d old_pose = keyframe->camera_from_map;
-  const Rigid3d new_pose =
-      old_pose * parent_before->camera_from_map.Inverse() * parent_now->camera_from_map;
-  const Rigid3d new_from_old = new_pose.Inverse() * old_pose;
-  const std::vector<MapPointId> points = keyframe->points;
-  map.SetPose(born, new_pose);
-  for (const MapPointId id : points) {
-    const MapPoint* point = map.FindPoint(id);
-    if (point == nullptr || before.FindPoint(id) != nullptr) continue;
-    if (point->reference != born) continue;
-    map.SetPosition(id, new_from_old * point->position_in_map);
+// Moves keyframes born during an adjustment, and their own points, with the keyframe they hang on,
+// which may be another one that was born.
+class BornKeyframes {
+ public:
+  BornKeyframes(const Map& before, Map& map) : before_(before), map_(map) {}
+
+  // In the order of their birth.
+  void Move(KeyframeId born) {
+    const Keyframe* keyframe = map_.FindKeyframe(born);
+    if (keyframe == nullptr) return;
+    const Rigid3d old_pose = keyframe->camera_from_map;
+    old_poses_[born] = old_pose;
+    const Keyframe* parent_now = map_.FindKeyframe(keyframe->parent);
+    const std::optional<Rigid3d> parent_before = PoseBefore(keyframe->parent);
+    if (parent_now == nullptr || !parent_before.has_value()) return;
+    const Rigid3d new_pose = old_pose * parent_before->Inverse() * parent_now->camera_from_map;
+    map_.SetPose(born, new_pose);
+    MovePoints(born, new_pose.Inverse() * old_pose);
   }
-}
+
+ private:
+  std::optional<Rigid3d> PoseBefore(KeyframeId id) const {
+    if (const Keyframe* keyframe = before_.FindKeyframe(id)) return keyframe->camera_from_map;
+    const auto it = old_poses_.find(id);
+    return it == old_poses_.end() ? std::nullopt : std::make_optional(it->second);
+  }
+
+  void MovePoints(KeyframeId born, const Rigid3d& new_from_old) {
+    const std::vector<MapPointId> points = map_.FindKeyframe(born)->points;
+    for (const MapPointId id : points) {
+      const MapPoint* point = map_.FindPoint(id);
+      if (point == nullptr || before_.FindPoint(id) != nullptr) continue;
+      if (point->reference != born) continue;
+      map_.SetPosition(id, new_from_old * point->position_in_map);
+    }
+  }
+
+  const Map& before_;
+  Map& map_;
+  std::map<KeyframeId, Rigid3d> old_poses_;
+};
 
 Map CopyScope(const Map& map, const BundleScope& scope) {
   std::vector<KeyframeId> keyframes = scope.free_keyframes;
@@ -123,7 +147,8 @@ void Mapper::CommitBundle(const BundleResult& result, const Map& before) {
   parts_.map->Write([&](Map& map) {
     ApplyBundle(result, map);
     RemoveWeakPoints(weakened, parts_.map->local_map(), map);
-    for (const KeyframeId born : pending_) MoveBorn(before, born, map);
+    BornKeyframes moved(before, map);
+    for (const KeyframeId born : pending_) moved.Move(born);
   });
 }
 
@@ -131,6 +156,8 @@ void Mapper::CullKeyframes(KeyframeId centre) {
   const std::vector<KeyframeId> redundant = parts_.map->Read(
       [&](const Map& map) { return FindRedundantKeyframes(map, centre, parts_.map->local_map()); });
   for (const KeyframeId id : redundant) {
+    // What has not made its own points yet is not to be judged.
+    if (std::ranges::find(pending_, id) != pending_.end()) continue;
     const bool removed = parts_.map->Write([&](Map& map) {
       if (!IsRedundant(map, *map.FindKeyframe(id))) return false;
       RemoveKeyframeAndItsPoints(id, map);

@@ -1,4 +1,5 @@
 // The mapper and its parts on synthetic scenes.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -209,6 +210,16 @@ TEST_F(MappingTest, RecentPointsAreCulledWhenTheyAreNotFound) {
   EXPECT_EQ(CountPoints(), 0u);
 }
 
+TEST_F(MappingTest, PointsOfKeyframesThatCameMeanwhileAreNotOld) {
+  InsertKeyframe(Handed(0), map_);
+  const auto made = InsertKeyframe(Handed(1), map_);
+  RecentPoints recent(&statistics_);
+  recent.Add(made, {kOwn, 1});
+  const size_t before = CountPoints();
+  recent.Cull({kOwn, 0}, map_);
+  EXPECT_EQ(CountPoints(), before);
+}
+
 TEST_F(MappingTest, OfDuplicatesTheForeignPointSurvives) {
   InsertKeyframe(Handed(0), map_);
   map_.Write([&](Map& map) {
@@ -249,6 +260,28 @@ TEST_F(CrowdedMappingTest, KeyframesThatSeeNothingNewAreRedundantButNotTheRoot) 
   map.AddLoopEdge(redundant[0], redundant[1]);
   const auto others = FindRedundantKeyframes(map, newest, kOwn);
   EXPECT_EQ(others.size(), redundant.size() - 2);
+}
+
+TEST_F(CrowdedMappingTest, KeyframesThatWaitToBeMappedAreNotCulled) {
+  std::vector<uint32_t> mapped;
+  std::vector<uint32_t> removed;
+  Mapper mapper({}, {&map_, &queue_, &statistics_,
+                     [&mapped](KeyframeId id) { mapped.push_back(id.index); },
+                     [&](KeyframeId id) {
+                       EXPECT_THAT(mapped, ::testing::Contains(id.index)) << "removed before";
+                       removed.push_back(id.index);
+                     }});
+  for (uint32_t k = 0; k < 8; ++k) {
+    NewKeyframe keyframe = Handed(k);
+    SeeMapPoints(keyframe);
+    ASSERT_TRUE(queue_.PushKeyframe(std::move(keyframe)));
+    // The last three wait together: two come into the map while the first of them is adjusted.
+    if (k == 5 || k == 6) continue;
+    while (mapper.Step()) {
+    }
+  }
+  EXPECT_EQ(mapped, (std::vector<uint32_t>{0, 1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_FALSE(removed.empty());
 }
 
 TEST_F(CrowdedMappingTest, RemovedKeyframeTakesWeakPointsAlong) {

@@ -17,15 +17,18 @@ struct MemoryManager::Placing {
   Placing(MapAccess access, ComputeWords compute_words)
       : access(std::move(access)), shared(this->access.local_map, std::move(compute_words)) {}
 
-  // On the mapping thread.
-  void PlaceArrived(Map& map) {
+  // On the mapping thread, without the map: words of many keyframes take their time.
+  void TakeArrived() {
     std::vector<SharedUpdate> arrived;
     {
       absl::MutexLock lock(&mutex);
       arrived.swap(updates);
     }
-    if (arrived.empty()) return;
     for (const SharedUpdate& update : arrived) shared.Apply(update);
+  }
+
+  // Likewise, with it.
+  void PlaceTaken(Map& map) {
     const PlacementChange change = shared.Place(map);
     {
       absl::MutexLock lock(&mutex);
@@ -112,6 +115,7 @@ absl::Status MemoryManager::Finish(absl::Duration timeout) {
   {
     absl::MutexLock lock(&mutex_);
     for (auto& recording : recordings_) recording->closing = true;
+    finishing_ = true;
     wake_ = true;
   }
   if (!thread_.joinable()) Step();
@@ -137,8 +141,14 @@ void MemoryManager::Run() {
     ConnectIfDue();
     TakeBatches(/*all=*/false);
     SendUnsent();
-    queue_.Spill();
+    // Who ends may be ended before all is acknowledged.
+    IsFinishing() ? queue_.SpillAll() : queue_.Spill();
   }
+}
+
+bool MemoryManager::IsFinishing() const {
+  absl::MutexLock lock(&mutex_);
+  return finishing_;
 }
 
 // False when it is time to stop.
@@ -184,8 +194,9 @@ bool MemoryManager::FlushIsDue() const {
   if (!queue_.HasUnsent() && age >= options_.flush_interval) return true;
   if (age >= options_.backlog_flush_interval) return true;
   return std::any_of(recordings_.begin(), recordings_.end(), [this](const auto& recording) {
-    return recording->closing ||
-           recording->recorder->pending_keyframes() >= options_.max_keyframes_per_batch;
+    return !recording->closed &&
+           (recording->closing ||
+            recording->recorder->pending_keyframes() >= options_.max_keyframes_per_batch);
   });
 }
 
@@ -292,7 +303,8 @@ void MemoryManager::OnShared(SharedUpdate update) {
     // A job posted before takes this one with it.
     if (placing->updates.size() > 1) return;
   }
-  placing->access.post([placing](Map& map) { placing->PlaceArrived(map); });
+  placing->access.post([placing] { placing->TakeArrived(); },
+                       [placing](Map& map) { placing->PlaceTaken(map); });
 }
 
 void MemoryManager::OnSessionClosed(const absl::Status& reason) {

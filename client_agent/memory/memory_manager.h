@@ -45,8 +45,9 @@ struct MapAccess {
   LocalMapId local_map;
   // Calls the function with the map, kept from changing meanwhile.
   std::function<void(const std::function<void(const Map&)>&)> read;
-  // Runs the function soon, on the thread that alone writes the map.
-  std::function<void(std::function<void(Map&)>)> post;
+  // Runs both soon, one after the other, on the thread that alone writes the map: the first without
+  // any lock, the second with the map.
+  std::function<void(std::function<void()> prepare, std::function<void(Map&)> change)> post;
   // Hears which foreign keyframes came and went; on the writing thread.
   std::function<void(const PlacementChange&, const Map&)> on_placed;
 };
@@ -110,6 +111,7 @@ class MemoryManager : private UplinkListener {
   void SendUnsent();
   // Those of this process get no more batches.
   void GiveUp(const std::vector<LostLocalMap>& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsFinishing() const;
   bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool FlushIsDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Duration NextBackoff() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -135,6 +137,7 @@ class MemoryManager : private UplinkListener {
   uint64_t last_revision_ ABSL_GUARDED_BY(mutex_) = 0;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
   bool wake_ ABSL_GUARDED_BY(mutex_) = false;
+  bool finishing_ ABSL_GUARDED_BY(mutex_) = false;
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);
   std::mt19937_64 random_ ABSL_GUARDED_BY(mutex_);

@@ -35,7 +35,7 @@ class MemoryManagerSpoolTest : public ::testing::Test {
                                                 absl::MutexLock lock(&map_mutex_);
                                                 reader(map_);
                                               },
-                                              [](std::function<void(Map&)>) {}, nullptr}));
+                                              [](const auto&, const auto&) {}, nullptr}));
   }
   void AddKeyframe(KeyframeId id) {
     Keyframe keyframe;
@@ -126,6 +126,43 @@ TEST_F(MemoryManagerSpoolTest, LightUpdatesCoalesceWhileBatchesWait) {
   ASSERT_EQ(light.size(), 1u);
   EXPECT_EQ(light[0].camera_from_local.translation.x(), 20);
   EXPECT_EQ(StoredKeyframes().size(), 1u);
+}
+
+TEST_F(MemoryManagerSpoolTest, LightUpdatesCoalesceAfterALocalMapWasClosed) {
+  in_real_time_ = true;
+  options_.min_backoff = options_.max_backoff = absl::Milliseconds(1);
+  options_.flush_interval = absl::Milliseconds(1);
+  StartRobot(kOwn, 1 << 20);
+  AddKeyframe({kOwn, 0});
+  Step();
+  Begin(kNext);
+  AddKeyframe({kNext, 0});
+  Step();
+  ASSERT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
+  uplink_.reachable = false;
+  uplink_.Break(absl::UnavailableError("cut"));
+  AddKeyframe({kNext, 1});
+  Step();  // This batch waits.
+  manager_->Start();
+  for (int i = 1; i <= 20; ++i) {
+    {
+      absl::MutexLock lock(&map_mutex_);
+      map_.SetPose({kNext, 0}, {Eigen::Quaterniond::Identity(), {double(i), 0, 0}});
+    }
+    absl::SleepFor(3 * options_.flush_interval);
+  }
+  EXPECT_EQ(manager_->upload().batches, 1u) << "none was made for a light update";
+}
+
+TEST_F(MemoryManagerSpoolTest, WhoFinishesHasEverythingInTheSpoolWhileItWaits) {
+  uplink_.reachable = false;
+  in_real_time_ = true;
+  StartRobot(kOwn, /*max_outbox_bytes=*/1 << 20);
+  AddKeyframe({kOwn, 0});
+  manager_->Start();
+  EXPECT_TRUE(absl::IsDeadlineExceeded(manager_->Finish(absl::Seconds(1))));
+  EXPECT_EQ(manager_->upload().memory_bytes, 0u);
+  EXPECT_FALSE(disk_.files.empty());
 }
 
 TEST_F(MemoryManagerSpoolTest, AStoreThatForgotEverythingIsSaidAndANewLocalMapWorks) {

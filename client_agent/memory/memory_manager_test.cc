@@ -27,7 +27,13 @@ class MemoryManagerTest : public testing::Test {
     map_ = Map();
     map_.SetObserver(manager_->BeginLocalMap(
         {id, [this](const auto& reader) { reader(map_); },
-         [this](std::function<void(Map&)> job) { jobs_.push_back(std::move(job)); }, nullptr}));
+         [this](std::function<void()> prepare, std::function<void(Map&)> change) {
+           jobs_.push_back([prepare = std::move(prepare), change = std::move(change)](Map& map) {
+             prepare();
+             change(map);
+           });
+         },
+         nullptr}));
   }
 
   void AddKeyframe(KeyframeId id) {

@@ -1,5 +1,7 @@
 #include "client_agent/memory/observation_mirror.h"
 
+#include <algorithm>
+
 namespace corbslam {
 
 void ObservationMirror::AddKeyframe(KeyframeId id, size_t keypoints) {
@@ -50,16 +52,19 @@ std::vector<KeyframeId> ObservationMirror::Observers(MapPointId id) const {
   return observers;
 }
 
-bool ObservationMirror::AppendChanges(const Map& map, const Keyframe& keyframe,
+bool ObservationMirror::AppendChanges(const Keyframe& keyframe,
                                       const std::function<bool(MapPointId)>& can_tell,
+                                      const std::function<bool(uint32_t)>& is_withdrawn,
                                       std::vector<ObservationChange>& changes) {
   const KeyframeId id = keyframe.id();
   std::vector<MapPointId>& told = points_.at(id);
   for (uint32_t k = 0; k < told.size(); ++k) {
     const MapPointId now = keyframe.points[k];
     if (!told[k].IsValid() || told[k] == now) continue;
-    const bool unloaded = told[k].local_map != id.local_map && map.FindPoint(told[k]) == nullptr;
-    if (unloaded && !now.IsValid()) continue;
+    if (!now.IsValid() && told[k].local_map != id.local_map && !is_withdrawn(k) &&
+        std::ranges::find(keyframe.points, told[k]) == keyframe.points.end()) {
+      continue;
+    }
     changes.push_back({ObservationChange::Kind::kRemoved, told[k], id, k});
     Erase(id, k);
   }

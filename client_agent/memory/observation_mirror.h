@@ -22,12 +22,12 @@ class ObservationMirror {
   // The keyframes known to observe the point.
   std::vector<KeyframeId> Observers(MapPointId id) const;
 
-  // Appends what turns the mirrored observations of `keyframe` into those it has in `map`, removals
-  // first, and takes it over. An observation of a point of another local map that is not in `map`
-  // has only been unloaded: no change. Points for which `can_tell` is false wait: then returns
-  // false, and is to be called again later.
-  bool AppendChanges(const Map& map, const Keyframe& keyframe,
-                     const std::function<bool(MapPointId)>& can_tell,
+  // Appends what turns the mirrored observations of `keyframe` into those it has now, removals
+  // first, and takes it over. Where a keypoint sees nothing in place of another local map's point,
+  // that has only been unloaded, unless the keypoint `is_withdrawn`: no change. Points for which `can_tell` is
+  // false wait: then returns false, and is to be called again later.
+  bool AppendChanges(const Keyframe& keyframe, const std::function<bool(MapPointId)>& can_tell,
+                     const std::function<bool(uint32_t)>& is_withdrawn,
                      std::vector<ObservationChange>& changes);
 
  private:

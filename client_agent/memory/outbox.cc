@@ -109,10 +109,10 @@ absl::Status Outbox::CheckState(LocalMapId id, const LocalMapNumbers& numbers,
                                             " only up to batch ", stored, " of ",
                                             numbers.acknowledged, " that it acknowledged before"));
   }
-  if (stored > numbers.last && !numbers.of_earlier_process) {
+  if (stored > numbers.sent && !numbers.of_earlier_process) {
     return absl::AlreadyExistsError(
         absl::StrCat("the map store has batch ", stored, " of local map ", ToString(id),
-                     ", of which ", numbers.last, " were made: the id is another one's"));
+                     ", of which ", numbers.sent, " were sent: the id is another one's"));
   }
   return absl::OkStatus();
 }
@@ -153,6 +153,12 @@ void Outbox::Drop(LocalMapId local_map) {
 
 const Outbox::Entry* Outbox::NextUnsent() const {
   return sent_ < entries_.size() ? &entries_[sent_] : nullptr;
+}
+
+void Outbox::MarkSent() {
+  const Entry& entry = entries_[sent_++];
+  LocalMapNumbers& numbers = local_maps_[entry.local_map];
+  numbers.sent = std::max(numbers.sent, entry.number);
 }
 
 std::shared_ptr<const MapUpdateBatch> Outbox::OldestInMemory() const {

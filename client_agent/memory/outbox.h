@@ -70,7 +70,7 @@ class Outbox {
 
   // The oldest entry not marked sent since the last Resume, or null; valid until the next change.
   const Entry* NextUnsent() const;
-  void MarkSent() { ++sent_; }
+  void MarkSent();
   void MarkUnsent() { sent_ -= sent_ > 0 ? 1 : 0; }
 
   // The oldest batch in memory, or null.
@@ -89,6 +89,7 @@ class Outbox {
  private:
   struct LocalMapNumbers {
     uint64_t last = 0;          // Given out.
+    uint64_t sent = 0;          // By this process.
     uint64_t acknowledged = 0;  // At least.
     bool of_earlier_process = false;
     bool closed = false;

@@ -38,6 +38,15 @@ TEST(OutboxTest, KeepsWhatIsNotAcknowledgedAndSendsItAgain) {
   EXPECT_EQ(outbox.NextUnsent()->number, 2U);
 }
 
+TEST(OutboxTest, WhatTheStoreHasWithoutHavingBeenSentItIsAnothers) {
+  Outbox outbox(1 << 20);
+  ASSERT_TRUE(outbox.Begin({7}));
+  for (int i = 0; i < 10; ++i) outbox.Push(BatchOf(7));
+  const std::vector<LostLocalMap> lost = outbox.Resume({{{{7}, 9}}});
+  ASSERT_EQ(lost.size(), 1U);
+  EXPECT_TRUE(absl::IsAlreadyExists(lost[0].reason)) << lost[0].reason;
+}
+
 TEST(OutboxTest, AcknowledgementOfAnotherLocalMapDropsNothing) {
   Outbox outbox(1 << 20);
   outbox.Push(BatchOf(7));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <utility>
 
 namespace corbslam {
@@ -28,9 +29,7 @@ void SharedMap::Apply(const SharedUpdate& update) {
     own_members_.clear();
     own_from_global_.clear();
     placings_.clear();
-    restart_ = true;
   }
-  revision_ = update.revision;
   for (const SharedKeyframe& keyframe : update.keyframes) {
     const KeyframeId id = keyframe.payload->id;
     if (id.local_map == own_) continue;
@@ -97,10 +96,9 @@ MapPointId SharedMap::Representative(const Map& map, MapPointId id) const {
   return id;
 }
 
-KeyframeId SharedMap::ChooseAnchor(const Map& map, LocalMapId source) const {
+KeyframeId SharedMap::MostCovisible(const Map& map, LocalMapId source) const {
   KeyframeId best;
   int best_weight = 0;
-  double best_distance = std::numeric_limits<double>::infinity();
   for (const auto& [id, camera_from_global] : own_from_global_) {
     const Keyframe* own = map.FindKeyframe(id);
     if (own == nullptr) continue;
@@ -108,6 +106,18 @@ KeyframeId SharedMap::ChooseAnchor(const Map& map, LocalMapId source) const {
     for (const auto& [other, shared] : own->covisible) {
       if (other.local_map == source) weight += shared;
     }
+    if (weight <= best_weight) continue;
+    best = id;
+    best_weight = weight;
+  }
+  return best;
+}
+
+KeyframeId SharedMap::Nearest(const Map& map, LocalMapId source) const {
+  KeyframeId best;
+  double best_distance = std::numeric_limits<double>::infinity();
+  for (const auto& [id, camera_from_global] : own_from_global_) {
+    if (map.FindKeyframe(id) == nullptr) continue;
     const Eigen::Vector3d centre = CameraCentre(camera_from_global.ToRigid());
     double distance = std::numeric_limits<double>::infinity();
     for (auto it = keyframes_.lower_bound({source, 0});
@@ -115,9 +125,8 @@ KeyframeId SharedMap::ChooseAnchor(const Map& map, LocalMapId source) const {
       const Eigen::Vector3d other = CameraCentre(it->second.camera_from_global.ToRigid());
       distance = std::min(distance, (other - centre).norm());
     }
-    if (weight < best_weight || (weight == best_weight && distance >= best_distance)) continue;
+    if (distance >= best_distance) continue;
     best = id;
-    best_weight = weight;
     best_distance = distance;
   }
   return best;
@@ -139,16 +148,15 @@ std::optional<Similarity3d> SharedMap::GlobalFromLocal(const Map& map) const {
 void SharedMap::RemoveGone(Map& map, PlacementChange& change) {
   std::vector<MapPointId> gone_points;
   for (const auto& [id, point] : map.points()) {
-    if (id.local_map != own_ && (restart_ || !points_.contains(id))) gone_points.push_back(id);
+    if (id.local_map != own_ && !points_.contains(id)) gone_points.push_back(id);
   }
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (id.local_map != own_ && (restart_ || !keyframes_.contains(id))) {
+    if (id.local_map != own_ && !keyframes_.contains(id)) {
       change.removed_keyframes.push_back(id);
     }
   }
   for (const MapPointId& id : gone_points) map.RemovePoint(id);
   for (const KeyframeId& id : change.removed_keyframes) map.RemoveKeyframe(id);
-  restart_ = false;
 }
 
 void SharedMap::MergeDuplicates(Map& map) const {
@@ -164,29 +172,32 @@ void SharedMap::MergeDuplicates(Map& map) const {
 PlacementChange SharedMap::Place(Map& map) {
   PlacementChange change;
   RemoveGone(map, change);
+  std::set<LocalMapId> waiting;
   for (auto& [source, placing] : placings_) {
-    if (source != own_) PlaceSource(source, map, change);
+    if (source != own_ && !PlaceSource(source, map, change)) waiting.insert(source);
   }
   MergeDuplicates(map);
   for (const auto& [source, placing] : placings_) {
     if (source != own_ && placing.changed) PlaceObservations(source, map);
   }
-  for (auto& [source, placing] : placings_) placing.changed = false;
+  for (auto& [source, placing] : placings_) placing.changed = waiting.contains(source);
   return change;
 }
 
-void SharedMap::PlaceSource(LocalMapId source, Map& map, PlacementChange& change) {
+bool SharedMap::PlaceSource(LocalMapId source, Map& map, PlacementChange& change) {
   Placing& placing = placings_[source];
-  const KeyframeId anchor = ChooseAnchor(map, source);
-  if (!anchor.IsValid()) return;
+  KeyframeId anchor = MostCovisible(map, source);
+  if (!anchor.IsValid()) anchor = Nearest(map, source);
+  if (!anchor.IsValid()) return false;
   const Rigid3d local_from_global = LocalFromGlobal(map, anchor);
   const Rigid3d motion = local_from_global * placing.local_from_global.Inverse();
   const bool moved = motion.translation.norm() > kSmallestMotion_m ||
                      RotationAngle(motion.rotation) > kSmallestTurn_rad;
-  if (!moved && !placing.changed) return;
+  if (!moved && !placing.changed) return true;
   placing = {local_from_global, true};
   PlaceKeyframes(source, local_from_global, map, change);
   PlacePoints(source, local_from_global, map);
+  return true;
 }
 
 void SharedMap::PlaceKeyframes(LocalMapId source, const Rigid3d& local_from_global, Map& map,
@@ -196,10 +207,7 @@ void SharedMap::PlaceKeyframes(LocalMapId source, const Rigid3d& local_from_glob
     const auto& [id, foreign] = *it;
     const Rigid3d camera_from_local =
         CameraFromLocal(foreign.camera_from_global, local_from_global);
-    if (const Keyframe* held = map.FindKeyframe(id)) {
-      const Eigen::Vector3d before = CameraCentre(held->camera_from_map);
-      const double motion_m = (CameraCentre(camera_from_local) - before).norm();
-      change.largest_motion_m = std::max(change.largest_motion_m, motion_m);
+    if (map.FindKeyframe(id) != nullptr) {
       map.SetPose(id, camera_from_local);
     } else {
       Keyframe keyframe;

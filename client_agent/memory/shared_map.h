@@ -20,8 +20,6 @@ using ComputeWords =
 struct PlacementChange {
   std::vector<KeyframeId> added_keyframes;
   std::vector<KeyframeId> removed_keyframes;
-  // Of the source maps whose placing moved, the most by which a keyframe did, in metres.
-  double largest_motion_m = 0;
 };
 
 // Not thread-safe: used by the mapping thread, which alone writes the map.
@@ -42,7 +40,6 @@ class SharedMap {
   // fusion.
   std::optional<Similarity3d> GlobalFromLocal(const Map& map) const;
 
-  uint64_t revision() const { return revision_; }
   size_t keyframe_count() const { return keyframes_.size(); }
 
  private:
@@ -63,11 +60,14 @@ class SharedMap {
   void MarkChanged(LocalMapId source) { placings_[source].changed = true; }
   // The point that stands for `id` in the robot's map.
   MapPointId Representative(const Map& map, MapPointId id) const;
-  KeyframeId ChooseAnchor(const Map& map, LocalMapId source) const;
+  // Own keyframes that fusion has placed; none where there is none, or none sees what the source has.
+  KeyframeId MostCovisible(const Map& map, LocalMapId source) const;
+  KeyframeId Nearest(const Map& map, LocalMapId source) const;
   Rigid3d LocalFromGlobal(const Map& map, KeyframeId anchor) const;
   void RemoveGone(Map& map, PlacementChange& change);
   void MergeDuplicates(Map& map) const;
-  void PlaceSource(LocalMapId source, Map& map, PlacementChange& change);
+  // False: there is no own keyframe to place it by yet.
+  bool PlaceSource(LocalMapId source, Map& map, PlacementChange& change);
   void PlaceKeyframes(LocalMapId source, const Rigid3d& local_from_global, Map& map,
                       PlacementChange& change);
   void PlacePoints(LocalMapId source, const Rigid3d& local_from_global, Map& map);
@@ -75,14 +75,12 @@ class SharedMap {
 
   const LocalMapId own_;
   const ComputeWords compute_words_;
-  uint64_t revision_ = 0;
   std::map<KeyframeId, ForeignKeyframe> keyframes_;
   std::map<MapPointId, SharedMapPoint> points_;
   std::map<MapPointId, MapPointId> survivor_of_;
   std::map<MapPointId, std::vector<MapPointId>> own_members_;  // By survivor.
   std::map<KeyframeId, Similarity3d> own_from_global_;
   std::map<LocalMapId, Placing> placings_;
-  bool restart_ = false;
 };
 
 }  // namespace corbslam

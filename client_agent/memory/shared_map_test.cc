@@ -1,5 +1,7 @@
 #include "client_agent/memory/shared_map.h"
 
+#include <utility>
+
 #include "gtest/gtest.h"
 
 namespace corbslam {
@@ -173,6 +175,43 @@ TEST(SharedMapTest, RemovedItemsAndRestartLeaveNothingBehind) {
   EXPECT_EQ(change.removed_keyframes, (std::vector<KeyframeId>{{kForeign, 0}}));
   EXPECT_EQ(map.keyframes().size(), 3U);
   EXPECT_EQ(map.points().size(), 10U);
+}
+
+TEST(SharedMapTest, ARestartLeavesOwnKeyframesWhatTheySee) {
+  Map map = OwnMap();
+  SharedMap shared(kOwn, &NoWords);
+  shared.Apply(FirstUpdate());
+  shared.Place(map);
+  EXPECT_TRUE(map.AddObservation({kForeign, 9}, {kOwn, 2}, 15));
+  SharedUpdate again = FirstUpdate();
+  again.restart = true;
+  shared.Apply(again);
+  const PlacementChange change = shared.Place(map);
+  EXPECT_TRUE(change.removed_keyframes.empty());
+  EXPECT_TRUE(change.added_keyframes.empty());
+  EXPECT_EQ(map.FindKeyframe({kOwn, 2})->points[15], (MapPointId{kForeign, 9}));
+}
+
+TEST(SharedMapTest, WhatComesBeforeAnyPlaceForItIsPlacedOnceThereIsOne) {
+  Map map = OwnMap();
+  SharedMap shared(kOwn, &NoWords);
+  SharedUpdate first = FirstUpdate();
+  const std::vector<OwnKeyframePose> placed = std::exchange(first.own_keyframes, {});
+  // Then the global frame is the robot's own: nothing moves when it becomes known.
+  for (SharedKeyframe& keyframe : first.keyframes) {
+    keyframe.camera_from_global = Similarity3d::FromRigid(CameraAt(3));
+  }
+  shared.Apply(first);
+  shared.Place(map);
+  EXPECT_EQ(map.FindKeyframe({kForeign, 0}), nullptr);
+  SharedUpdate then;
+  for (uint32_t k = 0; k < 3; ++k) {
+    then.own_keyframes.push_back({{kOwn, k}, Similarity3d::FromRigid(CameraAt(k))});
+  }
+  ASSERT_EQ(placed.size(), then.own_keyframes.size());
+  shared.Apply(then);
+  shared.Place(map);
+  EXPECT_NE(map.FindKeyframe({kForeign, 0}), nullptr);
 }
 
 TEST(SharedMapTest, APointLaterFoundToBeTheRobotsOwnGoesOverToIt) {

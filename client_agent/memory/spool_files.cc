@@ -26,6 +26,13 @@ absl::Status FileError(absl::string_view what, absl::string_view path, int error
   return full ? absl::ResourceExhaustedError(message) : absl::UnavailableError(message);
 }
 
+// What is gone, or can't be read on the disk, won't come back.
+absl::Status ReadError(absl::string_view path, int error) {
+  const absl::Status status = FileError("read", path, error);
+  const bool lost = error == ENOENT || error == EIO;
+  return lost ? absl::DataLossError(status.message()) : status;
+}
+
 // An open file.
 class Descriptor final {
  public:
@@ -72,14 +79,15 @@ class SpoolFolder final : public SpoolFiles {
 
   absl::StatusOr<std::string> Read(const std::string& name, uint64_t offset,
                                    size_t bytes) override {
-    ASSIGN_OR_RETURN(const Descriptor file, OpenFile(PathOf(name), O_RDONLY));
+    const Descriptor file(open(PathOf(name).c_str(), O_RDONLY | O_CLOEXEC));
+    if (file.fd() < 0) return ReadError(PathOf(name), errno);
     std::string content(bytes, '\0');
     size_t done = 0;
     while (done < bytes) {
       const ssize_t got =
           pread(file.fd(), content.data() + done, bytes - done, static_cast<off_t>(offset + done));
       if (got < 0 && errno == EINTR) continue;
-      if (got < 0) return FileError("read", PathOf(name), errno);
+      if (got < 0) return ReadError(PathOf(name), errno);
       if (got == 0) break;
       done += static_cast<size_t>(got);
     }

@@ -202,6 +202,8 @@ TEST(SpoolFolderTest, KeepsBatchesInAFolder) {
   const std::vector<SpooledBatch> found = (*spool)->TakeFound();
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ((*spool)->Read(found[1])->number, 2u);
+  std::filesystem::remove(path + "/000000000001.spool");
+  EXPECT_TRUE(absl::IsDataLoss((*spool)->Read(found[1]).status())) << "it is gone for good";
   for (const SpooledBatch& batch : found) (*spool)->Release(batch);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path), {}), 1) << "the lock alone";
   std::filesystem::remove_all(path);

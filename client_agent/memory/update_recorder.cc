@@ -9,6 +9,7 @@ namespace {
 // Keep a batch well below the wire's 4 MiB; what is over goes into the next.
 constexpr size_t kMaxFullPoints = 8000;
 constexpr size_t kMaxLightPoints = 30000;
+constexpr size_t kMaxFrames = 30000;
 
 }  // namespace
 
@@ -45,9 +46,10 @@ void UpdateRecorder::OnKeyframeRemoved(KeyframeId id, KeyframeId parent,
 }
 
 void UpdateRecorder::OnPointAdded(MapPointId id) {
-  if (!IsOwn(id)) return;
   absl::MutexLock lock(&mutex_);
-  added_points_.insert(id);
+  // Others' points may come back, and then stand for themselves.
+  replaced_points_.erase(id);
+  if (IsOwn(id)) added_points_.insert(id);
 }
 
 void UpdateRecorder::OnPointMoved(MapPointId id) {
@@ -66,6 +68,9 @@ void UpdateRecorder::OnObservationAdded(MapPointId point, KeyframeId keyframe, u
 void UpdateRecorder::OnObservationRemoved(MapPointId point, KeyframeId keyframe,
                                           uint32_t keypoint) {
   OnObservationAdded(point, keyframe, keypoint);
+  if (!IsOwn(keyframe) || IsOwn(point)) return;
+  absl::MutexLock lock(&mutex_);
+  withdrawn_.insert({keyframe, keypoint});
 }
 
 void UpdateRecorder::OnPointReplaced(MapPointId replaced, MapPointId survivor) {
@@ -258,11 +263,15 @@ void UpdateRecorder::TakeObservations(const Map& map, MapUpdateBatch& batch) {
   for (const KeyframeId& id : reobserved_keyframes_) {
     const Keyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr) continue;
+    const auto is_withdrawn = [&](uint32_t keypoint) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      return withdrawn_.contains({id, keypoint});
+    };
     if (!sent_keyframes_.contains(id) ||
-        !mirror_.AppendChanges(map, *keyframe, can_tell, batch.observations)) {
+        !mirror_.AppendChanges(*keyframe, can_tell, is_withdrawn, batch.observations)) {
       waiting.insert(id);
     }
   }
+  absl::erase_if(withdrawn_, [&waiting](const auto& pair) { return !waiting.contains(pair.first); });
   reobserved_keyframes_ = std::move(waiting);
 }
 
@@ -301,12 +310,15 @@ void UpdateRecorder::TakeLoopEdges(const Map& map, MapUpdateBatch& batch) {
 void UpdateRecorder::TakeFrames(MapUpdateBatch& batch) {
   std::vector<TrackedFrame> waiting;
   for (const TrackedFrame& frame : tracked_frames_) {
-    auto& to = added_keyframes_.contains(frame.reference) ? waiting : batch.tracked_frames;
-    to.push_back(frame);
+    const bool waits =
+        added_keyframes_.contains(frame.reference) || batch.tracked_frames.size() == kMaxFrames;
+    (waits ? waiting : batch.tracked_frames).push_back(frame);
   }
   tracked_frames_ = std::move(waiting);
-  batch.lost_frames_ns = std::move(lost_frames_ns_);
-  lost_frames_ns_.clear();
+  const size_t lost = std::min(lost_frames_ns_.size(), kMaxFrames);
+  const auto end = lost_frames_ns_.begin() + static_cast<ptrdiff_t>(lost);
+  batch.lost_frames_ns.assign(lost_frames_ns_.begin(), end);
+  lost_frames_ns_.erase(lost_frames_ns_.begin(), end);
 }
 
 }  // namespace corbslam

@@ -233,6 +233,75 @@ TEST(UpdateRecorderTest, UnloadingAForeignPointIsNotRemoval) {
   EXPECT_TRUE(batch.removed_points.empty());
 }
 
+TEST(UpdateRecorderTest, AForeignPointThatComesBackIsNotRemovedFromWhereItWas) {
+  UpdateRecorder recorder(kOwn);
+  Map map;
+  map.SetObserver(&recorder);
+  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  MapPoint point;
+  point.id = {kForeign, 0};
+  MapPoint other;
+  other.id = {kForeign, 1};
+  map.AddPoint(point);
+  map.AddPoint(other);
+  map.AddObservation(point.id, {kOwn, 0}, 3);
+  EXPECT_EQ(recorder.TakeBatch(map, 10).observations.size(), 1U);
+  map.RemovePoint(point.id);
+  map.AddPoint(point);
+  map.AddObservation(other.id, {kOwn, 0}, 4);
+  const MapUpdateBatch batch = recorder.TakeBatch(map, 10);
+  ASSERT_EQ(batch.observations.size(), 1U);
+  EXPECT_EQ(batch.observations[0].point, other.id);
+  // One that the robot takes back itself is told.
+  map.RemoveObservation(other.id, {kOwn, 0});
+  const MapUpdateBatch next = recorder.TakeBatch(map, 10);
+  ASSERT_EQ(next.observations.size(), 1U);
+  EXPECT_EQ(next.observations[0].kind, ObservationChange::Kind::kRemoved);
+}
+
+TEST(UpdateRecorderTest, APointThatComesBackStandsForItselfAgain) {
+  UpdateRecorder recorder(kOwn);
+  Map map;
+  map.SetObserver(&recorder);
+  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  MapPoint own;
+  own.id = {kOwn, 0};
+  own.reference = {kOwn, 0};
+  MapPoint foreign;
+  foreign.id = {kForeign, 0};
+  map.AddPoint(own);
+  map.AddObservation(own.id, {kOwn, 0}, 3);
+  map.AddPoint(foreign);
+  recorder.TakeBatch(map, 10);
+  ASSERT_TRUE(map.ReplacePoint(foreign.id, own.id));
+  map.AddPoint(foreign);
+  ASSERT_TRUE(map.ReplacePoint(own.id, foreign.id));
+  const MapUpdateBatch batch = recorder.TakeBatch(map, 10);
+  ASSERT_EQ(batch.replacements.size(), 1U);
+  EXPECT_EQ(batch.replacements[0].replaced, own.id);
+  EXPECT_EQ(batch.replacements[0].survivor, foreign.id);
+}
+
+TEST(UpdateRecorderTest, FramesBeyondABatchGoIntoTheNext) {
+  UpdateRecorder recorder(kOwn);
+  const Map map;
+  for (int i = 0; i < 50000; ++i) {
+    recorder.AddLostFrame(i);
+    recorder.AddTrackedFrame({i, {kOwn, 0}, {}});
+  }
+  size_t lost = 0;
+  size_t tracked = 0;
+  for (int batches = 0; batches < 2; ++batches) {
+    const MapUpdateBatch batch = recorder.TakeBatch(map, 10);
+    EXPECT_LE(batch.lost_frames_ns.size(), 40000U);
+    EXPECT_LE(batch.tracked_frames.size(), 40000U);
+    lost += batch.lost_frames_ns.size();
+    tracked += batch.tracked_frames.size();
+  }
+  EXPECT_EQ(lost, 50000U);
+  EXPECT_EQ(tracked, 50000U);
+}
+
 TEST(UpdateRecorderTest, FramesWaitForTheirReference) {
   UpdateRecorder recorder(kOwn);
   Map map;

@@ -137,8 +137,13 @@ bool UploadQueue::SpillOldest(size_t allowed_bytes) {
     return false;
   }
   const absl::StatusOr<SpooledBatch> spooled = spool_->Append(*oldest);
-  NoteSpool(spooled.status());
-  if (!spooled.ok()) return false;
+  // Memory holds it until it is on the disk for certain.
+  const absl::Status kept = spooled.ok() ? spool_->Sync() : spooled.status();
+  NoteSpool(kept);
+  if (!kept.ok()) {
+    if (spooled.ok()) spool_->Release(*spooled);
+    return false;
+  }
   absl::MutexLock lock(&mutex_);
   outbox_.MarkSpilled(*spooled);
   return true;
@@ -149,7 +154,6 @@ void UploadQueue::Spill() {
   ReleaseSpooled();
   while (SpillOldest(max_memory_bytes_)) {
   }
-  if (const absl::Status synced = spool_->Sync(); !synced.ok()) NoteSpool(synced);
 }
 
 void UploadQueue::SpillAll() {
@@ -157,7 +161,6 @@ void UploadQueue::SpillAll() {
   ReleaseSpooled();
   while (SpillOldest(0)) {
   }
-  if (const absl::Status synced = spool_->Sync(); !synced.ok()) NoteSpool(synced);
 }
 
 std::shared_ptr<const MapUpdateBatch> UploadQueue::TakeUnsent(std::vector<LostLocalMap>& lost) {

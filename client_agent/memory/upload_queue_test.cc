@@ -97,6 +97,21 @@ TEST_F(UploadQueueTest, AFullDiskIsSaidAndOnlyStopsTheTaking) {
   EXPECT_TRUE(queue_->status().room.ok()) << queue_->status().room;
 }
 
+TEST_F(UploadQueueTest, WhatTheDiskDidNotConfirmStaysInMemory) {
+  Open(0);
+  disk_.sync_fails = true;
+  Push(kMap, 2);
+  EXPECT_GT(queue_->status().memory_bytes, 0u);
+  EXPECT_FALSE(queue_->status().room.ok());
+  disk_.sync_fails = false;
+  queue_->Spill();
+  EXPECT_EQ(queue_->status().memory_bytes, 0u);
+  EXPECT_TRUE(queue_->status().room.ok());
+  EXPECT_THAT(SendAll(), ElementsAre("7/1", "7/2"));
+  Open(0);
+  EXPECT_EQ(queue_->status().batches, 2u) << "each once";
+}
+
 TEST_F(UploadQueueTest, TheNextProcessDrainsWhatItFindsAndClosesIt) {
   Open(0);
   Push(kMap, 2);

@@ -98,14 +98,27 @@ absl::Status WriteText(const std::string& path, const std::string& text) {
   return absl::OkStatus();
 }
 
+// Local maps have frames of their own: the first one's poses go to `path`, the next one's to path.2.
+absl::Status WriteTrajectories(const Agent& agent, const std::string& path) {
+  std::vector<LocalMapId> order;
+  std::map<LocalMapId, Trajectory> trajectories;
+  for (const TrajectoryPose& pose : agent.LocalTrajectory()) {
+    const auto [it, added] = trajectories.try_emplace(pose.local_map);
+    if (added) order.push_back(pose.local_map);
+    it->second.push_back({pose.timestamp_ns, pose.local_from_camera});
+  }
+  RETURN_IF_ERROR(
+      WriteTumTrajectory(order.empty() ? Trajectory() : trajectories.at(order[0]), path));
+  for (size_t i = 1; i < order.size(); ++i) {
+    RETURN_IF_ERROR(WriteTumTrajectory(trajectories.at(order[i]), absl::StrCat(path, ".", i + 1)));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status WriteResults(const Flags& flags, const Agent& agent, const PlayedFrames& played,
                           const Uplink* uplink) {
   if (!flags.trajectory.empty()) {
-    Trajectory trajectory;
-    for (const TrajectoryPose& pose : agent.LocalTrajectory()) {
-      trajectory.push_back({pose.timestamp_ns, pose.local_from_camera});
-    }
-    RETURN_IF_ERROR(WriteTumTrajectory(trajectory, flags.trajectory));
+    RETURN_IF_ERROR(WriteTrajectories(agent, flags.trajectory));
   }
   const std::string statistics =
       StatisticsJson(flags.agent, agent, played, uplink != nullptr ? uplink->bytes_up() : 0,
@@ -181,18 +194,20 @@ absl::Status Run(const Flags& flags) {
     ASSIGN_OR_RETURN(server, Server::Start(flags.listen, {&service}, security.server));
     AnnounceAddress(server->address());
   }
-  ASSIGN_OR_RETURN(const PlayedFrames played,
-                   PlaySource(*source, *watched, flags.pace, stop.stopped(),
-                              [&](const TrackingResult& result, uint64_t dropped) {
-                                observers->SetDropped(dropped);
-                                if (server != nullptr) service.OnFrame(result, dropped);
-                              }));
+  const absl::StatusOr<PlayedFrames> played =
+      PlaySource(*source, *watched, flags.pace, stop.stopped(),
+                 [&](const TrackingResult& result, uint64_t dropped) {
+                   observers->SetDropped(dropped);
+                   if (server != nullptr) service.OnFrame(result, dropped);
+                 });
+  // A frame that can't be read ends the drive, not what was mapped until then.
   const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
-  if (flags.stay && finished.ok()) {
+  if (flags.stay && played.ok() && finished.ok()) {
     AnnounceFinished();
     stop.stopped().WaitForNotification();
   }
-  RETURN_IF_ERROR(WriteResults(flags, *agent, played, uplink.get()));
+  RETURN_IF_ERROR(WriteResults(flags, *agent, played.value_or(PlayedFrames{}), uplink.get()));
+  RETURN_IF_ERROR(played.status());
   return finished;
 }
 
@@ -213,7 +228,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--listen", flags.listen, "HOST:PORT for other programs on the robot");
   app.add_option("--stats", flags.stats, "File to write statistics to, as JSON");
   app.add_option("--trajectory", flags.trajectory,
-                 "File to write the trajectory to in the local map's frame, as TUM");
+                 "File to write the trajectory to in the local map's frame, as TUM; those of further "
+                 "local maps, begun when tracking was lost, to FILE.2 and so on");
   app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
       ->capture_default_str();
   app.add_option("--features", flags.features,

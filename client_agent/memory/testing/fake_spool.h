@@ -24,6 +24,7 @@ struct FakeDisk {
   // What they may have together; a write that finds less room writes as much as there is.
   size_t capacity = std::numeric_limits<size_t>::max();
   int syncs = 0;
+  bool sync_fails = false;
   // Encoded batches by the number that their bytes begin with.
   std::vector<MapUpdateBatch> encoded;
 
@@ -65,7 +66,7 @@ class FakeSpoolFiles : public SpoolFiles {
   }
   absl::Status Sync(const std::string&) override {
     ++disk_.syncs;
-    return absl::OkStatus();
+    return disk_.sync_fails ? absl::UnavailableError("sync failed") : absl::OkStatus();
   }
   absl::Status Remove(const std::string& name) override {
     return disk_.files.erase(name) == 1 ? absl::OkStatus() : absl::UnavailableError(name);
