@@ -1,6 +1,7 @@
 #include "map_store/fusion_job.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -32,20 +33,38 @@ bool Touches(const Overlap& overlap, const std::vector<LocalMapId>& local_maps) 
   });
 }
 
-// A local map that bent itself is held to its island by the overlaps that it already has: the first
-// of them calls for the work again.
-void CallAgain(const std::vector<LocalMapId>& relaxed, FuseMapsRequest& request) {
+// How far apart the overlap and the present placing of its keyframes are.
+double Disagreement(const MissionState& state, const Overlap& overlap) {
+  const auto query = state.global.keyframes.find(overlap.query);
+  const auto candidate = state.global.keyframes.find(overlap.candidate);
+  const bool placed =
+      query != state.global.keyframes.end() && candidate != state.global.keyframes.end();
+  if (!placed) return std::numeric_limits<double>::max();
+  const Similarity3d error = overlap.candidate_from_query * query->second.camera_from_island *
+                             candidate->second.camera_from_island.Inverse();
+  return error.translation.norm() + RotationAngle(error.rotation);
+}
+
+// A local map that bent itself is held to its island by the overlaps that it already has: of them,
+// the one that agrees best with the graph calls for the work again. Others may have been outvoted.
+void CallAgain(const MissionState& state, const std::vector<LocalMapId>& relaxed,
+               FuseMapsRequest& request) {
   if (!request.new_overlaps.empty()) return;
+  std::optional<size_t> best;
+  double least = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < request.overlaps.size(); ++i) {
     if (!Touches(request.overlaps[i], relaxed)) continue;
-    request.new_overlaps.push_back(i);
-    return;
+    const double disagreement = Disagreement(state, request.overlaps[i]);
+    if (disagreement >= least) continue;
+    least = disagreement;
+    best = i;
   }
+  if (best.has_value()) request.new_overlaps.push_back(*best);
 }
 
 // All overlaps in the graph of both islands, and those that are to become so.
-void CollectOverlaps(const MissionState& state, const FusionAction& action,
-                     FuseMapsRequest& request) {
+void CollectOverlaps(const MissionState& state, const FusionAction& action, FuseJob& job) {
+  FuseMapsRequest& request = job.request;
   const std::set<uint64_t> called_for(action.overlaps.begin(), action.overlaps.end());
   for (const auto& [id, entry] : state.global.overlaps) {
     const bool is_new = called_for.contains(id);
@@ -54,7 +73,10 @@ void CollectOverlaps(const MissionState& state, const FusionAction& action,
     // The keyframes that stand for removed ones may be in another robot's map, and elsewhere.
     std::optional<Overlap> overlap = ChainOverlap(state, entry.overlap);
     if (!overlap.has_value() || !LiesIn(state, *overlap, action)) continue;
-    if (is_new) request.new_overlaps.push_back(request.overlaps.size());
+    if (is_new) {
+      request.new_overlaps.push_back(request.overlaps.size());
+      job.new_overlaps.push_back(id);
+    }
     request.overlaps.push_back(*std::move(overlap));
   }
 }
@@ -77,14 +99,15 @@ std::set<MapPointId> PointsOf(const std::vector<Overlap>& overlaps) {
   return points;
 }
 
-// Pairs that fusion has made one since, or that have gone from the views, say nothing.
+// Pairs that have gone from the views say nothing. Those that fusion has made one since still say
+// how far away the scene is.
 void DropIdlePairs(FuseMapsRequest& request) {
   const auto is_there = [&request](MapPointId id) {
     return request.target.FindPoint(id) != nullptr || request.source.FindPoint(id) != nullptr;
   };
   for (Overlap& overlap : request.overlaps) {
     std::erase_if(overlap.inliers, [&is_there](const PointPair& pair) {
-      return pair.query == pair.candidate || !is_there(pair.query) || !is_there(pair.candidate);
+      return !is_there(pair.query) || !is_there(pair.candidate);
     });
   }
 }
@@ -123,8 +146,8 @@ absl::StatusOr<std::optional<FusionRequest>> PrepareFuse(const MissionState& sta
       job.relaxed.push_back(id);
     }
   }
-  CollectOverlaps(state, action, job.request);
-  CallAgain(job.relaxed, job.request);
+  CollectOverlaps(state, action, job);
+  CallAgain(state, job.relaxed, job.request);
   // The keyframes that called for it have gone.
   if (job.request.new_overlaps.empty()) return std::nullopt;
   const std::set<KeyframeId> centres = CentresOf(job.request);

@@ -27,6 +27,8 @@ struct QueryJob {
 struct FuseJob {
   FusionAction action;
   FuseMapsRequest request;
+  // Those that the request calls new; of the action's, some may have lost their keyframes.
+  std::vector<uint64_t> new_overlaps;
   // Their views have gone into the request.
   IslandSnapshot target;
   std::optional<IslandSnapshot> source;

@@ -39,7 +39,8 @@ class ViewBuilder {
     std::set<LocalMapId> local_maps;
     for (const KeyframeId& id : KeyframeIds()) {
       const Keyframe& from = *state_.FindKeyframe(id);
-      if (from.parent != view_.FindKeyframe(id)->parent) view_.SetParent(id, from.parent);
+      const KeyframeId parent = AncestorOf(from);
+      if (parent != view_.FindKeyframe(id)->parent) view_.SetParent(id, parent);
       for (const KeyframeId& other : from.loop_edges) view_.AddLoopEdge(id, other);
       local_maps.insert(id.local_map);
     }
@@ -121,6 +122,16 @@ class ViewBuilder {
     ids.reserve(view_.keyframes().size());
     for (const auto& [id, keyframe] : view_.keyframes()) ids.push_back(id);
     return ids;
+  }
+
+  // The nearest one that was not culled from the view.
+  KeyframeId AncestorOf(const Keyframe& keyframe) const {
+    KeyframeId id = keyframe.parent;
+    while (state_.global.culled.contains(id) && view_.FindKeyframe(id) == nullptr) {
+      const Keyframe* culled = state_.FindKeyframe(id);
+      id = culled == nullptr ? KeyframeId() : culled->parent;
+    }
+    return id;
   }
 
   void InsertNeighbours(KeyframeId centre, int count, std::set<KeyframeId>& ids) const {

@@ -92,7 +92,7 @@ class Mission {
   // Commits the result, or notes the failure. False: the worker is not there or the journal takes
   // nothing, try again later.
   bool FinishJob(FusionLane lane, const FusionJob& job, absl::StatusOr<FusionResult> result);
-  void CancelJobs();
+  void CancelJobs() ABSL_LOCKS_EXCLUDED(mutex_);
   // Forgets what was fused; the lanes derive it again.
   absl::Status Rederive() ABSL_LOCKS_EXCLUDED(writer_mutex_, mutex_);
   // MapStore::RetractOverlap.
@@ -172,6 +172,7 @@ class Mission {
       ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   void NoteFailure(const FusionJob& job, const absl::Status& status)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void CancelJobsLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ReleaseLane(FusionLane lane);
 
   std::vector<std::function<void()>> ListenersExcept(uint64_t session_id) const

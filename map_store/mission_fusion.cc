@@ -164,13 +164,13 @@ bool Mission::TryStart(FusionLane lane, int& interruptions, std::optional<Fusion
     return false;
   }
   interruptions = request.ok() ? 0 : interruptions + 1;
-  if (request.ok() || interruptions == kMaxInterruptions) {
+  if (request.ok()) {
     absl::MutexLock lock(&mutex_);
     if (!cancelled->load()) SkipAction(*action);
-    interruptions = 0;
   }
   ReleaseLane(lane);
-  return true;
+  // The other missions' turn; this one is woken again.
+  return interruptions < kMaxInterruptions;
 }
 
 void Mission::SkipAction(const FusionAction& action) {
@@ -224,8 +224,8 @@ absl::Status Mission::Rederive() {
     if (IsDeleted()) return Deleted();
     const RederiveRecord record;
     RETURN_IF_ERROR(Append(record));
-    CancelJobs();
     absl::MutexLock lock(&mutex_);
+    CancelJobsLocked();
     map_store::Apply(record, state_);
     adjust_attempts_.clear();
   }
@@ -244,8 +244,8 @@ absl::StatusOr<std::vector<uint64_t>> Mission::RetractOverlap(uint64_t overlap, 
         [overlap](const MissionState& state) { return CheckRetractable(state, overlap); }));
     const RetractRecord record{overlap, keep_apart};
     RETURN_IF_ERROR(Append(record));
-    CancelJobs();
     absl::MutexLock lock(&mutex_);
+    CancelJobsLocked();
     taken_back = Retract(record, *environment_.options, state_);
     adjust_attempts_.clear();
   }
@@ -257,6 +257,11 @@ absl::StatusOr<std::vector<uint64_t>> Mission::RetractOverlap(uint64_t overlap, 
 
 void Mission::CancelJobs() {
   absl::MutexLock lock(&mutex_);
+  CancelJobsLocked();
+}
+
+// Whoever changes what the jobs began with does so under the same lock, lest another begins between.
+void Mission::CancelJobsLocked() {
   for (Lane& lane : lanes_) {
     if (lane.cancelled != nullptr) lane.cancelled->store(true);
   }
@@ -305,7 +310,7 @@ absl::Status Mission::CommitQuery(const QueryJob& job, const VerifyOverlapResult
 
 absl::Status Mission::CommitFuse(const FuseJob& job, const FuseMapsResult& result) {
   if (!result.accepted) {
-    const FuseRefusedRecord record{job.action.target, job.action.overlaps, job.relaxed,
+    const FuseRefusedRecord record{job.action.target, job.new_overlaps, job.relaxed,
                                    result.worst_edge_chi2};
     RETURN_IF_ERROR(Append(record));
     absl::MutexLock lock(&mutex_);

@@ -66,6 +66,7 @@ void WaitAgain(const std::set<LocalMapId>& members, const MapStoreOptions& optio
     if (!members.contains(overlap.query.local_map)) continue;
     if (!members.contains(overlap.candidate.local_map)) continue;
     if (entry.state == OverlapState::kRefused && overlap.verdict == OverlapVerdict::kBendsGraph) {
+      if (IsTakenBack(overlap, state.global)) continue;
       overlap.verdict = OverlapVerdict::kAccepted;
       ++state.statistics.overlaps_accepted;
     } else if (!IsAcceptedEntry(entry)) {

@@ -16,9 +16,10 @@ namespace corbslam::map_store {
 absl::Status CheckRetractable(const MissionState& state, uint64_t overlap);
 
 // The overlap is in the graph no more, nor are others between the same keyframes ever again (or
-// between the same local maps, where the record says so). If it held an island together, the island
-// falls into its local maps, fusion's estimates of them are forgotten, and all other overlaps of it
-// wait to be fused again, also those that were refused because they contradicted the graph. Unless
+// between the same local maps, where the record says so). If it was in the graph, its island falls
+// into its local maps, fusion's estimates of them, to all of which it may have led, are forgotten,
+// and all other overlaps of the island wait to be fused again, also those that were refused because
+// they contradicted the graph. Unless
 // they are kept apart, the two local maps are looked up in one another again. Returns the numbers
 // of what was taken back.
 std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions& options,

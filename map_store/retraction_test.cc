@@ -35,8 +35,9 @@ constexpr char kMission[] = "m";
 class RetractionTest : public ::testing::Test {
  protected:
   static std::unique_ptr<MapStore> Open(const std::shared_ptr<JournalBytes>& bytes,
-                                        FusionWorker* worker) {
-    auto store = std::make_unique<MapStore>(DeterministicOptions(), TheWorld().vocabulary,
+                                        FusionWorker* worker,
+                                        const MapStoreOptions& options = DeterministicOptions()) {
+    auto store = std::make_unique<MapStore>(options, TheWorld().vocabulary,
                                             std::make_unique<ByteJournal>(bytes), worker);
     EXPECT_TRUE(store->Recover().ok());
     return store;
@@ -117,6 +118,28 @@ TEST_F(RetractionTest, WhatIsKeptApartStaysApart) {
   EXPECT_TRUE(std::any_of(all.begin(), all.end(), [](const OverlapInfo& info) {
     return info.overlap.verdict == OverlapVerdict::kTakenBack;
   }));
+}
+
+TEST_F(RetractionTest, WhatBentTheGraphOfMapsKeptApartIsNotTriedAgain) {
+  MapStoreOptions options = DeterministicOptions();
+  // Ask everybody, however well linked.
+  options.overlap_spacing = 0;
+  options.min_shared_landmarks = 100000;
+  const auto first = Open(std::make_shared<JournalBytes>(), &honest_, options);
+  ASSERT_NO_FATAL_FAILURE(StreamAll(*first));
+  const auto found = Accepted(*first, LocalMapId{0xb});
+  ASSERT_GT(found.size(), 3u);
+  const KeyframeId bad = found.back().overlap.query;
+  honest_.bends_graph = [bad](const Overlap& overlap) { return overlap.query == bad; };
+  auto store = Open(bytes_, &honest_, options);
+  ASSERT_NO_FATAL_FAILURE(StreamAll(*store));
+  ASSERT_EQ(IslandOf(*store, map_a_), IslandOf(*store, map_b_));
+  // It would fit a graph without the others.
+  honest_.bends_graph = nullptr;
+  const auto between = Accepted(*store, LocalMapId{0xb});
+  ASSERT_TRUE(store->RetractOverlap(kMission, between.at(0).id, true).ok());
+  ASSERT_TRUE(store->RunFusionUntilIdle(kMission).ok());
+  EXPECT_NE(IslandOf(*store, map_a_), IslandOf(*store, map_b_));
 }
 
 TEST_F(RetractionTest, WhatElseTwoMapsHaveInCommonHoldsThemTogether) {

@@ -55,12 +55,19 @@ void PlanPositions(const MissionState& state, const std::vector<PointPosition>& 
   }
 }
 
-// Also those that the adjustment left alone: what they were derived from may move from now on.
-void PlanPointsOfView(const MissionState& state, const Map& view, RevisionPlan& plan) {
+// Also those that the adjustment left alone: they move with their reference keyframes.
+void PlanPointsOfView(const MissionState& state, const IslandSnapshot& snapshot, const Map& view,
+                      RevisionPlan& plan) {
+  absl::flat_hash_map<KeyframeId, Similarity3d> motions;
   for (const auto& [id, point] : view.points()) {
-    if (!plan.points.contains(id) && IsPlaceable(state, id, plan)) {
-      plan.points[id] = {point.position_in_map, plan.revision};
+    if (plan.points.contains(id) || !IsPlaceable(state, id, plan)) continue;
+    const KeyframeId reference = ReferenceOf(*state.FindPoint(id), state.global);
+    const auto [it, added] = motions.try_emplace(reference);
+    if (added) {
+      it->second = plan.keyframes.at(reference).camera_from_island.Inverse() *
+                   snapshot.poses.at(reference);
     }
+    plan.points[id] = {it->second * point.position_in_map, plan.revision};
   }
 }
 
@@ -277,7 +284,7 @@ RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseM
   plan.target = job.action.target;
   plan.source = job.action.source;
   plan.merges = result.merges;
-  plan.overlaps = job.action.overlaps;
+  plan.overlaps = job.new_overlaps;
   const NewPoses poses = Index(result.poses);
   PlanKeyframes(state, job.target, poses, Similarity3d(), plan);
   std::vector<const Map*> views = {&job.request.target};
@@ -302,7 +309,7 @@ RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
   }
   PlanKeyframes(state, job.snapshot, Index(result.poses), Similarity3d(), plan);
   PlanPositions(state, result.positions, plan);
-  PlanPointsOfView(state, job.request.view, plan);
+  PlanPointsOfView(state, job.snapshot, job.request.view, plan);
   PlanRejected(state, {&job.request.view}, result.rejected, plan);
   for (const auto& [id, keyframe] : job.request.view.keyframes()) plan.decided_anew.insert(id);
   return plan;

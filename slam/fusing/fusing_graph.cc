@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "absl/container/btree_map.h"
 #include "slam/optimisation/pose_graph.h"
@@ -92,28 +91,6 @@ double Chi2(const FusingProblem& problem, const OrientedOverlap& overlap,
   return shift * shift + turn * turn + stretch * stretch;
 }
 
-// Length of the way through the spanning tree.
-std::optional<double> TreeDistance(const Map& map, KeyframeId from, KeyframeId to) {
-  absl::btree_map<KeyframeId, double> way_up;
-  double length = 0;
-  for (const Keyframe* at = map.FindKeyframe(from); at != nullptr;) {
-    way_up.emplace(at->id(), length);
-    const Keyframe* parent = map.FindKeyframe(at->parent);
-    if (parent == nullptr) break;
-    length += (CameraCentre(at->camera_from_map) - CameraCentre(parent->camera_from_map)).norm();
-    at = parent;
-  }
-  length = 0;
-  for (const Keyframe* at = map.FindKeyframe(to); at != nullptr;) {
-    if (const auto it = way_up.find(at->id()); it != way_up.end()) return it->second + length;
-    const Keyframe* parent = map.FindKeyframe(at->parent);
-    if (parent == nullptr) break;
-    length += (CameraCentre(at->camera_from_map) - CameraCentre(parent->camera_from_map)).norm();
-    at = parent;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
@@ -134,18 +111,6 @@ absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
     solved.chi2.push_back(Chi2(problem, overlap, solved.camera_from_target));
   }
   return solved;
-}
-
-double DriftOfLoop(const FusingProblem& problem, const OrientedOverlap& loop,
-                   const MapFusingOptions& options) {
-  if (problem.IsCrossing(loop)) return 0;
-  const Map& map = problem.MapOf(loop.anchor);
-  const auto way = TreeDistance(map, loop.anchor, loop.mover);
-  if (!way.has_value()) return 0;
-  const Eigen::Vector3d centre = CameraCentre(map.FindKeyframe(loop.mover)->camera_from_map);
-  const double moved = (AlignByOverlap(map, map, loop) * centre - centre).norm();
-  const double share = problem.fix_scale ? options.max_drift : 3 * options.max_drift;
-  return moved / (share * *way + 0.5 * MedianDepth(map, loop));
 }
 
 }  // namespace corbslam

@@ -45,11 +45,6 @@ struct SolvedGraph {
 absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
                                              const MapFusingOptions& options);
 
-// How far a loop would move its keyframe, as a share of what it may (MapFusingOptions::max_drift);
-// above 1 it is no drift. 0 where no way through the spanning tree leads from one to the other.
-double DriftOfLoop(const FusingProblem& problem, const OrientedOverlap& loop,
-                   const MapFusingOptions& options);
-
 }  // namespace corbslam
 
 #endif  // CORBSLAM_SLAM_FUSING_FUSING_GRAPH_H_

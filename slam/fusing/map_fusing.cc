@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "slam/fusing/fusing_graph.h"
+#include "slam/fusing/loop_drift.h"
 #include "slam/fusing/map_alignment.h"
 #include "slam/fusing/welding.h"
 #include "slam/optimisation/pose_graph.h"

@@ -22,8 +22,9 @@ struct MapFusingOptions {
   // in the map already yields to the greater number only. Earlier ones that disagreed before,
   // because others have outvoted them, refuse nothing.
   double max_edge_chi2 = 50;
-  // A loop that moves its keyframe by more than this share of the way around the loop (plus half
-  // the scene's depth) is refused: no odometry drifts that much. Tripled where scale is free.
+  // A loop that moves its keyframe, or what that sees, by more than this share of the way around the
+  // loop (plus half the scene's depth) is refused: no odometry drifts that much. Tripled where scale
+  // is free. The way may lead through other local maps where the overlap is the only new one.
   double max_drift = 0.1;
   // What changes speed. One thread repeats to the bit.
   int threads = 1;

@@ -37,6 +37,7 @@ class Decision {
 
   absl::Status Decide() {
     RETURN_IF_ERROR(Solve());
+    if (!HasLosers()) return absl::OkStatus();
     RETURN_IF_ERROR(Graduate());
     return HasLosers() ? GiveSecondChances() : absl::OkStatus();
   }

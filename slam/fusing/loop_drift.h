@@ -1,0 +1,19 @@
+// Whether odometry can have drifted as far as a loop says.
+#ifndef CORBSLAM_SLAM_FUSING_LOOP_DRIFT_H_
+#define CORBSLAM_SLAM_FUSING_LOOP_DRIFT_H_
+
+#include "slam/fusing/fusing_graph.h"
+
+namespace corbslam {
+
+// How far a loop would move its keyframe, or what lies before it at the scene's depth, as a share of
+// what it may (MapFusingOptions::max_drift); above 1 it is no drift. The way around the loop is the
+// shortest through the essential graph. For a new overlap that is alone it may lead through others'
+// local maps and earlier overlaps; several may find an earlier one wrong, and what that joined is
+// then no way. 0 where there is none, and between the two maps.
+double DriftOfLoop(const FusingProblem& problem, const OrientedOverlap& loop,
+                   const MapFusingOptions& options);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_FUSING_LOOP_DRIFT_H_
