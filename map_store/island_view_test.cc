@@ -162,6 +162,17 @@ TEST_F(IslandViewTest, AGraphHasAllKeyframesButOnlyPointsAroundItsCentres) {
   EXPECT_TRUE(graph.FindPoint(Pa(0))->observations.empty());
 }
 
+TEST_F(IslandViewTest, ChildrenOfCulledKeyframesHangOnTheirAncestors) {
+  state_.global.culled = {Ka(2), Ka(3)};
+  UnbrokenRead read;
+  const auto whole = TakeWholeSnapshot(state_, island(), {}, Rejected::kLeaveOut, read);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  EXPECT_EQ(whole->view.FindKeyframe(Ka(3)), nullptr);
+  EXPECT_EQ(whole->view.FindKeyframe(Ka(4))->parent, Ka(1));
+  EXPECT_EQ(whole->view.FindKeyframe(Ka(5))->parent, Ka(4));
+  EXPECT_FALSE(whole->view.FindKeyframe(Ka(0))->parent.IsValid());
+}
+
 TEST_F(IslandViewTest, RejectedObservationsAreLeftOutOrTriedAgain) {
   state_.global.rejected[{Ka(2), 0}] = Pa(10);
   const auto sees = [](const Map& view) {
