@@ -85,7 +85,7 @@ TEST_F(GracefulRestartTest, TheRobotResumesWithEachKeyframeOnce) {
                                absl::MutexLock lock(&map_mutex_);
                                reader(map_);
                              },
-                             [](const std::function<void(Map&)>&) {}, nullptr});
+                             [](const auto&, const auto&) {}, nullptr});
   {
     absl::MutexLock lock(&map_mutex_);
     map_.SetObserver(observer);
