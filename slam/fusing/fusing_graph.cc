@@ -29,6 +29,7 @@ std::map<KeyframeId, Similarity3d> InitialPoses(const FusingProblem& problem) {
   return poses;
 }
 
+// The overlaps last.
 std::vector<PoseGraphEdge> Edges(const FusingProblem& problem) {
   std::vector<PoseGraphEdge> edges = EssentialGraphEdges(*problem.target);
   const std::vector<PoseGraphEdge> of_source = EssentialGraphEdges(*problem.source);
@@ -106,6 +107,8 @@ absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
   ASSIGN_OR_RETURN(PoseGraphResult result, OptimisePoseGraph(initial, edges, solved.fixed, graph));
   solved.camera_from_target = std::move(result.camera_from_map);
   for (const auto& [id, pose] : initial) solved.camera_from_target.try_emplace(id, pose);
+  solved.outvoted.assign(result.outvoted.end() - static_cast<ptrdiff_t>(problem.overlaps.size()),
+                         result.outvoted.end());
   for (const OrientedOverlap& overlap : problem.overlaps) {
     solved.initial_chi2.push_back(Chi2(problem, overlap, initial));
     solved.chi2.push_back(Chi2(problem, overlap, solved.camera_from_target));

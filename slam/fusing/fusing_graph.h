@@ -40,6 +40,8 @@ struct SolvedGraph {
   // Of each overlap before and after, in squared standard deviations (MapFusingOptions).
   std::vector<double> initial_chi2;
   std::vector<double> chi2;
+  // Of each overlap: the others left it without a say.
+  std::vector<bool> outvoted;
 };
 
 absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,

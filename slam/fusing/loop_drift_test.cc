@@ -1,10 +1,15 @@
-// Long drives, of which only poses matter: a keyframe a metre, at a scene's depth of 1.
+// Without points the scene's depth is 1.
 #include "slam/fusing/loop_drift.h"
 
 #include <gtest/gtest.h>
 
+#include "slam/fusing/testing/long_drive.h"
+
 namespace corbslam {
 namespace {
+
+using testing::AddDrive;
+using testing::SayOverlap;
 
 constexpr LocalMapId kA{0xa};
 constexpr LocalMapId kB{0xb};
@@ -14,36 +19,14 @@ constexpr uint32_t kKeyframes = 200;
 class LoopDriftTest : public ::testing::Test {
  protected:
   LoopDriftTest() {
-    AddDrive(kA, 0);
-    AddDrive(kB, kKeyframes);
+    AddDrive(kA, 0, kKeyframes, /*depth_m=*/0, request_.target);
+    AddDrive(kB, kKeyframes, kKeyframes, /*depth_m=*/0, request_.target);
     request_.overlaps = {Say({kB, 0}, {kA, kKeyframes - 1}, Eigen::Vector3d::Zero())};
   }
 
-  void AddDrive(LocalMapId id, uint32_t start) {
-    const auto camera = std::make_shared<const Camera>(Camera{.baseline_m = 0.1});
-    for (uint32_t k = 0; k < kKeyframes; ++k) {
-      Keyframe keyframe;
-      keyframe.payload = MakeKeyframePayload({id, k}, k, 0, camera, {});
-      keyframe.camera_from_map.translation = {-double(start + k), 0, 0};
-      if (k > 0) keyframe.parent = {id, k - 1};
-      request_.target.AddKeyframe(std::move(keyframe));
-    }
-  }
-
-  // An overlap of two keyframes, wrong by so much.
   Overlap Say(KeyframeId query, KeyframeId candidate, const Eigen::Vector3d& wrong_by,
               double turned_by_rad = 0) const {
-    const Map& map = request_.target;
-    Rigid3d said = map.FindKeyframe(candidate)->camera_from_map *
-                   map.FindKeyframe(query)->camera_from_map.Inverse();
-    said.translation += wrong_by;
-    said.rotation = Eigen::AngleAxisd(turned_by_rad, Eigen::Vector3d::UnitY()) * said.rotation;
-    Overlap overlap;
-    overlap.query = query;
-    overlap.candidate = candidate;
-    overlap.candidate_from_query = Similarity3d::FromRigid(said);
-    overlap.verdict = OverlapVerdict::kAccepted;
-    return overlap;
+    return SayOverlap(request_.target, query, candidate, wrong_by, turned_by_rad);
   }
 
   bool IsAccepted(const std::vector<Overlap>& later) {

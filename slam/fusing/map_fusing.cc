@@ -136,8 +136,9 @@ bool ContradictsGraph(const FusingProblem& problem, const SolvedGraph& graph, do
   const std::set<size_t> new_overlaps(problem.new_overlaps.begin(), problem.new_overlaps.end());
   size_t overturned = 0;
   for (size_t i = 0; i < problem.overlaps.size(); ++i) {
-    if (graph.chi2[i] <= max_chi2) continue;
-    if (new_overlaps.contains(i)) return true;
+    const bool disagrees = graph.chi2[i] > max_chi2;
+    if (new_overlaps.contains(i) && (disagrees || graph.outvoted[i])) return true;
+    if (!disagrees) continue;
     overturned += graph.initial_chi2[i] <= max_chi2;
   }
   return overturned > 0 && overturned >= new_overlaps.size();

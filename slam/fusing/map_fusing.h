@@ -17,10 +17,10 @@ struct MapFusingOptions {
   int welding_window = 10;
   int welding_iterations = 5;
   // A new overlap that still disagrees by more after the graph was solved refuses the whole, in
-  // squared standard deviations: 2 % of the scene's depth, 0.01 rad, 5 % of scale. So do new ones
-  // that make as many earlier ones disagree, which agreed before, as they are themselves: what is
-  // in the map already yields to the greater number only. Earlier ones that disagreed before,
-  // because others have outvoted them, refuse nothing.
+  // squared standard deviations: 2 % of the scene's depth, 0.01 rad, 5 % of scale. So does one that
+  // the others left without a say, and so do new ones that make as many earlier ones disagree, which
+  // agreed before, as they are themselves: what is in the map already yields to the greater number
+  // only. Earlier ones that disagreed before, because others have outvoted them, refuse nothing.
   double max_edge_chi2 = 50;
   // A loop that moves its keyframe, or what that sees, by more than this share of the way around the
   // loop (plus half the scene's depth) is refused: no odometry drifts that much. Tripled where scale

@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "slam/fusing/testing/fused_maps.h"
+#include "slam/fusing/testing/long_drive.h"
 #include "slam/verification/place_verification.h"
 #include "slam/verification/testing/synthetic_world.h"
 
 namespace corbslam {
 namespace {
 
+using testing::AddDrive;
 using testing::ApplyFusing;
 using testing::AteRmse_m;
 using testing::JoinTruth;
@@ -17,6 +19,7 @@ using testing::MakeSyntheticMap;
 using testing::MeanReprojectionError_px2;
 using testing::PosesOf;
 using testing::PosesOnRing;
+using testing::SayOverlap;
 using testing::SyntheticMap;
 using testing::SyntheticMapOptions;
 
@@ -246,6 +249,26 @@ TEST_F(MapFusingTest, ALoopThatNoDriftExplainsIsRefused) {
   const auto result = FuseMaps(request, {}, nullptr);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_FALSE(result->accepted);
+}
+
+// Three metres are little at the scene's depth of 80, but others agree on where the maps meet.
+TEST(FusingGraphTest, ANewOverlapWithoutASayIsRefused) {
+  FuseMapsRequest request;
+  AddDrive(kA, 0, 60, /*depth_m=*/80, request.target);
+  AddDrive(kB, 30, 60, /*depth_m=*/80, request.target);
+  for (uint32_t k = 0; k < 6; ++k) {
+    request.overlaps.push_back(SayOverlap(request.target, {kB, k}, {kA, 30 + k}, {0, 0, 0}));
+  }
+  request.overlaps.push_back(SayOverlap(request.target, {kB, 3}, {kA, 33}, {0, 0, 0.5}));
+  request.new_overlaps = {6};
+  const auto good = FuseMaps(request, {}, nullptr);
+  ASSERT_TRUE(good.ok()) << good.status();
+  EXPECT_TRUE(good->accepted);
+  request.overlaps[6] = SayOverlap(request.target, {kB, 3}, {kA, 33}, {0, 0, 3});
+  const auto outvoted = FuseMaps(request, {}, nullptr);
+  ASSERT_TRUE(outvoted.ok()) << outvoted.status();
+  EXPECT_LT(outvoted->worst_edge_chi2, MapFusingOptions().max_edge_chi2);
+  EXPECT_FALSE(outvoted->accepted);
 }
 
 TEST_F(MapFusingTest, NonsenseIsRefusedByName) {

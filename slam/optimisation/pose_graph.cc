@@ -111,6 +111,10 @@ absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const Poses& initial,
   result.initial_cost = problem.TruncatedCost(problem.EdgeChi2());
   RETURN_IF_ERROR(SolveRobustly(problem));
   result.edge_chi2 = problem.EdgeChi2();
+  result.outvoted.resize(edges.size());
+  for (const size_t edge : problem.robust()) {
+    result.outvoted[edge] = result.edge_chi2[edge] > problem.max_chi2();
+  }
   result.final_cost = problem.TruncatedCost(result.edge_chi2);
   result.iterations = problem.iterations();
   for (const auto& [id, block] : problem.poses()) {

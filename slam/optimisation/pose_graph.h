@@ -45,6 +45,8 @@ struct PoseGraphResult {
   double final_cost = 0;
   // weight * |residual|^2 of each input edge after, without loss.
   std::vector<double> edge_chi2;
+  // Of each input edge: it is a robust one that disagrees with the rest, and had no say.
+  std::vector<bool> outvoted;
   int iterations = 0;
 };
 
