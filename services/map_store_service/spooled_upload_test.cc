@@ -104,8 +104,10 @@ TEST_F(SpooledUploadTest, ARestartedRobotSendsWhatItHadAndGoesOn) {
     Robot robot(MakeChannel("127.0.0.1:1"), folder_);
     robot.Begin(kFirst);
     for (uint32_t k = 0; k < 30; ++k) robot.AddKeyframe(k);
-    EXPECT_TRUE(robot.WaitUntil([](auto& m) { return m.upload().spool_bytes > 10000; }));
-    EXPECT_EQ(robot.memory().upload().memory_bytes, 0u);
+    EXPECT_TRUE(robot.WaitUntil([](auto& m) {
+      const UploadStatus status = m.upload();
+      return status.spool_bytes > 10000 && status.memory_bytes == 0;
+    }));
   }
   RunningStore running;
   Robot robot(running.server->InProcessChannel(), folder_);
