@@ -383,6 +383,7 @@ TEST_F(IngestionTest, WatchersSeeWhatChanged) {
   const uint64_t token = *store_.AddMapListener("m", [&calls] { ++calls; });
   const uint64_t version = (*store_.ChangesSince("m", 0))->version;
   EXPECT_FALSE(store_.ChangesSince("m", version)->has_value());
+  EXPECT_EQ((*store_.ChangesSince("m", version + 5))->islands.size(), 1u) << "of a store before";
   ASSERT_TRUE(store_.Apply(a, Next(2)).ok());
   EXPECT_EQ(calls, 1);
   EXPECT_EQ((*store_.ChangesSince("m", version))->islands.size(), 1u);

@@ -168,8 +168,12 @@ absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
   // Nothing is appended any more: what is deleted stays so.
   mission->Delete();
   RETURN_IF_ERROR(journal_->DeleteMission(mission_name));
-  absl::MutexLock lock(&mutex_);
-  missions_.erase(std::string(mission_name));
+  {
+    absl::MutexLock lock(&mutex_);
+    missions_.erase(std::string(mission_name));
+  }
+  // Who watches finds that it has gone.
+  mission->NotifyAll(0);
   return absl::OkStatus();
 }
 

@@ -173,12 +173,14 @@ absl::StatusOr<std::optional<MapChanges>> MapStore::ChangesSince(absl::string_vi
                                                                  uint64_t version) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   return mission->WithState([version](const MissionState& state) -> std::optional<MapChanges> {
-    if (state.version <= version) return std::nullopt;
+    // Newer than ours: of what the store has no more.
+    const uint64_t since = version > state.version ? 0 : version;
+    if (state.version <= since) return std::nullopt;
     MapChanges changes;
     changes.version = state.version;
     changes.revision = state.global.revision;
     for (const map_store::Island* island : map_store::OrderedIslands(state)) {
-      if (island->version <= version) continue;
+      if (island->version <= since) continue;
       changes.islands.push_back(map_store::DescribeIsland(state, *island));
     }
     for (const LocalMapId& id : state.order) {

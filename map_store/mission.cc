@@ -244,9 +244,11 @@ void Mission::SetSharedListener(uint64_t session_id, std::function<void()> liste
 }
 
 uint64_t Mission::AddMapListener(std::function<void()> listener) {
+  static std::atomic<uint64_t> next_token = 1;
+  const uint64_t token = next_token++;
   absl::MutexLock lock(&listener_mutex_);
-  map_listeners_[next_listener_] = std::move(listener);
-  return next_listener_++;
+  map_listeners_[token] = std::move(listener);
+  return token;
 }
 
 void Mission::RemoveMapListener(uint64_t token) {

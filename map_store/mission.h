@@ -74,8 +74,11 @@ class Mission {
                                                          const std::string& agent,
                                                          size_t byte_budget);
   void SetSharedListener(uint64_t session_id, std::function<void()> listener);
+  // The token is no other mission's: another one may have got the name when it is removed.
   uint64_t AddMapListener(std::function<void()> listener);
   void RemoveMapListener(uint64_t token);
+  // Tells all listeners that something changed.
+  void NotifyAll(uint64_t except_session);
 
   // Ends everything: sessions are fenced, jobs cancelled, nothing is written any more.
   void Delete();
@@ -133,7 +136,7 @@ class Mission {
   FusionSummary Summarise() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   std::optional<FusionAction> NextAction(FusionLane lane) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   // Starts the next piece of work, if there is any; true: nothing came of it, go on. Work that was
-  // interrupted too often is skipped.
+  // interrupted too often waits for the next wake-up.
   bool TryStart(FusionLane lane, int& interruptions, std::optional<FusionJob>& job)
       ABSL_LOCKS_EXCLUDED(mutex_);
   // The lane is the caller's from here on, until ReleaseLane.
@@ -177,7 +180,6 @@ class Mission {
 
   std::vector<std::function<void()>> ListenersExcept(uint64_t session_id) const
       ABSL_LOCKS_EXCLUDED(listener_mutex_);
-  void NotifyAll(uint64_t except_session);
 
   const std::string name_;
   const Environment environment_;
@@ -198,7 +200,6 @@ class Mission {
   mutable absl::Mutex listener_mutex_;
   std::map<uint64_t, std::function<void()>> shared_listeners_ ABSL_GUARDED_BY(listener_mutex_);
   std::map<uint64_t, std::function<void()>> map_listeners_ ABSL_GUARDED_BY(listener_mutex_);
-  uint64_t next_listener_ ABSL_GUARDED_BY(listener_mutex_) = 1;
 };
 
 }  // namespace corbslam::map_store

@@ -260,7 +260,8 @@ void Mission::CancelJobs() {
   CancelJobsLocked();
 }
 
-// Whoever changes what the jobs began with does so under the same lock, lest another begins between.
+// Whoever changes what the jobs began with does so under the same lock, lest another begins
+// between.
 void Mission::CancelJobsLocked() {
   for (Lane& lane : lanes_) {
     if (lane.cancelled != nullptr) lane.cancelled->store(true);

@@ -64,8 +64,8 @@ void PlanPointsOfView(const MissionState& state, const IslandSnapshot& snapshot,
     const KeyframeId reference = ReferenceOf(*state.FindPoint(id), state.global);
     const auto [it, added] = motions.try_emplace(reference);
     if (added) {
-      it->second = plan.keyframes.at(reference).camera_from_island.Inverse() *
-                   snapshot.poses.at(reference);
+      it->second =
+          plan.keyframes.at(reference).camera_from_island.Inverse() * snapshot.poses.at(reference);
     }
     plan.points[id] = {it->second * point.position_in_map, plan.revision};
   }

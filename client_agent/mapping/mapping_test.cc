@@ -265,12 +265,12 @@ TEST_F(CrowdedMappingTest, KeyframesThatSeeNothingNewAreRedundantButNotTheRoot) 
 TEST_F(CrowdedMappingTest, KeyframesThatWaitToBeMappedAreNotCulled) {
   std::vector<uint32_t> mapped;
   std::vector<uint32_t> removed;
-  Mapper mapper({}, {&map_, &queue_, &statistics_,
-                     [&mapped](KeyframeId id) { mapped.push_back(id.index); },
-                     [&](KeyframeId id) {
-                       EXPECT_THAT(mapped, ::testing::Contains(id.index)) << "removed before";
-                       removed.push_back(id.index);
-                     }});
+  Mapper mapper(
+      {}, {&map_, &queue_, &statistics_, [&mapped](KeyframeId id) { mapped.push_back(id.index); },
+           [&](KeyframeId id) {
+             EXPECT_THAT(mapped, ::testing::Contains(id.index)) << "removed before";
+             removed.push_back(id.index);
+           }});
   for (uint32_t k = 0; k < 8; ++k) {
     NewKeyframe keyframe = Handed(k);
     SeeMapPoints(keyframe);

@@ -194,9 +194,8 @@ bool MemoryManager::FlushIsDue() const {
   if (!queue_.HasUnsent() && age >= options_.flush_interval) return true;
   if (age >= options_.backlog_flush_interval) return true;
   return std::any_of(recordings_.begin(), recordings_.end(), [this](const auto& recording) {
-    return !recording->closed &&
-           (recording->closing ||
-            recording->recorder->pending_keyframes() >= options_.max_keyframes_per_batch);
+    return !recording->closed && (recording->closing || recording->recorder->pending_keyframes() >=
+                                                            options_.max_keyframes_per_batch);
   });
 }
 

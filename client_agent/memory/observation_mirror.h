@@ -24,8 +24,8 @@ class ObservationMirror {
 
   // Appends what turns the mirrored observations of `keyframe` into those it has now, removals
   // first, and takes it over. Where a keypoint sees nothing in place of another local map's point,
-  // that has only been unloaded, unless the keypoint `is_withdrawn`: no change. Points for which `can_tell` is
-  // false wait: then returns false, and is to be called again later.
+  // that has only been unloaded, unless the keypoint `is_withdrawn`: no change. Points for which
+  // `can_tell` is false wait: then returns false, and is to be called again later.
   bool AppendChanges(const Keyframe& keyframe, const std::function<bool(MapPointId)>& can_tell,
                      const std::function<bool(uint32_t)>& is_withdrawn,
                      std::vector<ObservationChange>& changes);

@@ -60,7 +60,8 @@ class SharedMap {
   void MarkChanged(LocalMapId source) { placings_[source].changed = true; }
   // The point that stands for `id` in the robot's map.
   MapPointId Representative(const Map& map, MapPointId id) const;
-  // Own keyframes that fusion has placed; none where there is none, or none sees what the source has.
+  // Own keyframes that fusion has placed; none where there is none, or none sees what the source
+  // has.
   KeyframeId MostCovisible(const Map& map, LocalMapId source) const;
   KeyframeId Nearest(const Map& map, LocalMapId source) const;
   Rigid3d LocalFromGlobal(const Map& map, KeyframeId anchor) const;

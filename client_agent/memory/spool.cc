@@ -124,8 +124,12 @@ void Spool::CutOpenSegment() {
 
 absl::Status Spool::Sync() {
   if (!unsynced_ || open_segment_ == 0) return absl::OkStatus();
-  RETURN_IF_ERROR(files_->Sync(NameOf(open_segment_)));
   unsynced_ = false;
+  if (absl::Status synced = files_->Sync(NameOf(open_segment_)); !synced.ok()) {
+    // The end of the segment may be torn now: nothing may follow it.
+    open_segment_ = 0;
+    return synced;
+  }
   return absl::OkStatus();
 }
 

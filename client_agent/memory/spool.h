@@ -53,7 +53,8 @@ class Spool {
 
   // RESOURCE_EXHAUSTED: no room, by `max_bytes` or on the disk; the spool is as it was before.
   absl::StatusOr<SpooledBatch> Append(const MapUpdateBatch& batch);
-  // What was appended survives a loss of power.
+  // What was appended survives a loss of power. Else what was appended since the last call is to be
+  // appended again.
   absl::Status Sync();
   // DATA_LOSS: the disk has not kept it.
   absl::StatusOr<MapUpdateBatch> Read(const SpooledBatch& batch);

@@ -64,6 +64,11 @@ absl::StatusOr<std::optional<uint64_t>> CheckHeader(SpoolFiles& files, const std
   return kFixedHeaderBytes + owner_bytes;
 }
 
+bool IsWhole(absl::string_view bytes, const SpoolRecord& record) {
+  return bytes.size() == record.bytes && bytes.size() >= kRecordHeaderBytes &&
+         ExtendCrc32c(0, bytes.substr(kCrcBytes)) == ReadNumber<uint32_t>(bytes, 0);
+}
+
 // None: no whole record is there.
 absl::StatusOr<std::optional<SpoolRecord>> ReadRecord(SpoolFiles& files, const std::string& name,
                                                       uint64_t offset, uint64_t size) {
@@ -80,9 +85,9 @@ absl::StatusOr<std::optional<SpoolRecord>> ReadRecord(SpoolFiles& files, const s
   record.number = ReadNumber<uint64_t>(header, 20);
   record.offset = offset;
   record.bytes = static_cast<uint32_t>(kRecordHeaderBytes) + payload_bytes;
-  const absl::Status whole = ReadSpoolPayload(files, name, record).status();
-  if (absl::IsDataLoss(whole)) return std::nullopt;
-  RETURN_IF_ERROR(whole);
+  // What can't be read now is no torn tail.
+  ASSIGN_OR_RETURN(const std::string bytes, files.Read(name, offset, record.bytes));
+  if (!IsWhole(bytes, record)) return std::nullopt;
   if (!record.local_map.IsValid() || record.number == 0) return std::nullopt;
   return record;
 }
@@ -131,9 +136,7 @@ absl::StatusOr<SegmentContents> ScanSegment(SpoolFiles& files, const std::string
 absl::StatusOr<std::string> ReadSpoolPayload(SpoolFiles& files, const std::string& name,
                                              const SpoolRecord& record) {
   ASSIGN_OR_RETURN(const std::string bytes, files.Read(name, record.offset, record.bytes));
-  const bool whole = bytes.size() == record.bytes && bytes.size() >= kRecordHeaderBytes;
-  if (!whole || ExtendCrc32c(0, absl::string_view(bytes).substr(kCrcBytes)) !=
-                    ReadNumber<uint32_t>(bytes, 0)) {
+  if (!IsWhole(bytes, record)) {
     return absl::DataLossError(absl::StrCat("spool file ", name, ": batch ", record.number,
                                             " of local map ", ToString(record.local_map),
                                             " is not as it was written"));

@@ -58,10 +58,12 @@ void UpdateRecorder::OnPointMoved(MapPointId id) {
   moved_points_.insert(id);
 }
 
-void UpdateRecorder::OnObservationAdded(MapPointId point, KeyframeId keyframe, uint32_t) {
+void UpdateRecorder::OnObservationAdded(MapPointId point, KeyframeId keyframe, uint32_t keypoint) {
   if (!IsOwn(keyframe)) return;
   absl::MutexLock lock(&mutex_);
   if (IsOwn(point) && !sent_points_.contains(point)) added_points_.insert(point);
+  const auto withdrawn = withdrawn_.find({keyframe, keypoint});
+  if (withdrawn != withdrawn_.end() && withdrawn->second == point) withdrawn_.erase(withdrawn);
   reobserved_keyframes_.insert(keyframe);
 }
 
@@ -70,7 +72,7 @@ void UpdateRecorder::OnObservationRemoved(MapPointId point, KeyframeId keyframe,
   OnObservationAdded(point, keyframe, keypoint);
   if (!IsOwn(keyframe) || IsOwn(point)) return;
   absl::MutexLock lock(&mutex_);
-  withdrawn_.insert({keyframe, keypoint});
+  withdrawn_[{keyframe, keypoint}] = point;
 }
 
 void UpdateRecorder::OnPointReplaced(MapPointId replaced, MapPointId survivor) {
@@ -271,7 +273,9 @@ void UpdateRecorder::TakeObservations(const Map& map, MapUpdateBatch& batch) {
       waiting.insert(id);
     }
   }
-  absl::erase_if(withdrawn_, [&waiting](const auto& pair) { return !waiting.contains(pair.first); });
+  absl::erase_if(withdrawn_, [&waiting](const auto& withdrawn) {
+    return !waiting.contains(withdrawn.first.first);
+  });
   reobserved_keyframes_ = std::move(waiting);
 }
 

@@ -16,8 +16,8 @@ namespace corbslam {
 
 // Of one local map. Only that map's own items are recorded: what others made is theirs to tell.
 // Changes of one item between two batches coalesce to its state when the batch is made. Nothing
-// is dropped while no batch is taken, and what is held is bounded by the map's size and the number of
-// frames. Thread-safe.
+// is dropped while no batch is taken, and what is held is bounded by the map's size and the number
+// of frames. Thread-safe.
 class UpdateRecorder : public MapObserver {
  public:
   explicit UpdateRecorder(LocalMapId local_map) : local_map_(local_map) {}
@@ -83,7 +83,7 @@ class UpdateRecorder : public MapObserver {
   absl::btree_set<KeyframeId> changed_keyframes_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<KeyframeId> reobserved_keyframes_ ABSL_GUARDED_BY(mutex_);
   // Keypoints from which others' points were taken, told apart from points that were only unloaded.
-  absl::btree_set<std::pair<KeyframeId, uint32_t>> withdrawn_ ABSL_GUARDED_BY(mutex_);
+  absl::btree_map<std::pair<KeyframeId, uint32_t>, MapPointId> withdrawn_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> added_points_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> moved_points_ ABSL_GUARDED_BY(mutex_);
   absl::btree_map<MapPointId, MapPointId> replaced_points_ ABSL_GUARDED_BY(mutex_);

@@ -309,10 +309,10 @@ absl::StatusOr<std::vector<int64_t>> ReadTimes(const TimeColumn& proto, absl::st
   int64_t time_ns = 0;
   for (int i = 0; i < proto.size(); ++i) {
     const int64_t delta_ns = proto[i];
-    // Both terms are within 2^62, so that the sum can't overflow.
-    if (delta_ns < -kMaxTimestamp_ns || delta_ns > kMaxTimestamp_ns) {
-      return OutOfRange(absl::StrCat(field, "[", i, "]"), delta_ns, -kMaxTimestamp_ns,
-                        kMaxTimestamp_ns);
+    // The time so far is within 0 and the limit: neither difference nor sum can overflow.
+    const int64_t largest_ns = kMaxTimestamp_ns - time_ns;
+    if (delta_ns < -kMaxTimestamp_ns || delta_ns > largest_ns) {
+      return OutOfRange(absl::StrCat(field, "[", i, "]"), delta_ns, -kMaxTimestamp_ns, largest_ns);
     }
     time_ns += delta_ns;
     RETURN_IF_ERROR(Locate(CheckTimestamp(time_ns), absl::StrCat(field, "[", i, "]")));

@@ -325,6 +325,13 @@ INSTANTIATE_TEST_SUITE_P(
                         1, std::numeric_limits<int64_t>::max());
                   },
                   kInvalid, "timestamp_deltas_ns[1]"},
+        Malformed{"FramesOverflowTogether",
+                  [](Batch& b) {
+                    for (int i : {0, 1}) {
+                      b.mutable_tracked_frames()->set_timestamp_deltas_ns(i, int64_t{1} << 62);
+                    }
+                  },
+                  kInvalid, "timestamp_deltas_ns[1]"},
         Malformed{"ShortFrameMotion",
                   [](Batch& b) {
                     b.mutable_tracked_frames()->mutable_reference_from_camera()->RemoveLast();

@@ -107,6 +107,7 @@ std::optional<RelativeError> FusedRelativeError(const std::vector<RobotPaths>& r
                                                 const Sequences& sequences) {
   RelativeError sum;
   for (const auto& [key, sequence] : sequences) {
+    if (!sequence.truth.has_value()) continue;
     std::vector<Trajectory> parts;
     for (const RobotPaths& robot : robots) {
       if (KeyOf(robot.source) == key) parts.push_back(ToTrajectory(robot.global));
@@ -161,7 +162,8 @@ FusedAccuracy ComputeFusedAccuracy(const std::vector<RobotPaths>& robots,
       ErrorOf(PairToTruth(robots, sequences, world, false), alignment);
   if (all.has_value()) accuracy.truth_from_global = all->truth_from_estimate;
   const auto belongs = [&](const RobotPaths& robot) {
-    return WorldOf(robot.source) == world && IsAllGlobal(robot);
+    return WorldOf(robot.source) == world && IsAllGlobal(robot) &&
+           sequences.at(KeyOf(robot.source)).truth.has_value();
   };
   if (!std::all_of(robots.begin(), robots.end(), belongs)) return accuracy;
   accuracy.all = all;

@@ -49,7 +49,7 @@ absl::StatusOr<Truth> ReadRecordedTruth(const EvalArguments& arguments) {
   return truth;
 }
 
-// A KITTI file when times are given or it is called poses.txt, else TUM's form.
+// A KITTI file when times are given, else TUM's form.
 absl::StatusOr<Truth> ReadTruthFile(const EvalArguments& arguments) {
   Truth truth;
   if (!arguments.truth_times.empty()) {

@@ -39,6 +39,10 @@ absl::Status ExportTrajectory(const MissionArguments& arguments, StoreReader& st
                               const std::string& agent, const std::string& path) {
   ASSIGN_OR_RETURN(const ServedTrajectory served,
                    store.ReadTrajectory(agent, v1::TRAJECTORY_FRAME_GLOBAL));
+  if (served.empty() && !arguments.agent.empty()) {
+    return absl::NotFoundError(
+        absl::StrCat("robot ", agent, ": nothing of it is connected to the global frame"));
+  }
   if (served.empty()) {
     std::printf("%s: nothing of it is connected to the global frame\n", agent.c_str());
     return absl::OkStatus();
@@ -82,7 +86,9 @@ absl::Status ExportPoints(const MissionArguments& arguments,
   std::vector<ColouredPoint> points;
   for (size_t i = 0; i < map.points.size(); ++i) {
     if (!arguments.agent.empty() && map.point_agents[i] != arguments.agent) continue;
-    points.push_back({map.points[i], colours.at(map.point_agents[i])});
+    // One that has joined since is drawn as nobody's.
+    const auto colour = colours.find(map.point_agents[i]);
+    points.push_back({map.points[i], colour == colours.end() ? Colour{} : colour->second});
   }
   std::vector<std::string> comments;
   for (const auto& [agent, colour] : colours) {

@@ -1,3 +1,4 @@
+#include "absl/strings/str_cat.h"
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/lookups_to_proto.h"
 #include "services/map_store_service/map_store_service.h"
@@ -17,6 +18,10 @@ grpc::ServerUnaryReactor* MapStoreService::ListOverlaps(grpc::CallbackServerCont
     if (!request->local_map().empty()) {
       ASSIGN_OR_RETURN(const LocalMapPath path,
                        ParseLocalMapName(request->local_map(), /*may_be_all=*/false));
+      if (path.mission != mission) {
+        return absl::InvalidArgumentError(absl::StrCat("local_map ", request->local_map(),
+                                                       " is not of parent ", request->parent()));
+      }
       filter.local_map = path.local_map;
     }
     ASSIGN_OR_RETURN(const PageRequest page, ReadPage(*request));

@@ -1,5 +1,6 @@
 #include "services/map_store_service/lookups_to_proto.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <utility>
@@ -121,11 +122,14 @@ void AddIslands(absl::string_view mission, const std::vector<LocalMapInfo>& loca
   for (const LocalMapInfo& info : local_maps) {
     islands[{!info.in_reference_island, info.island}].push_back(&info);
   }
-  for (const auto& [key, members] : islands) {
+  for (auto& [key, members] : islands) {
     v1::IslandStatistics* island = proto->add_islands();
     island->set_in_global_frame(!key.first);
     std::set<std::string> agents;
     uint64_t keyframes = 0;
+    // The one that names it first.
+    const auto names_it = [id = key.second](const LocalMapInfo* info) { return info->id == id; };
+    std::stable_partition(members.begin(), members.end(), names_it);
     for (const LocalMapInfo* info : members) {
       island->add_local_maps(LocalMapName(mission, info->id));
       agents.insert(AgentName(mission, info->agent));

@@ -288,6 +288,32 @@ TEST_F(MapStoreServiceTest, WatchersSeeWhatThereIsAndWhatComes) {
   EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
 }
 
+TEST_F(MapStoreServiceTest, WatchersHearThatTheMissionWasDeleted) {
+  Upload("alpha", kMap, 1);
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
+  v1::WatchMapRequest request;
+  request.set_mission("missions/m");
+  const auto stream = stub_->WatchMap(&context, request);
+  v1::WatchMapResponse change;
+  ASSERT_TRUE(stream->Read(&change));
+  ASSERT_TRUE(store_->DeleteMission("m").ok());
+  while (stream->Read(&change)) {
+  }
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(MapStoreServiceTest, OverlapsOfAnotherMissionsLocalMapAreNotLookedFor) {
+  Upload("alpha", kMap, 1);
+  grpc::ClientContext context;
+  v1::ListOverlapsRequest request;
+  request.set_parent("missions/m");
+  request.set_local_map("missions/other/localMaps/c0ffee00c0ffee01");
+  v1::ListOverlapsResponse response;
+  EXPECT_EQ(stub_->ListOverlaps(&context, request, &response).error_code(),
+            grpc::StatusCode::INVALID_ARGUMENT);
+}
+
 TEST_F(MapStoreServiceTest, WatchingAnUnknownMissionIsRefused) {
   grpc::ClientContext context;
   v1::WatchMapRequest request;

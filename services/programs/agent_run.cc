@@ -49,10 +49,10 @@ nlohmann::ordered_json Spread(std::vector<double> values) {
 
 }  // namespace
 
-absl::StatusOr<PlayedFrames> PlaySource(
+absl::Status PlaySource(
     ImageSource& source, Agent& agent, Pace pace, const absl::Notification& stop,
+    PlayedFrames& frames,
     const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame) {
-  PlayedFrames frames;
   std::optional<Schedule> schedule;
   for (size_t i = 0; !stop.HasBeenNotified(); ++i) {
     ASSIGN_OR_RETURN(const std::optional<SensorImages> images, source.Next());
@@ -71,7 +71,7 @@ absl::StatusOr<PlayedFrames> PlaySource(
     ++frames.played;
     on_frame(result, frames.dropped);
   }
-  return frames;
+  return absl::OkStatus();
 }
 
 std::string StatisticsJson(const std::string& name, const Agent& agent, const PlayedFrames& played,

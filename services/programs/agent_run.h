@@ -25,8 +25,9 @@ struct PlayedFrames {
 
 // Until the last frame, or until `stop`. `on_frame` hears each result and the frames dropped so
 // far.
-absl::StatusOr<PlayedFrames> PlaySource(
+absl::Status PlaySource(
     ImageSource& source, Agent& agent, Pace pace, const absl::Notification& stop,
+    PlayedFrames& frames,
     const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame);
 
 // The agent's part of report.json (docs/report.md) as JSON text.

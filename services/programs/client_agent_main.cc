@@ -98,7 +98,8 @@ absl::Status WriteText(const std::string& path, const std::string& text) {
   return absl::OkStatus();
 }
 
-// Local maps have frames of their own: the first one's poses go to `path`, the next one's to path.2.
+// Local maps have frames of their own: the first one's poses go to `path`, the next one's to
+// path.2.
 absl::Status WriteTrajectories(const Agent& agent, const std::string& path) {
   std::vector<LocalMapId> order;
   std::map<LocalMapId, Trajectory> trajectories;
@@ -194,20 +195,20 @@ absl::Status Run(const Flags& flags) {
     ASSIGN_OR_RETURN(server, Server::Start(flags.listen, {&service}, security.server));
     AnnounceAddress(server->address());
   }
-  const absl::StatusOr<PlayedFrames> played =
-      PlaySource(*source, *watched, flags.pace, stop.stopped(),
-                 [&](const TrackingResult& result, uint64_t dropped) {
-                   observers->SetDropped(dropped);
-                   if (server != nullptr) service.OnFrame(result, dropped);
-                 });
+  PlayedFrames frames;
+  const absl::Status played = PlaySource(*source, *watched, flags.pace, stop.stopped(), frames,
+                                         [&](const TrackingResult& result, uint64_t dropped) {
+                                           observers->SetDropped(dropped);
+                                           if (server != nullptr) service.OnFrame(result, dropped);
+                                         });
   // A frame that can't be read ends the drive, not what was mapped until then.
   const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
   if (flags.stay && played.ok() && finished.ok()) {
     AnnounceFinished();
     stop.stopped().WaitForNotification();
   }
-  RETURN_IF_ERROR(WriteResults(flags, *agent, played.value_or(PlayedFrames{}), uplink.get()));
-  RETURN_IF_ERROR(played.status());
+  RETURN_IF_ERROR(WriteResults(flags, *agent, frames, uplink.get()));
+  RETURN_IF_ERROR(played);
   return finished;
 }
 
@@ -227,9 +228,10 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->default_str("max");
   app.add_option("--listen", flags.listen, "HOST:PORT for other programs on the robot");
   app.add_option("--stats", flags.stats, "File to write statistics to, as JSON");
-  app.add_option("--trajectory", flags.trajectory,
-                 "File to write the trajectory to in the local map's frame, as TUM; those of further "
-                 "local maps, begun when tracking was lost, to FILE.2 and so on");
+  app.add_option(
+      "--trajectory", flags.trajectory,
+      "File to write the trajectory to in the local map's frame, as TUM; those of further "
+      "local maps, begun when tracking was lost, to FILE.2 and so on");
   app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
       ->capture_default_str();
   app.add_option("--features", flags.features,

@@ -79,13 +79,12 @@ TEST_F(GracefulRestartTest, TheRobotResumesWithEachKeyframeOnce) {
   options.flush_interval = absl::Milliseconds(20);
   MemoryManager manager(options, uplink.get(),
                         [](const auto&) { return std::make_shared<Words>(); });
-  MapObserver* const observer =
-      manager.BeginLocalMap({kOwn,
-                             [this](const auto& reader) {
-                               absl::MutexLock lock(&map_mutex_);
-                               reader(map_);
-                             },
-                             [](const auto&, const auto&) {}, nullptr});
+  MapObserver* const observer = manager.BeginLocalMap({kOwn,
+                                                       [this](const auto& reader) {
+                                                         absl::MutexLock lock(&map_mutex_);
+                                                         reader(map_);
+                                                       },
+                                                       [](const auto&, const auto&) {}, nullptr});
   {
     absl::MutexLock lock(&map_mutex_);
     map_.SetObserver(observer);

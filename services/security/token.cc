@@ -79,6 +79,16 @@ absl::StatusOr<TokenClaims> ParseClaims(const std::string& text) {
   return claims;
 }
 
+// Of PEM's blocks, whatever they hold.
+size_t CountBlocks(absl::string_view pem) {
+  constexpr absl::string_view kBegin = "-----BEGIN ";
+  size_t count = 0;
+  for (size_t at = pem.find(kBegin); at != absl::string_view::npos; at = pem.find(kBegin, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> SignToken(const TokenClaims& claims,
@@ -114,6 +124,10 @@ absl::StatusOr<TokenVerifier> TokenVerifier::FromPem(absl::string_view public_ke
     verifier.keys_.push_back(std::move(key));
   }
   ERR_clear_error();
+  if (!verifier.keys_.empty() && CountBlocks(public_keys_pem) > verifier.keys_.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("token key ", verifier.keys_.size() + 1, " can't be read"));
+  }
   if (!verifier.keys_.empty()) return verifier;
   return absl::InvalidArgumentError(
       "there is no Ed25519 public key; make one with: openssl pkey -pubout");

@@ -99,6 +99,15 @@ TEST_F(TokenTest, KeysCanBeChangedOneAfterTheOther) {
   EXPECT_TRUE(both.Verify(Sign(), kNow).ok());
 }
 
+TEST_F(TokenTest, AKeyThatCannotBeReadIsNotPassedOver) {
+  std::string damaged = MakeTokenKeys().public_pem;
+  damaged[damaged.find('\n') + 10] = '!';
+  const auto verifier = TokenVerifier::FromPem(absl::StrCat(keys_.public_pem, damaged));
+  EXPECT_THAT(std::string(verifier.status().message()), HasSubstr("token key 2"));
+  // What is no key may stand around them.
+  EXPECT_TRUE(TokenVerifier::FromPem(absl::StrCat("ours:\n", keys_.public_pem, "\n\n")).ok());
+}
+
 TEST_F(TokenTest, OnlyEd25519KeysOfTheRightHalfWillDo) {
   const TokenKeys other = MakeTokenKeys("ED448");
   EXPECT_FALSE(TokenVerifier::FromPem(other.public_pem).ok());

@@ -1,6 +1,7 @@
 #include "slam/fusing/loop_drift.h"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <queue>
 #include <set>
@@ -18,19 +19,37 @@ constexpr double kFreeShareOfDepth = 0.5;
 // Monocular odometry drifts in scale too.
 constexpr double kFreeScaleFactor = 3;
 
+// The most by which the loop moves its keyframe, or a point straight before it.
+double Motion(const Map& map, const OrientedOverlap& loop, double depth) {
+  const Similarity3d motion = AlignByOverlap(map, map, loop);
+  const Rigid3d map_from_camera = map.FindKeyframe(loop.mover)->camera_from_map.Inverse();
+  double moved = 0;
+  for (const double z : {0.0, depth}) {
+    const Eigen::Vector3d position = map_from_camera * Eigen::Vector3d(0, 0, z);
+    moved = std::max(moved, (motion * position - position).norm());
+  }
+  return moved;
+}
+
+// It says no other than where the keyframes are.
+bool Agrees(const Map& map, const OrientedOverlap& overlap) {
+  const double depth = MedianDepth(map, overlap);
+  return Motion(map, overlap, depth) <= kFreeShareOfDepth * depth;
+}
+
 // The keyframes of a map and how far it is from each to its neighbours.
 class Ways {
  public:
   Ways(const FusingProblem& problem, const Map& map) : map_(map) {
-    const bool is_alone = problem.new_overlaps.size() == 1;
     for (const PoseGraphEdge& edge : EssentialGraphEdges(map)) {
-      if (is_alone || edge.a.local_map == edge.b.local_map) Add(edge.a, edge.b);
+      if (edge.a.local_map == edge.b.local_map) Add(edge.a, edge.b);
     }
-    if (!is_alone) return;
+    if (problem.new_overlaps.size() > 1) return;
     for (size_t i = 0; i < problem.overlaps.size(); ++i) {
       const OrientedOverlap& overlap = problem.overlaps[i];
       if (i == problem.new_overlaps[0] || problem.IsCrossing(overlap)) continue;
-      if (&problem.MapOf(overlap.anchor) == &map) Add(overlap.anchor, overlap.mover);
+      if (&problem.MapOf(overlap.anchor) != &map || !Agrees(map, overlap)) continue;
+      Add(overlap.anchor, overlap.mover);
     }
   }
 
@@ -68,23 +87,13 @@ class Ways {
   absl::flat_hash_map<KeyframeId, std::vector<std::pair<KeyframeId, double>>> neighbours_;
 };
 
-// The most by which the loop moves its keyframe, or a point straight before it.
-double Motion(const Map& map, const OrientedOverlap& loop, double depth) {
-  const Similarity3d motion = AlignByOverlap(map, map, loop);
-  const Rigid3d map_from_camera = map.FindKeyframe(loop.mover)->camera_from_map.Inverse();
-  double moved = 0;
-  for (const double z : {0.0, depth}) {
-    const Eigen::Vector3d position = map_from_camera * Eigen::Vector3d(0, 0, z);
-    moved = std::max(moved, (motion * position - position).norm());
-  }
-  return moved;
-}
-
 }  // namespace
 
 double DriftOfLoop(const FusingProblem& problem, const OrientedOverlap& loop,
                    const MapFusingOptions& options) {
   if (problem.IsCrossing(loop)) return 0;
+  const bool is_alone = problem.new_overlaps.size() == 1;
+  if (!is_alone && loop.anchor.local_map != loop.mover.local_map) return 0;
   const Map& map = problem.MapOf(loop.anchor);
   const auto way = Ways(problem, map).Length(loop.anchor, loop.mover);
   if (!way.has_value()) return 0;

@@ -66,6 +66,22 @@ TEST_F(LoopDriftTest, InOneLocalMapTheWayIsItsOwn) {
   EXPECT_FALSE(IsAccepted({Say({kA, 150}, {kA, 0}, {0, 0, 25})}));
 }
 
+TEST_F(LoopDriftTest, AMapThatBentItselfIsNotJudgedByWhereItWas) {
+  // B has come back along A, and was found twice; then it bent itself, from keyframe 50 on.
+  request_.target = Map();
+  AddDrive(kA, 0, kKeyframes, /*depth_m=*/0, request_.target);
+  AddDrive(kB, 0, kKeyframes, /*depth_m=*/0, request_.target);
+  request_.overlaps = {Say({kB, 5}, {kA, 5}, Eigen::Vector3d::Zero()),
+                       Say({kB, 150}, {kA, 150}, Eigen::Vector3d::Zero())};
+  const Overlap next = Say({kB, 152}, {kA, 152}, Eigen::Vector3d::Zero());
+  for (uint32_t k = 50; k < kKeyframes; ++k) {
+    Rigid3d pose = request_.target.FindKeyframe({kB, k})->camera_from_map;
+    pose.translation.z() -= 5;
+    request_.target.SetPose({kB, k}, pose);
+  }
+  EXPECT_TRUE(IsAccepted({next}));
+}
+
 // What an earlier overlap joined may have been wrong: several may find that out.
 TEST_F(LoopDriftTest, SeveralMayContradictHowOthersWereJoined) {
   const KeyframeId last{kB, kKeyframes - 1};

@@ -33,8 +33,8 @@ Similarity3d AlignByOverlap(const Map& anchor_map, const Map& mover_map,
 std::optional<Similarity3d> AlignByConsensus(const Map& anchor_map, const Map& mover_map,
                                              const std::vector<OrientedOverlap>& overlaps);
 
-// Median depth of the overlap's points before the anchor's camera. Where it has none, because
-// fusing made its pairs one, of all points that the anchor sees; 1 where it sees none.
+// Median depth of the overlap's points before the anchor's camera. Where the map has none of them,
+// of all points that the anchor sees; 1 where it sees none.
 double MedianDepth(const Map& anchor_map, const OrientedOverlap& overlap);
 
 }  // namespace corbslam

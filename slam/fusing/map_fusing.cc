@@ -134,10 +134,11 @@ void KeepPointsOfOthers(const Map& map, LocalMapId only_moves,
 // As MapFusingOptions::max_edge_chi2 says.
 bool ContradictsGraph(const FusingProblem& problem, const SolvedGraph& graph, double max_chi2) {
   const std::set<size_t> new_overlaps(problem.new_overlaps.begin(), problem.new_overlaps.end());
+  const bool is_bounded = std::isfinite(max_chi2);
   size_t overturned = 0;
   for (size_t i = 0; i < problem.overlaps.size(); ++i) {
     const bool disagrees = graph.chi2[i] > max_chi2;
-    if (new_overlaps.contains(i) && (disagrees || graph.outvoted[i])) return true;
+    if (new_overlaps.contains(i) && (disagrees || (is_bounded && graph.outvoted[i]))) return true;
     if (!disagrees) continue;
     overturned += graph.initial_chi2[i] <= max_chi2;
   }

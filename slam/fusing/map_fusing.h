@@ -18,13 +18,14 @@ struct MapFusingOptions {
   int welding_iterations = 5;
   // A new overlap that still disagrees by more after the graph was solved refuses the whole, in
   // squared standard deviations: 2 % of the scene's depth, 0.01 rad, 5 % of scale. So does one that
-  // the others left without a say, and so do new ones that make as many earlier ones disagree, which
-  // agreed before, as they are themselves: what is in the map already yields to the greater number
-  // only. Earlier ones that disagreed before, because others have outvoted them, refuse nothing.
+  // the others left without a say, and so do new ones that make as many earlier ones disagree,
+  // which agreed before, as they are themselves: what is in the map already yields to the greater
+  // number only. Earlier ones that disagreed before, because others have outvoted them, refuse
+  // nothing.
   double max_edge_chi2 = 50;
-  // A loop that moves its keyframe, or what that sees, by more than this share of the way around the
-  // loop (plus half the scene's depth) is refused: no odometry drifts that much. Tripled where scale
-  // is free. The way may lead through other local maps where the overlap is the only new one.
+  // A loop that moves its keyframe, or what that sees, by more than this share of the way around it
+  // (plus half the scene's depth) is refused: no odometry drifts that much. Tripled where scale is
+  // free. The way may lead through other local maps where the overlap is the only new one.
   double max_drift = 0.1;
   // What changes speed. One thread repeats to the bit.
   int threads = 1;

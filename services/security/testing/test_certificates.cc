@@ -12,8 +12,8 @@ namespace corbslam::test_data {
 TestCertificates::TestCertificates(const std::string& mission, const std::string& hosts)
     : folder_(::testing::TempDir() + "/corbslam_certificates_XXXXXX") {
   EXPECT_NE(mkdtemp(folder_.data()), nullptr) << folder_;
-  const std::string command = absl::StrCat("HOSTS='", hosts, "' '" CORBSLAM_CERTIFICATE_SCRIPT "' '",
-                                           folder_, "' '", mission, "'");
+  const std::string command = absl::StrCat(
+      "HOSTS='", hosts, "' '" CORBSLAM_CERTIFICATE_SCRIPT "' '", folder_, "' '", mission, "'");
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
 }
 
