@@ -49,13 +49,11 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
   }
 
   void OnWriteDone(bool ok) override {
-    {
-      absl::MutexLock lock(&mutex_);
+    if (!ok) cancelled_ = true;
+    Advance([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
       writing_ = false;
       queue_.pop_front();
-    }
-    if (!ok) cancelled_ = true;
-    Advance();
+    });
   }
 
   void OnCancel() override { cancelled_ = true; }
@@ -94,29 +92,27 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
 
   bool Send(ResponseMessage message) {
     if (cancelled_) return false;
-    {
-      absl::MutexLock lock(&mutex_);
+    Advance([this, &message]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
       queue_.push_back(std::move(message));
-    }
-    Advance();
+    });
     return true;
   }
 
   void End(const absl::Status& status) {
-    {
-      absl::MutexLock lock(&mutex_);
-      if (end_) return;
-      end_ = status;
-    }
-    Advance();
+    Advance([this, &status]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      if (!end_) end_ = status;
+    });
   }
 
-  // Writes what waits; finishes when nothing does and the end is known.
-  void Advance() {
+  // Writes what waits after the change; finishes when nothing does and the end is known. Both under
+  // one lock: once the end is known, the end of a write finishes too, and then the reactor is gone.
+  template <typename Change>
+  void Advance(Change change) {
     const ResponseMessage* next = nullptr;
     std::optional<absl::Status> end;
     {
       absl::MutexLock lock(&mutex_);
+      change();
       if (writing_ || finished_) return;
       if (!queue_.empty() && !cancelled_) {
         next = &queue_.front();
