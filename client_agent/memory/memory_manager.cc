@@ -115,7 +115,6 @@ absl::Status MemoryManager::Finish(absl::Duration timeout) {
   {
     absl::MutexLock lock(&mutex_);
     for (auto& recording : recordings_) recording->closing = true;
-    finishing_ = true;
     wake_ = true;
   }
   if (!thread_.joinable()) Step();
@@ -148,7 +147,8 @@ void MemoryManager::Run() {
 
 bool MemoryManager::IsFinishing() const {
   absl::MutexLock lock(&mutex_);
-  return finishing_;
+  return std::all_of(recordings_.begin(), recordings_.end(),
+                     [](const auto& recording) { return recording->closing; });
 }
 
 // False when it is time to stop.

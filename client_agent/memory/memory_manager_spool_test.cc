@@ -37,6 +37,16 @@ class MemoryManagerSpoolTest : public ::testing::Test {
                                               },
                                               [](const auto&, const auto&) {}, nullptr}));
   }
+  // To x = 20, in more steps than batches are made while none waits.
+  void MoveForAWhile(KeyframeId id) {
+    for (int i = 1; i <= 20; ++i) {
+      {
+        absl::MutexLock lock(&map_mutex_);
+        map_.SetPose(id, {Eigen::Quaterniond::Identity(), {double(i), 0, 0}});
+      }
+      absl::SleepFor(3 * options_.flush_interval);
+    }
+  }
   void AddKeyframe(KeyframeId id) {
     Keyframe keyframe;
     keyframe.payload = MakeKeyframePayload(id, 0, 0, std::make_shared<Camera>(), {});
@@ -109,13 +119,7 @@ TEST_F(MemoryManagerSpoolTest, LightUpdatesCoalesceWhileBatchesWait) {
   AddKeyframe({kOwn, 0});
   Step();  // The first batch waits.
   manager_->Start();
-  for (int i = 1; i <= 20; ++i) {
-    {
-      absl::MutexLock lock(&map_mutex_);
-      map_.SetPose({kOwn, 0}, {Eigen::Quaterniond::Identity(), {double(i), 0, 0}});
-    }
-    absl::SleepFor(3 * options_.flush_interval);
-  }
+  MoveForAWhile({kOwn, 0});
   EXPECT_EQ(manager_->upload().batches, 1u) << "none was made for a light update";
   uplink_.reachable = true;
   EXPECT_TRUE(manager_->Finish(absl::Seconds(10)).ok());
@@ -144,13 +148,7 @@ TEST_F(MemoryManagerSpoolTest, LightUpdatesCoalesceAfterALocalMapWasClosed) {
   AddKeyframe({kNext, 1});
   Step();  // This batch waits.
   manager_->Start();
-  for (int i = 1; i <= 20; ++i) {
-    {
-      absl::MutexLock lock(&map_mutex_);
-      map_.SetPose({kNext, 0}, {Eigen::Quaterniond::Identity(), {double(i), 0, 0}});
-    }
-    absl::SleepFor(3 * options_.flush_interval);
-  }
+  MoveForAWhile({kNext, 0});
   EXPECT_EQ(manager_->upload().batches, 1u) << "none was made for a light update";
 }
 

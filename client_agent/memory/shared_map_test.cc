@@ -82,52 +82,52 @@ std::shared_ptr<const Words> NoWords(const std::vector<Descriptor>&) {
   return std::make_shared<Words>();
 }
 
-TEST(SharedMapTest, ForeignItemsArePlacedInTheRobotsFrame) {
-  Map map = OwnMap();
-  SharedMap shared(kOwn, &NoWords);
-  shared.Apply(FirstUpdate());
-  const PlacementChange change = shared.Place(map);
+class SharedMapTest : public ::testing::Test {
+ protected:
+  PlacementChange Share(const SharedUpdate& update) {
+    shared_.Apply(update);
+    return shared_.Place(map_);
+  }
+
+  Map map_ = OwnMap();
+  SharedMap shared_{kOwn, &NoWords};
+};
+
+TEST_F(SharedMapTest, ForeignItemsArePlacedInTheRobotsFrame) {
+  const PlacementChange change = Share(FirstUpdate());
   ASSERT_EQ(change.added_keyframes.size(), 1U);
-  const Keyframe& foreign = *map.FindKeyframe({kForeign, 0});
+  const Keyframe& foreign = *map_.FindKeyframe({kForeign, 0});
   EXPECT_LT((CameraCentre(foreign.camera_from_map) - Eigen::Vector3d(3, 0, 0)).norm(), 1e-9);
-  const MapPoint& point = *map.FindPoint({kForeign, 7});
+  const MapPoint& point = *map_.FindPoint({kForeign, 7});
   EXPECT_LT((point.position_in_map - Eigen::Vector3d(0.7, 0.5, 6)).norm(), 1e-9);
   EXPECT_LT((point.normal_in_map - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
-  const Similarity3d global_from_local = *shared.GlobalFromLocal(map);
+  const Similarity3d global_from_local = *shared_.GlobalFromLocal(map_);
   EXPECT_LT((global_from_local.translation - kGlobalFromLocal.translation).norm(), 1e-9);
 }
 
-TEST(SharedMapTest, ALandmarkTheRobotHoldsIsNotHeldTwice) {
-  Map map = OwnMap();
-  SharedMap shared(kOwn, &NoWords);
-  shared.Apply(FirstUpdate());
-  shared.Place(map);
-  EXPECT_EQ(map.FindPoint({kForeign, 2}), nullptr);
-  EXPECT_EQ(map.FindPoint({kOwn, 2})->observations.at({kForeign, 0}), 2U);
-  EXPECT_EQ(map.FindKeyframe({kOwn, 0})->covisible.at({kForeign, 0}), 5);
+TEST_F(SharedMapTest, ALandmarkTheRobotHoldsIsNotHeldTwice) {
+  Share(FirstUpdate());
+  EXPECT_EQ(map_.FindPoint({kForeign, 2}), nullptr);
+  EXPECT_EQ(map_.FindPoint({kOwn, 2})->observations.at({kForeign, 0}), 2U);
+  EXPECT_EQ(map_.FindKeyframe({kOwn, 0})->covisible.at({kForeign, 0}), 5);
 }
 
-TEST(SharedMapTest, PlacesThroughTheCovisibleKeyframeWhateverTheDriftElsewhere) {
-  Map map = OwnMap();
-  SharedMap shared(kOwn, &NoWords);
+TEST_F(SharedMapTest, PlacesThroughTheCovisibleKeyframeWhateverTheDriftElsewhere) {
   SharedUpdate update = FirstUpdate();
   update.landmarks.clear();
   // The robot drifted after keyframe 1: the nearest keyframe (2) knows best what is ahead.
-  map.SetPose({kOwn, 2}, CameraAt(2.5));
-  shared.Apply(update);
-  shared.Place(map);
-  const Keyframe& foreign = *map.FindKeyframe({kForeign, 0});
+  map_.SetPose({kOwn, 2}, CameraAt(2.5));
+  Share(update);
+  const Keyframe& foreign = *map_.FindKeyframe({kForeign, 0});
   EXPECT_LT((CameraCentre(foreign.camera_from_map) - Eigen::Vector3d(3.5, 0, 0)).norm(), 1e-9);
 }
 
-TEST(SharedMapTest, MovesAreFollowedAndNothingIsPlacedBeforeFusion) {
-  Map map = OwnMap();
-  SharedMap shared(kOwn, &NoWords);
+TEST_F(SharedMapTest, MovesAreFollowedAndNothingIsPlacedBeforeFusion) {
   SharedUpdate update = FirstUpdate();
   const auto own_keyframes = std::exchange(update.own_keyframes, {});
-  shared.Apply(update);
-  EXPECT_TRUE(shared.Place(map).added_keyframes.empty());
-  EXPECT_FALSE(shared.GlobalFromLocal(map).has_value());
+  shared_.Apply(update);
+  EXPECT_TRUE(shared_.Place(map_).added_keyframes.empty());
+  EXPECT_FALSE(shared_.GlobalFromLocal(map_).has_value());
 
   SharedUpdate next;
   next.revision = 5;
@@ -135,97 +135,76 @@ TEST(SharedMapTest, MovesAreFollowedAndNothingIsPlacedBeforeFusion) {
   next.moved_keyframes.push_back(
       {{kForeign, 0}, Similarity3d::FromRigid(CameraAt(4) * kGlobalFromLocal.Inverse())});
   next.moved_points.push_back({{kForeign, 7}, kGlobalFromLocal * Eigen::Vector3d(1, 2, 3)});
-  shared.Apply(next);
-  shared.Place(map);
-  EXPECT_NEAR(CameraCentre(map.FindKeyframe({kForeign, 0})->camera_from_map).x(), 4, 1e-9);
-  EXPECT_LT((map.FindPoint({kForeign, 7})->position_in_map - Eigen::Vector3d(1, 2, 3)).norm(),
+  Share(next);
+  EXPECT_NEAR(CameraCentre(map_.FindKeyframe({kForeign, 0})->camera_from_map).x(), 4, 1e-9);
+  EXPECT_LT((map_.FindPoint({kForeign, 7})->position_in_map - Eigen::Vector3d(1, 2, 3)).norm(),
             1e-9);
 }
 
-TEST(SharedMapTest, OwnItemsAreNeverMoved) {
-  Map map = OwnMap();
-  const Map before = map;
-  SharedMap shared(kOwn, &NoWords);
-  shared.Apply(FirstUpdate());
-  shared.Place(map);
+TEST_F(SharedMapTest, OwnItemsAreNeverMoved) {
+  const Map before = map_;
+  Share(FirstUpdate());
   for (const auto& [id, keyframe] : before.keyframes()) {
-    EXPECT_EQ(map.FindKeyframe(id)->camera_from_map.translation,
+    EXPECT_EQ(map_.FindKeyframe(id)->camera_from_map.translation,
               keyframe.camera_from_map.translation);
   }
   for (const auto& [id, point] : before.points()) {
-    EXPECT_EQ(map.FindPoint(id)->position_in_map, point.position_in_map);
+    EXPECT_EQ(map_.FindPoint(id)->position_in_map, point.position_in_map);
   }
 }
 
-TEST(SharedMapTest, RemovedItemsAndRestartLeaveNothingBehind) {
-  Map map = OwnMap();
-  SharedMap shared(kOwn, &NoWords);
-  shared.Apply(FirstUpdate());
-  shared.Place(map);
+TEST_F(SharedMapTest, RemovedItemsAndRestartLeaveNothingBehind) {
+  Share(FirstUpdate());
   SharedUpdate next;
   next.removed_points.push_back({kForeign, 7});
-  shared.Apply(next);
-  shared.Place(map);
-  EXPECT_EQ(map.FindPoint({kForeign, 7}), nullptr);
-  EXPECT_NE(map.FindPoint({kForeign, 8}), nullptr);
+  Share(next);
+  EXPECT_EQ(map_.FindPoint({kForeign, 7}), nullptr);
+  EXPECT_NE(map_.FindPoint({kForeign, 8}), nullptr);
   SharedUpdate restart;
   restart.restart = true;
-  shared.Apply(restart);
-  const PlacementChange change = shared.Place(map);
+  const PlacementChange change = Share(restart);
   EXPECT_EQ(change.removed_keyframes, (std::vector<KeyframeId>{{kForeign, 0}}));
-  EXPECT_EQ(map.keyframes().size(), 3U);
-  EXPECT_EQ(map.points().size(), 10U);
+  EXPECT_EQ(map_.keyframes().size(), 3U);
+  EXPECT_EQ(map_.points().size(), 10U);
 }
 
-TEST(SharedMapTest, ARestartLeavesOwnKeyframesWhatTheySee) {
-  Map map = OwnMap();
-  SharedMap shared(kOwn, &NoWords);
-  shared.Apply(FirstUpdate());
-  shared.Place(map);
-  EXPECT_TRUE(map.AddObservation({kForeign, 9}, {kOwn, 2}, 15));
+TEST_F(SharedMapTest, ARestartLeavesOwnKeyframesWhatTheySee) {
+  Share(FirstUpdate());
+  EXPECT_TRUE(map_.AddObservation({kForeign, 9}, {kOwn, 2}, 15));
   SharedUpdate again = FirstUpdate();
   again.restart = true;
-  shared.Apply(again);
-  const PlacementChange change = shared.Place(map);
+  const PlacementChange change = Share(again);
   EXPECT_TRUE(change.removed_keyframes.empty());
   EXPECT_TRUE(change.added_keyframes.empty());
-  EXPECT_EQ(map.FindKeyframe({kOwn, 2})->points[15], (MapPointId{kForeign, 9}));
+  EXPECT_EQ(map_.FindKeyframe({kOwn, 2})->points[15], (MapPointId{kForeign, 9}));
 }
 
-TEST(SharedMapTest, WhatComesBeforeAnyPlaceForItIsPlacedOnceThereIsOne) {
-  Map map = OwnMap();
-  SharedMap shared(kOwn, &NoWords);
+TEST_F(SharedMapTest, WhatComesBeforeAnyPlaceForItIsPlacedOnceThereIsOne) {
   SharedUpdate first = FirstUpdate();
   const std::vector<OwnKeyframePose> placed = std::exchange(first.own_keyframes, {});
   // Then the global frame is the robot's own: nothing moves when it becomes known.
   for (SharedKeyframe& keyframe : first.keyframes) {
     keyframe.camera_from_global = Similarity3d::FromRigid(CameraAt(3));
   }
-  shared.Apply(first);
-  shared.Place(map);
-  EXPECT_EQ(map.FindKeyframe({kForeign, 0}), nullptr);
+  Share(first);
+  EXPECT_EQ(map_.FindKeyframe({kForeign, 0}), nullptr);
   SharedUpdate then;
   for (uint32_t k = 0; k < 3; ++k) {
     then.own_keyframes.push_back({{kOwn, k}, Similarity3d::FromRigid(CameraAt(k))});
   }
   ASSERT_EQ(placed.size(), then.own_keyframes.size());
-  shared.Apply(then);
-  shared.Place(map);
-  EXPECT_NE(map.FindKeyframe({kForeign, 0}), nullptr);
+  Share(then);
+  EXPECT_NE(map_.FindKeyframe({kForeign, 0}), nullptr);
 }
 
-TEST(SharedMapTest, APointLaterFoundToBeTheRobotsOwnGoesOverToIt) {
-  Map map = OwnMap();
-  SharedMap shared(kOwn, &NoWords);
-  shared.Apply(FirstUpdate());
-  shared.Place(map);
-  EXPECT_TRUE(map.AddObservation({kForeign, 9}, {kOwn, 2}, 15));
+TEST_F(SharedMapTest, APointLaterFoundToBeTheRobotsOwnGoesOverToIt) {
+  Share(FirstUpdate());
+  EXPECT_TRUE(map_.AddObservation({kForeign, 9}, {kOwn, 2}, 15));
   SharedUpdate next;
   next.landmarks.push_back({{kForeign, 9}, {{kOwn, 9}}});
-  shared.Apply(next);
-  shared.Place(map);
-  EXPECT_EQ(map.FindPoint({kForeign, 9}), nullptr);
-  EXPECT_EQ(map.FindPoint({kOwn, 9})->observations.at({kForeign, 0}), 9U);
+  Share(next);
+  EXPECT_EQ(map_.FindPoint({kForeign, 9}), nullptr);
+  EXPECT_EQ(map_.FindPoint({kOwn, 9})->observations.at({kForeign, 0}), 9U);
 }
 
 }  // namespace

@@ -205,94 +205,88 @@ TEST(UpdateRecorderTest, BatchesLimitedInKeyframesConvergeToTheSame) {
   }
 }
 
-TEST(UpdateRecorderTest, ForeignItemsAreTheirOwnersToTell) {
-  UpdateRecorder recorder(kOwn);
-  Map map;
-  map.SetObserver(&recorder);
-  map.AddKeyframe(MakeKeyframe({kForeign, 0}, {}));
-  MapPoint point;
-  point.id = {kForeign, 0};
-  map.AddPoint(point);
-  map.AddObservation(point.id, {kForeign, 0}, 0);
-  EXPECT_FALSE(recorder.HasChanges());
+class RecordedMapTest : public ::testing::Test {
+ protected:
+  RecordedMapTest() { map_.SetObserver(&recorder_); }
+
+  static MapPoint Point(MapPointId id) {
+    MapPoint point;
+    point.id = id;
+    return point;
+  }
+
+  UpdateRecorder recorder_{kOwn};
+  Map map_;
+};
+
+TEST_F(RecordedMapTest, ForeignItemsAreTheirOwnersToTell) {
+  map_.AddKeyframe(MakeKeyframe({kForeign, 0}, {}));
+  MapPoint point = Point({kForeign, 0});
+  map_.AddPoint(point);
+  map_.AddObservation(point.id, {kForeign, 0}, 0);
+  EXPECT_FALSE(recorder_.HasChanges());
 }
 
-TEST(UpdateRecorderTest, UnloadingAForeignPointIsNotRemoval) {
-  UpdateRecorder recorder(kOwn);
-  Map map;
-  map.SetObserver(&recorder);
-  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
-  MapPoint point;
-  point.id = {kForeign, 0};
-  map.AddPoint(point);
-  map.AddObservation(point.id, {kOwn, 0}, 3);
-  EXPECT_EQ(recorder.TakeBatch(map, 10).observations.size(), 1U);
-  map.RemovePoint(point.id);
-  const MapUpdateBatch batch = recorder.TakeBatch(map, 10);
+TEST_F(RecordedMapTest, UnloadingAForeignPointIsNotRemoval) {
+  map_.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  MapPoint point = Point({kForeign, 0});
+  map_.AddPoint(point);
+  map_.AddObservation(point.id, {kOwn, 0}, 3);
+  EXPECT_EQ(recorder_.TakeBatch(map_, 10).observations.size(), 1U);
+  map_.RemovePoint(point.id);
+  const MapUpdateBatch batch = recorder_.TakeBatch(map_, 10);
   EXPECT_TRUE(batch.observations.empty());
   EXPECT_TRUE(batch.removed_points.empty());
 }
 
-TEST(UpdateRecorderTest, AForeignPointThatComesBackIsNotRemovedFromWhereItWas) {
-  UpdateRecorder recorder(kOwn);
-  Map map;
-  map.SetObserver(&recorder);
-  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
-  MapPoint point;
-  point.id = {kForeign, 0};
-  MapPoint other;
-  other.id = {kForeign, 1};
-  map.AddPoint(point);
-  map.AddPoint(other);
-  map.AddObservation(point.id, {kOwn, 0}, 3);
-  EXPECT_EQ(recorder.TakeBatch(map, 10).observations.size(), 1U);
-  map.RemovePoint(point.id);
-  map.AddPoint(point);
-  map.AddObservation(other.id, {kOwn, 0}, 4);
-  const MapUpdateBatch batch = recorder.TakeBatch(map, 10);
+TEST_F(RecordedMapTest, AForeignPointThatComesBackIsNotRemovedFromWhereItWas) {
+  map_.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  MapPoint point = Point({kForeign, 0});
+  MapPoint other = Point({kForeign, 1});
+  map_.AddPoint(point);
+  map_.AddPoint(other);
+  map_.AddObservation(point.id, {kOwn, 0}, 3);
+  EXPECT_EQ(recorder_.TakeBatch(map_, 10).observations.size(), 1U);
+  map_.RemovePoint(point.id);
+  map_.AddPoint(point);
+  map_.AddObservation(other.id, {kOwn, 0}, 4);
+  const MapUpdateBatch batch = recorder_.TakeBatch(map_, 10);
   ASSERT_EQ(batch.observations.size(), 1U);
   EXPECT_EQ(batch.observations[0].point, other.id);
   // One that the robot takes back itself is told.
-  map.RemoveObservation(other.id, {kOwn, 0});
-  const MapUpdateBatch next = recorder.TakeBatch(map, 10);
+  map_.RemoveObservation(other.id, {kOwn, 0});
+  const MapUpdateBatch next = recorder_.TakeBatch(map_, 10);
   ASSERT_EQ(next.observations.size(), 1U);
   EXPECT_EQ(next.observations[0].kind, ObservationChange::Kind::kRemoved);
 }
 
-TEST(UpdateRecorderTest, APointThatComesBackStandsForItselfAgain) {
-  UpdateRecorder recorder(kOwn);
-  Map map;
-  map.SetObserver(&recorder);
-  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
-  MapPoint own;
-  own.id = {kOwn, 0};
+TEST_F(RecordedMapTest, APointThatComesBackStandsForItselfAgain) {
+  map_.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  MapPoint own = Point({kOwn, 0});
   own.reference = {kOwn, 0};
-  MapPoint foreign;
-  foreign.id = {kForeign, 0};
-  map.AddPoint(own);
-  map.AddObservation(own.id, {kOwn, 0}, 3);
-  map.AddPoint(foreign);
-  recorder.TakeBatch(map, 10);
-  ASSERT_TRUE(map.ReplacePoint(foreign.id, own.id));
-  map.AddPoint(foreign);
-  ASSERT_TRUE(map.ReplacePoint(own.id, foreign.id));
-  const MapUpdateBatch batch = recorder.TakeBatch(map, 10);
+  MapPoint foreign = Point({kForeign, 0});
+  map_.AddPoint(own);
+  map_.AddObservation(own.id, {kOwn, 0}, 3);
+  map_.AddPoint(foreign);
+  recorder_.TakeBatch(map_, 10);
+  ASSERT_TRUE(map_.ReplacePoint(foreign.id, own.id));
+  map_.AddPoint(foreign);
+  ASSERT_TRUE(map_.ReplacePoint(own.id, foreign.id));
+  const MapUpdateBatch batch = recorder_.TakeBatch(map_, 10);
   ASSERT_EQ(batch.replacements.size(), 1U);
   EXPECT_EQ(batch.replacements[0].replaced, own.id);
   EXPECT_EQ(batch.replacements[0].survivor, foreign.id);
 }
 
-TEST(UpdateRecorderTest, FramesBeyondABatchGoIntoTheNext) {
-  UpdateRecorder recorder(kOwn);
-  const Map map;
+TEST_F(RecordedMapTest, FramesBeyondABatchGoIntoTheNext) {
   for (int i = 0; i < 50000; ++i) {
-    recorder.AddLostFrame(i);
-    recorder.AddTrackedFrame({i, {kOwn, 0}, {}});
+    recorder_.AddLostFrame(i);
+    recorder_.AddTrackedFrame({i, {kOwn, 0}, {}});
   }
   size_t lost = 0;
   size_t tracked = 0;
   for (int batches = 0; batches < 2; ++batches) {
-    const MapUpdateBatch batch = recorder.TakeBatch(map, 10);
+    const MapUpdateBatch batch = recorder_.TakeBatch(map_, 10);
     EXPECT_LE(batch.lost_frames_ns.size(), 40000U);
     EXPECT_LE(batch.tracked_frames.size(), 40000U);
     lost += batch.lost_frames_ns.size();
@@ -302,26 +296,20 @@ TEST(UpdateRecorderTest, FramesBeyondABatchGoIntoTheNext) {
   EXPECT_EQ(tracked, 50000U);
 }
 
-TEST(UpdateRecorderTest, FramesWaitForTheirReference) {
-  UpdateRecorder recorder(kOwn);
-  Map map;
-  map.SetObserver(&recorder);
-  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
-  map.AddKeyframe(MakeKeyframe({kOwn, 1}, {kOwn, 0}));
-  recorder.AddTrackedFrame({100, {kOwn, 0}, {}});
-  recorder.AddTrackedFrame({200, {kOwn, 1}, {}});
-  EXPECT_EQ(recorder.TakeBatch(map, 1).tracked_frames.size(), 1U);
-  EXPECT_EQ(recorder.TakeBatch(map, 1).tracked_frames.size(), 1U);
+TEST_F(RecordedMapTest, FramesWaitForTheirReference) {
+  map_.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  map_.AddKeyframe(MakeKeyframe({kOwn, 1}, {kOwn, 0}));
+  recorder_.AddTrackedFrame({100, {kOwn, 0}, {}});
+  recorder_.AddTrackedFrame({200, {kOwn, 1}, {}});
+  EXPECT_EQ(recorder_.TakeBatch(map_, 1).tracked_frames.size(), 1U);
+  EXPECT_EQ(recorder_.TakeBatch(map_, 1).tracked_frames.size(), 1U);
 }
 
-TEST(UpdateRecorderTest, CameraGoesOnceBeforeItsFirstKeyframe) {
-  UpdateRecorder recorder(kOwn);
-  Map map;
-  map.SetObserver(&recorder);
-  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
-  EXPECT_EQ(recorder.TakeBatch(map, 9).cameras.size(), 1U);
-  map.AddKeyframe(MakeKeyframe({kOwn, 1}, {kOwn, 0}));
-  EXPECT_EQ(recorder.TakeBatch(map, 9).cameras.size(), 0U);
+TEST_F(RecordedMapTest, CameraGoesOnceBeforeItsFirstKeyframe) {
+  map_.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  EXPECT_EQ(recorder_.TakeBatch(map_, 9).cameras.size(), 1U);
+  map_.AddKeyframe(MakeKeyframe({kOwn, 1}, {kOwn, 0}));
+  EXPECT_EQ(recorder_.TakeBatch(map_, 9).cameras.size(), 0U);
 }
 
 }  // namespace

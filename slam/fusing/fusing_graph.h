@@ -26,6 +26,7 @@ struct FusingProblem {
   const Map& MapOf(KeyframeId id) const {
     return target->FindKeyframe(id) != nullptr ? *target : *source;
   }
+  bool HasOneNewOverlap() const { return new_overlaps.size() == 1; }
   // Between the two maps, not inside one.
   bool IsCrossing(const OrientedOverlap& overlap) const {
     return &MapOf(overlap.anchor) != &MapOf(overlap.mover);

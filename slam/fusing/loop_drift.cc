@@ -44,7 +44,7 @@ class Ways {
     for (const PoseGraphEdge& edge : EssentialGraphEdges(map)) {
       if (edge.a.local_map == edge.b.local_map) Add(edge.a, edge.b);
     }
-    if (problem.new_overlaps.size() > 1) return;
+    if (!problem.HasOneNewOverlap()) return;
     for (size_t i = 0; i < problem.overlaps.size(); ++i) {
       const OrientedOverlap& overlap = problem.overlaps[i];
       if (i == problem.new_overlaps[0] || problem.IsCrossing(overlap)) continue;
@@ -92,8 +92,7 @@ class Ways {
 double DriftOfLoop(const FusingProblem& problem, const OrientedOverlap& loop,
                    const MapFusingOptions& options) {
   if (problem.IsCrossing(loop)) return 0;
-  const bool is_alone = problem.new_overlaps.size() == 1;
-  if (!is_alone && loop.anchor.local_map != loop.mover.local_map) return 0;
+  if (!problem.HasOneNewOverlap() && loop.anchor.local_map != loop.mover.local_map) return 0;
   const Map& map = problem.MapOf(loop.anchor);
   const auto way = Ways(problem, map).Length(loop.anchor, loop.mover);
   if (!way.has_value()) return 0;
