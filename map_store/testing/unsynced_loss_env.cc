@@ -86,8 +86,8 @@ rocksdb::Status UnsyncedLossEnv::NewWritableFile(const std::string& name,
 }
 
 rocksdb::Status UnsyncedLossEnv::RenameFile(const std::string& from, const std::string& to) {
-  const rocksdb::Status status = target()->RenameFile(from, to);
   absl::MutexLock lock(&mutex_);
+  const rocksdb::Status status = target()->RenameFile(from, to);
   synced_.erase(Normal(from));
   synced_.erase(Normal(to));  // Whole.
   return status;

@@ -18,7 +18,7 @@ grpc::ServerWriteReactor<v1::GetAgentTrajectoryResponse>* AgentService::GetTraje
     grpc::CallbackServerContext*, const v1::GetAgentTrajectoryRequest* request) {
   using Reactor = StreamReactor<v1::GetAgentTrajectoryResponse>;
   const int64_t from_ns = request->from_timestamp_ns();
-  return Reactor::Start(pool_, [this, from_ns]() -> absl::StatusOr<Reactor::Next> {
+  return Reactor::Start(pool_, nullptr, [this, from_ns]() -> absl::StatusOr<Reactor::Next> {
     auto poses = std::make_shared<const std::vector<TrajectoryPose>>(agent_.LocalTrajectory());
     return [poses, from_ns, at = size_t{0}](v1::GetAgentTrajectoryResponse& response) mutable {
       for (; at < poses->size() && response.poses_size() < kPosesPerMessage; ++at) {

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <memory>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -104,9 +105,9 @@ class FusionWorkerServiceTest : public ::testing::Test {
 };
 
 TEST_F(FusionWorkerServiceTest, ARequestGoesThereAndItsResultComesBack) {
-  std::vector<double> progress;
+  std::set<double> progress;
   const auto result = remote_->VerifyOverlap(MakeVerification(), [&](double fraction) {
-    progress.push_back(fraction);
+    progress.insert(fraction);
     return true;
   });
   ASSERT_TRUE(result.ok()) << result.status();
@@ -114,7 +115,7 @@ TEST_F(FusionWorkerServiceTest, ARequestGoesThereAndItsResultComesBack) {
   ASSERT_EQ(result->overlaps.size(), 2u);
   EXPECT_EQ(result->overlaps[1].candidate, (KeyframeId{kOtherMap, 3}));
   EXPECT_EQ(result->overlaps[1].inliers.size(), 2u);
-  EXPECT_THAT(progress, ElementsAre(0.5));
+  EXPECT_THAT(progress, ElementsAre(0, 0.5));
 }
 
 TEST_F(FusionWorkerServiceTest, ErrorsComeBackAsTheyAre) {
@@ -133,9 +134,56 @@ TEST_F(FusionWorkerServiceTest, ARefusedRequestSaysWhy) {
 }
 
 TEST_F(FusionWorkerServiceTest, CancellingStopsTheWorkThere) {
-  const auto result = remote_->AdjustBundle(MakeAdjustment(), [](double) { return false; });
+  const auto result =
+      remote_->AdjustBundle(MakeAdjustment(), [](double fraction) { return fraction < 0.1; });
   EXPECT_EQ(result.status().code(), absl::StatusCode::kCancelled);
   EXPECT_TRUE(worker_.cancelled.WaitForNotificationWithTimeout(absl::Seconds(20)));
+}
+
+TEST_F(FusionWorkerServiceTest, ARequestThatWaitsForItsTurnCanBeCancelled) {
+  std::atomic<bool> first_wanted = true;
+  std::thread first([&] {
+    remote_->AdjustBundle(MakeAdjustment(), [&](double) { return first_wanted.load(); })
+        .status()
+        .IgnoreError();
+  });
+  EXPECT_TRUE(worker_.started.WaitForNotificationWithTimeout(absl::Seconds(20)));
+  const auto result = remote_->AdjustBundle(
+      MakeAdjustment(), [&](double) { return service_.waiting_requests() == 0; });
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kCancelled);
+  EXPECT_FALSE(worker_.cancelled.HasBeenNotified()) << "the first one goes on";
+  first_wanted = false;
+  first.join();
+}
+
+// Takes calls and reads nothing of them.
+class StuckService : public v1::FusionWorker::CallbackService {
+ public:
+  grpc::ServerBidiReactor<v1::AdjustBundleRequest, v1::AdjustBundleResponse>* AdjustBundle(
+      grpc::CallbackServerContext*) override {
+    class Reactor
+        : public grpc::ServerBidiReactor<v1::AdjustBundleRequest, v1::AdjustBundleResponse> {
+      void OnCancel() override { Finish(grpc::Status::CANCELLED); }
+      void OnDone() override { delete this; }
+    };
+    begun.Notify();
+    return new Reactor();
+  }
+
+  absl::Notification begun;
+};
+
+TEST_F(FusionWorkerServiceTest, ARequestThatIsStillBeingSentCanBeCancelled) {
+  StuckService stuck;
+  const auto server = Server::Start("127.0.0.1:0", {&stuck});
+  ASSERT_TRUE(server.ok()) << server.status();
+  std::mt19937 random(3);
+  AdjustBundleRequest request = MakeAdjustment();
+  request.view = test_data::MakeMap(random, kMap, 1000);
+  const auto result =
+      MakeRemoteFusionWorker({MakeChannel((*server)->address())})
+          ->AdjustBundle(request, [&](double) { return !stuck.begun.HasBeenNotified(); });
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kCancelled) << result.status();
 }
 
 TEST_F(FusionWorkerServiceTest, ACallThatIsClosedIsCancelled) {

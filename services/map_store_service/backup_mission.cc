@@ -14,17 +14,18 @@ constexpr size_t kPieceBytes = 1 << 20;
 }  // namespace
 
 grpc::ServerWriteReactor<v1::BackupMissionResponse>* MapStoreService::BackupMission(
-    grpc::CallbackServerContext*, const v1::BackupMissionRequest* request) {
+    grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) {
   using Reactor = StreamReactor<v1::BackupMissionResponse>;
-  return Reactor::Start(pool_, [this, name = request->name()]() -> absl::StatusOr<Reactor::Next> {
-    ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(name));
-    ASSIGN_OR_RETURN(MissionBackup taken, store_.BackUpMission(mission));
-    const auto backup = std::make_shared<MissionBackup>(std::move(taken));
-    return [backup](v1::BackupMissionResponse& response) {
-      response.set_piece(backup->Next(kPieceBytes));
-      return !response.piece().empty();
-    };
-  });
+  return Reactor::Start(pool_, limits_.Enter(context->peer()),
+                        [this, name = request->name()]() -> absl::StatusOr<Reactor::Next> {
+                          ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(name));
+                          ASSIGN_OR_RETURN(MissionBackup taken, store_.BackUpMission(mission));
+                          const auto backup = std::make_shared<MissionBackup>(std::move(taken));
+                          return [backup](v1::BackupMissionResponse& response) {
+                            response.set_piece(backup->Next(kPieceBytes));
+                            return !response.piece().empty();
+                          };
+                        });
 }
 
 }  // namespace corbslam

@@ -63,20 +63,22 @@ absl::StatusOr<TrajectoryFrame> ReadFrame(v1::TrajectoryFrame frame) {
 }  // namespace
 
 grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* MapStoreService::GetTrajectory(
-    grpc::CallbackServerContext*, const v1::GetTrajectoryRequest* request) {
+    grpc::CallbackServerContext* context, const v1::GetTrajectoryRequest* request) {
   using Reactor = StreamReactor<v1::GetTrajectoryResponse>;
-  return Reactor::Start(pool_, [this, request = *request]() -> absl::StatusOr<Reactor::Next> {
-    ASSIGN_OR_RETURN(const AgentPath path, ParseAgentName(request.name(), /*may_be_all=*/true));
-    ASSIGN_OR_RETURN(const TrajectoryFrame frame, ReadFrame(request.frame()));
-    auto walk = std::make_shared<Walk>();
-    walk->mission = path.mission;
-    walk->global = frame == TrajectoryFrame::kGlobal;
-    ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(path.mission));
-    walk->revision = info.revision;
-    ASSIGN_OR_RETURN(walk->trajectories,
-                     store_.GetTrajectory(path.mission, path.agent, frame, request.all_islands()));
-    return [walk](v1::GetTrajectoryResponse& response) { return FillNext(*walk, response); };
-  });
+  return Reactor::Start(
+      pool_, limits_.Enter(context->peer()),
+      [this, request = *request]() -> absl::StatusOr<Reactor::Next> {
+        ASSIGN_OR_RETURN(const AgentPath path, ParseAgentName(request.name(), /*may_be_all=*/true));
+        ASSIGN_OR_RETURN(const TrajectoryFrame frame, ReadFrame(request.frame()));
+        auto walk = std::make_shared<Walk>();
+        walk->mission = path.mission;
+        walk->global = frame == TrajectoryFrame::kGlobal;
+        ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(path.mission));
+        walk->revision = info.revision;
+        ASSIGN_OR_RETURN(walk->trajectories, store_.GetTrajectory(path.mission, path.agent, frame,
+                                                                  request.all_islands()));
+        return [walk](v1::GetTrajectoryResponse& response) { return FillNext(*walk, response); };
+      });
 }
 
 }  // namespace corbslam

@@ -65,7 +65,10 @@ struct MapStoreServiceOptions {
 class MapStoreService : public MapStoreMethods {
  public:
   explicit MapStoreService(MapStore* store, const MapStoreServiceOptions& options = {})
-      : store_(*store), options_(options), limits_(options.streams), pool_(options.threads) {}
+      : store_(*store),
+        options_(options),
+        limits_(options.streams),
+        pool_(options.threads, options.streams.max_waiting_calls) {}
 
   // The server is about to stop: streams end with UNAVAILABLE, once what they had to say is said.
   void EndStreams() { limits_.Close(); }

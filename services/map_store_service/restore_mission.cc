@@ -1,42 +1,116 @@
 #include <glog/logging.h>
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
 #include "services/convert/resource_names.h"
 #include "services/convert/status.h"
 #include "services/logging/log_fields.h"
 #include "services/map_store_service/lookups_to_proto.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/map_store_service/read_timer.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
 
-// Reads the next piece when the one before was taken. Owns itself.
+// Reads the next piece when the one before was taken. As SyncReactor: reactions note, Work works.
 class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest> {
  public:
   using Check = std::function<absl::Status(const std::string& mission)>;
 
-  RestoreReactor(MapStore& store, TaskPool& pool, Check may_restore, v1::Mission* response)
+  RestoreReactor(MapStore& store, TaskPool& pool, StreamLimits& limits, absl::string_view peer,
+                 Check may_restore, v1::Mission* response)
       : store_(store),
         pool_(pool),
+        limits_(limits.options()),
+        ticket_(limits.Enter(peer)),
         may_restore_(std::move(may_restore)),
         response_(*response),
         restorer_(store.StartRestoring()) {
+    if (!ticket_.ok()) {
+      End(ticket_.status());
+      return;
+    }
+    timer_.Arm(limits_.open_timeout_s, "the first message");
     StartRead(&request_);
   }
 
   void OnReadDone(bool ok) override {
-    pool_.Schedule([this, ok] {
-      const absl::Status status = ok ? Take() : Restore();
-      if (ok && status.ok()) return StartRead(&request_);
-      Finish(ToGrpcStatus(status));
-    });
+    Note([this, ok]()
+             ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { (ok ? has_piece_ : read_to_end_) = true; });
   }
+  void OnCancel() override { End(absl::CancelledError("the caller went away")); }
   void OnDone() override { delete this; }
 
  private:
+  enum class Job { kNone, kTake, kRestore, kFinish };
+
+  template <typename Change>
+  void Note(const Change& change) {
+    {
+      absl::MutexLock lock(&mutex_);
+      change();
+      if (working_ || finished_ || NextJob() == Job::kNone) return;
+      working_ = true;
+    }
+    pool_.Schedule([this] { Work(); });
+  }
+
+  void End(const absl::Status& status) {
+    Note([this, &status]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      if (!end_) end_ = status;
+    });
+  }
+
+  Job NextJob() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    if (end_) return Job::kFinish;
+    if (has_piece_) return Job::kTake;
+    return read_to_end_ ? Job::kRestore : Job::kNone;
+  }
+
+  void Work() {
+    while (true) {
+      Job job;
+      absl::Status end;
+      {
+        absl::MutexLock lock(&mutex_);
+        job = NextJob();
+        working_ = job != Job::kNone;
+        finished_ = job == Job::kFinish;
+        if (end_) end = *end_;
+      }
+      if (job == Job::kNone) return;
+      if (job == Job::kTake) TakePiece();
+      if (job == Job::kRestore) {
+        timer_.Disarm();
+        const absl::Status restored = Restore();
+        absl::MutexLock lock(&mutex_);
+        if (!end_) end_ = restored;
+      }
+      if (job != Job::kFinish) continue;
+      if (ticket_.ok()) ticket_->reset();
+      // The reactor may be gone once this is called.
+      return Finish(ToGrpcStatus(end));
+    }
+  }
+
+  void TakePiece() {
+    const absl::Status status = Take();
+    {
+      absl::MutexLock lock(&mutex_);
+      has_piece_ = false;
+      if (!status.ok() && !end_) end_ = status;
+      if (end_) return;
+    }
+    timer_.Arm(limits_.part_timeout_s, "the next piece");
+    StartRead(&request_);
+  }
+
   absl::Status Take() {
     if (mission_.empty()) {
       ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request_.name()));
@@ -58,11 +132,26 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
 
   MapStore& store_;
   TaskPool& pool_;
+  const StreamLimitOptions& limits_;
+  // An error: there were too many streams before this one.
+  absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket_;
   const Check may_restore_;
   v1::Mission& response_;
+  // Of Work, and of gRPC while it reads.
   v1::RestoreMissionRequest request_;
+  // Of Work.
   std::string mission_;
   MissionRestorer restorer_;
+
+  absl::Mutex mutex_;
+  bool working_ ABSL_GUARDED_BY(mutex_) = false;
+  bool has_piece_ ABSL_GUARDED_BY(mutex_) = false;
+  bool read_to_end_ ABSL_GUARDED_BY(mutex_) = false;
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
+
+  // Last: ends while the rest is there.
+  ReadTimer timer_{[this](const absl::Status& overdue) { End(overdue); }};
 };
 
 }  // namespace
@@ -73,7 +162,7 @@ grpc::ServerReadReactor<v1::RestoreMissionRequest>* MapStoreService::RestoreMiss
     if (options_.may_restore == nullptr) return absl::OkStatus();
     return options_.may_restore(*context, mission);
   };
-  return new RestoreReactor(store_, pool_, may_restore, response);
+  return new RestoreReactor(store_, pool_, limits_, context->peer(), may_restore, response);
 }
 
 }  // namespace corbslam

@@ -37,6 +37,7 @@ absl::Status StreamLimitOptions::Validate() const {
   status.Update(CheckRange("max_unfinished_bytes", max_unfinished_bytes, max_batch_bytes, kMany));
   status.Update(CheckRange("open_timeout_s", open_timeout_s, 0.1, 1e5));
   status.Update(CheckRange("part_timeout_s", part_timeout_s, 0.1, 1e5));
+  status.Update(CheckRange("max_waiting_calls", max_waiting_calls, size_t{1}, kMany));
   return status;
 }
 

@@ -1,4 +1,5 @@
-// How many streams a server keeps open, for whom, and how much unfinished work it holds for them.
+// How many streams a server keeps open, for whom, and how much unfinished work it holds for its
+// callers.
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_
 
@@ -15,6 +16,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
 #include "services/convert/limits.h"
+#include "services/server/task_pool.h"
 
 namespace corbslam {
 
@@ -31,6 +33,8 @@ struct StreamLimitOptions {
   // Within which the first message must come, and the next part of an unfinished batch.
   double open_timeout_s = 30;
   double part_timeout_s = 300;
+  // Calls for which no thread is free yet.
+  size_t max_waiting_calls = TaskPool::kMaxWaitingCalls;
 
   // INVALID_ARGUMENT naming the field.
   absl::Status Validate() const;

@@ -71,7 +71,8 @@ TEST(StreamLimitOptionsTest, NameTheFieldThatIsOutOfRange) {
       {"max_batch_bytes", [](auto& o) { o.max_batch_bytes = 1u << 30; }},
       {"max_unfinished_bytes is 0", [](auto& o) { o.max_unfinished_bytes = 0; }},
       {"open_timeout_s is 0", [](auto& o) { o.open_timeout_s = 0; }},
-      {"part_timeout_s is -1", [](auto& o) { o.part_timeout_s = -1; }}};
+      {"part_timeout_s is -1", [](auto& o) { o.part_timeout_s = -1; }},
+      {"max_waiting_calls is 0", [](auto& o) { o.max_waiting_calls = 0; }}};
   for (const auto& [says, break_it] : cases) {
     StreamLimitOptions options;
     break_it(options);
@@ -117,6 +118,14 @@ class LimitedStreamsTest : public ::testing::Test {
     EXPECT_EQ(status.error_code(), code) << status.error_message();
     EXPECT_THAT(status.error_message(), HasSubstr(says));
   }
+  template <typename Response, typename Open>
+  static void ExpectRefusedReading(Open open) {
+    grpc::ClientContext context;
+    const auto stream = open(&context);
+    Response response;
+    EXPECT_FALSE(stream->Read(&response));
+    EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  }
   static std::vector<v1::SyncRequest> Parts(int keyframes) {
     std::mt19937 random(1);
     CameraBook sent;
@@ -142,11 +151,16 @@ TEST_F(LimitedStreamsTest, TooManyStreamsAreRefusedAndTheOthersGoOn) {
   const auto second = Open("b");
   EXPECT_TRUE(IsGranted(*second));
   ExpectEnd(*Open("c"), grpc::StatusCode::RESOURCE_EXHAUSTED, "the limit is 2");
+  ExpectRefusedReading<v1::WatchMapResponse>(
+      [this](auto* context) { return stub_->WatchMap(context, v1::WatchMapRequest()); });
+  ExpectRefusedReading<v1::GetTrajectoryResponse>(
+      [this](auto* context) { return stub_->GetTrajectory(context, v1::GetTrajectoryRequest()); });
+  ExpectRefusedReading<v1::BackupMissionResponse>(
+      [this](auto* context) { return stub_->BackupMission(context, v1::BackupMissionRequest()); });
   grpc::ClientContext context;
-  const auto watch = stub_->WatchMap(&context, v1::WatchMapRequest());
-  v1::WatchMapResponse change;
-  EXPECT_FALSE(watch->Read(&change));
-  EXPECT_EQ(watch->Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  v1::Mission mission;
+  EXPECT_EQ(stub_->RestoreMission(&context, &mission)->Finish().error_code(),
+            grpc::StatusCode::RESOURCE_EXHAUSTED);
   for (const v1::SyncRequest& part : Parts(1)) EXPECT_TRUE(first->Write(part));
   v1::SyncResponse response;
   EXPECT_TRUE(first->Read(&response));
@@ -164,6 +178,23 @@ TEST_F(LimitedStreamsTest, AStreamThatSaysNothingEnds) {
   grpc::ClientContext context;
   const auto stream = stub_->Sync(&context);
   ExpectEnd(*stream, grpc::StatusCode::DEADLINE_EXCEEDED, "the first message did not come");
+}
+
+TEST_F(LimitedStreamsTest, ABackupThatDoesNotComeEndsItsStream) {
+  Start({.open_timeout_s = 0.1, .part_timeout_s = 0.2});
+  v1::Mission mission;
+  grpc::ClientContext silent;
+  EXPECT_EQ(stub_->RestoreMission(&silent, &mission)->Finish().error_code(),
+            grpc::StatusCode::DEADLINE_EXCEEDED);
+  grpc::ClientContext context;
+  const auto begun = stub_->RestoreMission(&context, &mission);
+  v1::RestoreMissionRequest first;
+  first.set_name("missions/m");
+  EXPECT_TRUE(begun->Write(first));
+  const grpc::Status status = begun->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_THAT(status.error_message(), HasSubstr("the next piece did not come within 0.2 s"));
+  EXPECT_EQ(service_->streams().open_streams(), 0u);
 }
 
 TEST_F(LimitedStreamsTest, AnOpenStreamMayBeSilent) {

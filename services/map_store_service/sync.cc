@@ -51,20 +51,8 @@ SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
     Kick();
     return;
   }
-  Arm(limits_.open_timeout_s, "the first message");
+  timer_.Arm(limits_.open_timeout_s, "the first message");
   StartRead(&request_);
-}
-
-void SyncReactor::Arm(double seconds, const std::string& what) {
-  alarm_ = std::make_unique<grpc::Alarm>();
-  const auto overdue = [link = link_, seconds, what](bool fired) {
-    absl::MutexLock lock(&link->mutex);
-    if (!fired || link->reactor == nullptr) return;
-    link->reactor->End(
-        absl::DeadlineExceededError(absl::StrCat(what, " did not come within ", seconds, " s")));
-    link->reactor->Kick();
-  };
-  alarm_->Set(absl::ToChronoTime(absl::Now() + absl::Seconds(seconds)), overdue);
 }
 
 void SyncReactor::OnReadDone(bool ok) {
@@ -227,7 +215,7 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   session_id_ = opened.session_id;
   who_ = {request.mission, request.agent};
   for (SyncObserver* observer : observers_) observer->OnOpened(who_);
-  Disarm();
+  timer_.Disarm();
   v1::SyncResponse response;
   ToProto(opened.grant, response.mutable_grant());
   Reply(response);
@@ -256,10 +244,10 @@ absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
   ASSIGN_OR_RETURN(const std::optional<MapUpdateBatch> batch,
                    assembler_.Add(part, received_cameras_));
   if (!batch) {
-    Arm(limits_.part_timeout_s, absl::StrCat("the next part of batch ", part.number()));
+    timer_.Arm(limits_.part_timeout_s, absl::StrCat("the next part of batch ", part.number()));
     return absl::OkStatus();
   }
-  Disarm();
+  timer_.Disarm();
   ASSIGN_OR_RETURN(const Acknowledgement stored, ApplyWhole(*batch));
   ticket_->ReleaseAll();
   v1::SyncResponse response;

@@ -2,7 +2,6 @@
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_
 
-#include <grpcpp/alarm.h>
 #include <grpcpp/support/byte_buffer.h>
 
 #include <cstddef>
@@ -23,6 +22,7 @@
 #include "services/convert/features.h"
 #include "services/convert/map_update.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/map_store_service/read_timer.h"
 #include "services/map_store_service/stream_limits.h"
 #include "services/map_store_service/sync_observer.h"
 #include "services/server/task_pool.h"
@@ -55,9 +55,6 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   enum class Job { kNone, kWrite, kFinish, kRequest, kShare };
 
   void OnShareable();
-  // Ends the stream unless Disarm or another Arm comes within the time. `what` is waited for.
-  void Arm(double seconds, const std::string& what);
-  void Disarm() { alarm_.reset(); }
   // Makes sure that Work will see what was noted.
   void Kick();
   void Work();
@@ -85,7 +82,6 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   const StreamLimitOptions& limits_;
   // Null: there were too many streams before this one.
   std::unique_ptr<StreamLimits::Ticket> ticket_;
-  std::unique_ptr<grpc::Alarm> alarm_;
 
   // Of Work, and of gRPC while it reads.
   grpc::ByteBuffer request_;
@@ -108,6 +104,12 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   std::deque<grpc::ByteBuffer> replies_ ABSL_GUARDED_BY(mutex_);
+
+  // Last: ends while the rest is there.
+  ReadTimer timer_{[this](const absl::Status& overdue) {
+    End(overdue);
+    Kick();
+  }};
 };
 
 }  // namespace corbslam

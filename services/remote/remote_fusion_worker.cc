@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
@@ -16,26 +17,73 @@
 namespace corbslam {
 namespace {
 
+constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
+
+absl::Status Cancelled() { return absl::CancelledError("the caller cancelled"); }
+
+// Asks whether a call is still wanted, again and again until it is destroyed, and cancels it when
+// it is not: also while it is sent, and while it waits for its turn in the worker. Thread-safe.
+class CallWatch {
+ public:
+  // Both must outlive it.
+  CallWatch(grpc::ClientContext& context, const ProgressCallback& progress)
+      : context_(context), progress_(progress) {
+    if (progress_ != nullptr) thread_ = std::thread([this] { Run(); });
+  }
+  ~CallWatch() {
+    {
+      absl::MutexLock lock(&mutex_);
+      ended_ = true;
+    }
+    if (thread_.joinable()) thread_.join();
+  }
+
+  void Report(double fraction) {
+    absl::MutexLock lock(&mutex_);
+    fraction_ = fraction;
+    Ask();
+  }
+  bool cancelled() const {
+    absl::MutexLock lock(&mutex_);
+    return cancelled_;
+  }
+
+ private:
+  void Run() {
+    absl::MutexLock lock(&mutex_);
+    while (!mutex_.AwaitWithTimeout(absl::Condition(&ended_), kAskAgain)) Ask();
+  }
+  void Ask() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (cancelled_ || progress_ == nullptr || progress_(fraction_)) return;
+    cancelled_ = true;
+    context_.TryCancel();
+  }
+
+  grpc::ClientContext& context_;
+  const ProgressCallback& progress_;
+  mutable absl::Mutex mutex_;
+  double fraction_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool ended_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
 // Reads progress and the result.
 template <typename Result, typename Stream, typename Response>
-absl::StatusOr<Result> ReadResult(Stream& stream, grpc::ClientContext& context,
-                                  const ProgressCallback& progress) {
+absl::StatusOr<Result> ReadResult(Stream& stream, grpc::ClientContext& context, CallWatch& watch) {
   WorkReader<ResultReader<Response>, v1::ResultChunk> reader;
   absl::Status failure;
   Response response;
-  while (stream.Read(&response)) {
+  while (failure.ok() && stream.Read(&response)) {
     if (response.has_progress()) {
-      if (progress && !progress(response.progress().fraction())) {
-        failure.Update(absl::CancelledError("the caller cancelled"));
-      }
+      watch.Report(response.progress().fraction());
     } else {
-      failure.Update(reader.Add(response));
+      failure = reader.Add(response);
     }
-    if (failure.ok()) continue;
-    context.TryCancel();
-    break;
   }
+  if (!failure.ok()) context.TryCancel();
   const absl::Status status = FromGrpcStatus(stream.Finish());
+  if (watch.cancelled()) return Cancelled();
   if (!failure.ok()) return failure;
   // Nobody here cancelled: the worker is being stopped.
   if (absl::IsCancelled(status)) return absl::UnavailableError(status.message());
@@ -78,6 +126,7 @@ class RemoteFusionWorker : public FusionWorker {
     absl::Status last = absl::UnavailableError("there are no workers");
     std::vector<bool> tried(stubs_.size(), false);
     for (size_t attempt = 0; attempt < stubs_.size(); ++attempt) {
+      if (progress != nullptr && !progress(0)) return Cancelled();
       const size_t worker = Acquire(tried);
       tried[worker] = true;
       absl::StatusOr<Result> result = RunOn<Result, RequestMessage, ResponseMessage>(
@@ -97,6 +146,7 @@ class RemoteFusionWorker : public FusionWorker {
     context.set_deadline(std::chrono::system_clock::now() +
                          absl::ToChronoMilliseconds(options_.deadline));
     const auto stream = (stub.*method)(&context);
+    CallWatch watch(context, progress);
     // A worker that refuses the request early ends the stream: then writing fails, and reading
     // tells why.
     WriteWork<RequestMessage>(request,
@@ -104,7 +154,7 @@ class RemoteFusionWorker : public FusionWorker {
                                   [&](RequestMessage message) { return stream->Write(message); }));
     stream->WritesDone();
     return ReadResult<Result, std::remove_reference_t<decltype(*stream)>, ResponseMessage>(
-        *stream, context, progress);
+        *stream, context, watch);
   }
 
   size_t Acquire(const std::vector<bool>& tried) {

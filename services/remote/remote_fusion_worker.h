@@ -18,7 +18,9 @@ struct RemoteFusionWorkerOptions {
 };
 
 // Thread contract and errors are those of FusionWorker. A request goes to the channel with the
-// fewest requests under way; when that one is UNAVAILABLE, it goes to each of the others once.
+// fewest requests under way; when that one is UNAVAILABLE, it goes to each of the others once. While
+// it is sent and waits for its turn, progress is asked about ten times a second with what it was
+// last told.
 // Keyframes are sent without what the work does not look at: descriptors for AdjustBundle,
 // keypoints without a point for AdjustBundle and for the candidates of VerifyOverlap.
 std::unique_ptr<FusionWorker> MakeRemoteFusionWorker(

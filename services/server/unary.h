@@ -5,20 +5,24 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <functional>
+#include <memory>
 #include <utility>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "services/convert/status.h"
 #include "services/server/task_pool.h"
 
 namespace corbslam {
 
-// Answers one call with what `answer` returns, computed on the pool. The request and the response
-// live until then.
+// Answers one call with what `answer` returns, computed on the pool, or with RESOURCE_EXHAUSTED
+// where too many wait. The request and the response live until then.
 inline grpc::ServerUnaryReactor* AnswerOn(TaskPool& pool, grpc::CallbackServerContext* context,
                                           std::function<absl::Status()> answer) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  pool.Schedule([reactor, answer = std::move(answer)] { reactor->Finish(ToGrpcStatus(answer())); });
+  const absl::Status waits = pool.ScheduleCall(
+      [reactor, answer = std::move(answer)] { reactor->Finish(ToGrpcStatus(answer())); });
+  if (!waits.ok()) reactor->Finish(ToGrpcStatus(waits));
   return reactor;
 }
 
@@ -31,31 +35,48 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   // Computes what is to be streamed; an error ends the call.
   using Prepare = std::function<absl::StatusOr<Next>()>;
 
-  // Prepares on the pool, then streams. Owns itself.
-  static StreamReactor* Start(TaskPool& pool, Prepare prepare) {
+  // Prepares on the pool, then streams; RESOURCE_EXHAUSTED where too many wait. Keeps `ticket`
+  // until the stream has ended; where it is an error, the stream ends with that. Owns itself.
+  static StreamReactor* Start(TaskPool& pool, absl::StatusOr<std::shared_ptr<const void>> ticket,
+                              Prepare prepare) {
     auto* reactor = new StreamReactor();
-    pool.Schedule([reactor, prepare = std::move(prepare)] {
-      absl::StatusOr<Next> next = prepare();
-      if (!next.ok()) return reactor->Finish(ToGrpcStatus(next.status()));
-      reactor->next_ = *std::move(next);
-      reactor->WriteNext();
-    });
+    absl::Status started = ticket.status();
+    if (started.ok()) {
+      reactor->ticket_ = *std::move(ticket);
+      started =
+          pool.ScheduleCall([reactor, prepare = std::move(prepare)] { reactor->Begin(prepare()); });
+    }
+    if (!started.ok()) reactor->Finish(ToGrpcStatus(started));
     return reactor;
   }
 
   void OnWriteDone(bool ok) override {
-    if (!ok) return this->Finish(grpc::Status::CANCELLED);
+    if (!ok) return End(grpc::Status::CANCELLED);
     WriteNext();
   }
   void OnDone() override { delete this; }
 
  private:
+  void Begin(absl::StatusOr<Next> next) {
+    if (!next.ok()) return End(ToGrpcStatus(next.status()));
+    next_ = *std::move(next);
+    WriteNext();
+  }
+
   void WriteNext() {
     response_.Clear();
-    if (!next_(response_)) return this->Finish(grpc::Status::OK);
+    if (!next_(response_)) return End(grpc::Status::OK);
     this->StartWrite(&response_);
   }
 
+  void End(const grpc::Status& status) {
+    // Before the caller hears of the end: it may come again at once.
+    ticket_.reset();
+    // The reactor may be gone once this is called.
+    this->Finish(status);
+  }
+
+  std::shared_ptr<const void> ticket_;
   Next next_;
   Response response_;
 };

@@ -112,7 +112,7 @@ struct AdjustBundleResult {
   double seconds = 0;
 };
 
-// Progress of a long request: called with a number in [0, 1]; returning false cancels the work.
+// Hears of a request's progress (0 to 1), from any thread, never from two at once; false cancels.
 using ProgressCallback = std::function<bool(double)>;
 
 // Thread-safe: any number of requests at once. Blocking calls; errors: INVALID_ARGUMENT (names the

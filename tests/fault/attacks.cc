@@ -21,7 +21,6 @@
 namespace corbslam {
 namespace {
 
-constexpr char kOwnMission[] = "evil";
 constexpr char kOwnAgent[] = "mallory";
 constexpr LocalMapId kOwnMap{0xbad};
 // Of one stream before it is given up.
@@ -181,23 +180,54 @@ std::map<std::string, std::string> Attacker::SendForbiddenBatches() {
   return ends;
 }
 
+bool Attacker::ReplayANumber(int times) {
+  RawStream stream(MakeChannel(address_));
+  stream.Send(OpenMessage(kOwnMission, kOwnAgent));
+  for (int i = 0; i < times; ++i) {
+    MapUpdateBatch batch = AsLocalMap(uploads_[static_cast<size_t>(i) % uploads_.size()], kOwnMap);
+    batch.number = 1;
+    stream.Send(BatchMessage(batch));
+  }
+  const absl::Time deadline = absl::Now() + kPatience;
+  // And the grant.
+  while (stream.answers() <= times && !stream.has_ended() && absl::Now() < deadline) {
+    absl::SleepFor(absl::Milliseconds(1));
+  }
+  return stream.answers() == times + 1 && !stream.has_ended();
+}
+
 bool Attacker::ClaimTwoGigabytes(absl::Duration patience) {
+  return SendRawMessage(0x7fffffff, /*dribbles=*/false, patience);
+}
+
+bool Attacker::Dribble(absl::Duration patience) {
+  return SendRawMessage(1000, /*dribbles=*/true, patience);
+}
+
+bool Attacker::SendRawMessage(uint32_t claimed_bytes, bool dribbles, absl::Duration patience) {
   const int fd = Connect(address_);
   if (fd < 0) return false;
   const std::string headers = Header(":method", "POST") + Header(":scheme", "http") +
                               Header(":path", "/corbslam.v1.MapStore/Sync") +
                               Header(":authority", "x") +
                               Header("content-type", "application/grpc") + Header("te", "trailers");
-  const std::string claim("\0\x7f\xff\xff\xff", 5);
+  std::string claim(1, '\0');
+  for (const int shift : {24, 16, 8, 0}) claim += static_cast<char>(claimed_bytes >> shift);
   const std::string bytes = absl::StrCat("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", Frame(4, 0, 0, ""),
                                          Frame(1, 4, 1, headers), Frame(0, 0, 1, claim + "abc"));
-  const bool sent = write(fd, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
+  const auto send_all = [fd](const std::string& what) {
+    return send(fd, what.data(), what.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(what.size());
+  };
+  bool goes_on = send_all(bytes);
   const absl::Time deadline = absl::Now() + patience;
   std::string answer;
   char buffer[4096];
-  while (sent && absl::Now() < deadline && !EndsStream(answer)) {
+  while (goes_on && absl::Now() < deadline && !EndsStream(answer)) {
     pollfd wait{fd, POLLIN, 0};
-    if (poll(&wait, 1, 100) <= 0) continue;
+    if (poll(&wait, 1, 100) <= 0) {
+      if (dribbles) goes_on = send_all(Frame(0, 0, 1, "x"));
+      continue;
+    }
     const ssize_t read_bytes = read(fd, buffer, sizeof(buffer));
     if (read_bytes <= 0) break;
     answer.append(buffer, static_cast<size_t>(read_bytes));
@@ -206,14 +236,32 @@ bool Attacker::ClaimTwoGigabytes(absl::Duration patience) {
   return EndsStream(answer);
 }
 
-Attacker::Ends Attacker::OpenSilentStreams(int streams, absl::Duration patience) {
+Attacker::Ends Attacker::OpenSilentStreams(const std::string& method, int streams,
+                                           absl::Duration patience) {
   Ends ends;
   const auto channel = MakeChannel(address_);
   std::vector<std::unique_ptr<RawStream>> opened;
-  for (int i = 0; i < streams; ++i) opened.push_back(std::make_unique<RawStream>(channel));
+  for (int i = 0; i < streams; ++i) opened.push_back(std::make_unique<RawStream>(channel, method));
   const absl::Time deadline = absl::Now() + patience;
   for (const auto& stream : opened) {
     ++ends[NameOf(stream->WaitForEnd(std::max(deadline - absl::Now(), absl::ZeroDuration())))];
+  }
+  return ends;
+}
+
+Attacker::Ends Attacker::FloodWithLookups(int calls, absl::Duration patience) {
+  Ends ends;
+  const auto channel = MakeChannel(address_);
+  v1::ListKeyframesRequest request;
+  request.set_parent(MissionName(mission_) + "/localMaps/-");
+  std::vector<std::unique_ptr<RawStream>> made;
+  for (int i = 0; i < calls; ++i) {
+    made.push_back(std::make_unique<RawStream>(channel, "ListKeyframes"));
+    made.back()->Send(request.SerializeAsString());
+  }
+  const absl::Time deadline = absl::Now() + patience;
+  for (const auto& call : made) {
+    ++ends[NameOf(call->WaitForEnd(std::max(deadline - absl::Now(), absl::ZeroDuration())))];
   }
   return ends;
 }

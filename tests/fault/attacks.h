@@ -26,18 +26,29 @@ class Attacker {
 
   // Messages of a good session with bytes changed, cut, doubled or made up; so many in all.
   Ends SendMutatedMessages(int messages);
-  // Batches that the rules forbid: another's local map, numbers that are missing or were
-  // used, values that are none. Returns the ends by attack.
+  // Batches that the rules forbid: another's local map, numbers that are missing, values that are
+  // none. Returns the ends by attack.
   std::map<std::string, std::string> SendForbiddenBatches();
+  // A good batch of its own, and its number again and again with other batches. Whether all were
+  // acknowledged.
+  bool ReplayANumber(int times);
   // Raw HTTP/2: a message that claims to have 2 GB, and no more comes. Whether the store ends it.
   bool ClaimTwoGigabytes(absl::Duration patience);
-  // Opens streams that say nothing.
-  Ends OpenSilentStreams(int streams, absl::Duration patience);
+  // Likewise, a small message that comes byte by byte and never ends.
+  bool Dribble(absl::Duration patience);
+  // Opens streams of this method that say nothing.
+  Ends OpenSilentStreams(const std::string& method, int streams, absl::Duration patience);
+  // Look-ups that are all under way at once.
+  Ends FloodWithLookups(int calls, absl::Duration patience);
+
+  // What it sends of its own goes here.
+  static constexpr char kOwnMission[] = "evil";
 
  private:
   std::string OpenMessage(const std::string& mission, const std::string& agent) const;
   std::string BatchMessage(const MapUpdateBatch& batch) const;
   std::string Mutate(std::string bytes);
+  bool SendRawMessage(uint32_t claimed_bytes, bool dribbles, absl::Duration patience);
   std::string TryBatch(const std::string& mission, const std::string& agent,
                        const std::vector<MapUpdateBatch>& batches) const;
 

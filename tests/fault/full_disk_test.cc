@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
 #include <string>
 
@@ -79,54 +80,60 @@ struct Refusal {
   absl::Status (*end)(SmallDisk&);
 };
 
+// One robot's drive is under way when the disk refuses (or at its end: that is up to the machine),
+// another one's begins then.
 class RefusalTest : public FullDiskTest, public ::testing::WithParamInterface<Refusal> {
  protected:
-  void StartRobot() {
-    robot_ = Start("alpha", "client_agent",
-                   {"--source", absl::StrCat(DemoSource(), "?stride=2"), "--server", address_,
-                    "--mission", kMission, "--agent", "alpha", "--pace", "sensor", "--stats",
-                    FileOf("alpha.json"), "--finish", "300"});
-    ASSERT_NE(robot_, nullptr);
-    ASSERT_TRUE(Becomes([&] { return StoredKeyframes() > 0; }));
+  void StartRobot(const std::string& name) {
+    robots_[name] = Start(name, "client_agent",
+                          {"--source", absl::StrCat(DemoSource(), "?stride=2"), "--server",
+                           address_, "--mission", kMission, "--agent", name, "--pace", "sensor",
+                           "--stats", FileOf(name + ".json"), "--finish", "300"});
+    ASSERT_NE(robots_[name], nullptr);
   }
   // Look-ups go on, the robot waits, and nothing is stored in part.
-  void ExpectPatience() {
+  void ExpectPatience(const std::string& name) {
     EXPECT_TRUE(Becomes([&] { return !IsReady(); })) << ReadText(LogOf("store"));
     EXPECT_TRUE(CheckHealth(channel_, "liveness").ok()) << "a restart would not help";
     EXPECT_TRUE(Becomes([&] {
-      return ReadText(LogOf("alpha")).find(GetParam().code) != std::string::npos;
-    })) << ReadText(LogOf("alpha"));
+      return ReadText(LogOf(name)).find(GetParam().code) != std::string::npos;
+    })) << ReadText(LogOf(name));
     stored_ = StoredKeyframes();
     absl::SleepFor(absl::Seconds(3));
     EXPECT_EQ(StoredKeyframes(), stored_);
-    EXPECT_FALSE(robot_->end().has_value());
+    EXPECT_FALSE(robots_[name]->end().has_value());
     EXPECT_FALSE(store_->end().has_value());
   }
   void ExpectEverythingOnce() {
     EXPECT_TRUE(Becomes([&] { return IsReady(); })) << ReadText(LogOf("store"));
-    ASSERT_TRUE(robot_->WaitForEnd(absl::Seconds(120)));
-    EXPECT_TRUE(robot_->EndStatus().ok()) << robot_->EndStatus();
-    const json own = ReadStatistics(FileOf("alpha.json"));
-    ASSERT_TRUE(own.is_object());
-    const auto keyframes = own["keyframes"].get<uint64_t>();
+    uint64_t keyframes = 0;
+    for (const auto& [name, robot] : robots_) {
+      ASSERT_TRUE(robot->WaitForEnd(absl::Seconds(120)));
+      EXPECT_TRUE(robot->EndStatus().ok()) << robot->EndStatus();
+      const json own = ReadStatistics(FileOf(name + ".json"));
+      ASSERT_TRUE(own.is_object());
+      keyframes += own["keyframes"].get<uint64_t>();
+      const auto frames = reader_->CountReportedFrames();
+      ASSERT_TRUE(frames.ok()) << frames.status();
+      EXPECT_EQ(frames->at(name), own["tracked"].get<uint64_t>() + own["lost"].get<uint64_t>());
+    }
     EXPECT_GT(keyframes, stored_);
     EXPECT_EQ(StoredKeyframes(), keyframes);
-    const auto frames = reader_->CountReportedFrames();
-    ASSERT_TRUE(frames.ok()) << frames.status();
-    EXPECT_EQ(frames->at("alpha"), own["tracked"].get<uint64_t>() + own["lost"].get<uint64_t>());
     stored_ = keyframes;
   }
 
-  std::unique_ptr<ChildProcess> robot_;
+  std::map<std::string, std::unique_ptr<ChildProcess>> robots_;
   uint64_t stored_ = 0;
 };
 
 TEST_P(RefusalTest, RobotsWaitAndGoOnOnceTheDiskTakesRecordsAgain) {
   ASSERT_NO_FATAL_FAILURE(StartStore("store", GetParam().min_free_mb));
   EXPECT_TRUE(IsReady());
-  ASSERT_NO_FATAL_FAILURE(StartRobot());
+  ASSERT_NO_FATAL_FAILURE(StartRobot("alpha"));
+  ASSERT_TRUE(Becomes([&] { return StoredKeyframes() > 0; }));
   ASSERT_TRUE(GetParam().begin(*disk_).ok()) << GetParam().begin(*disk_);
-  ASSERT_NO_FATAL_FAILURE(ExpectPatience());
+  ASSERT_NO_FATAL_FAILURE(StartRobot("beta"));
+  ASSERT_NO_FATAL_FAILURE(ExpectPatience("beta"));
   ASSERT_TRUE(GetParam().end(*disk_).ok());
   ASSERT_NO_FATAL_FAILURE(ExpectEverythingOnce());
   // And it was written: a new process has it.

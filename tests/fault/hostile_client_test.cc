@@ -17,6 +17,7 @@
 #include "map_store/map_store.h"
 #include "map_store/testing/store_dump.h"
 #include "services/corbslam/child_process.h"
+#include "services/corbslam/store_reader.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
@@ -83,6 +84,40 @@ class HostileClientTest : public FaultTest {
     return latencies;
   }
 
+  // All that an attacker does, one after the other.
+  void Attack(int messages) {
+    // Its own work is not what is measured.
+    setpriority(PRIO_PROCESS, 0, 19);
+    Attacker attacker("127.0.0.1" + port_, kMission, LocalMapId{0x1000}, &uploads_, 1);
+    StoreReader own(MakeChannel("127.0.0.1" + port_), Attacker::kOwnMission);
+    for (const auto& [what, end] : attacker.SendForbiddenBatches()) {
+      ExpectEnds(what, {{end, 1}}, "OK");
+    }
+    EXPECT_TRUE(absl::IsNotFound(own.Statistics().status())) << "nothing of them was stored";
+    EXPECT_TRUE(attacker.ReplayANumber(20));
+    const auto stored = own.Statistics();
+    ASSERT_TRUE(stored.ok()) << stored.status();
+    EXPECT_EQ(stored->mission().keyframes(), uploads_.front().full_keyframes.size());
+    EXPECT_TRUE(attacker.ClaimTwoGigabytes(absl::Seconds(20)));
+    EXPECT_TRUE(attacker.Dribble(absl::Seconds(20)));
+    ExpectEnds("mutated messages", attacker.SendMutatedMessages(messages), "OK");
+    const int streams = messages / 10;
+    ExpectEnds("silent streams", attacker.OpenSilentStreams("Sync", streams, absl::Seconds(40)),
+               "OK");
+    ExpectEnds("silent backups",
+               attacker.OpenSilentStreams("RestoreMission", streams, absl::Seconds(40)), "OK");
+    ExpectEnds("look-ups", attacker.FloodWithLookups(streams, absl::Seconds(40)), "");
+  }
+  // `ends` are by code; none may be open, or `never`.
+  static void ExpectEnds(const std::string& what, const Attacker::Ends& ends,
+                         const std::string& never) {
+    for (const auto& [end, count] : ends) {
+      std::printf("%s: %d ended with %s\n", what.c_str(), count, end.c_str());
+      EXPECT_NE(end, "open") << what;
+      EXPECT_NE(end, never) << what;
+    }
+  }
+
   std::string DumpStored(const std::string& name) {
     auto journal = RocksJournal::Open({.directory = FileOf(name)});
     EXPECT_TRUE(journal.ok()) << journal.status();
@@ -119,25 +154,7 @@ TEST_F(HostileClientTest, RobotsDoNotNotice) {
     }
     ASSERT_GT(victim->ledger().acknowledged, 0u);
   }
-  std::thread attack([&] {
-    // The attacker's own work is not what is measured.
-    setpriority(PRIO_PROCESS, 0, 19);
-    Attacker attacker("127.0.0.1" + port_, kMission, LocalMapId{0x1000}, &uploads_, 1);
-    for (const auto& [what, end] : attacker.SendForbiddenBatches()) {
-      std::printf("%s: %s\n", what.c_str(), end.c_str());
-      EXPECT_NE(end, "open") << what;
-      EXPECT_NE(end, "OK") << what;
-    }
-    EXPECT_TRUE(attacker.ClaimTwoGigabytes(absl::Seconds(20)));
-    for (const auto& [end, count] : attacker.SendMutatedMessages(messages)) {
-      std::printf("mutated messages: %d streams ended with %s\n", count, end.c_str());
-      EXPECT_NE(end, "OK");
-    }
-    for (const auto& [end, count] : attacker.OpenSilentStreams(messages / 10, absl::Seconds(40))) {
-      std::printf("silent streams: %d ended with %s\n", count, end.c_str());
-      EXPECT_NE(end, "open");
-    }
-  });
+  std::thread attack([&] { Attack(messages); });
   const double p99_under_attack = Quantile(WaitFor(victims), 0.99);
   attack.join();
   victims.clear();

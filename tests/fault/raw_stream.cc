@@ -5,8 +5,9 @@
 
 namespace corbslam {
 
-RawStream::RawStream(const std::shared_ptr<grpc::Channel>& channel) : stub_(channel) {
-  stub_.PrepareBidiStreamingCall(&context_, "/corbslam.v1.MapStore/Sync", grpc::StubOptions(),
+RawStream::RawStream(const std::shared_ptr<grpc::Channel>& channel, const std::string& method)
+    : stub_(channel) {
+  stub_.PrepareBidiStreamingCall(&context_, "/corbslam.v1.MapStore/" + method, grpc::StubOptions(),
                                  this);
   StartRead(&response_);
   // Held until the end: Send starts writes from outside of reactions.

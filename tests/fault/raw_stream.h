@@ -19,10 +19,11 @@
 
 namespace corbslam {
 
-// One call of MapStore.Sync. For one thread; all calls block.
+// One call of a method of MapStore. For one thread; all calls block.
 class RawStream : private grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  explicit RawStream(const std::shared_ptr<grpc::Channel>& channel);
+  explicit RawStream(const std::shared_ptr<grpc::Channel>& channel,
+                     const std::string& method = "Sync");
   // Cancels.
   ~RawStream() override;
 
