@@ -58,7 +58,7 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
       if (working_ || finished_ || NextJob() == Job::kNone) return;
       working_ = true;
     }
-    pool_.Schedule([this] { Work(); });
+    pool_.ScheduleLookUp([this] { Work(); });
   }
 
   void End(const absl::Status& status) {

@@ -79,7 +79,7 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
       if (working_ || finished_ || NextJob() == Job::kNone) return;
       working_ = true;
     }
-    pool_.Schedule([this] { Work(); });
+    pool_.ScheduleLookUp([this] { Work(); });
   }
 
   Job NextJob() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/synchronization/blocking_counter.h"
 #include "absl/synchronization/notification.h"
 
 namespace corbslam {
@@ -23,33 +24,79 @@ TEST(TaskPoolTest, TasksBeginInOrderAndAllAreRunBeforeItEnds) {
   EXPECT_THAT(ran, ElementsAre(0, 1, 2));
 }
 
+// A pool of one thread that is busy until it is let go.
+class BusyPool {
+ public:
+  explicit BusyPool(size_t max_waiting_calls) : pool_(1, max_waiting_calls) {
+    pool_.Schedule([this] {
+      busy_.Notify();
+      free_.WaitForNotification();
+    });
+    busy_.WaitForNotification();
+  }
+  TaskPool& operator*() { return pool_; }
+  void LetGo() { free_.Notify(); }
+
+ private:
+  absl::Notification busy_;
+  absl::Notification free_;
+  TaskPool pool_;
+};
+
 TEST(TaskPoolTest, SoManyCallsWaitAndNoMoreWhateverElseDoes) {
   std::vector<std::string> ran;
   {
-    TaskPool pool(1, /*max_waiting_calls=*/2);
-    absl::Notification busy;
-    absl::Notification free;
-    pool.Schedule([&] {
-      busy.Notify();
-      free.WaitForNotification();
-    });
-    busy.WaitForNotification();
-    for (int i = 0; i < 3; ++i) pool.Schedule([&] { ran.push_back("task"); });
-    EXPECT_TRUE(pool.ScheduleCall([&] { ran.push_back("first"); }).ok());
-    EXPECT_TRUE(pool.ScheduleCall([&] { ran.push_back("second"); }).ok());
-    const absl::Status refused = pool.ScheduleCall([&] { ran.push_back("third"); });
+    BusyPool pool(/*max_waiting_calls=*/2);
+    (*pool).Schedule([&] { ran.push_back("task"); });
+    (*pool).ScheduleLookUp([&] { ran.push_back("look-up"); });
+    EXPECT_TRUE((*pool).ScheduleCall([&] { ran.push_back("first"); }).ok());
+    EXPECT_TRUE((*pool).ScheduleCall([&] { ran.push_back("second"); }).ok());
+    const absl::Status refused = (*pool).ScheduleCall([&] { ran.push_back("third"); });
     EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
     EXPECT_THAT(std::string(refused.message()), HasSubstr("2 calls waiting; the limit is 2"));
-    EXPECT_EQ(pool.waiting(), 5u);
-
+    EXPECT_EQ((*pool).waiting(), 4u);
     absl::Notification begun;
-    pool.Schedule([&] { begun.Notify(); });
-    free.Notify();
+    (*pool).ScheduleLookUp([&] { begun.Notify(); });
+    pool.LetGo();
     begun.WaitForNotification();
-    EXPECT_TRUE(pool.ScheduleCall([&] { ran.push_back("late"); }).ok())
-        << "those before have begun";
+    EXPECT_TRUE((*pool).ScheduleCall([&] { ran.push_back("late"); }).ok());
   }
-  EXPECT_THAT(ran, ElementsAre("task", "task", "task", "first", "second", "late"));
+  EXPECT_THAT(ran, ElementsAre("task", "look-up", "first", "second", "late"));
+}
+
+TEST(TaskPoolTest, TasksGoFirstButLookUpsComeToo) {
+  std::string ran;
+  {
+    BusyPool pool(10);
+    for (int i = 0; i < 2; ++i) (*pool).ScheduleLookUp([&] { ran += 'l'; });
+    for (int i = 0; i < 12; ++i) (*pool).Schedule([&] { ran += 't'; });
+    pool.LetGo();
+  }
+  // The task that kept it busy is the first of the row.
+  EXPECT_EQ(ran, "tttttttltttttl");
+}
+
+TEST(TaskPoolTest, MostThreadsAreLeftToTasks) {
+  TaskPool pool(8);
+  absl::Notification free;
+  absl::BlockingCounter looking_up(2);
+  for (int i = 0; i < 10; ++i) {
+    pool.ScheduleLookUp([&, i] {
+      if (i < 2) looking_up.DecrementCount();
+      free.WaitForNotification();
+    });
+  }
+  looking_up.Wait();
+  absl::BlockingCounter tasks(6);
+  for (int i = 0; i < 6; ++i) {
+    pool.Schedule([&] {
+      tasks.DecrementCount();
+      free.WaitForNotification();
+    });
+  }
+  tasks.Wait();
+  EXPECT_EQ(pool.waiting(), 8u);
+  free.Notify();
 }
 
 }  // namespace
