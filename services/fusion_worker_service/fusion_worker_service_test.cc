@@ -152,6 +152,9 @@ TEST_F(FusionWorkerServiceTest, ARequestThatWaitsForItsTurnCanBeCancelled) {
       MakeAdjustment(), [&](double) { return service_.waiting_requests() == 0; });
   EXPECT_EQ(result.status().code(), absl::StatusCode::kCancelled);
   EXPECT_FALSE(worker_.cancelled.HasBeenNotified()) << "the first one goes on";
+  const absl::Time deadline = absl::Now() + absl::Seconds(20);
+  while (service_.requests() > 1 && absl::Now() < deadline) absl::SleepFor(absl::Milliseconds(1));
+  EXPECT_EQ(service_.requests(), 1) << "its place is free, though no thread has seen it";
   first_wanted = false;
   first.join();
 }

@@ -42,9 +42,13 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
 
   void OnReadDone(bool ok) override {
     if (!ok) return End(absl::InvalidArgumentError("the request ended before its end came"));
-    const absl::Status status = reader_.Add(message_);
+    const absl::Status status = reader_->Add(message_);
     if (!status.ok()) return End(status);
-    if (!reader_.ended()) return this->StartRead(&message_);
+    if (!reader_->ended()) return this->StartRead(&message_);
+    {
+      absl::MutexLock lock(&mutex_);
+      waiting_ = true;
+    }
     pool_.Schedule([this] { Work(); });
   }
 
@@ -56,12 +60,25 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
     });
   }
 
-  void OnCancel() override { cancelled_ = true; }
+  void OnCancel() override {
+    cancelled_ = true;
+    {
+      absl::MutexLock lock(&mutex_);
+      if (!waiting_) return;
+      // It may wait for a thread for long: another request could have its place, and its memory.
+      reader_.reset();
+    }
+    LeavePlace();
+  }
 
   void OnDone() override { delete this; }
 
  private:
   void Work() {
+    {
+      absl::MutexLock lock(&mutex_);
+      waiting_ = false;
+    }
     const absl::Status status = TryWork();
     End(cancelled_ ? absl::CancelledError("the caller went away") : status);
   }
@@ -69,7 +86,7 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
   absl::Status TryWork() {
     if (cancelled_) return absl::OkStatus();
     absl::StatusOr<Result> result = [&]() -> absl::StatusOr<Result> {
-      ASSIGN_OR_RETURN(const Request request, reader_.Finish());
+      ASSIGN_OR_RETURN(const Request request, reader_->Finish());
       return compute_(request, [this](double fraction) { return ReportProgress(fraction); });
     }();
     RETURN_IF_ERROR(result.status());
@@ -125,9 +142,18 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
     if (next != nullptr) return this->StartWrite(next);
     if (!end) return;
     // Before the caller knows: its next request must find room.
-    --requests_;
+    LeavePlace();
     // The reactor may be gone once this is called.
     this->Finish(ToGrpcStatus(*end));
+  }
+
+  void LeavePlace() {
+    {
+      absl::MutexLock lock(&mutex_);
+      if (!has_place_) return;
+      has_place_ = false;
+    }
+    --requests_;
   }
 
   TaskPool& pool_;
@@ -135,10 +161,15 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
   const Compute compute_;
   std::atomic<bool> cancelled_{false};
   RequestMessage message_;
-  WorkReader<RequestReader, v1::MapChunk> reader_;
+  // Of gRPC while it reads, then of Work; none once it has been cancelled while it waited.
+  std::optional<WorkReader<RequestReader, v1::MapChunk>> reader_{std::in_place};
 
   absl::Mutex mutex_;
   std::deque<ResponseMessage> queue_ ABSL_GUARDED_BY(mutex_);
+  // Counted among the requests under way.
+  bool has_place_ ABSL_GUARDED_BY(mutex_) = true;
+  // All of it has come, and no thread has begun with it.
+  bool waiting_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);

@@ -70,7 +70,8 @@ class MapStoreService : public MapStoreMethods {
         limits_(options.streams),
         pool_(options.threads, options.streams.max_waiting_calls) {}
 
-  // The server is about to stop: streams end with UNAVAILABLE, once what they had to say is said.
+  // The server is about to stop: Sync and WatchMap end with UNAVAILABLE, once what they had to say
+  // is said, and nothing new begins.
   void EndStreams() { limits_.Close(); }
 
   // Calls and batches that no thread has begun with.

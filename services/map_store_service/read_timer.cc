@@ -19,14 +19,26 @@ ReadTimer::~ReadTimer() {
 }
 
 void ReadTimer::Arm(double seconds, const std::string& what) {
+  Disarm();
+  uint64_t turn = 0;
+  {
+    absl::MutexLock lock(&link_->mutex);
+    turn = link_->turn;
+  }
   alarm_ = std::make_unique<grpc::Alarm>();
-  const auto ring = [link = link_, seconds, what](bool fired) {
+  const auto ring = [link = link_, turn, seconds, what](bool fired) {
     absl::MutexLock lock(&link->mutex);
-    if (!fired || link->overdue == nullptr) return;
+    if (!fired || link->overdue == nullptr || link->turn != turn) return;
     link->overdue(
         absl::DeadlineExceededError(absl::StrCat(what, " did not come within ", seconds, " s")));
   };
   alarm_->Set(absl::ToChronoTime(absl::Now() + absl::Seconds(seconds)), ring);
+}
+
+void ReadTimer::Disarm() {
+  alarm_.reset();
+  absl::MutexLock lock(&link_->mutex);
+  ++link_->turn;
 }
 
 }  // namespace corbslam

@@ -4,6 +4,7 @@
 
 #include <grpcpp/alarm.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -26,15 +27,17 @@ class ReadTimer {
   ReadTimer(const ReadTimer&) = delete;
   ReadTimer& operator=(const ReadTimer&) = delete;
 
-  // Waits for `what` from now on, and for nothing else.
+  // Waits for `what` from now on, and for nothing else. An `overdue` that is under way ends first.
   void Arm(double seconds, const std::string& what);
-  void Disarm() { alarm_.reset(); }
+  void Disarm();
 
  private:
   // The alarm may go off when the timer is gone.
   struct Link {
     absl::Mutex mutex;
     Overdue overdue ABSL_GUARDED_BY(mutex);
+    // Of what is waited for: an alarm may go off while it is being disarmed.
+    uint64_t turn ABSL_GUARDED_BY(mutex) = 0;
   };
 
   const std::shared_ptr<Link> link_;

@@ -33,7 +33,11 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
         response_(*response),
         restorer_(store.StartRestoring()) {
     if (!ticket_.ok()) {
-      End(ticket_.status());
+      {
+        absl::MutexLock lock(&mutex_);
+        finished_ = true;
+      }
+      Finish(ToGrpcStatus(ticket_.status()));
       return;
     }
     timer_.Arm(limits_.open_timeout_s, "the first message");
@@ -151,7 +155,12 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
 
   // Last: ends while the rest is there.
-  ReadTimer timer_{[this](const absl::Status& overdue) { End(overdue); }};
+  ReadTimer timer_{[this](const absl::Status& overdue) {
+    Note([this, &overdue]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      // Else it came in time, and waits for a thread.
+      if (!has_piece_ && !read_to_end_ && !end_) end_ = overdue;
+    });
+  }};
 };
 
 }  // namespace

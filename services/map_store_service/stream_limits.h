@@ -30,7 +30,7 @@ struct StreamLimitOptions {
   size_t max_message_bytes = 4u << 20;
   size_t max_batch_bytes = kMaxUpdateBytes;
   size_t max_unfinished_bytes = 512u << 20;
-  // Within which the first message must come, and the next part of an unfinished batch.
+  // Within which the first message must come, and the next part of an unfinished batch or backup.
   double open_timeout_s = 30;
   double part_timeout_s = 300;
   // Calls for which no thread is free yet.
@@ -79,7 +79,7 @@ class StreamLimits {
   // `peer` as gRPC spells it. UNAVAILABLE after Close.
   absl::StatusOr<std::unique_ptr<Ticket>> Enter(absl::string_view peer);
 
-  // The server is about to stop: tells all streams, and lets no more in.
+  // The server is about to stop: tells those that listen, and lets no more in.
   void Close();
 
   const StreamLimitOptions& options() const { return options_; }

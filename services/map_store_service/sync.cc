@@ -35,8 +35,7 @@ SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
   }
   absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket = limits.Enter(peer);
   if (!ticket.ok()) {
-    End(ticket.status());
-    Kick();
+    Refuse(ticket.status());
     return;
   }
   ticket_ = *std::move(ticket);
@@ -47,12 +46,30 @@ SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
     link->reactor->Kick();
   });
   if (!open.ok()) {
-    End(open);
-    Kick();
+    Refuse(open);
     return;
   }
   timer_.Arm(limits_.open_timeout_s, "the first message");
   StartRead(&request_);
+}
+
+void SyncReactor::Refuse(const absl::Status& status) {
+  {
+    absl::MutexLock lock(&mutex_);
+    finished_ = true;
+  }
+  ticket_.reset();
+  Finish(ToGrpcStatus(status));
+}
+
+void SyncReactor::OnOverdue(const absl::Status& overdue) {
+  {
+    absl::MutexLock lock(&mutex_);
+    // It came in time, and waits for a thread.
+    if (has_request_ || read_to_end_) return;
+  }
+  End(overdue);
+  Kick();
 }
 
 void SyncReactor::OnReadDone(bool ok) {

@@ -55,6 +55,9 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   enum class Job { kNone, kWrite, kFinish, kRequest, kShare };
 
   void OnShareable();
+  void OnOverdue(const absl::Status& overdue);
+  // In the constructor: nothing has begun.
+  void Refuse(const absl::Status& status);
   // Makes sure that Work will see what was noted.
   void Kick();
   void Work();
@@ -106,10 +109,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   std::deque<grpc::ByteBuffer> replies_ ABSL_GUARDED_BY(mutex_);
 
   // Last: ends while the rest is there.
-  ReadTimer timer_{[this](const absl::Status& overdue) {
-    End(overdue);
-    Kick();
-  }};
+  ReadTimer timer_{[this](const absl::Status& overdue) { OnOverdue(overdue); }};
 };
 
 }  // namespace corbslam

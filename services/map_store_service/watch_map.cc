@@ -34,6 +34,14 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
       link_->reactor = this;
     }
     ListenForClose();
+    if (!ticket_.ok()) {
+      {
+        absl::MutexLock lock(&mutex_);
+        finished_ = true;
+      }
+      Finish(ToGrpcStatus(ticket_.status()));
+      return;
+    }
     Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { changed_ = true; });
   }
 
@@ -115,7 +123,6 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
   }
 
   absl::Status Look() {
-    RETURN_IF_ERROR(ticket_.status());
     if (!token_) RETURN_IF_ERROR(Subscribe());
     ASSIGN_OR_RETURN(const std::optional<MapChanges> changes,
                      store_.ChangesSince(mission_, version_));
@@ -155,6 +162,8 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
       absl::MutexLock lock(&mutex_);
       status = end_.value_or(absl::CancelledError("the caller went away"));
     }
+    // Before the caller hears of the end: it may come again at once.
+    ticket_->reset();
     Finish(ToGrpcStatus(status));
   }
 

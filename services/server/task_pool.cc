@@ -60,7 +60,7 @@ TaskPool::Kind TaskPool::Next() const {
 
 std::function<void()> TaskPool::Take(Kind kind) {
   if (kind == Kind::kTask) {
-    ++tasks_in_a_row_;
+    tasks_in_a_row_ = look_ups_.empty() ? 0 : std::min(tasks_in_a_row_ + 1, kMaxTasksInARow);
     std::function<void()> task = std::move(tasks_.front());
     tasks_.pop_front();
     return task;

@@ -61,7 +61,7 @@ class TaskPool {
   std::deque<LookUp> look_ups_ ABSL_GUARDED_BY(mutex_);
   size_t waiting_calls_ ABSL_GUARDED_BY(mutex_) = 0;
   int running_look_ups_ ABSL_GUARDED_BY(mutex_) = 0;
-  // Tasks begun since a look-up was.
+  // Tasks begun while a look-up waited, since one was begun.
   int tasks_in_a_row_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_;

@@ -72,14 +72,14 @@ TEST(TaskPoolTest, TasksGoFirstButLookUpsComeToo) {
     for (int i = 0; i < 12; ++i) (*pool).Schedule([&] { ran += 't'; });
     pool.LetGo();
   }
-  // The task that kept it busy is the first of the row.
-  EXPECT_EQ(ran, "tttttttltttttl");
+  EXPECT_EQ(ran, "ttttttttlttttl");
 }
 
 TEST(TaskPoolTest, MostThreadsAreLeftToTasks) {
-  TaskPool pool(8);
   absl::Notification free;
   absl::BlockingCounter looking_up(2);
+  absl::BlockingCounter tasks(6);
+  TaskPool pool(8);
   for (int i = 0; i < 10; ++i) {
     pool.ScheduleLookUp([&, i] {
       if (i < 2) looking_up.DecrementCount();
@@ -87,7 +87,6 @@ TEST(TaskPoolTest, MostThreadsAreLeftToTasks) {
     });
   }
   looking_up.Wait();
-  absl::BlockingCounter tasks(6);
   for (int i = 0; i < 6; ++i) {
     pool.Schedule([&] {
       tasks.DecrementCount();

@@ -4,6 +4,7 @@
 
 #include <grpcpp/support/server_callback.h>
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -20,8 +21,10 @@ namespace corbslam {
 inline grpc::ServerUnaryReactor* AnswerOn(TaskPool& pool, grpc::CallbackServerContext* context,
                                           std::function<absl::Status()> answer) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  const absl::Status waits = pool.ScheduleCall(
-      [reactor, answer = std::move(answer)] { reactor->Finish(ToGrpcStatus(answer())); });
+  const absl::Status waits = pool.ScheduleCall([reactor, context, answer = std::move(answer)] {
+    const bool is_wanted = !context->IsCancelled();
+    reactor->Finish(is_wanted ? ToGrpcStatus(answer()) : grpc::Status::CANCELLED);
+  });
   if (!waits.ok()) reactor->Finish(ToGrpcStatus(waits));
   return reactor;
 }
@@ -44,9 +47,9 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
     if (started.ok()) {
       reactor->ticket_ = *std::move(ticket);
       started =
-          pool.ScheduleCall([reactor, prepare = std::move(prepare)] { reactor->Begin(prepare()); });
+          pool.ScheduleCall([reactor, prepare = std::move(prepare)] { reactor->Begin(prepare); });
     }
-    if (!started.ok()) reactor->Finish(ToGrpcStatus(started));
+    if (!started.ok()) reactor->End(ToGrpcStatus(started));
     return reactor;
   }
 
@@ -54,10 +57,13 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
     if (!ok) return End(grpc::Status::CANCELLED);
     WriteNext();
   }
+  void OnCancel() override { cancelled_ = true; }
   void OnDone() override { delete this; }
 
  private:
-  void Begin(absl::StatusOr<Next> next) {
+  void Begin(const Prepare& prepare) {
+    if (cancelled_) return End(grpc::Status::CANCELLED);
+    absl::StatusOr<Next> next = prepare();
     if (!next.ok()) return End(ToGrpcStatus(next.status()));
     next_ = *std::move(next);
     WriteNext();
@@ -76,6 +82,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
     this->Finish(status);
   }
 
+  std::atomic<bool> cancelled_{false};
   std::shared_ptr<const void> ticket_;
   Next next_;
   Response response_;

@@ -108,7 +108,10 @@ class HostileClientTest : public FaultTest {
                "OK");
     ExpectEnds("silent backups",
                attacker.OpenSilentStreams("RestoreMission", streams, absl::Seconds(40)), "OK");
-    ExpectEnds("look-ups", attacker.FloodWithLookups(streams, absl::Seconds(40)), "");
+    const Attacker::Ends look_ups = attacker.FloodWithLookups(streams, absl::Seconds(40));
+    ExpectEnds("look-ups", look_ups, "");
+    EXPECT_TRUE(look_ups.contains("OK"));
+    EXPECT_EQ(look_ups.size(), 1 + look_ups.count("RESOURCE_EXHAUSTED"));
     ExpectEnds("mutated messages", attacker.SendMutatedMessages(messages), "OK");
   }
   // `ends` are by code; none may be open, or `never`.

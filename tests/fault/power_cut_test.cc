@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdio>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <string>
 #include <thread>
@@ -95,6 +96,15 @@ class PowerCutTest : public FaultTest {
     for (size_t robot = 0; robot < kRobots; ++robot) Send(robot, uploads_.size(), store, nullptr);
   }
 
+  // Numbers of acknowledgements, in order: the first batches of all, to all but the last.
+  std::vector<uint64_t> RandomMoments(int count, std::mt19937& random) const {
+    std::uniform_int_distribution<uint64_t> any(kRobots, kRobots * uploads_.size() - 1);
+    std::vector<uint64_t> moments;
+    for (int i = 0; i < count; ++i) moments.push_back(any(random));
+    std::ranges::sort(moments);
+    return moments;
+  }
+
   // All robots stream at once; the power is cut again and again, as far as the disk is concerned.
   std::vector<PowerCut> Drive(bool sync, int cuts, std::mt19937& random) {
     testing::UnsyncedLossEnv env;
@@ -114,10 +124,16 @@ class PowerCutTest : public FaultTest {
         Send(robot, uploads_.size(), *store, &acknowledged[robot]);
       });
     }
+    const auto count = [&acknowledged] {
+      return std::accumulate(acknowledged.begin(), acknowledged.end(), uint64_t{0});
+    };
     std::vector<PowerCut> made;
-    for (int i = 0; i < cuts; ++i) {
-      absl::SleepFor(absl::Microseconds(std::uniform_int_distribution<int>(0, 60000)(random)));
-      PowerCut cut{.folder = FileOf(absl::StrCat("cut", i)), .acknowledged = {}};
+    for (const uint64_t moment : RandomMoments(cuts, random)) {
+      const absl::Time deadline = absl::Now() + absl::Seconds(60);
+      while (count() < moment && absl::Now() < deadline) absl::SleepFor(absl::Microseconds(50));
+      // In the middle of a batch, too.
+      absl::SleepFor(absl::Microseconds(std::uniform_int_distribution<int>(0, 3000)(random)));
+      PowerCut cut{.folder = FileOf(absl::StrCat("cut", made.size())), .acknowledged = {}};
       // Before the disk is looked at: more may be there by then.
       std::copy(acknowledged.begin(), acknowledged.end(), cut.acknowledged.begin());
       env.CopyAfterPowerCut(folder, cut.folder);
@@ -168,7 +184,9 @@ TEST_F(PowerCutTest, HoldsWhatTheUndisturbedStoreHolds) {
   int cuts = 0;
   int in_the_middle = 0;
   while (cuts < wanted) {
-    for (const PowerCut& cut : Drive(true, std::min(kCutsOfADrive, wanted - cuts), random)) {
+    const std::vector<PowerCut> made = Drive(true, std::min(kCutsOfADrive, wanted - cuts), random);
+    ASSERT_FALSE(made.empty());
+    for (const PowerCut& cut : made) {
       ++cuts;
       in_the_middle += IsInTheMiddle(cut) ? 1 : 0;
       const auto store = Open({.directory = cut.folder}, /*deterministic=*/true);
