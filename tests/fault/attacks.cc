@@ -142,6 +142,8 @@ Attacker::Ends Attacker::SendMutatedMessages(int messages) {
       stream.Send(Mutate(good[random_() % good.size()]));
       ++sent;
     }
+    // Changes may have left all of them acceptable, or a batch unfinished; one of no kind is not.
+    stream.Send("");
     ++ends[NameOf(stream.WaitForEnd(kPatience))];
   }
   return ends;
