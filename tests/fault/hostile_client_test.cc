@@ -13,17 +13,13 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
-#include "map_store/durable/rocks_journal.h"
-#include "map_store/map_store.h"
 #include "map_store/testing/store_dump.h"
 #include "services/corbslam/child_process.h"
 #include "services/corbslam/store_reader.h"
-#include "services/programs/default_vocabulary.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
 #include "tests/fault/attacks.h"
-#include "tests/fault/fault_fixture.h"
-#include "tests/integration/mission_fixture.h"
+#include "tests/fault/replay_fixture.h"
 #include "tests/replay/quantile.h"
 #include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
@@ -38,17 +34,8 @@ constexpr double kKeyframesPerS = 7;
 // CORBSLAM_HOSTILE_MESSAGES: how many mutated ones; there are a tenth as many silent streams.
 int MessagesWanted() { return CountFromEnvironment("CORBSLAM_HOSTILE_MESSAGES", 3000); }
 
-class HostileClientTest : public FaultTest {
+class HostileClientTest : public ReplayFaultTest {
  protected:
-  HostileClientTest() {
-    auto vocabulary = Vocabulary::Load(DefaultVocabularyPath());
-    EXPECT_TRUE(vocabulary.ok()) << vocabulary.status();
-    vocabulary_ = *vocabulary;
-    auto uploads = RecordUploads(DemoSource(), vocabulary_);
-    EXPECT_TRUE(uploads.ok()) << uploads.status();
-    uploads_ = *std::move(uploads);
-  }
-
   // Robots come from one host, the attacker from another: a host has so many streams.
   void StartStore(const std::string& name) {
     store_ = Start(name, "map_store",
@@ -125,21 +112,17 @@ class HostileClientTest : public FaultTest {
   }
 
   std::string DumpStored(const std::string& name) {
-    auto journal = RocksJournal::Open({.directory = FileOf(name)});
-    EXPECT_TRUE(journal.ok()) << journal.status();
-    MapStoreOptions options;
-    options.deterministic = true;
-    MapStore store(options, vocabulary_, *std::move(journal), nullptr);
-    EXPECT_TRUE(store.Recover().ok());
+    const auto store = Reopen({.directory = FileOf(name)}, nullptr);
+    EXPECT_NE(store, nullptr);
+    if (store == nullptr) return name + " can't be opened";
     // Local maps may have arrived in another order.
     std::vector<std::string> lines = absl::StrSplit(
-        testing::DumpLocal(kMission, store) + testing::DumpPlaces(kMission, store), '\n');
+        testing::DumpLocal(kMission, *store) + testing::DumpPlaces(kMission, *store), '\n');
     std::sort(lines.begin(), lines.end());
     return absl::StrJoin(lines, "\n");
   }
 
-  std::shared_ptr<const Vocabulary> vocabulary_;
-  RecordedUploads uploads_;
+  const RecordedUploads uploads_ = RecordDemo();
   std::unique_ptr<ChildProcess> store_;
   std::string port_;
 };

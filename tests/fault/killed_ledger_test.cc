@@ -11,15 +11,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "fusion_worker/local_fusion_worker.h"
-#include "map_store/durable/rocks_journal.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/store_dump.h"
 #include "services/corbslam/child_process.h"
-#include "services/programs/default_vocabulary.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
-#include "tests/fault/fault_fixture.h"
-#include "tests/integration/mission_fixture.h"
+#include "tests/fault/replay_fixture.h"
 #include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
 
@@ -32,12 +29,9 @@ constexpr size_t kAgents = 4;
 // CORBSLAM_KILLS: how often the store is killed.
 int KillsWanted() { return CountFromEnvironment("CORBSLAM_KILLS", 10); }
 
-class KilledLedgerTest : public FaultTest {
+class KilledLedgerTest : public ReplayFaultTest {
  protected:
   KilledLedgerTest() {
-    auto vocabulary = Vocabulary::Load(DefaultVocabularyPath());
-    EXPECT_TRUE(vocabulary.ok()) << vocabulary.status();
-    vocabulary_ = *vocabulary;
     worker_ = Start("worker", "fusion_worker", {"--listen", "127.0.0.1:0"});
     worker_address_ = AddressOf(worker_.get());
   }
@@ -70,29 +64,6 @@ class KilledLedgerTest : public FaultTest {
     return agents;
   }
 
-  // What the journal in the folder holds, read by a store of our own that fuses on this thread.
-  std::unique_ptr<MapStore> Reopen(const std::string& data_dir) {
-    auto journal = RocksJournal::Open({.directory = data_dir});
-    EXPECT_TRUE(journal.ok()) << journal.status();
-    MapStoreOptions options;
-    options.deterministic = true;
-    auto store =
-        std::make_unique<MapStore>(options, vocabulary_, *std::move(journal), local_worker_.get());
-    EXPECT_TRUE(store->Recover().ok());
-    return store;
-  }
-
-  // All that owners said, of which fusion is made to know nothing.
-  static std::string LocalLayer(MapStore& store) {
-    EXPECT_TRUE(store.RederiveGlobalLayer(kMission).ok());
-    return testing::DumpLocal(kMission, store) + testing::DumpPlaces(kMission, store);
-  }
-  static std::string FuseAgain(MapStore& store) {
-    EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
-    return testing::DumpPlaces(kMission, store);
-  }
-
-  std::shared_ptr<const Vocabulary> vocabulary_;
   std::unique_ptr<FusionWorker> local_worker_ = MakeLocalFusionWorker({});
   std::unique_ptr<ChildProcess> worker_;
   std::string worker_address_;
@@ -101,15 +72,14 @@ class KilledLedgerTest : public FaultTest {
 };
 
 TEST_F(KilledLedgerTest, HoldsWhatTheUndisturbedStoreHolds) {
-  const auto uploads = RecordUploads(DemoSource(), vocabulary_);
-  ASSERT_TRUE(uploads.ok()) << uploads.status();
+  const RecordedUploads uploads = RecordDemo();
   uint64_t keyframes = 0;
-  for (const MapUpdateBatch& batch : *uploads) keyframes += batch.full_keyframes.size();
+  for (const MapUpdateBatch& batch : uploads) keyframes += batch.full_keyframes.size();
   ASSERT_GT(keyframes, 10u);
 
   const std::string undisturbed_dir = FileOf("undisturbed");
   StartStore(undisturbed_dir);
-  for (const auto& agent : StartAgents(*uploads, 0)) {
+  for (const auto& agent : StartAgents(uploads, 0)) {
     const absl::Status done = agent->WaitUntilDone(absl::Seconds(120));
     EXPECT_TRUE(done.ok()) << done;
   }
@@ -120,13 +90,13 @@ TEST_F(KilledLedgerTest, HoldsWhatTheUndisturbedStoreHolds) {
   const int kills = KillsWanted();
   // Each life lasts half a second in the mean, with the start of the next about a second.
   const double pace = static_cast<double>(keyframes) / (1.0 * kills);
-  std::vector<std::unique_ptr<ReplayingAgent>> agents = StartAgents(*uploads, pace);
+  std::vector<std::unique_ptr<ReplayingAgent>> agents = StartAgents(uploads, pace);
   std::mt19937 random(7);
   int killed_while_streaming = 0;
   for (int i = 0; i < kills; ++i) {
     absl::SleepFor(absl::Milliseconds(std::uniform_int_distribution<int>(20, 980)(random)));
     bool streaming = false;
-    for (const auto& agent : agents) streaming |= agent->ledger().acknowledged < uploads->size();
+    for (const auto& agent : agents) streaming |= agent->ledger().acknowledged < uploads.size();
     killed_while_streaming += streaming ? 1 : 0;
     store_->Stop(absl::ZeroDuration());  // SIGKILL.
     StartStore(killed_dir);
@@ -143,11 +113,17 @@ TEST_F(KilledLedgerTest, HoldsWhatTheUndisturbedStoreHolds) {
   std::printf("%d kills, %d while robots streamed; %zu robots of %lu keyframes\n", kills,
               killed_while_streaming, kAgents, static_cast<unsigned long>(keyframes));
 
-  const auto killed = Reopen(killed_dir);
-  const auto undisturbed = Reopen(undisturbed_dir);
+  const auto killed = Reopen({.directory = killed_dir}, local_worker_.get());
+  const auto undisturbed = Reopen({.directory = undisturbed_dir}, local_worker_.get());
+  ASSERT_NE(killed, nullptr);
+  ASSERT_NE(undisturbed, nullptr);
   EXPECT_EQ(killed->GetMission(kMission)->keyframes, kAgents * keyframes);
-  EXPECT_EQ(testing::FirstDifference(LocalLayer(*killed), LocalLayer(*undisturbed)), "");
-  EXPECT_EQ(testing::FirstDifference(FuseAgain(*killed), FuseAgain(*undisturbed)), "");
+  EXPECT_EQ(
+      testing::FirstDifference(LocalLayer(kMission, *killed), LocalLayer(kMission, *undisturbed)),
+      "");
+  EXPECT_EQ(
+      testing::FirstDifference(FuseAgain(kMission, *killed), FuseAgain(kMission, *undisturbed)),
+      "");
   EXPECT_EQ(killed->GetStatistics(kMission)->islands, 1u);
 }
 

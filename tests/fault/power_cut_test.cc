@@ -21,9 +21,7 @@
 #include "map_store/map_store.h"
 #include "map_store/testing/store_dump.h"
 #include "map_store/testing/unsynced_loss_env.h"
-#include "services/programs/default_vocabulary.h"
-#include "tests/fault/fault_fixture.h"
-#include "tests/integration/mission_fixture.h"
+#include "tests/fault/replay_fixture.h"
 #include "tests/replay/recorded_uploads.h"
 
 namespace corbslam {
@@ -46,27 +44,8 @@ struct PowerCut {
   LastBatches acknowledged = {};
 };
 
-class PowerCutTest : public FaultTest {
+class PowerCutTest : public ReplayFaultTest {
  protected:
-  PowerCutTest() {
-    auto vocabulary = Vocabulary::Load(DefaultVocabularyPath());
-    EXPECT_TRUE(vocabulary.ok()) << vocabulary.status();
-    vocabulary_ = *vocabulary;
-    auto uploads = RecordUploads(DemoSource(), vocabulary_);
-    EXPECT_TRUE(uploads.ok()) << uploads.status();
-    uploads_ = *std::move(uploads);
-  }
-
-  std::unique_ptr<MapStore> Open(const RocksJournalOptions& journal_options, bool deterministic) {
-    auto journal = RocksJournal::Open(journal_options);
-    if (!journal.ok()) return nullptr;
-    MapStoreOptions options;
-    options.deterministic = deterministic;
-    auto store =
-        std::make_unique<MapStore>(options, vocabulary_, *std::move(journal), worker_.get());
-    return store->Recover().ok() ? std::move(store) : nullptr;
-  }
-
   static uint64_t LastBatch(const MapStore& store, size_t robot) {
     const auto info = store.GetLocalMap(kMission, MapOf(robot));
     return info.ok() ? info->last_batch : 0;
@@ -110,9 +89,9 @@ class PowerCutTest : public FaultTest {
     testing::UnsyncedLossEnv env;
     const std::string folder = FileOf("live");
     std::filesystem::remove_all(folder);
-    auto store = Open(
+    auto store = Reopen(
         {.directory = folder, .min_bytes_between_snapshots = 1 << 20, .sync = sync, .env = &env},
-        /*deterministic=*/false);
+        worker_.get(), /*deterministic=*/false);
     EXPECT_NE(store, nullptr);
     if (store == nullptr) return {};
     SendFirstBatches(*store);
@@ -143,16 +122,6 @@ class PowerCutTest : public FaultTest {
     return made;
   }
 
-  // All that owners said, of which fusion is made to know nothing.
-  static std::string LocalLayer(MapStore& store) {
-    EXPECT_TRUE(store.RederiveGlobalLayer(kMission).ok());
-    return testing::DumpLocal(kMission, store) + testing::DumpPlaces(kMission, store);
-  }
-  static std::string FuseAgain(MapStore& store) {
-    EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
-    return testing::DumpPlaces(kMission, store);
-  }
-
   // Acknowledged batches that the store does not have.
   static uint64_t CountLost(const PowerCut& cut, const MapStore* store) {
     uint64_t lost = 0;
@@ -166,17 +135,16 @@ class PowerCutTest : public FaultTest {
     return *std::ranges::min_element(cut.acknowledged) < uploads_.size();
   }
 
-  std::shared_ptr<const Vocabulary> vocabulary_;
-  RecordedUploads uploads_;
+  const RecordedUploads uploads_ = RecordDemo();
   std::unique_ptr<FusionWorker> worker_ = MakeLocalFusionWorker({});
 };
 
 TEST_F(PowerCutTest, HoldsWhatTheUndisturbedStoreHolds) {
-  const auto undisturbed = Open({.directory = FileOf("undisturbed")}, /*deterministic=*/true);
+  const auto undisturbed = Reopen({.directory = FileOf("undisturbed")}, worker_.get());
   ASSERT_NE(undisturbed, nullptr);
   ASSERT_NO_FATAL_FAILURE(SendTheRest(*undisturbed));
-  const std::string local = LocalLayer(*undisturbed);
-  const std::string global = FuseAgain(*undisturbed);
+  const std::string local = LocalLayer(kMission, *undisturbed);
+  const std::string global = FuseAgain(kMission, *undisturbed);
   EXPECT_EQ(undisturbed->GetStatistics(kMission)->islands, 1u);
 
   std::mt19937 random(7);
@@ -189,12 +157,12 @@ TEST_F(PowerCutTest, HoldsWhatTheUndisturbedStoreHolds) {
     for (const PowerCut& cut : made) {
       ++cuts;
       in_the_middle += IsInTheMiddle(cut) ? 1 : 0;
-      const auto store = Open({.directory = cut.folder}, /*deterministic=*/true);
+      const auto store = Reopen({.directory = cut.folder}, worker_.get());
       ASSERT_NE(store, nullptr) << cut.folder;
       EXPECT_EQ(CountLost(cut, store.get()), 0u);
       ASSERT_NO_FATAL_FAILURE(SendTheRest(*store));
-      EXPECT_EQ(testing::FirstDifference(LocalLayer(*store), local), "");
-      EXPECT_EQ(testing::FirstDifference(FuseAgain(*store), global), "");
+      EXPECT_EQ(testing::FirstDifference(LocalLayer(kMission, *store), local), "");
+      EXPECT_EQ(testing::FirstDifference(FuseAgain(kMission, *store), global), "");
     }
   }
   std::printf("%d power cuts, %d while robots streamed: 0 acknowledged batches lost\n", cuts,
@@ -206,7 +174,7 @@ TEST_F(PowerCutTest, AStoreThatNeverSyncsIsFoundOut) {
   std::mt19937 random(7);
   uint64_t lost = 0;
   for (const PowerCut& cut : Drive(false, kCutsOfADrive, random)) {
-    lost += CountLost(cut, Open({.directory = cut.folder}, /*deterministic=*/true).get());
+    lost += CountLost(cut, Reopen({.directory = cut.folder}, worker_.get()).get());
   }
   EXPECT_GT(lost, 0u) << "the test can't tell";
 }

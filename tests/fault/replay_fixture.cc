@@ -1,0 +1,51 @@
+#include "tests/fault/replay_fixture.h"
+
+#include <glog/logging.h>
+
+#include <utility>
+
+#include "map_store/testing/store_dump.h"
+#include "services/programs/default_vocabulary.h"
+#include "tests/integration/mission_fixture.h"
+
+namespace corbslam {
+
+ReplayFaultTest::ReplayFaultTest() {
+  auto vocabulary = Vocabulary::Load(DefaultVocabularyPath());
+  EXPECT_TRUE(vocabulary.ok()) << vocabulary.status();
+  vocabulary_ = *vocabulary;
+}
+
+RecordedUploads ReplayFaultTest::RecordDemo() const {
+  auto uploads = RecordUploads(DemoSource(), vocabulary_);
+  EXPECT_TRUE(uploads.ok()) << uploads.status();
+  return *std::move(uploads);
+}
+
+std::unique_ptr<MapStore> ReplayFaultTest::Reopen(const RocksJournalOptions& journal_options,
+                                                  FusionWorker* worker, bool deterministic) const {
+  auto journal = RocksJournal::Open(journal_options);
+  if (!journal.ok()) {
+    LOG(WARNING) << journal.status();
+    return nullptr;
+  }
+  MapStoreOptions options;
+  options.deterministic = deterministic;
+  auto store = std::make_unique<MapStore>(options, vocabulary_, *std::move(journal), worker);
+  const absl::Status recovered = store->Recover();
+  if (recovered.ok()) return store;
+  LOG(WARNING) << recovered;
+  return nullptr;
+}
+
+std::string ReplayFaultTest::LocalLayer(const std::string& mission, MapStore& store) {
+  EXPECT_TRUE(store.RederiveGlobalLayer(mission).ok());
+  return testing::DumpLocal(mission, store) + testing::DumpPlaces(mission, store);
+}
+
+std::string ReplayFaultTest::FuseAgain(const std::string& mission, MapStore& store) {
+  EXPECT_TRUE(store.RunFusionUntilIdle(mission).ok());
+  return testing::DumpPlaces(mission, store);
+}
+
+}  // namespace corbslam

@@ -1,0 +1,40 @@
+// What fault tests share that stream a robot's recorded uploads, and then read the journal in their
+// own process.
+#ifndef CORBSLAM_TESTS_FAULT_REPLAY_FIXTURE_H_
+#define CORBSLAM_TESTS_FAULT_REPLAY_FIXTURE_H_
+
+#include <memory>
+#include <string>
+
+#include "map_store/durable/rocks_journal.h"
+#include "map_store/map_store.h"
+#include "slam/vocabulary/vocabulary.h"
+#include "tests/fault/fault_fixture.h"
+#include "tests/replay/recorded_uploads.h"
+
+namespace corbslam {
+
+class ReplayFaultTest : public FaultTest {
+ protected:
+  ReplayFaultTest();
+
+  // What a robot uploaded on the demo's recording.
+  RecordedUploads RecordDemo() const;
+
+  // What the journal holds, in a store that fuses on this thread when it is told to (`worker` is
+  // not owned; null: never). Null, and why in the log, where it
+  // can't be opened.
+  std::unique_ptr<MapStore> Reopen(const RocksJournalOptions& journal, FusionWorker* worker,
+                                   bool deterministic = true) const;
+
+  // All that owners said, of which fusion is made to know nothing.
+  static std::string LocalLayer(const std::string& mission, MapStore& store);
+  // Where fusion then has everything.
+  static std::string FuseAgain(const std::string& mission, MapStore& store);
+
+  std::shared_ptr<const Vocabulary> vocabulary_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_TESTS_FAULT_REPLAY_FIXTURE_H_
