@@ -17,12 +17,36 @@ size_t CountKeyframes(const MissionState& state) {
 // Points of the local layers, each landmark once.
 size_t CountPoints(const MissionState& state) {
   size_t count = 0;
-  for (const auto& [id, local_map] : state.local_maps) {
-    for (const auto& [point_id, point] : local_map.map.points()) {
-      if (state.global.landmarks.Survivor(point_id) == point_id) ++count;
+  for (const auto& [id, local_map] : state.local_maps) count += local_map.map.points().size();
+  for (const auto& [survivor, members] : state.global.landmarks.sets()) {
+    for (const MapPointId& member : members) {
+      const LocalMapState* owner = state.FindLocalMap(member.local_map);
+      if (owner != nullptr && owner->map.FindPoint(member) != nullptr) --count;
     }
   }
   return count;
+}
+
+KeyframeInfo DescribeKeyframe(const MissionState& state, const LocalMapState& local_map,
+                              const Keyframe& keyframe, const Similarity3d& camera_from_island) {
+  KeyframeInfo info;
+  info.id = keyframe.id();
+  info.agent = local_map.agent;
+  info.timestamp_ns = keyframe.payload->timestamp_ns;
+  info.camera_from_local = keyframe.camera_from_map;
+  info.island = state.global.island_of.at(local_map.id);
+  info.camera_from_island = camera_from_island;
+  const auto placed = state.global.keyframes.find(info.id);
+  info.placed = placed != state.global.keyframes.end();
+  info.revision = info.placed ? placed->second.revision : 0;
+  info.settled = local_map.IsSettled(info.id);
+  info.parent = keyframe.parent;
+  info.payload = keyframe.payload;
+  info.keypoints = keyframe.keypoints().size();
+  for (const MapPointId& point : ObservedPoints(state, local_map, keyframe)) {
+    if (point.IsValid()) ++info.observed_points;
+  }
+  return info;
 }
 
 std::string DefaultNote(const OverlapEntry& entry) {
@@ -80,28 +104,14 @@ LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& lo
 }
 
 std::vector<KeyframeInfo> DescribeKeyframes(const MissionState& state,
-                                            const LocalMapState& local_map) {
-  const IslandPoses poses = ComputePoses(local_map, state.global);
+                                            const std::vector<KeyframeId>& ids) {
+  const Unplaced none;
+  PoseCache poses(state.global, none);
   std::vector<KeyframeInfo> keyframes;
-  for (const auto& [id, keyframe] : local_map.map.keyframes()) {
-    KeyframeInfo info;
-    info.id = id;
-    info.agent = local_map.agent;
-    info.timestamp_ns = keyframe.payload->timestamp_ns;
-    info.camera_from_local = keyframe.camera_from_map;
-    info.island = state.global.island_of.at(local_map.id);
-    info.camera_from_island = poses.at(id);
-    const auto placed = state.global.keyframes.find(id);
-    info.placed = placed != state.global.keyframes.end();
-    info.revision = info.placed ? placed->second.revision : 0;
-    info.settled = local_map.IsSettled(id);
-    info.parent = keyframe.parent;
-    info.payload = keyframe.payload;
-    info.keypoints = keyframe.keypoints().size();
-    for (const MapPointId& point : ObservedPoints(state, local_map, keyframe)) {
-      if (point.IsValid()) ++info.observed_points;
-    }
-    keyframes.push_back(std::move(info));
+  for (const KeyframeId& id : ids) {
+    const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
+    keyframes.push_back(DescribeKeyframe(state, local_map, *local_map.map.FindKeyframe(id),
+                                         poses.Of(local_map).at(id)));
   }
   return keyframes;
 }

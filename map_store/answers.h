@@ -18,9 +18,9 @@ namespace corbslam::map_store {
 MissionInfo DescribeMission(const MissionState& state);
 std::vector<AgentInfo> DescribeAgents(const MissionState& state);
 LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& local_map);
-// Of one local map, by id.
+// One after the other; the state has all of them.
 std::vector<KeyframeInfo> DescribeKeyframes(const MissionState& state,
-                                            const LocalMapState& local_map);
+                                            const std::vector<KeyframeId>& ids);
 MissionStatistics DescribeStatistics(const MissionState& state);
 std::vector<OverlapInfo> DescribeOverlaps(const MissionState& state, const OverlapFilter& filter);
 IslandView DescribeIsland(const MissionState& state, const Island& island);

@@ -23,6 +23,16 @@ absl::Status NoLocalMap(LocalMapId id) {
   return absl::NotFoundError(absl::StrCat("there is no local map ", ToString(id)));
 }
 
+// Of one local map, or of all, map by map; each by id.
+std::vector<KeyframeId> KeyframeIdsOf(const MissionState& state, LocalMapId local_map) {
+  const auto& order = local_map.IsValid() ? std::vector<LocalMapId>{local_map} : state.order;
+  std::vector<KeyframeId> ids;
+  for (const LocalMapId& one : order) {
+    for (const auto& [id, keyframe] : state.FindLocalMap(one)->map.keyframes()) ids.push_back(id);
+  }
+  return ids;
+}
+
 MissionInfo Describe(const Mission& mission) {
   MissionInfo info = mission.WithState(map_store::DescribeMission);
   info.fusion_idle = mission.IsFusionIdle();
@@ -80,35 +90,26 @@ absl::StatusOr<Page<KeyframeInfo>> MapStore::ListKeyframes(absl::string_view mis
                                                            LocalMapId local_map_id,
                                                            const PageRequest& page) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  std::vector<KeyframeInfo> infos;
-  const absl::Status status = mission->WithState([&](const MissionState& state) {
-    if (local_map_id.IsValid()) {
-      const LocalMapState* local_map = state.FindLocalMap(local_map_id);
-      if (local_map == nullptr) return NoLocalMap(local_map_id);
-      infos = map_store::DescribeKeyframes(state, *local_map);
-      return absl::OkStatus();
+  return mission->WithState([&](const MissionState& state) -> absl::StatusOr<Page<KeyframeInfo>> {
+    if (local_map_id.IsValid() && state.FindLocalMap(local_map_id) == nullptr) {
+      return NoLocalMap(local_map_id);
     }
-    for (const LocalMapId& id : state.order) {
-      auto some = map_store::DescribeKeyframes(state, *state.FindLocalMap(id));
-      infos.insert(infos.end(), some.begin(), some.end());
-    }
-    return absl::OkStatus();
+    ASSIGN_OR_RETURN(auto ids,
+                     TakePage(KeyframeIdsOf(state, local_map_id), page, options_.max_page_size));
+    // No others: each costs what it sees, and robots wait meanwhile.
+    return Page<KeyframeInfo>{map_store::DescribeKeyframes(state, ids.items),
+                              std::move(ids.next_page_token)};
   });
-  RETURN_IF_ERROR(status);
-  return TakePage(std::move(infos), page, options_.max_page_size);
 }
 
 absl::StatusOr<KeyframeInfo> MapStore::GetKeyframe(absl::string_view mission_name,
                                                    KeyframeId id) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   return mission->WithState([id](const MissionState& state) -> absl::StatusOr<KeyframeInfo> {
-    if (state.FindKeyframe(id) != nullptr) {
-      for (const KeyframeInfo& info :
-           map_store::DescribeKeyframes(state, *state.FindLocalMap(id.local_map))) {
-        if (info.id == id) return info;
-      }
+    if (state.FindKeyframe(id) == nullptr) {
+      return absl::NotFoundError(absl::StrCat("there is no keyframe ", ToString(id)));
     }
-    return absl::NotFoundError(absl::StrCat("there is no keyframe ", ToString(id)));
+    return map_store::DescribeKeyframes(state, {id}).front();
   });
 }
 
