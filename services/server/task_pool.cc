@@ -1,5 +1,8 @@
 #include "services/server/task_pool.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -8,14 +11,16 @@
 namespace corbslam {
 namespace {
 
-// Then it is a look-up's turn: they come slowly under a flood of tasks, but they come.
-constexpr int kMaxTasksInARow = 8;
+// Of threads of look-ups: a third of what a task's thread is given, where there is not enough for
+// both. They hold locks that tasks wait for, so not much less.
+constexpr int kLookUpNiceness = 5;
 
 }  // namespace
 
-TaskPool::TaskPool(int threads, size_t max_waiting_calls)
-    : max_waiting_calls_(max_waiting_calls), max_running_look_ups_(std::max(1, threads / 4)) {
-  for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Run(); });
+TaskPool::TaskPool(int threads, size_t max_waiting_calls) : max_waiting_calls_(max_waiting_calls) {
+  for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { RunTasks(); });
+  const int look_ups = std::max(1, threads / 4);
+  for (int i = 0; i < look_ups; ++i) threads_.emplace_back([this] { RunLookUps(); });
 }
 
 TaskPool::~TaskPool() {
@@ -52,43 +57,31 @@ size_t TaskPool::waiting() const {
   return tasks_.size() + look_ups_.size();
 }
 
-TaskPool::Kind TaskPool::Next() const {
-  const bool may_look_up = !look_ups_.empty() && running_look_ups_ < max_running_look_ups_;
-  if (may_look_up && (tasks_.empty() || tasks_in_a_row_ >= kMaxTasksInARow)) return Kind::kLookUp;
-  return tasks_.empty() ? Kind::kNone : Kind::kTask;
-}
-
-std::function<void()> TaskPool::Take(Kind kind) {
-  if (kind == Kind::kTask) {
-    tasks_in_a_row_ = look_ups_.empty() ? 0 : std::min(tasks_in_a_row_ + 1, kMaxTasksInARow);
-    std::function<void()> task = std::move(tasks_.front());
-    tasks_.pop_front();
-    return task;
-  }
-  tasks_in_a_row_ = 0;
-  ++running_look_ups_;
-  LookUp look_up = std::move(look_ups_.front());
-  look_ups_.pop_front();
-  if (look_up.is_call) --waiting_calls_;
-  return std::move(look_up.run);
-}
-
-void TaskPool::Run() {
+void TaskPool::RunTasks() {
   while (true) {
-    Kind kind;
-    std::function<void()> task;
+    Task task;
     {
-      absl::MutexLock lock(&mutex_, absl::Condition(this, &TaskPool::HasNews));
-      if (IsOver()) return;
-      kind = Next();
-      task = Take(kind);
+      absl::MutexLock lock(&mutex_, absl::Condition(this, &TaskPool::IsTaskThere));
+      if (tasks_.empty()) return;
+      task = std::move(tasks_.front());
+      tasks_.pop_front();
     }
     task();
-    // What it holds may end streams: not under the lock, and before the next waits for news.
-    task = nullptr;
-    if (kind == Kind::kTask) continue;
-    absl::MutexLock lock(&mutex_);
-    --running_look_ups_;
+  }
+}
+
+void TaskPool::RunLookUps() {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLookUpNiceness);
+  while (true) {
+    LookUp look_up;
+    {
+      absl::MutexLock lock(&mutex_, absl::Condition(this, &TaskPool::IsLookUpThere));
+      if (look_ups_.empty()) return;
+      look_up = std::move(look_ups_.front());
+      look_ups_.pop_front();
+      if (look_up.is_call) --waiting_calls_;
+    }
+    look_up.run();
   }
 }
 

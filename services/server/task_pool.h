@@ -14,12 +14,14 @@
 
 namespace corbslam {
 
-// Thread-safe. Tasks that robots wait for go first; look-ups, however many wait, have at most a
-// quarter of the threads (or one). Of each kind they begin in the order in which they came.
+// Thread-safe. Tasks that robots wait for, and look-ups, which have threads of their own: a quarter
+// as many (or one), of lower priority, so that no number of them keeps robots waiting. Of each kind
+// they begin in the order in which they came.
 class TaskPool {
  public:
   static constexpr size_t kMaxWaitingCalls = 256;
 
+  // `threads` for tasks.
   explicit TaskPool(int threads, size_t max_waiting_calls = kMaxWaitingCalls);
   // Runs what was scheduled, then ends.
   ~TaskPool();
@@ -34,35 +36,29 @@ class TaskPool {
   absl::Status ScheduleCall(std::function<void()> task);
   // Scheduled and not begun.
   size_t waiting() const;
-  int threads() const { return static_cast<int>(threads_.size()); }
 
  private:
-  enum class Kind { kNone, kTask, kLookUp };
+  using Task = std::function<void()>;
   struct LookUp {
-    std::function<void()> run;
+    Task run;
     bool is_call = false;
   };
 
-  void Run();
-  // What a free thread is to begin with.
-  Kind Next() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
-  std::function<void()> Take(Kind kind) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  bool IsOver() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    return stopping_ && tasks_.empty() && look_ups_.empty();
+  // Of one kind, until the pool ends and none is left.
+  void RunTasks();
+  void RunLookUps();
+  bool IsTaskThere() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    return stopping_ || !tasks_.empty();
   }
-  bool HasNews() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    return IsOver() || Next() != Kind::kNone;
+  bool IsLookUpThere() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    return stopping_ || !look_ups_.empty();
   }
 
   const size_t max_waiting_calls_;
-  const int max_running_look_ups_;
   mutable absl::Mutex mutex_;
-  std::deque<std::function<void()>> tasks_ ABSL_GUARDED_BY(mutex_);
+  std::deque<Task> tasks_ ABSL_GUARDED_BY(mutex_);
   std::deque<LookUp> look_ups_ ABSL_GUARDED_BY(mutex_);
   size_t waiting_calls_ ABSL_GUARDED_BY(mutex_) = 0;
-  int running_look_ups_ ABSL_GUARDED_BY(mutex_) = 0;
-  // Tasks begun while a look-up waited, since one was begun.
-  int tasks_in_a_row_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_;
 };
