@@ -25,6 +25,8 @@ constexpr char kOwnAgent[] = "mallory";
 constexpr LocalMapId kOwnMap{0xbad};
 // Of one stream before it is given up.
 constexpr int kMessagesOfAStream = 20;
+// At once. Of more, gRPC itself would keep some back.
+constexpr int kCallsOfAConnection = 100;
 constexpr absl::Duration kPatience = absl::Seconds(10);
 
 std::string NameOf(const std::optional<absl::Status>& end) {
@@ -182,7 +184,7 @@ std::map<std::string, std::string> Attacker::SendForbiddenBatches() {
   return ends;
 }
 
-bool Attacker::ReplayANumber(int times) {
+Attacker::Ends Attacker::ReplayANumber(int times) {
   RawStream stream(MakeChannel(address_));
   stream.Send(OpenMessage(kOwnMission, kOwnAgent));
   for (int i = 0; i < times; ++i) {
@@ -195,20 +197,21 @@ bool Attacker::ReplayANumber(int times) {
   while (stream.answers() <= times && !stream.has_ended() && absl::Now() < deadline) {
     absl::SleepFor(absl::Milliseconds(1));
   }
-  return stream.answers() == times + 1 && !stream.has_ended();
+  return {{"OK", stream.answers() - 1}};
 }
 
-bool Attacker::ClaimTwoGigabytes(absl::Duration patience) {
+Attacker::Ends Attacker::ClaimTwoGigabytes(absl::Duration patience) {
   return SendRawMessage(0x7fffffff, /*dribbles=*/false, patience);
 }
 
-bool Attacker::Dribble(absl::Duration patience) {
+Attacker::Ends Attacker::Dribble(absl::Duration patience) {
   return SendRawMessage(1000, /*dribbles=*/true, patience);
 }
 
-bool Attacker::SendRawMessage(uint32_t claimed_bytes, bool dribbles, absl::Duration patience) {
+Attacker::Ends Attacker::SendRawMessage(uint32_t claimed_bytes, bool dribbles,
+                                        absl::Duration patience) {
   const int fd = Connect(address_);
-  if (fd < 0) return false;
+  if (fd < 0) return {{"not connected", 1}};
   const std::string headers = Header(":method", "POST") + Header(":scheme", "http") +
                               Header(":path", "/corbslam.v1.MapStore/Sync") +
                               Header(":authority", "x") +
@@ -235,32 +238,30 @@ bool Attacker::SendRawMessage(uint32_t claimed_bytes, bool dribbles, absl::Durat
     answer.append(buffer, static_cast<size_t>(read_bytes));
   }
   close(fd);
-  return EndsStream(answer);
+  return {{EndsStream(answer) ? "ended" : "open", 1}};
 }
 
 Attacker::Ends Attacker::OpenSilentStreams(const std::string& method, int streams,
                                            absl::Duration patience) {
-  Ends ends;
-  const auto channel = MakeChannel(address_);
-  std::vector<std::unique_ptr<RawStream>> opened;
-  for (int i = 0; i < streams; ++i) opened.push_back(std::make_unique<RawStream>(channel, method));
-  const absl::Time deadline = absl::Now() + patience;
-  for (const auto& stream : opened) {
-    ++ends[NameOf(stream->WaitForEnd(std::max(deadline - absl::Now(), absl::ZeroDuration())))];
-  }
-  return ends;
+  return MakeCalls(method, "", streams, patience);
 }
 
 Attacker::Ends Attacker::FloodWithLookups(int calls, absl::Duration patience) {
-  Ends ends;
-  const auto channel = MakeChannel(address_);
   v1::ListKeyframesRequest request;
   request.set_parent(MissionName(mission_) + "/localMaps/-");
+  return MakeCalls("ListKeyframes", request.SerializeAsString(), calls, patience);
+}
+
+Attacker::Ends Attacker::MakeCalls(const std::string& method, const std::string& message, int calls,
+                                   absl::Duration patience) const {
   std::vector<std::unique_ptr<RawStream>> made;
+  std::shared_ptr<grpc::Channel> channel;
   for (int i = 0; i < calls; ++i) {
-    made.push_back(std::make_unique<RawStream>(channel, "ListKeyframes"));
-    made.back()->Send(request.SerializeAsString());
+    if (i % kCallsOfAConnection == 0) channel = MakeChannel(address_);
+    made.push_back(std::make_unique<RawStream>(channel, method));
+    if (!message.empty()) made.back()->Send(message);
   }
+  Ends ends;
   const absl::Time deadline = absl::Now() + patience;
   for (const auto& call : made) {
     ++ends[NameOf(call->WaitForEnd(std::max(deadline - absl::Now(), absl::ZeroDuration())))];

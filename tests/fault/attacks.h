@@ -29,16 +29,16 @@ class Attacker {
   // Batches that the rules forbid: another's local map, numbers that are missing, values that are
   // none. Returns the ends by attack.
   std::map<std::string, std::string> SendForbiddenBatches();
-  // A good batch of its own, and its number again and again with other batches. Whether all were
-  // acknowledged.
-  bool ReplayANumber(int times);
-  // Raw HTTP/2: a message that claims to have 2 GB, and no more comes. Whether the store ends it.
-  bool ClaimTwoGigabytes(absl::Duration patience);
+  // A good batch of its own, and its number again and again with other batches. Returns how many
+  // were acknowledged, as "OK".
+  Ends ReplayANumber(int times);
+  // Raw HTTP/2: a message that claims to have 2 GB, and no more comes. "ended" or "open".
+  Ends ClaimTwoGigabytes(absl::Duration patience);
   // Likewise, a small message that comes byte by byte and never ends.
-  bool Dribble(absl::Duration patience);
-  // Opens streams of this method that say nothing.
+  Ends Dribble(absl::Duration patience);
+  // Opens streams of this method that say nothing, over as many connections as they need.
   Ends OpenSilentStreams(const std::string& method, int streams, absl::Duration patience);
-  // Look-ups that are all under way at once.
+  // Look-ups that are all under way at once, likewise.
   Ends FloodWithLookups(int calls, absl::Duration patience);
 
   // What it sends of its own goes here.
@@ -48,7 +48,10 @@ class Attacker {
   std::string OpenMessage(const std::string& mission, const std::string& agent) const;
   std::string BatchMessage(const MapUpdateBatch& batch) const;
   std::string Mutate(std::string bytes);
-  bool SendRawMessage(uint32_t claimed_bytes, bool dribbles, absl::Duration patience);
+  Ends SendRawMessage(uint32_t claimed_bytes, bool dribbles, absl::Duration patience);
+  // Calls that are all under way at once, each with this message (empty: without any).
+  Ends MakeCalls(const std::string& method, const std::string& message, int calls,
+                 absl::Duration patience) const;
   std::string TryBatch(const std::string& mission, const std::string& agent,
                        const std::vector<MapUpdateBatch>& batches) const;
 

@@ -1,25 +1,25 @@
 // A map store that robots stream to while somebody attacks it: nothing of theirs is touched, its
 // memory stays bounded, and they are acknowledged as before.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "map_store/testing/store_dump.h"
 #include "services/corbslam/child_process.h"
-#include "services/corbslam/store_reader.h"
 #include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
-#include "tests/fault/attacks.h"
 #include "tests/fault/replay_fixture.h"
+#include "tests/integration/mission_fixture.h"
 #include "tests/replay/quantile.h"
 #include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
@@ -29,9 +29,18 @@ namespace {
 
 constexpr char kMission[] = "m";
 constexpr size_t kVictims = 4;
+constexpr uint64_t kFirstLocalMap = 0x1000;
 constexpr double kKeyframesPerS = 7;
 
-// CORBSLAM_HOSTILE_MESSAGES: how many mutated ones; there are a tenth as many silent streams.
+using Delay = ReplayLedger::Delay;
+
+std::vector<double> InMs(const std::vector<Delay>& delays) {
+  std::vector<double> ms;
+  for (const Delay& delay : delays) ms.push_back(delay.ms());
+  return ms;
+}
+
+// CORBSLAM_HOSTILE_MESSAGES: how many mutated ones; there are a tenth as many calls of each flood.
 int MessagesWanted() { return CountFromEnvironment("CORBSLAM_HOSTILE_MESSAGES", 3000); }
 
 class HostileClientTest : public ReplayFaultTest {
@@ -50,7 +59,7 @@ class HostileClientTest : public ReplayFaultTest {
     for (size_t i = 0; i < kVictims; ++i) {
       const ReplayOptions options{.mission = kMission,
                                   .agent = absl::StrCat("agent", i),
-                                  .local_map = LocalMapId{0x1000 * (i + 1)},
+                                  .local_map = LocalMapId{kFirstLocalMap * (i + 1)},
                                   .laps = laps,
                                   .keyframes_per_s = kKeyframesPerS};
       agents.push_back(std::make_unique<ReplayingAgent>(
@@ -59,56 +68,78 @@ class HostileClientTest : public ReplayFaultTest {
     return agents;
   }
 
-  // Their acknowledgements' latencies.
-  std::vector<double> WaitFor(const std::vector<std::unique_ptr<ReplayingAgent>>& agents) const {
-    std::vector<double> latencies;
+  std::vector<Delay> WaitFor(const std::vector<std::unique_ptr<ReplayingAgent>>& agents) const {
+    std::vector<Delay> delays;
     for (const auto& agent : agents) {
       const absl::Status done = agent->WaitUntilDone(absl::Minutes(30));
       EXPECT_TRUE(done.ok()) << done;
-      EXPECT_EQ(agent->ledger().sessions, 1) << "it was thrown out";
-      AppendDelays(agent->ledger(), latencies);
+      const ReplayLedger ledger = agent->ledger();
+      EXPECT_EQ(ledger.sessions, 1) << "it was thrown out";
+      delays.insert(delays.end(), ledger.delays.begin(), ledger.delays.end());
     }
-    return latencies;
+    return delays;
   }
 
-  // All that an attacker does, one after the other.
-  void Attack(int messages) {
-    // Its own work is not what is measured.
-    setpriority(PRIO_PROCESS, 0, 19);
-    Attacker attacker("127.0.0.1" + port_, kMission, LocalMapId{0x1000}, &uploads_, 1);
-    StoreReader own(MakeChannel("127.0.0.1" + port_), Attacker::kOwnMission);
-    for (const auto& [what, end] : attacker.SendForbiddenBatches()) {
-      ExpectEnds(what, {{end, 1}}, "OK");
-    }
-    // Its sessions were granted, its batches were not.
-    const auto nothing = own.Statistics();
-    ASSERT_TRUE(nothing.ok()) << nothing.status();
-    EXPECT_EQ(nothing->mission().keyframes(), 0u);
-    EXPECT_TRUE(attacker.ReplayANumber(20));
-    const auto once = own.Statistics();
-    ASSERT_TRUE(once.ok()) << once.status();
-    EXPECT_EQ(once->mission().keyframes(), uploads_.front().full_keyframes.size());
-    EXPECT_TRUE(attacker.ClaimTwoGigabytes(absl::Seconds(20)));
-    EXPECT_TRUE(attacker.Dribble(absl::Seconds(20)));
-    const int streams = messages / 10;
-    ExpectEnds("silent streams", attacker.OpenSilentStreams("Sync", streams, absl::Seconds(40)),
-               "OK");
-    ExpectEnds("silent backups",
-               attacker.OpenSilentStreams("RestoreMission", streams, absl::Seconds(40)), "OK");
-    const Attacker::Ends look_ups = attacker.FloodWithLookups(streams, absl::Seconds(40));
-    ExpectEnds("look-ups", look_ups, "");
-    EXPECT_TRUE(look_ups.contains("OK"));
-    EXPECT_EQ(look_ups.size(), 1 + look_ups.count("RESOURCE_EXHAUSTED"));
-    ExpectEnds("mutated messages", attacker.SendMutatedMessages(messages), "OK");
+  // All that an attacker does (attacker_main.cc), one after the other, while the robots stream.
+  // Returns what it wrote of that.
+  nlohmann::json Attack(int messages) {
+    const auto attacker =
+        Start("attacker", "attacker",
+              {"127.0.0.1" + port_, kMission, "--victim", absl::StrCat(kFirstLocalMap), "--source",
+               DemoSource(), "--messages", absl::StrCat(messages), "--calls",
+               absl::StrCat(messages / 10), "--out", FileOf("attacks.json")},
+              {});
+    if (attacker == nullptr) return {};
+    EXPECT_TRUE(attacker->WaitForEnd(absl::Minutes(30)));
+    EXPECT_TRUE(attacker->EndStatus().ok()) << attacker->EndStatus();
+    return ReadStatistics(FileOf("attacks.json"));
   }
-  // `ends` are by code; none may be open, or `never`.
-  static void ExpectEnds(const std::string& what, const Attacker::Ends& ends,
-                         const std::string& never) {
-    for (const auto& [end, count] : ends) {
-      std::printf("%s: %d ended with %s\n", what.c_str(), count, end.c_str());
-      EXPECT_NE(end, "open") << what;
-      EXPECT_NE(end, never) << what;
+
+  // How the calls of each attack must have ended, and what they left.
+  static void ExpectHeldOff(const nlohmann::json& attacks, size_t keyframes_of_a_batch) {
+    for (const auto& attack : attacks["attacks"]) {
+      const std::string name = attack["name"];
+      const auto ends = attack["ends"].get<std::map<std::string, int>>();
+      EXPECT_FALSE(ends.empty()) << name;
+      EXPECT_FALSE(ends.contains("open")) << name;
+      if (name == "a number again and again") {
+        EXPECT_EQ(ends.at("OK"), 20);
+        EXPECT_EQ(attack["own_keyframes"], keyframes_of_a_batch);
+      } else if (name == "look-ups") {
+        EXPECT_TRUE(ends.contains("OK"));
+        EXPECT_EQ(ends.size(), 1 + ends.count("RESOURCE_EXHAUSTED"));
+      } else {
+        EXPECT_FALSE(ends.contains("OK")) << name;
+      }
+      // Its sessions were granted, its batches were not.
+      if (name == "forbidden batches") {
+        EXPECT_EQ(attack["own_keyframes"], 0);
+      }
     }
+  }
+
+  // Of each attack: how its calls ended, and the robots' acknowledgements meanwhile.
+  static void PrintAttacks(const nlohmann::json& attacks, const std::vector<Delay>& delays) {
+    for (const auto& attack : attacks["attacks"]) {
+      const std::vector<double> meanwhile = DelaysWithin(attack, delays);
+      std::printf("%-40s %6.1f s, %4zu acknowledgements, p99 %5.0f ms, calls ended: %s\n",
+                  attack["name"].get<std::string>().c_str(),
+                  attack["ended"].get<double>() - attack["began"].get<double>(), meanwhile.size(),
+                  Quantile(meanwhile, 0.99), attack["ends"].dump().c_str());
+    }
+  }
+
+  // Of batches that were due between the beginning and the end of `span`.
+  static std::vector<double> DelaysWithin(const nlohmann::json& span,
+                                          const std::vector<Delay>& delays) {
+    const auto time = [&](const char* key) {
+      return absl::UnixEpoch() + absl::Seconds(span[key].get<double>());
+    };
+    std::vector<double> within;
+    for (const Delay& delay : delays) {
+      if (time("began") <= delay.due && delay.due < time("ended")) within.push_back(delay.ms());
+    }
+    return within;
   }
 
   std::string DumpStored(const std::string& name) {
@@ -129,10 +160,10 @@ class HostileClientTest : public ReplayFaultTest {
 
 TEST_F(HostileClientTest, RobotsDoNotNotice) {
   const int messages = MessagesWanted();
-  // About as long as the attack lasts.
-  const int laps = std::max(5, messages / 3000);
+  // Longer than the attack lasts.
+  const int laps = std::max(5, messages / 6000);
   StartStore("undisturbed");
-  const double p99_before = Quantile(WaitFor(StartVictims(laps)), 0.99);
+  const std::vector<Delay> undisturbed = WaitFor(StartVictims(laps));
   const double rss_before = store_->Stop(absl::Seconds(60)).peak_rss_mb;
 
   StartStore("attacked");
@@ -144,16 +175,20 @@ TEST_F(HostileClientTest, RobotsDoNotNotice) {
     }
     ASSERT_GT(victim->ledger().acknowledged, 0u);
   }
-  std::thread attack([&] { Attack(messages); });
-  const double p99_under_attack = Quantile(WaitFor(victims), 0.99);
-  attack.join();
+  const nlohmann::json attacks = Attack(messages);
+  const std::vector<Delay> attacked = WaitFor(victims);
   victims.clear();
   const ProcessEnd ended = store_->Stop(absl::Seconds(60));
   EXPECT_EQ(ended.exit_code, 0);
+  ASSERT_TRUE(attacks.is_object());
+  ExpectHeldOff(attacks, uploads_.front().full_keyframes.size());
+  PrintAttacks(attacks, attacked);
+  const std::vector<double> meanwhile = DelaysWithin(attacks, attacked);
   std::printf(
-      "acknowledgement p99: %.1f ms undisturbed, %.1f ms under attack\n"
+      "acknowledgement p99: %.1f ms undisturbed, %.1f ms under attack (%zu acknowledgements)\n"
       "store's peak memory: %.0f MB undisturbed, %.0f MB under attack\n",
-      p99_before, p99_under_attack, rss_before, ended.peak_rss_mb);
+      Quantile(InMs(undisturbed), 0.99), Quantile(meanwhile, 0.99), meanwhile.size(), rss_before,
+      ended.peak_rss_mb);
   EXPECT_LT(ended.peak_rss_mb, rss_before + 200);
   EXPECT_EQ(testing::FirstDifference(DumpStored("attacked"), DumpStored("undisturbed")), "");
 }
