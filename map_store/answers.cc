@@ -43,9 +43,7 @@ KeyframeInfo DescribeKeyframe(const MissionState& state, const LocalMapState& lo
   info.parent = keyframe.parent;
   info.payload = keyframe.payload;
   info.keypoints = keyframe.keypoints().size();
-  for (const MapPointId& point : ObservedPoints(state, local_map, keyframe)) {
-    if (point.IsValid()) ++info.observed_points;
-  }
+  info.observed_points = CountObservedPoints(state, local_map, keyframe);
   return info;
 }
 

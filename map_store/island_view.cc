@@ -1,5 +1,6 @@
 #include "map_store/island_view.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -216,6 +217,13 @@ IslandSnapshot BeginSnapshot(const MissionState& state, const Island& island, Cu
   return snapshot;
 }
 
+// What somebody else's point is called now; invalid where it is not in this island.
+MapPointId ResolveWithin(IslandId island, const MissionState& state, MapPointId raw) {
+  const MapPointId point = ResolvePoint(state, raw);
+  const bool here = point.IsValid() && state.global.island_of.at(point.local_map) == island;
+  return here ? point : MapPointId();
+}
+
 }  // namespace
 
 std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMapState& local_map,
@@ -229,9 +237,7 @@ std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMap
   const auto foreign = local_map.foreign_observations.find(keyframe.id());
   if (foreign != local_map.foreign_observations.end()) {
     for (const auto& [keypoint, raw] : foreign->second) {
-      const MapPointId point = ResolvePoint(state, raw);
-      const bool here = point.IsValid() && state.global.island_of.at(point.local_map) == island;
-      points[keypoint] = here ? point : MapPointId();
+      points[keypoint] = ResolveWithin(island, state, raw);
     }
   }
   if (treatment == Rejected::kTryAgain) return points;
@@ -244,6 +250,36 @@ std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMap
     }
   }
   return points;
+}
+
+size_t CountObservedPoints(const MissionState& state, const LocalMapState& local_map,
+                           const Keyframe& keyframe) {
+  const IslandId island = state.global.island_of.at(local_map.id);
+  const auto foreign = local_map.foreign_observations.find(keyframe.id());
+  const bool sees_foreign = foreign != local_map.foreign_observations.end();
+  const auto sees_own = [&](uint32_t keypoint) { return keyframe.points[keypoint].IsValid(); };
+  const auto sees_any = [&](uint32_t keypoint) {
+    if (!sees_foreign) return sees_own(keypoint);
+    const auto it = foreign->second.find(keypoint);
+    if (it == foreign->second.end()) return sees_own(keypoint);
+    return ResolveWithin(island, state, it->second).IsValid();
+  };
+  auto count = static_cast<size_t>(std::count_if(keyframe.points.begin(), keyframe.points.end(),
+                                                 [](MapPointId id) { return id.IsValid(); }));
+  if (sees_foreign) {
+    for (const auto& [keypoint, raw] : foreign->second) {
+      if (sees_own(keypoint)) --count;
+      if (sees_any(keypoint)) ++count;
+    }
+  }
+  const RejectedObservations& rejected = state.global.rejected;
+  for (auto it = rejected.lower_bound({keyframe.id(), 0});
+       it != rejected.end() && it->first.first == keyframe.id(); ++it) {
+    const uint32_t keypoint = it->first.second;
+    const bool holds = RawObservation(local_map, keyframe.id(), keypoint) == it->second;
+    if (holds && sees_any(keypoint)) --count;
+  }
+  return count;
 }
 
 absl::StatusOr<IslandSnapshot> TakeWholeSnapshot(const MissionState& state, const Island& island,

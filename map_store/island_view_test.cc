@@ -182,5 +182,34 @@ TEST_F(IslandViewTest, RejectedObservationsAreLeftOutOrTriedAgain) {
   EXPECT_TRUE(sees(Whole(Rejected::kTryAgain)));
 }
 
+TEST_F(IslandViewTest, CountsWhatItWouldName) {
+  Fuse();
+  LocalMapState& b = *state_.FindLocalMap(kMapB);
+  // Beside the one within the island: one elsewhere, and one that there is not.
+  b.foreign_observations[Kb(0)][21] = {kElsewhere, 3};
+  b.foreign_observations[Kb(1)][22] = Pa(1000);
+  RejectedObservations& rejected = state_.global.rejected;
+  rejected[{Kb(0), 2}] = Pb(2);
+  rejected[{Kb(0), 20}] = Pa(30);
+  rejected[{Kb(0), 21}] = {kElsewhere, 3};
+  // By now it sees another one there.
+  rejected[{Kb(1), 2}] = Pb(2);
+  const auto named = [&](KeyframeId id) {
+    const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
+    const auto points = ObservedPoints(state_, local_map, *state_.FindKeyframe(id));
+    return std::count_if(points.begin(), points.end(), [](MapPointId p) { return p.IsValid(); });
+  };
+  const auto counted = [&](KeyframeId id) {
+    return static_cast<ptrdiff_t>(
+        CountObservedPoints(state_, *state_.FindLocalMap(id.local_map), *state_.FindKeyframe(id)));
+  };
+  for (uint32_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(counted(Ka(i)), named(Ka(i))) << i;
+    EXPECT_EQ(counted(Kb(i)), named(Kb(i))) << i;
+  }
+  EXPECT_EQ(counted(Kb(0)), 9) << "ten of its own without one, and its foreign one is rejected";
+  EXPECT_EQ(counted(Kb(1)), 10);
+}
+
 }  // namespace
 }  // namespace corbslam::map_store
