@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -40,10 +41,10 @@ class KilledWorkerTest : public FaultTest {
   std::unique_ptr<ChildProcess> StartWorker(const std::string& listen = "127.0.0.1:0") {
     return Start(absl::StrCat("worker", workers_++), "fusion_worker", {"--listen", listen});
   }
-  // Dies in its `number`th request of the kind.
-  std::unique_ptr<ChildProcess> StartMortal(const std::string& kind, int number) {
+  // Dies in a request of the kind, "midway" or when it is "done".
+  std::unique_ptr<ChildProcess> StartMortal(const std::string& kind, const std::string& moment) {
     return Start(absl::StrCat("worker", workers_++), "mortal_worker",
-                 {kind, absl::StrCat(number), "--listen", "127.0.0.1:0"});
+                 {kind, "1", moment, "--listen", "127.0.0.1:0"});
   }
 
   // Two robots' maps keyframe by keyframe into a store in this process, fusion in between, all work
@@ -103,12 +104,19 @@ class KilledWorkerTest : public FaultTest {
   int workers_ = 0;
 };
 
-class KindOfRequestTest : public KilledWorkerTest,
-                          public ::testing::WithParamInterface<const char*> {};
+// Kind of request, and the moment of death.
+class KindOfRequestTest
+    : public KilledWorkerTest,
+      public ::testing::WithParamInterface<std::tuple<const char*, const char*>> {
+ protected:
+  std::unique_ptr<ChildProcess> StartMortal() {
+    return KilledWorkerTest::StartMortal(std::get<0>(GetParam()), std::get<1>(GetParam()));
+  }
+};
 
 TEST_P(KindOfRequestTest, AnotherWorkerTakesOverAndTheMapIsTheSame) {
   const std::string undisturbed = Undisturbed();
-  const auto mortal = StartMortal(GetParam(), 1);
+  const auto mortal = StartMortal();
   const auto other = StartWorker();
   Run run(*this, {AddressOf(mortal.get()), AddressOf(other.get())});
   ASSERT_NO_FATAL_FAILURE(run.Finish());
@@ -120,7 +128,7 @@ TEST_P(KindOfRequestTest, AnotherWorkerTakesOverAndTheMapIsTheSame) {
 
 TEST_P(KindOfRequestTest, TheNextWorkerAtTheAddressTakesOverAndTheMapIsTheSame) {
   const std::string undisturbed = Undisturbed();
-  const auto mortal = StartMortal(GetParam(), 1);
+  const auto mortal = StartMortal();
   const std::string address = AddressOf(mortal.get());
   Run run(*this, {address});
   std::thread running([&run] { run.Finish(); });
@@ -133,8 +141,13 @@ TEST_P(KindOfRequestTest, TheNextWorkerAtTheAddressTakesOverAndTheMapIsTheSame) 
   EXPECT_EQ(run.store().GetStatistics(kMission)->failed_requests, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, KindOfRequestTest, ::testing::Values("verify", "fuse", "adjust"),
-                         [](const auto& info) { return std::string(info.param); });
+INSTANTIATE_TEST_SUITE_P(Kinds, KindOfRequestTest,
+                         ::testing::Combine(::testing::Values("verify", "fuse", "adjust"),
+                                            ::testing::Values("midway", "done")),
+                         [](const auto& info) {
+                           return absl::StrCat(std::get<0>(info.param), "_",
+                                               std::get<1>(info.param));
+                         });
 
 // Everything real, and kills at any moment: not the same to the bit, because what robots say comes
 // at other times, but the same islands, robots and keyframes.

@@ -1,5 +1,5 @@
-// mortal_worker KIND NUMBER: a fusion worker that is killed (SIGKILL) in the middle of its
-// NUMBERth request of a kind (verify, fuse or adjust).
+// mortal_worker KIND NUMBER MOMENT: a fusion worker that is killed (SIGKILL) in its NUMBERth
+// request of a kind (verify, fuse or adjust), while it computes or when it has the result.
 #include <glog/logging.h>
 #include <signal.h>
 #include <unistd.h>
@@ -18,34 +18,44 @@ namespace {
 
 class MortalWorker : public FusionWorker {
  public:
-  MortalWorker(std::string kind, int last) : kind_(std::move(kind)), left_(last) {}
+  MortalWorker(std::string kind, int last, bool dies_midway)
+      : kind_(std::move(kind)), dies_midway_(dies_midway), left_(last) {}
 
   absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
                                                     const ProgressCallback& progress) override {
-    const auto result = worker_->VerifyOverlap(request, progress);
-    MeetFate("verify");
-    return result;
+    return Do("verify", progress, [&](const ProgressCallback& mortal) {
+      return worker_->VerifyOverlap(request, mortal);
+    });
   }
   absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
                                           const ProgressCallback& progress) override {
-    const auto result = worker_->FuseMaps(request, progress);
-    MeetFate("fuse");
-    return result;
+    return Do("fuse", progress,
+              [&](const ProgressCallback& mortal) { return worker_->FuseMaps(request, mortal); });
   }
   absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest& request,
                                                   const ProgressCallback& progress) override {
-    const auto result = worker_->AdjustBundle(request, progress);
-    MeetFate("adjust");
-    return result;
+    return Do("adjust", progress, [&](const ProgressCallback& mortal) {
+      return worker_->AdjustBundle(request, mortal);
+    });
   }
 
  private:
-  // The work is done and nobody knows: the worst moment.
-  void MeetFate(const std::string& kind) {
-    if (kind == kind_ && --left_ == 0) kill(getpid(), SIGKILL);
+  template <typename Work>
+  auto Do(const std::string& kind, const ProgressCallback& progress, const Work& work) {
+    const bool is_due = kind == kind_ && --left_ <= 0;
+    const auto result = work([&](double part) {
+      // Short ones may never say so much: then it is one of the next.
+      if (is_due && dies_midway_ && part >= 0.3) Die();
+      return progress == nullptr || progress(part);
+    });
+    // The work is done and nobody knows.
+    if (is_due && !dies_midway_) Die();
+    return result;
   }
+  static void Die() { kill(getpid(), SIGKILL); }
 
   const std::string kind_;
+  const bool dies_midway_;
   std::atomic<int> left_;
   const std::unique_ptr<FusionWorker> worker_ = MakeLocalFusionWorker();
 };
@@ -57,17 +67,21 @@ int main(int argc, char** argv) {
   corbslam::BlockStopSignals();
   std::string kind;
   int number = 1;
+  std::string moment;
   std::string listen = "127.0.0.1:0";
-  CLI::App app("A fusion worker that is killed in the middle of a request", "mortal_worker");
+  CLI::App app("A fusion worker that is killed in a request", "mortal_worker");
   app.add_option("kind", kind, "verify, fuse or adjust")
       ->required()
       ->check(CLI::IsMember({"verify", "fuse", "adjust"}));
   app.add_option("number", number, "Of the request of that kind")->required();
+  app.add_option("moment", moment, "midway or done")
+      ->required()
+      ->check(CLI::IsMember({"midway", "done"}));
   app.add_option("--listen", listen, "HOST:PORT to serve on");
   bool insecure = false;
   app.add_flag("--insecure", insecure, "Without TLS, which it always is");
   CLI11_PARSE(app, argc, argv);
-  corbslam::MortalWorker worker(kind, number);
+  corbslam::MortalWorker worker(kind, number, moment == "midway");
   corbslam::FusionWorkerService service(&worker);
   const auto server = corbslam::Server::Start(listen, {&service});
   if (!server.ok()) {
