@@ -18,7 +18,7 @@ pace=${PACE:-max}
 
 # NAME:REFERENCE, the reference being one robot over the whole sequence.
 recorded='kitti_two:kitti_one kitti_three:kitti_one kitti_interleaved:kitti_one
-  tum_two:tum_one tum_three:tum_one tum_backwards:tum_one lab_two:lab_one euroc_two:euroc_one'
+  tum_two:tum_one tum_three:tum_one tum_backwards:tum_one lab_two:lab_one'
 simulated='floor_two:floor_one city_two:city_one city_three:city_one
   05_three:05_one 05_three_other:05_one 00_two:00_one 00_two_other:00_one'
 splits="$recorded $simulated"
@@ -38,7 +38,6 @@ done
 kitti="kitti:$recordings/kitti_00_first201"
 tum="tum:$recordings/tum_fr1_xyz_15hz"
 lab="tum:$root/tests/data/tum_fr1_xyz"
-euroc="euroc:$recordings/euroc_v1_01_first40"
 floor='sim:floor?seed=2&picture_scale=0.6&frames=:300'
 
 run() {  # NAME ARGUMENTS...
@@ -66,8 +65,6 @@ run_named() {  # NAME
     tum_backwards) run "$1" --source "$tum" --robots 2 --perturb 2:reverse ;;
     lab_one) run "$1" --source "$lab" --robots 1 ;;
     lab_two) run "$1" --source "$lab" --robots 2 ;;
-    euroc_one) run "$1" --source "$euroc" --robots 1 ;;
-    euroc_two) run "$1" --source "$euroc" --robots 2 --overlap 5 ;;
     floor_one) run "$1" --source "$floor" --robots 1 ;;
     floor_two) run "$1" --source "$floor" --robots 2 ;;
     city_*)

@@ -25,6 +25,12 @@ fs::path MakeEmptyFolder() {
 
 bool WantsLongFaults() { return std::getenv("CORBSLAM_LONG_FAULTS") != nullptr; }
 
+std::string LongSource() {
+  const auto recordings = RecordingsFolder();
+  EXPECT_TRUE(recordings.has_value()) << "the long form needs CORBSLAM_DATA_DIR";
+  return absl::StrCat("tum:", recordings.value_or(""), "/tum_fr1_xyz_15hz");
+}
+
 int CountFromEnvironment(const char* variable, int otherwise) {
   int count = otherwise;
   const char* text = std::getenv(variable);

@@ -31,6 +31,8 @@ namespace corbslam {
 
 // CORBSLAM_LONG_FAULTS=1: all cases, and long ones.
 bool WantsLongFaults();
+// A recording of 26 s at 15 Hz, for those. Where there is none, the test fails.
+std::string LongSource();
 
 // The number in an environment variable, else `otherwise`. What is no number fails the test.
 int CountFromEnvironment(const char* variable, int otherwise);

@@ -99,10 +99,7 @@ std::vector<LinkCase> Cases() {
 
 // 15 frames a second: two robots have room for that on two cores.
 std::string Source() {
-  if (!WantsLongFaults()) return absl::StrCat(DemoSource(), "?stride=2");
-  const auto recordings = RecordingsFolder();
-  EXPECT_TRUE(recordings.has_value()) << "the long form needs CORBSLAM_DATA_DIR";
-  return absl::StrCat("tum:", recordings.value_or(""), "/tum_fr1_xyz_15hz");
+  return WantsLongFaults() ? LongSource() : absl::StrCat(DemoSource(), "?stride=2");
 }
 
 absl::Status EnterOwnNetwork() {
