@@ -37,8 +37,10 @@ rocksdb::Options MakeOptions(rocksdb::Env* env) {
   made.wal_recovery_mode = rocksdb::WALRecoveryMode::kTolerateCorruptedTailRecords;
   made.max_total_wal_size = 256 << 20;
   // Tens of megabytes that are flushed go to the disk as they are written: synced at the end, they
-  // would hold up the log, and with it every acknowledgement.
+  // would hold up the log, and with it every acknowledgement. Strictly: a file system that orders
+  // data before its own journal waits for whatever is under way.
   made.bytes_per_sync = 1 << 20;
+  made.strict_bytes_per_sync = true;
   // Features are large and never change: compaction leaves them where they are.
   made.enable_blob_files = true;
   made.min_blob_size = 16 << 10;
