@@ -21,6 +21,14 @@ namespace {
 // How often a store is asked whether it is idle; it has no call that waits for that.
 constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
 
+// Of a whole map or way on a slow link: long, but not for ever.
+constexpr absl::Duration kReadPatience = absl::Minutes(10);
+
+void WaitForStream(grpc::ClientContext& context) {
+  context.set_deadline(absl::ToChronoTime(absl::Now() + kReadPatience));
+  context.set_wait_for_ready(true);
+}
+
 // It may be starting.
 void WaitForAnswer(grpc::ClientContext& context) {
   SetDeadline(context);
@@ -126,7 +134,7 @@ absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames
 absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& agent,
                                                              v1::TrajectoryFrame frame) {
   grpc::ClientContext context;
-  context.set_wait_for_ready(true);
+  WaitForStream(context);
   v1::GetTrajectoryRequest request;
   request.set_name(AgentName(mission_, agent));
   request.set_frame(frame);
@@ -145,7 +153,7 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
 
 absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
   grpc::ClientContext context;
-  context.set_wait_for_ready(true);
+  WaitForStream(context);
   v1::WatchMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(true);
