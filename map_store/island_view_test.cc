@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "map_store/island_covisibility.h"
 
 namespace corbslam::map_store {

@@ -37,7 +37,8 @@ void AddStreamLimitFlags(CLI::App& app, StreamLimitOptions& options) {
   Add(app, "--max-unfinished-bytes", options.max_unfinished_bytes,
       "Bytes of all streams' unfinished batches");
   Add(app, "--open-timeout", options.open_timeout_s, "Seconds for a stream's first message");
-  Add(app, "--part-timeout", options.part_timeout_s, "Seconds for the next part of a batch or backup");
+  Add(app, "--part-timeout", options.part_timeout_s,
+      "Seconds for the next part of a batch or backup");
   Add(app, "--max-waiting-calls", options.max_waiting_calls, "Calls that wait for a thread");
 }
 

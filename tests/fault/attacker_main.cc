@@ -12,9 +12,11 @@
 
 #include "absl/status/status.h"
 #include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "services/corbslam/store_reader.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/remote/channel.h"
+#include "slam/vocabulary/vocabulary.h"
 #include "tests/fault/attacks.h"
 #include "tests/replay/recorded_uploads.h"
 

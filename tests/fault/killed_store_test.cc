@@ -1,6 +1,7 @@
 // Real processes: a map store that is killed again and again while robots stream to it.
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>

@@ -21,9 +21,9 @@ class ReplayFaultTest : public FaultTest {
   // What a robot uploaded on the demo's recording.
   RecordedUploads RecordDemo() const;
 
-  // What the journal holds, in a store that fuses on this thread when it is told to (`worker` is
-  // not owned; null: never). Null, and why in the log, where it
-  // can't be opened.
+  // What the journal holds, in a store that fuses with `worker` (not owned; null: never), where it
+  // is deterministic on this thread when it is told to. Null, and why in the log, where it can't be
+  // opened.
   std::unique_ptr<MapStore> Reopen(const RocksJournalOptions& journal, FusionWorker* worker,
                                    bool deterministic = true) const;
 
