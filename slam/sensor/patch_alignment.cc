@@ -12,6 +12,7 @@ namespace {
 constexpr int kRadius_px = 5;
 constexpr int kSide_px = 2 * kRadius_px + 1;
 constexpr int kReach_px = 5;
+constexpr double kWeightSigma_px = 2;
 // One column more for interpolation beyond the last whole shift.
 constexpr int kStripWidth_px = kSide_px + 2 * kReach_px + 1;
 constexpr int kArea = kSide_px * kSide_px;
@@ -58,9 +59,33 @@ int AbsoluteDifference(const Patch& patch, const Strip& strip, size_t shift) {
   return sum;
 }
 
-// One Gauss-Newton step of the column of least squares (Lucas and Kanade, 1981), with the shift
-// and an offset of grey values as unknowns; `column` counts from the strip's first.
+// What a pixel of the patch counts for: a keypoint's own surface is in the middle, what lies behind
+// its edge is around it.
+struct PatchWeights {
+  PatchWeights() {
+    for (int v = 0; v < kSide_px; ++v) {
+      for (int u = 0; u < kSide_px; ++u) {
+        const double distance2 = std::pow(u - kRadius_px, 2) + std::pow(v - kRadius_px, 2);
+        const double weight = std::exp(-distance2 / (2 * kWeightSigma_px * kWeightSigma_px));
+        of[static_cast<size_t>(v)][static_cast<size_t>(u)] = static_cast<float>(weight);
+        sum += of[static_cast<size_t>(v)][static_cast<size_t>(u)];
+      }
+    }
+  }
+
+  std::array<std::array<float, kSide_px>, kSide_px> of;
+  float sum = 0;
+};
+
+const PatchWeights& Weights() {
+  static const PatchWeights weights;
+  return weights;
+}
+
+// One Gauss-Newton step of the column of weighted least squares (Lucas and Kanade, 1981), with the
+// shift and an offset of grey values as unknowns; `column` counts from the strip's first.
 float AlignmentStep(const Patch& patch, const Strip& strip, float column) {
+  const PatchWeights& weights = Weights();
   const auto whole = static_cast<size_t>(column);
   const float fraction = column - static_cast<float>(whole);
   float sum_g = 0, sum_gg = 0, sum_r = 0, sum_gr = 0;
@@ -70,15 +95,16 @@ float AlignmentStep(const Patch& patch, const Strip& strip, float column) {
       const float here = static_cast<float>(row[u]);
       const float slope = static_cast<float>(row[u + 1]) - here;
       const float residual = static_cast<float>(patch[v][u]) - (here + fraction * slope);
-      sum_g += slope;
-      sum_gg += slope * slope;
-      sum_r += residual;
-      sum_gr += slope * residual;
+      const float weight = weights.of[v][u];
+      sum_g += weight * slope;
+      sum_gg += weight * slope * slope;
+      sum_r += weight * residual;
+      sum_gr += weight * slope * residual;
     }
   }
-  const float information = sum_gg - sum_g * sum_g / kArea;
+  const float information = sum_gg - sum_g * sum_g / weights.sum;
   if (!(information > 1.0F)) return std::numeric_limits<float>::infinity();
-  return (sum_gr - sum_g * sum_r / kArea) / information;
+  return (sum_gr - sum_g * sum_r / weights.sum) / information;
 }
 
 // Column of the strip, from the best whole one; nothing where it strays from that.

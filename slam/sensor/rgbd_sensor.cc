@@ -1,25 +1,11 @@
 #include "slam/sensor/rgbd_sensor.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "absl/strings/str_cat.h"
+#include "slam/sensor/corner_depth.h"
 #include "slam/sensor/image_check.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
-namespace {
-
-// 0 where the sensor saw none.
-double DepthAt(const cv::Mat& depth, const Keypoint& raw, double units_per_m) {
-  const int x = std::clamp(static_cast<int>(std::lround(raw.x_px)), 0, depth.cols - 1);
-  const int y = std::clamp(static_cast<int>(std::lround(raw.y_px)), 0, depth.rows - 1);
-  if (depth.type() == CV_16UC1) return depth.at<uint16_t>(y, x) / units_per_m;
-  const double metres = static_cast<double>(depth.at<float>(y, x));
-  return std::isfinite(metres) && metres > 0 ? metres : 0;
-}
-
-}  // namespace
 
 absl::StatusOr<std::unique_ptr<Sensor>> RgbdSensor::Make(const RgbdCalibration& calibration,
                                                          const SensorOptions& options) {
@@ -42,7 +28,7 @@ absl::StatusOr<Features> RgbdSensor::Process(const SensorImages& images) {
   Features features;
   RETURN_IF_ERROR(extractor_.Extract(images.grey, features, pyramid_));
   for (Keypoint& keypoint : features.keypoints) {
-    const double depth_m = DepthAt(images.depth, keypoint, calibration_.depth_units_per_m);
+    const double depth_m = CornerDepth(images.depth, keypoint, calibration_.depth_units_per_m);
     if (depth_m > 0) {
       keypoint.disparity_px = static_cast<float>(DisparityFromDepth(camera, depth_m));
     }

@@ -1,0 +1,20 @@
+// The depth of a keypoint in a depth image.
+#ifndef CORBSLAM_SLAM_SENSOR_CORNER_DEPTH_H_
+#define CORBSLAM_SLAM_SENSOR_CORNER_DEPTH_H_
+
+#include <opencv2/core/mat.hpp>
+
+#include "slam/features/keypoint.h"
+
+namespace corbslam {
+
+// In metres; 0 where the sensor saw none. That of the keypoint's own pixel, unless there is a step
+// within a pixel and a half of the keypoint's octave: a corner at the edge of something moves with
+// it, wherever beside the edge its pixel happens to lie, so that it has the depth of the nearer
+// side then. `depth` is CV_16UC1 in units of which there are `units_per_m`, or CV_32FC1 in metres;
+// `raw` is in its pixels, as seen (distorted).
+double CornerDepth(const cv::Mat& depth, const Keypoint& raw, double units_per_m);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SENSOR_CORNER_DEPTH_H_
