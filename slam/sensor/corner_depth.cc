@@ -55,6 +55,8 @@ struct NearSide {
 NearSide FindNearSide(Window& window) {
   const auto begin = window.depths_m.begin();
   const auto end = begin + static_cast<std::ptrdiff_t>(window.size);
+  const auto [nearest, farthest] = std::minmax_element(begin, end);
+  if (begin == end || *farthest <= kStep * *nearest) return {};  // Most of them.
   std::sort(begin, end);
   double sum = 0;
   for (auto it = begin; it != end; ++it) {
