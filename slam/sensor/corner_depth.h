@@ -8,8 +8,13 @@
 
 namespace corbslam {
 
+// As far as a corner's pixel lies from its edge, in pixels of its octave.
+inline constexpr double kCornerReach_px = 1.5;
+// A surface's depths in so small a window, sorted, do not differ more from one to the next.
+inline constexpr double kDepthStep = 1.05;
+
 // In metres; 0 where the sensor saw none. That of the keypoint's own pixel, unless there is a step
-// within a pixel and a half of the keypoint's octave: a corner at the edge of something moves with
+// within its reach: a corner at the edge of something moves with
 // it, wherever beside the edge its pixel happens to lie, so that it has the depth of the nearer
 // side then. `depth` is CV_16UC1 in units of which there are `units_per_m`, or CV_32FC1 in metres;
 // `raw` is in its pixels, as seen (distorted).

@@ -73,7 +73,7 @@ TEST(PatchAlignmentTest, ACornersOwnSurfaceCountsMoreThanWhatIsBehindIt) {
   EXPECT_LT(errors[errors.size() * 3 / 4], 0.6);
 }
 
-TEST(PatchAlignmentTest, WhatIsOutOfReachOrFlatIsNotFound) {
+TEST(PatchAlignmentTest, FlatPatchesAndThoseBeyondTheImageAreNotFound) {
   const cv::Mat left = Texture(1);
   const cv::Mat flat(kSide_px, kSide_px, CV_8UC1, cv::Scalar(100));
   const auto align = [&](const cv::Mat& right, int left_x) {

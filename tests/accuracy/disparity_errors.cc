@@ -1,6 +1,6 @@
 // disparity_errors --source sim:WORLD?OPTIONS: how wrong a simulated robot's disparities are, by
 // what keypoints lie on: a table of px at level 0 against the true depth. The world must stand
-// still (no moving_cars).
+// still (no moving_cars); its pictures are as drawn, without a source's gamma or noise.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@
 #include "slam/simulation/sequence/simulated_sequence.h"
 #include "slam/simulation/sequence/simulated_world.h"
 #include "slam/util/status_macros.h"
+#include "tests/replay/quantile.h"
 
 namespace corbslam {
 namespace {
@@ -35,8 +37,8 @@ struct Flags {
 enum Surface { kSmooth, kNearAnEdge, kAtAnEdge, kSurfaces };
 constexpr std::array<const char*, kSurfaces> kNames = {"smooth", "an edge within 5 px",
                                                        "an edge within 1.5 px"};
-constexpr double kPatchReach_px = 5;     // Of the octave: what stereo matching looks at.
-constexpr double kCornerReach_px = 1.5;  // What CornerDepth looks at.
+constexpr double kPatchReach_px = 5;  // Of the octave: what stereo matching looks at.
+constexpr double kSlant = 1.15;       // Depths of a slanted street differ by as much there.
 
 struct Measurement {
   double error_px = 0;  // Measured less true.
@@ -49,27 +51,24 @@ struct DepthRange {
   double farthest_m = 0;
 };
 
-// Sky is far away. Nothing where the window leaves the image.
-bool RangeAround(const cv::Mat& depth, const Keypoint& keypoint, double reach_px,
-                 DepthRange& range) {
+// Nothing where the window leaves the image.
+std::optional<DepthRange> RangeAround(const cv::Mat& depth, const Keypoint& keypoint,
+                                      double reach_px) {
   const int x = static_cast<int>(std::lround(keypoint.x_px));
   const int y = static_cast<int>(std::lround(keypoint.y_px));
   const int r = static_cast<int>(std::lround(reach_px * ScalePyramid::Scale(keypoint.octave)));
-  if (x < r || y < r || x + r >= depth.cols || y + r >= depth.rows) return false;
-  double nearest = 0;
-  double farthest = 0;
-  cv::minMaxLoc(depth(cv::Rect(x - r, y - r, 2 * r + 1, 2 * r + 1)), &nearest, &farthest);
-  range = {nearest, farthest};
-  return true;
+  if (x < r || y < r || x + r >= depth.cols || y + r >= depth.rows) {
+    return std::nullopt;
+  }
+  DepthRange range;
+  cv::minMaxLoc(depth(cv::Rect(x - r, y - r, 2 * r + 1, 2 * r + 1)), &range.nearest_m,
+                &range.farthest_m);
+  return range;
 }
-
-// A ratio of depths within a pixel and a half at which it is an edge; a slanted street is none.
-constexpr double kStep = 1.05;
-constexpr double kSlant = 1.15;  // Within five pixels.
 
 Surface SurfaceOf(const DepthRange& patch, const DepthRange& corner) {
   if (patch.farthest_m < kSlant * patch.nearest_m) return kSmooth;
-  return corner.farthest_m < kStep * corner.nearest_m ? kNearAnEdge : kAtAnEdge;
+  return corner.farthest_m < kDepthStep * corner.nearest_m ? kNearAnEdge : kAtAnEdge;
 }
 
 using Measurements = std::array<std::vector<Measurement>, kSurfaces>;
@@ -78,12 +77,11 @@ void Collect(const Camera& camera, const Features& features, const cv::Mat& dept
              Measurements& measurements) {
   for (const Keypoint& keypoint : features.keypoints) {
     if (!keypoint.HasDepth()) continue;
-    DepthRange patch;
-    DepthRange corner;
-    if (!RangeAround(depth, keypoint, kPatchReach_px, patch)) continue;
-    if (!RangeAround(depth, keypoint, kCornerReach_px, corner)) continue;
+    const auto patch = RangeAround(depth, keypoint, kPatchReach_px);
+    const auto corner = RangeAround(depth, keypoint, kCornerReach_px);
+    if (!patch.has_value() || !corner.has_value()) continue;
     const double true_px = DisparityFromDepth(camera, CornerDepth(depth, keypoint, 1));
-    measurements[SurfaceOf(patch, corner)].push_back(
+    measurements[SurfaceOf(*patch, *corner)].push_back(
         {static_cast<double>(keypoint.disparity_px) - true_px, true_px,
          ScalePyramid::Scale(keypoint.octave)});
   }
@@ -108,7 +106,7 @@ absl::StatusOr<Measurements> Measure(const Flags& flags) {
   ASSIGN_OR_RETURN(const auto sensor, MakeSensor(sequence->calibration(), SensorOptions()));
   Measurements measurements;
   const std::vector<size_t> frames = FramesOf(source, sequence->frame_count());
-  for (size_t i = 0; i < frames.size(); i += std::max<size_t>(flags.every, 1)) {
+  for (size_t i = 0; i < frames.size(); i += flags.every) {
     ASSIGN_OR_RETURN(const SensorImages images, sequence->Render(frames[i]));
     ASSIGN_OR_RETURN(const Features features, sensor->Process(images));
     Shot shot;
@@ -136,12 +134,10 @@ void Print(const char* name, const std::vector<Measurement>& measurements) {
   if (measurements.empty()) return;
   std::vector<double> errors;
   for (const Measurement& m : measurements) errors.push_back(m.error_px);
-  std::ranges::sort(errors);
   const auto beyond = std::ranges::count_if(errors, [](double e) { return std::abs(e) > 1; });
-  const size_t n = errors.size();
-  absl::PrintF("| %s | %d | %+.3f | %+.3f to %+.3f | %.1f %% | %+.3f %% |\n", name, n,
-               errors[n / 2], errors[n / 4], errors[3 * n / 4],
-               100 * static_cast<double>(beyond) / static_cast<double>(n),
+  absl::PrintF("| %s | %d | %+.3f | %+.3f to %+.3f | %.1f %% | %+.3f %% |\n", name, errors.size(),
+               Quantile(errors, 0.5), Quantile(errors, 0.25), Quantile(errors, 0.75),
+               100 * static_cast<double>(beyond) / static_cast<double>(errors.size()),
                100 * MisjudgedScale(measurements));
 }
 
@@ -166,7 +162,9 @@ int main(int argc, char** argv) {
   corbslam::Flags flags;
   CLI::App app("Errors of disparities against a simulated world", "disparity_errors");
   app.add_option("--source", flags.source, "sim:WORLD?OPTIONS")->required();
-  app.add_option("--every", flags.every, "Frames between those measured")->capture_default_str();
+  app.add_option("--every", flags.every, "Frames between those measured")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = corbslam::Run(flags);
   if (status.ok()) return 0;

@@ -68,15 +68,15 @@ absl::Status PrintErrors(const Agent& agent, const Options& options) {
   if (pairs.size() > 18) {
     pairs.erase(pairs.begin(), pairs.begin() + 15);
   }
-  ASSIGN_OR_RETURN(const AbsoluteError scaled, ComputeAbsoluteError(pairs, Alignment::kSim3));
   ASSIGN_OR_RETURN(const AbsoluteError later, ComputeAbsoluteError(pairs, Alignment::kSe3));
+  ASSIGN_OR_RETURN(const AbsoluteError scaled, ComputeAbsoluteError(pairs, Alignment::kSim3));
   if (options.frames) PrintFrames(pairs, later);
   const AgentStatus status = agent.GetStatus();
   const AgentTimings timings = agent.GetTimings();
   std::printf("ate %.4f m, from frame 15 %.4f m; %d of %d frames tracked, %d local maps\n",
               all.rmse_m, later.rmse_m, status.tracked, status.frames, status.local_maps);
-  std::printf("with a scale of its own %.4f m, true size over estimated %.5f\n", scaled.rmse_m,
-              scaled.truth_from_estimate.scale);
+  std::printf("from frame 15 with a scale of its own %.4f m, true size over estimated %.5f\n",
+              scaled.rmse_m, scaled.truth_from_estimate.scale);
   std::printf("%d keyframes, %d points, %d loops; tracking %.1f ms, local BA %.1f ms (medians)\n",
               status.keyframes, status.map_points, status.loops_closed, Median(timings.tracking_ms),
               Median(timings.local_ba_ms));
