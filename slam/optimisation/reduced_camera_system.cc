@@ -1,6 +1,7 @@
 #include "slam/optimisation/reduced_camera_system.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/CholmodSupport>
 #include <algorithm>
 
 namespace corbslam {
@@ -12,6 +13,15 @@ constexpr uint32_t kMaxDensePoses = 400;
 constexpr double kDenseShare = 0.3;
 
 }  // namespace
+
+struct ReducedCameraSystem::SparseCholesky {
+  // A matrix that is not positive definite is said in a result, not on the standard output.
+  SparseCholesky() { llt.cholmod().print = 0; }
+
+  Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>, Eigen::Lower> llt;
+};
+
+ReducedCameraSystem::~ReducedCameraSystem() = default;
 
 ReducedCameraSystem::ReducedCameraSystem(uint32_t poses,
                                          std::vector<std::pair<uint32_t, uint32_t>> pairs)
@@ -74,7 +84,8 @@ void ReducedCameraSystem::MakePattern() {
   }
   sparse_.resize(size, size);
   sparse_.setFromTriplets(triplets.begin(), triplets.end());
-  cholesky_.analyzePattern(sparse_);
+  cholesky_ = std::make_unique<SparseCholesky>();
+  cholesky_->llt.analyzePattern(sparse_);
 }
 
 bool ReducedCameraSystem::SolveSparse(const std::vector<Matrix6d>& blocks,
@@ -87,9 +98,9 @@ bool ReducedCameraSystem::SolveSparse(const std::vector<Matrix6d>& blocks,
       }
     }
   }
-  cholesky_.factorize(sparse_);
-  if (cholesky_.info() != Eigen::Success) return false;
-  step = cholesky_.solve(right_side);
+  cholesky_->llt.factorize(sparse_);
+  if (cholesky_->llt.info() != Eigen::Success) return false;
+  step = cholesky_->llt.solve(right_side);
   return true;
 }
 
