@@ -136,8 +136,8 @@ class LoopCloserTest : public ::testing::Test {
   }
 
   void RunJobs() {
-    while (auto item = queue_.TryPop()) {
-      std::get<MappingJob> (*item)(map_);
+    while (const auto job = queue_.TryPopJob()) {
+      (*job)(map_);
       queue_.Done();
     }
   }
@@ -271,7 +271,7 @@ TEST_F(LoopCloserTest, WorksFromTwoThreads) {
     while (closer->WaitForAdjustment()) closer->StepAdjustment();
   });
   std::thread mapping([&] {
-    while (queue_.WaitForItem()) RunJobs();
+    while (queue_.WaitForWork()) RunJobs();
   });
   closer->Enqueue({kOwn, 40});
   closer->Enqueue({kOwn, 87});

@@ -75,20 +75,23 @@ Mapper::Mapper(const MapperOptions& options, MapperParts parts)
     : options_(options), parts_(std::move(parts)), recent_points_(parts_.statistics) {}
 
 void Mapper::Run() {
-  while (parts_.queue->WaitForItem()) Step();
+  while (parts_.queue->WaitForWork()) Step();
 }
 
 bool Mapper::Step() {
-  std::optional<MappingItem> item = parts_.queue->TryPop();
-  if (!item.has_value()) return false;
-  if (MappingJob* job = std::get_if<MappingJob>(&*item)) {
-    (*job)(*parts_.map);
-  } else {
-    Insert(std::get<NewKeyframe>(*item));
-    MapPendingKeyframes();
-  }
-  parts_.queue->Done();
+  InsertWaiting();
+  std::optional<MappingJob> job;
+  if (is_jobs_turn_ || pending_.empty()) job = parts_.queue->TryPopJob();
+  if (!job.has_value() && pending_.empty()) return false;
+  // Jobs may come as fast as they are done, and so may keyframes: neither waits for all the others.
+  is_jobs_turn_ = !job.has_value();
+  job.has_value() ? (*job)(*parts_.map) : MapNextKeyframe();
+  if (pending_.empty()) parts_.queue->Done();
   return true;
+}
+
+void Mapper::InsertWaiting() {
+  while (const std::optional<NewKeyframe> fresh = parts_.queue->TryPopKeyframe()) Insert(*fresh);
 }
 
 void Mapper::Insert(const NewKeyframe& keyframe) {
@@ -97,13 +100,11 @@ void Mapper::Insert(const NewKeyframe& keyframe) {
   pending_.push_back(id);
 }
 
-void Mapper::MapPendingKeyframes() {
-  while (!pending_.empty()) {
-    const KeyframeId id = pending_.front();
-    pending_.pop_front();
-    MapKeyframe(id);
-    if (parts_.on_mapped) parts_.on_mapped(id);
-  }
+void Mapper::MapNextKeyframe() {
+  const KeyframeId id = pending_.front();
+  pending_.pop_front();
+  MapKeyframe(id);
+  if (parts_.on_mapped) parts_.on_mapped(id);
 }
 
 void Mapper::MapKeyframe(KeyframeId id) {
@@ -126,10 +127,10 @@ void Mapper::AdjustLocalBundle(KeyframeId centre) {
   });
   if (scope.free_keyframes.empty()) return;
   BundleOptions options = options_.local_bundle;
-  options.keep_going = [this](double) {
-    // Tracking needs the points of new keyframes at once.
-    if (std::optional<NewKeyframe> fresh = parts_.queue->TryPopKeyframe()) Insert(*fresh);
-    return true;
+  // What is born from here on is not in the copy, and moves with its parent when this is committed.
+  options.keep_going = [this, &asked = options_.local_bundle.keep_going](double progress) {
+    InsertWaiting();
+    return !asked || asked(progress);
   };
   const absl::StatusOr<BundleResult> result = AdjustBundle(copy, scope, options);
   if (!result.ok()) {

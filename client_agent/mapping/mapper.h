@@ -37,7 +37,8 @@ class Mapper {
  public:
   Mapper(const MapperOptions& options, MapperParts parts);
 
-  // Works off one item of the queue; false when there was none.
+  // Inserts the keyframes that wait, and does one piece of work: a job, or the mapping of a
+  // keyframe, in turn where there are both. False when there was nothing to do.
   bool Step();
   // Steps until the queue is stopped; waits where there is nothing to do.
   void Run();
@@ -47,7 +48,9 @@ class Mapper {
 
  private:
   void Insert(const NewKeyframe& keyframe);
-  void MapPendingKeyframes();
+  // Those that wait: tracking needs their points, whatever else there is to do.
+  void InsertWaiting();
+  void MapNextKeyframe();
   void MapKeyframe(KeyframeId id);
   void AdjustLocalBundle(KeyframeId centre);
   void CommitBundle(const BundleResult& result, const Map& before);
@@ -58,6 +61,7 @@ class Mapper {
   RecentPoints recent_points_;
   // Inserted, not yet mapped.
   std::deque<KeyframeId> pending_;
+  bool is_jobs_turn_ = true;
 
   mutable absl::Mutex mutex_;
   std::vector<double> local_ba_ms_ ABSL_GUARDED_BY(mutex_);

@@ -31,27 +31,23 @@ size_t MappingQueue::keyframes() const {
   return keyframes_.size();
 }
 
-std::optional<MappingItem> MappingQueue::TryPop() {
-  absl::MutexLock lock(&mutex_);
-  std::optional<MappingItem> item;
-  if (!jobs_.empty()) {
-    item = std::move(jobs_.front());
-    jobs_.pop_front();
-  } else if (!keyframes_.empty()) {
-    item = std::move(keyframes_.front());
-    keyframes_.pop_front();
-  }
-  busy_ = busy_ || item.has_value();
+template <typename Item>
+std::optional<Item> MappingQueue::TryPop(std::deque<Item>& items) {
+  if (items.empty()) return std::nullopt;
+  std::optional<Item> item = std::move(items.front());
+  items.pop_front();
+  busy_ = true;
   return item;
 }
 
 std::optional<NewKeyframe> MappingQueue::TryPopKeyframe() {
   absl::MutexLock lock(&mutex_);
-  if (!jobs_.empty() || keyframes_.empty()) return std::nullopt;
-  std::optional<NewKeyframe> keyframe = std::move(keyframes_.front());
-  keyframes_.pop_front();
-  busy_ = true;
-  return keyframe;
+  return TryPop(keyframes_);
+}
+
+std::optional<MappingJob> MappingQueue::TryPopJob() {
+  absl::MutexLock lock(&mutex_);
+  return TryPop(jobs_);
 }
 
 void MappingQueue::Done() {
@@ -59,11 +55,9 @@ void MappingQueue::Done() {
   busy_ = false;
 }
 
-bool MappingQueue::WaitForItem() {
+bool MappingQueue::WaitForWork() {
   absl::MutexLock lock(&mutex_);
-  const auto awake = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    return stopped_ || !jobs_.empty() || !keyframes_.empty();
-  };
+  const auto awake = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return stopped_ || !Idle(); };
   mutex_.Await(absl::Condition(&awake));
   return !stopped_;
 }

@@ -8,7 +8,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <variant>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -32,7 +31,6 @@ struct NewKeyframe {
 };
 
 using MappingJob = std::function<void(GuardedMap&)>;
-using MappingItem = std::variant<NewKeyframe, MappingJob>;
 
 // Thread-safe; any number of producers, one consumer. Bounded by its producers: tracking asks
 // HasRoom before it makes a keyframe, and each job's poster has one job under way at most.
@@ -43,27 +41,30 @@ class MappingQueue {
   bool HasRoom() const;
   // False, and nothing queued, without room.
   bool PushKeyframe(NewKeyframe keyframe);
-  // Runs the job on the mapping thread, in its turn, before keyframes that wait.
+  // Runs the job on the mapping thread, after those posted before. A keyframe that waits meanwhile
+  // may come first.
   void PostJob(MappingJob job);
 
-  // Nothing waits and the consumer is not at work on anything.
+  // Nothing waits and the consumer is not at work.
   bool IsIdle() const;
   // Keyframes that wait.
   size_t keyframes() const;
 
-  // The next item, jobs first, or none. The consumer counts as at work until it calls Done.
-  std::optional<MappingItem> TryPop();
-  // The next keyframe, when no job waits before it: for work inside a long item.
+  // The next one, or none. With one the consumer counts as at work until it calls Done.
   std::optional<NewKeyframe> TryPopKeyframe();
+  std::optional<MappingJob> TryPopJob();
   void Done();
-  // Returns when an item waits or Stop was called: true when there is an item.
-  bool WaitForItem();
+  // Returns when something waits, or the consumer has not called Done: true; or when Stop was
+  // called: false.
+  bool WaitForWork();
   // Returns when the queue is idle (or stopped): true; or false at the deadline.
   bool WaitUntilIdle(absl::Time deadline);
   // Wakes everybody; items that wait are dropped.
   void Stop();
 
  private:
+  template <typename Item>
+  std::optional<Item> TryPop(std::deque<Item>& items) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool Idle() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
     return !busy_ && jobs_.empty() && keyframes_.empty();
   }

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 
 #include "client_agent/mapping/culling.h"
@@ -182,18 +183,67 @@ TEST_F(MappingTest, MapperBuildsTheSceneAndAdjustsItsPoses) {
 
 TEST_F(MappingTest, KeyframesThatComeDuringAnAdjustmentAreInsertedAndMapped) {
   std::vector<uint32_t> mapped;
-  Mapper mapper({}, {&map_, &queue_, &statistics_,
-                     [&mapped](KeyframeId id) { mapped.push_back(id.index); }, nullptr});
-  // With all of them waiting at once, the later ones come into the map from inside an adjustment.
-  MappingQueue& queue = queue_;
-  for (uint32_t k = 0; k < 3; ++k) ASSERT_TRUE(queue.PushKeyframe(Handed(k)));
-  while (mapper.Step()) {
+  uint32_t next = 0;
+  const auto hand_next = [&] {
+    NewKeyframe keyframe = Handed(next++);
+    SeeMapPoints(keyframe);
+    ASSERT_TRUE(queue_.PushKeyframe(std::move(keyframe)));
+  };
+  MapperOptions options;
+  int during = 0;
+  options.local_bundle.keep_going = [&](double) {
+    if (next < 6 && queue_.keyframes() == 0) {
+      hand_next();
+      ++during;
+    }
+    return true;
+  };
+  Mapper mapper(options, {&map_, &queue_, &statistics_,
+                          [&mapped](KeyframeId id) { mapped.push_back(id.index); }, nullptr});
+  while (next < 3) {
+    hand_next();
+    ASSERT_TRUE(mapper.Step());
   }
-  for (uint32_t k = 3; k < 6; ++k) ASSERT_TRUE(queue.PushKeyframe(Handed(k)));
   while (mapper.Step()) {
   }
   EXPECT_EQ(mapped, (std::vector<uint32_t>{0, 1, 2, 3, 4, 5}));
-  EXPECT_TRUE(queue.IsIdle());
+  EXPECT_GE(during, 3);
+  EXPECT_TRUE(queue_.IsIdle());
+}
+
+// As when a store shares a large map: each piece that is placed makes room for the next.
+TEST_F(MappingTest, AKeyframeDoesNotWaitForAStreamOfJobs) {
+  std::vector<uint32_t> mapped;
+  Mapper mapper({}, {&map_, &queue_, &statistics_,
+                     [&mapped](KeyframeId id) { mapped.push_back(id.index); }, nullptr});
+  int jobs = 0;
+  const std::function<void(GuardedMap&)> job = [&](GuardedMap&) {
+    ++jobs;
+    queue_.PostJob(job);
+  };
+  queue_.PostJob(job);
+  ASSERT_TRUE(mapper.Step());
+  for (uint32_t k = 0; k < 3; ++k) ASSERT_TRUE(queue_.PushKeyframe(Handed(k)));
+  ASSERT_TRUE(mapper.Step());
+  EXPECT_EQ(queue_.keyframes(), 0u);
+  map_.Read([](const Map& map) { EXPECT_EQ(map.keyframes().size(), 3u); });
+  for (int step = 0; step < 5; ++step) ASSERT_TRUE(mapper.Step());
+  EXPECT_EQ(mapped, (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_GE(jobs, 3);
+}
+
+TEST_F(MappingTest, AJobDoesNotWaitForAStreamOfKeyframes) {
+  uint32_t next = 0;
+  bool done = false;
+  Mapper mapper({}, {&map_, &queue_, &statistics_,
+                     [&](KeyframeId) { queue_.PushKeyframe(Handed(next++)); }, nullptr});
+  ASSERT_TRUE(queue_.PushKeyframe(Handed(next++)));
+  ASSERT_TRUE(mapper.Step());
+  queue_.PostJob([&done](GuardedMap&) { done = true; });
+  ASSERT_TRUE(mapper.Step());
+  ASSERT_TRUE(mapper.Step());
+  EXPECT_TRUE(done);
+  EXPECT_FALSE(queue_.IsIdle());
 }
 
 TEST_F(MappingTest, RecentPointsAreCulledWhenTheyAreNotFound) {

@@ -14,17 +14,16 @@ bool IsRefusal(const absl::Status& status) {
 }  // namespace
 
 struct MemoryManager::Placing {
-  Placing(MapAccess access, ComputeWords compute_words)
-      : access(std::move(access)), shared(this->access.local_map, std::move(compute_words)) {}
+  explicit Placing(MapAccess access) : access(std::move(access)), shared(this->access.local_map) {}
 
-  // On the mapping thread, without the map: words of many keyframes take their time.
+  // On the mapping thread, without the map.
   void TakeArrived() {
-    std::vector<SharedUpdate> arrived;
+    std::vector<ArrivedUpdate> arrived;
     {
       absl::MutexLock lock(&mutex);
       arrived.swap(updates);
     }
-    for (const SharedUpdate& update : arrived) shared.Apply(update);
+    for (const ArrivedUpdate& update : arrived) shared.Apply(update);
   }
 
   // Likewise, with it.
@@ -41,7 +40,7 @@ struct MemoryManager::Placing {
   const MapAccess access;
   SharedMap shared;  // Of the mapping thread alone.
   absl::Mutex mutex;
-  std::vector<SharedUpdate> updates ABSL_GUARDED_BY(mutex);
+  std::vector<ArrivedUpdate> updates ABSL_GUARDED_BY(mutex);
   std::optional<Similarity3d> global_from_local ABSL_GUARDED_BY(mutex);
   size_t keyframes ABSL_GUARDED_BY(mutex) = 0;
 };
@@ -74,7 +73,7 @@ MapObserver* MemoryManager::BeginLocalMap(MapAccess access) {
   for (auto& recording : recordings_) recording->closing = true;
   // What was shared was placed in the map that ends: the store must tell it again.
   reopen_ = !recordings_.empty();
-  placing_ = std::make_shared<Placing>(access, compute_words_);
+  placing_ = std::make_shared<Placing>(access);
   auto recording = std::make_unique<Recording>();
   recording->recorder = std::make_unique<UpdateRecorder>(access.local_map);
   recording->access = std::move(access);
@@ -289,16 +288,28 @@ void MemoryManager::OnAcknowledged(const Acknowledgement& acknowledgement) {
   wake_ = true;
 }
 
+// Words take their time, of which the mapping thread has none: keyframes would wait for it, and
+// tracking in a turn does not.
+ArrivedUpdate MemoryManager::Prepare(SharedUpdate update) const {
+  ArrivedUpdate arrived;
+  for (const SharedKeyframe& keyframe : update.keyframes) {
+    arrived.words.push_back(compute_words_(keyframe.payload->features.descriptors));
+  }
+  arrived.update = std::move(update);
+  return arrived;
+}
+
 void MemoryManager::OnShared(SharedUpdate update) {
+  ArrivedUpdate arrived = Prepare(std::move(update));
   std::shared_ptr<Placing> placing;
   {
     absl::MutexLock lock(&mutex_);
-    last_revision_ = update.revision;
+    last_revision_ = arrived.update.revision;
     placing = placing_;
   }
   {
     absl::MutexLock lock(&placing->mutex);
-    placing->updates.push_back(std::move(update));
+    placing->updates.push_back(std::move(arrived));
     // A job posted before takes this one with it.
     if (placing->updates.size() > 1) return;
   }

@@ -40,6 +40,10 @@ struct MemoryOptions {
   std::function<absl::Time()> clock = &absl::Now;
 };
 
+// Called on the uplink's thread, among others.
+using ComputeWords =
+    std::function<std::shared_ptr<const Words>(const std::vector<Descriptor>& descriptors)>;
+
 // How the manager reaches a local map.
 struct MapAccess {
   LocalMapId local_map;
@@ -103,6 +107,7 @@ class MemoryManager : private UplinkListener {
   void OnShared(SharedUpdate update) override;
   void OnSessionClosed(const absl::Status& reason) override;
 
+  ArrivedUpdate Prepare(SharedUpdate update) const;
   void Run();
   bool WaitForWork();
   void ConnectIfDue();

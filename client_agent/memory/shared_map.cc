@@ -1,105 +1,48 @@
 #include "client_agent/memory/shared_map.h"
 
-#include <algorithm>
 #include <limits>
-#include <set>
 #include <utility>
+
+#include "absl/container/btree_set.h"
 
 namespace corbslam {
 namespace {
 
-// A placing that moves less than this is left alone: it is below what tracking can see.
+// A source whose place differs by less is left where it is: that is below what tracking can see.
 constexpr double kSmallestMotion_m = 1e-4;
 constexpr double kSmallestTurn_rad = 1e-5;
+
+bool HasMoved(const Rigid3d& before, const Rigid3d& now) {
+  const Rigid3d motion = now * before.Inverse();
+  return motion.translation.norm() > kSmallestMotion_m ||
+         RotationAngle(motion.rotation) > kSmallestTurn_rad;
+}
 
 Rigid3d CameraFromLocal(const Similarity3d& camera_from_global, const Rigid3d& local_from_global) {
   return camera_from_global.ToRigid() * local_from_global.Inverse();
 }
 
+template <typename Id, typename Item, typename F>
+void ForEachOf(const std::map<Id, Item>& items, LocalMapId source, F&& f) {
+  for (auto it = items.lower_bound({source, 0}); it != items.end() && it->first.local_map == source;
+       ++it) {
+    f(it->first, it->second);
+  }
+}
+
+template <typename Id, typename Item, typename F>
+void ForEachKnown(const absl::btree_set<Id>& ids, const std::map<Id, Item>& items, F&& f) {
+  for (const Id& id : ids) {
+    if (const auto it = items.find(id); it != items.end()) f(id, it->second);
+  }
+}
+
 }  // namespace
-
-SharedMap::SharedMap(LocalMapId own, ComputeWords compute_words)
-    : own_(own), compute_words_(std::move(compute_words)) {}
-
-void SharedMap::Apply(const SharedUpdate& update) {
-  if (update.restart) {
-    keyframes_.clear();
-    points_.clear();
-    survivor_of_.clear();
-    own_members_.clear();
-    own_from_global_.clear();
-    placings_.clear();
-  }
-  for (const SharedKeyframe& keyframe : update.keyframes) {
-    const KeyframeId id = keyframe.payload->id;
-    if (id.local_map == own_) continue;
-    keyframes_[id] = {keyframe.payload, compute_words_(keyframe.payload->features.descriptors),
-                      keyframe.camera_from_global, keyframe.parent, keyframe.points};
-    MarkChanged(id.local_map);
-  }
-  for (const SharedMapPoint& point : update.points) {
-    if (point.id.local_map == own_) continue;
-    points_[point.id] = point;
-    MarkChanged(point.id.local_map);
-  }
-  for (const SharedKeyframeMove& move : update.moved_keyframes) {
-    const auto it = keyframes_.find(move.id);
-    if (it == keyframes_.end()) continue;
-    it->second.camera_from_global = move.camera_from_global;
-    MarkChanged(move.id.local_map);
-  }
-  for (const SharedMapPointMove& move : update.moved_points) {
-    const auto it = points_.find(move.id);
-    if (it == points_.end()) continue;
-    it->second.position_in_global = move.position_in_global;
-    MarkChanged(move.id.local_map);
-  }
-  for (const ObservationChange& change : update.observations) ApplyObservation(change);
-  for (const Landmark& landmark : update.landmarks) {
-    auto& own_members = own_members_[landmark.survivor];
-    own_members.clear();
-    for (const MapPointId& member : landmark.members) {
-      survivor_of_[member] = landmark.survivor;
-      if (member.local_map == own_) own_members.push_back(member);
-      MarkChanged(member.local_map);
-    }
-    MarkChanged(landmark.survivor.local_map);
-  }
-  for (const OwnKeyframePose& pose : update.own_keyframes) {
-    own_from_global_[pose.id] = pose.camera_from_global;
-  }
-  for (const KeyframeId& id : update.removed_keyframes) {
-    keyframes_.erase(id);
-    own_from_global_.erase(id);
-  }
-  for (const MapPointId& id : update.removed_points) points_.erase(id);
-}
-
-void SharedMap::ApplyObservation(const ObservationChange& change) {
-  const auto it = keyframes_.find(change.keyframe);
-  if (it == keyframes_.end() || change.keypoint >= it->second.points.size()) return;
-  const bool added = change.kind == ObservationChange::Kind::kAdded;
-  it->second.points[change.keypoint] = added ? change.point : MapPointId();
-  MarkChanged(change.keyframe.local_map);
-}
-
-MapPointId SharedMap::Representative(const Map& map, MapPointId id) const {
-  const auto survivor = survivor_of_.find(id);
-  if (survivor != survivor_of_.end()) id = survivor->second;
-  if (id.local_map == own_ && map.FindPoint(id) != nullptr) return id;
-  const auto own = own_members_.find(id);
-  if (own != own_members_.end()) {
-    for (const MapPointId& member : own->second) {
-      if (map.FindPoint(member) != nullptr) return member;
-    }
-  }
-  return id;
-}
 
 KeyframeId SharedMap::MostCovisible(const Map& map, LocalMapId source) const {
   KeyframeId best;
   int best_weight = 0;
-  for (const auto& [id, camera_from_global] : own_from_global_) {
+  for (const auto& [id, camera_from_global] : content_.own_keyframes()) {
     const Keyframe* own = map.FindKeyframe(id);
     if (own == nullptr) continue;
     int weight = 0;
@@ -114,147 +57,171 @@ KeyframeId SharedMap::MostCovisible(const Map& map, LocalMapId source) const {
 }
 
 KeyframeId SharedMap::Nearest(const Map& map, LocalMapId source) const {
+  std::vector<Eigen::Vector3d> centres;
+  ForEachOf(content_.keyframes(), source, [&](KeyframeId, const ForeignKeyframe& keyframe) {
+    centres.push_back(CameraCentre(keyframe.camera_from_global.ToRigid()));
+  });
   KeyframeId best;
-  double best_distance = std::numeric_limits<double>::infinity();
-  for (const auto& [id, camera_from_global] : own_from_global_) {
+  double best_distance2 = std::numeric_limits<double>::infinity();
+  for (const auto& [id, camera_from_global] : content_.own_keyframes()) {
     if (map.FindKeyframe(id) == nullptr) continue;
-    const Eigen::Vector3d centre = CameraCentre(camera_from_global.ToRigid());
-    double distance = std::numeric_limits<double>::infinity();
-    for (auto it = keyframes_.lower_bound({source, 0});
-         it != keyframes_.end() && it->first.local_map == source; ++it) {
-      const Eigen::Vector3d other = CameraCentre(it->second.camera_from_global.ToRigid());
-      distance = std::min(distance, (other - centre).norm());
+    // Of a source there may be points alone, which others' keyframes see.
+    if (centres.empty()) return id;
+    const Eigen::Vector3d own = CameraCentre(camera_from_global.ToRigid());
+    for (const Eigen::Vector3d& centre : centres) {
+      const double distance2 = (centre - own).squaredNorm();
+      if (distance2 >= best_distance2) continue;
+      best = id;
+      best_distance2 = distance2;
     }
-    if (distance >= best_distance) continue;
-    best = id;
-    best_distance = distance;
   }
   return best;
 }
 
 Rigid3d SharedMap::LocalFromGlobal(const Map& map, KeyframeId anchor) const {
   const Rigid3d camera_from_local = map.FindKeyframe(anchor)->camera_from_map;
-  return camera_from_local.Inverse() * own_from_global_.at(anchor).ToRigid();
+  return camera_from_local.Inverse() * content_.own_keyframes().at(anchor).ToRigid();
 }
 
 std::optional<Similarity3d> SharedMap::GlobalFromLocal(const Map& map) const {
-  for (auto it = own_from_global_.rbegin(); it != own_from_global_.rend(); ++it) {
+  const auto& own = content_.own_keyframes();
+  for (auto it = own.rbegin(); it != own.rend(); ++it) {
     if (map.FindKeyframe(it->first) == nullptr) continue;
     return Similarity3d::FromRigid(LocalFromGlobal(map, it->first).Inverse());
   }
   return std::nullopt;
 }
 
-void SharedMap::RemoveGone(Map& map, PlacementChange& change) {
-  std::vector<MapPointId> gone_points;
-  for (const auto& [id, point] : map.points()) {
-    if (id.local_map != own_ && !points_.contains(id)) gone_points.push_back(id);
-  }
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    if (id.local_map != own_ && !keyframes_.contains(id)) {
-      change.removed_keyframes.push_back(id);
-    }
-  }
-  for (const MapPointId& id : gone_points) map.RemovePoint(id);
-  for (const KeyframeId& id : change.removed_keyframes) map.RemoveKeyframe(id);
-}
-
-void SharedMap::MergeDuplicates(Map& map) const {
-  std::vector<MapPointId> duplicates;
-  for (const auto& [id, point] : map.points()) {
-    if (id.local_map != own_ && Representative(map, id) != id) duplicates.push_back(id);
-  }
-  for (const MapPointId& id : duplicates) {
-    if (!map.ReplacePoint(id, Representative(map, id))) map.RemovePoint(id);
-  }
-}
-
 PlacementChange SharedMap::Place(Map& map) {
   PlacementChange change;
-  RemoveGone(map, change);
-  std::set<LocalMapId> waiting;
-  for (auto& [source, placing] : placings_) {
-    if (source != own_ && !PlaceSource(source, map, change)) waiting.insert(source);
+  absl::btree_set<LocalMapId> placed;
+  for (const auto& [source, news] : content_.news()) RemoveGoneKeyframes(news, map, change);
+  for (const auto& [source, news] : content_.news()) {
+    if (PlaceSource(source, news, map, change)) placed.insert(source);
   }
-  MergeDuplicates(map);
-  for (const auto& [source, placing] : placings_) {
-    if (source != own_ && placing.changed) PlaceObservations(source, map);
+  for (const auto& [source, news] : content_.news()) DropPoints(news, map);
+  for (auto& [source, news] : content_.news()) {
+    for (const KeyframeId id : news.sights) PlaceSights(id, map);
+    // What could not be placed is still news when it can.
+    if (placed.contains(source)) {
+      news = SourceNews();
+    } else {
+      ForgetGone(news);
+    }
   }
-  for (auto& [source, placing] : placings_) placing.changed = waiting.contains(source);
+  if (!change.added_keyframes.empty()) HangOrphans(map);
   return change;
 }
 
-bool SharedMap::PlaceSource(LocalMapId source, Map& map, PlacementChange& change) {
-  Placing& placing = placings_[source];
+void SharedMap::ForgetGone(SourceNews& news) const {
+  const auto is_gone = [this](KeyframeId id) { return !content_.keyframes().contains(id); };
+  absl::erase_if(news.keyframes, is_gone);
+  absl::erase_if(news.sights, is_gone);
+  absl::erase_if(news.points, [this](MapPointId id) { return !content_.points().contains(id); });
+}
+
+void SharedMap::RemoveGoneKeyframes(const SourceNews& news, Map& map,
+                                    PlacementChange& change) const {
+  for (const KeyframeId id : news.keyframes) {
+    if (content_.keyframes().contains(id) || !map.RemoveKeyframe(id)) continue;
+    change.removed_keyframes.push_back(id);
+  }
+}
+
+bool SharedMap::PlaceSource(LocalMapId source, const SourceNews& news, Map& map,
+                            PlacementChange& change) {
   KeyframeId anchor = MostCovisible(map, source);
   if (!anchor.IsValid()) anchor = Nearest(map, source);
   if (!anchor.IsValid()) return false;
   const Rigid3d local_from_global = LocalFromGlobal(map, anchor);
-  const Rigid3d motion = local_from_global * placing.local_from_global.Inverse();
-  const bool moved = motion.translation.norm() > kSmallestMotion_m ||
-                     RotationAngle(motion.rotation) > kSmallestTurn_rad;
-  if (!moved && !placing.changed) return true;
-  placing = {local_from_global, true};
-  PlaceKeyframes(source, local_from_global, map, change);
-  PlacePoints(source, local_from_global, map);
+  const auto placing = placings_.find(source);
+  if (placing == placings_.end() || HasMoved(placing->second, local_from_global)) {
+    placings_[source] = local_from_global;
+    PlaceEverything(source, map, change);
+    return true;
+  }
+  const auto place_keyframe = [&](KeyframeId id, const ForeignKeyframe& foreign) {
+    PlaceKeyframe(id, foreign, map, change);
+  };
+  const auto place_point = [&](MapPointId id, const SharedMapPoint& shared) {
+    PlacePoint(id, shared, map);
+  };
+  ForEachKnown(news.keyframes, content_.keyframes(), place_keyframe);
+  ForEachKnown(news.points, content_.points(), place_point);
   return true;
 }
 
-void SharedMap::PlaceKeyframes(LocalMapId source, const Rigid3d& local_from_global, Map& map,
-                               PlacementChange& change) {
-  for (auto it = keyframes_.lower_bound({source, 0});
-       it != keyframes_.end() && it->first.local_map == source; ++it) {
-    const auto& [id, foreign] = *it;
-    const Rigid3d camera_from_local =
-        CameraFromLocal(foreign.camera_from_global, local_from_global);
-    if (map.FindKeyframe(id) != nullptr) {
-      map.SetPose(id, camera_from_local);
-    } else {
-      Keyframe keyframe;
-      keyframe.payload = foreign.payload;
-      keyframe.words = foreign.words;
-      keyframe.camera_from_map = camera_from_local;
-      map.AddKeyframe(std::move(keyframe));
-      change.added_keyframes.push_back(id);
-    }
-    map.SetParent(id, foreign.parent);
+void SharedMap::PlaceEverything(LocalMapId source, Map& map, PlacementChange& change) {
+  ForEachOf(content_.keyframes(), source, [&](KeyframeId id, const ForeignKeyframe& foreign) {
+    PlaceKeyframe(id, foreign, map, change);
+  });
+  ForEachOf(content_.points(), source,
+            [&](MapPointId id, const SharedMapPoint& shared) { PlacePoint(id, shared, map); });
+}
+
+void SharedMap::PlaceKeyframe(KeyframeId id, const ForeignKeyframe& foreign, Map& map,
+                              PlacementChange& change) {
+  const Rigid3d camera_from_local =
+      CameraFromLocal(foreign.camera_from_global, placings_.at(id.local_map));
+  if (map.FindKeyframe(id) != nullptr) {
+    map.SetPose(id, camera_from_local);
+  } else {
+    Keyframe keyframe;
+    keyframe.payload = foreign.payload;
+    keyframe.words = foreign.words;
+    keyframe.camera_from_map = camera_from_local;
+    map.AddKeyframe(std::move(keyframe));
+    change.added_keyframes.push_back(id);
+  }
+  if (foreign.parent.IsValid() && !map.SetParent(id, foreign.parent)) orphans_.insert(id);
+}
+
+void SharedMap::HangOrphans(Map& map) {
+  absl::erase_if(orphans_, [&](KeyframeId id) {
+    const auto it = content_.keyframes().find(id);
+    return it == content_.keyframes().end() || map.SetParent(id, it->second.parent);
+  });
+}
+
+void SharedMap::PlacePoint(MapPointId id, const SharedMapPoint& shared, Map& map) {
+  if (content_.Representative(map, id) != id) return;
+  const Rigid3d& local_from_global = placings_.at(id.local_map);
+  const Eigen::Vector3d position = local_from_global * shared.position_in_global;
+  if (map.FindPoint(id) == nullptr) {
+    MapPoint point;
+    point.id = id;
+    point.position_in_map = position;
+    map.AddPoint(std::move(point));
+    content_.MarkViewers(id);
+  } else {
+    map.SetPosition(id, position);
+  }
+  map.SetPointAppearance(id, shared.descriptor,
+                         local_from_global.rotation * shared.normal_in_global, shared.min_distance,
+                         shared.max_distance, shared.reference);
+}
+
+void SharedMap::DropPoints(const SourceNews& news, Map& map) const {
+  for (const MapPointId id : news.points) {
+    if (map.FindPoint(id) == nullptr) continue;
+    const MapPointId representative = content_.Representative(map, id);
+    if (representative == id && content_.points().contains(id)) continue;
+    if (!map.ReplacePoint(id, representative)) map.RemovePoint(id);
   }
 }
 
-void SharedMap::PlacePoints(LocalMapId source, const Rigid3d& local_from_global, Map& map) {
-  for (auto it = points_.lower_bound({source, 0});
-       it != points_.end() && it->first.local_map == source; ++it) {
-    const auto& [id, shared] = *it;
-    if (Representative(map, id) != id) continue;
-    const Eigen::Vector3d position = local_from_global * shared.position_in_global;
-    if (map.FindPoint(id) == nullptr) {
-      MapPoint point;
-      point.id = id;
-      point.position_in_map = position;
-      map.AddPoint(std::move(point));
-    } else {
-      map.SetPosition(id, position);
-    }
-    map.SetPointAppearance(id, shared.descriptor,
-                           local_from_global.rotation * shared.normal_in_global,
-                           shared.min_distance, shared.max_distance, shared.reference);
+void SharedMap::PlaceSights(KeyframeId id, Map& map) const {
+  const auto it = content_.keyframes().find(id);
+  const Keyframe* keyframe = map.FindKeyframe(id);
+  if (it == content_.keyframes().end() || keyframe == nullptr) return;
+  std::vector<MapPointId> wanted = it->second.points;
+  for (uint32_t k = 0; k < wanted.size(); ++k) {
+    if (wanted[k].IsValid()) wanted[k] = content_.Representative(map, wanted[k]);
+    const MapPointId held = keyframe->points[k];
+    if (held.IsValid() && held != wanted[k]) map.RemoveObservation(held, id);
   }
-}
-
-void SharedMap::PlaceObservations(LocalMapId source, Map& map) {
-  for (auto it = keyframes_.lower_bound({source, 0});
-       it != keyframes_.end() && it->first.local_map == source; ++it) {
-    const auto& [id, foreign] = *it;
-    const Keyframe* keyframe = map.FindKeyframe(id);
-    if (keyframe == nullptr) continue;
-    for (uint32_t k = 0; k < foreign.points.size(); ++k) {
-      const MapPointId wanted =
-          foreign.points[k].IsValid() ? Representative(map, foreign.points[k]) : MapPointId();
-      const MapPointId held = keyframe->points[k];
-      if (held == wanted) continue;
-      if (held.IsValid()) map.RemoveObservation(held, id);
-      if (wanted.IsValid()) map.AddObservation(wanted, id, k);
-    }
+  for (uint32_t k = 0; k < wanted.size(); ++k) {
+    if (wanted[k].IsValid()) map.AddObservation(wanted[k], id, k);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "client_agent/memory/testing/test_payload.h"
 #include "gtest/gtest.h"
 
 namespace corbslam {
@@ -16,17 +17,7 @@ const Rigid3d kGlobalFromLocal = {
     Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY())), {10, 0, -3}};
 
 std::shared_ptr<const KeyframePayload> Payload(KeyframeId id) {
-  static const auto camera = std::make_shared<const Camera>(Camera{.fx_px = 500,
-                                                                   .fy_px = 500,
-                                                                   .cx_px = 320,
-                                                                   .cy_px = 240,
-                                                                   .width_px = 640,
-                                                                   .height_px = 480,
-                                                                   .baseline_m = 0.1});
-  Features features;
-  features.keypoints.resize(kKeypoints);
-  features.descriptors.resize(kKeypoints);
-  return MakeKeyframePayload(id, 0, 0, camera, std::move(features));
+  return testing::MakeTestPayload(id, kKeypoints);
 }
 
 Rigid3d CameraAt(double x) { return {Eigen::Quaterniond::Identity(), {-x, 0, 0}}; }
@@ -78,19 +69,20 @@ SharedUpdate FirstUpdate() {
   return update;
 }
 
-std::shared_ptr<const Words> NoWords(const std::vector<Descriptor>&) {
-  return std::make_shared<Words>();
-}
-
 class SharedMapTest : public ::testing::Test {
  protected:
+  void Apply(const SharedUpdate& update) {
+    std::vector<std::shared_ptr<const Words>> words(update.keyframes.size(),
+                                                    std::make_shared<Words>());
+    shared_.Apply({update, std::move(words)});
+  }
   PlacementChange Share(const SharedUpdate& update) {
-    shared_.Apply(update);
+    Apply(update);
     return shared_.Place(map_);
   }
 
   Map map_ = OwnMap();
-  SharedMap shared_{kOwn, &NoWords};
+  SharedMap shared_{kOwn};
 };
 
 TEST_F(SharedMapTest, ForeignItemsArePlacedInTheRobotsFrame) {
@@ -125,7 +117,7 @@ TEST_F(SharedMapTest, PlacesThroughTheCovisibleKeyframeWhateverTheDriftElsewhere
 TEST_F(SharedMapTest, MovesAreFollowedAndNothingIsPlacedBeforeFusion) {
   SharedUpdate update = FirstUpdate();
   const auto own_keyframes = std::exchange(update.own_keyframes, {});
-  shared_.Apply(update);
+  Apply(update);
   EXPECT_TRUE(shared_.Place(map_).added_keyframes.empty());
   EXPECT_FALSE(shared_.GlobalFromLocal(map_).has_value());
 
@@ -205,6 +197,39 @@ TEST_F(SharedMapTest, APointLaterFoundToBeTheRobotsOwnGoesOverToIt) {
   Share(next);
   EXPECT_EQ(map_.FindPoint({kForeign, 9}), nullptr);
   EXPECT_EQ(map_.FindPoint({kOwn, 9})->observations.at({kForeign, 0}), 9U);
+}
+
+TEST_F(SharedMapTest, APointThatTheRobotGaveAwayComesBackWithWhoSeesIt) {
+  Share(FirstUpdate());
+  ASSERT_TRUE(map_.ReplacePoint({kForeign, 7}, {kForeign, 8}));
+  // A local adjustment moves the keyframes by which the source is placed.
+  for (uint32_t k = 0; k < 3; ++k) map_.SetPose({kOwn, k}, CameraAt(k + 0.1));
+  Share({});
+  ASSERT_NE(map_.FindPoint({kForeign, 7}), nullptr);
+  EXPECT_EQ(map_.FindKeyframe({kForeign, 0})->points[7], (MapPointId{kForeign, 7}));
+}
+
+TEST_F(SharedMapTest, AParentThatComesAfterItsChildIsItsParent) {
+  SharedUpdate first = FirstUpdate();
+  first.keyframes[0].parent = {kForeign, 1};
+  Share(first);
+  EXPECT_FALSE(map_.FindKeyframe({kForeign, 0})->parent.IsValid());
+  SharedUpdate next;
+  next.keyframes = first.keyframes;
+  next.keyframes[0].payload = Payload({kForeign, 1});
+  next.keyframes[0].parent = {};
+  Share(next);
+  EXPECT_EQ(map_.FindKeyframe({kForeign, 0})->parent, (KeyframeId{kForeign, 1}));
+}
+
+TEST_F(SharedMapTest, APointThatLeavesALandmarkToLeadAnotherStandsForTheFirstNoMore) {
+  Share(FirstUpdate());
+  SharedUpdate next;
+  next.landmarks.push_back({{kOwn, 2}, {{kForeign, 8}}});
+  Share(next);
+  const Keyframe& foreign = *map_.FindKeyframe({kForeign, 0});
+  EXPECT_EQ(foreign.points[2], (MapPointId{kForeign, 2}));
+  EXPECT_EQ(foreign.points[8], (MapPointId{kOwn, 2}));
 }
 
 }  // namespace

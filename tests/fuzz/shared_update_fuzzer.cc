@@ -41,7 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace corbslam;  // NOLINT
   absl::string_view input = AsText(data, size);
   Map map = MakeOwnMap();
-  SharedMap shared(kOwn, [](const auto&) { return std::make_shared<Words>(); });
+  SharedMap shared(kOwn);
   CameraBook cameras;
   SharedUpdateAssembler assembler;
   while (!input.empty()) {
@@ -51,11 +51,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (response.has_grant()) (void)FromProto(response.grant());
     if (response.has_acknowledgement()) (void)FromProto(response.acknowledgement());
     if (!response.has_shared()) continue;
-    const auto update = assembler.Add(response.shared(), cameras);
+    auto update = assembler.Add(response.shared(), cameras);
     // The session ends, and so does what it knew.
     if (!update.ok()) return 0;
     if (!update->has_value()) continue;
-    shared.Apply(**update);
+    ArrivedUpdate arrived;
+    arrived.words.resize((*update)->keyframes.size(), std::make_shared<const Words>());
+    arrived.update = *std::move(*update);
+    shared.Apply(arrived);
     shared.Place(map);
     (void)shared.GlobalFromLocal(map);
   }

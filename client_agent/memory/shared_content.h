@@ -1,0 +1,90 @@
+// What the map store has shared with the robot, in the global frame, and what of it is news to the
+// robot's map.
+#ifndef CORBSLAM_CLIENT_AGENT_MEMORY_SHARED_CONTENT_H_
+#define CORBSLAM_CLIENT_AGENT_MEMORY_SHARED_CONTENT_H_
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "absl/container/btree_set.h"
+#include "absl/container/flat_hash_map.h"
+#include "slam/exchange/shared_update.h"
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+// One step of the store's view, as it came, with what the robot computes of it.
+struct ArrivedUpdate {
+  SharedUpdate update;
+  // Of each of its keyframes.
+  std::vector<std::shared_ptr<const Words>> words;
+};
+
+struct ForeignKeyframe {
+  std::shared_ptr<const KeyframePayload> payload;
+  std::shared_ptr<const Words> words;
+  Similarity3d camera_from_global;
+  KeyframeId parent;
+  // One entry a keypoint.
+  std::vector<MapPointId> points;
+};
+
+// What of one foreign local map is to be looked at again. What is named here and not in the content
+// is gone.
+struct SourceNews {
+  absl::btree_set<KeyframeId> keyframes;
+  // Keyframes that may see other points than they did.
+  absl::btree_set<KeyframeId> sights;
+  absl::btree_set<MapPointId> points;
+};
+
+// Not thread-safe.
+class SharedContent {
+ public:
+  explicit SharedContent(LocalMapId own) : own_(own) {}
+
+  void Apply(const ArrivedUpdate& arrived);
+
+  const std::map<KeyframeId, ForeignKeyframe>& keyframes() const { return keyframes_; }
+  const std::map<MapPointId, SharedMapPoint>& points() const { return points_; }
+  // Own keyframes that fusion has placed: camera_from_global.
+  const std::map<KeyframeId, Similarity3d>& own_keyframes() const { return own_keyframes_; }
+  // The point that stands for `id` in the robot's map: an own one of its landmark that the map
+  // holds, else the landmark's survivor.
+  MapPointId Representative(const Map& map, MapPointId id) const;
+
+  // Of every local map that was ever named; who has placed it empties it.
+  std::map<LocalMapId, SourceNews>& news() { return news_; }
+  // Whatever sees a point of the landmark of `id` is news.
+  void MarkViewers(MapPointId id);
+
+ private:
+  void Restart();
+  void TakeKeyframe(const SharedKeyframe& shared, std::shared_ptr<const Words> words);
+  void TakeObservation(const ObservationChange& change);
+  void TakeLandmark(const Landmark& landmark);
+  void LeaveLandmark(MapPointId member);
+  void DissolveLandmark(MapPointId survivor);
+  void RemoveKeyframe(KeyframeId id);
+  void RemovePoint(MapPointId id);
+  void ListViewer(MapPointId point, KeyframeId viewer);
+  void UnlistViewer(MapPointId point, KeyframeId viewer);
+  void MarkViewersOf(MapPointId id);
+  void MarkPoint(MapPointId id);
+  MapPointId SurvivorOf(MapPointId id) const;
+
+  const LocalMapId own_;
+  std::map<KeyframeId, ForeignKeyframe> keyframes_;
+  std::map<MapPointId, SharedMapPoint> points_;
+  std::map<KeyframeId, Similarity3d> own_keyframes_;
+  absl::flat_hash_map<MapPointId, MapPointId> survivor_of_;
+  absl::flat_hash_map<MapPointId, std::vector<MapPointId>> members_of_;  // By survivor.
+  // The foreign keyframes that list a point, once for each keypoint.
+  absl::flat_hash_map<MapPointId, std::vector<KeyframeId>> viewers_of_;
+  std::map<LocalMapId, SourceNews> news_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MEMORY_SHARED_CONTENT_H_
