@@ -304,6 +304,8 @@ void MemoryManager::OnShared(SharedUpdate update) {
   std::shared_ptr<Placing> placing;
   {
     absl::MutexLock lock(&mutex_);
+    // What is still told of a map that has ended will be told again of the one that goes on.
+    if (session_ != Session::kOpen || reopen_) return;
     last_revision_ = arrived.update.revision;
     placing = placing_;
   }

@@ -113,6 +113,25 @@ TEST_F(MemoryManagerTest, ANewLocalMapClosesTheOldOneAndAsksForEverythingAgain) 
   EXPECT_EQ(uplink_.requests.back().last_revision, 0U);
 }
 
+TEST_F(MemoryManagerTest, WhatIsStillToldOfAMapThatEndedStaysOutOfTheNextOne) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  Map old = map_;
+  const LocalMapId second{2};
+  Begin(second);
+  SharedUpdate update;
+  update.revision = 9;
+  uplink_.Share(update);
+  EXPECT_TRUE(jobs_.empty());
+  AddKeyframe({second, 0});
+  manager_->Step();
+  uplink_.Break(absl::UnavailableError("cut"));
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.back().last_revision, 0U);
+  uplink_.Share(update);
+  EXPECT_EQ(jobs_.size(), 1U);
+}
+
 TEST_F(MemoryManagerTest, SharedUpdatesReachTheMapThroughItsWriter) {
   AddKeyframe({kOwn, 0});
   manager_->Step();
