@@ -211,6 +211,8 @@ bool Map::RemovePoint(MapPointId id) {
 
 KeyframeId Map::ChooseNewParent(const Keyframe& child, const Keyframe& removed) const {
   for (const CovisibleKeyframe& candidate : SortByWeight(child, 1)) {
+    // Another robot's keyframe moves without what hangs on it.
+    if (candidate.id.local_map != child.id().local_map) continue;
     if (candidate.id == removed.id() || IsAncestor(child.id(), candidate.id)) continue;
     // A relative that still hangs on the removed keyframe would lose its own way to the root.
     if (IsAncestor(removed.id(), candidate.id)) continue;

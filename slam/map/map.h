@@ -74,8 +74,9 @@ class Map {
   // Moves the observations of `replaced` to `survivor` and removes `replaced`.
   bool ReplacePoint(MapPointId replaced, MapPointId survivor);
   bool RemovePoint(MapPointId id);
-  // Removes the keyframe and its observations; children go to their most covisible relative that
-  // makes no cycle, else to the removed keyframe's parent. Removing the root promotes a child.
+  // Removes the keyframe and its observations; children go to their most covisible relative of
+  // their own local map that makes no cycle, else to the removed keyframe's parent. Removing the
+  // root promotes a child.
   bool RemoveKeyframe(KeyframeId id);
 
   // The point's normal, distance range and representative descriptor, from its observations.

@@ -134,6 +134,27 @@ TEST(MapTest, RemovedKeyframesChildrenGoToRelatives) {
   EXPECT_EQ(map.FindKeyframe(K(3))->parent, K(2));
 }
 
+// What hung on a keyframe of another robot would be left behind, or carried along, when either map
+// moves as a whole.
+TEST(MapTest, RemovedKeyframesChildrenStayInTheirLocalMap) {
+  Map map = MakeChain();
+  const KeyframeId foreign{{8}, 0};
+  Keyframe other = MakeKeyframe(0);
+  other.payload = MakeKeyframePayload(foreign, 0, 0, TestCamera(), other.payload->features);
+  map.AddKeyframe(std::move(other));
+  for (uint32_t p = 0; p < 10; ++p) map.AddObservation(P(p), foreign, p);
+  // Seen by 2 and the other robot's alone.
+  for (uint32_t p = 10; p < 20; ++p) {
+    map.AddPoint(MakePoint(p));
+    map.AddObservation(P(p), K(2), p);
+    map.AddObservation(P(p), foreign, p);
+  }
+  ASSERT_EQ(map.BestCovisible(K(2), 1).front().id, foreign);
+  EXPECT_TRUE(map.RemoveKeyframe(K(1)));
+  ExpectConsistent(map);
+  EXPECT_EQ(map.FindKeyframe(K(2))->parent, K(0));
+}
+
 TEST(MapTest, RemovedRootLeavesOneTree) {
   Map map;
   map.AddKeyframe(MakeKeyframe(0));
