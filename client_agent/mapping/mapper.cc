@@ -85,7 +85,11 @@ bool Mapper::Step() {
   if (!job.has_value() && pending_.empty()) return false;
   // Jobs may come as fast as they are done, and so may keyframes: neither waits for all the others.
   is_jobs_turn_ = !job.has_value();
-  job.has_value() ? (*job)(*parts_.map) : MapNextKeyframe();
+  if (job.has_value()) {
+    (*job)(*parts_.map);
+  } else {
+    MapNextKeyframe();
+  }
   if (pending_.empty()) parts_.queue->Done();
   return true;
 }

@@ -103,7 +103,6 @@ TEST_F(MemoryManagerTest, ANewLocalMapClosesTheOldOneAndAsksForEverythingAgain) 
   SharedUpdate update;
   update.revision = 9;
   uplink_.Share(update);
-  Map old = map_;
   const LocalMapId second{2};
   Begin(second);
   AddKeyframe({second, 0});
@@ -116,7 +115,6 @@ TEST_F(MemoryManagerTest, ANewLocalMapClosesTheOldOneAndAsksForEverythingAgain) 
 TEST_F(MemoryManagerTest, WhatIsStillToldOfAMapThatEndedStaysOutOfTheNextOne) {
   AddKeyframe({kOwn, 0});
   manager_->Step();
-  Map old = map_;
   const LocalMapId second{2};
   Begin(second);
   SharedUpdate update;

@@ -5,6 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "slam/camera/testing/test_camera.h"
 
 namespace corbslam {
 namespace {
@@ -14,16 +15,6 @@ constexpr LocalMapId kLocalMap{7};
 KeyframeId K(uint32_t index) { return {kLocalMap, index}; }
 MapPointId P(uint32_t index) { return {kLocalMap, index}; }
 
-std::shared_ptr<const Camera> TestCamera() {
-  return std::make_shared<Camera>(Camera{.fx_px = 500,
-                                         .fy_px = 500,
-                                         .cx_px = 320,
-                                         .cy_px = 240,
-                                         .width_px = 640,
-                                         .height_px = 480,
-                                         .baseline_m = 0.1});
-}
-
 Keyframe MakeKeyframe(uint32_t index, uint32_t parent = KeyframeId::kNoIndex) {
   Features features;
   for (int i = 0; i < 40; ++i) {
@@ -31,7 +22,8 @@ Keyframe MakeKeyframe(uint32_t index, uint32_t parent = KeyframeId::kNoIndex) {
     features.descriptors.push_back({{static_cast<uint64_t>(i), index, 0, 0}});
   }
   Keyframe keyframe;
-  keyframe.payload = MakeKeyframePayload(K(index), index * 1000, 0, TestCamera(), features);
+  keyframe.payload =
+      MakeKeyframePayload(K(index), index * 1000, 0, testing::TestCamera(), features);
   keyframe.camera_from_map.translation.x() = -static_cast<double>(index);
   if (parent != KeyframeId::kNoIndex) keyframe.parent = K(parent);
   return keyframe;
@@ -140,7 +132,8 @@ TEST(MapTest, RemovedKeyframesChildrenStayInTheirLocalMap) {
   Map map = MakeChain();
   const KeyframeId foreign{{8}, 0};
   Keyframe other = MakeKeyframe(0);
-  other.payload = MakeKeyframePayload(foreign, 0, 0, TestCamera(), other.payload->features);
+  other.payload =
+      MakeKeyframePayload(foreign, 0, 0, testing::TestCamera(), other.payload->features);
   map.AddKeyframe(std::move(other));
   for (uint32_t p = 0; p < 10; ++p) map.AddObservation(P(p), foreign, p);
   // Seen by 2 and the other robot's alone.
