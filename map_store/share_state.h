@@ -13,6 +13,7 @@
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "map_store/lookups.h"
+#include "slam/exchange/shared_update.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
 
@@ -46,7 +47,7 @@ struct ShareState {
   std::map<KeyframeId, SentKeyframe> keyframes;
   absl::flat_hash_map<MapPointId, Eigen::Vector3d> points;
   absl::btree_map<MapPointId, std::vector<MapPointId>> landmarks;
-  std::map<KeyframeId, Similarity3d> own_keyframes;
+  std::map<KeyframeId, OwnKeyframePose> own_keyframes;
 
   // Not sent yet, and up to where the mission has been searched for news: its version, the
   // revision, and the local maps that the island had then.
@@ -60,6 +61,8 @@ struct ShareState {
   uint64_t last_revision = 0;
   int updates_of_last_revision = 0;
   bool restart = false;
+  // As the last update said.
+  bool more_places = false;
 };
 
 }  // namespace corbslam::map_store

@@ -18,6 +18,7 @@ namespace {
 
 // About what an item takes on the wire.
 constexpr size_t kLightBytes = 72;
+constexpr size_t kOwnPoseBytes = 136;
 constexpr size_t kPointBytes = 120;
 constexpr size_t kObservationBytes = 32;
 constexpr size_t kIdBytes = 12;
@@ -33,6 +34,12 @@ bool HasMoved(const Similarity3d& a, const Similarity3d& b) {
   return std::abs(a.scale - b.scale) > kMinRotation_rad ||
          RotationAngle(a.rotation.conjugate() * b.rotation) > kMinRotation_rad ||
          (a.translation - b.translation).norm() > kMinTranslation;
+}
+
+bool HasMoved(const OwnKeyframePose& a, const OwnKeyframePose& b) {
+  return HasMoved(a.camera_from_global, b.camera_from_global) ||
+         HasMoved(Similarity3d::FromRigid(a.camera_from_local),
+                  Similarity3d::FromRigid(b.camera_from_local));
 }
 
 class Budget {
@@ -78,10 +85,11 @@ class ShareStep {
     }
     if (news_.own_keyframes) TakeOwnKeyframes();
     TakeKeyframes();
+    TakePointMoves();
+    update_.more_places = !budget_.complete();
     TakeLandmarks();
     TakeSights();
     TakeNewKeyframes();
-    TakePointMoves();
     if (budget_.complete()) share_.complete_at_version = island_.shared_version;
     return std::move(update_);
   }
@@ -119,12 +127,14 @@ class ShareStep {
 
   void TakeOwnKeyframes() {
     const LocalMapState& own = *state_.FindLocalMap(share_.local_map);
-    for (const auto& [id, pose] : PosesOf(own)) {
-      if (!state_.global.keyframes.contains(id)) continue;
+    for (const auto& [id, camera_from_global] : PosesOf(own)) {
+      const auto placed = state_.global.keyframes.find(id);
+      if (placed == state_.global.keyframes.end()) continue;
+      const OwnKeyframePose pose = {id, camera_from_global, placed->second.camera_from_local};
       const auto sent = share_.own_keyframes.find(id);
       if (sent != share_.own_keyframes.end() && !HasMoved(sent->second, pose)) continue;
-      if (!budget_.Take(kLightBytes)) return;
-      update_.own_keyframes.push_back({id, pose});
+      if (!budget_.Take(kOwnPoseBytes)) return;
+      update_.own_keyframes.push_back(pose);
       share_.own_keyframes[id] = pose;
     }
     news_.own_keyframes = false;

@@ -58,7 +58,8 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
   }
   if (share.complete_at_version == island.shared_version && !share.restart) return std::nullopt;
   SharedUpdate update = TakeShareStep(state, island, options, byte_budget, share);
-  if (update.IsEmpty()) return std::nullopt;
+  const bool ends_places = std::exchange(share.more_places, update.more_places);
+  if (update.IsEmpty() && !ends_places) return std::nullopt;
   NoteSent(update.revision, share);
   return update;
 }

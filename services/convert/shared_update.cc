@@ -53,14 +53,22 @@ void WriteKeyframe(const SharedKeyframe& keyframe, CameraBook& sent, Writer& wri
   *writer.part().add_keyframes() = std::move(proto);
 }
 
-// `add` appends an empty message to the part.
-template <typename Pose, typename Add>
-void WritePoses(const std::vector<Pose>& poses, Writer& writer, const Add& add) {
-  for (const Pose& pose : poses) {
+void WriteMoves(const std::vector<SharedKeyframeMove>& moves, Writer& writer) {
+  for (const SharedKeyframeMove& move : moves) {
     writer.Reserve(kPoseBytes);
-    v1::SharedKeyframePose* proto = add(writer.part());
+    v1::SharedKeyframePose* proto = writer.part().add_moved_keyframes();
+    writer.slots().Write(move.id, proto->mutable_id());
+    ToProto(move.camera_from_global, proto->mutable_camera_from_global());
+  }
+}
+
+void WriteOwnPoses(const std::vector<OwnKeyframePose>& poses, Writer& writer) {
+  for (const OwnKeyframePose& pose : poses) {
+    writer.Reserve(2 * kPoseBytes);
+    v1::OwnKeyframePose* proto = writer.part().add_own_keyframes();
     writer.slots().Write(pose.id, proto->mutable_id());
     ToProto(pose.camera_from_global, proto->mutable_camera_from_global());
+    ToProto(pose.camera_from_local, proto->mutable_camera_from_local());
   }
 }
 
@@ -118,17 +126,33 @@ absl::StatusOr<SharedKeyframe> ReadKeyframe(const v1::SharedKeyframe& proto,
   return keyframe;
 }
 
-template <typename Pose>
-absl::Status ReadPoses(const google::protobuf::RepeatedPtrField<v1::SharedKeyframePose>& proto,
-                       const SlotReader& slots, std::vector<Pose>& poses) {
-  for (const v1::SharedKeyframePose& entry : proto) {
-    Pose pose;
-    ASSIGN_OR_RETURN(pose.id, slots.Keyframe(entry.id()));
-    if (!pose.id.IsValid()) return absl::InvalidArgumentError("a pose names no keyframe");
-    ASSIGN_OR_RETURN(pose.camera_from_global, FromProto(entry.camera_from_global()));
-    poses.push_back(pose);
-  }
+// Reads what both messages of poses have: which keyframe, and where in the global frame.
+template <typename Proto, typename Pose>
+absl::Status ReadPose(const Proto& proto, const SlotReader& slots, Pose& pose) {
+  ASSIGN_OR_RETURN(pose.id, slots.Keyframe(proto.id()));
+  if (!pose.id.IsValid()) return absl::InvalidArgumentError("a pose names no keyframe");
+  ASSIGN_OR_RETURN(pose.camera_from_global, FromProto(proto.camera_from_global()));
   return absl::OkStatus();
+}
+
+absl::StatusOr<SharedKeyframeMove> ReadMove(const v1::SharedKeyframePose& proto,
+                                            const SlotReader& slots) {
+  SharedKeyframeMove move;
+  RETURN_IF_ERROR(ReadPose(proto, slots, move));
+  return move;
+}
+
+absl::StatusOr<OwnKeyframePose> ReadOwnPose(const v1::OwnKeyframePose& proto,
+                                            const SlotReader& slots) {
+  OwnKeyframePose pose;
+  RETURN_IF_ERROR(ReadPose(proto, slots, pose));
+  auto camera_from_local = FromProto(proto.camera_from_local());
+  if (!camera_from_local.ok()) {
+    return Locate(camera_from_local.status(),
+                  absl::StrCat(ToString(pose.id), ".camera_from_local"));
+  }
+  pose.camera_from_local = *camera_from_local;
+  return pose;
 }
 
 absl::StatusOr<Landmark> ReadLandmark(const v1::Landmark& proto, const SlotReader& slots) {
@@ -142,6 +166,7 @@ absl::StatusOr<Landmark> ReadLandmark(const v1::Landmark& proto, const SlotReade
 void Append(SharedUpdate& update, SharedUpdate& part) {
   update.revision = part.revision;
   update.restart |= part.restart;
+  update.more_places = part.more_places;
   AppendAll(update.keyframes, part.keyframes);
   AppendAll(update.points, part.points);
   AppendAll(update.moved_keyframes, part.moved_keyframes);
@@ -160,6 +185,7 @@ std::vector<v1::SharedUpdate> ToProto(const SharedUpdate& update, CameraBook& se
   Writer writer(part_bytes, [&](v1::SharedUpdate& part) {
     part.set_revision(update.revision);
     part.set_continues(true);
+    part.set_more_places(update.more_places);
     return SlotWriter(part.mutable_local_maps());
   });
   writer.part().set_restart(update.restart);
@@ -167,8 +193,7 @@ std::vector<v1::SharedUpdate> ToProto(const SharedUpdate& update, CameraBook& se
   writer.Spread(update.points, kFullPointBytes, [&](auto points) {
     WritePoints(points, writer.slots(), writer.part().mutable_points());
   });
-  WritePoses(update.moved_keyframes, writer,
-             [](v1::SharedUpdate& part) { return part.add_moved_keyframes(); });
+  WriteMoves(update.moved_keyframes, writer);
   writer.Spread(update.moved_points, kLightPointBytes, [&](auto points) {
     WritePoints(points, writer.slots(), writer.part().mutable_moved_points());
   });
@@ -176,8 +201,7 @@ std::vector<v1::SharedUpdate> ToProto(const SharedUpdate& update, CameraBook& se
     WriteObservations(changes, writer.slots(), writer.part().mutable_observations());
   });
   WriteLandmarks(update, writer);
-  WritePoses(update.own_keyframes, writer,
-             [](v1::SharedUpdate& part) { return part.add_own_keyframes(); });
+  WriteOwnPoses(update.own_keyframes, writer);
   writer.Spread(update.removed_keyframes, kIdBytes, [&](auto ids) {
     WriteIds(ids, writer.slots(), writer.part().mutable_removed_keyframes());
   });
@@ -192,6 +216,7 @@ absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook
   SharedUpdate update;
   update.revision = proto.revision();
   update.restart = proto.restart();
+  update.more_places = proto.more_places();
   ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(proto.local_maps()));
   RETURN_IF_ERROR(ReadCameras(proto, slots, cameras));
   for (int i = 0; i < proto.keyframes_size(); ++i) {
@@ -200,14 +225,20 @@ absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook
     update.keyframes.push_back(*std::move(keyframe));
   }
   ASSIGN_OR_RETURN(update.points, ReadSharedPoints(proto.points(), slots));
-  RETURN_IF_ERROR(ReadPoses(proto.moved_keyframes(), slots, update.moved_keyframes));
+  for (const v1::SharedKeyframePose& entry : proto.moved_keyframes()) {
+    ASSIGN_OR_RETURN(const SharedKeyframeMove move, ReadMove(entry, slots));
+    update.moved_keyframes.push_back(move);
+  }
   ASSIGN_OR_RETURN(update.moved_points, ReadMovedPoints(proto.moved_points(), slots));
   ASSIGN_OR_RETURN(update.observations, ReadObservations(proto.observations(), slots));
   for (const v1::Landmark& entry : proto.landmarks()) {
     ASSIGN_OR_RETURN(Landmark landmark, ReadLandmark(entry, slots));
     update.landmarks.push_back(std::move(landmark));
   }
-  RETURN_IF_ERROR(ReadPoses(proto.own_keyframes(), slots, update.own_keyframes));
+  for (const v1::OwnKeyframePose& entry : proto.own_keyframes()) {
+    ASSIGN_OR_RETURN(const OwnKeyframePose pose, ReadOwnPose(entry, slots));
+    update.own_keyframes.push_back(pose);
+  }
   ASSIGN_OR_RETURN(update.removed_keyframes,
                    slots.Keyframes(proto.removed_keyframes(), "removed_keyframes"));
   ASSIGN_OR_RETURN(update.removed_points, slots.Points(proto.removed_points(), "removed_points"));

@@ -24,6 +24,7 @@ void ExpectSamePoses(const std::vector<Pose>& a, const std::vector<Pose>& b) {
 void ExpectSame(const SharedUpdate& a, const SharedUpdate& b) {
   EXPECT_EQ(a.revision, b.revision);
   EXPECT_EQ(a.restart, b.restart);
+  EXPECT_EQ(a.more_places, b.more_places);
   ASSERT_EQ(a.keyframes.size(), b.keyframes.size());
   for (size_t i = 0; i < a.keyframes.size(); ++i) {
     EXPECT_EQ(a.keyframes[i].payload->id, b.keyframes[i].payload->id);
@@ -38,6 +39,10 @@ void ExpectSame(const SharedUpdate& a, const SharedUpdate& b) {
   EXPECT_EQ(a.points[0].position_in_global, b.points[0].position_in_global);
   ExpectSamePoses(a.moved_keyframes, b.moved_keyframes);
   ExpectSamePoses(a.own_keyframes, b.own_keyframes);
+  EXPECT_EQ(a.own_keyframes[0].camera_from_local.translation,
+            b.own_keyframes[0].camera_from_local.translation);
+  EXPECT_EQ(a.own_keyframes[0].camera_from_local.rotation.coeffs(),
+            b.own_keyframes[0].camera_from_local.rotation.coeffs());
   ASSERT_EQ(a.moved_points.size(), b.moved_points.size());
   EXPECT_EQ(a.moved_points[0].position_in_global, b.moved_points[0].position_in_global);
   ASSERT_EQ(a.observations.size(), b.observations.size());

@@ -115,6 +115,7 @@ SharedUpdate MakeSharedUpdate(std::mt19937& random) {
   SharedUpdate update;
   update.revision = 7;
   update.restart = true;
+  update.more_places = true;
   for (uint32_t i = 0; i < 3; ++i) {
     SharedKeyframe keyframe;
     keyframe.payload = MakePayload(random, {kOtherMap, i}, 25);
@@ -133,7 +134,7 @@ SharedUpdate MakeSharedUpdate(std::mt19937& random) {
   update.observations = {{ObservationChange::Kind::kRemoved, {kMap, 6}, {kOtherMap, 9}, 12},
                          {ObservationChange::Kind::kAdded, {kOtherMap, 8}, {kOtherMap, 9}, 12}};
   update.landmarks = {{{kMap, 5}, {{kOtherMap, 35}, {kOtherMap, 36}}}};
-  update.own_keyframes = {{{kMap, 2}, MakeSimilarity(random)}};
+  update.own_keyframes = {{{kMap, 2}, MakeSimilarity(random), MakeMotion(random)}};
   update.removed_keyframes = {{kOtherMap, 70}};
   update.removed_points = {{kOtherMap, 71}, {kMap, 72}};
   return update;

@@ -72,7 +72,7 @@ TEST_F(RobotTraceTest, FollowsAKeyframeFromTheCameraToItsGlobalPose) {
   trace_->OnAcknowledged({kMap, 1});
   SharedUpdate update;
   update.keyframes.push_back({MakePayload(others, 7), {}, {}, {}});
-  update.own_keyframes.push_back({made, {}});
+  update.own_keyframes.push_back({made, {}, {}});
   trace_->OnShared(update);
   auto ways = Ways();
   EXPECT_THAT(ways[TraceId(made)],

@@ -55,6 +55,8 @@ struct Landmark {
 struct OwnKeyframePose {
   KeyframeId id;
   Similarity3d camera_from_global;
+  // The pose in the receiver's own map from which fusion derived it.
+  Rigid3d camera_from_local;
 };
 
 // One step of the receiver's view of the global layer. Applied as one.
@@ -62,6 +64,9 @@ struct SharedUpdate {
   uint64_t revision = 0;
   // True: forget all that was shared before (another island's frame, or a resume that can't go on).
   bool restart = false;
+  // Not all that moved is told yet, so that places of this update do not fit together: the next one
+  // goes on.
+  bool more_places = false;
   std::vector<SharedKeyframe> keyframes;
   std::vector<SharedMapPoint> points;
   std::vector<SharedKeyframeMove> moved_keyframes;
