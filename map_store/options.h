@@ -32,7 +32,8 @@ struct MapStoreOptions {
   size_t overlap_spacing = 3;
   // Keyframes of one local map nearer than this in its order are no loop.
   size_t min_loop_gap = 30;
-  // Query and candidate that share this many landmarks are linked already.
+  // Query and candidate that share this many landmarks are linked already, if these agree with the
+  // graph to `loop_residual_px`.
   int min_shared_landmarks = 30;
   // An overlap within an island that agrees with the graph to this is not urgent: it is welded
   // together with others, `weld_every` at a time, or when nothing else is left to do.

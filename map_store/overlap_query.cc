@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "map_store/island_view.h"
+#include "map_store/landmark_agreement.h"
 #include "map_store/local_motion.h"
 #include "map_store/placement.h"
 #include "slam/place/candidate_groups.h"
@@ -54,6 +55,14 @@ std::vector<PlaceCandidate> FindSharingWords(const MissionState& state, const Qu
   return against.database.Query(query.words->bag, query_options);
 }
 
+// Landmarks that both see, which say the same as the graph: where they do not, an overlap is news.
+bool AreLinked(const MissionState& state, KeyframeId query, KeyframeId candidate,
+               const MapStoreOptions& options) {
+  if (CountSharedLandmarks(state, query, candidate) < options.min_shared_landmarks) return false;
+  const auto disagreement_px = LandmarkDisagreementPx(state, query, candidate);
+  return disagreement_px.has_value() && *disagreement_px <= options.loop_residual_px;
+}
+
 bool IsComplete(const VerifyOverlapRequest& request) {
   return request.query_view.FindKeyframe(request.query) != nullptr &&
          std::ranges::all_of(request.candidates, [&request](const auto& candidate) {
@@ -92,7 +101,7 @@ std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& 
   for (const CandidateGroup& group :
        GroupByCovisibility(against->map, found, options.max_candidate_groups)) {
     const KeyframeId best = group.best.id;
-    if (CountSharedLandmarks(state, task.query, best) >= options.min_shared_landmarks) {
+    if (AreLinked(state, task.query, best, options)) {
       // The best of all is linked already: there is no news to be had here.
       if (candidates.empty()) return {};
       continue;
