@@ -13,10 +13,12 @@ LocalMapSession::LocalMapSession(const LocalMapSessionOptions& options,
       map_(options.local_map),
       places_(&map_),
       find_places_([this](const Words& words) { return places_.Find(words); }),
-      loop_closer_(options.loop_closer, &map_, &queue_,
-                   [this](const Keyframe& query, const absl::btree_set<KeyframeId>& excluded) {
-                     return places_.FindLoops(query, excluded);
-                   }),
+      loop_closer_(
+          options.loop_closer, &map_, &queue_,
+          [this](const Keyframe& query, const absl::btree_set<KeyframeId>& excluded) {
+            return places_.FindLoops(query, excluded);
+          },
+          options.follow_correction),
       mapper_(options.mapper, MakeMapperParts()),
       tracker_(options.tracker, std::move(camera),
                {&map_, &queue_, &statistics_, vocabulary_.get(), &find_places_}) {}

@@ -22,6 +22,7 @@ struct LocalMapSessionOptions {
   TrackerOptions tracker;
   MapperOptions mapper;
   LoopCloserOptions loop_closer;
+  FollowCorrection follow_correction;
 };
 
 // Without Start it has no threads, and Step does their work.

@@ -85,6 +85,10 @@ void SingleAgent::OpenLocalMap() {
   options.loop_closer.seed = options_.seed;
   options.loop_closer.fix_scale = camera_->IsMetric();
   options.loop_closer.solver_threads = options_.solver_threads;
+  options.follow_correction = [this, id = options.local_map](const OwnCorrection& correction,
+                                                             Map& map) {
+    memory_->OnCorrected(id, correction, map);
+  };
   auto session = std::make_unique<LocalMapSession>(options, camera_, vocabulary_);
   LocalMapSession* opened = session.get();
   MapAccess access;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "client_agent/loop_closing/correction_view.h"
 #include "glog/logging.h"
 #include "slam/fusing/map_fusing.h"
 #include "slam/optimisation/bundle_adjustment.h"
@@ -36,21 +37,18 @@ absl::btree_set<KeyframeId> SurroundingsOf(const Map& map, const Keyframe& query
   return surroundings;
 }
 
-// The whole map may move but for its root; what others made stays.
+// All that is own may move but for the root; others' keyframes stay, and what they see.
 BundleScope OwnMapScope(const Map& map, LocalMapId own) {
-  BundleScope all = GlobalBundleScope(map, {});
   BundleScope scope;
-  for (const auto* keyframes : {&all.free_keyframes, &all.fixed_keyframes}) {
-    for (const KeyframeId& id : *keyframes) {
-      const bool is_root = !map.FindKeyframe(id)->parent.IsValid();
-      const bool is_free = id.local_map == own && !is_root;
-      (is_free ? scope.free_keyframes : scope.fixed_keyframes).push_back(id);
-    }
+  bool has_root = false;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    const bool is_root = id.local_map == own && !keyframe.parent.IsValid() && !has_root;
+    if (is_root) has_root = true;
+    const bool is_free = id.local_map == own && !is_root;
+    (is_free ? scope.free_keyframes : scope.fixed_keyframes).push_back(id);
   }
-  for (const auto* points : {&all.free_points, &all.fixed_points}) {
-    for (const MapPointId& id : *points) {
-      (id.local_map == own ? scope.free_points : scope.fixed_points).push_back(id);
-    }
+  for (const auto& [id, point] : map.points()) {
+    (MovesWith(own, point) ? scope.free_points : scope.fixed_points).push_back(id);
   }
   return scope;
 }
@@ -58,8 +56,12 @@ BundleScope OwnMapScope(const Map& map, LocalMapId own) {
 }  // namespace
 
 LoopCloser::LoopCloser(const LoopCloserOptions& options, GuardedMap* map, MappingQueue* queue,
-                       FindLoopCandidates find_candidates)
-    : options_(options), map_(*map), queue_(*queue), find_candidates_(std::move(find_candidates)) {}
+                       FindLoopCandidates find_candidates, FollowCorrection follow)
+    : options_(options),
+      map_(*map),
+      queue_(*queue),
+      find_candidates_(std::move(find_candidates)),
+      follow_(std::move(follow)) {}
 
 void LoopCloser::Enqueue(KeyframeId keyframe) {
   absl::MutexLock lock(&mutex_);
@@ -135,7 +137,8 @@ std::optional<Overlap> LoopCloser::DetectLoop(KeyframeId query_id) {
 bool LoopCloser::CloseLoop(const Overlap& loop) {
   const LocalMapId own = map_.local_map();
   FuseMapsRequest request;
-  request.target = map_.Read([](const Map& map) { return map; });
+  request.target =
+      map_.Read([&](const Map& map) { return CorrectionView(map, own, loop.candidate); });
   request.overlaps = {loop};
   request.new_overlaps = {0};
   request.fix_scale = options_.fix_scale;
@@ -159,13 +162,20 @@ bool LoopCloser::CloseLoop(const Overlap& loop) {
     ++counts_.closed;
     if (against_others) ++counts_.closed_against_others;
   }
-  queue_.PostJob([this, own, correction](GuardedMap& map) {
-    map.Write([&](Map& inner) { ApplyCorrection(*correction, own, inner); });
-    map.CountCorrection();
+  queue_.PostJob([this, correction](GuardedMap&) {
+    Apply(*correction);
     absl::MutexLock lock(&mutex_);
     correction_posted_ = false;
   });
   return true;
+}
+
+void LoopCloser::Apply(const MapCorrection& correction) {
+  map_.Write([&](Map& map) {
+    auto motions = ApplyCorrection(correction, map_.local_map(), map);
+    if (follow_) follow_({std::move(motions), correction.held}, map);
+  });
+  map_.CountCorrection();
 }
 
 bool LoopCloser::StepAdjustment() {
@@ -177,7 +187,8 @@ bool LoopCloser::StepAdjustment() {
   }
   const uint64_t generation = generation_.load();
   const LocalMapId own = map_.local_map();
-  const Map map = map_.Read([](const Map& inner) { return inner; });
+  const Map map =
+      map_.Read([own](const Map& inner) { return CorrectionView(inner, own, std::nullopt); });
   BundleOptions bundle;
   bundle.max_iterations = options_.adjustment_iterations;
   bundle.threads = options_.solver_threads;
@@ -193,13 +204,10 @@ bool LoopCloser::StepAdjustment() {
     return true;
   }
   auto correction = std::make_shared<MapCorrection>(MakeCorrection(map, own, *adjusted));
-  queue_.PostJob([this, own, generation, correction](GuardedMap& guarded) {
+  queue_.PostJob([this, generation, correction](GuardedMap&) {
     // A loop closed since has moved the map that this was computed on.
     const bool is_current = generation_.load() == generation;
-    if (is_current) {
-      guarded.Write([&](Map& inner) { ApplyCorrection(*correction, own, inner); });
-      guarded.CountCorrection();
-    }
+    if (is_current) Apply(*correction);
     absl::MutexLock lock(&mutex_);
     adjusting_ = false;
     if (is_current) ++counts_.adjusted;

@@ -16,6 +16,7 @@
 #include "absl/time/time.h"
 #include "client_agent/loop_closing/map_correction.h"
 #include "client_agent/map/guarded_map.h"
+#include "client_agent/map/own_correction.h"
 #include "client_agent/mapping/mapping_queue.h"
 #include "slam/exchange/overlap.h"
 #include "slam/map/map.h"
@@ -53,14 +54,18 @@ struct LoopCloserCounts {
 using FindLoopCandidates = std::function<std::vector<KeyframeId>(
     const Keyframe& query, const absl::btree_set<KeyframeId>& excluded)>;
 
+// Takes what others made along, where the own map was corrected. Called on the mapping thread, with
+// the map.
+using FollowCorrection = std::function<void(const OwnCorrection& correction, Map& map)>;
+
 // Of one local map. Two workers drive it: one calls StepDetection, the other StepAdjustment (the
 // same thread may do both, as deterministic runs do). The map is only changed by jobs that it
 // posts to the mapping queue, one of each worker at a time. The rest is thread-safe.
 class LoopCloser {
  public:
-  // Neither is owned; both outlive the closer and the jobs that it posted.
+  // Neither is owned; both outlive the closer and the jobs that it posted. `follow` may be null.
   LoopCloser(const LoopCloserOptions& options, GuardedMap* map, MappingQueue* queue,
-             FindLoopCandidates find_candidates);
+             FindLoopCandidates find_candidates, FollowCorrection follow = nullptr);
   // The workers must have ended, and the queue must have run or dropped the closer's jobs.
   ~LoopCloser() = default;
 
@@ -90,6 +95,8 @@ class LoopCloser {
  private:
   std::optional<Overlap> DetectLoop(KeyframeId query);
   bool CloseLoop(const Overlap& loop);
+  // In a job.
+  void Apply(const MapCorrection& correction);
   bool Idle() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   bool DetectionIsReady() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   bool AdjustmentIsReady() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
@@ -98,6 +105,7 @@ class LoopCloser {
   GuardedMap& map_;
   MappingQueue& queue_;
   const FindLoopCandidates find_candidates_;
+  const FollowCorrection follow_;
   // Counts closed loops; an adjustment that began at a lower one is out of date.
   std::atomic<uint64_t> generation_ = 0;
   std::atomic<bool> stopping_ = false;

@@ -116,7 +116,8 @@ class LoopCloserTest : public ::testing::Test {
         LoopCloserOptions(), &map_, &queue_,
         [this](const Keyframe& query, const absl::btree_set<KeyframeId>& excluded) {
           return FindCandidates(query, excluded);
-        });
+        },
+        [this](const OwnCorrection& correction, Map&) { corrections_.push_back(correction); });
   }
 
   std::vector<KeyframeId> FindCandidates(const Keyframe& query,
@@ -157,6 +158,7 @@ class LoopCloserTest : public ::testing::Test {
   const Map drifting_;
   GuardedMap map_{kOwn};
   MappingQueue queue_;
+  std::vector<OwnCorrection> corrections_;
 };
 
 TEST_F(LoopCloserTest, ClosingTheCircleLowersTheError) {
@@ -232,6 +234,29 @@ TEST_F(LoopCloserTest, OthersKeyframesCloseALoopAndStay) {
     seen_by_own += closed.FindPoint(id)->observations.begin()->first.local_map == kOwn;
   }
   EXPECT_GT(seen_by_own, 50u);
+  ASSERT_EQ(corrections_.size(), 2U) << "the loop and the adjustment";
+  for (const OwnCorrection& correction : corrections_) {
+    EXPECT_GE(correction.held.size(), 5U);
+    for (const KeyframeId& id : correction.held) EXPECT_EQ(id.local_map, kOther);
+  }
+}
+
+TEST_F(LoopCloserTest, SaysHowItMovedTheOwnMap) {
+  Load(drifting_);
+  const Map before = Copy();
+  const auto closer = MakeCloser();
+  closer->Enqueue({kOwn, 87});
+  StepUntilIdle(*closer);
+  ASSERT_EQ(corrections_.size(), 2U) << "the loop and the adjustment";
+  EXPECT_TRUE(corrections_[0].held.empty());
+  const auto& closed = corrections_[0].motions.at({kOwn, 87});
+  const auto& adjusted = corrections_[1].motions.at({kOwn, 87});
+  EXPECT_EQ(closed.camera_from_map_before.translation,
+            before.FindKeyframe({kOwn, 87})->camera_from_map.translation);
+  EXPECT_EQ(closed.camera_from_map_after.translation, adjusted.camera_from_map_before.translation);
+  EXPECT_EQ(adjusted.camera_from_map_after.translation,
+            Copy().FindKeyframe({kOwn, 87})->camera_from_map.translation);
+  EXPECT_FALSE(corrections_[0].motions.contains({kOwn, 0})) << "the root";
 }
 
 TEST_F(LoopCloserTest, WhatWasBornMeanwhileFollows) {

@@ -5,11 +5,14 @@
 namespace corbslam {
 namespace {
 
-// Everything own, as it was in the copy.
+// Everything, as it was in the copy.
 MapCorrection Unmoved(const Map& map, LocalMapId own) {
   MapCorrection correction;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (id.local_map != own) continue;
+    if (id.local_map != own) {
+      correction.held.insert(id);
+      continue;
+    }
     correction.keyframes[id] = {keyframe.camera_from_map,
                                 Similarity3d::FromRigid(keyframe.camera_from_map)};
   }
@@ -76,7 +79,9 @@ Eigen::Vector3d MovePoint(const MapCorrection& correction, const MotionOfKeyfram
   return motion->second.Inverse() * point.position_in_map;
 }
 
-void MoveItems(const MapCorrection& correction, LocalMapId own, Map& map) {
+using Moved = std::map<KeyframeId, OwnCorrection::Motion>;
+
+Moved MoveItems(const MapCorrection& correction, LocalMapId own, Map& map) {
   const MotionOfKeyframe motions = MotionsOfOwn(correction, own, map);
   std::vector<std::pair<MapPointId, Eigen::Vector3d>> positions;
   for (const auto& [id, point] : map.points()) {
@@ -84,6 +89,7 @@ void MoveItems(const MapCorrection& correction, LocalMapId own, Map& map) {
     const Eigen::Vector3d position = MovePoint(correction, motions, point);
     if (position != point.position_in_map) positions.emplace_back(id, position);
   }
+  Moved moved;
   for (const auto& [id, motion] : motions) {
     const Rigid3d before = map.FindKeyframe(id)->camera_from_map;
     const Rigid3d after = (Similarity3d::FromRigid(before) * motion).ToRigid();
@@ -92,9 +98,11 @@ void MoveItems(const MapCorrection& correction, LocalMapId own, Map& map) {
       continue;
     }
     map.SetPose(id, after);
+    moved[id] = {before, after};
   }
   for (const auto& [id, position] : positions) map.SetPosition(id, position);
   for (const auto& [id, position] : positions) map.UpdatePointGeometry(id);
+  return moved;
 }
 
 }  // namespace
@@ -124,8 +132,9 @@ MapCorrection MakeCorrection(const Map& map, LocalMapId own, const BundleResult&
   return correction;
 }
 
-void ApplyCorrection(const MapCorrection& correction, LocalMapId own, Map& map) {
-  MoveItems(correction, own, map);
+std::map<KeyframeId, OwnCorrection::Motion> ApplyCorrection(const MapCorrection& correction,
+                                                            LocalMapId own, Map& map) {
+  Moved moved = MoveItems(correction, own, map);
   for (const FuseMapsResult::Merge& merge : correction.merges) {
     if (!map.ReplacePoint(merge.member, merge.survivor)) continue;
     if (merge.survivor.local_map == own) map.UpdatePointAppearance(merge.survivor);
@@ -140,6 +149,7 @@ void ApplyCorrection(const MapCorrection& correction, LocalMapId own, Map& map) 
   if (correction.loop_edge.has_value()) {
     map.AddLoopEdge(correction.loop_edge->first, correction.loop_edge->second);
   }
+  return moved;
 }
 
 }  // namespace corbslam

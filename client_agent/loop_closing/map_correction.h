@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/btree_set.h"
+#include "client_agent/map/own_correction.h"
 #include "slam/exchange/fusion_worker.h"
 #include "slam/map/map.h"
 #include "slam/optimisation/bundle_adjustment.h"
@@ -26,6 +28,8 @@ struct MapCorrection {
   // Own ones that were in the copy: all of them, moved or not.
   std::map<KeyframeId, MovedKeyframe> keyframes;
   std::map<MapPointId, MovedPoint> points;
+  // Others' keyframes that were in the copy: it was fitted to them.
+  absl::btree_set<KeyframeId> held;
   std::vector<FuseMapsResult::Merge> merges;
   std::vector<RejectedObservation> rejected;
   // The loop that called for it.
@@ -40,8 +44,10 @@ MapCorrection MakeCorrection(const Map& map, LocalMapId own, const BundleResult&
 // Moves own keyframes and points of `map`. What moved since the copy keeps that motion, what was
 // born since follows the nearest corrected ancestor (keyframes) or its reference (points), and
 // what is gone is skipped. Other local maps' items stay as they are. Then replaces duplicates,
-// drops rejected observations of own keyframes and adds the loop edge.
-void ApplyCorrection(const MapCorrection& correction, LocalMapId own, Map& map);
+// drops rejected observations of own keyframes and adds the loop edge. Returns how own keyframes
+// moved.
+std::map<KeyframeId, OwnCorrection::Motion> ApplyCorrection(const MapCorrection& correction,
+                                                            LocalMapId own, Map& map);
 
 }  // namespace corbslam
 

@@ -31,7 +31,7 @@ struct MemoryManager::Placing {
     const PlacementChange change = shared.Place(map);
     {
       absl::MutexLock lock(&mutex);
-      global_from_local = shared.GlobalFromLocal(map);
+      global_from_local = shared.GlobalFromLocal();
       keyframes = shared.keyframe_count();
     }
     if (access.on_placed) access.on_placed(change, map);
@@ -81,6 +81,17 @@ MapObserver* MemoryManager::BeginLocalMap(MapAccess access) {
   recordings_.push_back(std::move(recording));
   wake_ = true;
   return recordings_.back()->recorder.get();
+}
+
+void MemoryManager::OnCorrected(LocalMapId local_map, const OwnCorrection& correction, Map& map) {
+  std::shared_ptr<Placing> placing;
+  {
+    absl::MutexLock lock(&mutex_);
+    placing = placing_;
+  }
+  if (placing == nullptr || placing->access.local_map != local_map) return;
+  placing->shared.Correct(correction, map);
+  placing->PlaceTaken(map);
 }
 
 void MemoryManager::AddTrackedFrame(const TrackedFrame& frame) {

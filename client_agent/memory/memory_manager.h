@@ -71,6 +71,8 @@ class MemoryManager : private UplinkListener {
   // observer to set on the map (null without an uplink); it lives as long as the manager.
   MapObserver* BeginLocalMap(MapAccess access);
 
+  // What others made is placed anew after the robot moved its own map. On the writing thread.
+  void OnCorrected(LocalMapId local_map, const OwnCorrection& correction, Map& map);
   void AddTrackedFrame(const TrackedFrame& frame);
   void AddLostFrame(int64_t timestamp_ns);
 

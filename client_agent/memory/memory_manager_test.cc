@@ -135,7 +135,7 @@ TEST_F(MemoryManagerTest, SharedUpdatesReachTheMapThroughItsWriter) {
   manager_->Step();
   SharedUpdate update;
   update.revision = 9;
-  update.own_keyframes.push_back({{kOwn, 0}, {1, Eigen::Quaterniond::Identity(), {5, 0, 0}}});
+  update.own_keyframes.push_back({{kOwn, 0}, {1, Eigen::Quaterniond::Identity(), {5, 0, 0}}, {}});
   uplink_.Share(update);
   uplink_.Share(update);
   EXPECT_FALSE(manager_->GlobalFromLocal().has_value());

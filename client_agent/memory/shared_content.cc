@@ -30,9 +30,7 @@ void SharedContent::Apply(const ArrivedUpdate& arrived) {
   }
   for (const ObservationChange& change : update.observations) TakeObservation(change);
   for (const Landmark& landmark : update.landmarks) TakeLandmark(landmark);
-  for (const OwnKeyframePose& pose : update.own_keyframes) {
-    own_keyframes_[pose.id] = pose.camera_from_global;
-  }
+  for (const OwnKeyframePose& pose : update.own_keyframes) own_places_.Tell(pose);
   for (const KeyframeId& id : update.removed_keyframes) RemoveKeyframe(id);
   for (const MapPointId& id : update.removed_points) RemovePoint(id);
 }
@@ -42,7 +40,7 @@ void SharedContent::Restart() {
   for (const auto& [id, point] : points_) MarkPoint(id);
   keyframes_.clear();
   points_.clear();
-  own_keyframes_.clear();
+  own_places_.ForgetAll();
   survivor_of_.clear();
   members_of_.clear();
   viewers_of_.clear();
@@ -109,7 +107,6 @@ void SharedContent::DissolveLandmark(MapPointId survivor) {
 }
 
 void SharedContent::RemoveKeyframe(KeyframeId id) {
-  own_keyframes_.erase(id);
   const auto it = keyframes_.find(id);
   if (it == keyframes_.end()) return;
   for (const MapPointId& point : it->second.points) UnlistViewer(point, id);
@@ -124,7 +121,10 @@ void SharedContent::RemovePoint(MapPointId id) {
 }
 
 void SharedContent::ListViewer(MapPointId point, KeyframeId viewer) {
-  if (point.IsValid()) viewers_of_[point].push_back(viewer);
+  if (!point.IsValid()) return;
+  viewers_of_[point].push_back(viewer);
+  // It may be placed with another keyframe now; likewise below.
+  MarkPoint(point);
 }
 
 void SharedContent::UnlistViewer(MapPointId point, KeyframeId viewer) {
@@ -133,6 +133,7 @@ void SharedContent::UnlistViewer(MapPointId point, KeyframeId viewer) {
   const auto listed = std::ranges::find(it->second, viewer);
   if (listed != it->second.end()) it->second.erase(listed);
   if (it->second.empty()) viewers_of_.erase(it);
+  MarkPoint(point);
 }
 
 void SharedContent::MarkPoint(MapPointId id) {
@@ -156,6 +157,12 @@ void SharedContent::MarkViewers(MapPointId id) {
 MapPointId SharedContent::SurvivorOf(MapPointId id) const {
   const auto it = survivor_of_.find(id);
   return it == survivor_of_.end() ? id : it->second;
+}
+
+KeyframeId SharedContent::HolderOf(const SharedMapPoint& point) const {
+  if (keyframes_.contains(point.reference)) return point.reference;
+  const auto it = viewers_of_.find(point.id);
+  return it == viewers_of_.end() ? KeyframeId() : it->second.front();
 }
 
 MapPointId SharedContent::Representative(const Map& map, MapPointId id) const {

@@ -9,6 +9,7 @@
 
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
+#include "client_agent/memory/own_places.h"
 #include "slam/exchange/shared_update.h"
 #include "slam/map/map.h"
 
@@ -48,8 +49,12 @@ class SharedContent {
 
   const std::map<KeyframeId, ForeignKeyframe>& keyframes() const { return keyframes_; }
   const std::map<MapPointId, SharedMapPoint>& points() const { return points_; }
-  // Own keyframes that fusion has placed: camera_from_global.
-  const std::map<KeyframeId, Similarity3d>& own_keyframes() const { return own_keyframes_; }
+  // Own keyframes that fusion has placed.
+  const OwnPlaces& own_places() const { return own_places_; }
+  OwnPlaces& own_places() { return own_places_; }
+  // The keyframe that the point is placed with: its reference, else one that sees it; of those that
+  // are here. Invalid where there is none.
+  KeyframeId HolderOf(const SharedMapPoint& point) const;
   // The point that stands for `id` in the robot's map: an own one of its landmark that the map
   // holds, else the landmark's survivor.
   MapPointId Representative(const Map& map, MapPointId id) const;
@@ -77,7 +82,7 @@ class SharedContent {
   const LocalMapId own_;
   std::map<KeyframeId, ForeignKeyframe> keyframes_;
   std::map<MapPointId, SharedMapPoint> points_;
-  std::map<KeyframeId, Similarity3d> own_keyframes_;
+  OwnPlaces own_places_;
   absl::flat_hash_map<MapPointId, MapPointId> survivor_of_;
   absl::flat_hash_map<MapPointId, std::vector<MapPointId>> members_of_;  // By survivor.
   // The foreign keyframes that list a point, once for each keypoint.

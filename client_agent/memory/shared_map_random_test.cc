@@ -117,7 +117,9 @@ class World {
     for (uint32_t k = 0; k < kOwnKeyframes; ++k) {
       const Rigid3d& camera_from_local = map_.FindKeyframe({kOwn, k})->camera_from_map;
       update.own_keyframes.push_back(
-          {{kOwn, k}, Similarity3d::FromRigid(camera_from_local * global_from_local_.Inverse())});
+          {{kOwn, k},
+           Similarity3d::FromRigid(camera_from_local * global_from_local_.Inverse()),
+           camera_from_local});
     }
   }
 

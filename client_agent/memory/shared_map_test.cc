@@ -64,7 +64,7 @@ SharedUpdate FirstUpdate() {
   for (uint32_t p = 0; p < 5; ++p) update.landmarks.push_back({{kForeign, p}, {{kOwn, p}}});
   for (uint32_t k = 0; k < 3; ++k) {
     update.own_keyframes.push_back(
-        {{kOwn, k}, Similarity3d::FromRigid(CameraAt(k) * local_from_global)});
+        {{kOwn, k}, Similarity3d::FromRigid(CameraAt(k) * local_from_global), CameraAt(k)});
   }
   return update;
 }
@@ -81,6 +81,42 @@ class SharedMapTest : public ::testing::Test {
     return shared_.Place(map_);
   }
 
+  // The robot moves its own keyframes by so much along x.
+  void Correct(double shift, absl::btree_set<KeyframeId> held = {}) {
+    OwnCorrection correction;
+    correction.held = std::move(held);
+    for (uint32_t k = 0; k < 3; ++k) {
+      const Rigid3d before = map_.FindKeyframe({kOwn, k})->camera_from_map;
+      const Rigid3d after = {before.rotation,
+                             before.translation - shift * Eigen::Vector3d::UnitX()};
+      map_.SetPose({kOwn, k}, after);
+      correction.motions[{kOwn, k}] = {before, after};
+    }
+    shared_.Correct(correction, map_);
+    shared_.Place(map_);
+  }
+
+  // The foreign keyframe shares no point with own ones.
+  void ShareWithoutLandmarks() {
+    SharedUpdate update = FirstUpdate();
+    update.landmarks.clear();
+    Share(update);
+  }
+
+  // FirstUpdate's global poses, derived from local poses so far along x.
+  static SharedUpdate OwnPoses(double shift) {
+    SharedUpdate update;
+    update.own_keyframes = FirstUpdate().own_keyframes;
+    for (OwnKeyframePose& pose : update.own_keyframes) {
+      pose.camera_from_local.translation.x() -= shift;
+    }
+    return update;
+  }
+
+  Eigen::Vector3d CentreOf(KeyframeId id) const {
+    return CameraCentre(map_.FindKeyframe(id)->camera_from_map);
+  }
+
   Map map_ = OwnMap();
   SharedMap shared_{kOwn};
 };
@@ -93,7 +129,7 @@ TEST_F(SharedMapTest, ForeignItemsArePlacedInTheRobotsFrame) {
   const MapPoint& point = *map_.FindPoint({kForeign, 7});
   EXPECT_LT((point.position_in_map - Eigen::Vector3d(0.7, 0.5, 6)).norm(), 1e-9);
   EXPECT_LT((point.normal_in_map - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
-  const Similarity3d global_from_local = *shared_.GlobalFromLocal(map_);
+  const Similarity3d global_from_local = *shared_.GlobalFromLocal();
   EXPECT_LT((global_from_local.translation - kGlobalFromLocal.translation).norm(), 1e-9);
 }
 
@@ -104,14 +140,82 @@ TEST_F(SharedMapTest, ALandmarkTheRobotHoldsIsNotHeldTwice) {
   EXPECT_EQ(map_.FindKeyframe({kOwn, 0})->covisible.at({kForeign, 0}), 5);
 }
 
-TEST_F(SharedMapTest, PlacesThroughTheCovisibleKeyframeWhateverTheDriftElsewhere) {
+TEST_F(SharedMapTest, PlacesEachKeyframeByTheOwnOneNearestToItWhateverTheDriftElsewhere) {
   SharedUpdate update = FirstUpdate();
-  update.landmarks.clear();
-  // The robot drifted after keyframe 1: the nearest keyframe (2) knows best what is ahead.
+  // Behind the robot's first keyframe; keyframe 0 is ahead of its last.
+  SharedKeyframe behind = update.keyframes[0];
+  behind.payload = Payload({kForeign, 1});
+  behind.camera_from_global = Similarity3d::FromRigid(CameraAt(-1) * kGlobalFromLocal.Inverse());
+  behind.points.assign(kKeypoints, {});
+  update.keyframes.push_back(behind);
+  // The robot drifted between keyframes 1 and 2, which fusion has corrected.
   map_.SetPose({kOwn, 2}, CameraAt(2.5));
+  update.own_keyframes[2].camera_from_local = CameraAt(2.5);
   Share(update);
-  const Keyframe& foreign = *map_.FindKeyframe({kForeign, 0});
-  EXPECT_LT((CameraCentre(foreign.camera_from_map) - Eigen::Vector3d(3.5, 0, 0)).norm(), 1e-9);
+  EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3.5, 1e-9);
+  EXPECT_NEAR(CentreOf({kForeign, 1}).x(), -1, 1e-9);
+  EXPECT_NEAR(map_.FindPoint({kForeign, 7})->position_in_map.x(), 0.7 + 0.5, 1e-9);
+}
+
+TEST_F(SharedMapTest, WhatTheRobotAdjustsDoesNotMoveWhatItIsAdjustedTo) {
+  Share(FirstUpdate());
+  for (uint32_t k = 0; k < 3; ++k) map_.SetPose({kOwn, k}, CameraAt(k + 0.1));
+  Share({});
+  EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3, 1e-9);
+}
+
+TEST_F(SharedMapTest, WhatNothingHoldsIsWhereTheNearestOwnKeyframeSaysAfterACorrection) {
+  ShareWithoutLandmarks();
+  Correct(0.5);
+  EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3.5, 1e-9);
+  EXPECT_NEAR(map_.FindPoint({kForeign, 7})->position_in_map.x(), 1.2, 1e-9);
+  EXPECT_NEAR(shared_.GlobalFromLocal()->Inverse().translation.x(),
+              kGlobalFromLocal.Inverse().translation.x() + 0.5, 1e-9);
+  // The store says again what it derived before it knew of that, then what it derives from it.
+  Share(OwnPoses(0));
+  EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3.5, 1e-9);
+  Share(OwnPoses(0.5));
+  EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3.5, 1e-9);
+}
+
+TEST_F(SharedMapTest, OfSeveralCorrectionsThoseCountThatTheStoreDoesNotKnow) {
+  ShareWithoutLandmarks();
+  Correct(0.5);
+  Correct(0.25);
+  // It knows the first one alone.
+  Share(OwnPoses(0.5));
+  EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3.75, 1e-9);
+  Share(OwnPoses(0.75));
+  EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3.75, 1e-9);
+}
+
+TEST_F(SharedMapTest, NothingMovesUntilAllThatMovedIsTold) {
+  ShareWithoutLandmarks();
+  // The global frame goes elsewhere: the store tells it of own keyframes first, then of others'.
+  const Rigid3d before_from_after = {Eigen::Quaterniond::Identity(), {0, 7, 0}};
+  SharedUpdate first = OwnPoses(0);
+  first.more_places = true;
+  for (OwnKeyframePose& pose : first.own_keyframes) {
+    pose.camera_from_global = pose.camera_from_global * Similarity3d::FromRigid(before_from_after);
+  }
+  SharedUpdate second;
+  second.moved_keyframes.push_back(
+      {{kForeign, 0},
+       Similarity3d::FromRigid(CameraAt(3) * kGlobalFromLocal.Inverse() * before_from_after)});
+  Share(first);
+  EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3, 1e-9);
+  EXPECT_NEAR(CentreOf({kForeign, 0}).y(), 0, 1e-9);
+  Share(second);
+  EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3, 1e-9);
+  EXPECT_NEAR(CentreOf({kForeign, 0}).y(), 0, 1e-9);
+}
+
+TEST_F(SharedMapTest, AKeyframeThatTheRobotCulledPlacesNothing) {
+  SharedUpdate update = FirstUpdate();
+  update.own_keyframes[2].camera_from_local = CameraAt(2.5);
+  map_.RemoveKeyframe({kOwn, 2});
+  Share(update);
+  EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3, 1e-9);
 }
 
 TEST_F(SharedMapTest, MovesAreFollowedAndNothingIsPlacedBeforeFusion) {
@@ -119,7 +223,7 @@ TEST_F(SharedMapTest, MovesAreFollowedAndNothingIsPlacedBeforeFusion) {
   const auto own_keyframes = std::exchange(update.own_keyframes, {});
   Apply(update);
   EXPECT_TRUE(shared_.Place(map_).added_keyframes.empty());
-  EXPECT_FALSE(shared_.GlobalFromLocal(map_).has_value());
+  EXPECT_FALSE(shared_.GlobalFromLocal().has_value());
 
   SharedUpdate next;
   next.revision = 5;
@@ -182,7 +286,7 @@ TEST_F(SharedMapTest, WhatComesBeforeAnyPlaceForItIsPlacedOnceThereIsOne) {
   EXPECT_EQ(map_.FindKeyframe({kForeign, 0}), nullptr);
   SharedUpdate then;
   for (uint32_t k = 0; k < 3; ++k) {
-    then.own_keyframes.push_back({{kOwn, k}, Similarity3d::FromRigid(CameraAt(k))});
+    then.own_keyframes.push_back({{kOwn, k}, Similarity3d::FromRigid(CameraAt(k)), CameraAt(k)});
   }
   ASSERT_EQ(placed.size(), then.own_keyframes.size());
   Share(then);
@@ -202,9 +306,8 @@ TEST_F(SharedMapTest, APointLaterFoundToBeTheRobotsOwnGoesOverToIt) {
 TEST_F(SharedMapTest, APointThatTheRobotGaveAwayComesBackWithWhoSeesIt) {
   Share(FirstUpdate());
   ASSERT_TRUE(map_.ReplacePoint({kForeign, 7}, {kForeign, 8}));
-  // A local adjustment moves the keyframes by which the source is placed.
-  for (uint32_t k = 0; k < 3; ++k) map_.SetPose({kOwn, k}, CameraAt(k + 0.1));
-  Share({});
+  // The robot's map moves, and what it is placed by.
+  Correct(0.1);
   ASSERT_NE(map_.FindPoint({kForeign, 7}), nullptr);
   EXPECT_EQ(map_.FindKeyframe({kForeign, 0})->points[7], (MapPointId{kForeign, 7}));
 }

@@ -127,7 +127,7 @@ void KeepPointsOfOthers(const Map& map, LocalMapId only_moves,
                         std::map<MapPointId, Eigen::Vector3d>& positions) {
   if (!only_moves.IsValid()) return;
   for (const auto& [id, point] : map.points()) {
-    if (id.local_map != only_moves) positions.erase(id);
+    if (!MovesWith(only_moves, point)) positions.erase(id);
   }
 }
 
@@ -176,6 +176,13 @@ void CollectPositions(const FusingProblem& problem, std::map<MapPointId, Eigen::
 }
 
 }  // namespace
+
+bool MovesWith(LocalMapId local_map, const MapPoint& point) {
+  return point.id.local_map == local_map ||
+         std::ranges::all_of(point.observations, [local_map](const auto& observation) {
+           return observation.first.local_map == local_map;
+         });
+}
 
 absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
                                         const MapFusingOptions& options,

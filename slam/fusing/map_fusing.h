@@ -10,8 +10,8 @@
 namespace corbslam {
 
 struct MapFusingOptions {
-  // What changes results. Where valid, only keyframes and points of this local map move (a robot
-  // closing a loop against what others made), and its root stays.
+  // What changes results. Where valid, only keyframes of this local map move (a robot closing a
+  // loop against what others made) but for its root, and the points that MovesWith says.
   LocalMapId only_moves;
   // Keyframes of either side that the welding adjusts at most.
   int welding_window = 10;
@@ -30,6 +30,10 @@ struct MapFusingOptions {
   // What changes speed. One thread repeats to the bit.
   int threads = 1;
 };
+
+// Of a local map's keyframes alone, which move: whether the point goes with them. It is one of
+// theirs, or no other keyframe of its map sees it.
+bool MovesWith(LocalMapId local_map, const MapPoint& point);
 
 // Rejected observations name points as they are after the merges. The result's poses have the scale
 // of their keyframe's own unit over the target's: 1 for all of the target with `fix_scale`.

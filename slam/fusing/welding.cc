@@ -158,7 +158,10 @@ BundleScope MakeScope(const FusingProblem& problem, const SolvedGraph& graph, co
   }
   for (const auto& [id, point] : window.map.points()) {
     if (point.observations.size() < 2) continue;
-    const bool is_free = !options.only_moves.IsValid() || id.local_map == options.only_moves;
+    // All that see it, in the window or not.
+    const MapPoint* in_target = problem.target->FindPoint(id);
+    const bool is_free = !options.only_moves.IsValid() || in_target == nullptr ||
+                         MovesWith(options.only_moves, *in_target);
     (is_free ? scope.free_points : scope.fixed_points).push_back(id);
   }
   return scope;

@@ -60,7 +60,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     arrived.update = *std::move(*update);
     shared.Apply(arrived);
     shared.Place(map);
-    (void)shared.GlobalFromLocal(map);
+    (void)shared.GlobalFromLocal();
+    OwnCorrection correction;
+    const Rigid3d& camera_from_map = map.FindKeyframe({kOwn, 0})->camera_from_map;
+    correction.motions[{kOwn, 0}] = {camera_from_map, camera_from_map};
+    shared.Correct(correction, map);
   }
   return 0;
 }
