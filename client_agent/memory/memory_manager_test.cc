@@ -147,6 +147,24 @@ TEST_F(MemoryManagerTest, SharedUpdatesReachTheMapThroughItsWriter) {
   EXPECT_EQ(uplink_.requests.back().last_revision, 9U);
 }
 
+TEST_F(MemoryManagerTest, WhatIsPlacedGoesWithACorrectionOfItsOwnLocalMapAlone) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  SharedUpdate update;
+  update.revision = 9;
+  update.own_keyframes.push_back({{kOwn, 0}, {1, Eigen::Quaterniond::Identity(), {5, 0, 0}}, {}});
+  uplink_.Share(update);
+  ASSERT_EQ(jobs_.size(), 1U);
+  jobs_[0](map_);
+  OwnCorrection correction;
+  correction.motions[{kOwn, 0}] = {Rigid3d(), {Eigen::Quaterniond::Identity(), {-2, 0, 0}}};
+  manager_->OnCorrected({kOwn.value + 1}, correction, map_);
+  EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -5, 1e-12);
+  // The keyframe is 2 m further along x in the robot's frame now, and where it was in the global one.
+  manager_->OnCorrected(kOwn, correction, map_);
+  EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -7, 1e-12);
+}
+
 TEST_F(MemoryManagerTest, ThreadedModeSendsAndStops) {
   AddKeyframe({kOwn, 0});
   manager_->Start();
