@@ -330,20 +330,4 @@ absl::StatusOr<Map> BuildPartialView(const MissionState& state,
   return builder.TakeView();
 }
 
-int CountSharedLandmarks(const MissionState& state, KeyframeId a, KeyframeId b) {
-  const Keyframe* first = state.FindKeyframe(a);
-  const Keyframe* second = state.FindKeyframe(b);
-  if (first == nullptr || second == nullptr) return 0;
-  if (state.global.island_of.at(a.local_map) != state.global.island_of.at(b.local_map)) return 0;
-  std::set<MapPointId> seen;
-  for (const MapPointId& id : ObservedPoints(state, *state.FindLocalMap(a.local_map), *first)) {
-    if (id.IsValid()) seen.insert(id);
-  }
-  int shared = 0;
-  for (const MapPointId& id : ObservedPoints(state, *state.FindLocalMap(b.local_map), *second)) {
-    if (id.IsValid() && seen.contains(id)) ++shared;
-  }
-  return shared;
-}
-
 }  // namespace corbslam::map_store

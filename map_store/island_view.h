@@ -60,12 +60,10 @@ std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMap
                                        const Keyframe& keyframe,
                                        Rejected rejected = Rejected::kLeaveOut);
 
-// How many keypoints see one of these: as many as ObservedPoints has valid ids, without naming them.
+// How many keypoints see one of these: as many as ObservedPoints has valid ids, without naming
+// them.
 size_t CountObservedPoints(const MissionState& state, const LocalMapState& local_map,
                            const Keyframe& keyframe);
-
-// Landmarks and points that two keyframes of one island both see; 0 across islands.
-int CountSharedLandmarks(const MissionState& state, KeyframeId a, KeyframeId b);
 
 }  // namespace corbslam::map_store
 

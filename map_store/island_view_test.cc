@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "map_store/island_covisibility.h"
+#include "slam/camera/testing/test_camera.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -34,14 +35,12 @@ class IslandViewTest : public ::testing::Test {
 
   void FillLocalMap(LocalMapId id) {
     LocalMapState& local_map = AddLocalMap(state_, id, "agent");
-    auto camera = std::make_shared<Camera>();
-    *camera = {500, 500, 320, 240, 640, 480, 0.1, 4};
     Features features;
     features.keypoints.resize(kKeypoints);
     features.descriptors.resize(kKeypoints);
     for (uint32_t i = 0; i < 6; ++i) {
       Keyframe keyframe;
-      keyframe.payload = MakeKeyframePayload({id, i}, i, 0, camera, features);
+      keyframe.payload = MakeKeyframePayload({id, i}, i, 0, testing::TestCamera(), features);
       keyframe.camera_from_map = {Eigen::Quaterniond::Identity(), {-1.0 * i, 0, 0}};
       if (i > 0) keyframe.parent = {id, i - 1};
       local_map.map.AddKeyframe(std::move(keyframe));

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <vector>
 
 #include "map_store/island_view.h"
 #include "map_store/placement.h"
@@ -11,56 +10,52 @@
 namespace corbslam::map_store {
 namespace {
 
-// One keyframe and what it sees where, in the island's frame.
-class Sighting {
- public:
-  Sighting(const MissionState& state, const Keyframe& keyframe, PoseCache& poses)
-      : keyframe_(keyframe) {
-    const LocalMapState& local_map = *state.FindLocalMap(keyframe.id().local_map);
-    camera_from_island_ = poses.Of(local_map).at(keyframe.id());
-    const std::vector<MapPointId> seen = ObservedPoints(state, local_map, keyframe);
-    for (uint32_t k = 0; k < seen.size(); ++k) {
-      if (seen[k].IsValid()) keypoint_of_[seen[k]] = k;
-    }
-  }
-
-  const std::map<MapPointId, uint32_t>& keypoint_of() const { return keypoint_of_; }
-
-  double ErrorPx(MapPointId id, const Eigen::Vector3d& position_in_island) const {
-    const Eigen::Vector3d x_in_camera = camera_from_island_ * position_in_island;
-    if (x_in_camera.z() <= 0) return std::numeric_limits<double>::max();
-    const Keypoint& keypoint = keyframe_.keypoints()[keypoint_of_.at(id)];
-    return (Project(keyframe_.camera(), x_in_camera) -
-            Eigen::Vector2d(keypoint.x_px, keypoint.y_px))
-        .norm();
-  }
-
- private:
-  const Keyframe& keyframe_;
-  Similarity3d camera_from_island_;
-  std::map<MapPointId, uint32_t> keypoint_of_;
-};
+double ErrorPx(const Keyframe& keyframe, const Similarity3d& camera_from_island, uint32_t index,
+               const Eigen::Vector3d& position_in_island) {
+  const Eigen::Vector3d x_in_camera = camera_from_island * position_in_island;
+  if (x_in_camera.z() <= 0) return std::numeric_limits<double>::max();
+  return (Project(keyframe.camera(), x_in_camera) - keyframe.keypoints()[index].Pixel()).norm();
+}
 
 }  // namespace
 
-std::optional<double> LandmarkDisagreementPx(const MissionState& state, KeyframeId a,
-                                             KeyframeId b) {
+std::vector<SharedLandmark> FindSharedLandmarks(const MissionState& state, KeyframeId a,
+                                                KeyframeId b) {
   const Keyframe* first = state.FindKeyframe(a);
   const Keyframe* second = state.FindKeyframe(b);
-  if (first == nullptr || second == nullptr) return std::nullopt;
+  if (first == nullptr || second == nullptr) return {};
+  if (state.global.island_of.at(a.local_map) != state.global.island_of.at(b.local_map)) return {};
+  const auto by_first = ObservedPoints(state, *state.FindLocalMap(a.local_map), *first);
+  const auto by_second = ObservedPoints(state, *state.FindLocalMap(b.local_map), *second);
+  std::map<MapPointId, uint32_t> keypoint_of_first;
+  for (uint32_t k = 0; k < by_first.size(); ++k) {
+    if (by_first[k].IsValid()) keypoint_of_first[by_first[k]] = k;
+  }
+  std::vector<SharedLandmark> shared;
+  for (uint32_t k = 0; k < by_second.size(); ++k) {
+    if (!by_second[k].IsValid()) continue;
+    const auto it = keypoint_of_first.find(by_second[k]);
+    if (it != keypoint_of_first.end()) shared.push_back({it->first, it->second, k});
+  }
+  return shared;
+}
+
+double LandmarkDisagreementPx(const MissionState& state, KeyframeId a, KeyframeId b,
+                              const std::vector<SharedLandmark>& shared) {
   const Unplaced none;
   PoseCache poses(state.global, none);
-  const Sighting by_first(state, *first, poses);
-  const Sighting by_second(state, *second, poses);
+  const Similarity3d a_from_island = poses.Of(*state.FindLocalMap(a.local_map)).at(a);
+  const Similarity3d b_from_island = poses.Of(*state.FindLocalMap(b.local_map)).at(b);
   std::vector<double> errors_px;
-  for (const auto& [id, keypoint] : by_first.keypoint_of()) {
-    const MapPoint* point = state.FindPoint(id);
-    if (point == nullptr || !by_second.keypoint_of().contains(id)) continue;
-    const LocalMapState& owner = *state.FindLocalMap(id.local_map);
-    const Eigen::Vector3d position = ComputePosition(*point, owner, state.global, poses.Of(owner));
-    errors_px.push_back(std::max(by_first.ErrorPx(id, position), by_second.ErrorPx(id, position)));
+  errors_px.reserve(shared.size());
+  for (const SharedLandmark& landmark : shared) {
+    const LocalMapState& owner = *state.FindLocalMap(landmark.id.local_map);
+    const Eigen::Vector3d position =
+        ComputePosition(*owner.map.FindPoint(landmark.id), owner, state.global, poses.Of(owner));
+    errors_px.push_back(
+        std::max(ErrorPx(*state.FindKeyframe(a), a_from_island, landmark.keypoint_of_a, position),
+                 ErrorPx(*state.FindKeyframe(b), b_from_island, landmark.keypoint_of_b, position)));
   }
-  if (errors_px.empty()) return std::nullopt;
   const auto middle = errors_px.begin() + static_cast<std::ptrdiff_t>(errors_px.size() / 2);
   std::nth_element(errors_px.begin(), middle, errors_px.end());
   return *middle;

@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <utility>
+
+#include "slam/camera/testing/test_camera.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -38,18 +39,17 @@ class LandmarkAgreementTest : public ::testing::Test {
 
   void AddKeyframe(LocalMapId id) {
     LocalMapState& local_map = AddLocalMap(state_, id, "agent");
-    auto camera = std::make_shared<Camera>();
-    *camera = {500, 500, 320, 240, 640, 480, 0.1, 4};
     Features features;
     features.keypoints.resize(kPoints);
     features.descriptors.resize(kPoints);
     for (uint32_t p = 0; p < kPoints; ++p) {
-      const Eigen::Vector2d pixel = Project(*camera, PointAt(p));
+      const Eigen::Vector2d pixel = Project(*testing::TestCamera(), PointAt(p));
       features.keypoints[p].x_px = static_cast<float>(pixel.x());
       features.keypoints[p].y_px = static_cast<float>(pixel.y());
     }
     Keyframe keyframe;
-    keyframe.payload = MakeKeyframePayload({id, 0}, 0, 0, camera, std::move(features));
+    keyframe.payload =
+        MakeKeyframePayload({id, 0}, 0, 0, testing::TestCamera(), std::move(features));
     local_map.map.AddKeyframe(std::move(keyframe));
   }
 
@@ -59,17 +59,23 @@ class LandmarkAgreementTest : public ::testing::Test {
     }
   }
 
+  double Disagreement_px(KeyframeId a, KeyframeId b) const {
+    const std::vector<SharedLandmark> shared = FindSharedLandmarks(state_, a, b);
+    EXPECT_EQ(shared.size(), kPoints);
+    return LandmarkDisagreementPx(state_, a, b, shared);
+  }
+
   MissionState state_;
 };
 
 TEST_F(LandmarkAgreementTest, ThereIsNoneWithoutSharedLandmarks) {
-  EXPECT_FALSE(LandmarkDisagreementPx(state_, kOfA, kOfB).has_value());
-  EXPECT_FALSE(LandmarkDisagreementPx(state_, kOfA, {kMapB, 7}).has_value());
+  EXPECT_TRUE(FindSharedLandmarks(state_, kOfA, kOfB).empty());
+  EXPECT_TRUE(FindSharedLandmarks(state_, kOfA, {kMapB, 7}).empty());
 }
 
 TEST_F(LandmarkAgreementTest, KeyframesThatStandRightAgree) {
   SeePointsOfA();
-  EXPECT_LT(*LandmarkDisagreementPx(state_, kOfA, kOfB), 1e-3);
+  EXPECT_LT(Disagreement_px(kOfA, kOfB), 1e-3);
 }
 
 TEST_F(LandmarkAgreementTest, KeyframesThatDriftedApartDisagreeByWhatBothSee) {
@@ -77,15 +83,15 @@ TEST_F(LandmarkAgreementTest, KeyframesThatDriftedApartDisagreeByWhatBothSee) {
   // B's keyframe is 0.2 m aside: at 5 m that is 20 px.
   state_.global.keyframes[kOfB] = {
       Similarity3d::FromRigid({Eigen::Quaterniond::Identity(), {0.2, 0, 0}}), Rigid3d(), 1};
-  EXPECT_NEAR(*LandmarkDisagreementPx(state_, kOfA, kOfB), 20, 1e-3);
-  EXPECT_NEAR(*LandmarkDisagreementPx(state_, kOfB, kOfA), 20, 1e-3);
+  EXPECT_NEAR(Disagreement_px(kOfA, kOfB), 20, 1e-3);
+  EXPECT_NEAR(Disagreement_px(kOfB, kOfA), 20, 1e-3);
 }
 
 TEST_F(LandmarkAgreementTest, BehindTheCameraIsNoAgreement) {
   SeePointsOfA();
   state_.global.keyframes[kOfB] = {
       Similarity3d::FromRigid({Eigen::Quaterniond::Identity(), {0, 0, -10}}), Rigid3d(), 1};
-  EXPECT_GT(*LandmarkDisagreementPx(state_, kOfA, kOfB), 1e6);
+  EXPECT_GT(Disagreement_px(kOfA, kOfB), 1e6);
 }
 
 }  // namespace

@@ -58,9 +58,9 @@ std::vector<PlaceCandidate> FindSharingWords(const MissionState& state, const Qu
 // Landmarks that both see, which say the same as the graph: where they do not, an overlap is news.
 bool AreLinked(const MissionState& state, KeyframeId query, KeyframeId candidate,
                const MapStoreOptions& options) {
-  if (CountSharedLandmarks(state, query, candidate) < options.min_shared_landmarks) return false;
-  const auto disagreement_px = LandmarkDisagreementPx(state, query, candidate);
-  return disagreement_px.has_value() && *disagreement_px <= options.loop_residual_px;
+  const std::vector<SharedLandmark> shared = FindSharedLandmarks(state, query, candidate);
+  if (shared.empty() || std::cmp_less(shared.size(), options.min_shared_landmarks)) return false;
+  return LandmarkDisagreementPx(state, query, candidate, shared) <= options.loop_residual_px;
 }
 
 bool IsComplete(const VerifyOverlapRequest& request) {

@@ -8,15 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "map_store/map_store.h"
-#include "map_store/testing/shared_world.h"
-#include "map_store/testing/test_agent.h"
-#include "map_store/testing/truthful_worker.h"
+#include "map_store/testing/sharing_mission.h"
 
 namespace corbslam {
 namespace {
 
 using testing::DeterministicOptions;
+using testing::kMission;
 using testing::MakeRingMap;
 using testing::SharedMirror;
 using testing::SyntheticMap;
@@ -24,11 +22,8 @@ using testing::TestAgent;
 using testing::TheWorld;
 using testing::TruthfulWorker;
 
-constexpr char kMission[] = "m";
-
-class SharingTest : public ::testing::Test {
+class SharingTest : public testing::SharingMission {
  protected:
-  void Fuse() { ASSERT_TRUE(store_.RunFusionUntilIdle(kMission).ok()); }
   Similarity3d Pose(KeyframeId id) { return store_.GetKeyframe(kMission, id)->camera_from_island; }
   // The mirror holds what it needs, and where the store says it is.
   void ExpectSound(const TestAgent& agent) {
@@ -46,13 +41,6 @@ class SharingTest : public ::testing::Test {
       EXPECT_LT((pose.translation - Pose(id).translation).norm(), 1e-4);
     }
   }
-
-  SyntheticMap map_a_ = MakeRingMap(0xa, 0, 14);
-  SyntheticMap map_b_ = MakeRingMap(0xb, 32, 14);
-  SyntheticMap map_c_ = MakeRingMap(0xc, 64, 14);
-  TruthfulWorker worker_{{&map_a_, &map_b_, &map_c_}};
-  MapStore store_{DeterministicOptions(), TheWorld().vocabulary,
-                  std::make_unique<InMemoryJournal>(), &worker_};
 };
 
 TEST_F(SharingTest, NothingBeforeFusionEverythingSettledAfterIt) {

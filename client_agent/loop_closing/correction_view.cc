@@ -8,9 +8,6 @@
 namespace corbslam {
 namespace {
 
-// Around the end of a loop; as many as welding looks at.
-constexpr int kNeighbours = 10;
-
 absl::btree_set<KeyframeId> LoopEnds(const Map& map, LocalMapId own,
                                      const std::optional<KeyframeId>& candidate) {
   absl::btree_set<KeyframeId> ends;
@@ -26,11 +23,12 @@ absl::btree_set<KeyframeId> LoopEnds(const Map& map, LocalMapId own,
 
 absl::btree_set<KeyframeId> OthersAround(const Map& map, LocalMapId own,
                                          const absl::btree_set<KeyframeId>& ends) {
+  const int neighbours = MapFusingOptions().welding_window;
   absl::btree_set<KeyframeId> others;
   for (const KeyframeId& end : ends) {
     if (map.FindKeyframe(end) == nullptr) continue;
     others.insert(end);
-    for (const CovisibleKeyframe& near : map.BestCovisible(end, kNeighbours)) {
+    for (const CovisibleKeyframe& near : map.BestCovisible(end, neighbours)) {
       if (near.id.local_map != own) others.insert(near.id);
     }
   }

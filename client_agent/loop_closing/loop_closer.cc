@@ -40,12 +40,9 @@ absl::btree_set<KeyframeId> SurroundingsOf(const Map& map, const Keyframe& query
 // All that is own may move but for the root; others' keyframes stay, and what they see.
 BundleScope OwnMapScope(const Map& map, LocalMapId own) {
   BundleScope scope;
-  bool has_root = false;
+  const absl::btree_set<KeyframeId> stay = KeyframesThatStay(map, own);
   for (const auto& [id, keyframe] : map.keyframes()) {
-    const bool is_root = id.local_map == own && !keyframe.parent.IsValid() && !has_root;
-    if (is_root) has_root = true;
-    const bool is_free = id.local_map == own && !is_root;
-    (is_free ? scope.free_keyframes : scope.fixed_keyframes).push_back(id);
+    (stay.contains(id) ? scope.fixed_keyframes : scope.free_keyframes).push_back(id);
   }
   for (const auto& [id, point] : map.points()) {
     (MovesWith(own, point) ? scope.free_points : scope.fixed_points).push_back(id);

@@ -130,12 +130,18 @@ TEST_F(MemoryManagerTest, WhatIsStillToldOfAMapThatEndedStaysOutOfTheNextOne) {
   EXPECT_EQ(jobs_.size(), 1U);
 }
 
-TEST_F(MemoryManagerTest, SharedUpdatesReachTheMapThroughItsWriter) {
-  AddKeyframe({kOwn, 0});
-  manager_->Step();
+// Fusion has placed it 5 m from where it is in the robot's frame.
+SharedUpdate PlaceOfTheFirstKeyframe() {
   SharedUpdate update;
   update.revision = 9;
   update.own_keyframes.push_back({{kOwn, 0}, {1, Eigen::Quaterniond::Identity(), {5, 0, 0}}, {}});
+  return update;
+}
+
+TEST_F(MemoryManagerTest, SharedUpdatesReachTheMapThroughItsWriter) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  const SharedUpdate update = PlaceOfTheFirstKeyframe();
   uplink_.Share(update);
   uplink_.Share(update);
   EXPECT_FALSE(manager_->GlobalFromLocal().has_value());
@@ -150,9 +156,7 @@ TEST_F(MemoryManagerTest, SharedUpdatesReachTheMapThroughItsWriter) {
 TEST_F(MemoryManagerTest, WhatIsPlacedGoesWithACorrectionOfItsOwnLocalMapAlone) {
   AddKeyframe({kOwn, 0});
   manager_->Step();
-  SharedUpdate update;
-  update.revision = 9;
-  update.own_keyframes.push_back({{kOwn, 0}, {1, Eigen::Quaterniond::Identity(), {5, 0, 0}}, {}});
+  const SharedUpdate update = PlaceOfTheFirstKeyframe();
   uplink_.Share(update);
   ASSERT_EQ(jobs_.size(), 1U);
   jobs_[0](map_);
@@ -160,7 +164,8 @@ TEST_F(MemoryManagerTest, WhatIsPlacedGoesWithACorrectionOfItsOwnLocalMapAlone) 
   correction.motions[{kOwn, 0}] = {Rigid3d(), {Eigen::Quaterniond::Identity(), {-2, 0, 0}}};
   manager_->OnCorrected({kOwn.value + 1}, correction, map_);
   EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -5, 1e-12);
-  // The keyframe is 2 m further along x in the robot's frame now, and where it was in the global one.
+  // The keyframe is 2 m further along x in the robot's frame now, and where it was in the global
+  // one.
   manager_->OnCorrected(kOwn, correction, map_);
   EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -7, 1e-12);
 }

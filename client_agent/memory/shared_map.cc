@@ -7,7 +7,8 @@
 namespace corbslam {
 namespace {
 
-// A source whose place differs by less is left where it is: that is below what tracking can see.
+// A keyframe whose placing differs by less is left where it is: that is below what tracking can
+// see.
 constexpr double kSmallestMotion_m = 1e-4;
 constexpr double kSmallestTurn_rad = 1e-5;
 

@@ -15,8 +15,7 @@ bool ProjectsToItsKeypoint(const Keyframe& keyframe, uint32_t index, const MapPo
   const Eigen::Vector3d x_in_camera = keyframe.camera_from_map * point.position_in_map;
   if (x_in_camera.z() <= 0) return false;
   const Keypoint& keypoint = keyframe.keypoints()[index];
-  const Eigen::Vector2d error =
-      Project(keyframe.camera(), x_in_camera) - Eigen::Vector2d(keypoint.x_px, keypoint.y_px);
+  const Eigen::Vector2d error = Project(keyframe.camera(), x_in_camera) - keypoint.Pixel();
   return error.squaredNorm() <=
          kMaxDeviations * kMaxDeviations * ScalePyramid::Variance_px2(keypoint.octave);
 }

@@ -53,12 +53,17 @@ void WriteKeyframe(const SharedKeyframe& keyframe, CameraBook& sent, Writer& wri
   *writer.part().add_keyframes() = std::move(proto);
 }
 
+// What both messages of poses have: which keyframe, and where in the global frame.
+template <typename Pose, typename Proto>
+void WritePose(const Pose& pose, Writer& writer, Proto* proto) {
+  writer.slots().Write(pose.id, proto->mutable_id());
+  ToProto(pose.camera_from_global, proto->mutable_camera_from_global());
+}
+
 void WriteMoves(const std::vector<SharedKeyframeMove>& moves, Writer& writer) {
   for (const SharedKeyframeMove& move : moves) {
     writer.Reserve(kPoseBytes);
-    v1::SharedKeyframePose* proto = writer.part().add_moved_keyframes();
-    writer.slots().Write(move.id, proto->mutable_id());
-    ToProto(move.camera_from_global, proto->mutable_camera_from_global());
+    WritePose(move, writer, writer.part().add_moved_keyframes());
   }
 }
 
@@ -66,8 +71,7 @@ void WriteOwnPoses(const std::vector<OwnKeyframePose>& poses, Writer& writer) {
   for (const OwnKeyframePose& pose : poses) {
     writer.Reserve(2 * kPoseBytes);
     v1::OwnKeyframePose* proto = writer.part().add_own_keyframes();
-    writer.slots().Write(pose.id, proto->mutable_id());
-    ToProto(pose.camera_from_global, proto->mutable_camera_from_global());
+    WritePose(pose, writer, proto);
     ToProto(pose.camera_from_local, proto->mutable_camera_from_local());
   }
 }
@@ -126,20 +130,13 @@ absl::StatusOr<SharedKeyframe> ReadKeyframe(const v1::SharedKeyframe& proto,
   return keyframe;
 }
 
-// Reads what both messages of poses have: which keyframe, and where in the global frame.
+// As WritePose.
 template <typename Proto, typename Pose>
 absl::Status ReadPose(const Proto& proto, const SlotReader& slots, Pose& pose) {
   ASSIGN_OR_RETURN(pose.id, slots.Keyframe(proto.id()));
   if (!pose.id.IsValid()) return absl::InvalidArgumentError("a pose names no keyframe");
   ASSIGN_OR_RETURN(pose.camera_from_global, FromProto(proto.camera_from_global()));
   return absl::OkStatus();
-}
-
-absl::StatusOr<SharedKeyframeMove> ReadMove(const v1::SharedKeyframePose& proto,
-                                            const SlotReader& slots) {
-  SharedKeyframeMove move;
-  RETURN_IF_ERROR(ReadPose(proto, slots, move));
-  return move;
 }
 
 absl::StatusOr<OwnKeyframePose> ReadOwnPose(const v1::OwnKeyframePose& proto,
@@ -226,8 +223,7 @@ absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook
   }
   ASSIGN_OR_RETURN(update.points, ReadSharedPoints(proto.points(), slots));
   for (const v1::SharedKeyframePose& entry : proto.moved_keyframes()) {
-    ASSIGN_OR_RETURN(const SharedKeyframeMove move, ReadMove(entry, slots));
-    update.moved_keyframes.push_back(move);
+    RETURN_IF_ERROR(ReadPose(entry, slots, update.moved_keyframes.emplace_back()));
   }
   ASSIGN_OR_RETURN(update.moved_points, ReadMovedPoints(proto.moved_points(), slots));
   ASSIGN_OR_RETURN(update.observations, ReadObservations(proto.observations(), slots));

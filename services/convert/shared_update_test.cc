@@ -95,6 +95,18 @@ TEST(SharedUpdateTest, SightingsBeyondTheKeypointsAreRefused) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("keyframes[1]"));
 }
 
+TEST(SharedUpdateTest, AnOwnPlaceWithoutItsLocalPoseIsRefusedByName) {
+  std::mt19937 random(4);
+  CameraBook sent;
+  v1::SharedUpdate proto = ToProto(test_data::MakeSharedUpdate(random), sent, kPartBytes)[0];
+  proto.mutable_own_keyframes(0)->clear_camera_from_local();
+  CameraBook received;
+  const absl::Status status = FromProto(proto, received).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("camera_from_local"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr(ToString(KeyframeId{test_data::kMap, 2})));
+}
+
 TEST(SessionTest, RequestAndGrantPassTheWire) {
   const SessionRequest request{"m", "alpha", 5, {test_data::kMap, test_data::kOtherMap}};
   v1::OpenSession proto;

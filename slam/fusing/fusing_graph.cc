@@ -68,19 +68,6 @@ void FixEveryPart(const std::map<KeyframeId, Similarity3d>& poses,
   }
 }
 
-absl::btree_set<KeyframeId> FixedKeyframes(const FusingProblem& problem,
-                                           const MapFusingOptions& options) {
-  absl::btree_set<KeyframeId> fixed;
-  bool has_root = false;
-  for (const auto& [id, keyframe] : problem.target->keyframes()) {
-    const bool is_own = !options.only_moves.IsValid() || id.local_map == options.only_moves;
-    const bool is_root = is_own && !has_root && !keyframe.parent.IsValid();
-    if (is_root) has_root = true;
-    if (!is_own || is_root) fixed.insert(id);
-  }
-  return fixed;
-}
-
 double Chi2(const FusingProblem& problem, const OrientedOverlap& overlap,
             const std::map<KeyframeId, Similarity3d>& poses) {
   const Similarity3d error =
@@ -99,7 +86,7 @@ absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
   const std::map<KeyframeId, Similarity3d> initial = InitialPoses(problem);
   const std::vector<PoseGraphEdge> edges = Edges(problem);
   SolvedGraph solved;
-  solved.fixed = FixedKeyframes(problem, options);
+  solved.fixed = KeyframesThatStay(*problem.target, options.only_moves);
   FixEveryPart(initial, edges, solved.fixed);
   PoseGraphOptions graph;
   graph.fix_scale = problem.fix_scale;

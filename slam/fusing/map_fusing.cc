@@ -177,6 +177,18 @@ void CollectPositions(const FusingProblem& problem, std::map<MapPointId, Eigen::
 
 }  // namespace
 
+absl::btree_set<KeyframeId> KeyframesThatStay(const Map& map, LocalMapId only_moves) {
+  absl::btree_set<KeyframeId> stay;
+  bool has_root = false;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    const bool is_own = !only_moves.IsValid() || id.local_map == only_moves;
+    const bool is_root = is_own && !has_root && !keyframe.parent.IsValid();
+    if (is_root) has_root = true;
+    if (!is_own || is_root) stay.insert(id);
+  }
+  return stay;
+}
+
 bool MovesWith(LocalMapId local_map, const MapPoint& point) {
   return point.id.local_map == local_map ||
          std::ranges::all_of(point.observations, [local_map](const auto& observation) {

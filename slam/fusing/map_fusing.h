@@ -4,6 +4,7 @@
 #ifndef CORBSLAM_SLAM_FUSING_MAP_FUSING_H_
 #define CORBSLAM_SLAM_FUSING_MAP_FUSING_H_
 
+#include "absl/container/btree_set.h"
 #include "absl/status/statusor.h"
 #include "slam/exchange/fusion_worker.h"
 
@@ -30,6 +31,10 @@ struct MapFusingOptions {
   // What changes speed. One thread repeats to the bit.
   int threads = 1;
 };
+
+// Others' keyframes, where `only_moves` is valid, and the root: the first of the rest that has no
+// parent.
+absl::btree_set<KeyframeId> KeyframesThatStay(const Map& map, LocalMapId only_moves);
 
 // Of a local map's keyframes alone, which move: whether the point goes with them. It is one of
 // theirs, or no other keyframe of its map sees it.

@@ -1,30 +1,20 @@
-// What robots are told of their own keyframes: where fusion placed them, and from which local pose.
+// What robots are told of places: where fusion put their own keyframes, from which local pose, and
+// when all that moved is told.
 #include <gtest/gtest.h>
 
 #include <map>
-#include <memory>
+#include <vector>
 
-#include "map_store/map_store.h"
-#include "map_store/testing/shared_world.h"
-#include "map_store/testing/test_agent.h"
-#include "map_store/testing/truthful_worker.h"
+#include "map_store/testing/sharing_mission.h"
 
 namespace corbslam {
 namespace {
 
-using testing::DeterministicOptions;
-using testing::MakeRingMap;
-using testing::SyntheticMap;
+using testing::kMission;
 using testing::TestAgent;
-using testing::TheWorld;
-using testing::TruthfulWorker;
 
-constexpr char kMission[] = "m";
-
-class OwnPosesTest : public ::testing::Test {
+class ToldPlacesTest : public testing::SharingMission {
  protected:
-  void Fuse() { ASSERT_TRUE(store_.RunFusionUntilIdle(kMission).ok()); }
-
   // By keyframe, of all updates that wait.
   std::map<KeyframeId, OwnKeyframePose> TakeOwnPoses(const TestAgent& agent) {
     std::map<KeyframeId, OwnKeyframePose> told;
@@ -35,15 +25,9 @@ class OwnPosesTest : public ::testing::Test {
       for (const OwnKeyframePose& pose : (*update)->own_keyframes) told[pose.id] = pose;
     }
   }
-
-  SyntheticMap map_a_ = MakeRingMap(0xa, 0, 14);
-  SyntheticMap map_b_ = MakeRingMap(0xb, 32, 14);
-  TruthfulWorker worker_{{&map_a_, &map_b_}};
-  MapStore store_{DeterministicOptions(), TheWorld().vocabulary,
-                  std::make_unique<InMemoryJournal>(), &worker_};
 };
 
-TEST_F(OwnPosesTest, AreToldWithTheLocalPosesThatTheyWereDerivedFrom) {
+TEST_F(ToldPlacesTest, OwnOnesComeWithTheLocalPosesThatTheyWereDerivedFrom) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);
   ASSERT_TRUE(a.Stream().ok());
@@ -59,7 +43,7 @@ TEST_F(OwnPosesTest, AreToldWithTheLocalPosesThatTheyWereDerivedFrom) {
   }
 }
 
-TEST_F(OwnPosesTest, AreToldAgainWhenTheyAreDerivedFromOtherLocalPoses) {
+TEST_F(ToldPlacesTest, OwnOnesAreToldAgainWhenTheyAreDerivedFromOtherLocalPoses) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);
   ASSERT_TRUE(a.Stream().ok());
@@ -82,6 +66,34 @@ TEST_F(OwnPosesTest, AreToldAgainWhenTheyAreDerivedFromOtherLocalPoses) {
     const Rigid3d local = before.at(id).camera_from_local * shift;
     EXPECT_LT((pose.camera_from_local.translation - local.translation).norm(), 1e-9)
         << ToString(id);
+  }
+}
+
+TEST_F(ToldPlacesTest, AnUpdateSaysWhetherAllThatMovedIsTold) {
+  TestAgent a(store_, kMission, "a", map_a_);
+  TestAgent b(store_, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  Fuse();
+  // Four own keyframes an update, about; of eleven.
+  std::vector<bool> more_places;
+  size_t own_keyframes = 0;
+  while (own_keyframes < 11) {
+    const auto update = store_.NextShared(b.session(), 600);
+    ASSERT_TRUE(update.ok() && update->has_value());
+    EXPECT_TRUE((*update)->keyframes.empty() || !(*update)->more_places);
+    own_keyframes += (*update)->own_keyframes.size();
+    more_places.push_back((*update)->more_places);
+  }
+  ASSERT_GE(more_places.size(), 3U);
+  for (size_t i = 0; i + 1 < more_places.size(); ++i) EXPECT_TRUE(more_places[i]) << i;
+  EXPECT_FALSE(more_places.back());
+  // New keyframes are told in pieces, too, but with what fits what is held.
+  while (true) {
+    const auto update = store_.NextShared(b.session(), 10000);
+    ASSERT_TRUE(update.ok());
+    if (!update->has_value()) break;
+    EXPECT_FALSE((*update)->more_places);
   }
 }
 
