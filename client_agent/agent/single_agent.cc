@@ -94,12 +94,11 @@ void SingleAgent::OpenLocalMap() {
   MapAccess access;
   access.local_map = options.local_map;
   access.read = [opened](const std::function<void(const Map&)>& f) { opened->map().Read(f); };
-  access.post = [opened](std::function<void()> prepare, std::function<void(Map&)> change) {
-    opened->queue().PostJob(
-        [prepare = std::move(prepare), change = std::move(change)](GuardedMap& map) {
-          prepare();
-          map.Write(change);
-        });
+  access.post = [opened](std::function<MapChange(const Map&)> prepare) {
+    opened->queue().PostJob([prepare = std::move(prepare)](GuardedMap& map) {
+      const MapChange change = map.Read(prepare);
+      map.Write(change);
+    });
   };
   access.on_placed = [opened](const PlacementChange& change, const Map& map) {
     opened->OnPlaced(change, map);

@@ -16,19 +16,20 @@ bool IsRefusal(const absl::Status& status) {
 struct MemoryManager::Placing {
   explicit Placing(MapAccess access) : access(std::move(access)), shared(this->access.local_map) {}
 
-  // On the mapping thread, without the map.
-  void TakeArrived() {
+  // On the mapping thread.
+  PlacementPlan TakeArrived(const Map& map) {
     std::vector<ArrivedUpdate> arrived;
     {
       absl::MutexLock lock(&mutex);
       arrived.swap(updates);
     }
     for (const ArrivedUpdate& update : arrived) shared.Apply(update);
+    return shared.Plan(map);
   }
 
-  // Likewise, with it.
-  void PlaceTaken(Map& map) {
-    const PlacementChange change = shared.Place(map);
+  // Likewise, on the same map.
+  void Place(const PlacementPlan& plan, Map& map) {
+    const PlacementChange change = shared.Place(plan, map);
     {
       absl::MutexLock lock(&mutex);
       global_from_local = shared.GlobalFromLocal();
@@ -91,7 +92,7 @@ void MemoryManager::OnCorrected(LocalMapId local_map, const OwnCorrection& corre
   }
   if (placing == nullptr || placing->access.local_map != local_map) return;
   placing->shared.Correct(correction, map);
-  placing->PlaceTaken(map);
+  placing->Place(placing->shared.Plan(map), map);
 }
 
 void MemoryManager::AddTrackedFrame(const TrackedFrame& frame) {
@@ -326,8 +327,9 @@ void MemoryManager::OnShared(SharedUpdate update) {
     // A job posted before takes this one with it.
     if (placing->updates.size() > 1) return;
   }
-  placing->access.post([placing] { placing->TakeArrived(); },
-                       [placing](Map& map) { placing->PlaceTaken(map); });
+  placing->access.post([placing](const Map& before) -> MapChange {
+    return [placing, plan = placing->TakeArrived(before)](Map& map) { placing->Place(plan, map); };
+  });
 }
 
 void MemoryManager::OnSessionClosed(const absl::Status& reason) {

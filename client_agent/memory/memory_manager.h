@@ -44,14 +44,16 @@ struct MemoryOptions {
 using ComputeWords =
     std::function<std::shared_ptr<const Words>(const std::vector<Descriptor>& descriptors)>;
 
+using MapChange = std::function<void(Map&)>;
+
 // How the manager reaches a local map.
 struct MapAccess {
   LocalMapId local_map;
   // Calls the function with the map, kept from changing meanwhile.
   std::function<void(const std::function<void(const Map&)>&)> read;
-  // Runs both soon, one after the other, on the thread that alone writes the map: the first without
-  // any lock, the second with the map.
-  std::function<void(std::function<void()> prepare, std::function<void(Map&)> change)> post;
+  // Runs the preparation soon, then the change that it returns, both on the thread that alone writes
+  // the map: the first while others read it, too, the second while nobody does.
+  std::function<void(std::function<MapChange(const Map&)> prepare)> post;
   // Hears which foreign keyframes came and went; on the writing thread.
   std::function<void(const PlacementChange&, const Map&)> on_placed;
 };

@@ -35,7 +35,7 @@ class MemoryManagerSpoolTest : public ::testing::Test {
                                                 absl::MutexLock lock(&map_mutex_);
                                                 reader(map_);
                                               },
-                                              [](const auto&, const auto&) {}, nullptr}));
+                                              [](const auto&) {}, nullptr}));
   }
   // To x = 20, in more steps than batches are made while none waits.
   void MoveForAWhile(KeyframeId id) {

@@ -27,11 +27,8 @@ class MemoryManagerTest : public testing::Test {
     map_ = Map();
     map_.SetObserver(manager_->BeginLocalMap(
         {id, [this](const auto& reader) { reader(map_); },
-         [this](std::function<void()> prepare, std::function<void(Map&)> change) {
-           jobs_.push_back([prepare = std::move(prepare), change = std::move(change)](Map& map) {
-             prepare();
-             change(map);
-           });
+         [this](std::function<MapChange(const Map&)> prepare) {
+           jobs_.push_back([prepare = std::move(prepare)](Map& map) { prepare(map)(map); });
          },
          nullptr}));
   }
@@ -44,7 +41,7 @@ class MemoryManagerTest : public testing::Test {
 
   FakeUplink uplink_;
   Map map_;
-  std::vector<std::function<void(Map&)>> jobs_;
+  std::vector<MapChange> jobs_;
   std::unique_ptr<MemoryManager> manager_;
 };
 

@@ -5,6 +5,9 @@
 namespace corbslam {
 namespace {
 
+// Of one keyframe. A robot that is never told of its places keeps no more.
+constexpr size_t kMaxMotions = 8;
+
 // Of two poses of one keyframe, for comparison alone: metres (or the map's unit) and radians.
 double Difference(const Rigid3d& a, const Rigid3d& b) {
   const Rigid3d motion = a * b.Inverse();
@@ -48,9 +51,17 @@ void OwnPlaces::ForgetGone(const Map& map) {
   std::erase_if(places_, is_gone);
 }
 
+// The two oldest become one where there are too many.
+void OwnPlaces::Remember(const OwnCorrection::Motion& motion, Motions& motions) {
+  motions.push_back(motion);
+  if (motions.size() <= kMaxMotions) return;
+  motions[1].camera_from_map_before = motions[0].camera_from_map_before;
+  motions.erase(motions.begin());
+}
+
 void OwnPlaces::Correct(const OwnCorrection& correction) {
   for (const auto& [id, motion] : correction.motions) {
-    motions_[id].push_back(motion);
+    Remember(motion, motions_[id]);
     const auto place = places_.find(id);
     if (place == places_.end()) continue;
     Rigid3d& camera_from_local = place->second.camera_from_local;

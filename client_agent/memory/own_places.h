@@ -38,6 +38,7 @@ class OwnPlaces {
  private:
   // Corrections of one keyframe that the store is not known to have taken in.
   using Motions = std::vector<OwnCorrection::Motion>;
+  static void Remember(const OwnCorrection::Motion& motion, Motions& motions);
 
   std::map<KeyframeId, Place> places_;
   std::map<KeyframeId, Motions> motions_;

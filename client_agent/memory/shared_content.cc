@@ -13,19 +13,18 @@ void SharedContent::Apply(const ArrivedUpdate& arrived) {
   }
   for (const SharedMapPoint& point : update.points) {
     if (point.id.local_map == own_) continue;
-    points_[point.id] = point;
-    MarkPoint(point.id);
+    TakePoint(point);
   }
   for (const SharedKeyframeMove& move : update.moved_keyframes) {
-    const auto it = keyframes_.find(move.id);
-    if (it == keyframes_.end()) continue;
-    it->second.camera_from_global = move.camera_from_global;
+    ForeignKeyframe* keyframe = keyframes_.Find(move.id);
+    if (keyframe == nullptr) continue;
+    keyframe->camera_from_global = move.camera_from_global;
     news_[move.id.local_map].keyframes.insert(move.id);
   }
   for (const SharedMapPointMove& move : update.moved_points) {
-    const auto it = points_.find(move.id);
-    if (it == points_.end()) continue;
-    it->second.position_in_global = move.position_in_global;
+    SharedMapPoint* point = points_.Find(move.id);
+    if (point == nullptr) continue;
+    point->position_in_global = move.position_in_global;
     MarkPoint(move.id);
   }
   for (const ObservationChange& change : update.observations) TakeObservation(change);
@@ -36,32 +35,40 @@ void SharedContent::Apply(const ArrivedUpdate& arrived) {
 }
 
 void SharedContent::Restart() {
-  for (const auto& [id, keyframe] : keyframes_) news_[id.local_map].keyframes.insert(id);
-  for (const auto& [id, point] : points_) MarkPoint(id);
-  keyframes_.clear();
-  points_.clear();
+  for (const auto& [id, keyframe] : keyframes()) news_[id.local_map].keyframes.insert(id);
+  for (const auto& [id, point] : points()) MarkPoint(id);
+  keyframes_ = {};
+  points_ = {};
   own_places_.ForgetAll();
   survivor_of_.clear();
   members_of_.clear();
   viewers_of_.clear();
 }
 
+void SharedContent::TakePoint(const SharedMapPoint& point) {
+  if (SharedMapPoint* known = points_.Find(point.id)) {
+    *known = point;
+  } else {
+    points_.Add(point.id, point);
+  }
+  MarkPoint(point.id);
+}
+
 void SharedContent::TakeKeyframe(const SharedKeyframe& shared, std::shared_ptr<const Words> words) {
   const KeyframeId id = shared.payload->id;
   if (id.local_map == own_) return;
-  ForeignKeyframe& keyframe = keyframes_[id];
-  for (const MapPointId& point : keyframe.points) UnlistViewer(point, id);
-  keyframe = {shared.payload, std::move(words), shared.camera_from_global, shared.parent,
-              shared.points};
-  for (const MapPointId& point : keyframe.points) ListViewer(point, id);
+  RemoveKeyframe(id);
+  keyframes_.Add(id, {shared.payload, std::move(words), shared.camera_from_global, shared.parent,
+                      shared.points});
+  for (const MapPointId& point : shared.points) ListViewer(point, id);
   news_[id.local_map].keyframes.insert(id);
   news_[id.local_map].sights.insert(id);
 }
 
 void SharedContent::TakeObservation(const ObservationChange& change) {
-  const auto it = keyframes_.find(change.keyframe);
-  if (it == keyframes_.end() || change.keypoint >= it->second.points.size()) return;
-  MapPointId& seen = it->second.points[change.keypoint];
+  ForeignKeyframe* keyframe = keyframes_.Find(change.keyframe);
+  if (keyframe == nullptr || change.keypoint >= keyframe->points.size()) return;
+  MapPointId& seen = keyframe->points[change.keypoint];
   UnlistViewer(seen, change.keyframe);
   seen = change.kind == ObservationChange::Kind::kAdded ? change.point : MapPointId();
   ListViewer(seen, change.keyframe);
@@ -77,7 +84,7 @@ void SharedContent::TakeLandmark(const Landmark& landmark) {
   for (const MapPointId& member : landmark.members) {
     DissolveLandmark(member);
     survivor_of_[member] = survivor;
-    if (member.local_map != own_) points_.erase(member);
+    if (member.local_map != own_) points_.Erase(member);
     MarkPoint(member);
   }
   members_of_[survivor] = landmark.members;
@@ -107,33 +114,39 @@ void SharedContent::DissolveLandmark(MapPointId survivor) {
 }
 
 void SharedContent::RemoveKeyframe(KeyframeId id) {
-  const auto it = keyframes_.find(id);
-  if (it == keyframes_.end()) return;
-  for (const MapPointId& point : it->second.points) UnlistViewer(point, id);
-  keyframes_.erase(it);
+  const ForeignKeyframe* keyframe = FindKeyframe(id);
+  if (keyframe == nullptr) return;
+  for (const MapPointId& point : keyframe->points) UnlistViewer(point, id);
+  keyframes_.Erase(id);
   news_[id.local_map].keyframes.insert(id);
 }
 
 void SharedContent::RemovePoint(MapPointId id) {
-  points_.erase(id);
+  points_.Erase(id);
   DissolveLandmark(id);
   MarkPoint(id);
 }
 
 void SharedContent::ListViewer(MapPointId point, KeyframeId viewer) {
   if (!point.IsValid()) return;
-  viewers_of_[point].push_back(viewer);
-  // It may be placed with another keyframe now; likewise below.
-  MarkPoint(point);
+  std::vector<KeyframeId>& viewers = viewers_of_[point];
+  viewers.push_back(viewer);
+  if (MayHold(viewer, point, viewers)) MarkPoint(point);
 }
 
 void SharedContent::UnlistViewer(MapPointId point, KeyframeId viewer) {
   const auto it = viewers_of_.find(point);
   if (it == viewers_of_.end()) return;
+  if (MayHold(viewer, point, it->second)) MarkPoint(point);
   const auto listed = std::ranges::find(it->second, viewer);
   if (listed != it->second.end()) it->second.erase(listed);
   if (it->second.empty()) viewers_of_.erase(it);
-  MarkPoint(point);
+}
+
+bool SharedContent::MayHold(KeyframeId viewer, MapPointId point,
+                            const std::vector<KeyframeId>& viewers) const {
+  const SharedMapPoint* shared = FindPoint(point);
+  return shared != nullptr && (shared->reference == viewer || viewers.front() == viewer);
 }
 
 void SharedContent::MarkPoint(MapPointId id) {
@@ -160,7 +173,7 @@ MapPointId SharedContent::SurvivorOf(MapPointId id) const {
 }
 
 KeyframeId SharedContent::HolderOf(const SharedMapPoint& point) const {
-  if (keyframes_.contains(point.reference)) return point.reference;
+  if (FindKeyframe(point.reference) != nullptr) return point.reference;
   const auto it = viewers_of_.find(point.id);
   return it == viewers_of_.end() ? KeyframeId() : it->second.front();
 }

@@ -11,6 +11,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "client_agent/memory/own_places.h"
 #include "slam/exchange/shared_update.h"
+#include "slam/map/item_table.h"
 #include "slam/map/map.h"
 
 namespace corbslam {
@@ -47,8 +48,11 @@ class SharedContent {
 
   void Apply(const ArrivedUpdate& arrived);
 
-  const std::map<KeyframeId, ForeignKeyframe>& keyframes() const { return keyframes_; }
-  const std::map<MapPointId, SharedMapPoint>& points() const { return points_; }
+  const std::map<KeyframeId, ForeignKeyframe>& keyframes() const { return keyframes_.items(); }
+  const std::map<MapPointId, SharedMapPoint>& points() const { return points_.items(); }
+  // Null when unknown.
+  const ForeignKeyframe* FindKeyframe(KeyframeId id) const { return keyframes_.Find(id); }
+  const SharedMapPoint* FindPoint(MapPointId id) const { return points_.Find(id); }
   // Own keyframes that fusion has placed.
   const OwnPlaces& own_places() const { return own_places_; }
   OwnPlaces& own_places() { return own_places_; }
@@ -60,12 +64,14 @@ class SharedContent {
   MapPointId Representative(const Map& map, MapPointId id) const;
 
   // Of every local map that was ever named; who has placed it empties it.
+  const std::map<LocalMapId, SourceNews>& news() const { return news_; }
   std::map<LocalMapId, SourceNews>& news() { return news_; }
   // Whatever sees a point of the landmark of `id` is news.
   void MarkViewers(MapPointId id);
 
  private:
   void Restart();
+  void TakePoint(const SharedMapPoint& point);
   void TakeKeyframe(const SharedKeyframe& shared, std::shared_ptr<const Words> words);
   void TakeObservation(const ObservationChange& change);
   void TakeLandmark(const Landmark& landmark);
@@ -75,13 +81,16 @@ class SharedContent {
   void RemovePoint(MapPointId id);
   void ListViewer(MapPointId point, KeyframeId viewer);
   void UnlistViewer(MapPointId point, KeyframeId viewer);
+  // Whether the point is placed with that one of its viewers, or is where its reference is not
+  // here: it is placed with another keyframe when the viewer comes or goes.
+  bool MayHold(KeyframeId viewer, MapPointId point, const std::vector<KeyframeId>& viewers) const;
   void MarkViewersOf(MapPointId id);
   void MarkPoint(MapPointId id);
   MapPointId SurvivorOf(MapPointId id) const;
 
   const LocalMapId own_;
-  std::map<KeyframeId, ForeignKeyframe> keyframes_;
-  std::map<MapPointId, SharedMapPoint> points_;
+  ItemTable<KeyframeId, ForeignKeyframe> keyframes_;
+  ItemTable<MapPointId, SharedMapPoint> points_;
   OwnPlaces own_places_;
   absl::flat_hash_map<MapPointId, MapPointId> survivor_of_;
   absl::flat_hash_map<MapPointId, std::vector<MapPointId>> members_of_;  // By survivor.

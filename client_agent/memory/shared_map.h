@@ -3,12 +3,11 @@
 #ifndef CORBSLAM_CLIENT_AGENT_MEMORY_SHARED_MAP_H_
 #define CORBSLAM_CLIENT_AGENT_MEMORY_SHARED_MAP_H_
 
-#include <map>
 #include <optional>
 #include <vector>
 
 #include "absl/container/btree_set.h"
-#include "client_agent/memory/placing_anchors.h"
+#include "client_agent/memory/placement_planner.h"
 #include "client_agent/memory/shared_content.h"
 #include "slam/map/map.h"
 
@@ -20,29 +19,28 @@ struct PlacementChange {
   std::vector<KeyframeId> removed_keyframes;
 };
 
-// Not thread-safe: used by the mapping thread, which alone writes the map.
+// Not thread-safe: used by the mapping thread, which alone writes the map. Work that only reads the
+// map is in Plan, so that tracking need not wait for it.
 class SharedMap {
  public:
-  explicit SharedMap(LocalMapId own) : own_(own), content_(own) {}
+  explicit SharedMap(LocalMapId own) : own_(own), content_(own), planner_(own) {}
 
-  // Takes over one step of the store's view. Call Place afterwards.
-  void Apply(const ArrivedUpdate& arrived) {
-    content_.Apply(arrived);
-    has_all_places_ = !arrived.update.more_places;
-  }
+  // Takes over one step of the store's view. Plan and Place afterwards.
+  void Apply(const ArrivedUpdate& arrived);
 
   // The robot moved its own map as a whole, which `map` shows: what shares points with own
-  // keyframes goes with them, but for what the own map was fitted to. Call Place afterwards.
+  // keyframes goes with them, but for what the own map was fitted to. Plan and Place afterwards.
   void Correct(const OwnCorrection& correction, Map& map);
 
-  // Brings `map` in line with what was applied: adds, moves and removes foreign items. A foreign
-  // keyframe that the robot's own sight holds where it is stays there; every other one is placed by
-  // the nearest keyframe of which both places are known, an own one that fusion has placed or a
-  // foreign one that stays; points go with the keyframe that they refer to. A landmark of which the
-  // robot itself holds a point is that point, so that nothing is held twice. Costs what there is
-  // news of or lies elsewhere now, and a search for the nearest for each foreign keyframe. Does
-  // nothing while the store is telling what moved: part of it does not fit the rest.
-  PlacementChange Place(Map& map);
+  // How to bring `map` in line with what was applied. Costs what there is news of or lies elsewhere
+  // now, and a search for the nearest for each foreign keyframe.
+  PlacementPlan Plan(const Map& map);
+
+  // Does it: adds, moves and removes foreign items. `map` is as it was when the plan was made, and
+  // nothing was applied since. A landmark of which the robot itself holds a point is that point, so
+  // that nothing is held twice. Does nothing while the store is telling what moved: part of it does
+  // not fit the rest.
+  PlacementChange Place(const PlacementPlan& plan, Map& map);
 
   // Where the robot's frame is in the global one, by the own keyframe placed last; none before
   // fusion.
@@ -51,20 +49,13 @@ class SharedMap {
   size_t keyframe_count() const { return content_.keyframes().size(); }
 
  private:
+  // Fusion has placed own keyframes, so that others' can be.
+  bool CanPlace() const { return !content_.own_places().places().empty(); }
   void RemoveGoneKeyframes(const SourceNews& news, Map& map, PlacementChange& change);
-  // The foreign keyframes that stay, and where the global frame lies for them.
-  std::map<KeyframeId, Rigid3d> FindHeld(const Map& map) const;
-  PlacingAnchors ChooseAnchors(const Map& map, const std::map<KeyframeId, Rigid3d>& held) const;
-  // Those that are news, or lie elsewhere now; then what refers to them.
-  void PlaceKeyframes(Map& map, PlacementChange& change);
-  void PlaceKeyframe(KeyframeId id, const ForeignKeyframe& foreign, Map& map,
+  void PlaceKeyframe(const PlacementPlan::PlacedKeyframe& placed, Map& map,
                      PlacementChange& change);
-  void PlacePoints(const std::vector<KeyframeId>& moved, Map& map);
+  void PlacePoint(const PlacementPlan::PlacedPoint& placed, Map& map);
   void MoveWithPoints(KeyframeId id, const Rigid3d& after_from_before, Map& map) const;
-  void PlacePointsOf(KeyframeId id, const ForeignKeyframe& foreign, Map& map);
-  void PlacePoint(MapPointId id, const SharedMapPoint& shared, Map& map);
-  // local_from_global at the point; notes whether a keyframe says it.
-  Rigid3d PlacingOf(const SharedMapPoint& point);
   // Points that are gone, or that another one stands for.
   void DropPoints(const SourceNews& news, Map& map) const;
   void PlaceSights(KeyframeId id, Map& map) const;
@@ -73,12 +64,8 @@ class SharedMap {
 
   const LocalMapId own_;
   SharedContent content_;
+  PlacementPlanner planner_;
   bool has_all_places_ = true;
-  PlacingAnchors anchors_;
-  // local_from_global of each foreign keyframe that is in the map.
-  std::map<KeyframeId, Rigid3d> placings_;
-  // Foreign points that no foreign keyframe places.
-  absl::btree_set<MapPointId> points_alone_;
   // Foreign keyframes whose parents are not in the map (yet).
   absl::btree_set<KeyframeId> orphans_;
 };

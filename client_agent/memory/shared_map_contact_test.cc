@@ -95,7 +95,7 @@ class SharedMapContactTest : public ::testing::Test {
     std::vector<std::shared_ptr<const Words>> words(update.keyframes.size(),
                                                     std::make_shared<Words>());
     shared_.Apply({update, std::move(words)});
-    shared_.Place(map_);
+    shared_.Place(shared_.Plan(map_), map_);
   }
 
   // The robot's whole map goes so far along x.
@@ -112,7 +112,7 @@ class SharedMapContactTest : public ::testing::Test {
       map_.SetPosition({kOwn, p}, PointAt(p) + Eigen::Vector3d(shift, 0, 0));
     }
     shared_.Correct(correction, map_);
-    shared_.Place(map_);
+    shared_.Place(shared_.Plan(map_), map_);
   }
 
   double XOf(KeyframeId id) const {
@@ -138,6 +138,14 @@ TEST_F(SharedMapContactTest, WhatDoesNotFitTheRobotsSightIsNotHeld) {
   Share(ForeignMoves(0));
   EXPECT_NEAR(XOf({kForeign, 0}), 3, 1e-9);
   EXPECT_NEAR(XOf({kForeign, 1}), 4, 1e-9);
+}
+
+TEST_F(SharedMapContactTest, WhatTheRobotsSightHoldsNoLongerGoesWhereTheStoreSays) {
+  Share(ForeignKeyframes(0));
+  // The robot adjusts its keyframes away from the points.
+  for (uint32_t k = 0; k < kOwnKeyframes; ++k) map_.SetPose({kOwn, k}, CameraAt(k + 0.5));
+  Share(ForeignMoves(1));
+  EXPECT_NEAR(XOf({kForeign, 0}), 4, 1e-9);
 }
 
 TEST_F(SharedMapContactTest, WhatIsHeldGoesWithTheOwnKeyframesThatHoldIt) {

@@ -17,7 +17,7 @@ constexpr uint32_t kOwnKeyframes = 4;
 
 PlacementChange Share(const SharedUpdate& update, SharedMap& shared, Map& map) {
   shared.Apply({update, std::vector<std::shared_ptr<const Words>>(update.keyframes.size())});
-  return shared.Place(map);
+  return shared.Place(shared.Plan(map), map);
 }
 
 std::shared_ptr<const KeyframePayload> Payload(KeyframeId id) {

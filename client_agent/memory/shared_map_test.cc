@@ -78,7 +78,7 @@ class SharedMapTest : public ::testing::Test {
   }
   PlacementChange Share(const SharedUpdate& update) {
     Apply(update);
-    return shared_.Place(map_);
+    return shared_.Place(shared_.Plan(map_), map_);
   }
 
   // The robot moves its own keyframes by so much along x.
@@ -93,7 +93,7 @@ class SharedMapTest : public ::testing::Test {
       correction.motions[{kOwn, k}] = {before, after};
     }
     shared_.Correct(correction, map_);
-    shared_.Place(map_);
+    shared_.Place(shared_.Plan(map_), map_);
   }
 
   // The foreign keyframe shares no point with own ones.
@@ -222,7 +222,7 @@ TEST_F(SharedMapTest, MovesAreFollowedAndNothingIsPlacedBeforeFusion) {
   SharedUpdate update = FirstUpdate();
   const auto own_keyframes = std::exchange(update.own_keyframes, {});
   Apply(update);
-  EXPECT_TRUE(shared_.Place(map_).added_keyframes.empty());
+  EXPECT_TRUE(shared_.Place(shared_.Plan(map_), map_).added_keyframes.empty());
   EXPECT_FALSE(shared_.GlobalFromLocal().has_value());
 
   SharedUpdate next;

@@ -59,7 +59,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     arrived.words.resize((*update)->keyframes.size(), std::make_shared<const Words>());
     arrived.update = *std::move(*update);
     shared.Apply(arrived);
-    shared.Place(map);
+    shared.Place(shared.Plan(map), map);
     (void)shared.GlobalFromLocal();
     OwnCorrection correction;
     const Rigid3d& camera_from_map = map.FindKeyframe({kOwn, 0})->camera_from_map;
