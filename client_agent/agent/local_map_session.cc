@@ -80,7 +80,6 @@ void LocalMapSession::OnPlaced(const PlacementChange& change, const Map& map) {
     const Keyframe* keyframe = map.FindKeyframe(id);
     if (keyframe != nullptr) places_.Add(id, keyframe->words);
   }
-  map_.CountCorrection();
 }
 
 }  // namespace corbslam

@@ -171,8 +171,8 @@ void LoopCloser::Apply(const MapCorrection& correction) {
   map_.Write([&](Map& map) {
     auto motions = ApplyCorrection(correction, map_.local_map(), map);
     if (follow_) follow_({std::move(motions), correction.held}, map);
+    map_.CountCorrection();
   });
-  map_.CountCorrection();
 }
 
 bool LoopCloser::StepAdjustment() {

@@ -56,7 +56,8 @@ class GuardedMap {
   KeyframeId NewKeyframeId() { return {local_map_, next_keyframe_.fetch_add(1)}; }
   MapPointId NewPointId() { return {local_map_, next_point_.fetch_add(1)}; }
 
-  // How often the map was moved as a whole: a loop was closed, shared items were placed anew.
+  // How often the robot's own map was moved as a whole. Counted inside Write, so that who finds no
+  // difference has read one map before and after.
   uint64_t corrections() const { return corrections_.load(); }
   void CountCorrection() { corrections_.fetch_add(1); }
 

@@ -73,7 +73,7 @@ bool IsRedundant(const Map& map, const Keyframe& keyframe) {
     ++points;
     int others = 0;
     for (const auto& [other_id, other_keypoint] : point->observations) {
-      if (other_id == keyframe.id()) continue;
+      if (other_id == keyframe.id() || other_id.local_map != keyframe.id().local_map) continue;
       const int octave = map.FindKeyframe(other_id)->keypoints()[other_keypoint].octave;
       if (octave <= keypoint.octave + 1 && ++others >= kEnoughOthers) break;
     }

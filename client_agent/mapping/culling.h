@@ -35,8 +35,10 @@ class RecentPoints {
 };
 
 // Own keyframes covisible with `centre` of whose close points 90 % are seen at the same or a finer
-// scale by at least three others (ORB-SLAM, VI.E; ORB-SLAM2: close points only). Not the root, not
-// `centre`, none that holds a loop edge. Pure.
+// scale by at least three other own ones (ORB-SLAM, VI.E; ORB-SLAM2: close points only). Not the
+// root, not `centre`, none that holds a loop edge. Other robots' keyframes make none redundant: the
+// own map must hold together without them, for they may go, and no adjustment of it has them all.
+// Pure.
 std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre, LocalMapId own);
 
 // True if the keyframe is redundant now (an earlier removal may have changed that).

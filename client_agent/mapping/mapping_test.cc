@@ -312,6 +312,27 @@ TEST_F(CrowdedMappingTest, KeyframesThatSeeNothingNewAreRedundantButNotTheRoot) 
   EXPECT_EQ(others.size(), redundant.size() - 2);
 }
 
+TEST_F(CrowdedMappingTest, OthersKeyframesMakeNoneRedundant) {
+  const KeyframeId own{kOwn, 7};
+  ASSERT_FALSE(FindRedundantKeyframes(scene_.map, own, kOwn).empty());
+  // All but two of the keyframes are another robot's.
+  Map map = scene_.map;
+  for (uint32_t k = 1; k < 6; ++k) {
+    const Keyframe before = *map.FindKeyframe({kOwn, k});
+    Keyframe others;
+    others.payload = MakeKeyframePayload({LocalMapId{99}, k}, 0, 0, before.payload->camera,
+                                         before.payload->features);
+    others.camera_from_map = before.camera_from_map;
+    map.RemoveKeyframe(before.id());
+    map.AddKeyframe(others);
+    for (uint32_t i = 0; i < before.points.size(); ++i) {
+      map.AddObservation(before.points[i], others.id(), i);
+    }
+  }
+  ASSERT_GT(map.FindKeyframe({kOwn, 6})->covisible.at({LocalMapId{99}, 5}), 100);
+  EXPECT_TRUE(FindRedundantKeyframes(map, own, kOwn).empty());
+}
+
 TEST_F(CrowdedMappingTest, KeyframesThatWaitToBeMappedAreNotCulled) {
   std::vector<uint32_t> mapped;
   std::vector<uint32_t> removed;

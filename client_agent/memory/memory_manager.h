@@ -51,8 +51,8 @@ struct MapAccess {
   LocalMapId local_map;
   // Calls the function with the map, kept from changing meanwhile.
   std::function<void(const std::function<void(const Map&)>&)> read;
-  // Runs the preparation soon, then the change that it returns, both on the thread that alone writes
-  // the map: the first while others read it, too, the second while nobody does.
+  // Runs the preparation soon, then the change that it returns, both on the thread that alone
+  // writes the map: the first while others read it, too, the second while nobody does.
   std::function<void(std::function<MapChange(const Map&)> prepare)> post;
   // Hears which foreign keyframes came and went; on the writing thread.
   std::function<void(const PlacementChange&, const Map&)> on_placed;

@@ -19,7 +19,8 @@ bool ShouldMakeKeyframe(const KeyframeEvidence& evidence, const KeyframePolicyOp
   const double max_ratio =
       evidence.map_keyframes < 2 ? options.max_tracked_ratio_at_start : options.max_tracked_ratio;
   const bool sees_new = evidence.inliers < max_ratio * evidence.reference_points;
-  if (!sees_new && !lacks_close) return false;
+  const bool leaves_reference = evidence.share_of_reference < options.min_share_of_reference;
+  if (!sees_new && !lacks_close && !leaves_reference) return false;
   const bool urgent =
       lacks_close || evidence.inliers < options.urgent_tracked_ratio * evidence.reference_points;
   return evidence.mapper_idle || urgent || evidence.since_last_keyframe_s >= options.max_interval_s;

@@ -16,6 +16,9 @@ struct KeyframePolicyOptions {
   // Few close points tracked although many could be made: time to make them.
   int min_close_tracked = 100;
   int min_close_untracked = 70;
+  // Where another robot's map keeps a frame tracked: of the points that it sees, how many its
+  // reference must see, too. The own map is to hold together by itself.
+  double min_share_of_reference = 0.5;
   // The frame must still be well tracked.
   int min_inliers = 15;
   double max_interval_s = 1.0;
@@ -26,6 +29,8 @@ struct KeyframeEvidence {
   int inliers = 0;
   // Points of the reference keyframe that enough keyframes see.
   int reference_points = 0;
+  // Of the points that the frame sees, the share that the reference sees.
+  double share_of_reference = 1;
   int map_keyframes = 0;
   int close_tracked = 0;
   int close_untracked = 0;
@@ -37,7 +42,8 @@ struct KeyframeEvidence {
 // Counts the frame's close keypoints that do and don't see a map point.
 void CountClosePoints(const Frame& frame, KeyframeEvidence& evidence);
 
-// The rule of ORB-SLAM2 for sensors with depth (T-RO 2017, III.E). Pure.
+// The rule of ORB-SLAM2 for sensors with depth (T-RO 2017, III.E), and min_share_of_reference.
+// Pure.
 bool ShouldMakeKeyframe(const KeyframeEvidence& evidence,
                         const KeyframePolicyOptions& options = {});
 

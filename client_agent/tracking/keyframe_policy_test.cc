@@ -30,6 +30,14 @@ TEST(KeyframePolicyTest, AFrameThatLostAQuarterOfItsReferenceIsKept) {
   EXPECT_TRUE(ShouldMakeKeyframe(evidence));
 }
 
+TEST(KeyframePolicyTest, AFrameThatOthersKeepTrackedIsKeptBeforeItLosesItsReference) {
+  KeyframeEvidence evidence = Content();
+  evidence.share_of_reference = 0.6;
+  EXPECT_FALSE(ShouldMakeKeyframe(evidence));
+  evidence.share_of_reference = 0.4;
+  EXPECT_TRUE(ShouldMakeKeyframe(evidence));
+}
+
 TEST(KeyframePolicyTest, FewClosePointsThoughManyCouldBeMadeCallForOne) {
   KeyframeEvidence evidence = Content();
   evidence.close_tracked = 80;

@@ -103,7 +103,9 @@ LocalMapView GatherLocalMap(const Map& map, LocalMapId own, const std::vector<Ma
   KeyframeList list(map);
   for (const Vote& vote : CountVotes(map, seen)) {
     list.Add(vote.id);
-    if (!view.reference.IsValid() && vote.id.local_map == own) view.reference = vote.id;
+    if (view.reference.IsValid() || vote.id.local_map != own) continue;
+    view.reference = vote.id;
+    view.share_of_reference = static_cast<double>(vote.points) / static_cast<double>(seen.size());
   }
   if (list.ids().empty()) list.Add(fallback);
   if (!view.reference.IsValid() && map.FindKeyframe(fallback) != nullptr) view.reference = fallback;

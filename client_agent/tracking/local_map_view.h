@@ -17,6 +17,8 @@ struct LocalMapView {
   Rigid3d reference_from_map;
   // Points of the reference that enough keyframes see (an observation with depth counts twice).
   int reference_points = 0;
+  // Of the points that the frame sees already, the share that the reference sees.
+  double share_of_reference = 0;
   int map_keyframes = 0;
 };
 

@@ -13,6 +13,8 @@ namespace {
 constexpr int kMinPreviousMatches = 20;
 constexpr int kMinKeyframeMatches = 15;
 constexpr int kMinFirstInliers = 10;
+// At one frame. Corrections are seconds apart.
+constexpr int kMaxAttempts = 3;
 // Frames after a relocalisation in which tracking must prove itself.
 constexpr int kProbation = 30;
 
@@ -36,8 +38,6 @@ TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
     const bool begun = Begin(frame);
     return Conclude(std::move(frame), begun);
   }
-  parts_.map->ReadWithHistory(
-      [&](const Map& map, const MapHistory& history) { Refresh(map, history, *previous_); });
   const bool tracked = FindPose(frame);
   if (tracked) {
     velocity_ = state_ == TrackingState::kTracking
@@ -67,14 +67,7 @@ bool Tracker::Begin(Frame& frame) {
 
 bool Tracker::FindPose(Frame& frame) {
   const bool is_lost = state_ == TrackingState::kLost;
-  std::vector<FirstPose> ways = {&Tracker::Relocalise};
-  if (!is_lost) {
-    // Of a frame that is just a keyframe mapping may have made the points, or not yet.
-    AddTemporaryPoints(*previous_);
-    ways = {&Tracker::FollowMotion, &Tracker::SearchAroundPrevious,
-            &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise};
-  }
-  std::optional<Solution> solution = Solve(ways, frame);
+  std::optional<Solution> solution = SolveInOneMap(frame);
   if (!solution.has_value()) return false;
   frames_since_relocalisation_ = is_lost ? 0 : frames_since_relocalisation_ + 1;
   frame = std::move(solution->frame);
@@ -82,6 +75,27 @@ bool Tracker::FindPose(Frame& frame) {
   inliers_ = solution->inliers;
   parts_.statistics->Count(solution->visible, SeenPoints(frame));
   return true;
+}
+
+// A map that is corrected meanwhile would leave points from before beside a reference from after.
+std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
+  std::optional<Solution> solution;
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    const uint64_t corrections = parts_.map->corrections();
+    parts_.map->ReadWithHistory(
+        [&](const Map& map, const MapHistory& history) { Refresh(map, history, *previous_); });
+    if (state_ == TrackingState::kLost) {
+      solution = Solve({&Tracker::Relocalise}, frame);
+    } else {
+      // Of a frame that is just a keyframe mapping may have made the points, or not yet.
+      AddTemporaryPoints(*previous_);
+      solution = Solve({&Tracker::FollowMotion, &Tracker::SearchAroundPrevious,
+                        &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise},
+                       frame);
+    }
+    if (parts_.map->corrections() == corrections) break;
+  }
+  return solution;
 }
 
 // Tries the ways in turn until one leads to a pose beyond doubt; else the best supported.
@@ -179,6 +193,7 @@ void Tracker::ConsiderKeyframe(Frame& frame) {
   CountClosePoints(frame, evidence);
   evidence.inliers = inliers_.map_points;
   evidence.reference_points = local_map_.reference_points;
+  evidence.share_of_reference = local_map_.share_of_reference;
   evidence.map_keyframes = local_map_.map_keyframes;
   evidence.since_last_keyframe_s =
       std::abs(static_cast<double>(frame.payload->timestamp_ns - last_keyframe_ns_)) * 1e-9;

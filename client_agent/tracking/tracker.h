@@ -72,6 +72,7 @@ class Tracker {
   using FirstPose = bool (Tracker::*)(Frame&) const;
 
   bool FindPose(Frame& frame);
+  std::optional<Solution> SolveInOneMap(const Frame& frame);
   std::optional<Solution> Solve(const std::vector<FirstPose>& ways, const Frame& frame) const;
   bool FollowMotion(Frame& frame) const;
   bool SearchAroundPrevious(Frame& frame) const;

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <random>
 #include <string>
+#include <thread>
 
+#include "absl/time/clock.h"
 #include "client_agent/mapping/mapper.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
 
@@ -69,6 +72,22 @@ class TrackerTest : public ::testing::Test {
     return (CameraCentre(result.camera_from_local) - CameraCentre(expected)).norm();
   }
 
+  // So far along x of the first camera, as a correction does.
+  void MoveMap(double shift) {
+    map_.Write([&](Map& map) {
+      const Map before = map;
+      for (const auto& [id, keyframe] : before.keyframes()) {
+        Rigid3d pose = keyframe.camera_from_map;
+        pose.translation -= pose.rotation * Eigen::Vector3d(shift, 0, 0);
+        map.SetPose(id, pose);
+      }
+      for (const auto& [id, point] : before.points()) {
+        map.SetPosition(id, point.position_in_map + Eigen::Vector3d(shift, 0, 0));
+      }
+      map_.CountCorrection();
+    });
+  }
+
   GuardedMap map_;
   MappingQueue queue_;
   PointStatistics statistics_;
@@ -100,6 +119,30 @@ TEST_F(TrackerTest, PoseFollowsItsReference) {
     ASSERT_TRUE(reference.has_value());
     const Rigid3d chained = result.reference_from_camera.Inverse() * *reference;
     EXPECT_LT((chained.translation - result.camera_from_local.translation).norm(), 0.02);
+  }
+}
+
+TEST_F(TrackerTest, CorrectionsWhileAFrameIsTrackedDoNotTearItFromItsReference) {
+  Track(0);
+  std::mt19937 random(3);
+  double shift = 0;
+  for (uint32_t i = 1; i < 40; ++i) {
+    std::jthread correction([this, pause = absl::Microseconds(random() % 20'000)] {
+      absl::SleepFor(pause);
+      MoveMap(1);
+    });
+    const TrackingResult tracked = tracker_.Track(i * 100'000'000, Seen(i).payload->features);
+    correction.join();
+    shift += 1;
+    ASSERT_EQ(Finish(tracked).state, TrackingState::kTracking) << i;
+    TrackingResult now = tracked;
+    map_.ReadWithHistory([&](const Map& map, const MapHistory& history) {
+      now.camera_from_local =
+          now.reference_from_camera.Inverse() * *history.CameraFromMap(map, now.reference);
+    });
+    now.camera_from_local.translation +=
+        now.camera_from_local.rotation * Eigen::Vector3d(shift, 0, 0);
+    EXPECT_LT(Error(now, i), 0.05) << i;
   }
 }
 
