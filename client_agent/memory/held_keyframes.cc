@@ -13,9 +13,9 @@ bool IsSame(const Rigid3d& a, const Rigid3d& b) {
 
 }  // namespace
 
-bool HeldKeyframes::Contains(KeyframeId id) const {
+KeyframeId HeldKeyframes::HolderOf(KeyframeId id) const {
   const auto it = contacts_.find(id);
-  return it != contacts_.end() && it->second.agrees;
+  return it != contacts_.end() && it->second.agrees ? it->second.own : KeyframeId();
 }
 
 bool HeldKeyframes::IsAsBefore(const Contact& before, const Contact& now) {

@@ -20,7 +20,9 @@ class HeldKeyframes {
   // has moved since the last time, or what they share has changed.
   void Update(const Map& map);
 
-  bool Contains(KeyframeId id) const;
+  bool Contains(KeyframeId id) const { return HolderOf(id).IsValid(); }
+  // The own keyframe that holds it, as of the last Update; invalid where none does.
+  KeyframeId HolderOf(KeyframeId id) const;
 
  private:
   // What was last seen of a foreign keyframe and the own one that shares the most with it.

@@ -44,6 +44,8 @@ class PlacementPlanner {
 
   // local_from_global of each foreign keyframe that was planned.
   const std::map<KeyframeId, Rigid3d>& placings() const { return placings_; }
+  // Which of others' keyframes own ones held when the last plan was made.
+  const HeldKeyframes& held() const { return held_; }
   // The keyframe went along with own ones.
   void Move(KeyframeId id, const Rigid3d& after_from_before);
   void Forget(KeyframeId id) { placings_.erase(id); }

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "client_agent/memory/visual_contact.h"
-
 namespace corbslam {
 
 void SharedMap::Apply(const ArrivedUpdate& arrived) {
@@ -20,9 +18,8 @@ std::optional<Similarity3d> SharedMap::GlobalFromLocal() const {
 void SharedMap::Correct(const OwnCorrection& correction, Map& map) {
   content_.own_places().Correct(correction);
   for (const auto& [id, placing] : planner_.placings()) {
-    const Keyframe* foreign = map.FindKeyframe(id);
-    if (foreign == nullptr || correction.held.contains(id)) continue;
-    const auto motion = correction.motions.find(MostSharing(*foreign, own_));
+    if (map.FindKeyframe(id) == nullptr || correction.held.contains(id)) continue;
+    const auto motion = correction.motions.find(planner_.held().HolderOf(id));
     if (motion == correction.motions.end()) continue;
     const Rigid3d after_from_before = motion->second.AfterFromBefore();
     planner_.Move(id, after_from_before);

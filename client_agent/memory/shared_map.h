@@ -28,8 +28,9 @@ class SharedMap {
   // Takes over one step of the store's view. Plan and Place afterwards.
   void Apply(const ArrivedUpdate& arrived);
 
-  // The robot moved its own map as a whole, which `map` shows: what shares points with own
-  // keyframes goes with them, but for what the own map was fitted to. Plan and Place afterwards.
+  // The robot moved its own map as a whole, which `map` shows: what own keyframes held before goes
+  // with them, but for what the own map was fitted to. (What they see in common only since then, in
+  // the very loop that was closed, is no reason to go.) Plan and Place afterwards.
   void Correct(const OwnCorrection& correction, Map& map);
 
   // How to bring `map` in line with what was applied. Costs what there is news of or lies elsewhere

@@ -158,6 +158,20 @@ TEST_F(SharedMapContactTest, WhatIsHeldGoesWithTheOwnKeyframesThatHoldIt) {
   EXPECT_NEAR(XOf({kForeign, 0}), 3.5, 1e-9);
 }
 
+TEST_F(SharedMapContactTest, WhatTheLoopItselfMadeSeenStays) {
+  // The store has the robot 0.5 m behind where its loop will bring it. Nothing is seen in common.
+  SharedUpdate update = ForeignKeyframes(0.5);
+  std::vector<MapPointId> seen;
+  std::swap(seen, update.keyframes[0].points);
+  update.keyframes[0].points.resize(kPoints);
+  Share(update);
+  EXPECT_NEAR(XOf({kForeign, 0}), 3.5, 1e-9);
+  // The loop merges points, so that the foreign keyframe sees own ones.
+  for (uint32_t p = 0; p < kShared; ++p) map_.AddObservation(seen[p], {kForeign, 0}, p);
+  Correct(0.5, {});
+  EXPECT_NEAR(XOf({kForeign, 0}), 3.5, 1e-9);
+}
+
 TEST_F(SharedMapContactTest, WhatTheOwnMapWasFittedToStays) {
   Share(ForeignKeyframes(0.5));
   EXPECT_NEAR(XOf({kForeign, 0}), 3.5, 1e-9);
