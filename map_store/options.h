@@ -42,7 +42,7 @@ struct MapStoreOptions {
   // Global bundle adjustment: at once after two islands were fused, after this many further
   // overlaps, and at the end of all streams.
   size_t adjust_every = 5;
-  int adjust_iterations = 20;
+  int adjust_iterations = 40;
   // Keyframes of whose points so large a share is seen by three others as well are culled from the
   // global layer after an adjustment (0: none), and the most redundant beyond so many of an island
   // (0: any number stays). Their owners keep them.

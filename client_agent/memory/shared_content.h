@@ -81,8 +81,8 @@ class SharedContent {
   void RemovePoint(MapPointId id);
   void ListViewer(MapPointId point, KeyframeId viewer);
   void UnlistViewer(MapPointId point, KeyframeId viewer);
-  // Whether the point is placed with that one of its viewers, or is where its reference is not
-  // here: it is placed with another keyframe when the viewer comes or goes.
+  // Whether the viewer may be the one that the point is placed with (its reference, or the first
+  // that sees it), so that the point is news when the viewer comes or goes.
   bool MayHold(KeyframeId viewer, MapPointId point, const std::vector<KeyframeId>& viewers) const;
   void MarkViewersOf(MapPointId id);
   void MarkPoint(MapPointId id);

@@ -63,7 +63,7 @@ class Robot {
                                                absl::MutexLock lock(&mutex_);
                                                read(map_);
                                              },
-                                             [](const auto&, const auto&) {}, nullptr}));
+                                             [](const auto&) {}, nullptr}));
   }
   void AddKeyframe(uint32_t index) {
     absl::MutexLock lock(&mutex_);

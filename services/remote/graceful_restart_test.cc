@@ -84,7 +84,7 @@ TEST_F(GracefulRestartTest, TheRobotResumesWithEachKeyframeOnce) {
                                                          absl::MutexLock lock(&map_mutex_);
                                                          reader(map_);
                                                        },
-                                                       [](const auto&, const auto&) {}, nullptr});
+                                                       [](const auto&) {}, nullptr});
   {
     absl::MutexLock lock(&map_mutex_);
     map_.SetObserver(observer);

@@ -16,6 +16,8 @@ constexpr double kOverlapWeight = 10;
 constexpr double kSigmaShareOfDepth = 0.02;
 constexpr double kSigmaAngle_rad = 0.01;
 constexpr double kSigmaLogScale = 0.05;
+// An earlier overlap agrees with the map within this, in squared standard deviations.
+constexpr double kMaxChi2InTarget = 1;
 
 std::map<KeyframeId, Similarity3d> InitialPoses(const FusingProblem& problem) {
   std::map<KeyframeId, Similarity3d> poses;
@@ -29,17 +31,34 @@ std::map<KeyframeId, Similarity3d> InitialPoses(const FusingProblem& problem) {
   return poses;
 }
 
+// An earlier overlap that agrees with the target says no more than the target does: what its
+// keyframes see has become one there, and was adjusted since. Its own measurement, with the noise
+// of one pair of views, would undo that: a hundredth of a radian is a metre 100 m on.
+bool IsInTarget(const FusingProblem& problem, size_t index, double initial_chi2) {
+  const bool is_new = std::ranges::find(problem.new_overlaps, index) != problem.new_overlaps.end();
+  const OrientedOverlap& overlap = problem.overlaps[index];
+  return !is_new && initial_chi2 <= kMaxChi2InTarget &&
+         problem.target->FindKeyframe(overlap.anchor) != nullptr &&
+         problem.target->FindKeyframe(overlap.mover) != nullptr;
+}
+
 // The overlaps last.
-std::vector<PoseGraphEdge> Edges(const FusingProblem& problem) {
+std::vector<PoseGraphEdge> Edges(const FusingProblem& problem,
+                                 const std::map<KeyframeId, Similarity3d>& initial,
+                                 const std::vector<double>& initial_chi2) {
   std::vector<PoseGraphEdge> edges = EssentialGraphEdges(*problem.target);
   const std::vector<PoseGraphEdge> of_source = EssentialGraphEdges(*problem.source);
   edges.insert(edges.end(), of_source.begin(), of_source.end());
-  for (const OrientedOverlap& overlap : problem.overlaps) {
-    edges.push_back({.a = overlap.mover,
-                     .b = overlap.anchor,
-                     .b_from_a = overlap.anchor_from_mover,
-                     .weight = kOverlapWeight,
-                     .robust = true});
+  for (size_t i = 0; i < problem.overlaps.size(); ++i) {
+    const OrientedOverlap& overlap = problem.overlaps[i];
+    edges.push_back(
+        {.a = overlap.mover,
+         .b = overlap.anchor,
+         .b_from_a = IsInTarget(problem, i, initial_chi2[i])
+                         ? initial.at(overlap.anchor) * initial.at(overlap.mover).Inverse()
+                         : overlap.anchor_from_mover,
+         .weight = kOverlapWeight,
+         .robust = true});
   }
   return edges;
 }
@@ -84,8 +103,11 @@ double Chi2(const FusingProblem& problem, const OrientedOverlap& overlap,
 absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
                                              const MapFusingOptions& options) {
   const std::map<KeyframeId, Similarity3d> initial = InitialPoses(problem);
-  const std::vector<PoseGraphEdge> edges = Edges(problem);
   SolvedGraph solved;
+  for (const OrientedOverlap& overlap : problem.overlaps) {
+    solved.initial_chi2.push_back(Chi2(problem, overlap, initial));
+  }
+  const std::vector<PoseGraphEdge> edges = Edges(problem, initial, solved.initial_chi2);
   solved.fixed = KeyframesThatStay(*problem.target, options.only_moves);
   FixEveryPart(initial, edges, solved.fixed);
   PoseGraphOptions graph;
@@ -97,7 +119,6 @@ absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
   solved.outvoted.assign(result.outvoted.end() - static_cast<ptrdiff_t>(problem.overlaps.size()),
                          result.outvoted.end());
   for (const OrientedOverlap& overlap : problem.overlaps) {
-    solved.initial_chi2.push_back(Chi2(problem, overlap, initial));
     solved.chi2.push_back(Chi2(problem, overlap, solved.camera_from_target));
   }
   return solved;

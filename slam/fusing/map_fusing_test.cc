@@ -271,6 +271,33 @@ TEST(FusingGraphTest, ANewOverlapWithoutASayIsRefused) {
   EXPECT_FALSE(outvoted->accepted);
 }
 
+// Half a metre is within the noise of a view at that depth.
+TEST(FusingGraphTest, EarlierOverlapsThatTheMapAgreesWithDoNotMoveIt) {
+  FuseMapsRequest request;
+  AddDrive(kA, 0, 60, /*depth_m=*/80, request.target);
+  AddDrive(kB, 30, 60, /*depth_m=*/80, request.target);
+  for (uint32_t k = 0; k < 6; ++k) {
+    request.overlaps.push_back(SayOverlap(request.target, {kB, k}, {kA, 30 + k}, {0.5, 0, 0}));
+  }
+  request.overlaps.push_back(SayOverlap(request.target, {kB, 20}, {kA, 50}, {0, 0, 0}));
+  request.new_overlaps = {6};
+  const auto fused = FuseMaps(request, {}, nullptr);
+  ASSERT_TRUE(fused.ok()) << fused.status();
+  EXPECT_TRUE(fused->accepted);
+  for (const KeyframePose& pose : fused->poses) {
+    const Keyframe& before = *request.target.FindKeyframe(pose.id);
+    EXPECT_LT((CameraCentre(pose.camera_from_map.ToRigid()) - CameraCentre(before.camera_from_map))
+                  .norm(),
+              1e-3)
+        << ToString(pose.id);
+  }
+  // Not so where it is new.
+  request.new_overlaps = {0};
+  const auto moved = FuseMaps(request, {}, nullptr);
+  ASSERT_TRUE(moved.ok()) << moved.status();
+  EXPECT_FALSE(moved->poses.empty());
+}
+
 TEST_F(MapFusingTest, NonsenseIsRefusedByName) {
   FuseMapsRequest request = MakeRequest({Verify(2, 26)});
   request.new_overlaps = {4};
