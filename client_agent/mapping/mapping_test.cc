@@ -315,7 +315,7 @@ TEST_F(CrowdedMappingTest, KeyframesThatSeeNothingNewAreRedundantButNotTheRoot) 
 TEST_F(CrowdedMappingTest, OthersKeyframesMakeNoneRedundant) {
   const KeyframeId own{kOwn, 7};
   ASSERT_FALSE(FindRedundantKeyframes(scene_.map, own, kOwn).empty());
-  // All but two of the keyframes are another robot's.
+  // Five of the eight are another robot's.
   Map map = scene_.map;
   for (uint32_t k = 1; k < 6; ++k) {
     const Keyframe before = *map.FindKeyframe({kOwn, k});
