@@ -248,6 +248,20 @@ TEST_F(FusionFlowTest, ProvisionalKeyframesAreNeitherQueriedNorPlaced) {
   EXPECT_TRUE(store_.GetKeyframe(kMission, b.Id(13))->placed);
 }
 
+TEST_F(FusionFlowTest, AfterTheStreamsAnAdjustmentMayTakeLonger) {
+  TestAgent a(store_, kMission, "a", map_a_);
+  TestAgent b(store_, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  Fuse();
+  ASSERT_FALSE(worker_.adjusted().empty());
+  EXPECT_EQ(worker_.adjusted().back().max_iterations, MapStoreOptions().adjust_iterations);
+  ASSERT_TRUE(a.Close().ok());
+  ASSERT_TRUE(b.Close().ok());
+  Fuse();
+  EXPECT_EQ(worker_.adjusted().back().max_iterations, MapStoreOptions().last_adjust_iterations);
+}
+
 TEST_F(FusionFlowTest, DataThatArrivesDuringAdjustmentIsKeptAndFollows) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);

@@ -185,7 +185,8 @@ absl::StatusOr<std::optional<FusionRequest>> PrepareAdjust(const MissionState& s
   if (fixed == view.keyframes().end()) fixed = view.keyframes().begin();
   job.request.fixed = {fixed->first};
   job.request.base_revision = state.global.revision;
-  job.request.max_iterations = options.adjust_iterations;
+  job.request.max_iterations =
+      IsQuiet(state, *island) ? options.last_adjust_iterations : options.adjust_iterations;
   job.request.redundant_share = options.cull_share;
   job.request.target_keyframes = options.cull_target;
   job.request.threads = options.deterministic ? 1 : options.adjust_threads;
@@ -194,6 +195,13 @@ absl::StatusOr<std::optional<FusionRequest>> PrepareAdjust(const MissionState& s
 }
 
 }  // namespace
+
+bool IsQuiet(const MissionState& state, const Island& island) {
+  return std::ranges::all_of(island.local_maps, [&state](LocalMapId id) {
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    return local_map.closed || state.agents.at(local_map.agent).session == 0;
+  });
+}
 
 std::optional<Overlap> ChainOverlap(const MissionState& state, const Overlap& overlap) {
   LivingRelative query;

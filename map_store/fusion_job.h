@@ -61,6 +61,9 @@ absl::StatusOr<std::optional<FusionRequest>> PrepareRequest(const MissionState& 
 absl::StatusOr<FusionResult> RunRequest(const FusionRequest& work, FusionWorker& worker,
                                         const ProgressCallback& progress);
 
+// No robot streams into any of its local maps.
+bool IsQuiet(const MissionState& state, const Island& island);
+
 // The overlap between the living relatives of its two keyframes; none when either has none, or
 // they are one and the same.
 std::optional<Overlap> ChainOverlap(const MissionState& state, const Overlap& overlap);

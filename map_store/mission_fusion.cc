@@ -24,13 +24,6 @@ FusionLane LaneOf(const FusionAction& action) {
   return action.kind == FusionAction::Kind::kAdjust ? FusionLane::kAdjustment : FusionLane::kGraph;
 }
 
-bool IsQuiet(const MissionState& state, const Island& island) {
-  return std::all_of(island.local_maps.begin(), island.local_maps.end(), [&state](LocalMapId id) {
-    const LocalMapState& local_map = *state.FindLocalMap(id);
-    return local_map.closed || state.agents.at(local_map.agent).session == 0;
-  });
-}
-
 FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Island& island) {
   FusionSummary::IslandSummary summary;
   summary.id = island.id;

@@ -27,6 +27,7 @@ absl::Status MapStoreOptions::Validate() const {
   status.Update(CheckPositive("weld_every", static_cast<double>(weld_every)));
   status.Update(CheckPositive("adjust_every", static_cast<double>(adjust_every)));
   status.Update(CheckPositive("adjust_iterations", adjust_iterations));
+  status.Update(CheckPositive("last_adjust_iterations", last_adjust_iterations));
   status.Update(CheckPositive("local_motion_px", local_motion_px));
   if (!(cull_share >= 0 && cull_share <= 1)) {
     status.Update(

@@ -42,7 +42,10 @@ struct MapStoreOptions {
   // Global bundle adjustment: at once after two islands were fused, after this many further
   // overlaps, and at the end of all streams.
   size_t adjust_every = 5;
-  int adjust_iterations = 40;
+  // At most, while streams run: robots want the cores, and an urgent fusing cancels it.
+  int adjust_iterations = 20;
+  // After all streams have ended: maps that drifted far want more.
+  int last_adjust_iterations = 60;
   // Keyframes of whose points so large a share is seen by three others as well are culled from the
   // global layer after an adjustment (0: none), and the most redundant beyond so many of an island
   // (0: any number stays). Their owners keep them.
