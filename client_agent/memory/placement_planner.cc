@@ -41,9 +41,7 @@ PlacingAnchors PlacementPlanner::ChooseAnchors(const Map& map, const SharedConte
   absl::btree_set<KeyframeId> superseded;
   for (const auto& [id, shared] : content.keyframes()) {
     if (!held_.Contains(id)) continue;
-    const Rigid3d camera_from_global = shared.camera_from_global.ToRigid();
-    anchors.Add(camera_from_global,
-                map.FindKeyframe(id)->camera_from_map.Inverse() * camera_from_global);
+    anchors.Add(shared.camera_from_global.ToRigid(), LocalFromGlobal(id, shared, map));
     for (const CovisibleKeyframe& sharing : map.Covisible(id)) {
       if (sharing.id.local_map == own_) superseded.insert(sharing.id);
     }

@@ -17,7 +17,6 @@ class PlacingAnchors {
     centres_in_global_.push_back(CameraCentre(camera_from_global));
     local_from_global_.push_back(local_from_global);
   }
-  bool empty() const { return local_from_global_.empty(); }
 
   // Of the nearest one. There must be one. Costs a look at each.
   const Rigid3d& LocalFromGlobalAt(const Eigen::Vector3d& position_in_global) const {

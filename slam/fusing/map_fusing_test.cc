@@ -251,14 +251,21 @@ TEST_F(MapFusingTest, ALoopThatNoDriftExplainsIsRefused) {
   EXPECT_FALSE(result->accepted);
 }
 
-// Three metres are little at the scene's depth of 80, but others agree on where the maps meet.
-TEST(FusingGraphTest, ANewOverlapWithoutASayIsRefused) {
+// Two drives that share half of their way, and six overlaps where the second begins, each aside by
+// `error_m`.
+FuseMapsRequest MeetingDrives(const Eigen::Vector3d& error_m) {
   FuseMapsRequest request;
   AddDrive(kA, 0, 60, /*depth_m=*/80, request.target);
   AddDrive(kB, 30, 60, /*depth_m=*/80, request.target);
   for (uint32_t k = 0; k < 6; ++k) {
-    request.overlaps.push_back(SayOverlap(request.target, {kB, k}, {kA, 30 + k}, {0, 0, 0}));
+    request.overlaps.push_back(SayOverlap(request.target, {kB, k}, {kA, 30 + k}, error_m));
   }
+  return request;
+}
+
+// Three metres are little at the scene's depth of 80, but others agree on where the maps meet.
+TEST(FusingGraphTest, ANewOverlapWithoutASayIsRefused) {
+  FuseMapsRequest request = MeetingDrives({0, 0, 0});
   request.overlaps.push_back(SayOverlap(request.target, {kB, 3}, {kA, 33}, {0, 0, 0.5}));
   request.new_overlaps = {6};
   const auto good = FuseMaps(request, {}, nullptr);
@@ -273,12 +280,7 @@ TEST(FusingGraphTest, ANewOverlapWithoutASayIsRefused) {
 
 // Half a metre is within the noise of a view at that depth.
 TEST(FusingGraphTest, EarlierOverlapsThatTheMapAgreesWithDoNotMoveIt) {
-  FuseMapsRequest request;
-  AddDrive(kA, 0, 60, /*depth_m=*/80, request.target);
-  AddDrive(kB, 30, 60, /*depth_m=*/80, request.target);
-  for (uint32_t k = 0; k < 6; ++k) {
-    request.overlaps.push_back(SayOverlap(request.target, {kB, k}, {kA, 30 + k}, {0.5, 0, 0}));
-  }
+  FuseMapsRequest request = MeetingDrives({0.5, 0, 0});
   request.overlaps.push_back(SayOverlap(request.target, {kB, 20}, {kA, 50}, {0, 0, 0}));
   request.new_overlaps = {6};
   const auto fused = FuseMaps(request, {}, nullptr);
