@@ -215,6 +215,8 @@ std::optional<Overlap> ChainOverlap(const MissionState& state, const Overlap& ov
   chained.candidate_from_query = Similarity3d::FromRigid(candidate.relative_from_id) *
                                  overlap.candidate_from_query *
                                  Similarity3d::FromRigid(query.relative_from_id.Inverse());
+  const Matrix7d A = AdjointSim3(Similarity3d::FromRigid(candidate.relative_from_id));
+  chained.covariance = A * overlap.covariance * A.transpose();
   chained.inliers.clear();
   for (const PointPair& pair : overlap.inliers) {
     const PointPair living = {ResolvePoint(state, pair.query), ResolvePoint(state, pair.candidate)};

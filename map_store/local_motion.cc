@@ -1,25 +1,16 @@
 #include "map_store/local_motion.h"
 
-#include <algorithm>
-#include <vector>
+#include <optional>
+
+#include "slam/map/scene_depth.h"
 
 namespace corbslam::map_store {
 
 double MedianDepth(const LocalMapState& local_map, const Keyframe& keyframe) {
-  std::vector<double> depths;
-  for (const MapPointId& id : keyframe.points) {
-    const MapPoint* point = id.IsValid() ? local_map.map.FindPoint(id) : nullptr;
-    if (point == nullptr) continue;
-    const double depth = (keyframe.camera_from_map * point->position_in_map).z();
-    if (depth > 0) depths.push_back(depth);
-  }
-  if (depths.empty()) {
-    const double close = keyframe.camera().close_depth_m;
-    return close > 0 ? close : 1.0;
-  }
-  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  const std::optional<double> depth = corbslam::MedianDepth(local_map.map, keyframe);
+  if (depth.has_value()) return *depth;
+  const double close = keyframe.camera().close_depth_m;
+  return close > 0 ? close : 1.0;
 }
 
 double PixelMotion(const Rigid3d& motion, double depth, double fx_px) {

@@ -22,7 +22,8 @@ bool IsSound(const Overlap& overlap, const QueryTask& task) {
   return overlap.query == task.query && overlap.candidate.local_map == task.against &&
          overlap.candidate_from_query.scale > 0 &&
          overlap.candidate_from_query.rotation.coeffs().allFinite() &&
-         overlap.candidate_from_query.translation.allFinite();
+         overlap.candidate_from_query.translation.allFinite() &&
+         IsCovariance(overlap.covariance);
 }
 
 // Those before it in the queue needed no answer.

@@ -78,6 +78,10 @@ absl::Status ValidateGlobal(const GlobalLayer& global) {
   for (const auto& [id, entry] : global.overlaps) {
     RETURN_IF_ERROR(
         ValidateSimilarity("overlap of", entry.overlap.query, entry.overlap.candidate_from_query));
+    if (!IsCovariance(entry.overlap.covariance)) {
+      return absl::InvalidArgumentError(absl::StrCat("overlap of ", ToString(entry.overlap.query),
+                                                     " has a covariance that is none"));
+    }
   }
   return absl::OkStatus();
 }

@@ -20,7 +20,7 @@ using map_store::MissionState;
 namespace {
 
 constexpr std::string_view kMagic = "CORBMISN";
-constexpr uint32_t kFormat = 3;
+constexpr uint32_t kFormat = 4;
 constexpr size_t kHeaderBytes = kMagic.size() + sizeof(kFormat);
 constexpr size_t kSectionHeadBytes = 1 + sizeof(uint64_t);
 constexpr size_t kChecksumBytes = sizeof(uint32_t);

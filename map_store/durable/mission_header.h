@@ -11,7 +11,7 @@
 namespace corbslam::map_store {
 
 // Of the whole journal. Others are refused.
-inline constexpr uint32_t kJournalFormat = 4;
+inline constexpr uint32_t kJournalFormat = 5;
 
 // The position in the header of a mission that is being created: what is there of it is not whole.
 inline constexpr uint64_t kNotWhole = ~uint64_t{0};

@@ -5,12 +5,14 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <memory>
+#include <type_traits>
 
 #include "absl/time/time.h"
 #include "map_store/durable/archive.h"
 #include "slam/camera/camera.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
+#include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
 
@@ -136,8 +138,8 @@ void Fields(Archive& archive, T& pair) {
 }
 template <typename Archive, MayBeConst<Overlap> T>
 void Fields(Archive& archive, T& overlap) {
-  archive(overlap.query, overlap.candidate, overlap.candidate_from_query, overlap.inliers,
-          overlap.evidence, overlap.verdict);
+  archive(overlap.query, overlap.candidate, overlap.candidate_from_query, overlap.covariance,
+          overlap.inliers, overlap.evidence, overlap.verdict);
 }
 
 }  // namespace corbslam
@@ -151,6 +153,16 @@ void Fields(Archive& archive, T& vector) {
 template <typename Archive, corbslam::map_store::MayBeConst<Quaterniond> T>
 void Fields(Archive& archive, T& rotation) {
   archive(rotation.w(), rotation.x(), rotation.y(), rotation.z());
+}
+// Symmetric: the upper triangle.
+template <typename Archive, corbslam::map_store::MayBeConst<corbslam::Matrix7d> T>
+void Fields(Archive& archive, T& covariance) {
+  for (int row = 0; row < 7; ++row) {
+    for (int column = row; column < 7; ++column) {
+      archive(covariance(row, column));
+      if constexpr (!std::is_const_v<T>) covariance(column, row) = covariance(row, column);
+    }
+  }
 }
 
 }  // namespace Eigen

@@ -5,10 +5,13 @@
 
 #include "services/convert/errors.h"
 #include "services/convert/limits.h"
+#include "slam/exchange/overlap.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
+
+constexpr int kCovarianceEntries = 28;
 
 template <typename Field>
 absl::StatusOr<Eigen::Quaterniond> ReadRotation(const Field& wxyz) {
@@ -65,6 +68,13 @@ void ToProto(const Similarity3d& similarity, v1::Similarity* proto) {
   if (similarity.scale != 1) proto->set_scale(similarity.scale);
 }
 
+void ToProto(const Matrix7d& covariance, google::protobuf::RepeatedField<double>* proto) {
+  if (covariance.isZero(0)) return;
+  for (int row = 0; row < 7; ++row) {
+    for (int column = row; column < 7; ++column) proto->Add(covariance(row, column));
+  }
+}
+
 void ToProto(const Camera& camera, v1::Camera* proto) {
   proto->set_fx_px(camera.fx_px);
   proto->set_fy_px(camera.fy_px);
@@ -93,6 +103,25 @@ absl::StatusOr<Similarity3d> FromProto(const v1::Similarity& proto) {
     return OutOfRange("scale", similarity.scale, kMinScale, kMaxScale);
   }
   return similarity;
+}
+
+absl::StatusOr<Matrix7d> FromProto(const google::protobuf::RepeatedField<double>& covariance) {
+  Matrix7d matrix = Matrix7d::Zero();
+  if (covariance.empty()) return matrix;
+  if (covariance.size() != kCovarianceEntries) {
+    return BadLength("covariance", covariance.size(), kCovarianceEntries);
+  }
+  int next = 0;
+  for (int row = 0; row < 7; ++row) {
+    for (int column = row; column < 7; ++column) {
+      matrix(row, column) = matrix(column, row) = covariance[next++];
+    }
+  }
+  if (!IsCovariance(matrix)) {
+    return absl::InvalidArgumentError(
+        "covariance has an entry that is not finite, or a negative eigenvalue");
+  }
+  return matrix;
 }
 
 absl::StatusOr<Camera> FromProto(const v1::Camera& proto) {

@@ -5,6 +5,7 @@
 #include "absl/status/statusor.h"
 #include "corbslam/v1/geometry.pb.h"
 #include "slam/camera/camera.h"
+#include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 
 namespace corbslam {
@@ -13,10 +14,14 @@ void ToProto(const Rigid3d& rigid, v1::Rigid* proto);
 void ToProto(const Similarity3d& similarity, v1::Similarity* proto);
 void ToProto(const Camera& camera, v1::Camera* proto);
 
+// The upper triangle, row by row; nothing for 0.
+void ToProto(const Matrix7d& covariance, google::protobuf::RepeatedField<double>* proto);
+
 // INVALID_ARGUMENT, naming the field and its limits.
 absl::StatusOr<Rigid3d> FromProto(const v1::Rigid& proto);
 absl::StatusOr<Similarity3d> FromProto(const v1::Similarity& proto);
 absl::StatusOr<Camera> FromProto(const v1::Camera& proto);
+absl::StatusOr<Matrix7d> FromProto(const google::protobuf::RepeatedField<double>& covariance);
 
 // Finite and within kMaxCoordinate of 0.
 absl::Status CheckPosition(const Eigen::Vector3d& position);

@@ -79,6 +79,7 @@ void ToProto(const Overlap& overlap, SlotWriter& slots, v1::VerifiedOverlap* pro
   slots.Write(overlap.query, proto->mutable_query());
   slots.Write(overlap.candidate, proto->mutable_candidate());
   ToProto(overlap.candidate_from_query, proto->mutable_candidate_from_query());
+  ToProto(overlap.covariance, proto->mutable_covariance());
   IdColumnWriter query_points(slots, proto->mutable_query_points());
   IdColumnWriter candidate_points(slots, proto->mutable_candidate_points());
   for (const PointPair& pair : overlap.inliers) {
@@ -97,6 +98,7 @@ absl::StatusOr<Overlap> FromProto(const v1::VerifiedOverlap& proto, const SlotRe
     return absl::InvalidArgumentError("an overlap must name two keyframes");
   }
   ASSIGN_OR_RETURN(overlap.candidate_from_query, FromProto(proto.candidate_from_query()));
+  ASSIGN_OR_RETURN(overlap.covariance, FromProto(proto.covariance()));
   ASSIGN_OR_RETURN(const std::vector<MapPointId> query,
                    slots.Points(proto.query_points(), "query_points"));
   ASSIGN_OR_RETURN(const std::vector<MapPointId> candidate,

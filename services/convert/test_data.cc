@@ -173,6 +173,10 @@ Overlap MakeOverlap(std::mt19937& random, KeyframeId query, KeyframeId candidate
   overlap.query = query;
   overlap.candidate = candidate;
   overlap.candidate_from_query = MakeSimilarity(random);
+  Matrix7d A;
+  for (double& entry : A.reshaped()) entry = std::uniform_real_distribution<double>(-1, 1)(random);
+  overlap.covariance = A * A.transpose();
+  overlap.covariance.triangularView<Eigen::StrictlyLower>() = overlap.covariance.transpose();
   overlap.inliers = {{{query.local_map, 1}, {candidate.local_map, 4}},
                      {{query.local_map, 2}, {candidate.local_map, 3}}};
   overlap.evidence = {.shared_words = 30,

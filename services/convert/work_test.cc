@@ -118,6 +118,7 @@ TEST(WorkTest, AFusingCarriesItsGraphAndWhatItSees) {
   EXPECT_LT(read->source.FindKeyframe({kOtherMap, 0})->keypoints().size(), 40u);
   ASSERT_EQ(read->overlaps.size(), 2u);
   EXPECT_EQ(read->overlaps[1].query, request.overlaps[1].query);
+  EXPECT_EQ(read->overlaps[1].covariance, request.overlaps[1].covariance);
   EXPECT_EQ(read->overlaps[1].inliers, request.overlaps[1].inliers);
   EXPECT_EQ(read->overlaps[1].evidence.projected_matches, 60);
   EXPECT_EQ(read->overlaps[1].evidence.chance_matches, 9);

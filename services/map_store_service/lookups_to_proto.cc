@@ -1,6 +1,8 @@
 #include "services/map_store_service/lookups_to_proto.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -20,6 +22,12 @@ void ToProto(const TransferStatistics& transfer, v1::TransferCount* proto) {
   proto->set_count(transfer.count);
   proto->set_bytes(transfer.bytes);
   proto->set_ms(transfer.ms);
+}
+
+// Standard deviation along the least certain direction.
+double LargestSigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(solver.eigenvalues()[2], 0.0));
 }
 
 uint32_t Count(size_t value) { return static_cast<uint32_t>(value); }
@@ -80,6 +88,10 @@ void ToProto(absl::string_view mission, const OverlapInfo& info, v1::Overlap* pr
   if (info.overlap.IsAccepted() || !info.overlap.inliers.empty()) {
     ToProto(info.overlap.candidate_from_query, proto->mutable_candidate_from_query());
   }
+  const Matrix7d& covariance = info.overlap.covariance;
+  proto->set_translation_sigma(LargestSigma(covariance.topLeftCorner<3, 3>()));
+  proto->set_rotation_sigma_rad(LargestSigma(covariance.block<3, 3>(3, 3)));
+  proto->set_log_scale_sigma(std::sqrt(std::max(covariance(6, 6), 0.0)));
   proto->set_inliers(Count(info.overlap.inliers.size()));
   ToProto(info.overlap.evidence, proto->mutable_evidence());
   proto->set_verdict(ToProto(info.overlap.verdict));

@@ -1,6 +1,18 @@
 #include "slam/exchange/overlap.h"
 
+#include <Eigen/Eigenvalues>
+
 namespace corbslam {
+
+bool IsCovariance(const Matrix7d& matrix) {
+  // Of the largest entry: what adding up and turning the axes rounds away.
+  constexpr double kRounding = 1e-9;
+  if (!matrix.allFinite()) return false;
+  const double tolerance = kRounding * matrix.cwiseAbs().maxCoeff();
+  if ((matrix - matrix.transpose()).cwiseAbs().maxCoeff() > tolerance) return false;
+  const Eigen::SelfAdjointEigenSolver<Matrix7d> solver(matrix, Eigen::EigenvaluesOnly);
+  return solver.info() == Eigen::Success && solver.eigenvalues()[0] >= -tolerance;
+}
 
 std::string ToString(OverlapVerdict verdict) {
   switch (verdict) {

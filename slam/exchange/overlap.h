@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
 
@@ -37,6 +38,9 @@ enum class OverlapVerdict {
 // "ACCEPTED", "TOO_FEW_WORD_MATCHES", ...
 std::string ToString(OverlapVerdict verdict);
 
+// A covariance: finite, symmetric, and no eigenvalue below 0 beyond rounding.
+bool IsCovariance(const Matrix7d& matrix);
+
 struct PointPair {
   MapPointId query;
   MapPointId candidate;
@@ -48,6 +52,10 @@ struct Overlap {
   KeyframeId candidate;
   // x_in_candidate_camera = candidate_from_query * x_in_query_camera. Identity if not verified.
   Similarity3d candidate_from_query;
+  // Of e, where the true similarity is Exp(e) * candidate_from_query: translation in units of the
+  // candidate's map, rotation in rad, log of scale (SimilarityCovariance). Rows of a fixed scale
+  // are 0, all are where it is not known.
+  Matrix7d covariance = Matrix7d::Zero();
   std::vector<PointPair> inliers;
   OverlapEvidence evidence;
   OverlapVerdict verdict = OverlapVerdict::kTooFewWordMatches;

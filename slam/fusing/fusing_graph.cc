@@ -10,9 +10,13 @@
 namespace corbslam {
 namespace {
 
-// An overlap against one edge of odometry: stiff enough to close a loop, soft enough not to print
-// its own noise on the neighbouring keyframes.
-constexpr double kOverlapWeight = 10;
+// One edge of odometry against an overlap that knows no better: loose enough for a loop to close,
+// stiff enough not to take on the overlap's own noise. In shares of the scene's depth and rad.
+constexpr double kOdometrySigma = 0.063;
+// What an overlap may be off beyond its inliers' noise, by what the maps have wrong.
+constexpr double kOverlapSigma = 0.02;
+constexpr double kOverlapSigmaLogScale = 0.05;
+// Standard deviations of MapFusingOptions::max_edge_chi2.
 constexpr double kSigmaShareOfDepth = 0.02;
 constexpr double kSigmaAngle_rad = 0.01;
 constexpr double kSigmaLogScale = 0.05;
@@ -42,6 +46,20 @@ bool IsInTarget(const FusingProblem& problem, size_t index, double initial_chi2)
          problem.target->FindKeyframe(overlap.mover) != nullptr;
 }
 
+PoseGraphEdge OverlapEdge(const FusingProblem& problem, const OrientedOverlap& overlap) {
+  const double depth = MedianDepth(problem.MapOf(overlap.anchor), overlap);
+  Vector7d sigma = Vector7d::Constant(kOverlapSigma);
+  sigma.head<3>() *= depth;
+  sigma[6] = kOverlapSigmaLogScale;
+  Matrix7d covariance = overlap.covariance;
+  covariance.diagonal() += sigma.cwiseAbs2();
+  return {.a = overlap.mover,
+          .b = overlap.anchor,
+          .b_from_a = overlap.anchor_from_mover,
+          .robust = true,
+          .root_information = RootInformation(covariance)};
+}
+
 // The overlaps last.
 std::vector<PoseGraphEdge> Edges(const FusingProblem& problem,
                                  const std::map<KeyframeId, Similarity3d>& initial,
@@ -49,16 +67,12 @@ std::vector<PoseGraphEdge> Edges(const FusingProblem& problem,
   std::vector<PoseGraphEdge> edges = EssentialGraphEdges(*problem.target);
   const std::vector<PoseGraphEdge> of_source = EssentialGraphEdges(*problem.source);
   edges.insert(edges.end(), of_source.begin(), of_source.end());
+  for (PoseGraphEdge& edge : edges) edge.weight = 1 / (kOdometrySigma * kOdometrySigma);
   for (size_t i = 0; i < problem.overlaps.size(); ++i) {
     const OrientedOverlap& overlap = problem.overlaps[i];
-    edges.push_back(
-        {.a = overlap.mover,
-         .b = overlap.anchor,
-         .b_from_a = IsInTarget(problem, i, initial_chi2[i])
-                         ? initial.at(overlap.anchor) * initial.at(overlap.mover).Inverse()
-                         : overlap.anchor_from_mover,
-         .weight = kOverlapWeight,
-         .robust = true});
+    edges.push_back(OverlapEdge(problem, overlap));
+    if (!IsInTarget(problem, i, initial_chi2[i])) continue;
+    edges.back().b_from_a = initial.at(overlap.anchor) * initial.at(overlap.mover).Inverse();
   }
   return edges;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "slam/map/scene_depth.h"
+
 namespace corbslam {
 namespace {
 
@@ -18,22 +20,6 @@ bool Agrees(const Map& mover_map, const OrientedOverlap& overlap, const Similari
   return distance < kAgreementShareOfDepth * depth && angle_rad < kAgreementAngle_rad;
 }
 
-// Of those that are in the map and before the camera.
-std::optional<double> MedianDepth(const Map& map, const Keyframe& keyframe,
-                                  const std::vector<MapPointId>& points) {
-  std::vector<double> depths;
-  for (const MapPointId& id : points) {
-    const MapPoint* point = map.FindPoint(id);
-    if (point == nullptr) continue;
-    const double depth = (keyframe.camera_from_map * point->position_in_map).z();
-    if (depth > 0) depths.push_back(depth);
-  }
-  if (depths.empty()) return std::nullopt;
-  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
-}
-
 }  // namespace
 
 OrientedOverlap Orient(const Overlap& overlap, bool swap) {
@@ -42,6 +28,9 @@ OrientedOverlap Orient(const Overlap& overlap, bool swap) {
   oriented.mover = swap ? overlap.candidate : overlap.query;
   oriented.anchor_from_mover =
       swap ? overlap.candidate_from_query.Inverse() : overlap.candidate_from_query;
+  // (Exp(e) * T)^-1 = Exp(-Adjoint(T^-1) * e) * T^-1.
+  const Matrix7d A = swap ? AdjointSim3(oriented.anchor_from_mover) : Matrix7d::Identity();
+  oriented.covariance = A * overlap.covariance * A.transpose();
   for (const PointPair& pair : overlap.inliers) {
     oriented.points.emplace_back(swap ? pair.query : pair.candidate,
                                  swap ? pair.candidate : pair.query);
@@ -90,7 +79,7 @@ double MedianDepth(const Map& anchor_map, const OrientedOverlap& overlap) {
   std::vector<MapPointId> points;
   for (const auto& [anchor_point, mover_point] : overlap.points) points.push_back(anchor_point);
   std::optional<double> depth = MedianDepth(anchor_map, *anchor, points);
-  if (!depth.has_value()) depth = MedianDepth(anchor_map, *anchor, anchor->points);
+  if (!depth.has_value()) depth = MedianDepth(anchor_map, *anchor);
   return depth.value_or(1);
 }
 

@@ -97,5 +97,17 @@ TEST_F(MapAlignmentTest, PointsThatOneKeyframeSeesApartAreNoDuplicates) {
   }
 }
 
+TEST(OrientTest, TheCovarianceIsThatOfTheOtherDirection) {
+  Overlap overlap;
+  overlap.candidate_from_query = ExpSim3((Vector7d() << 3, -1, 2, 0.3, -0.5, 0.2, 0.4).finished());
+  const Vector7d error = 1e-6 * (Vector7d() << 2, 1, -3, 0.5, -0.4, 0.3, 0.2).finished();
+  overlap.covariance = error * error.transpose();
+  EXPECT_EQ(Orient(overlap, false).covariance, overlap.covariance);
+  const Similarity3d truth = ExpSim3(error) * overlap.candidate_from_query;
+  const Vector7d other = LogSim3(truth.Inverse() * overlap.candidate_from_query);
+  const Matrix7d expected = other * other.transpose();
+  EXPECT_LT((Orient(overlap, true).covariance - expected).norm(), 1e-4 * expected.norm());
+}
+
 }  // namespace
 }  // namespace corbslam

@@ -263,7 +263,7 @@ FuseMapsRequest MeetingDrives(const Eigen::Vector3d& error_m) {
   return request;
 }
 
-// Three metres are little at the scene's depth of 80, but others agree on where the maps meet.
+// Eleven metres are little at the scene's depth of 80, but others agree on where the maps meet.
 TEST(FusingGraphTest, ANewOverlapWithoutASayIsRefused) {
   FuseMapsRequest request = MeetingDrives({0, 0, 0});
   request.overlaps.push_back(SayOverlap(request.target, {kB, 3}, {kA, 33}, {0, 0, 0.5}));
@@ -271,7 +271,7 @@ TEST(FusingGraphTest, ANewOverlapWithoutASayIsRefused) {
   const auto good = FuseMaps(request, {}, nullptr);
   ASSERT_TRUE(good.ok()) << good.status();
   EXPECT_TRUE(good->accepted);
-  request.overlaps[6] = SayOverlap(request.target, {kB, 3}, {kA, 33}, {0, 0, 3});
+  request.overlaps[6] = SayOverlap(request.target, {kB, 3}, {kA, 33}, {0, 0, 11});
   const auto outvoted = FuseMaps(request, {}, nullptr);
   ASSERT_TRUE(outvoted.ok()) << outvoted.status();
   EXPECT_LT(outvoted->worst_edge_chi2, MapFusingOptions().max_edge_chi2);
@@ -298,6 +298,34 @@ TEST(FusingGraphTest, EarlierOverlapsThatTheMapAgreesWithDoNotMoveIt) {
   const auto moved = FuseMaps(request, {}, nullptr);
   ASSERT_TRUE(moved.ok()) << moved.status();
   EXPECT_FALSE(moved->poses.empty());
+}
+
+// Two overlaps say different things; the one whose inliers know is believed.
+TEST(FusingGraphTest, AnOverlapCountsByItsCovariance) {
+  FuseMapsRequest request = MeetingDrives({0, 0, 0});
+  request.overlaps.clear();
+  for (const double error_m : {-0.5, 0.5}) {
+    request.overlaps.push_back(SayOverlap(request.target, {kB, 3}, {kA, 33}, {error_m, 0, 0}));
+  }
+  request.new_overlaps = {0, 1};
+  const auto shift_m = [&request] {
+    const auto fused = FuseMaps(request, {}, nullptr);
+    EXPECT_TRUE(fused.ok() && fused->accepted);
+    for (const KeyframePose& pose : fused->poses) {
+      if (pose.id != KeyframeId{kB, 3}) continue;
+      return (CameraCentre(pose.camera_from_map.ToRigid()) -
+              CameraCentre(request.target.FindKeyframe(pose.id)->camera_from_map))
+          .x();
+    }
+    return 0.0;
+  };
+  const double undecided_m = shift_m();
+  request.overlaps[0].covariance = 100 * Matrix7d::Identity();
+  const double second_m = shift_m();
+  std::swap(request.overlaps[0].covariance, request.overlaps[1].covariance);
+  const double first_m = shift_m();
+  EXPECT_GT(std::abs(second_m - first_m), 0.8);
+  EXPECT_NEAR(undecided_m, (first_m + second_m) / 2, 0.1);
 }
 
 TEST_F(MapFusingTest, NonsenseIsRefusedByName) {

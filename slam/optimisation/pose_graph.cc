@@ -1,11 +1,14 @@
 #include "slam/optimisation/pose_graph.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/map/scene_depth.h"
 #include "slam/optimisation/pose_graph_problem.h"
 #include "slam/optimisation/robust_edges.h"
 #include "slam/util/status_macros.h"
@@ -45,7 +48,8 @@ absl::Status CheckEdges(const Poses& poses, absl::Span<const PoseGraphEdge> edge
       return absl::InvalidArgumentError(
           absl::StrCat("pose graph: an edge joins keyframe ", ToString(edge.a), " to itself"));
     }
-    if (!IsFinite(edge.b_from_a) || !std::isfinite(edge.weight) || edge.weight <= 0) {
+    if (!IsFinite(edge.b_from_a) || !std::isfinite(edge.weight) || edge.weight <= 0 ||
+        !edge.root_information.allFinite()) {
       return absl::InvalidArgumentError(
           absl::StrCat("pose graph: edge ", ToString(edge.a), " - ", ToString(edge.b),
                        " has a value that is not finite, or weight ", edge.weight));
@@ -87,13 +91,37 @@ absl::Status CheckAnchored(const Poses& poses, absl::Span<const PoseGraphEdge> e
   return absl::OkStatus();
 }
 
-PoseGraphEdge PresentEdge(const Map& map, KeyframeId a, KeyframeId b) {
-  const Rigid3d b_from_a =
-      map.FindKeyframe(b)->camera_from_map * map.FindKeyframe(a)->camera_from_map.Inverse();
-  return {a, b, Similarity3d::FromRigid(b_from_a), 1, false};
+std::map<KeyframeId, double> DepthsOfKeyframes(const Map& map) {
+  std::map<KeyframeId, double> depths;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    const std::optional<double> depth = MedianDepth(map, keyframe);
+    if (depth.has_value()) depths[id] = *depth;
+  }
+  return depths;
+}
+
+PoseGraphEdge PresentEdge(const Map& map, const std::map<KeyframeId, double>& depths, KeyframeId a,
+                          KeyframeId b) {
+  PoseGraphEdge edge{a, b,
+                     Similarity3d::FromRigid(map.FindKeyframe(b)->camera_from_map *
+                                             map.FindKeyframe(a)->camera_from_map.Inverse())};
+  auto depth = depths.find(b);
+  if (depth == depths.end()) depth = depths.find(a);
+  edge.root_information = RootInformationAtDepth(depth != depths.end() ? depth->second : 1);
+  return edge;
 }
 
 }  // namespace
+
+Matrix7d RootInformationAtDepth(double depth) {
+  Vector7d diagonal = Vector7d::Ones();
+  diagonal.head<3>() /= depth;
+  return diagonal.asDiagonal();
+}
+
+Matrix7d RootInformation(const Matrix7d& covariance) {
+  return covariance.inverse().llt().matrixU();
+}
 
 absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const Poses& initial,
                                                   absl::Span<const PoseGraphEdge> edges,
@@ -137,7 +165,8 @@ std::vector<PoseGraphEdge> EssentialGraphEdges(const Map& map, int min_covisibil
   }
   std::vector<PoseGraphEdge> edges;
   edges.reserve(pairs.size());
-  for (const auto& [a, b] : pairs) edges.push_back(PresentEdge(map, a, b));
+  const std::map<KeyframeId, double> depths = DepthsOfKeyframes(map);
+  for (const auto& [a, b] : pairs) edges.push_back(PresentEdge(map, depths, a, b));
   return edges;
 }
 

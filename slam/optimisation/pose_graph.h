@@ -8,6 +8,7 @@
 #include "absl/container/btree_set.h"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
+#include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/map/map.h"
 #include "slam/optimisation/bundle_adjustment.h"
@@ -23,10 +24,18 @@ struct PoseGraphEdge {
   // Multiplies the squared residual.
   double weight = 1;
   // For edges that may be wrong: one that disagrees with the rest has no say. What counts is
-  // weight * |residual|^2 against the 95 % bound of chi2 (12.6 rigid, 14.1 with scale), so weights
-  // should be inverse variances of the tangent's components.
+  // weight * |residual|^2 against the 95 % bound of chi2 (12.6 rigid, 14.1 with scale), so with
+  // weight and root_information it should be squared standard deviations.
   bool robust = false;
+  // Upper triangular R: R^T * R is the information of the logarithm's components, up to `weight`.
+  Matrix7d root_information = Matrix7d::Identity();
 };
+
+// R for independent components: a turn by an angle, or a stretch by its logarithm, counts like a
+// shift by as much of the scene's depth, in the units of b's camera. That is what pictures show.
+Matrix7d RootInformationAtDepth(double depth);
+// R for the inverse of a positive definite covariance.
+Matrix7d RootInformation(const Matrix7d& covariance);
 
 struct PoseGraphOptions {
   // SE(3) on the edges' rigid parts (metric maps), else Sim(3). With it the scales stay what they
@@ -50,22 +59,23 @@ struct PoseGraphResult {
   int iterations = 0;
 };
 
-// The residual of an edge is log(b_from_a * camera_a_from_map * camera_b_from_map^-1), in the order
-// (translation, rotation, log of scale). Fixed keyframes and those without edges stay. All robust
-// edges pull at first, a true loop so however large the drift; where some then disagree beyond the
-// bound, truncated least squares by graduated non-convexity decides between them, wherever the
-// graph began, and losers get a second chance (docs/adr/0006). INVALID_ARGUMENT, naming the id,
-// where an edge ends at an unknown keyframe or begins and ends at the same, a part of the graph has
-// no fixed keyframe, or a value is not finite. Pure; any thread. Sources: Strasdat et al., RSS 2010
-// (scale drift-aware large scale monocular SLAM); Yang et al., "Graduated Non-Convexity for Robust
-// Spatial Perception", RA-L 2020, algorithm 1.
+// The residual of an edge is R * log(b_from_a * camera_a_from_map * camera_b_from_map^-1), in the
+// order (translation, rotation, log of scale). Fixed keyframes and those without edges stay. All
+// robust edges pull at first, a true loop so however large the drift; where some then disagree
+// beyond the bound, truncated least squares by graduated non-convexity decides between them,
+// wherever the graph began, and losers get a second chance (docs/adr/0006). INVALID_ARGUMENT,
+// naming the id, where an edge ends at an unknown keyframe or begins and ends at the same, a part
+// of the graph has no fixed keyframe, or a value is not finite. Pure; any thread. Sources: Strasdat
+// et al., RSS 2010 (scale drift-aware large scale monocular SLAM); Yang et al., "Graduated
+// Non-Convexity for Robust Spatial Perception", RA-L 2020, algorithm 1.
 absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const std::map<KeyframeId, Similarity3d>& initial,
                                                   absl::Span<const PoseGraphEdge> edges,
                                                   const absl::btree_set<KeyframeId>& fixed,
                                                   const PoseGraphOptions& options);
 
 // Spanning tree, loop edges and covisibility of at least `min_covisibility` points, each pair of
-// keyframes once with a < b, sorted; relative poses are the map's present ones.
+// keyframes once with a < b, sorted; relative poses are the map's present ones, at the median depth
+// of what b sees (else a; 1 where neither sees any point).
 std::vector<PoseGraphEdge> EssentialGraphEdges(const Map& map, int min_covisibility = 100);
 
 // Where each point goes when it follows its reference keyframe to its corrected pose (which maps

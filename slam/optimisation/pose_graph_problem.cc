@@ -1,6 +1,7 @@
 #include "slam/optimisation/pose_graph_problem.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "slam/optimisation/relative_pose_cost.h"
@@ -53,7 +54,8 @@ void PoseGraphProblem::AddEdges(const absl::btree_set<KeyframeId>& fixed) {
   auto* manifold = new LeftPerturbation<kTangent>();
   for (size_t i = 0; i < edges_.size(); ++i) {
     const PoseGraphEdge& edge = edges_[i];
-    problem_.AddResidualBlock(new RelativePoseCost<kTangent>(edge.b_from_a, edge.weight),
+    const Matrix7d R = std::sqrt(edge.weight) * edge.root_information;
+    problem_.AddResidualBlock(new RelativePoseCost<kTangent>(edge.b_from_a, R),
                               edge.robust ? &weights_[i] : nullptr, blocks_.at(edge.a).data(),
                               blocks_.at(edge.b).data());
   }
@@ -92,10 +94,10 @@ std::vector<double> PoseGraphProblem::EdgeChi2() const {
   std::vector<double> chi2;
   chi2.reserve(edges_.size());
   for (const PoseGraphEdge& edge : edges_) {
-    const Vector7d error = LogSim3(edge.b_from_a * FromBlock(blocks_.at(edge.a).data()) *
-                                   FromBlock(blocks_.at(edge.b).data()).Inverse());
-    chi2.push_back(edge.weight *
-                   (options_.fix_scale ? error.head<6>().squaredNorm() : error.squaredNorm()));
+    Vector7d error = LogSim3(edge.b_from_a * FromBlock(blocks_.at(edge.a).data()) *
+                             FromBlock(blocks_.at(edge.b).data()).Inverse());
+    if (options_.fix_scale) error[6] = 0;
+    chi2.push_back(edge.weight * (edge.root_information * error).squaredNorm());
   }
   return chi2;
 }

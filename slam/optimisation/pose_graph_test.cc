@@ -56,7 +56,11 @@ void CheckJacobians() {
   Vector7d first = base;
   if (kTangent == 6) first[6] = 0;
   const SimilarityBlock blocks[2] = {ToBlock(ExpSim3(first)), ToBlock(ExpSim3(other))};
-  const RelativePoseCost<kTangent> cost(ExpSim3(measured), 2.5);
+  Matrix7d R = Matrix7d::Identity() * 1.5;
+  R(0, 3) = 0.4;
+  R(2, 5) = -0.7;
+  R(4, 6) = 0.3;
+  const RelativePoseCost<kTangent> cost(ExpSim3(measured), R);
   const LeftPerturbation<kTangent> manifold;
   using Jacobian = Eigen::Matrix<double, kTangent, 8, Eigen::RowMajor>;
   using Residual = Eigen::Matrix<double, kTangent, 1>;
@@ -179,6 +183,42 @@ TEST(PoseGraphTest, ATrueRobustLoopStillUndoesDrift) {
   const double before = Distance(drifted.at(Id(19)), truth.at(Id(19)));
   EXPECT_GT(before, 1.5);
   EXPECT_LT(Distance(result->camera_from_map.at(Id(19)), truth.at(Id(19))), 0.1 * before);
+}
+
+// How far the end of a straight way of 100 m goes, which leads away from a loop around a circle,
+// when the loop is closed by 0.3 m.
+double EndOfTheWayGoes_m(double depth) {
+  auto poses = Circle(40);
+  std::vector<PoseGraphEdge> edges = RingEdges(poses);
+  edges.back().b_from_a.translation.x() += 0.3;
+  edges.back().weight = 10;
+  Similarity3d map_from_camera = poses.at(Id(30)).Inverse();
+  for (int i = 0; i < 100; ++i) {
+    const KeyframeId last = i == 0 ? Id(30) : Id(39 + i);
+    map_from_camera.translation.x() -= 1;
+    poses[Id(40 + i)] = map_from_camera.Inverse();
+    edges.push_back({last, Id(40 + i), map_from_camera.Inverse() * poses.at(last).Inverse()});
+  }
+  for (PoseGraphEdge& edge : edges) edge.root_information = RootInformationAtDepth(depth);
+  const auto result = OptimisePoseGraph(poses, edges, {Id(0)}, {});
+  EXPECT_TRUE(result.ok()) << result.status();
+  return (result->camera_from_map.at(Id(139)).Inverse().translation - map_from_camera.translation)
+      .norm();
+}
+
+TEST(PoseGraphTest, ATurnCountsByTheDepthOfWhatIsSeen) {
+  EXPECT_GT(EndOfTheWayGoes_m(1), 0.9);
+  EXPECT_LT(EndOfTheWayGoes_m(20), 0.3);
+}
+
+TEST(PoseGraphTest, RootsOfInformation) {
+  Matrix7d A = Matrix7d::Identity();
+  A(0, 3) = 0.5;
+  A(4, 6) = -0.3;
+  const Matrix7d covariance = 0.1 * A * A.transpose();
+  const Matrix7d R = RootInformation(covariance);
+  EXPECT_LT((R.transpose() * R * covariance - Matrix7d::Identity()).norm(), 1e-9);
+  EXPECT_TRUE(R.isUpperTriangular());
 }
 
 // Half of the loops are wrong, and four of them agree with each other.

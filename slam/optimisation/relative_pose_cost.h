@@ -5,28 +5,26 @@
 #include <ceres/sized_cost_function.h>
 
 #include <Eigen/Core>
-#include <cmath>
 
 #include "slam/geometry/lie.h"
 #include "slam/optimisation/similarity_manifold.h"
 
 namespace corbslam {
 
-// sqrt(weight) * log(b_from_a * a * b^-1), of 6 (rigid) or 7 components; blocks a, b with
-// LeftPerturbation<kTangent>.
+// R * log(b_from_a * a * b^-1), of 6 (rigid) or 7 components, R being upper triangular; blocks a, b
+// with LeftPerturbation<kTangent>.
 template <int kTangent>
 class RelativePoseCost : public ceres::SizedCostFunction<kTangent, 8, 8> {
  public:
-  RelativePoseCost(const Similarity3d& b_from_a, double weight)
-      : b_from_a_(b_from_a), root_weight_(std::sqrt(weight)) {}
+  RelativePoseCost(const Similarity3d& b_from_a, const Matrix7d& R)
+      : b_from_a_(b_from_a), R_(R.topLeftCorner<kTangent, kTangent>()) {}
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
     const Similarity3d error =
         b_from_a_ * FromBlock(parameters[0]) * FromBlock(parameters[1]).Inverse();
     const Vector7d tangent = LogSim3(error);
-    Eigen::Map<Eigen::Matrix<double, kTangent, 1>>{residuals} =
-        root_weight_ * tangent.head<kTangent>();
+    Eigen::Map<Eigen::Matrix<double, kTangent, 1>>{residuals} = R_ * tangent.head<kTangent>();
     if (jacobians == nullptr) return true;
     const Matrix7d J_inverse = InverseLeftJacobian(tangent);
     if (jacobians[0] != nullptr) Write(J_inverse * AdjointSim3(b_from_a_), jacobians[0]);
@@ -44,11 +42,11 @@ class RelativePoseCost : public ceres::SizedCostFunction<kTangent, 8, 8> {
   void Write(const Matrix7d& J, double* jacobian) const {
     Eigen::Map<Eigen::Matrix<double, kTangent, 8, Eigen::RowMajor>> out(jacobian);
     out.setZero();
-    out.template leftCols<kTangent>() = root_weight_ * J.topLeftCorner<kTangent, kTangent>();
+    out.template leftCols<kTangent>() = R_ * J.topLeftCorner<kTangent, kTangent>();
   }
 
   Similarity3d b_from_a_;
-  double root_weight_;
+  Eigen::Matrix<double, kTangent, kTangent> R_;
 };
 
 }  // namespace corbslam

@@ -86,19 +86,21 @@ void AddMatches(const Refinement& input, const SimilarityRefinement& state,
   }
 }
 
+void SetManifold(bool fix_scale, SimilarityBlock& block, ceres::Problem& problem) {
+  if (fix_scale) {
+    problem.SetManifold(block.data(), new LeftPerturbation<6>());
+  } else {
+    problem.SetManifold(block.data(), new LeftPerturbation<7>());
+  }
+}
+
 absl::Status Minimise(const Refinement& input, bool robust, bool fix_scale, int iterations,
                       SimilarityRefinement& state) {
   SimilarityBlock block = ToBlock(state.b_from_a);
   ceres::Problem problem;
   AddMatches(input, state, robust ? new ceres::HuberLoss(std::sqrt(input.max_chi2)) : nullptr,
              block.data(), problem);
-  ceres::Manifold* manifold = nullptr;
-  if (fix_scale) {
-    manifold = new LeftPerturbation<6>();
-  } else {
-    manifold = new LeftPerturbation<7>();
-  }
-  problem.SetManifold(block.data(), manifold);
+  SetManifold(fix_scale, block, problem);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = iterations;
@@ -141,6 +143,33 @@ absl::StatusOr<SimilarityRefinement> RefineSimilarity(const Camera& camera_a,
   Classify(input, max_chi2, state);
   RETURN_IF_ERROR(CheckEnough(state));
   return state;
+}
+
+absl::StatusOr<Matrix7d> SimilarityCovariance(const Camera& camera_a, const Camera& camera_b,
+                                              absl::Span<const SimilarityMatch> matches,
+                                              const SimilarityRefinement& refined, bool fix_scale) {
+  SimilarityBlock block = ToBlock(refined.b_from_a);
+  ceres::Problem problem;
+  AddMatches({camera_a, camera_b, matches, 0}, refined, nullptr, block.data(), problem);
+  if (!problem.HasParameterBlock(block.data())) {
+    return absl::FailedPreconditionError("similarity covariance: no match is an inlier");
+  }
+  SetManifold(fix_scale, block, problem);
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::DENSE_SVD;
+  options.num_threads = 1;
+  ceres::Covariance covariance(options);
+  const std::vector<const double*> blocks = {block.data()};
+  if (!covariance.Compute(blocks, &problem)) {
+    return absl::FailedPreconditionError(absl::StrCat("similarity covariance: ", refined.inliers,
+                                                      " inliers leave a direction open"));
+  }
+  const int size = fix_scale ? 6 : 7;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> tangent(size, size);
+  covariance.GetCovarianceMatrixInTangentSpace(blocks, tangent.data());
+  Matrix7d result = Matrix7d::Zero();
+  result.topLeftCorner(size, size) = tangent;
+  return result;
 }
 
 }  // namespace corbslam

@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "slam/camera/camera.h"
+#include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 
 namespace corbslam {
@@ -48,6 +49,16 @@ absl::StatusOr<SimilarityRefinement> RefineSimilarity(const Camera& camera_a,
                                                       absl::Span<const SimilarityMatch> matches,
                                                       const Similarity3d& initial_b_from_a,
                                                       bool fix_scale, double max_chi2 = 9.21);
+
+// How well the inliers of a refinement say what it found: the covariance of e where the true
+// similarity is Exp(e) * b_from_a, e being (translation in units of b's map, rotation in rad, log
+// of scale). Both reprojection errors of each inlier count, linearised, as independent ones of the
+// matches' variances; where the maps have the points wrong it is too small. Rows and columns of a
+// fixed scale are 0. FAILED_PRECONDITION where the inliers leave a direction open. Pure; any
+// thread.
+absl::StatusOr<Matrix7d> SimilarityCovariance(const Camera& camera_a, const Camera& camera_b,
+                                              absl::Span<const SimilarityMatch> matches,
+                                              const SimilarityRefinement& refined, bool fix_scale);
 
 }  // namespace corbslam
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "slam/geometry/lie.h"
@@ -95,6 +96,50 @@ TEST(RefineSimilarityTest, RefusesTooFewAndNotFinite) {
   matches = Matches(kTruth, 10);
   for (SimilarityMatch& match : matches) match.x_in_a.z() = -5;
   EXPECT_EQ(RefineSimilarity(camera, camera, matches, kTruth, false).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+}
+
+// Mean of the squared error of refinements of noisy pixels, in the covariance that each says.
+double MeanChi2(bool fix_scale) {
+  constexpr int kDraws = 300;
+  const Camera camera = testing::SyntheticCamera();
+  Similarity3d truth = kTruth;
+  if (fix_scale) truth.scale = 1;
+  const int size = fix_scale ? 6 : 7;
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 0.8);
+  double sum = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    std::vector<SimilarityMatch> matches = Matches(truth, 40);
+    for (SimilarityMatch& match : matches) {
+      match.variance_a_px2 = match.variance_b_px2 = 0.8 * 0.8;
+      match.pixel_in_a += Eigen::Vector2d(noise(random), noise(random));
+      match.pixel_in_b += Eigen::Vector2d(noise(random), noise(random));
+    }
+    const auto refined = RefineSimilarity(camera, camera, matches, truth, fix_scale, 30);
+    EXPECT_TRUE(refined.ok());
+    const auto covariance = SimilarityCovariance(camera, camera, matches, *refined, fix_scale);
+    EXPECT_TRUE(covariance.ok());
+    const Eigen::VectorXd e = LogSim3(truth * refined->b_from_a.Inverse()).head(size);
+    sum += e.dot(covariance->topLeftCorner(size, size).inverse() * e);
+  }
+  return sum / kDraws;
+}
+
+// A squared error has the mean of as many degrees of freedom; of 300 draws within a tenth.
+TEST(SimilarityCovarianceTest, IsThatOfTheErrorsThatNoiseMakes) {
+  EXPECT_NEAR(MeanChi2(true), 6, 0.8);
+  EXPECT_NEAR(MeanChi2(false), 7, 0.8);
+}
+
+TEST(SimilarityCovarianceTest, RefusesWhatLeavesADirectionOpen) {
+  const Camera camera = testing::SyntheticCamera();
+  std::vector<SimilarityMatch> matches(5, Matches(kTruth, 1)[0]);
+  const SimilarityRefinement refined{kTruth, {1, 1, 1, 1, 1}, 5};
+  EXPECT_EQ(SimilarityCovariance(camera, camera, matches, refined, false).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+  const SimilarityRefinement none{kTruth, {0, 0, 0, 0, 0}, 0};
+  EXPECT_EQ(SimilarityCovariance(camera, camera, matches, none, false).status().code(),
             absl::StatusCode::kFailedPrecondition);
 }
 

@@ -298,6 +298,20 @@ bool IsMoreThanAlike(const OverlapEvidence& evidence, const PlaceVerificationOpt
   return evidence.projected_matches >= to_chance * evidence.chance_matches;
 }
 
+// False where the inliers leave a direction open.
+bool SetCovariance(const Side& query, const Side& candidate,
+                   const PlaceVerificationOptions& options, Overlap& overlap) {
+  std::vector<PointPair> pairs = overlap.inliers;
+  const std::vector<SimilarityMatch> matches = MakeMatches(query, candidate, pairs);
+  const SimilarityRefinement refined{overlap.candidate_from_query,
+                                     std::vector<char>(matches.size(), 1),
+                                     static_cast<int>(matches.size())};
+  const auto covariance = SimilarityCovariance(query.centre.camera(), candidate.centre.camera(),
+                                               matches, refined, options.fix_scale);
+  if (covariance.ok()) overlap.covariance = *covariance;
+  return covariance.ok();
+}
+
 OverlapVerdict Judge(const Side& query, const Side& candidate,
                      const PlaceVerificationOptions& options, Overlap& overlap) {
   OverlapEvidence& evidence = overlap.evidence;
@@ -331,6 +345,9 @@ OverlapVerdict Judge(const Side& query, const Side& candidate,
       CountConsistentKeyframes(query, candidate, options, overlap.candidate_from_query);
   if (evidence.consistent_keyframes < options.min_consistent_keyframes) {
     return OverlapVerdict::kNoSecondKeyframe;
+  }
+  if (!SetCovariance(query, candidate, options, overlap)) {
+    return OverlapVerdict::kTooFewRefinedInliers;
   }
   return OverlapVerdict::kAccepted;
 }

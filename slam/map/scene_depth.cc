@@ -1,0 +1,27 @@
+#include "slam/map/scene_depth.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace corbslam {
+
+std::optional<double> MedianDepth(const Map& map, const Keyframe& keyframe,
+                                  absl::Span<const MapPointId> points) {
+  std::vector<double> depths;
+  for (const MapPointId& id : points) {
+    const MapPoint* point = id.IsValid() ? map.FindPoint(id) : nullptr;
+    if (point == nullptr) continue;
+    const double depth = (keyframe.camera_from_map * point->position_in_map).z();
+    if (depth > 0) depths.push_back(depth);
+  }
+  if (depths.empty()) return std::nullopt;
+  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
+std::optional<double> MedianDepth(const Map& map, const Keyframe& keyframe) {
+  return MedianDepth(map, keyframe, keyframe.points);
+}
+
+}  // namespace corbslam
