@@ -75,6 +75,14 @@ TEST_F(RetractOverlapTest, ByTheNameThatTheListGives) {
   EXPECT_THAT(again.error_message(), HasSubstr("TAKEN_BACK"));
 }
 
+TEST_F(RetractOverlapTest, ListedIsHowCertainItIs) {
+  const v1::ListOverlapsResponse accepted = ListAccepted();
+  ASSERT_EQ(accepted.overlaps_size(), 1);
+  EXPECT_DOUBLE_EQ(accepted.overlaps(0).translation_sigma(), 0.02);
+  EXPECT_DOUBLE_EQ(accepted.overlaps(0).rotation_sigma_rad(), 0.002);
+  EXPECT_EQ(accepted.overlaps(0).log_scale_sigma(), 0);
+}
+
 TEST_F(RetractOverlapTest, DerivingAgainForgetsTheRest) {
   ASSERT_GT(store_->GetStatistics("m")->revision, 0u);
   const uint64_t revision = store_->GetStatistics("m")->revision;

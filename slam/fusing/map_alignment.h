@@ -17,7 +17,7 @@ struct OrientedOverlap {
   // x_in_anchor_camera = anchor_from_mover * x_in_mover_camera.
   Similarity3d anchor_from_mover;
   // Of e, where the true one is Exp(e) * anchor_from_mover (Overlap::covariance).
-  Matrix7d covariance;
+  Matrix7d covariance = Matrix7d::Zero();
   // (anchor's point, mover's point).
   std::vector<std::pair<MapPointId, MapPointId>> points;
 };

@@ -42,6 +42,11 @@ absl::Status CheckOverlap(const FuseMapsRequest& request, const Overlap& overlap
                                                    " and ", ToString(overlap.candidate),
                                                    " has a similarity that is not finite"));
   }
+  if (!IsCovariance(overlap.covariance)) {
+    return absl::InvalidArgumentError(absl::StrCat("overlap of keyframes ", ToString(overlap.query),
+                                                   " and ", ToString(overlap.candidate),
+                                                   " has a covariance that is none"));
+  }
   return absl::OkStatus();
 }
 

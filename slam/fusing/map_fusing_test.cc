@@ -338,6 +338,9 @@ TEST_F(MapFusingTest, NonsenseIsRefusedByName) {
   EXPECT_EQ(unknown.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_NE(unknown.message().find(ToString(KeyframeId{kA, 999})), absl::string_view::npos);
   request = MakeRequest({Verify(2, 26)});
+  request.overlaps[0].covariance(2, 2) = -1;
+  EXPECT_EQ(FuseMaps(request, {}, nullptr).status().code(), absl::StatusCode::kInvalidArgument);
+  request = MakeRequest({Verify(2, 26)});
   request.source = request.target;
   EXPECT_EQ(FuseMaps(request, {}, nullptr).status().code(), absl::StatusCode::kInvalidArgument);
 }

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "slam/geometry/lie.h"
 #include "slam/verification/testing/synthetic_world.h"
 
 namespace corbslam {
@@ -33,9 +36,11 @@ class PlaceVerificationTest : public ::testing::Test {
   Overlap Verify(const SyntheticMap& b, PlaceVerificationOptions options = {}) const {
     return VerifyPlace(b.map, query_, a_.map, candidate_, options);
   }
+  Rigid3d TrueCandidateFromQuery(const SyntheticMap& b) const {
+    return a_.true_camera_from_world.at(candidate_) * b.true_camera_from_world.at(query_).Inverse();
+  }
   void ExpectTruth(const SyntheticMap& b, const Overlap& overlap, double scale = 1) const {
-    const Rigid3d truth =
-        a_.true_camera_from_world.at(candidate_) * b.true_camera_from_world.at(query_).Inverse();
+    const Rigid3d truth = TrueCandidateFromQuery(b);
     const Similarity3d& found = overlap.candidate_from_query;
     EXPECT_LT((found.translation - truth.translation).norm(), 0.03);
     EXPECT_LT(RotationAngle(found.rotation.conjugate() * truth.rotation), 0.005);
@@ -59,6 +64,23 @@ TEST_F(PlaceVerificationTest, FindsHowTheKeyframesStand) {
   }
   EXPECT_GE(right * 100, overlap.inliers.size() * 98);
   EXPECT_EQ(overlap.evidence.refined_inliers, static_cast<int>(overlap.inliers.size()));
+}
+
+// Of six degrees of freedom; the synthetic points have errors of their own besides the pixels'.
+TEST_F(PlaceVerificationTest, KnowsHowFarItMayBeOff) {
+  const SyntheticMap b = MakeB();
+  const Overlap overlap = Verify(b);
+  ASSERT_TRUE(overlap.IsAccepted());
+  ASSERT_TRUE(IsCovariance(overlap.covariance));
+  EXPECT_TRUE(overlap.covariance.row(6).isZero(0));
+  const Matrix6d covariance = overlap.covariance.topLeftCorner<6, 6>();
+  const Vector6d error =
+      LogSE3(TrueCandidateFromQuery(b) * overlap.candidate_from_query.ToRigid().Inverse());
+  EXPECT_LT(error.dot(covariance.inverse() * error), 60);
+  // No more certain than a tenth of a millimetre, and no less than 5 cm.
+  const double sigma_m = std::sqrt(covariance.diagonal().head(3).sum());
+  EXPECT_GT(sigma_m, 1e-4);
+  EXPECT_LT(sigma_m, 0.05);
 }
 
 TEST_F(PlaceVerificationTest, ChanceFindsFarLessThanTheRightPose) {
