@@ -82,6 +82,7 @@ QueryRecord MakeQuery(uint32_t query, uint32_t candidate) {
   Overlap overlap;
   overlap.query = record.task.query;
   overlap.candidate = {kSmallMapA, candidate};
+  overlap.covariance.diagonal() << 1e-4, 4e-4, 1e-4, 1e-6, 1e-6, 4e-6, 0;
   overlap.inliers = {{{kSmallMapB, 1}, {kSmallMapA, 1}}};
   overlap.verdict = OverlapVerdict::kAccepted;
   record.overlaps = {overlap};

@@ -69,7 +69,6 @@ Overlap TruthfulWorker::Compare(const VerifyOverlapRequest& request, KeyframeId 
     const auto it = seen.find(world_point_.at(id));
     if (it != seen.end() && it->second != id) overlap.inliers.push_back({id, it->second});
   }
-  overlap.covariance.diagonal() << 1e-4, 4e-4, 1e-4, 1e-6, 1e-6, 4e-6, 0;
   overlap.verdict = OverlapVerdict::kAccepted;
   overlap.evidence.refined_inliers = static_cast<int>(overlap.inliers.size());
   return overlap;
