@@ -91,11 +91,19 @@ absl::Status CheckAnchored(const Poses& poses, absl::Span<const PoseGraphEdge> e
   return absl::OkStatus();
 }
 
+// A view may hold the points of a part alone: the others' depth is the median of those known.
 std::map<KeyframeId, double> DepthsOfKeyframes(const Map& map) {
   std::map<KeyframeId, double> depths;
+  std::vector<double> known;
   for (const auto& [id, keyframe] : map.keyframes()) {
     const std::optional<double> depth = MedianDepth(map, keyframe);
-    if (depth.has_value()) depths[id] = *depth;
+    depths[id] = depth.value_or(0);
+    if (depth.has_value()) known.push_back(*depth);
+  }
+  const auto middle = known.begin() + static_cast<ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  for (auto& [id, depth] : depths) {
+    if (depth == 0) depth = known.empty() ? 1 : *middle;
   }
   return depths;
 }
@@ -105,9 +113,7 @@ PoseGraphEdge PresentEdge(const Map& map, const std::map<KeyframeId, double>& de
   PoseGraphEdge edge{a, b,
                      Similarity3d::FromRigid(map.FindKeyframe(b)->camera_from_map *
                                              map.FindKeyframe(a)->camera_from_map.Inverse())};
-  auto depth = depths.find(b);
-  if (depth == depths.end()) depth = depths.find(a);
-  edge.root_information = RootInformationAtDepth(depth != depths.end() ? depth->second : 1);
+  edge.root_information = RootInformationAtDepth(depths.at(b));
   return edge;
 }
 

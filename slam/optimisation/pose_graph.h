@@ -75,7 +75,8 @@ absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const std::map<KeyframeId, Sim
 
 // Spanning tree, loop edges and covisibility of at least `min_covisibility` points, each pair of
 // keyframes once with a < b, sorted; relative poses are the map's present ones, at the median depth
-// of what b sees (else a; 1 where neither sees any point).
+// of what b sees; where the map has none of that, at the median of the other keyframes' (1 for
+// none).
 std::vector<PoseGraphEdge> EssentialGraphEdges(const Map& map, int min_covisibility = 100);
 
 // Where each point goes when it follows its reference keyframe to its corrected pose (which maps
