@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "map_store/island_view.h"
 #include "map_store/placement.h"
+#include "slam/util/median.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -56,9 +58,7 @@ double LandmarkDisagreementPx(const MissionState& state, KeyframeId a, KeyframeI
         std::max(ErrorPx(*state.FindKeyframe(a), a_from_island, landmark.keypoint_of_a, position),
                  ErrorPx(*state.FindKeyframe(b), b_from_island, landmark.keypoint_of_b, position)));
   }
-  const auto middle = errors_px.begin() + static_cast<std::ptrdiff_t>(errors_px.size() / 2);
-  std::nth_element(errors_px.begin(), middle, errors_px.end());
-  return *middle;
+  return Median(std::move(errors_px));
 }
 
 }  // namespace corbslam::map_store

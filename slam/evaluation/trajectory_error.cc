@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/median.h"
 
 namespace corbslam {
 namespace {
@@ -27,13 +29,6 @@ Similarity3d Align(const std::vector<PosePair>& pairs, Alignment alignment) {
   truth_from_estimate.rotation = Eigen::Quaterniond(rotation).normalized();
   truth_from_estimate.translation = matrix.topRightCorner<3, 1>();
   return truth_from_estimate;
-}
-
-double Median(std::vector<double> values) {
-  const size_t middle = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(middle),
-                   values.end());
-  return values[middle];
 }
 
 // Metres travelled up to each true pose.

@@ -46,8 +46,7 @@ bool IsInTarget(const FusingProblem& problem, size_t index, double initial_chi2)
          problem.target->FindKeyframe(overlap.mover) != nullptr;
 }
 
-PoseGraphEdge OverlapEdge(const FusingProblem& problem, const OrientedOverlap& overlap) {
-  const double depth = MedianDepth(problem.MapOf(overlap.anchor), overlap);
+PoseGraphEdge OverlapEdge(const OrientedOverlap& overlap, double depth) {
   Vector7d sigma = Vector7d::Constant(kOverlapSigma);
   sigma.head<3>() *= depth;
   sigma[6] = kOverlapSigmaLogScale;
@@ -61,7 +60,7 @@ PoseGraphEdge OverlapEdge(const FusingProblem& problem, const OrientedOverlap& o
 }
 
 // The overlaps last.
-std::vector<PoseGraphEdge> Edges(const FusingProblem& problem,
+std::vector<PoseGraphEdge> Edges(const FusingProblem& problem, const std::vector<double>& depths,
                                  const std::map<KeyframeId, Similarity3d>& initial,
                                  const std::vector<double>& initial_chi2) {
   std::vector<PoseGraphEdge> edges = EssentialGraphEdges(*problem.target);
@@ -70,7 +69,7 @@ std::vector<PoseGraphEdge> Edges(const FusingProblem& problem,
   for (PoseGraphEdge& edge : edges) edge.weight = 1 / (kOdometrySigma * kOdometrySigma);
   for (size_t i = 0; i < problem.overlaps.size(); ++i) {
     const OrientedOverlap& overlap = problem.overlaps[i];
-    edges.push_back(OverlapEdge(problem, overlap));
+    edges.push_back(OverlapEdge(overlap, depths[i]));
     if (!IsInTarget(problem, i, initial_chi2[i])) continue;
     edges.back().b_from_a = initial.at(overlap.anchor) * initial.at(overlap.mover).Inverse();
   }
@@ -101,15 +100,34 @@ void FixEveryPart(const std::map<KeyframeId, Similarity3d>& poses,
   }
 }
 
-double Chi2(const FusingProblem& problem, const OrientedOverlap& overlap,
+std::vector<double> MedianDepths(const FusingProblem& problem) {
+  std::vector<double> depths;
+  depths.reserve(problem.overlaps.size());
+  for (const OrientedOverlap& overlap : problem.overlaps) {
+    depths.push_back(MedianDepth(problem.MapOf(overlap.anchor), overlap));
+  }
+  return depths;
+}
+
+double Chi2(const OrientedOverlap& overlap, double depth,
             const std::map<KeyframeId, Similarity3d>& poses) {
   const Similarity3d error =
       overlap.anchor_from_mover * poses.at(overlap.mover) * poses.at(overlap.anchor).Inverse();
-  const double depth = MedianDepth(problem.MapOf(overlap.anchor), overlap);
   const double shift = error.translation.norm() / (kSigmaShareOfDepth * depth);
   const double turn = RotationAngle(error.rotation) / kSigmaAngle_rad;
   const double stretch = std::log(error.scale) / kSigmaLogScale;
   return shift * shift + turn * turn + stretch * stretch;
+}
+
+// Of every overlap.
+std::vector<double> Chi2s(const FusingProblem& problem, const std::vector<double>& depths,
+                          const std::map<KeyframeId, Similarity3d>& poses) {
+  std::vector<double> chi2;
+  chi2.reserve(depths.size());
+  for (size_t i = 0; i < depths.size(); ++i) {
+    chi2.push_back(Chi2(problem.overlaps[i], depths[i], poses));
+  }
+  return chi2;
 }
 
 }  // namespace
@@ -117,11 +135,10 @@ double Chi2(const FusingProblem& problem, const OrientedOverlap& overlap,
 absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
                                              const MapFusingOptions& options) {
   const std::map<KeyframeId, Similarity3d> initial = InitialPoses(problem);
+  const std::vector<double> depths = MedianDepths(problem);
   SolvedGraph solved;
-  for (const OrientedOverlap& overlap : problem.overlaps) {
-    solved.initial_chi2.push_back(Chi2(problem, overlap, initial));
-  }
-  const std::vector<PoseGraphEdge> edges = Edges(problem, initial, solved.initial_chi2);
+  solved.initial_chi2 = Chi2s(problem, depths, initial);
+  const std::vector<PoseGraphEdge> edges = Edges(problem, depths, initial, solved.initial_chi2);
   solved.fixed = KeyframesThatStay(*problem.target, options.only_moves);
   FixEveryPart(initial, edges, solved.fixed);
   PoseGraphOptions graph;
@@ -132,9 +149,7 @@ absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
   for (const auto& [id, pose] : initial) solved.camera_from_target.try_emplace(id, pose);
   solved.outvoted.assign(result.outvoted.end() - static_cast<ptrdiff_t>(problem.overlaps.size()),
                          result.outvoted.end());
-  for (const OrientedOverlap& overlap : problem.overlaps) {
-    solved.chi2.push_back(Chi2(problem, overlap, solved.camera_from_target));
-  }
+  solved.chi2 = Chi2s(problem, depths, solved.camera_from_target);
   return solved;
 }
 

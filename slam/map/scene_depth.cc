@@ -1,7 +1,9 @@
 #include "slam/map/scene_depth.h"
 
-#include <algorithm>
+#include <utility>
 #include <vector>
+
+#include "slam/util/median.h"
 
 namespace corbslam {
 
@@ -15,9 +17,7 @@ std::optional<double> MedianDepth(const Map& map, const Keyframe& keyframe,
     if (depth > 0) depths.push_back(depth);
   }
   if (depths.empty()) return std::nullopt;
-  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return Median(std::move(depths));
 }
 
 std::optional<double> MedianDepth(const Map& map, const Keyframe& keyframe) {

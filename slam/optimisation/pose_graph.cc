@@ -11,6 +11,7 @@
 #include "slam/map/scene_depth.h"
 #include "slam/optimisation/pose_graph_problem.h"
 #include "slam/optimisation/robust_edges.h"
+#include "slam/util/median.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -97,14 +98,12 @@ std::map<KeyframeId, double> DepthsOfKeyframes(const Map& map) {
   std::vector<double> known;
   for (const auto& [id, keyframe] : map.keyframes()) {
     const std::optional<double> depth = MedianDepth(map, keyframe);
-    depths[id] = depth.value_or(0);
-    if (depth.has_value()) known.push_back(*depth);
+    if (!depth.has_value()) continue;
+    depths.emplace(id, *depth);
+    known.push_back(*depth);
   }
-  const auto middle = known.begin() + static_cast<ptrdiff_t>(known.size() / 2);
-  std::nth_element(known.begin(), middle, known.end());
-  for (auto& [id, depth] : depths) {
-    if (depth == 0) depth = known.empty() ? 1 : *middle;
-  }
+  const double of_others = known.empty() ? 1 : Median(std::move(known));
+  for (const auto& [id, keyframe] : map.keyframes()) depths.try_emplace(id, of_others);
   return depths;
 }
 

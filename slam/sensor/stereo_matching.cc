@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "slam/sensor/patch_alignment.h"
+#include "slam/util/median.h"
 
 namespace corbslam {
 namespace {
@@ -94,9 +96,7 @@ int MedianDifference(const std::vector<Measured>& measured) {
   std::vector<int> differences;
   differences.reserve(measured.size());
   for (const Measured& m : measured) differences.push_back(m.difference);
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return *middle;
+  return Median(std::move(differences));
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "slam/map/feature_grid.h"
 #include "slam/place/keyframe_database.h"
 #include "slam/sensor/sensor.h"
+#include "slam/util/median.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
 
@@ -117,10 +118,7 @@ class Collector {
       *value /= n;
     }
     result.matched_share /= std::max(n - 1, 1.0);
-    if (!depths_.empty()) {
-      std::nth_element(depths_.begin(), depths_.begin() + Middle(), depths_.end());
-      result.median_depth_m = depths_[static_cast<size_t>(Middle())];
-    }
+    if (!depths_.empty()) result.median_depth_m = Median(depths_);
     result.track_length = frames_followed_ / std::max(tracks_, 1.0);
     result.long_tracks_share = long_tracks_ / std::max(tracks_, 1.0);
     result.self_recall = SelfRecall(frames_);
@@ -128,8 +126,6 @@ class Collector {
   }
 
  private:
-  std::ptrdiff_t Middle() const { return static_cast<std::ptrdiff_t>(depths_.size() / 2); }
-
   void CountKeypoints(const Features& features) {
     double with_depth = 0;
     double close = 0;

@@ -3,7 +3,6 @@
 //   single_robot SOURCE VOCABULARY TRUTH [FEATURES] [--threads] [--frames]
 // SOURCE as in docs ("kitti:DIR?frames=0:100"); TRUTH is a KITTI poses.txt beside a times.txt, or a
 // TUM trajectory.
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -15,6 +14,7 @@
 #include "client_agent/source/image_source.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/evaluation/trajectory_io.h"
+#include "slam/util/median.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -29,11 +29,8 @@ struct Options {
   bool frames = false;
 };
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double MedianOrZero(const std::vector<double>& values) {
+  return values.empty() ? 0 : Median(values);
 }
 
 absl::StatusOr<Trajectory> ReadTruth(const std::string& path) {
@@ -78,8 +75,8 @@ absl::Status PrintErrors(const Agent& agent, const Options& options) {
   std::printf("from frame 15 with a scale of its own %.4f m, true size over estimated %.5f\n",
               scaled.rmse_m, scaled.truth_from_estimate.scale);
   std::printf("%d keyframes, %d points, %d loops; tracking %.1f ms, local BA %.1f ms (medians)\n",
-              status.keyframes, status.map_points, status.loops_closed, Median(timings.tracking_ms),
-              Median(timings.local_ba_ms));
+              status.keyframes, status.map_points, status.loops_closed,
+              MedianOrZero(timings.tracking_ms), MedianOrZero(timings.local_ba_ms));
   return absl::OkStatus();
 }
 

@@ -16,6 +16,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "slam/util/median.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 #include "slam/verification/testing/synthetic_world.h"
@@ -45,11 +46,8 @@ struct Errors {
   double ms = 0;              // All together.
 };
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double MedianOrZero(const std::vector<double>& values) {
+  return values.empty() ? 0 : Median(values);
 }
 
 double Largest(const std::vector<double>& values) {
@@ -100,17 +98,18 @@ Json PrintRow(int maps, int cluster, int percent, const std::vector<RobustSolver
               std::map<std::string, Errors>& errors) {
   absl::PrintF("| %d | %d %%%s | %.3f |", maps, percent,
                percent == 0 || cluster == 1 ? "" : absl::StrCat(", ", cluster, " agree"),
-               Median(errors["clean"].ate_m));
+               MedianOrZero(errors["clean"].ate_m));
   Json row = {{"robots", maps},
               {"wrong_percent", percent},
               {"cluster", cluster},
-              {"clean_ate_m", Median(errors["clean"].ate_m)}};
+              {"clean_ate_m", MedianOrZero(errors["clean"].ate_m)}};
   for (const RobustSolver& solver : solvers) {
     const Errors& of_solver = errors[solver.name];
-    const double ratio = Median(of_solver.ratio);
-    absl::PrintF(" %.3f (%.2f, %.2f) |", Median(of_solver.ate_m), ratio, Largest(of_solver.ratio));
+    const double ratio = MedianOrZero(of_solver.ratio);
+    absl::PrintF(" %.3f (%.2f, %.2f) |", MedianOrZero(of_solver.ate_m), ratio,
+                 Largest(of_solver.ratio));
     row["solvers"][solver.name] = {
-        {"ate_m", Median(of_solver.ate_m)},
+        {"ate_m", MedianOrZero(of_solver.ate_m)},
         {"ratio", ratio},
         {"worst_ratio", Largest(of_solver.ratio)},
         {"mean_ms", of_solver.ms / static_cast<double>(of_solver.ratio.size())}};
@@ -166,7 +165,7 @@ absl::Status CompareFusings(const Flags& flags, Json& json) {
       absl::PrintF("| %s | %d %% | %d of %d | %d of %d | %d of %d | %.3f | %.3f |\n",
                    at_once ? "at once" : "one by one", percent, ate_m.size(), flags.fusing_seeds,
                    sum.true_accepted, sum.true_overlaps, sum.wrong_accepted, sum.wrong_overlaps,
-                   Median(ate_m), Largest(ate_m));
+                   MedianOrZero(ate_m), Largest(ate_m));
       std::fflush(stdout);
       json.push_back({{"at_once", at_once},
                       {"wrong_percent", percent},
@@ -175,7 +174,7 @@ absl::Status CompareFusings(const Flags& flags, Json& json) {
                       {"true_accepted", sum.true_accepted},
                       {"wrong_overlaps", sum.wrong_overlaps},
                       {"wrong_accepted", sum.wrong_accepted},
-                      {"ate_m", Median(ate_m)},
+                      {"ate_m", MedianOrZero(ate_m)},
                       {"largest_ate_m", Largest(ate_m)}});
     }
   }
