@@ -141,6 +141,7 @@ absl::StatusOr<AdjustBundleResult> LocalFusionWorker::AdjustBundle(
   // The request's count is of all rounds together.
   bundle.max_iterations = (request.max_iterations + kOutlierRounds) / (kOutlierRounds + 1);
   bundle.outlier_rounds = kOutlierRounds;
+  bundle.measure_noise = true;
   bundle.threads = std::max(request.threads, 1);
   bundle.keep_going = [&](double part) { return !IsCancelled(progress, part); };
   ASSIGN_OR_RETURN(const BundleResult adjusted,

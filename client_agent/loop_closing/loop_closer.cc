@@ -188,6 +188,7 @@ bool LoopCloser::StepAdjustment() {
       map_.Read([own](const Map& inner) { return CorrectionView(inner, own, std::nullopt); });
   BundleOptions bundle;
   bundle.max_iterations = options_.adjustment_iterations;
+  bundle.measure_noise = true;
   bundle.threads = options_.solver_threads;
   bundle.keep_going = [this, generation](double) {
     return !stopping_.load() && generation_.load() == generation;

@@ -10,6 +10,7 @@
 #include "slam/optimisation/block_schur_solver.h"
 #include "slam/optimisation/bundle_problem.h"
 #include "slam/optimisation/ceres_bundle_solver.h"
+#include "slam/optimisation/measurement_noise.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -127,12 +128,16 @@ BundleProblem MakeProblem(const BundleScope& scope, const BundleIndex& index) {
   return problem;
 }
 
-bool IsOutlier(const BundleProblem& problem, const BundleObservation& observation) {
-  return !(ObservationChi2(problem, observation) <= observation.measured.MaxChi2());
+bool IsOutlier(const BundleProblem& problem, const BundleObservation& observation,
+               double variance = 1) {
+  return !(ObservationChi2(problem, observation) <= variance * observation.measured.MaxChi2());
 }
 
-void UseInliersOnly(BundleProblem& problem) {
-  for (BundleObservation& o : problem.observations) o.is_used = !IsOutlier(problem, o);
+// `variances`: of the poses, in units of the assumed.
+void UseInliersOnly(const std::vector<double>& variances, BundleProblem& problem) {
+  for (BundleObservation& o : problem.observations) {
+    o.is_used = !IsOutlier(problem, o, variances[o.pose]);
+  }
 }
 
 // How often a point is measured: each observation has two or three coordinates.
@@ -179,6 +184,7 @@ absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& sco
         absl::StrCat("bundle scope: none of its ", index.points.size(),
                      " map points is seen by any of its ", index.keyframes.size(), " keyframes"));
   }
+  std::vector<double> variances(problem.poses.size(), 1);
   BundleResult result;
   const int rounds = std::max(options.outlier_rounds, 0) + 1;
   for (int round = 0; round < rounds && !result.cancelled; ++round) {
@@ -195,7 +201,9 @@ absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& sco
     result.final_cost = summary.final_cost;
     result.iterations += summary.iterations;
     result.cancelled = summary.cancelled;
-    if (round + 1 < rounds) UseInliersOnly(problem);
+    if (round + 1 == rounds) break;
+    if (options.measure_noise && round == 0) variances = MeasureNoise(problem);
+    UseInliersOnly(variances, problem);
   }
   ReadOut(scope, index, problem, result);
   return result;

@@ -31,6 +31,10 @@ struct BundleOptions {
   // After each such round observations beyond the bound (or behind the camera) are left out, and
   // those left out before may come back; then the next round goes on.
   int outlier_rounds = 1;
+  // The bound after the first round is of the noise that is measured then, not of the assumed
+  // pixel (measurement_noise.h). What the result names as outliers is by the assumed one all the
+  // same: what is left out here says little, but is no false match.
+  bool measure_noise = false;
   // Solver threads. One gives the same bits every time.
   int threads = 1;
   // Called after every iteration with the part done, in [0, 1]; false cancels. Null: never.

@@ -100,6 +100,27 @@ TEST_P(AdjustBundleTest, RejectsOutliersAndStaysAccurate) {
   EXPECT_LT(result->outliers.size(), scene.outliers.size() * 3 / 2);
 }
 
+// Errors far beyond the noise that keypoints have, yet within what is assumed of them.
+TEST_P(AdjustBundleTest, MeasuredNoiseKeepsFalseDepthsOut) {
+  SyntheticSceneOptions scene_options = Disturbed();
+  scene_options.keyframes = 20;
+  scene_options.max_observations_per_point = 4;
+  scene_options.pixel_noise_px = 0.2;
+  scene_options.share_of_false_depths = 0.15;
+  const SyntheticScene scene = MakeSyntheticScene(scene_options);
+  BundleOptions options = Options();
+  options.max_iterations = 30;
+  const BundleScope scope = GlobalBundleScope(scene.map, {});
+  const auto assumed = AdjustBundle(scene.map, scope, options);
+  options.measure_noise = true;
+  const auto measured = AdjustBundle(scene.map, scope, options);
+  ASSERT_TRUE(assumed.ok()) << assumed.status();
+  ASSERT_TRUE(measured.ok()) << measured.status();
+  EXPECT_LT(WorstPoseError(scene, *measured), 0.5 * WorstPoseError(scene, *assumed));
+  // Left out, but not called false matches.
+  EXPECT_LT(measured->outliers.size(), testing::CountObservations(scene.map) / 20);
+}
+
 TEST_P(AdjustBundleTest, MonocularMapKeepsItsReprojectionSmall) {
   SyntheticSceneOptions scene_options = Disturbed();
   scene_options.share_with_depth = 0;

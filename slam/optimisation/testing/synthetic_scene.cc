@@ -139,9 +139,15 @@ class SceneBuilder {
     keypoint.x_px = static_cast<float>(x_px);
     keypoint.y_px = static_cast<float>(pixel.y() + random_.Gaussian(noise_px));
     if (random_.Uniform(0, 1) < options_.share_with_depth) {
-      keypoint.disparity_px = static_cast<float>(x_px - right_px);
+      keypoint.disparity_px = static_cast<float>(x_px - right_px - FalseDepth_px(keypoint.octave));
     }
     return {point, keypoint};
+  }
+
+  double FalseDepth_px(int octave) {
+    if (options_.share_of_false_depths == 0) return 0;
+    if (random_.Uniform(0, 1) >= options_.share_of_false_depths) return 0;
+    return random_.Uniform(1.5, 2) * ScalePyramid::Scale(octave);
   }
 
   void AddKeyframes() {

@@ -32,6 +32,9 @@ struct SyntheticSceneOptions {
   double pixel_noise_px = 0;
   // Share of observations whose pixel is moved by 20 to 60 px.
   double share_of_outliers = 0;
+  // Share of disparities that are 1.5 to 2 px of the octave too small, as where what is behind an
+  // edge was measured; these are not among the scene's outliers.
+  double share_of_false_depths = 0;
   // Put on poses and positions of the map (not on the root's pose).
   double pose_noise_m = 0;
   double pose_noise_rad = 0;
