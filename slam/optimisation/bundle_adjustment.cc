@@ -140,15 +140,6 @@ void UseInliersOnly(const std::vector<double>& variances, BundleProblem& problem
   }
 }
 
-// How often a point is measured: each observation has two or three coordinates.
-std::vector<int> MeasuredCoordinates(const BundleProblem& problem) {
-  std::vector<int> coordinates(problem.points.size(), 0);
-  for (const BundleObservation& o : problem.observations) {
-    if (o.is_used) coordinates[o.point] += o.measured.has_depth ? 3 : 2;
-  }
-  return coordinates;
-}
-
 absl::StatusOr<MinimiseSummary> Minimise(BundleSolver solver, const MinimiseOptions& options,
                                          BundleProblem& problem) {
   if (solver == BundleSolver::kCeres) return MinimiseWithCeres(options, problem);
@@ -162,15 +153,19 @@ void ReadOut(const BundleScope& scope, const BundleIndex& index, const BundlePro
     result.poses.push_back(
         {scope.free_keyframes[i], {Eigen::Quaterniond(pose.R).normalized(), pose.t}});
   }
-  const std::vector<int> coordinates = MeasuredCoordinates(problem);
+  // How often each point is measured by what stays.
+  std::vector<int> coordinates(problem.points.size(), 0);
+  for (const BundleObservation& o : problem.observations) {
+    if (IsOutlier(problem, o)) {
+      result.outliers.push_back({index.points[o.point]->id, index.keyframes[o.pose]->id()});
+    } else {
+      coordinates[o.point] += o.measured.has_depth ? 3 : 2;
+    }
+  }
+  std::sort(result.outliers.begin(), result.outliers.end());
   for (uint32_t p = 0; p < problem.free_points; ++p) {
     if (coordinates[p] >= 3) result.positions.push_back({scope.free_points[p], problem.points[p]});
   }
-  for (const BundleObservation& o : problem.observations) {
-    if (!IsOutlier(problem, o)) continue;
-    result.outliers.push_back({index.points[o.point]->id, index.keyframes[o.pose]->id()});
-  }
-  std::sort(result.outliers.begin(), result.outliers.end());
 }
 
 }  // namespace

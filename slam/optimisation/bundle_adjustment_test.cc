@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -119,6 +120,30 @@ TEST_P(AdjustBundleTest, MeasuredNoiseKeepsFalseDepthsOut) {
   EXPECT_LT(WorstPoseError(scene, *measured), 0.5 * WorstPoseError(scene, *assumed));
   // Left out, but not called false matches.
   EXPECT_LT(measured->outliers.size(), testing::CountObservations(scene.map) / 20);
+}
+
+// Where two sightings disagree by more than noise, both are left out; but they stay in the map, and
+// so the point is not left behind.
+TEST_P(AdjustBundleTest, EveryPointThatIsStillSeenIsTold) {
+  SyntheticSceneOptions scene_options = Disturbed();
+  scene_options.max_observations_per_point = 2;
+  scene_options.pixel_noise_px = 0.1;
+  scene_options.share_of_false_depths = 0.1;
+  const SyntheticScene scene = MakeSyntheticScene(scene_options);
+  BundleOptions options = Options();
+  options.max_iterations = 30;
+  options.measure_noise = true;
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  std::set<MapPointId> told;
+  for (const PositionUpdate& update : result->positions) told.insert(update.id);
+  for (const auto& [id, point] : scene.map.points()) {
+    size_t kept = 0;
+    for (const auto& [keyframe, keypoint] : point.observations) {
+      kept += std::ranges::binary_search(result->outliers, ObservationKey{id, keyframe}) ? 0 : 1;
+    }
+    EXPECT_TRUE(kept < 2 || told.contains(id)) << ToString(id);
+  }
 }
 
 TEST_P(AdjustBundleTest, MonocularMapKeepsItsReprojectionSmall) {
