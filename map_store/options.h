@@ -45,7 +45,7 @@ struct MapStoreOptions {
   // At most, while streams run: robots want the cores, and an urgent fusing cancels it.
   int adjust_iterations = 20;
   // After all streams have ended: maps that drifted far want more.
-  int last_adjust_iterations = 60;
+  int last_adjust_iterations = 120;
   // Keyframes of whose points so large a share is seen by three others as well are culled from the
   // global layer after an adjustment (0: none), and the most redundant beyond so many of an island
   // (0: any number stays). Their owners keep them.
