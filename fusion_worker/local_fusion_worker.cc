@@ -21,7 +21,7 @@ constexpr int kMaxIterations = 1000;
 // The first round finds the outliers, the second adjusts without them.
 constexpr int kOutlierRounds = 1;
 // Bends over hundreds of keyframes hardly show in the cost: at 1e-5 a street's map was called
-// converged with a sixth of its error to go.
+// converged with a sixth of its error, size aside, to go.
 constexpr double kConvergedCostChange = 1e-6;
 
 bool IsCancelled(const ProgressCallback& progress, double part) {

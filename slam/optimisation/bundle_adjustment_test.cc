@@ -39,8 +39,9 @@ double WorstPoseError(const SyntheticScene& scene, const BundleResult& result) {
 
 class AdjustBundleTest : public ::testing::TestWithParam<BundleSolver> {
  protected:
-  static BundleOptions Options() {
+  static BundleOptions Options(int max_iterations = BundleOptions().max_iterations) {
     BundleOptions options;
+    options.max_iterations = max_iterations;
     options.solver = GetParam();
     return options;
   }
@@ -53,9 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, AdjustBundleTest,
 
 TEST_P(AdjustBundleTest, FindsTheTruthFromExactPixels) {
   const SyntheticScene scene = MakeSyntheticScene(Disturbed());
-  BundleOptions options = Options();
-  options.max_iterations = 30;
-  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), Options(30));
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->poses.size(), scene.map.keyframes().size() - 1);
   EXPECT_LT(WorstPoseError(scene, *result), 1e-4);
@@ -87,9 +86,7 @@ TEST_P(AdjustBundleTest, RejectsOutliersAndStaysAccurate) {
   scene_options.pixel_noise_px = 0.5;
   scene_options.share_of_outliers = 0.05;
   const SyntheticScene scene = MakeSyntheticScene(scene_options);
-  BundleOptions options = Options();
-  options.max_iterations = 15;
-  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), Options(15));
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_LT(WorstPoseError(scene, *result), 0.03);
   size_t found = 0;
@@ -109,8 +106,7 @@ TEST_P(AdjustBundleTest, MeasuredNoiseKeepsFalseDepthsOut) {
   scene_options.pixel_noise_px = 0.2;
   scene_options.share_of_false_depths = 0.15;
   const SyntheticScene scene = MakeSyntheticScene(scene_options);
-  BundleOptions options = Options();
-  options.max_iterations = 30;
+  BundleOptions options = Options(30);
   const BundleScope scope = GlobalBundleScope(scene.map, {});
   const auto assumed = AdjustBundle(scene.map, scope, options);
   options.measure_noise = true;
@@ -130,8 +126,7 @@ TEST_P(AdjustBundleTest, EveryPointThatIsStillSeenIsTold) {
   scene_options.pixel_noise_px = 0.1;
   scene_options.share_of_false_depths = 0.1;
   const SyntheticScene scene = MakeSyntheticScene(scene_options);
-  BundleOptions options = Options();
-  options.max_iterations = 30;
+  BundleOptions options = Options(30);
   options.measure_noise = true;
   const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
   ASSERT_TRUE(result.ok()) << result.status();
@@ -150,9 +145,7 @@ TEST_P(AdjustBundleTest, MonocularMapKeepsItsReprojectionSmall) {
   SyntheticSceneOptions scene_options = Disturbed();
   scene_options.share_with_depth = 0;
   const SyntheticScene scene = MakeSyntheticScene(scene_options);
-  BundleOptions options = Options();
-  options.max_iterations = 40;
-  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), Options(40));
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_LT(result->final_cost, 1e-3 * result->initial_cost);
 }
@@ -163,9 +156,7 @@ TEST_P(AdjustBundleTest, SparseSystemAgreesWithTheTruthToo) {
   scene_options.points = 3000;
   scene_options.max_observations_per_point = 5;
   const SyntheticScene scene = MakeSyntheticScene(scene_options);
-  BundleOptions options = Options();
-  options.max_iterations = 30;
-  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), options);
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), Options(30));
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_LT(WorstPoseError(scene, *result), 1e-2)
       << result->iterations << " iterations, cost " << result->initial_cost << " to "
