@@ -158,8 +158,8 @@ FusedAccuracy ComputeFusedAccuracy(const std::vector<RobotPaths>& robots,
   FusedAccuracy accuracy;
   accuracy.truth = CutTruth(robots, KeyOf(in_global->source), *sequence.truth);
   const std::string world = WorldOf(in_global->source);
-  const std::optional<AbsoluteError> all =
-      ErrorOf(PairToTruth(robots, sequences, world, false), alignment);
+  const std::vector<PosePair> pairs = PairToTruth(robots, sequences, world, false);
+  const std::optional<AbsoluteError> all = ErrorOf(pairs, alignment);
   if (all.has_value()) accuracy.truth_from_global = all->truth_from_estimate;
   const auto belongs = [&](const RobotPaths& robot) {
     return WorldOf(robot.source) == world && IsAllGlobal(robot) &&
@@ -167,6 +167,7 @@ FusedAccuracy ComputeFusedAccuracy(const std::vector<RobotPaths>& robots,
   };
   if (!std::all_of(robots.begin(), robots.end(), belongs)) return accuracy;
   accuracy.all = all;
+  accuracy.without_scale = ErrorOf(pairs, Alignment::kSim3);
   accuracy.from_frame = ErrorOf(PairToTruth(robots, sequences, world, true), alignment);
   accuracy.relative = FusedRelativeError(robots, sequences);
   return accuracy;

@@ -42,6 +42,8 @@ struct FusedAccuracy {
   // frame and all are of one sequence or of one simulated world.
   std::optional<AbsoluteError> all;
   std::optional<AbsoluteError> from_frame;
+  // As `all`, but under one similarity: what is left when the map's size does not count.
+  std::optional<AbsoluteError> without_scale;
   // Over the path that robots of one sequence drove together; of several sequences in one world
   // the mean over all segments.
   std::optional<RelativeError> relative;

@@ -106,6 +106,18 @@ TEST(ComputeAccuracyTest, MeasuresEachRobotsRelativeErrorOfItsOwnTrajectory) {
   EXPECT_FALSE(accuracy->robots[1].relative.has_value());
 }
 
+TEST(ComputeAccuracyTest, TellsTheMapsSizeFromItsShape) {
+  RobotPaths robot = MakeRobot(MakeSequence("large"), 0, 39, {0, 0, 0}, true);
+  for (ServedPose& pose : robot.global) pose.frame_from_camera.translation *= 1.25;
+  const absl::StatusOr<Accuracy> accuracy = ComputeAccuracy({robot}, 10, Alignment::kSe3);
+  ASSERT_TRUE(accuracy.ok()) << accuracy.status();
+  ASSERT_TRUE(accuracy->fused.all.has_value());
+  EXPECT_GT(accuracy->fused.all->rmse_m, 1);
+  ASSERT_TRUE(accuracy->fused.without_scale.has_value());
+  EXPECT_NEAR(accuracy->fused.without_scale->rmse_m, 0, 1e-6);
+  EXPECT_NEAR(accuracy->fused.without_scale->truth_from_estimate.scale, 0.8, 1e-9);
+}
+
 TEST(ComputeAccuracyTest, HasNoFusedErrorForTwoIslands) {
   const SourceSpec source = MakeSequence("islands");
   const absl::StatusOr<Accuracy> accuracy = ComputeAccuracy(
@@ -115,6 +127,7 @@ TEST(ComputeAccuracyTest, HasNoFusedErrorForTwoIslands) {
   EXPECT_TRUE(accuracy->robots[1].ate_m.has_value());
   EXPECT_FALSE(accuracy->robots[1].ate_global_m.has_value());
   EXPECT_FALSE(accuracy->fused.all.has_value());
+  EXPECT_FALSE(accuracy->fused.without_scale.has_value());
   // For the picture there is still the part that lies in the global frame.
   EXPECT_TRUE(accuracy->fused.truth_from_global.has_value());
   EXPECT_EQ(accuracy->fused.truth->size(), 21u);

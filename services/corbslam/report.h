@@ -55,6 +55,8 @@ struct FusedReport {
   uint64_t map_points = 0;
   std::optional<double> ate_m;
   std::optional<double> ate_from_frame_m;
+  std::optional<double> ate_without_scale_m;
+  std::optional<double> scale;  // Truth by estimate.
   std::optional<double> t_rel_percent;
   std::optional<double> r_rel_deg_per_100m;
 };

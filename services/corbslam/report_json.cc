@@ -58,6 +58,8 @@ Json ToJson(const FusedReport& fused) {
           {"map_points", fused.map_points},
           {"ate_m", OrNull(fused.ate_m)},
           {"ate_from_frame_m", OrNull(fused.ate_from_frame_m)},
+          {"ate_without_scale_m", OrNull(fused.ate_without_scale_m)},
+          {"scale", OrNull(fused.scale)},
           {"t_rel_percent", OrNull(fused.t_rel_percent)},
           {"r_rel_deg_per_100m", OrNull(fused.r_rel_deg_per_100m)}};
 }

@@ -41,11 +41,13 @@ std::string RobotTable(const RunReport& report) {
 std::string FusedTable(const RunReport& report) {
   const FusedReport& fused = report.fused;
   return absl::StrFormat(
-      "| islands | robots | keyframes | points | ATE, m | from frame %d | t_rel, %% | "
-      "r_rel, deg/100 m |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n"
-      "| %d | %d | %d | %d | %s | %s | %s | %s |\n",
+      "| islands | robots | keyframes | points | ATE, m | from frame %d | without scale, m (scale) "
+      "| t_rel, %% | r_rel, deg/100 m |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n"
+      "| %d | %d | %d | %d | %s | %s | %s (%s) | %s | %s |\n",
       report.from_frame, fused.islands, fused.robots, fused.keyframes, fused.map_points,
-      Number(fused.ate_m, 4), Number(fused.ate_from_frame_m, 4), Number(fused.t_rel_percent, 2),
+      Number(fused.ate_m, 4), Number(fused.ate_from_frame_m, 4),
+      Number(fused.ate_without_scale_m, 4), Number(fused.scale, 5), Number(fused.t_rel_percent, 2),
       Number(fused.r_rel_deg_per_100m, 2));
 }
 

@@ -20,6 +20,8 @@ RunReport MakeReport() {
   report.robots[1].name = "bravo";
   report.fused.islands = 1;
   report.fused.ate_m = 0.3;
+  report.fused.ate_without_scale_m = 0.125;
+  report.fused.scale = 0.998;
   report.merge_ms = {120.5};
   report.global_ba_ms.push_back({64, 10000, 12, 800});
   report.servers["map_store"] = {100, 3};
@@ -50,6 +52,8 @@ TEST(ToJsonTest, KeepsTheInterface) {
   }
   EXPECT_EQ(json["robots"][0]["tracking_ms"]["p99"], 40);
   EXPECT_EQ(json["fused"]["islands"], 1);
+  EXPECT_EQ(json["fused"]["ate_without_scale_m"], 0.125);
+  EXPECT_EQ(json["fused"]["scale"], 0.998);
   EXPECT_EQ(json["merge_ms"][0], 120.5);
   EXPECT_EQ(json["global_ba_ms"][0]["map_points"], 10000);
   EXPECT_EQ(json["servers"]["map_store"]["cpu_s"], 3);
@@ -82,6 +86,7 @@ TEST(ToMarkdownTest, ShowsTheFigures) {
   EXPECT_THAT(text, HasSubstr("| alpha |"));
   EXPECT_THAT(text, HasSubstr("| 0.2500 | - | 0.75 / 0.12 |"));
   EXPECT_THAT(text, HasSubstr("| - | 12.5 |"));
+  EXPECT_THAT(text, HasSubstr("| 0.3000 | - | 0.1250 (0.99800) |"));
   EXPECT_THAT(text, HasSubstr("64 keyframes, 10000 points, 12 iterations, 800 ms"));
 }
 

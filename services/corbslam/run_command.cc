@@ -121,6 +121,10 @@ void AddAccuracy(const Accuracy& accuracy, RunReport& report) {
   }
   report.fused.ate_m = RmseOf(accuracy.fused.all);
   report.fused.ate_from_frame_m = RmseOf(accuracy.fused.from_frame);
+  report.fused.ate_without_scale_m = RmseOf(accuracy.fused.without_scale);
+  if (accuracy.fused.without_scale.has_value()) {
+    report.fused.scale = accuracy.fused.without_scale->truth_from_estimate.scale;
+  }
   if (accuracy.fused.relative.has_value()) {
     report.fused.t_rel_percent = accuracy.fused.relative->translation_percent;
     report.fused.r_rel_deg_per_100m = accuracy.fused.relative->rotation_deg_per_100m;

@@ -29,11 +29,12 @@ const char* Judgement(const SplitVerdict& verdict, bool is_met) {
 
 std::string MapRow(const SplitVerdict& verdict) {
   return absl::StrFormat(
-      "| %s | %d, %d | %d | %s | %s | %s | %s; %s | %s |\n", verdict.name, verdict.runs.size(),
-      verdict.reference_runs.size(), verdict.most_islands, Spread(verdict.ate_m, verdict.runs),
-      Spread(verdict.reference_ate_m, verdict.reference_runs), Number(verdict.Ratio(), 3),
-      Number(verdict.ate_from_frame_m, 4), Number(verdict.reference_ate_from_frame_m, 4),
-      Judgement(verdict, verdict.IsMapMet()));
+      "| %s | %d, %d | %d | %s | %s | %s | %s; %s | %s; %s | %s |\n", verdict.name,
+      verdict.runs.size(), verdict.reference_runs.size(), verdict.most_islands,
+      Spread(verdict.ate_m, verdict.runs), Spread(verdict.reference_ate_m, verdict.reference_runs),
+      Number(verdict.Ratio(), 3), Number(verdict.ate_from_frame_m, 4),
+      Number(verdict.reference_ate_from_frame_m, 4), Number(verdict.ate_without_scale_m, 4),
+      Number(verdict.reference_ate_without_scale_m, 4), Judgement(verdict, verdict.IsMapMet()));
 }
 
 std::string RobotRow(const SplitVerdict& verdict, const RobotVerdict& robot) {
@@ -64,6 +65,7 @@ Json ToJson(const std::vector<SplitRun>& runs) {
                     {"keyframes", run.keyframes},
                     {"ate_m", OrNull(run.ate_m)},
                     {"ate_from_frame_m", OrNull(run.ate_from_frame_m)},
+                    {"ate_without_scale_m", OrNull(run.ate_without_scale_m)},
                     {"robots", robots}});
   }
   return json;
@@ -92,6 +94,8 @@ Json ToJson(const SplitVerdict& verdict) {
           {"ratio", OrNull(verdict.Ratio())},
           {"ate_from_frame_m", OrNull(verdict.ate_from_frame_m)},
           {"reference_ate_from_frame_m", OrNull(verdict.reference_ate_from_frame_m)},
+          {"ate_without_scale_m", OrNull(verdict.ate_without_scale_m)},
+          {"reference_ate_without_scale_m", OrNull(verdict.reference_ate_without_scale_m)},
           {"robots", robots},
           {"runs", ToJson(verdict.runs)},
           {"reference_runs", ToJson(verdict.reference_runs)}};
@@ -102,9 +106,9 @@ Json ToJson(const SplitVerdict& verdict) {
 std::string ToMarkdown(const std::vector<SplitVerdict>& verdicts) {
   std::string text = absl::StrFormat(
       "| split | runs, one robot's | most islands | fused ATE, m: median (min to max) | one "
-      "robot's "
-      "| ratio | from frame 15, m: fused; one robot's | at most %g of one robot's |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
+      "robot's | ratio | from frame 15, m: fused; one robot's | without scale, m: fused; one "
+      "robot's | at most %g of one robot's |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
       SplitVerdict::kMaxRatio);
   std::string robots =
       "\n| split | robot | local layer's ATE, m: median | global layer's | global above local | "

@@ -39,6 +39,10 @@ SplitRun ReadReport(const Json& json) {
   run.keyframes = fused.at("keyframes");
   run.ate_m = Optional(fused.at("ate_m"));
   run.ate_from_frame_m = Optional(fused.at("ate_from_frame_m"));
+  // Not in reports of before.
+  if (fused.contains("ate_without_scale_m")) {
+    run.ate_without_scale_m = Optional(fused.at("ate_without_scale_m"));
+  }
   for (const Json& robot : json.at("robots")) run.robots.push_back(ReadRobot(robot));
   return run;
 }

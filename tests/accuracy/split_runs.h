@@ -28,6 +28,7 @@ struct SplitRun {
   // Of all robots under one alignment; none unless all hang together.
   std::optional<double> ate_m;
   std::optional<double> ate_from_frame_m;
+  std::optional<double> ate_without_scale_m;
   std::vector<RobotOfRun> robots;
 };
 

@@ -79,8 +79,10 @@ SplitVerdict Judge(const std::string& name, const std::string& reference,
   }
   verdict.ate_m = MedianOf(runs, &SplitRun::ate_m);
   verdict.ate_from_frame_m = MedianOf(runs, &SplitRun::ate_from_frame_m);
+  verdict.ate_without_scale_m = MedianOf(runs, &SplitRun::ate_without_scale_m);
   verdict.reference_ate_m = MedianOf(reference_runs, &SplitRun::ate_m);
   verdict.reference_ate_from_frame_m = MedianOf(reference_runs, &SplitRun::ate_from_frame_m);
+  verdict.reference_ate_without_scale_m = MedianOf(reference_runs, &SplitRun::ate_without_scale_m);
   const size_t robots = runs.empty() ? 0 : runs.front().robots.size();
   for (size_t i = 0; i < robots; ++i) verdict.robots.push_back(JudgeRobot(runs, i));
   verdict.runs = std::move(runs);

@@ -35,8 +35,10 @@ struct SplitVerdict {
   int most_islands = 0;
   std::optional<double> ate_m;  // Medians; none unless every run has one.
   std::optional<double> ate_from_frame_m;
+  std::optional<double> ate_without_scale_m;
   std::optional<double> reference_ate_m;
   std::optional<double> reference_ate_from_frame_m;
+  std::optional<double> reference_ate_without_scale_m;
   std::vector<RobotVerdict> robots;
 
   bool IsComplete() const;

@@ -95,7 +95,8 @@ class SplitRunsTest : public ::testing::Test {
 };
 
 constexpr char kReport[] = R"({"version": "1", "command": "corbslam run",
-  "fused": {"islands": 1, "keyframes": 7, "ate_m": 0.5, "ate_from_frame_m": null},
+  "fused": {"islands": 1, "keyframes": 7, "ate_m": 0.5, "ate_from_frame_m": null,
+            "ate_without_scale_m": 0.4, "scale": 0.99},
   "robots": [{"name": "alpha", "lost": 0, "local_maps": 1, "ate_m": 0.25, "ate_global_m": 0.2},
              {"name": "bravo", "lost": 3, "local_maps": 2, "ate_m": 0.3, "ate_global_m": 0.3}]})";
 
@@ -109,8 +110,17 @@ TEST_F(SplitRunsTest, ReadsReportsInTheOrderOfTheirNumbers) {
   EXPECT_EQ((*runs)[1].folder, "10");
   EXPECT_THAT((*runs)[0].ate_m, Optional(DoubleEq(0.5)));
   EXPECT_EQ((*runs)[0].ate_from_frame_m, std::nullopt);
+  EXPECT_THAT((*runs)[0].ate_without_scale_m, Optional(DoubleEq(0.4)));
   EXPECT_THAT((*runs)[0].robots[0].local_ate_m, Optional(DoubleEq(0.25)));
   EXPECT_EQ((*runs)[0].robots[1].local_ate_m, std::nullopt);
+}
+
+TEST_F(SplitRunsTest, ReadsReportsFromBeforeTheErrorWithoutScale) {
+  Write("1", R"({"version": "1", "command": "corbslam run", "robots": [],
+    "fused": {"islands": 1, "keyframes": 7, "ate_m": 0.5, "ate_from_frame_m": 0.4}})");
+  const auto runs = ReadRuns(folder_, "two");
+  ASSERT_TRUE(runs.ok()) << runs.status();
+  EXPECT_EQ((*runs)[0].ate_without_scale_m, std::nullopt);
 }
 
 TEST_F(SplitRunsTest, NamesTheReportThatIsDamaged) {
