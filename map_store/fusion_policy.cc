@@ -55,8 +55,14 @@ std::optional<FusionAction> DecideFuse(const FusionSummary& summary) {
   return std::nullopt;
 }
 
+// Its adjustment is not to be cancelled once more.
+bool IsLetEnd(const IslandSummary& island, const PolicyLimits& limits) {
+  return island.adjusting && island.cancelled_adjustments >= limits.max_cancelled_adjustments;
+}
+
 std::optional<FusionAction> DecideWeld(const FusionSummary& summary, const PolicyLimits& limits) {
   for (const IslandSummary& island : summary.islands) {
+    if (IsLetEnd(island, limits)) continue;
     std::vector<OverlapSummary> inside;
     bool urgent = island.relaxed > 0;
     for (const OverlapSummary& overlap : summary.waiting) {
@@ -74,6 +80,7 @@ std::optional<FusionAction> DecideWeld(const FusionSummary& summary, const Polic
 
 // The graph lane has work that will change the island.
 bool IsAboutToChange(const FusionSummary& summary, const IslandSummary& island) {
+  if (island.relaxed > 0) return true;
   return std::any_of(
       summary.waiting.begin(), summary.waiting.end(), [&island](const OverlapSummary& overlap) {
         const bool touches = overlap.a == island.id || overlap.b == island.id;

@@ -24,6 +24,10 @@ struct FusionSummary {
     size_t overlaps_since_adjustment = 0;
     size_t displaced = 0;
     size_t relaxed = 0;
+    // One is with a worker, and is not cancelled.
+    bool adjusting = false;
+    // Adjustments one after the other, since the last one that was committed.
+    size_t cancelled_adjustments = 0;
   };
   // Accepted, not yet in the graph.
   struct OverlapSummary {
@@ -44,6 +48,9 @@ struct FusionSummary {
 struct PolicyLimits {
   size_t weld_every = 3;
   size_t adjust_every = 5;
+  // So many adjustments in a row are cancelled by welding; then it waits until one has ended, or an
+  // island into which overlaps come quickly would never be adjusted.
+  size_t max_cancelled_adjustments = 2;
   // Displaced keyframes that call for an adjustment while the streams still run.
   size_t refresh_every = 20;
 };

@@ -123,6 +123,48 @@ TEST(FusionPolicyTest, AdjustmentWaitsForFusingThatWouldUndoIt) {
   EXPECT_THAT(DecideActions(summary, {}), IsEmpty());
 }
 
+struct CancelCase {
+  bool adjusting;
+  size_t cancelled;
+  bool welds;
+};
+
+TEST(FusionPolicyTest, AnAdjustmentIsCancelledTwiceInARowThenLetEnd) {
+  const std::vector<CancelCase> cases = {
+      {true, 0, true}, {true, 1, true}, {true, 2, false}, {true, 3, false}, {false, 2, true}};
+  const FusionAction query{Kind::kQuery, {}, {}, {}};
+  const FusionAction weld{Kind::kWeld, kFirst, {}, {1}};
+  for (const CancelCase& one : cases) {
+    FusionSummary summary = MakeSummary();
+    summary.queries = 1;
+    summary.waiting = {{1, kFirst, kFirst, true}};
+    summary.adjustment_lane_busy = true;
+    summary.islands[0].adjusting = one.adjusting;
+    summary.islands[0].cancelled_adjustments = one.cancelled;
+    EXPECT_THAT(DecideActions(summary, {}), ElementsAre(one.welds ? weld : query))
+        << one.adjusting << one.cancelled;
+  }
+}
+
+TEST(FusionPolicyTest, AnIslandIsFusedAlsoWhileItsAdjustmentIsLetEnd) {
+  FusionSummary summary = MakeSummary();
+  summary.waiting = {{1, kFirst, kFirst, true}, {2, kFirst, kSecond, false}};
+  summary.adjustment_lane_busy = true;
+  summary.islands[0].adjusting = true;
+  summary.islands[0].cancelled_adjustments = 2;
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kFirst, kSecond, {2}}));
+}
+
+TEST(FusionPolicyTest, AdjustmentWaitsForALocalLoopsWelding) {
+  FusionSummary summary = MakeSummary();
+  summary.islands[0].fused = true;
+  summary.islands[0].needs_adjustment = true;
+  summary.islands[0].relaxed = 1;
+  summary.graph_lane_busy = true;
+  EXPECT_THAT(DecideActions(summary, {}), IsEmpty());
+}
+
 TEST(FusionPolicyTest, LoneMapsAreNotAdjusted) {
   FusionSummary summary = MakeSummary();
   summary.islands[0].dirty = true;

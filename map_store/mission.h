@@ -114,6 +114,12 @@ class Mission {
     std::shared_ptr<std::atomic<bool>> cancelled;
   };
 
+  // Of an island's adjustments since the last one that was committed.
+  struct AdjustmentTrouble {
+    int failed = 0;
+    size_t cancelled = 0;  // By welding or fusing.
+  };
+
   // What one agent was told. Who tells it more holds the state's lock for reading.
   struct Told {
     absl::Mutex mutex;
@@ -176,6 +182,8 @@ class Mission {
   void NoteFailure(const FusionJob& job, const absl::Status& status)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void CancelJobsLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // What is being adjusted is not the island's graph any more.
+  void CancelAdjustment(const FusionAction& overtaken_by) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ReleaseLane(FusionLane lane);
 
   std::vector<std::function<void()>> ListenersExcept(uint64_t session_id) const
@@ -194,7 +202,7 @@ class Mission {
   MissionState state_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, Told> told_ ABSL_GUARDED_BY(mutex_);  // Of all agents with a session.
   std::array<Lane, 2> lanes_ ABSL_GUARDED_BY(mutex_);
-  std::map<IslandId, int> adjust_attempts_ ABSL_GUARDED_BY(mutex_);
+  std::map<IslandId, AdjustmentTrouble> adjustment_trouble_ ABSL_GUARDED_BY(mutex_);
   bool deleted_ ABSL_GUARDED_BY(mutex_) = false;
 
   mutable absl::Mutex listener_mutex_;

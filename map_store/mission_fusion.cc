@@ -80,8 +80,15 @@ class Mission::PausingRead : public LongRead {
 
 FusionSummary Mission::Summarise() const {
   FusionSummary summary;
+  const Lane& adjustment = lanes_[static_cast<size_t>(FusionLane::kAdjustment)];
   for (const auto& [id, island] : state_.global.islands) {
-    summary.islands.push_back(SummariseIsland(state_, island));
+    FusionSummary::IslandSummary& added =
+        summary.islands.emplace_back(SummariseIsland(state_, island));
+    added.adjusting = adjustment.busy && adjustment.target == id && !adjustment.cancelled->load();
+    const auto trouble = adjustment_trouble_.find(id);
+    if (trouble != adjustment_trouble_.end()) {
+      added.cancelled_adjustments = trouble->second.cancelled;
+    }
   }
   std::sort(summary.islands.begin(), summary.islands.end(),
             [](const auto& a, const auto& b) { return a.order < b.order; });
@@ -94,7 +101,7 @@ FusionSummary Mission::Summarise() const {
   }
   summary.queries = state_.queries.size();
   summary.graph_lane_busy = lanes_[static_cast<size_t>(FusionLane::kGraph)].busy;
-  summary.adjustment_lane_busy = lanes_[static_cast<size_t>(FusionLane::kAdjustment)].busy;
+  summary.adjustment_lane_busy = adjustment.busy;
   return summary;
 }
 
@@ -220,7 +227,7 @@ absl::Status Mission::Rederive() {
     absl::MutexLock lock(&mutex_);
     CancelJobsLocked();
     map_store::Apply(record, state_);
-    adjust_attempts_.clear();
+    adjustment_trouble_.clear();
   }
   RETURN_IF_ERROR(SyncJournal());
   environment_.wake_fusion();
@@ -240,7 +247,7 @@ absl::StatusOr<std::vector<uint64_t>> Mission::RetractOverlap(uint64_t overlap, 
     absl::MutexLock lock(&mutex_);
     CancelJobsLocked();
     taken_back = Retract(record, *environment_.options, state_);
-    adjust_attempts_.clear();
+    adjustment_trouble_.clear();
   }
   RETURN_IF_ERROR(SyncJournal());
   environment_.wake_fusion();
@@ -309,6 +316,7 @@ absl::Status Mission::CommitFuse(const FuseJob& job, const FuseMapsResult& resul
     RETURN_IF_ERROR(Append(record));
     absl::MutexLock lock(&mutex_);
     map_store::Apply(record, state_);
+    if (!job.relaxed.empty()) CancelAdjustment(job.action);
     return absl::OkStatus();
   }
   FuseRecord record;
@@ -325,10 +333,15 @@ absl::Status Mission::CommitFuse(const FuseJob& job, const FuseMapsResult& resul
   RETURN_IF_ERROR(Append(record));
   absl::MutexLock lock(&mutex_);
   const bool urgent = map_store::Apply(record, *environment_.options, state_);
-  const Lane& lane = lanes_[static_cast<size_t>(FusionLane::kAdjustment)];
-  const bool stale = lane.target == job.action.target || lane.target == job.action.source;
-  if (urgent && stale && lane.cancelled != nullptr) lane.cancelled->store(true);
+  if (urgent) CancelAdjustment(job.action);
   return absl::OkStatus();
+}
+
+void Mission::CancelAdjustment(const FusionAction& overtaken_by) {
+  const Lane& lane = lanes_[static_cast<size_t>(FusionLane::kAdjustment)];
+  const bool stale = lane.target == overtaken_by.target || lane.target == overtaken_by.source;
+  if (!stale || lane.cancelled == nullptr || lane.cancelled->exchange(true)) return;
+  ++adjustment_trouble_[overtaken_by.target].cancelled;
 }
 
 bool Mission::IsOvertaken(const FuseJob& job, const FuseRecord& record) const {
@@ -361,7 +374,7 @@ absl::Status Mission::CommitAdjust(const AdjustJob& job, const AdjustBundleResul
   RETURN_IF_ERROR(Append(record));
   absl::MutexLock lock(&mutex_);
   map_store::Apply(record, *environment_.options, state_);
-  adjust_attempts_.erase(record.plan.target);
+  adjustment_trouble_.erase(record.plan.target);
   return absl::OkStatus();
 }
 
@@ -384,8 +397,10 @@ void Mission::NoteFailure(const FusionJob& job, const absl::Status& status) {
   }
   const IslandId id = std::get<AdjustJob>(job.work).snapshot.island;
   const auto island = state_.global.islands.find(id);
-  if (++adjust_attempts_[id] < max_attempts || island == state_.global.islands.end()) return;
-  adjust_attempts_.erase(id);
+  if (++adjustment_trouble_[id].failed < max_attempts || island == state_.global.islands.end()) {
+    return;
+  }
+  adjustment_trouble_.erase(id);
   GiveUpAdjustment(island->second);
 }
 

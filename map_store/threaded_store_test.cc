@@ -168,6 +168,53 @@ TEST_F(ThreadedStoreTest, IngestionDoesNotWaitForAdjustmentAndTheEndCancelsIt) {
   store.reset();
 }
 
+// Each loop that a robot closes is welded, which cancels what is being adjusted.
+TEST_F(ThreadedStoreTest, LoopsInARowCancelTwoAdjustmentsAndWaitForTheThird) {
+  std::atomic<int> begun = 0;
+  std::atomic<int> cancelled = 0;
+  absl::Notification let_go;
+  worker_.during_adjust = [&](const ProgressCallback& progress) {
+    ++begun;
+    while (progress(0.5)) {
+      if (let_go.HasBeenNotified()) return true;
+      absl::SleepFor(absl::Milliseconds(1));
+    }
+    ++cancelled;
+    return false;
+  };
+  const auto store = MakeStore();
+  TestAgent a(*store, kMission, "a", map_a_);
+  TestAgent b(*store, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  const auto close_loop = [&](uint32_t end) {
+    MapUpdateBatch loop = b.EmptyBatch();
+    loop.loop_edges.push_back({b.Id(13), b.Id(end), Similarity3d()});
+    EXPECT_TRUE(b.Send(loop).ok());
+  };
+  const auto until = [](const std::atomic<int>& count, int wanted) {
+    for (int i = 0; i < 30'000 && count < wanted; ++i) absl::SleepFor(absl::Milliseconds(1));
+    return count == wanted;
+  };
+  ASSERT_TRUE(until(begun, 1));
+  for (int i = 1; i <= 2; ++i) {
+    close_loop(static_cast<uint32_t>(i));
+    ASSERT_TRUE(until(cancelled, i));
+    ASSERT_TRUE(until(begun, i + 1));
+  }
+  const size_t fused = worker_.fused().size();
+  close_loop(3);
+  // Long enough for a welding.
+  absl::SleepFor(absl::Milliseconds(200));
+  EXPECT_EQ(worker_.fused().size(), fused);
+  EXPECT_EQ(cancelled, 2);
+  let_go.Notify();
+  EXPECT_TRUE(store->WaitUntilFusionIdle(kMission, absl::Seconds(30)).ok());
+  EXPECT_GT(worker_.fused().size(), fused);
+  EXPECT_EQ(cancelled, 2);
+  EXPECT_GT(begun, 3);
+}
+
 TEST_F(ThreadedStoreTest, DeletingAMissionEndsItsWork) {
   absl::Notification adjusting;
   worker_.during_adjust = [&](const ProgressCallback& progress) {

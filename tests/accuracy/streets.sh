@@ -6,8 +6,9 @@ truth=$recordings/kitti_ground_truth
 bin=${CORBSLAM_BIN:-$root/build/release/bin}
 pictures="kitti:$out/pictures"
 
-# The rig differs a little from its calibration, as real ones do.
-rig='scale_error=0.003&disparity_error_px=0.08&epipolar_error_px=0.15'
+# The rig differs a little from its calibration, as real ones do. RIG= is one that does not (into an
+# --out of its own: what is drawn stays).
+rig=${RIG-'scale_error=0.003&disparity_error_px=0.08&epipolar_error_px=0.15'}
 # Another robot: half a frame later on the way, darker, other noise.
 other='&phase=0.5&exposure=0.75&noise_seed=2'
 
@@ -24,5 +25,5 @@ draw() {  # NAME SOURCE
 
 # Along the true path of a KITTI sequence.
 draw_street() {  # NAME SEQUENCE [OPTIONS]
-  draw "$1" "sim:path?poses=$truth/$2.txt&moving_cars=6&$rig${3:-}"
+  draw "$1" "sim:path?poses=$truth/$2.txt&moving_cars=6${rig:+&}$rig${3:-}"
 }
