@@ -6,19 +6,17 @@
 #include <cstdlib>
 #include <limits>
 
+#include "slam/sensor/patch_refinement.h"
+
 namespace corbslam {
 namespace {
 
-constexpr int kRadius_px = 5;
-constexpr int kSide_px = 2 * kRadius_px + 1;
+constexpr int kRadius_px = kPatchRadius_px;
+constexpr int kSide_px = kPatchSide_px;
 constexpr int kReach_px = 5;
-constexpr double kWeightSigma_px = 2;
-// One column more for interpolation beyond the last whole shift.
-constexpr int kStripWidth_px = kSide_px + 2 * kReach_px + 1;
+constexpr int kStripWidth_px = kSide_px + 2 * kReach_px;
 constexpr int kArea = kSide_px * kSide_px;
 constexpr int kShifts = 2 * kReach_px + 1;
-constexpr int kRefinements = 4;
-constexpr float kEnough_px = 0.005F;
 
 using Patch = std::array<std::array<int16_t, kSide_px>, kSide_px>;
 using Strip = std::array<std::array<int16_t, kStripWidth_px>, kSide_px>;
@@ -59,67 +57,6 @@ int AbsoluteDifference(const Patch& patch, const Strip& strip, size_t shift) {
   return sum;
 }
 
-// What a pixel of the patch counts for: a keypoint's own surface is in the middle, what lies behind
-// its edge is around it.
-struct PatchWeights {
-  PatchWeights() {
-    for (int v = 0; v < kSide_px; ++v) {
-      for (int u = 0; u < kSide_px; ++u) {
-        const double distance2 = std::pow(u - kRadius_px, 2) + std::pow(v - kRadius_px, 2);
-        const double weight = std::exp(-distance2 / (2 * kWeightSigma_px * kWeightSigma_px));
-        of[static_cast<size_t>(v)][static_cast<size_t>(u)] = static_cast<float>(weight);
-        sum += of[static_cast<size_t>(v)][static_cast<size_t>(u)];
-      }
-    }
-  }
-
-  std::array<std::array<float, kSide_px>, kSide_px> of;
-  float sum = 0;
-};
-
-const PatchWeights& Weights() {
-  static const PatchWeights weights;
-  return weights;
-}
-
-// One Gauss-Newton step of the column of weighted least squares (Lucas and Kanade, 1981), with the
-// shift and an offset of grey values as unknowns; `column` counts from the strip's first.
-float AlignmentStep(const Patch& patch, const Strip& strip, float column) {
-  const PatchWeights& weights = Weights();
-  const auto whole = static_cast<size_t>(column);
-  const float fraction = column - static_cast<float>(whole);
-  float sum_g = 0, sum_gg = 0, sum_r = 0, sum_gr = 0;
-  for (size_t v = 0; v < kSide_px; ++v) {
-    const int16_t* const row = &strip[v][whole];
-    for (size_t u = 0; u < kSide_px; ++u) {
-      const float here = static_cast<float>(row[u]);
-      const float slope = static_cast<float>(row[u + 1]) - here;
-      const float residual = static_cast<float>(patch[v][u]) - (here + fraction * slope);
-      const float weight = weights.of[v][u];
-      sum_g += weight * slope;
-      sum_gg += weight * slope * slope;
-      sum_r += weight * residual;
-      sum_gr += weight * slope * residual;
-    }
-  }
-  const float information = sum_gg - sum_g * sum_g / weights.sum;
-  if (!(information > 1.0F)) return std::numeric_limits<float>::infinity();
-  return (sum_gr - sum_g * sum_r / weights.sum) / information;
-}
-
-// Column of the strip, from the best whole one; nothing where it strays from that.
-std::optional<float> RefineColumn(const Patch& patch, const Strip& strip, size_t best) {
-  const float start = static_cast<float>(best);
-  float column = start;
-  for (int i = 0; i < kRefinements; ++i) {
-    const float step = AlignmentStep(patch, strip, column);
-    column += step;
-    if (!(std::abs(column - start) <= 1.0F)) return std::nullopt;
-    if (std::abs(step) < kEnough_px) break;
-  }
-  return column;
-}
-
 }  // namespace
 
 std::optional<PatchAlignment> AlignPatch(const cv::Mat& left, const cv::Mat& right, int left_x,
@@ -139,9 +76,10 @@ std::optional<PatchAlignment> AlignPatch(const cv::Mat& left, const cv::Mat& rig
     }
   }
   if (best == 0 || best == kShifts - 1) return std::nullopt;
-  const std::optional<float> column = RefineColumn(patch, strip, best);
-  if (!column.has_value()) return std::nullopt;
-  return PatchAlignment{static_cast<float>(right_x - kReach_px) + *column, least};
+  const int whole_x = right_x - kReach_px + static_cast<int>(best);
+  const std::optional<float> shift_px = RefineAlignment(left, right, left_x, y, whole_x);
+  if (!shift_px.has_value()) return std::nullopt;
+  return PatchAlignment{static_cast<float>(whole_x) + *shift_px, least};
 }
 
 }  // namespace corbslam

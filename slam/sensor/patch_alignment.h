@@ -15,9 +15,9 @@ struct PatchAlignment {
 };
 
 // Finds the patch of 11 x 11 pixels around (left_x, y) of `left` within 5 columns of (right_x, y)
-// of `right`; both CV_8UC1. Below a pixel, those in the middle count most. Nothing where the images
-// end, or where the best column is the range's first or last, or the refinement leaves the
-// neighbourhood of that column.
+// of `right`, below a pixel as patch_refinement.h says; both CV_8UC1. Nothing where the images end,
+// or where the best column is the range's first or last, or the refinement leaves the neighbourhood
+// of that column.
 std::optional<PatchAlignment> AlignPatch(const cv::Mat& left, const cv::Mat& right, int left_x,
                                          int y, int right_x);
 
