@@ -66,6 +66,19 @@ TEST(PatchAlignmentTest, RowsThatAreOffByPartsOfAPixelDoNotMoveColumns) {
   EXPECT_LT(errors[errors.size() * 9 / 10], 0.1);
 }
 
+TEST(PatchAlignmentTest, PatchesAtTheBorderAreFound) {
+  constexpr double kShift_px = 0.3;
+  const cv::Mat left = Texture(1);
+  const cv::Mat right = Shifted(left, kShift_px);
+  for (const int y : {5, kSide_px - 6}) {
+    for (const int x : {10, kSide_px - 11}) {
+      const auto found = AlignPatch(Grey(left), Grey(right), x, y, x);
+      ASSERT_TRUE(found.has_value()) << x << " " << y;
+      EXPECT_NEAR(double{found->right_x_px}, x - kShift_px, 0.1) << x << " " << y;
+    }
+  }
+}
+
 TEST(PatchAlignmentTest, PicturesOfDifferentExposureAlignTheSame) {
   const cv::Mat left = Texture(1);
   const cv::Mat right = Shifted(left, 1.5) + 30;
