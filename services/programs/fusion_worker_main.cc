@@ -2,13 +2,16 @@
 #include <sys/resource.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/kept_work/keeping_fusion_worker.h"
 #include "services/programs/checks.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
@@ -31,6 +34,7 @@ struct Flags {
   double max_connection_age_s = 300;
   ObserveFlags observe;
   double drain_s = 2;
+  std::string keep_adjustments;
 };
 
 // Of this thread and all that it will start, unless it is lower already.
@@ -44,7 +48,23 @@ std::vector<absl::Status> Check(const Flags& flags) {
   std::vector<absl::Status> found = CheckObserving(flags.observe);
   found.push_back(CheckFlagAddress("--listen", flags.listen));
   found.push_back(MakeServerSecurity(flags.security).status());
+  if (!flags.keep_adjustments.empty()) {
+    found.push_back(CheckFolder("--keep-adjustments", flags.keep_adjustments));
+  }
   return found;
+}
+
+// Null where nothing is to be kept.
+absl::StatusOr<std::unique_ptr<FusionWorker>> Keep(const std::string& folder,
+                                                   FusionWorker* worker) {
+  if (folder.empty()) return nullptr;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    return absl::UnavailableError(
+        absl::StrCat("--keep-adjustments ", folder, ": ", error.message()));
+  }
+  return MakeKeepingFusionWorker(worker, folder);
 }
 
 absl::Status Run(const Flags& flags) {
@@ -52,8 +72,11 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
   security.server.max_connection_age = absl::Seconds(flags.max_connection_age_s);
   WorkerObservers observers(flags.observe);
-  const std::unique_ptr<FusionWorker> worker = MakeLocalFusionWorker(flags.worker);
-  FusionWorkerService service(observers.Watch(worker.get()), flags.service);
+  const std::unique_ptr<FusionWorker> local = MakeLocalFusionWorker(flags.worker);
+  ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> keeping,
+                   Keep(flags.keep_adjustments, local.get()));
+  FusionWorker* const worker = keeping != nullptr ? keeping.get() : local.get();
+  FusionWorkerService service(observers.Watch(worker), flags.service);
   ASSIGN_OR_RETURN(const auto metrics, observers.Serve(service));
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
@@ -95,6 +118,9 @@ int main(int argc, char** argv) {
   app.add_option("--drain", flags.drain_s, "Seconds that requests have to end after SIGTERM")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
+  app.add_option("--keep-adjustments", flags.keep_adjustments,
+                 "Folder that each request to adjust is written to, to find out why a map "
+                 "is as it is; nothing in it is deleted");
   corbslam::AddTlsFlags(app, flags.security);
   corbslam::AddServerFlags(app, flags.security);
   corbslam::AddMetricsFlag(app, flags.observe);
