@@ -18,6 +18,7 @@ constexpr double kInitialDamping = 1e-5;
 constexpr double kMaxDamping = 1e8;
 constexpr double kMinDamping = 1e-12;
 constexpr double kMinDiagonal = 1e-9;
+constexpr double kUnseen = std::numeric_limits<double>::infinity();
 
 // One thread's share of the sums over all points.
 struct PoseSums {
@@ -167,14 +168,14 @@ void BlockSchurSolver::LinearisePoint(uint32_t point, PoseSums& sums) {
     const Eigen::Vector3d x = pose.ToCamera(problem_.points[point]);
     const double max_chi2 = o.measured.MaxChi2();
     if (!(x.z() > kMinDepth)) {
-      const double unseen = kUnseenFactor * max_chi2;
-      sums.cost += options_.robust ? HuberCost(unseen, max_chi2).cost : unseen;
+      sums.cost += SaturatedCost(kUnseen, max_chi2, options_.robust).cost;
       continue;
     }
     const Eigen::Vector3d r = ReprojectionResidual(*pose.camera, x, o.measured);
     const double chi2 = r.squaredNorm() * o.measured.inverse_variance;
-    const RobustCost loss = options_.robust ? HuberCost(chi2, max_chi2) : RobustCost{chi2, 1};
+    const RobustCost loss = SaturatedCost(chi2, max_chi2, options_.robust);
     sums.cost += loss.cost;
+    if (loss.weight == 0) continue;
     const double weight = loss.weight * o.measured.inverse_variance;
     const Eigen::Matrix3d J_x = ReprojectionJacobian(*pose.camera, x, o.measured.has_depth);
     const Eigen::Matrix3d J_point = J_x * pose.R;
@@ -285,12 +286,11 @@ void BlockSchurSolver::MakeCandidate() {
 double ObservationCost(const BundlePose& pose, const Eigen::Vector3d& x_in_map,
                        const PixelMeasurement& measured, bool robust) {
   const Eigen::Vector3d x = pose.ToCamera(x_in_map);
-  const double max_chi2 = measured.MaxChi2();
   const double chi2 = x.z() > kMinDepth
                           ? ReprojectionResidual(*pose.camera, x, measured).squaredNorm() *
                                 measured.inverse_variance
-                          : kUnseenFactor * max_chi2;
-  return robust ? HuberCost(chi2, max_chi2).cost : chi2;
+                          : kUnseen;
+  return SaturatedCost(chi2, measured.MaxChi2(), robust).cost;
 }
 
 double BlockSchurSolver::CandidateCost() {

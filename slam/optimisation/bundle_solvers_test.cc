@@ -4,8 +4,11 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <random>
+#include <vector>
 
 #include "slam/geometry/lie.h"
+#include "slam/optimisation/block_schur_solver.h"
 #include "slam/optimisation/bundle_adjustment.h"
 #include "slam/optimisation/ceres_bundle_solver.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
@@ -94,6 +97,65 @@ TEST(BundleSolversTest, ReachTheSameMinimumWithPointsAlone) {
                                scope.free_keyframes.end());
   scope.free_keyframes.clear();
   CompareSolvers(scene.map, scope);
+}
+
+// A drive along z, pose i at z = i, past places where some points are thought to be that lie ahead of
+// all: as after a loop that bent the map. On their way they come out from behind cameras, and are
+// projected thousands of pixels away.
+BundleProblem DrivePastPointsThatLieAhead(const Camera& camera) {
+  constexpr int kPoses = 12;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  BundleProblem problem;
+  problem.free_poses = kPoses - 1;
+  problem.free_points = 600;
+  std::vector<Eigen::Vector3d> true_points;
+  for (uint32_t p = 0; p < problem.free_points; ++p) {
+    const Eigen::Vector3d x(8 * uniform(random) - 4, 4 * uniform(random) - 2,
+                            14 + 26 * uniform(random));
+    true_points.push_back(x);
+    const double ahead = p % 10 == 0 ? kPoses * uniform(random) : x.z() + 0.1 * normal(random);
+    problem.points.emplace_back(x.x(), x.y(), ahead);
+  }
+  for (int i = 0; i < kPoses; ++i) {
+    const double error = i + 1 < kPoses ? 0.05 : 0;
+    problem.poses.push_back({ExpSO3(Eigen::Vector3d(0, 0.1 * error * normal(random), 0))
+                                 .toRotationMatrix(),
+                             Eigen::Vector3d(error * normal(random), 0, -i), &camera});
+  }
+  for (uint32_t p = 0; p < problem.free_points; ++p) {
+    for (uint32_t i = 0; i < kPoses; ++i) {
+      const Eigen::Vector3d x = true_points[p] - Eigen::Vector3d(0, 0, i);
+      const Eigen::Vector3d pixel = ReprojectionResidual(camera, x, MakeMeasurement({0, 0}, 1, 1));
+      const Eigen::Vector2d noise(0.3 * normal(random), 0.3 * normal(random));
+      problem.observations.push_back(
+          {i, p, MakeMeasurement(pixel.head<2>() + noise, camera.fx_px * camera.baseline_m / x.z(), 1),
+           true});
+    }
+  }
+  return problem;
+}
+
+void ExpectDriveAlongZ(const BundleProblem& problem) {
+  for (size_t i = 0; i < problem.poses.size(); ++i) {
+    const BundlePose& pose = problem.poses[i];
+    const Eigen::Vector3d centre = -pose.R.transpose() * pose.t;
+    EXPECT_LT((centre - Eigen::Vector3d(0, 0, static_cast<double>(i))).norm(), 0.02) << i;
+  }
+}
+
+TEST(BundleSolversTest, PointsBehindCamerasBarNobodysWay) {
+  const Camera camera = testing::SyntheticCamera();
+  const BundleProblem problem = DrivePastPointsThatLieAhead(camera);
+  MinimiseOptions options;
+  options.max_iterations = 60;
+  BundleProblem own = problem;
+  MinimiseWithBlockSchur(options, own);
+  ExpectDriveAlongZ(own);
+  BundleProblem ceres = problem;
+  ASSERT_TRUE(MinimiseWithCeres(options, ceres).ok());
+  ExpectDriveAlongZ(ceres);
 }
 
 TEST(CeresBundleSolverTest, SaysWhereAValueIsNotFiniteAndMovesNothing) {

@@ -3,7 +3,6 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
 #include <memory>
 #include <utility>
@@ -28,17 +27,36 @@ ceres::Problem::Options NothingOwned() {
   return options;
 }
 
+class SaturatedLoss : public ceres::LossFunction {
+ public:
+  SaturatedLoss(double max_chi2, bool robust) : max_chi2_(max_chi2), robust_(robust) {}
+
+  void Evaluate(double chi2, double rho[3]) const override {
+    const RobustCost loss = SaturatedCost(chi2, max_chi2_, robust_);
+    rho[0] = loss.cost;
+    rho[1] = loss.weight;
+    rho[2] = loss.weight < 1 ? -loss.weight / (2 * chi2) : 0;
+  }
+
+ private:
+  const double max_chi2_;
+  const bool robust_;
+};
+
 // A ceres::Problem over copies of a BundleProblem's values, with all that it points to.
 class CeresProblem {
  public:
   CeresProblem(const BundleProblem& source, bool robust)
-      : points_(source.points), problem_(NothingOwned()) {
+      : points_(source.points),
+        mono_loss_(kChi2Mono, robust),
+        stereo_loss_(kChi2Stereo, robust),
+        problem_(NothingOwned()) {
     poses_.reserve(source.poses.size());
     for (const BundlePose& pose : source.poses) {
       poses_.push_back(ToPoseBlock(Eigen::Quaterniond(pose.R).normalized(), pose.t));
     }
     for (const BundleObservation& o : source.observations) {
-      if (o.is_used) AddObservation(*source.poses[o.pose].camera, o, robust);
+      if (o.is_used) AddObservation(*source.poses[o.pose].camera, o);
     }
     for (uint32_t i = 0; i < poses_.size(); ++i) {
       AddBlock(poses_[i].data(), 1, i < source.free_poses);
@@ -64,7 +82,7 @@ class CeresProblem {
   }
 
  private:
-  void AddObservation(const Camera& camera, const BundleObservation& o, bool robust) {
+  void AddObservation(const Camera& camera, const BundleObservation& o) {
     ceres::CostFunction* cost = nullptr;
     ceres::LossFunction* loss = nullptr;
     if (o.measured.has_depth) {
@@ -74,8 +92,7 @@ class CeresProblem {
       cost = &mono_costs_.emplace_back(camera, o.measured);
       loss = &mono_loss_;
     }
-    problem_.AddResidualBlock(cost, robust ? loss : nullptr, poses_[o.pose].data(),
-                              points_[o.point].data());
+    problem_.AddResidualBlock(cost, loss, poses_[o.pose].data(), points_[o.point].data());
   }
 
   void AddBlock(double* block, int group, bool is_free) {
@@ -89,8 +106,8 @@ class CeresProblem {
   std::vector<Eigen::Vector3d> points_;
   std::deque<MonoReprojectionCost> mono_costs_;
   std::deque<StereoReprojectionCost> stereo_costs_;
-  ceres::HuberLoss mono_loss_{std::sqrt(kChi2Mono)};
-  ceres::HuberLoss stereo_loss_{std::sqrt(kChi2Stereo)};
+  SaturatedLoss mono_loss_;
+  SaturatedLoss stereo_loss_;
   PoseManifold manifold_;
   std::shared_ptr<ceres::ParameterBlockOrdering> order_ =
       std::make_shared<ceres::ParameterBlockOrdering>();

@@ -67,6 +67,22 @@ TEST(ReprojectionTest, HubersWeightIsTheDerivativeOfItsCost) {
   }
 }
 
+TEST(ReprojectionTest, CostsGrowUpToWhatIsNotSeenAndNoFurther) {
+  constexpr double kUnseen = kUnseenFactor * kChi2Mono;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const bool robust : {false, true}) {
+    const RobustCost below = SaturatedCost(0.999 * kUnseen, kChi2Mono, robust);
+    const RobustCost unseen = SaturatedCost(kInfinity, kChi2Mono, robust);
+    EXPECT_EQ(below.weight, robust ? HuberCost(0.999 * kUnseen, kChi2Mono).weight : 1);
+    EXPECT_LT(below.cost, unseen.cost);
+    EXPECT_NEAR(below.cost, unseen.cost, 0.002 * unseen.cost);
+    for (const double chi2 : {kUnseen, 1e12, kInfinity}) {
+      EXPECT_EQ(SaturatedCost(chi2, kChi2Mono, robust).cost, unseen.cost);
+      EXPECT_EQ(SaturatedCost(chi2, kChi2Mono, robust).weight, 0);
+    }
+  }
+}
+
 TEST(OptimisePoseTest, FindsTheExactPoseFromExactPixels) {
   const SyntheticScene scene = MakeSyntheticScene({});
   const Keyframe& keyframe = Third(scene);

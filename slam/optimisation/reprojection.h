@@ -14,7 +14,8 @@ inline constexpr double kChi2Mono = 5.991;
 inline constexpr double kChi2Stereo = 7.815;
 // Nearer than this (or behind) a point is not seen; small against any scene, also without scale.
 inline constexpr double kMinDepth = 1e-3;
-// The cost of an observation that cannot be seen, in multiples of the inliers' bound.
+// The squared, normalised error of an observation that cannot be seen, in multiples of the inliers'
+// bound.
 inline constexpr double kUnseenFactor = 100;
 
 // What a keypoint measured.
@@ -80,6 +81,19 @@ inline RobustCost HuberCost(double chi2, double max_chi2) {
   if (chi2 <= max_chi2) return {chi2, 1};
   const double root = std::sqrt(max_chi2 * chi2);
   return {2 * root - max_chi2, root / chi2};
+}
+
+// What an observation costs in a bundle adjustment: by Huber's loss, or its `chi2` itself, and
+// beyond kUnseenFactor * max_chi2 (infinite: it cannot be seen) a constant. A point that comes out
+// from behind a camera is for a moment projected far beyond all pictures. All poses and points take
+// their steps together: if that cost more than being behind, none of them could take one.
+inline RobustCost SaturatedCost(double chi2, double max_chi2, bool robust) {
+  const double unseen = kUnseenFactor * max_chi2;
+  const bool saturated = !(chi2 < unseen);
+  const double bounded = saturated ? unseen : chi2;
+  RobustCost loss = robust ? HuberCost(bounded, max_chi2) : RobustCost{bounded, 1};
+  if (saturated) loss.weight = 0;
+  return loss;
 }
 
 }  // namespace corbslam
