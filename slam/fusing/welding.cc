@@ -181,6 +181,9 @@ absl::StatusOr<WeldingResult> Weld(const FusingProblem& problem, const SolvedGra
   BundleOptions bundle;
   bundle.max_iterations = options.welding_iterations;
   bundle.outlier_rounds = 1;
+  // What was merged just now may be far off, and must say so: a wrong overlap that nothing pulled at
+  // would stay where it was put, and outvote right ones that come later.
+  bundle.saturate = false;
   bundle.threads = options.threads;
   bool cancelled = false;
   bundle.keep_going = [&](double part) {

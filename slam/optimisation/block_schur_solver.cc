@@ -168,12 +168,13 @@ void BlockSchurSolver::LinearisePoint(uint32_t point, PoseSums& sums) {
     const Eigen::Vector3d x = pose.ToCamera(problem_.points[point]);
     const double max_chi2 = o.measured.MaxChi2();
     if (!(x.z() > kMinDepth)) {
-      sums.cost += SaturatedCost(kUnseen, max_chi2, options_.robust).cost;
+      sums.cost += ObservationLoss(kUnseen, max_chi2, options_.robust, options_.saturate).cost;
       continue;
     }
     const Eigen::Vector3d r = ReprojectionResidual(*pose.camera, x, o.measured);
     const double chi2 = r.squaredNorm() * o.measured.inverse_variance;
-    const RobustCost loss = SaturatedCost(chi2, max_chi2, options_.robust);
+    const RobustCost loss =
+        ObservationLoss(chi2, max_chi2, options_.robust, options_.saturate);
     sums.cost += loss.cost;
     if (loss.weight == 0) continue;
     const double weight = loss.weight * o.measured.inverse_variance;
@@ -284,13 +285,13 @@ void BlockSchurSolver::MakeCandidate() {
 }
 
 double ObservationCost(const BundlePose& pose, const Eigen::Vector3d& x_in_map,
-                       const PixelMeasurement& measured, bool robust) {
+                       const PixelMeasurement& measured, const MinimiseOptions& options) {
   const Eigen::Vector3d x = pose.ToCamera(x_in_map);
   const double chi2 = x.z() > kMinDepth
                           ? ReprojectionResidual(*pose.camera, x, measured).squaredNorm() *
                                 measured.inverse_variance
                           : kUnseen;
-  return SaturatedCost(chi2, measured.MaxChi2(), robust).cost;
+  return ObservationLoss(chi2, measured.MaxChi2(), options.robust, options.saturate).cost;
 }
 
 double BlockSchurSolver::CandidateCost() {
@@ -300,7 +301,7 @@ double BlockSchurSolver::CandidateCost() {
       const BundleObservation& o = problem_.observations[i];
       if (!o.is_used) continue;
       cost += ObservationCost(candidate_poses_[o.pose], candidate_points_[o.point], o.measured,
-                              options_.robust);
+                              options_);
     }
     sums_[share].cost = cost;
   });

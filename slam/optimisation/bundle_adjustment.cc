@@ -183,8 +183,12 @@ absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& sco
   BundleResult result;
   const int rounds = std::max(options.outlier_rounds, 0) + 1;
   for (int round = 0; round < rounds && !result.cancelled; ++round) {
-    MinimiseOptions minimise{options.max_iterations, options.use_robust_loss && round == 0,
-                             options.threads, nullptr, options.converged_cost_change};
+    MinimiseOptions minimise;
+    minimise.max_iterations = options.max_iterations;
+    minimise.robust = options.use_robust_loss && round == 0;
+    minimise.saturate = options.saturate;
+    minimise.threads = options.threads;
+    minimise.converged_cost_change = options.converged_cost_change;
     if (options.keep_going) {
       minimise.keep_going = [&](int iteration) {
         const double part = static_cast<double>(iteration) / std::max(options.max_iterations, 1);

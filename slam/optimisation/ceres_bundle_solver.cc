@@ -27,12 +27,14 @@ ceres::Problem::Options NothingOwned() {
   return options;
 }
 
-class SaturatedLoss : public ceres::LossFunction {
+class BundleLoss : public ceres::LossFunction {
  public:
-  SaturatedLoss(double max_chi2, bool robust) : max_chi2_(max_chi2), robust_(robust) {}
+  // Keeps `options`.
+  BundleLoss(double max_chi2, const MinimiseOptions& options)
+      : max_chi2_(max_chi2), options_(options) {}
 
   void Evaluate(double chi2, double rho[3]) const override {
-    const RobustCost loss = SaturatedCost(chi2, max_chi2_, robust_);
+    const RobustCost loss = ObservationLoss(chi2, max_chi2_, options_.robust, options_.saturate);
     rho[0] = loss.cost;
     rho[1] = loss.weight;
     rho[2] = loss.weight < 1 ? -loss.weight / (2 * chi2) : 0;
@@ -40,16 +42,17 @@ class SaturatedLoss : public ceres::LossFunction {
 
  private:
   const double max_chi2_;
-  const bool robust_;
+  const MinimiseOptions& options_;
 };
 
 // A ceres::Problem over copies of a BundleProblem's values, with all that it points to.
 class CeresProblem {
  public:
-  CeresProblem(const BundleProblem& source, bool robust)
+  // `options` must outlive it.
+  CeresProblem(const BundleProblem& source, const MinimiseOptions& options)
       : points_(source.points),
-        mono_loss_(kChi2Mono, robust),
-        stereo_loss_(kChi2Stereo, robust),
+        mono_loss_(kChi2Mono, options),
+        stereo_loss_(kChi2Stereo, options),
         problem_(NothingOwned()) {
     poses_.reserve(source.poses.size());
     for (const BundlePose& pose : source.poses) {
@@ -106,8 +109,8 @@ class CeresProblem {
   std::vector<Eigen::Vector3d> points_;
   std::deque<MonoReprojectionCost> mono_costs_;
   std::deque<StereoReprojectionCost> stereo_costs_;
-  SaturatedLoss mono_loss_;
-  SaturatedLoss stereo_loss_;
+  BundleLoss mono_loss_;
+  BundleLoss stereo_loss_;
   PoseManifold manifold_;
   std::shared_ptr<ceres::ParameterBlockOrdering> order_ =
       std::make_shared<ceres::ParameterBlockOrdering>();
@@ -154,7 +157,7 @@ ceres::Solver::Options SolverOptions(const MinimiseOptions& options, uint32_t fr
 
 absl::StatusOr<MinimiseSummary> MinimiseWithCeres(const MinimiseOptions& options,
                                                   BundleProblem& problem) {
-  CeresProblem copy(problem, options.robust);
+  CeresProblem copy(problem, options);
   if (copy.problem().NumResidualBlocks() == 0) return MinimiseSummary{};
   ceres::Solver::Options solver = SolverOptions(options, problem.free_poses);
   solver.linear_solver_ordering = copy.elimination_order();

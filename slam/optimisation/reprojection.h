@@ -96,6 +96,12 @@ inline RobustCost SaturatedCost(double chi2, double max_chi2, bool robust) {
   return loss;
 }
 
+// The same, or without a bound for what can be seen.
+inline RobustCost ObservationLoss(double chi2, double max_chi2, bool robust, bool saturate) {
+  if (saturate || !std::isfinite(chi2)) return SaturatedCost(chi2, max_chi2, robust);
+  return robust ? HuberCost(chi2, max_chi2) : RobustCost{chi2, 1};
+}
+
 }  // namespace corbslam
 
 #endif  // CORBSLAM_SLAM_OPTIMISATION_REPROJECTION_H_
