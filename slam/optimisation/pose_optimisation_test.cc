@@ -80,6 +80,10 @@ TEST(ReprojectionTest, CostsGrowUpToWhatIsNotSeenAndNoFurther) {
       EXPECT_EQ(SaturatedCost(chi2, kChi2Mono, robust).cost, unseen.cost);
       EXPECT_EQ(SaturatedCost(chi2, kChi2Mono, robust).weight, 0);
     }
+    const RobustCost unbounded = ObservationLoss(1e12, kChi2Mono, robust, /*saturate=*/false);
+    EXPECT_EQ(unbounded.cost, robust ? HuberCost(1e12, kChi2Mono).cost : 1e12);
+    EXPECT_EQ(ObservationLoss(kInfinity, kChi2Mono, robust, false).cost, unseen.cost);
+    EXPECT_EQ(ObservationLoss(1e12, kChi2Mono, robust, true).cost, unseen.cost);
   }
 }
 
