@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "absl/strings/str_cat.h"
+#include "services/convert/errors.h"
 #include "services/convert/work.h"
 #include "slam/util/status_macros.h"
 
@@ -28,10 +29,6 @@ absl::Status ReadMessages(std::istream& file, Reader& reader) {
     RETURN_IF_ERROR(reader.Add(message));
   }
   return absl::OkStatus();
-}
-
-absl::Status Locate(const std::string& path, const absl::Status& status) {
-  return {status.code(), absl::StrCat(path, ": ", status.message())};
 }
 
 }  // namespace
@@ -55,9 +52,9 @@ absl::StatusOr<AdjustBundleRequest> ReadAdjustment(const std::string& path) {
   if (!file) return absl::NotFoundError(absl::StrCat(path, ": can't be opened"));
   Reader reader;
   const absl::Status read = ReadMessages(file, reader);
-  if (!read.ok()) return Locate(path, read);
+  if (!read.ok()) return Locate(read, path);
   absl::StatusOr<AdjustBundleRequest> request = reader.Finish();
-  if (!request.ok()) return Locate(path, request.status());
+  if (!request.ok()) return Locate(request.status(), path);
   return request;
 }
 

@@ -28,7 +28,7 @@ struct BundleOptions {
   // Huber's, at the 95 % bound of chi2 (5.991 monocular, 7.815 stereo). After the first rejection
   // of outliers it is off.
   bool use_robust_loss = true;
-  // What is off by more than ten times the bound costs no more and pulls at nothing (SaturatedCost).
+  // What is off by more than ten times the bound costs no more and pulls at nothing (ObservationLoss).
   bool saturate = true;
   // After each such round observations beyond the bound (or behind the camera) are left out, and
   // those left out before may come back; then the next round goes on.

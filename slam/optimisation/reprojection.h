@@ -83,23 +83,18 @@ inline RobustCost HuberCost(double chi2, double max_chi2) {
   return {2 * root - max_chi2, root / chi2};
 }
 
-// What an observation costs in a bundle adjustment: by Huber's loss, or its `chi2` itself, and
-// beyond kUnseenFactor * max_chi2 (infinite: it cannot be seen) a constant. A point that comes out
-// from behind a camera is for a moment projected far beyond all pictures. All poses and points take
-// their steps together: if that cost more than being behind, none of them could take one.
-inline RobustCost SaturatedCost(double chi2, double max_chi2, bool robust) {
-  const double unseen = kUnseenFactor * max_chi2;
-  const bool saturated = !(chi2 < unseen);
-  const double bounded = saturated ? unseen : chi2;
-  RobustCost loss = robust ? HuberCost(bounded, max_chi2) : RobustCost{bounded, 1};
-  if (saturated) loss.weight = 0;
-  return loss;
-}
-
-// The same, or without a bound for what can be seen.
+// What an observation costs in a bundle adjustment: by Huber's loss, or its `chi2` itself, and what
+// cannot be seen (infinite) a constant, as if kUnseenFactor * max_chi2. With `saturate` the cost of
+// no other is beyond that: a point that comes out from behind a camera is for a moment projected far
+// beyond all pictures, and all poses and points take their steps together. If it cost more than
+// being behind, none of them could take one.
 inline RobustCost ObservationLoss(double chi2, double max_chi2, bool robust, bool saturate) {
-  if (saturate || !std::isfinite(chi2)) return SaturatedCost(chi2, max_chi2, robust);
-  return robust ? HuberCost(chi2, max_chi2) : RobustCost{chi2, 1};
+  const double unseen = kUnseenFactor * max_chi2;
+  const bool is_constant = (saturate || !std::isfinite(chi2)) && !(chi2 < unseen);
+  const double counted = is_constant ? unseen : chi2;
+  RobustCost loss = robust ? HuberCost(counted, max_chi2) : RobustCost{counted, 1};
+  if (is_constant) loss.weight = 0;
+  return loss;
 }
 
 }  // namespace corbslam
