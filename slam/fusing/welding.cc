@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "slam/fusing/duplicate_search.h"
+#include "slam/fusing/trial_merges.h"
 #include "slam/optimisation/bundle_adjustment.h"
 #include "slam/verification/neighbourhood.h"
 
@@ -120,8 +121,8 @@ std::vector<const Keyframe*> Lookup(const Map& map, const absl::btree_set<Keyfra
   return keyframes;
 }
 
-std::vector<FuseMapsResult::Merge> MergeDuplicates(const FusingProblem& problem, Window& window,
-                                                   LocalMapId only_moves) {
+std::vector<TrialMerge> MergeDuplicates(const FusingProblem& problem, Window& window,
+                                        LocalMapId only_moves) {
   std::vector<std::pair<MapPointId, MapPointId>> known;
   for (const size_t index : problem.new_overlaps) {
     const auto& points = problem.overlaps[index].points;
@@ -129,7 +130,7 @@ std::vector<FuseMapsResult::Merge> MergeDuplicates(const FusingProblem& problem,
   }
   DuplicateSearchOptions search;
   search.check_disparity = problem.fix_scale;
-  std::vector<FuseMapsResult::Merge> merges;
+  std::vector<TrialMerge> merges;
   for (const auto& [anchor, mover] :
        FindDuplicates(window.map, Lookup(window.map, window.anchors),
                       Lookup(window.map, window.movers), known, search)) {
@@ -138,7 +139,7 @@ std::vector<FuseMapsResult::Merge> MergeDuplicates(const FusingProblem& problem,
         only_moves.IsValid() && anchor.local_map == only_moves && mover.local_map != only_moves;
     const FuseMapsResult::Merge merge{swap ? mover : anchor, swap ? anchor : mover};
     if (only_moves.IsValid() && merge.member.local_map != only_moves) continue;
-    if (window.map.ReplacePoint(merge.member, merge.survivor)) merges.push_back(merge);
+    if (auto trial = MergeOnTrial(merge, window.map)) merges.push_back(*std::move(trial));
   }
   return merges;
 }
@@ -174,16 +175,14 @@ absl::StatusOr<WeldingResult> Weld(const FusingProblem& problem, const SolvedGra
                                    const MapFusingOptions& options,
                                    const ProgressCallback& progress) {
   Window window = MakeWindow(problem, graph, positions, options);
-  WeldingResult result;
-  result.merges = MergeDuplicates(problem, window, options.only_moves);
+  const std::vector<TrialMerge> merges = MergeDuplicates(problem, window, options.only_moves);
   const BundleScope scope = MakeScope(problem, graph, window, options);
-  if (scope.free_keyframes.empty() || scope.free_points.empty()) return result;
+  if (scope.free_keyframes.empty() || scope.free_points.empty()) {
+    return JudgeMerges(merges, window.map, {});
+  }
   BundleOptions bundle;
   bundle.max_iterations = options.welding_iterations;
   bundle.outlier_rounds = 1;
-  // What was merged just now may be far off, and must say so: a wrong overlap that nothing pulled at
-  // would stay where it was put, and outvote right ones that come later.
-  bundle.saturate = false;
   bundle.threads = options.threads;
   bool cancelled = false;
   bundle.keep_going = [&](double part) {
@@ -193,14 +192,7 @@ absl::StatusOr<WeldingResult> Weld(const FusingProblem& problem, const SolvedGra
   const auto adjusted = AdjustBundle(window.map, scope, bundle);
   if (cancelled) return absl::CancelledError("fusing was cancelled while welding");
   if (!adjusted.ok()) return adjusted.status();
-  for (const PoseUpdate& update : adjusted->poses) result.poses[update.id] = update.camera_from_map;
-  for (const PositionUpdate& update : adjusted->positions) {
-    result.positions[update.id] = update.position_in_map;
-  }
-  for (const ObservationKey& outlier : adjusted->outliers) {
-    result.rejected.push_back({outlier.point, outlier.keyframe});
-  }
-  return result;
+  return JudgeMerges(merges, window.map, *adjusted);
 }
 
 }  // namespace corbslam

@@ -27,10 +27,12 @@ struct PoseSums {
   double cost = 0;
 };
 
-class BlockSchurSolver {
+}  // namespace
+
+class BlockSchurSolver::Equations {
  public:
-  BlockSchurSolver(const MinimiseOptions& options, BundleProblem& problem);
-  MinimiseSummary Run();
+  Equations(int threads, BundleProblem& problem);
+  MinimiseSummary Minimise(const MinimiseOptions& options);
 
  private:
   struct PointSystem {
@@ -51,7 +53,7 @@ class BlockSchurSolver {
   double CandidateCost();
   double PredictedDecrease(double damping) const;
 
-  const MinimiseOptions& options_;
+  MinimiseOptions options_;  // Of the minimisation that is going on.
   BundleProblem& problem_;
   size_t shares_;
   std::vector<uint32_t> begin_;       // Observations of point p: [begin_[p], begin_[p + 1]).
@@ -72,8 +74,12 @@ class BlockSchurSolver {
   std::vector<Eigen::Vector3d> candidate_points_;
 };
 
+namespace {
+
+// Also one that is not used, with a coupling of zero: it may be used another time, and the pattern
+// stays.
 bool IsFree(const BundleProblem& problem, const BundleObservation& o) {
-  return o.is_used && o.pose < problem.free_poses;
+  return o.pose < problem.free_poses;
 }
 
 std::vector<uint32_t> BeginOfPoints(const BundleProblem& problem) {
@@ -106,10 +112,11 @@ std::vector<std::pair<uint32_t, uint32_t>> PosePairs(const BundleProblem& proble
   return pairs;
 }
 
-BlockSchurSolver::BlockSchurSolver(const MinimiseOptions& options, BundleProblem& problem)
-    : options_(options),
-      problem_(problem),
-      shares_(static_cast<size_t>(std::max(options.threads, 1))),
+}  // namespace
+
+BlockSchurSolver::Equations::Equations(int threads, BundleProblem& problem)
+    : problem_(problem),
+      shares_(static_cast<size_t>(std::max(threads, 1))),
       begin_(BeginOfPoints(problem)),
       system_(problem.free_poses, PosePairs(problem, begin_)),
       point_systems_(problem.free_points),
@@ -120,7 +127,7 @@ BlockSchurSolver::BlockSchurSolver(const MinimiseOptions& options, BundleProblem
 }
 
 // Remembers for each pair of poses of each point which block it adds to.
-void BlockSchurSolver::GroupByPoint() {
+void BlockSchurSolver::Equations::GroupByPoint() {
   for (uint32_t pose = 0; pose < problem_.free_poses; ++pose) {
     diagonal_.push_back(system_.BlockIndex(pose, pose));
   }
@@ -141,7 +148,7 @@ void BlockSchurSolver::GroupByPoint() {
 // Calls function(share, first point, end point) for contiguous shares with about the same number
 // of observations, one a thread.
 template <typename Function>
-void BlockSchurSolver::ForEachShare(const Function& function) {
+void BlockSchurSolver::Equations::ForEachShare(const Function& function) {
   std::vector<uint32_t> bounds = {0};
   const auto points = static_cast<uint32_t>(problem_.points.size());
   for (size_t s = 1; s < shares_; ++s) {
@@ -157,13 +164,13 @@ void BlockSchurSolver::ForEachShare(const Function& function) {
   function(0, bounds[0], bounds[1]);
 }
 
-void BlockSchurSolver::LinearisePoint(uint32_t point, PoseSums& sums) {
+void BlockSchurSolver::Equations::LinearisePoint(uint32_t point, PoseSums& sums) {
   const bool is_free_point = point < problem_.free_points;
   PointSystem system{Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
   for (uint32_t i = begin_[point]; i < begin_[point + 1]; ++i) {
     const BundleObservation& o = problem_.observations[i];
-    if (!o.is_used) continue;
     couplings_[i].setZero();
+    if (!o.is_used) continue;
     const BundlePose& pose = problem_.poses[o.pose];
     const Eigen::Vector3d x = pose.ToCamera(problem_.points[point]);
     const double max_chi2 = o.measured.MaxChi2();
@@ -173,8 +180,7 @@ void BlockSchurSolver::LinearisePoint(uint32_t point, PoseSums& sums) {
     }
     const Eigen::Vector3d r = ReprojectionResidual(*pose.camera, x, o.measured);
     const double chi2 = r.squaredNorm() * o.measured.inverse_variance;
-    const RobustCost loss =
-        ObservationLoss(chi2, max_chi2, options_.robust, options_.saturate);
+    const RobustCost loss = ObservationLoss(chi2, max_chi2, options_.robust, options_.saturate);
     sums.cost += loss.cost;
     if (loss.weight == 0) continue;
     const double weight = loss.weight * o.measured.inverse_variance;
@@ -195,7 +201,7 @@ void BlockSchurSolver::LinearisePoint(uint32_t point, PoseSums& sums) {
 }
 
 // Fills the undamped normal equations; returns the cost.
-double BlockSchurSolver::Linearise() {
+double BlockSchurSolver::Equations::Linearise() {
   ForEachShare([this](size_t share, uint32_t first, uint32_t end) {
     PoseSums& sums = sums_[share];
     sums.blocks.assign(problem_.free_poses, Matrix6d::Zero());
@@ -222,7 +228,7 @@ Matrix Damped(const Matrix& H, double damping) {
   return damped;
 }
 
-void BlockSchurSolver::EliminatePoint(uint32_t point, double damping, PoseSums& sums) {
+void BlockSchurSolver::Equations::EliminatePoint(uint32_t point, double damping, PoseSums& sums) {
   PointSystem& system = point_systems_[point];
   system.inverse = Damped(system.H, damping).inverse();
   const Eigen::Vector3d point_part = system.inverse * system.b;
@@ -241,7 +247,7 @@ void BlockSchurSolver::EliminatePoint(uint32_t point, double damping, PoseSums& 
 }
 
 // The step of poses and points for the damped equations.
-bool BlockSchurSolver::SolveStep(double damping) {
+bool BlockSchurSolver::Equations::SolveStep(double damping) {
   ForEachShare([&](size_t share, uint32_t first, uint32_t end) {
     PoseSums& sums = sums_[share];
     sums.blocks.assign(system_.blocks(), Matrix6d::Zero());
@@ -272,7 +278,7 @@ bool BlockSchurSolver::SolveStep(double damping) {
   return true;
 }
 
-void BlockSchurSolver::MakeCandidate() {
+void BlockSchurSolver::Equations::MakeCandidate() {
   candidate_poses_ = problem_.poses;
   candidate_points_ = problem_.points;
   for (uint32_t i = 0; i < problem_.free_poses; ++i) {
@@ -294,7 +300,7 @@ double ObservationCost(const BundlePose& pose, const Eigen::Vector3d& x_in_map,
   return ObservationLoss(chi2, measured.MaxChi2(), options.robust, options.saturate).cost;
 }
 
-double BlockSchurSolver::CandidateCost() {
+double BlockSchurSolver::Equations::CandidateCost() {
   ForEachShare([this](size_t share, uint32_t first, uint32_t end) {
     double cost = 0;
     for (uint32_t i = begin_[first]; i < begin_[end]; ++i) {
@@ -311,7 +317,7 @@ double BlockSchurSolver::CandidateCost() {
 }
 
 // What the damped quadratic model promises: step^T (damping D step - b) / 2.
-double BlockSchurSolver::PredictedDecrease(double damping) const {
+double BlockSchurSolver::Equations::PredictedDecrease(double damping) const {
   double sum = 0;
   for (size_t i = 0; i < pose_H_.size(); ++i) {
     const Vector6d step = pose_step_.segment<6>(static_cast<Eigen::Index>(6 * i));
@@ -327,7 +333,8 @@ double BlockSchurSolver::PredictedDecrease(double damping) const {
 }
 
 // Damping after Nielsen, "Damping Parameter in Marquardt's Method", 1999.
-MinimiseSummary BlockSchurSolver::Run() {
+MinimiseSummary BlockSchurSolver::Equations::Minimise(const MinimiseOptions& options) {
+  options_ = options;
   MinimiseSummary summary;
   double cost = summary.initial_cost = Linearise();
   double damping = kInitialDamping;
@@ -361,10 +368,13 @@ MinimiseSummary BlockSchurSolver::Run() {
   return summary;
 }
 
-}  // namespace
+BlockSchurSolver::BlockSchurSolver(int threads, BundleProblem& problem)
+    : equations_(std::make_unique<Equations>(threads, problem)) {}
 
-MinimiseSummary MinimiseWithBlockSchur(const MinimiseOptions& options, BundleProblem& problem) {
-  return BlockSchurSolver(options, problem).Run();
+BlockSchurSolver::~BlockSchurSolver() = default;
+
+MinimiseSummary BlockSchurSolver::Minimise(const MinimiseOptions& options) {
+  return equations_->Minimise(options);
 }
 
 }  // namespace corbslam

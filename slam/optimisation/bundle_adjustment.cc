@@ -140,10 +140,15 @@ void UseInliersOnly(const std::vector<double>& variances, BundleProblem& problem
   }
 }
 
-absl::StatusOr<MinimiseSummary> Minimise(BundleSolver solver, const MinimiseOptions& options,
-                                         BundleProblem& problem) {
-  if (solver == BundleSolver::kCeres) return MinimiseWithCeres(options, problem);
-  return MinimiseWithBlockSchur(options, problem);
+using Minimiser = std::function<absl::StatusOr<MinimiseSummary>(const MinimiseOptions&)>;
+
+// For all rounds: the pattern and its analysis are the same.
+Minimiser MakeMinimiser(const BundleOptions& options, BundleProblem& problem) {
+  if (options.solver == BundleSolver::kCeres) {
+    return [&problem](const MinimiseOptions& round) { return MinimiseWithCeres(round, problem); };
+  }
+  return [solver = std::make_shared<BlockSchurSolver>(options.threads, problem)](
+             const MinimiseOptions& round) { return solver->Minimise(round); };
 }
 
 void ReadOut(const BundleScope& scope, const BundleIndex& index, const BundleProblem& problem,
@@ -179,6 +184,7 @@ absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& sco
         absl::StrCat("bundle scope: none of its ", index.points.size(),
                      " map points is seen by any of its ", index.keyframes.size(), " keyframes"));
   }
+  const Minimiser minimiser = MakeMinimiser(options, problem);
   std::vector<double> variances(problem.poses.size(), 1);
   BundleResult result;
   const int rounds = std::max(options.outlier_rounds, 0) + 1;
@@ -188,14 +194,15 @@ absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& sco
     minimise.robust = options.use_robust_loss && round == 0;
     minimise.saturate = options.saturate;
     minimise.threads = options.threads;
-    minimise.converged_cost_change = options.converged_cost_change;
+    minimise.converged_cost_change = round + 1 < rounds ? options.outlier_round_cost_change
+                                                        : options.converged_cost_change;
     if (options.keep_going) {
       minimise.keep_going = [&](int iteration) {
         const double part = static_cast<double>(iteration) / std::max(options.max_iterations, 1);
         return options.keep_going((round + std::min(part, 1.0)) / rounds);
       };
     }
-    ASSIGN_OR_RETURN(const MinimiseSummary summary, Minimise(options.solver, minimise, problem));
+    ASSIGN_OR_RETURN(const MinimiseSummary summary, minimiser(minimise));
     if (round == 0) result.initial_cost = summary.initial_cost;
     result.final_cost = summary.final_cost;
     result.iterations += summary.iterations;

@@ -43,8 +43,10 @@ struct BundleOptions {
   std::function<bool(double progress)> keep_going;
   // Both find the same minimum; docs/adr/0002-bundle-adjustment-solver.md says which is for what.
   BundleSolver solver = BundleSolver::kBlockSchur;
-  // A round ends where an iteration changes the cost by less than this share of it.
+  // The last round ends where an iteration changes the cost by less than this share of it, those
+  // before, which only have to tell outliers, by less than that.
   double converged_cost_change = 1e-5;
+  double outlier_round_cost_change = 1e-5;
 };
 
 struct PoseUpdate {

@@ -151,7 +151,7 @@ TEST(BundleSolversTest, PointsBehindCamerasBarNobodysWay) {
   MinimiseOptions options;
   options.max_iterations = 60;
   BundleProblem own = problem;
-  MinimiseWithBlockSchur(options, own);
+  BlockSchurSolver(options.threads, own).Minimise(options);
   ExpectDriveAlongZ(own);
   BundleProblem ceres = problem;
   ASSERT_TRUE(MinimiseWithCeres(options, ceres).ok());

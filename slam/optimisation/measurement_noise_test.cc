@@ -51,7 +51,7 @@ class MeasureNoiseTest : public ::testing::Test {
     MinimiseOptions options;
     options.max_iterations = 30;
     options.robust = robust;
-    return MinimiseWithBlockSchur(options, problem_);
+    return BlockSchurSolver(1, problem_).Minimise(options);
   }
 
   const Camera camera_;
