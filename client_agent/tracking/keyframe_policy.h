@@ -8,7 +8,8 @@ namespace corbslam {
 
 struct KeyframePolicyOptions {
   // Of the reference keyframe's points, how many may be tracked at most for a new keyframe.
-  double max_tracked_ratio = 0.75;
+  // docs/adr/0012-more-keyframes.md
+  double max_tracked_ratio = 0.9;
   // While the map has one keyframe.
   double max_tracked_ratio_at_start = 0.4;
   // Below it the mapper's being busy is no reason to wait.
@@ -42,7 +43,8 @@ struct KeyframeEvidence {
 // Counts the frame's close keypoints that do and don't see a map point.
 void CountClosePoints(const Frame& frame, KeyframeEvidence& evidence);
 
-// The rule of ORB-SLAM2 for sensors with depth (T-RO 2017, III.E), and min_share_of_reference.
+// The rule of ORB-SLAM2 for sensors with depth (T-RO 2017, III.E), with another max_tracked_ratio,
+// and min_share_of_reference.
 // Pure.
 bool ShouldMakeKeyframe(const KeyframeEvidence& evidence,
                         const KeyframePolicyOptions& options = {});
