@@ -107,6 +107,7 @@ std::optional<Tracker::Solution> Tracker::Solve(const std::vector<FirstPose>& wa
     solution.frame = frame;
     if (best.has_value()) solution.frame.words = best->frame.words;
     if (!(this->*way)(solution.frame) || !TrackLocalMap(solution)) continue;
+    if (!IsBelievable(solution)) continue;
     // Without a known motion far points alone may agree on a wrong position.
     const bool is_sure = velocity_.has_value() && !IsDoubtful(solution);
     if (!best.has_value() || Support(solution) > Support(*best)) best = std::move(solution);
@@ -122,6 +123,13 @@ int Tracker::Support(const Solution& solution) {
 
 bool Tracker::IsDoubtful(const Solution& solution) const {
   return Support(solution) < options_.doubtful_share * static_cast<double>(solution.visible.size());
+}
+
+bool Tracker::IsBelievable(const Solution& solution) const {
+  if (!IsDoubtful(solution)) return true;
+  const double least = options_.min_doubtful_share * static_cast<double>(solution.visible.size());
+  return Support(solution) >= options_.min_local_map_inliers_after_relocalisation &&
+         Support(solution) >= least;
 }
 
 bool Tracker::FollowMotion(Frame& frame) const {

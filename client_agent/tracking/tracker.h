@@ -32,6 +32,9 @@ struct TrackerOptions {
   // A pose that so small a share of the points in view agree with is doubtful: other ways to it are
   // tried, and the best supported one is taken.
   double doubtful_share = 0.15;
+  // A doubtful pose needs as many inliers as one found by relocalising, and this share of the points
+  // in view. Of thousands in view some dozens agree with a wrong pose by chance.
+  double min_doubtful_share = 0.05;
   // Lost for so many frames: the local map is given up; at once where it is this small.
   int max_lost_frames = 30;
   int min_keyframes_to_wait = 5;
@@ -84,6 +87,8 @@ class Tracker {
   // temporary points.
   static int Support(const Solution& solution);
   bool IsDoubtful(const Solution& solution) const;
+  // False: no pose at all is better.
+  bool IsBelievable(const Solution& solution) const;
   void ConsiderKeyframe(Frame& frame);
   void MakeKeyframe(Frame& frame);
   void EnsureWords(Frame& frame) const;

@@ -35,6 +35,7 @@ BundleOptions UntilTheMinimum(BundleSolver solver) {
   options.solver = solver;
   options.max_iterations = 200;
   options.converged_cost_change = 1e-15;
+  options.outlier_round_cost_change = 1e-15;
   return options;
 }
 
