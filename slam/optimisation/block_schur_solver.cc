@@ -175,12 +175,12 @@ void BlockSchurSolver::Equations::LinearisePoint(uint32_t point, PoseSums& sums)
     const Eigen::Vector3d x = pose.ToCamera(problem_.points[point]);
     const double max_chi2 = o.measured.MaxChi2();
     if (!(x.z() > kMinDepth)) {
-      sums.cost += ObservationLoss(kUnseen, max_chi2, options_.robust, options_.saturate).cost;
+      sums.cost += ObservationLoss(kUnseen, max_chi2, options_.robust).cost;
       continue;
     }
     const Eigen::Vector3d r = ReprojectionResidual(*pose.camera, x, o.measured);
     const double chi2 = r.squaredNorm() * o.measured.inverse_variance;
-    const RobustCost loss = ObservationLoss(chi2, max_chi2, options_.robust, options_.saturate);
+    const RobustCost loss = ObservationLoss(chi2, max_chi2, options_.robust);
     sums.cost += loss.cost;
     if (loss.weight == 0) continue;
     const double weight = loss.weight * o.measured.inverse_variance;
@@ -297,7 +297,7 @@ double ObservationCost(const BundlePose& pose, const Eigen::Vector3d& x_in_map,
                           ? ReprojectionResidual(*pose.camera, x, measured).squaredNorm() *
                                 measured.inverse_variance
                           : kUnseen;
-  return ObservationLoss(chi2, measured.MaxChi2(), options.robust, options.saturate).cost;
+  return ObservationLoss(chi2, measured.MaxChi2(), options.robust).cost;
 }
 
 double BlockSchurSolver::Equations::CandidateCost() {

@@ -192,7 +192,6 @@ absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& sco
     MinimiseOptions minimise;
     minimise.max_iterations = options.max_iterations;
     minimise.robust = options.use_robust_loss && round == 0;
-    minimise.saturate = options.saturate;
     minimise.threads = options.threads;
     minimise.converged_cost_change = round + 1 < rounds ? options.outlier_round_cost_change
                                                         : options.converged_cost_change;

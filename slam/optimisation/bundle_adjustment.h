@@ -26,10 +26,9 @@ struct BundleOptions {
   // Of each round: there are outlier_rounds + 1 of them, the last ones shorter where converged.
   int max_iterations = 10;
   // Huber's, at the 95 % bound of chi2 (5.991 monocular, 7.815 stereo). After the first rejection
-  // of outliers it is off.
+  // of outliers it is off. What is off by more than ten times the bound pulls at nothing either way
+  // (ObservationLoss).
   bool use_robust_loss = true;
-  // What is off by more than ten times the bound costs no more and pulls at nothing (ObservationLoss).
-  bool saturate = true;
   // After each such round observations beyond the bound (or behind the camera) are left out, and
   // those left out before may come back; then the next round goes on.
   int outlier_rounds = 1;

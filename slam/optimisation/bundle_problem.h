@@ -41,8 +41,6 @@ struct BundleProblem {
 struct MinimiseOptions {
   int max_iterations = 10;
   bool robust = true;
-  // See ObservationLoss.
-  bool saturate = true;
   int threads = 1;
   // Called after every iteration with its number from 1; false stops. May be null.
   std::function<bool(int iteration)> keep_going;

@@ -34,7 +34,7 @@ class BundleLoss : public ceres::LossFunction {
       : max_chi2_(max_chi2), options_(options) {}
 
   void Evaluate(double chi2, double rho[3]) const override {
-    const RobustCost loss = ObservationLoss(chi2, max_chi2_, options_.robust, options_.saturate);
+    const RobustCost loss = ObservationLoss(chi2, max_chi2_, options_.robust);
     rho[0] = loss.cost;
     rho[1] = loss.weight;
     rho[2] = loss.weight < 1 ? -loss.weight / (2 * chi2) : 0;

@@ -84,13 +84,13 @@ inline RobustCost HuberCost(double chi2, double max_chi2) {
 }
 
 // What an observation costs in a bundle adjustment: by Huber's loss, or its `chi2` itself, and what
-// cannot be seen (infinite) a constant, as if kUnseenFactor * max_chi2. With `saturate` the cost of
-// no other is beyond that: a point that comes out from behind a camera is for a moment projected far
-// beyond all pictures, and all poses and points take their steps together. If it cost more than
-// being behind, none of them could take one.
-inline RobustCost ObservationLoss(double chi2, double max_chi2, bool robust, bool saturate) {
+// cannot be seen (infinite) a constant, as if kUnseenFactor * max_chi2. The cost of no other is
+// beyond that: a point that comes out from behind a camera is for a moment projected far beyond all
+// pictures, and all poses and points take their steps together. If it cost more than being behind,
+// none of them could take one.
+inline RobustCost ObservationLoss(double chi2, double max_chi2, bool robust) {
   const double unseen = kUnseenFactor * max_chi2;
-  const bool is_constant = (saturate || !std::isfinite(chi2)) && !(chi2 < unseen);
+  const bool is_constant = !(chi2 < unseen);
   const double counted = is_constant ? unseen : chi2;
   RobustCost loss = robust ? HuberCost(counted, max_chi2) : RobustCost{counted, 1};
   if (is_constant) loss.weight = 0;
