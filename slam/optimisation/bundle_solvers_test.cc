@@ -159,6 +159,29 @@ TEST(BundleSolversTest, PointsBehindCamerasBarNobodysWay) {
   ExpectDriveAlongZ(ceres);
 }
 
+TEST(BlockSchurSolverTest, WhatIsNotUsedInALaterRoundSaysNothing) {
+  const Camera camera = testing::SyntheticCamera();
+  BundleProblem problem = DrivePastPointsThatLieAhead(camera);
+  MinimiseOptions options;
+  options.converged_cost_change = 1e-15;
+  options.max_iterations = 100;
+  BlockSchurSolver solver(options.threads, problem);
+  solver.Minimise(options);
+  for (size_t i = 0; i < problem.observations.size(); ++i) {
+    problem.observations[i].is_used = i % 7 != 0;
+  }
+  BundleProblem without = problem;
+  std::erase_if(without.observations, [](const BundleObservation& o) { return !o.is_used; });
+  options.robust = false;
+  const MinimiseSummary again = solver.Minimise(options);
+  const MinimiseSummary fresh = BlockSchurSolver(options.threads, without).Minimise(options);
+  EXPECT_NEAR(again.initial_cost, fresh.initial_cost, 1e-9 * fresh.initial_cost);
+  EXPECT_NEAR(again.final_cost, fresh.final_cost, 1e-9 * fresh.final_cost);
+  for (size_t i = 0; i < problem.poses.size(); ++i) {
+    EXPECT_LT((problem.poses[i].t - without.poses[i].t).norm(), 1e-6) << i;
+  }
+}
+
 TEST(CeresBundleSolverTest, SaysWhereAValueIsNotFiniteAndMovesNothing) {
   const Camera camera = testing::SyntheticCamera();
   BundleProblem problem;
