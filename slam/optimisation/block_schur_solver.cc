@@ -53,7 +53,7 @@ class BlockSchurSolver::Equations {
   double CandidateCost();
   double PredictedDecrease(double damping) const;
 
-  MinimiseOptions options_;  // Of the minimisation that is going on.
+  bool robust_ = true;  // Of the minimisation that is going on.
   BundleProblem& problem_;
   size_t shares_;
   std::vector<uint32_t> begin_;       // Observations of point p: [begin_[p], begin_[p + 1]).
@@ -175,12 +175,12 @@ void BlockSchurSolver::Equations::LinearisePoint(uint32_t point, PoseSums& sums)
     const Eigen::Vector3d x = pose.ToCamera(problem_.points[point]);
     const double max_chi2 = o.measured.MaxChi2();
     if (!(x.z() > kMinDepth)) {
-      sums.cost += ObservationLoss(kUnseen, max_chi2, options_.robust).cost;
+      sums.cost += ObservationLoss(kUnseen, max_chi2, robust_).cost;
       continue;
     }
     const Eigen::Vector3d r = ReprojectionResidual(*pose.camera, x, o.measured);
     const double chi2 = r.squaredNorm() * o.measured.inverse_variance;
-    const RobustCost loss = ObservationLoss(chi2, max_chi2, options_.robust);
+    const RobustCost loss = ObservationLoss(chi2, max_chi2, robust_);
     sums.cost += loss.cost;
     if (loss.weight == 0) continue;
     const double weight = loss.weight * o.measured.inverse_variance;
@@ -291,13 +291,13 @@ void BlockSchurSolver::Equations::MakeCandidate() {
 }
 
 double ObservationCost(const BundlePose& pose, const Eigen::Vector3d& x_in_map,
-                       const PixelMeasurement& measured, const MinimiseOptions& options) {
+                       const PixelMeasurement& measured, bool robust) {
   const Eigen::Vector3d x = pose.ToCamera(x_in_map);
   const double chi2 = x.z() > kMinDepth
                           ? ReprojectionResidual(*pose.camera, x, measured).squaredNorm() *
                                 measured.inverse_variance
                           : kUnseen;
-  return ObservationLoss(chi2, measured.MaxChi2(), options.robust).cost;
+  return ObservationLoss(chi2, measured.MaxChi2(), robust).cost;
 }
 
 double BlockSchurSolver::Equations::CandidateCost() {
@@ -307,7 +307,7 @@ double BlockSchurSolver::Equations::CandidateCost() {
       const BundleObservation& o = problem_.observations[i];
       if (!o.is_used) continue;
       cost += ObservationCost(candidate_poses_[o.pose], candidate_points_[o.point], o.measured,
-                              options_);
+                              robust_);
     }
     sums_[share].cost = cost;
   });
@@ -334,12 +334,12 @@ double BlockSchurSolver::Equations::PredictedDecrease(double damping) const {
 
 // Damping after Nielsen, "Damping Parameter in Marquardt's Method", 1999.
 MinimiseSummary BlockSchurSolver::Equations::Minimise(const MinimiseOptions& options) {
-  options_ = options;
+  robust_ = options.robust;
   MinimiseSummary summary;
   double cost = summary.initial_cost = Linearise();
   double damping = kInitialDamping;
   double growth = 2;
-  while (summary.iterations < options_.max_iterations && damping < kMaxDamping) {
+  while (summary.iterations < options.max_iterations && damping < kMaxDamping) {
     ++summary.iterations;
     double next_cost = std::numeric_limits<double>::infinity();
     if (SolveStep(damping)) {
@@ -358,11 +358,11 @@ MinimiseSummary BlockSchurSolver::Equations::Minimise(const MinimiseOptions& opt
       damping *= growth;
       growth *= 2;
     }
-    if (options_.keep_going && !options_.keep_going(summary.iterations)) summary.cancelled = true;
-    const bool has_converged = std::abs(decrease) <= options_.converged_cost_change * cost;
+    if (options.keep_going && !options.keep_going(summary.iterations)) summary.cancelled = true;
+    const bool has_converged = std::abs(decrease) <= options.converged_cost_change * cost;
     if (is_better) cost = next_cost;
     if (summary.cancelled || has_converged) break;
-    if (is_better && summary.iterations < options_.max_iterations) Linearise();
+    if (is_better && summary.iterations < options.max_iterations) Linearise();
   }
   summary.final_cost = cost;
   return summary;

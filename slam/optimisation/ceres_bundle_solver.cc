@@ -29,12 +29,10 @@ ceres::Problem::Options NothingOwned() {
 
 class BundleLoss : public ceres::LossFunction {
  public:
-  // Keeps `options`.
-  BundleLoss(double max_chi2, const MinimiseOptions& options)
-      : max_chi2_(max_chi2), options_(options) {}
+  BundleLoss(double max_chi2, bool robust) : max_chi2_(max_chi2), robust_(robust) {}
 
   void Evaluate(double chi2, double rho[3]) const override {
-    const RobustCost loss = ObservationLoss(chi2, max_chi2_, options_.robust);
+    const RobustCost loss = ObservationLoss(chi2, max_chi2_, robust_);
     rho[0] = loss.cost;
     rho[1] = loss.weight;
     rho[2] = loss.weight < 1 ? -loss.weight / (2 * chi2) : 0;
@@ -42,17 +40,16 @@ class BundleLoss : public ceres::LossFunction {
 
  private:
   const double max_chi2_;
-  const MinimiseOptions& options_;
+  const bool robust_;
 };
 
 // A ceres::Problem over copies of a BundleProblem's values, with all that it points to.
 class CeresProblem {
  public:
-  // `options` must outlive it.
-  CeresProblem(const BundleProblem& source, const MinimiseOptions& options)
+  CeresProblem(const BundleProblem& source, bool robust)
       : points_(source.points),
-        mono_loss_(kChi2Mono, options),
-        stereo_loss_(kChi2Stereo, options),
+        mono_loss_(kChi2Mono, robust),
+        stereo_loss_(kChi2Stereo, robust),
         problem_(NothingOwned()) {
     poses_.reserve(source.poses.size());
     for (const BundlePose& pose : source.poses) {
@@ -157,7 +154,7 @@ ceres::Solver::Options SolverOptions(const MinimiseOptions& options, uint32_t fr
 
 absl::StatusOr<MinimiseSummary> MinimiseWithCeres(const MinimiseOptions& options,
                                                   BundleProblem& problem) {
-  CeresProblem copy(problem, options);
+  CeresProblem copy(problem, options.robust);
   if (copy.problem().NumResidualBlocks() == 0) return MinimiseSummary{};
   ceres::Solver::Options solver = SolverOptions(options, problem.free_poses);
   solver.linear_solver_ordering = copy.elimination_order();
