@@ -1,11 +1,13 @@
 #include "client_agent/source/euroc_calibration.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <cmath>
 #include <exception>
 #include <filesystem>
-#include <opencv2/core.hpp>
 #include <vector>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
 
@@ -14,19 +16,20 @@ namespace {
 
 constexpr int kMaxSide_px = 16384;
 
-absl::StatusOr<std::vector<double>> ReadNumbers(const cv::FileNode& node, const std::string& path,
+bool IsFiniteNumber(const YAML::Node& node, double& number) {
+  return node.IsScalar() && absl::SimpleAtod(node.Scalar(), &number) && std::isfinite(number);
+}
+
+absl::StatusOr<std::vector<double>> ReadNumbers(const YAML::Node& list, const std::string& path,
                                                 absl::string_view field, size_t least,
                                                 size_t most) {
+  const absl::Status error = absl::InvalidArgumentError(
+      absl::StrCat(path, ": ", field, " is no list of ", least, " finite numbers"));
+  if (!list.IsDefined() || !list.IsSequence()) return error;
+  if (list.size() < least || list.size() > most) return error;
   std::vector<double> numbers;
-  for (const cv::FileNode& entry : node) {
-    if (!entry.isInt() && !entry.isReal()) break;
-    numbers.push_back(static_cast<double>(entry));
-    if (!std::isfinite(numbers.back())) break;
-  }
-  if (!node.isSeq() || numbers.size() != node.size() || numbers.size() < least ||
-      numbers.size() > most || (!numbers.empty() && !std::isfinite(numbers.back()))) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path, ": ", field, " is no list of ", least, " finite numbers"));
+  for (const YAML::Node& entry : list) {
+    if (!IsFiniteNumber(entry, numbers.emplace_back())) return error;
   }
   return numbers;
 }
@@ -41,16 +44,16 @@ absl::StatusOr<Rigid3d> ToRigid(const std::vector<double>& m, const std::string&
   return Rigid3d{Eigen::Quaterniond(rotation).normalized(), Eigen::Vector3d(m[3], m[7], m[11])};
 }
 
-absl::Status ExpectWord(const cv::FileStorage& file, const std::string& path, const char* field,
+absl::Status ExpectWord(const YAML::Node& file, const std::string& path, const char* field,
                         absl::string_view expected) {
-  const cv::FileNode node = file[field];
-  const std::string word = node.isString() ? static_cast<std::string>(node) : "";
+  const YAML::Node node = file[field];
+  const std::string word = node.IsDefined() && node.IsScalar() ? node.Scalar() : "";
   if (word == expected) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrCat(path, ": ", field, " is '", word, "', only ", expected, " is known"));
 }
 
-absl::StatusOr<EurocCamera> Parse(const cv::FileStorage& file, const std::string& path) {
+absl::StatusOr<EurocCamera> Parse(const YAML::Node& file, const std::string& path) {
   RETURN_IF_ERROR(ExpectWord(file, path, "camera_model", "pinhole"));
   RETURN_IF_ERROR(ExpectWord(file, path, "distortion_model", "radial-tangential"));
   ASSIGN_OR_RETURN(const std::vector<double> pose,
@@ -82,10 +85,9 @@ absl::StatusOr<EurocCamera> ReadEurocCamera(const std::string& sensor_yaml_path)
     return absl::NotFoundError(absl::StrCat("cannot open ", sensor_yaml_path));
   }
   try {
-    const cv::FileStorage file(sensor_yaml_path, cv::FileStorage::READ);
-    return Parse(file, sensor_yaml_path);
+    return Parse(YAML::LoadFile(sensor_yaml_path), sensor_yaml_path);
   } catch (const std::exception& exception) {
-    // OpenCV's own, and what its parser lets through of the standard library.
+    // The parser's own (with line and column), and what it lets through of the standard library.
     return absl::InvalidArgumentError(absl::StrCat(sensor_yaml_path, ": ", exception.what()));
   }
 }

@@ -27,5 +27,5 @@ covered=$(sed -n 's/.* cov: \([0-9]*\).*/\1/p' "$findings/log" | tail -n 1)
 echo "$fuzzer: $seconds s, ${units:-?} executions, coverage ${covered:-?}"
 [ $found -eq 1 ] || exit 0
 echo "$fuzzer FOUND something: $findings"
-grep -E "SUMMARY|ERROR|Test unit written" "$findings/log" || tail -n 20 "$findings/log"
+grep -E "SUMMARY|ERROR|^ +#[0-9]+ |Test unit written|Base64" "$findings/log" || tail -n 20 "$findings/log"
 exit 1
