@@ -1,0 +1,26 @@
+// What is wrong, or looks wrong, in what a source gives (docs/sources.md lists every code).
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_FINDING_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_FINDING_H_
+
+#include <string>
+#include <vector>
+
+namespace corbslam {
+
+enum class FindingLevel {
+  kWarning,  // Improbable: the run goes on, unless the user is strict.
+  kError,    // A contradiction: nothing right can come of it.
+};
+
+struct SourceFinding {
+  FindingLevel level = FindingLevel::kWarning;
+  // A stable word for programs and for searching, for example "times-repeat".
+  std::string code;
+  // A sentence: file, line or frame, value and limit, and what to do about it.
+  std::string text;
+};
+using SourceFindings = std::vector<SourceFinding>;
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_FINDING_H_
