@@ -1,0 +1,30 @@
+// Grey pictures of 16 bits a pixel, of which a camera used 10, 12, 14 or all.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_GREY_DEPTH_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_GREY_DEPTH_H_
+
+#include <opencv2/core/mat.hpp>
+
+#include "absl/types/span.h"
+#include "client_agent/source/source_finding.h"
+
+namespace corbslam {
+
+struct GreyDepth {
+  // 8, 10, 12, 14 or 16: the bits that become the 8 of the pictures that are tracked.
+  int used_bits = 16;
+  // What was assumed, where that isn't all 16; for the user to judge.
+  SourceFindings findings;
+};
+
+// One decision for a whole source, from pictures spread over it (of both cameras of a pair); those
+// that aren't CV_16UC1 are passed over. The brightest pixels decide, but for a few per million: hot
+// ones. Pure; any thread.
+GreyDepth DecideGreyDepth(absl::Span<const cv::Mat> sample);
+
+// CV_8UC1: the upper 8 of `used_bits` (8 to 16); what is brighter becomes 255. `grey` is CV_8UC1
+// (returned as it is) or CV_16UC1. Pure; any thread.
+cv::Mat ScaleGreyTo8(const cv::Mat& grey, int used_bits);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_GREY_DEPTH_H_
