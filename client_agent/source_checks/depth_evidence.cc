@@ -62,6 +62,7 @@ DepthStatistics MeasureDepth(const cv::Mat& depth, double units_per_m) {
 std::vector<cv::Point> FindDepthEdges(const cv::Mat& depth) {
   cv::Mat metres;
   depth.convertTo(metres, CV_32F);
+  if (depth.type() == CV_16UC1) metres.setTo(0, depth == kSaturated);
   std::vector<cv::Point> edges;
   for (int y = kEdgeReach_px; y < depth.rows - kEdgeReach_px; ++y) {
     const auto* row = metres.ptr<float>(y);

@@ -11,7 +11,7 @@ namespace corbslam {
 namespace {
 
 constexpr int kFeatures = 500;
-constexpr int kMaxWidth_px = 800;
+constexpr int kMaxWidth_px = 500;
 constexpr int kMinSide_px = 64;  // OrbExtractor's.
 // Bits. Both are tighter than the tracker's: wrong matches would have to be told from a wrong pair.
 constexpr int kMaxHamming = 60;

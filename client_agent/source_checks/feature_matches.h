@@ -11,7 +11,7 @@
 namespace corbslam {
 
 // Few and spread evenly: statistics need hundreds of matches, not thousands. Pictures wider than
-// 800 pixels are halved first; positions and octaves' scales are in pixels of `grey` all the same.
+// 500 pixels are halved first; positions and octaves' scales are in pixels of `grey` all the same.
 struct CheckFeatures {
   Features features;
   double scale = 1;  // Pixels of `grey` per pixel of the picture that features were found in.

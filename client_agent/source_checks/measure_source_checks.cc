@@ -4,17 +4,26 @@
 //   measure_source_checks SOURCE [PLACES [DAMAGE AMOUNT [OTHER_SOURCE]]]
 //
 // Damage "other" takes right pictures and depths from OTHER_SOURCE. "-" is no damage.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
+#include <map>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/numbers.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source_checks/depth_alignment.h"
+#include "client_agent/source_checks/depth_checks.h"
 #include "client_agent/source_checks/depth_evidence.h"
+#include "client_agent/source_checks/depth_parallax.h"
 #include "client_agent/source_checks/pair_evidence.h"
+#include "client_agent/source_checks/picture_checks.h"
+#include "client_agent/source_checks/stereo_checks.h"
 #include "client_agent/source_checks/testing/damage.h"
 #include "slam/camera/rectification.h"
 
@@ -31,13 +40,34 @@ std::unique_ptr<FrameReader> Open(const std::string& source) {
   return OpenReader(ParseSourceSpec(source).value()).value();
 }
 
-void PrintPair(const char* which, size_t number, const PairEvidence& e) {
-  std::printf(
-      "%zu %s features %zu matches %zu related %zu on_rows %zu offset %.2f roll %.4f "
-      "stretch %.4f row_error %.2f residual %.2f + %zu - %zu 0 %zu disparity %.1f\n",
-      number, which, e.features, e.matches, e.related, e.on_rows, e.fit.offset_px, e.fit.roll_rad,
-      e.fit.stretch, e.row_error_px, e.residual_px, e.positive, e.negative, e.unmoved,
-      e.median_disparity_px);
+std::map<std::string, std::vector<double>> columns;
+void Note(const std::string& name, double v) { columns[name].push_back(v); }
+void PrintColumns() {
+  for (auto& [name, values] : columns) {
+    std::sort(values.begin(), values.end());
+    std::printf("  %-22s %8.3f %8.3f %8.3f\n", name.c_str(), values.front(),
+                values[values.size() / 2], values.back());
+  }
+}
+double Share(size_t part, size_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+void NotePair(const PairEvidence& e) {
+  Note("features", static_cast<double>(e.features));
+  Note("matches of features", Share(e.matches, e.features));
+  Note("related of features", Share(e.related, e.features));
+  Note("related of matches", Share(e.related, e.matches));
+  Note("score of matches", e.row_score / (static_cast<double>(e.matches) + 1e-9));
+  Note("|offset| px", std::abs(e.fit.offset_px));
+  Note("|roll| degrees", std::abs(e.fit.roll_rad) * 180 / std::numbers::pi);
+  Note("|stretch|", std::abs(e.fit.stretch));
+  Note("row error px", e.row_error_px);
+  Note("residual px", e.residual_px);
+  Note("negative of signed", Share(e.negative, e.negative + e.positive));
+  Note("signed of related", Share(e.negative + e.positive, e.related));
+  Note("unmoved of related", Share(e.unmoved, e.related));
+  Note("disparity px", e.median_disparity_px);
 }
 
 void MeasureStereo(const StereoCalibration& calibration, const Sample& sample) {
@@ -61,12 +91,15 @@ void MeasureStereo(const StereoCalibration& calibration, const Sample& sample) {
   const double begin = Now_ms();
   for (size_t i = 0; i < sample.size(); ++i) {
     const cv::Size size = sample[i].images.grey.size();
-    PrintPair("same", sample[i].number, GatherPairEvidence(left[i], right[i], size));
+    const PairEvidence same = GatherPairEvidence(left[i], right[i], size);
+    NotePair(same);
     if (i > 0 && sample[i - 1].number + 1 == sample[i].number) {
-      PrintPair("before", sample[i].number, GatherPairEvidence(left[i], right[i - 1], size));
+      Note("before",
+           GatherPairEvidence(left[i], right[i - 1], size).row_score / (same.row_score + 1e-9));
     }
     if (i + 1 < sample.size() && sample[i + 1].number == sample[i].number + 1) {
-      PrintPair("after", sample[i].number, GatherPairEvidence(left[i], right[i + 1], size));
+      Note("after",
+           GatherPairEvidence(left[i], right[i + 1], size).row_score / (same.row_score + 1e-9));
     }
   }
   std::printf("matching %.1f ms\n", Now_ms() - begin);
@@ -78,28 +111,18 @@ void MeasureRgbd(const RgbdCalibration& calibration, const Sample& sample) {
     std::printf("%zu valid %.3f saturated %.3f near %.2f median %.2f far %.2f constant %d\n",
                 sample[i].number, s.valid_share, s.saturated_share, s.near_m, s.median_m, s.far_m,
                 s.is_constant);
-    const cv::Mat grey = MeasureGreyEdges(sample[i].images.grey);
-    for (size_t k = 0; k < sample.size(); ++k) {
-      if (std::max(sample[i].number, sample[k].number) -
-              std::min(sample[i].number, sample[k].number) >
-          4) {
-        continue;
-      }
-      const std::vector<cv::Point> edges = FindDepthEdges(sample[k].images.depth);
-      double best = 0;
-      cv::Point at;
-      for (int y = -16; y <= 16; y += 2) {
-        for (int x = -16; x <= 16; x += 2) {
-          const double agreement = EdgeAgreement(edges, grey, {x, y});
-          if (agreement <= best) continue;
-          best = agreement;
-          at = {x, y};
-        }
-      }
-      std::printf("  depth %+d edges %zu agree %.3f best %.3f at %d %d\n",
-                  static_cast<int>(sample[k].number) - static_cast<int>(sample[i].number),
-                  edges.size(), EdgeAgreement(edges, grey, {0, 0}), best, at.x, at.y);
-    }
+  }
+  const AlignmentEvidence e = AlignDepth(sample);
+  for (size_t i = 0; i + 4 < sample.size(); i += 5) {
+    const double at = Now_ms();
+    const ParallaxEvidence p = CompareParallax(calibration, sample[i].images, sample[i + 4].images);
+    std::printf("  parallax: rigid %zu with depths %zu with one %zu, %.1f ms\n", p.rigid,
+                p.with_depths, p.with_one_depth, Now_ms() - at);
+  }
+  std::printf("frames %zu motion %.1f px\n", e.frames, e.motion_px);
+  for (const DepthAlignment& a : {e.best, e.now, e.here}) {
+    std::printf("  late %.1f offset %.0f %.0f agreement %.3f\n", a.late_frames, a.offset_px.x,
+                a.offset_px.y, a.agreement);
   }
 }
 
@@ -133,6 +156,26 @@ int Run(int argc, char** argv) {
     MeasureStereo(*stereo, sample);
   } else {
     MeasureRgbd(std::get<RgbdCalibration>(reader->calibration()), sample);
+  }
+  PrintColumns();
+  const double end = Now_ms();
+  SourceFindings findings = CheckPictures(reader->calibration(), sample);
+  std::printf("CheckPictures %.1f ms\n", Now_ms() - end);
+  if (const auto* stereo = std::get_if<StereoCalibration>(&reader->calibration())) {
+    const double at = Now_ms();
+    for (const SourceFinding& f : CheckStereoPair(*stereo, sample)) findings.push_back(f);
+    std::printf("CheckStereoPair %.1f ms\n", Now_ms() - at);
+  } else {
+    const double at = Now_ms();
+    for (const SourceFinding& f :
+         CheckDepth(std::get<RgbdCalibration>(reader->calibration()), sample)) {
+      findings.push_back(f);
+    }
+    std::printf("CheckDepth %.1f ms\n", Now_ms() - at);
+  }
+  for (const SourceFinding& f : findings) {
+    std::printf("%s %s: %s\n", f.level == FindingLevel::kError ? "ERROR" : "WARNING",
+                f.code.c_str(), f.text.c_str());
   }
   std::printf("measuring %.1f ms\n", Now_ms() - middle);
   return 0;

@@ -46,6 +46,15 @@ size_t CountAgreeing(const std::vector<RowSample>& samples, const Eigen::Vector3
                                            [&](const RowSample& s) { return Agrees(s, fit); }));
 }
 
+double RowScore(const std::vector<RowSample>& samples) {
+  double score = 0;
+  for (const RowSample& sample : samples) {
+    const double share = sample.difference_px / (kRowBand_px * sample.scale);
+    score += std::max(0.0, 1 - share * share);
+  }
+  return score;
+}
+
 // Least squares over those that agree with `fit`, weighted by the precision of their octave.
 Eigen::Vector3d Refine(const std::vector<RowSample>& samples, Eigen::Vector3d fit) {
   for (int i = 0; i < kRefinements; ++i) {
@@ -107,14 +116,14 @@ PairEvidence GatherPairEvidence(const CheckFeatures& left, const CheckFeatures& 
   PairEvidence evidence;
   evidence.features = std::min(left.features.keypoints.size(), right.features.keypoints.size());
   evidence.matches = matches.size();
-  evidence.on_rows = CountAgreeing(samples, Eigen::Vector3d::Zero());
+  evidence.row_score = RowScore(samples);
   evidence.fit = {fit(0), fit(1), fit(2)};
   std::vector<double> errors;
   std::vector<double> residuals;
   std::vector<double> positive;
   for (size_t i = 0; i < matches.size(); ++i) {
     if (!Agrees(samples[i], fit)) continue;
-    errors.push_back(std::abs(samples[i].difference_px));
+    errors.push_back(std::abs(fit.dot(samples[i].design)));
     residuals.push_back(std::abs(samples[i].difference_px - fit.dot(samples[i].design)));
     CountDisparity(matches[i], positive, evidence);
   }

@@ -22,10 +22,12 @@ struct PairEvidence {
   size_t matches = 0;
   // Matches that agree with the best RowFit: what is left of a pair that has been mounted askew.
   size_t related = 0;
-  // Matches whose rows agree without a fit, as they do in a rectified pair.
-  size_t on_rows = 0;
+  // How well the rows of all matches agree without a fit, as they do in a rectified pair: each
+  // match counts 1 where they are the same, down to 0 at kRowBand_px of its octave.
+  double row_score = 0;
   RowFit fit;
-  // Over the related matches: medians of the difference of rows, and of what the fit leaves.
+  // Medians over the related matches: by how much the fit says that rows differ, and what it
+  // leaves.
   double row_error_px = 0;
   double residual_px = 0;
   // Related matches whose disparity x_left - x_right is clearly positive or negative, and those
