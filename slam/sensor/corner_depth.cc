@@ -12,8 +12,14 @@ namespace {
 
 constexpr size_t kMaxSide_px = 16;  // Beyond twice the reach at the last octave.
 
+// The largest value of 16 bits isn't measured: it is what many cameras write where they saw none.
+constexpr uint16_t kSaturated = 65535;
+
 double DepthAt(const cv::Mat& depth, int x, int y, double units_per_m) {
-  if (depth.type() == CV_16UC1) return depth.at<uint16_t>(y, x) / units_per_m;
+  if (depth.type() == CV_16UC1) {
+    const uint16_t units = depth.at<uint16_t>(y, x);
+    return units == kSaturated ? 0 : units / units_per_m;
+  }
   const double metres = static_cast<double>(depth.at<float>(y, x));
   return std::isfinite(metres) && metres > 0 ? metres : 0;
 }

@@ -16,8 +16,8 @@ inline constexpr double kDepthStep = 1.05;
 // In metres; 0 where the sensor saw none. That of the keypoint's own pixel, unless there is a step
 // within its reach: a corner at the edge of something moves with it, wherever beside the edge its
 // pixel happens to lie, so that it has the depth of the nearer side then. `depth` is CV_16UC1 in
-// units of which there are `units_per_m`, or CV_32FC1 in metres; `raw` is in its pixels, as seen
-// (distorted).
+// units of which there are `units_per_m`, 65535 none, or CV_32FC1 in metres; `raw` is in its
+// pixels, as seen (distorted).
 double CornerDepth(const cv::Mat& depth, const Keypoint& raw, double units_per_m);
 
 }  // namespace corbslam

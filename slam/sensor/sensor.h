@@ -24,7 +24,7 @@ struct SensorImages {
   cv::Mat grey = {};   // CV_8UC1; of stereo the left one
   cv::Mat right = {};  // CV_8UC1; stereo only
   // RGB-D only, registered to `grey`: CV_16UC1 in units of depth_units_per_m, or CV_32FC1 in
-  // metres; 0 and NaN: none.
+  // metres; 0, 65535 (of 16 bits) and NaN: none.
   cv::Mat depth = {};
 };
 

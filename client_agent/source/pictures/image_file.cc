@@ -96,7 +96,6 @@ absl::StatusOr<cv::Mat> ReadDepthImage(const std::string& path) {
         path, ": a depth image has one channel of 16 bits, this one is of OpenCV type ",
         cv::typeToString(image.type())));
   }
-  image.setTo(0, image == std::numeric_limits<uint16_t>::max());
   return image;
 }
 

@@ -19,7 +19,7 @@ absl::StatusOr<cv::Mat> ReadGreyImage(const std::string& path);
 // none can. `paths` holds at least one.
 absl::StatusOr<cv::Mat> ReadFirstGrey(const std::vector<std::string>& paths);
 
-// One channel of 16 bits. 65535, what a sensor writes for "too far", becomes 0: none.
+// One channel of 16 bits, as it is stored.
 absl::StatusOr<cv::Mat> ReadDepthImage(const std::string& path);
 
 }  // namespace corbslam

@@ -124,15 +124,6 @@ TEST(ReadGreyImageTest, NamesWhatIsNoPicture) {
   EXPECT_TRUE(absl::IsNotFound(ReadGreyImage(PathOf("nowhere.png")).status()));
 }
 
-TEST(ReadDepthImageTest, TakesSaturatedDepthForNone) {
-  cv::Mat depth(4, 4, CV_16UC1, cv::Scalar(5000));
-  depth.at<uint16_t>(1, 2) = 65535;
-  const auto read = ReadDepthImage(WriteBytes("depth.png", Encode(".png", depth)));
-  ASSERT_TRUE(read.ok()) << read.status();
-  EXPECT_EQ(read->at<uint16_t>(1, 2), 0);
-  EXPECT_EQ(read->at<uint16_t>(0, 0), 5000);
-}
-
 TEST(ReadDepthImageTest, RefusesAGreyPicture) {
   const std::string path = WriteBytes("grey8.png", Encode(".png", Slope(CV_8UC1, 1)));
   EXPECT_THAT(std::string(ReadDepthImage(path).status().message()),

@@ -1,0 +1,35 @@
+// Where and when depth images were taken, against their pictures.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_ALIGNMENT_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_ALIGNMENT_H_
+
+#include <cstddef>
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+#include "client_agent/source_checks/sample.h"
+
+namespace corbslam {
+
+// A hypothesis: depth images are those of `late_frames` earlier, and their outlines lie by
+// `offset_px` beside those of the pictures (seen from elsewhere, or not registered).
+struct DepthAlignment {
+  double late_frames = 0;
+  cv::Point2d offset_px;
+  // How much stronger grey edges are along the outlines, so moved, than everywhere: 1 by chance.
+  double agreement = 0;
+};
+
+struct AlignmentEvidence {
+  size_t frames = 0;     // That have outlines, and a neighbour that tells how the picture moves.
+  double motion_px = 0;  // By which the picture moves from frame to frame, median.
+  DepthAlignment best;   // Of all hypotheses.
+  DepthAlignment now;    // Of those that are late by less than a frame.
+  DepthAlignment here;   // Of those, the ones with an offset of a few pixels at most.
+};
+
+// Tries delays of up to four frames either way and offsets of up to 24 pixels on the whole sample.
+AlignmentEvidence AlignDepth(const Sample& sample);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_ALIGNMENT_H_

@@ -1,0 +1,26 @@
+// Whether features move from one picture to another as their depths say.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_PARALLAX_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_PARALLAX_H_
+
+#include <cstddef>
+
+#include "slam/sensor/sensor.h"
+
+namespace corbslam {
+
+struct ParallaxEvidence {
+  // Matches of two pictures that some motion of the camera explains, of features with depth.
+  size_t rigid = 0;
+  // Those of them that one pose explains with their depths, and with one depth for all: the more
+  // the first exceeds the second, the more parallax there is.
+  size_t with_depths = 0;
+  size_t with_one_depth = 0;
+};
+
+// `first` has the depth image. Their scale is not judged: poses take it as it is.
+ParallaxEvidence CompareParallax(const RgbdCalibration& calibration, const SensorImages& first,
+                                 const SensorImages& second);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_PARALLAX_H_

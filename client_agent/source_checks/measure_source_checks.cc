@@ -1,0 +1,193 @@
+// Prints the statistics that the checks judge by, of a source as it is or damaged, what they find
+// and how long they take: docs/sources_checks.md is made of its answers.
+//
+//   measure_source_checks SOURCE [PLACES [DAMAGE AMOUNT [OTHER_SOURCE]]]
+//
+// Damage "other" takes right pictures and depths from OTHER_SOURCE. "-" is no damage.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "client_agent/source/frame_reader.h"
+#include "client_agent/source_checks/depth_alignment.h"
+#include "client_agent/source_checks/depth_checks.h"
+#include "client_agent/source_checks/depth_evidence.h"
+#include "client_agent/source_checks/depth_parallax.h"
+#include "client_agent/source_checks/pair_evidence.h"
+#include "client_agent/source_checks/picture_checks.h"
+#include "client_agent/source_checks/stereo_checks.h"
+#include "client_agent/source_checks/testing/damage.h"
+#include "slam/camera/rectification.h"
+
+namespace corbslam {
+namespace {
+
+double Now_ms() {
+  return std::chrono::duration<double, std::milli>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+std::unique_ptr<FrameReader> Open(const std::string& source) {
+  return OpenReader(ParseSourceSpec(source).value()).value();
+}
+
+std::map<std::string, std::vector<double>> columns;
+void Note(const std::string& name, double v) { columns[name].push_back(v); }
+void PrintColumns() {
+  for (auto& [name, values] : columns) {
+    std::sort(values.begin(), values.end());
+    std::printf("  %-22s %8.3f %8.3f %8.3f\n", name.c_str(), values.front(),
+                values[values.size() / 2], values.back());
+  }
+}
+double Share(size_t part, size_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+void NotePair(const PairEvidence& e) {
+  Note("features", static_cast<double>(e.features));
+  Note("matches of features", Share(e.matches, e.features));
+  Note("related of features", Share(e.related, e.features));
+  Note("related of matches", Share(e.related, e.matches));
+  Note("score of matches", e.row_score / (static_cast<double>(e.matches) + 1e-9));
+  Note("|offset| px", std::abs(e.fit.offset_px));
+  Note("|roll| degrees", std::abs(e.fit.roll_rad) * 180 / std::numbers::pi);
+  Note("|stretch|", std::abs(e.fit.stretch));
+  Note("row error px", e.row_error_px);
+  Note("residual px", e.residual_px);
+  Note("negative of signed", Share(e.negative, e.negative + e.positive));
+  Note("signed of related", Share(e.negative + e.positive, e.related));
+  Note("unmoved of related", Share(e.unmoved, e.related));
+  Note("disparity px", e.median_disparity_px);
+}
+
+void MeasureStereo(const StereoCalibration& calibration, const Sample& sample) {
+  std::vector<CheckFeatures> left;
+  std::vector<CheckFeatures> right;
+  std::optional<StereoRectifier> rectifier;
+  if (calibration.raw.has_value()) rectifier = StereoRectifier::Make(*calibration.raw).value();
+  for (const SampleFrame& frame : sample) {
+    cv::Mat l = frame.images.grey;
+    cv::Mat r = frame.images.right;
+    if (rectifier.has_value()) {
+      cv::Mat rect;
+      (void)rectifier->RectifyLeft(l, rect);
+      l = rect.clone();
+      (void)rectifier->RectifyRight(r, rect);
+      r = rect.clone();
+    }
+    left.push_back(ExtractCheckFeatures(l));
+    right.push_back(ExtractCheckFeatures(r));
+  }
+  const double begin = Now_ms();
+  for (size_t i = 0; i < sample.size(); ++i) {
+    const cv::Size size = sample[i].images.grey.size();
+    const PairEvidence same = GatherPairEvidence(left[i], right[i], size);
+    NotePair(same);
+    if (i > 0 && sample[i - 1].number + 1 == sample[i].number) {
+      Note("before",
+           GatherPairEvidence(left[i], right[i - 1], size).row_score / (same.row_score + 1e-9));
+    }
+    if (i + 1 < sample.size() && sample[i + 1].number == sample[i].number + 1) {
+      Note("after",
+           GatherPairEvidence(left[i], right[i + 1], size).row_score / (same.row_score + 1e-9));
+    }
+  }
+  std::printf("matching %.1f ms\n", Now_ms() - begin);
+}
+
+void MeasureRgbd(const RgbdCalibration& calibration, const Sample& sample) {
+  for (size_t i = 0; i < sample.size(); ++i) {
+    const DepthStatistics s = MeasureDepth(sample[i].images.depth, calibration.depth_units_per_m);
+    std::printf("%zu valid %.3f saturated %.3f near %.2f median %.2f far %.2f constant %d\n",
+                sample[i].number, s.valid_share, s.saturated_share, s.near_m, s.median_m, s.far_m,
+                s.is_constant);
+  }
+  const AlignmentEvidence e = AlignDepth(sample);
+  for (size_t i = 0; i + 4 < sample.size(); i += 5) {
+    const double at = Now_ms();
+    const ParallaxEvidence p = CompareParallax(calibration, sample[i].images, sample[i + 4].images);
+    std::printf("  parallax: rigid %zu with depths %zu with one %zu, %.1f ms\n", p.rigid,
+                p.with_depths, p.with_one_depth, Now_ms() - at);
+  }
+  std::printf("frames %zu motion %.1f px\n", e.frames, e.motion_px);
+  for (const DepthAlignment& a : {e.best, e.now, e.here}) {
+    std::printf("  late %.1f offset %.0f %.0f agreement %.3f\n", a.late_frames, a.offset_px.x,
+                a.offset_px.y, a.agreement);
+  }
+}
+
+int Run(int argc, char** argv) {
+  const std::unique_ptr<FrameReader> reader = Open(argv[1]);
+  SampleOptions options;
+  if (argc > 2) options.places = static_cast<size_t>(std::atoi(argv[2]));
+  ReadFrame read = [&](size_t frame) { return reader->Read(frame); };
+  std::unique_ptr<FrameReader> other;
+  if (argc > 5) {
+    other = Open(argv[5]);
+    read = [&](size_t frame) -> absl::StatusOr<SensorImages> {
+      SensorImages images = *reader->Read(frame);
+      const SensorImages wrong = *other->Read(frame % other->frame_count());
+      images.right = wrong.right;
+      images.depth = wrong.depth;
+      return images;
+    };
+  } else if (argc > 4 && std::string(argv[3]) != "-") {
+    read = Damage(read, argv[3], std::atof(argv[4]));
+  }
+  Sample sample;
+  const double begin = Now_ms();
+  for (const size_t number :
+       ChooseSampleFrames(reader->calibration(), 0, reader->frame_count(), options)) {
+    sample.push_back({number, read(number).value()});
+  }
+  std::printf("reading %.1f ms\n", Now_ms() - begin);
+  const double middle = Now_ms();
+  if (const auto* stereo = std::get_if<StereoCalibration>(&reader->calibration())) {
+    MeasureStereo(*stereo, sample);
+  } else {
+    MeasureRgbd(std::get<RgbdCalibration>(reader->calibration()), sample);
+  }
+  PrintColumns();
+  const double end = Now_ms();
+  SourceFindings findings = CheckPictures(reader->calibration(), sample);
+  std::printf("CheckPictures %.1f ms\n", Now_ms() - end);
+  if (const auto* stereo = std::get_if<StereoCalibration>(&reader->calibration())) {
+    const double at = Now_ms();
+    for (const SourceFinding& f : CheckStereoPair(*stereo, sample)) findings.push_back(f);
+    std::printf("CheckStereoPair %.1f ms\n", Now_ms() - at);
+  } else {
+    const double at = Now_ms();
+    for (const SourceFinding& f :
+         CheckDepth(std::get<RgbdCalibration>(reader->calibration()), sample)) {
+      findings.push_back(f);
+    }
+    std::printf("CheckDepth %.1f ms\n", Now_ms() - at);
+  }
+  for (const SourceFinding& f : findings) {
+    std::printf("%s %s: %s\n", f.level == FindingLevel::kError ? "ERROR" : "WARNING",
+                f.code.c_str(), f.text.c_str());
+  }
+  std::printf("measuring %.1f ms\n", Now_ms() - middle);
+  return 0;
+}
+
+}  // namespace
+}  // namespace corbslam
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::cerr << "usage: measure_source_checks SOURCE [PLACES [DAMAGE AMOUNT [OTHER_SOURCE]]]\n";
+    return 2;
+  }
+  return corbslam::Run(argc, argv);
+}

@@ -1,0 +1,76 @@
+#include "client_agent/source_checks/pair_sample.h"
+
+#include <utility>
+
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// With fewer there is no telling whether matches are missing or were never to be had.
+constexpr size_t kMinFeatures = 100;
+
+bool HasEnough(const CheckFeatures& side) { return side.features.keypoints.size() >= kMinFeatures; }
+
+bool HasSize(const cv::Mat& grey, const Camera& camera) {
+  return grey.type() == CV_8UC1 && grey.cols == camera.width_px && grey.rows == camera.height_px;
+}
+
+}  // namespace
+
+absl::StatusOr<PairPreparation> PairPreparation::Make(const StereoCalibration& calibration) {
+  PairPreparation preparation;
+  preparation.camera_ = calibration.camera;
+  if (calibration.raw.has_value()) {
+    ASSIGN_OR_RETURN(preparation.rectifier_, StereoRectifier::Make(*calibration.raw));
+    preparation.camera_ = preparation.rectifier_->camera();
+  }
+  return preparation;
+}
+
+std::optional<PairPreparation::Sides> PairPreparation::Extract(const SensorImages& images,
+                                                               bool exchanged) const {
+  cv::Mat left = exchanged ? images.right : images.grey;
+  cv::Mat right = exchanged ? images.grey : images.right;
+  if (!HasSize(left, camera_) || !HasSize(right, camera_)) return std::nullopt;
+  if (rectifier_.has_value()) {
+    cv::Mat rectified_left;
+    cv::Mat rectified_right;
+    if (!rectifier_->RectifyLeft(left, rectified_left).ok() ||
+        !rectifier_->RectifyRight(right, rectified_right).ok()) {
+      return std::nullopt;
+    }
+    left = rectified_left;
+    right = rectified_right;
+  }
+  return Sides{ExtractCheckFeatures(left), ExtractCheckFeatures(right)};
+}
+
+std::optional<PairEvidence> PairPreparation::Compare(const std::optional<Sides>& left,
+                                                     const std::optional<Sides>& right) const {
+  if (!left.has_value() || !right.has_value()) return std::nullopt;
+  if (!HasEnough(left->left) || !HasEnough(right->right)) return std::nullopt;
+  return GatherPairEvidence(left->left, right->right, {camera_.width_px, camera_.height_px});
+}
+
+std::vector<JudgedPair> PairPreparation::Judge(const Sample& sample, bool exchanged) const {
+  std::vector<std::optional<Sides>> sides;
+  sides.reserve(sample.size());
+  for (const SampleFrame& frame : sample) sides.push_back(Extract(frame.images, exchanged));
+  std::vector<JudgedPair> pairs;
+  for (size_t i = 0; i < sample.size(); ++i) {
+    const std::optional<PairEvidence> evidence = Compare(sides[i], sides[i]);
+    if (!evidence.has_value()) continue;
+    JudgedPair pair{sample[i].number, *evidence, {}, {}};
+    if (i > 0 && sample[i - 1].number + 1 == sample[i].number) {
+      pair.with_before = Compare(sides[i], sides[i - 1]);
+    }
+    if (i + 1 < sample.size() && sample[i + 1].number == sample[i].number + 1) {
+      pair.with_after = Compare(sides[i], sides[i + 1]);
+    }
+    pairs.push_back(std::move(pair));
+  }
+  return pairs;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,53 @@
+// The pairs of a sample, each with the evidence for and against it.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_SAMPLE_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_SAMPLE_H_
+
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client_agent/source_checks/pair_evidence.h"
+#include "client_agent/source_checks/sample.h"
+#include "slam/camera/rectification.h"
+
+namespace corbslam {
+
+struct JudgedPair {
+  size_t number = 0;
+  PairEvidence evidence;
+  // The left picture with the right one of the frame before and after, where those are in the
+  // sample.
+  std::optional<PairEvidence> with_before;
+  std::optional<PairEvidence> with_after;
+};
+
+// Rectifies where the calibration is raw.
+class PairPreparation {
+ public:
+  // INVALID_ARGUMENT for an impossible calibration.
+  static absl::StatusOr<PairPreparation> Make(const StereoCalibration& calibration);
+
+  // Of the rectified pair.
+  const Camera& camera() const { return camera_; }
+  bool rectifies() const { return rectifier_.has_value(); }
+  // Every pair of the right size and with enough features on both sides, in order. `exchanged`
+  // takes the left picture for the right one and the other way round.
+  std::vector<JudgedPair> Judge(const Sample& sample, bool exchanged = false) const;
+
+ private:
+  struct Sides {
+    CheckFeatures left;
+    CheckFeatures right;
+  };
+  PairPreparation() = default;
+  std::optional<Sides> Extract(const SensorImages& images, bool exchanged) const;
+  std::optional<PairEvidence> Compare(const std::optional<Sides>& left,
+                                      const std::optional<Sides>& right) const;
+
+  Camera camera_;
+  std::optional<StereoRectifier> rectifier_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_SAMPLE_H_

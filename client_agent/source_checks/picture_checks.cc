@@ -1,0 +1,199 @@
+#include "client_agent/source_checks/picture_checks.h"
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client_agent/source_checks/picture_statistics.h"
+
+namespace corbslam {
+namespace {
+
+// Limits and what they were derived from: docs/sources_checks.md.
+constexpr int kBlack = 24;
+constexpr int kLeastContrast = 16;
+constexpr double kMostWhite = 0.6;
+constexpr size_t kFewestFrames = 3;  // To say that something holds for a source.
+
+// One camera's pictures, those of the right size.
+struct CameraPictures {
+  std::string name;
+  std::vector<size_t> numbers;
+  std::vector<cv::Mat> pictures;
+  std::vector<PictureStatistics> statistics;
+
+  bool AreConstant() const {
+    return std::all_of(statistics.begin(), statistics.end(),
+                       [](const PictureStatistics& s) { return s.IsConstant(); });
+  }
+};
+
+cv::Size SizeOf(const SensorCalibration& calibration) {
+  if (const auto* rgbd = std::get_if<RgbdCalibration>(&calibration)) {
+    return {rgbd->camera.width_px, rgbd->camera.height_px};
+  }
+  const auto& stereo = std::get<StereoCalibration>(calibration);
+  if (stereo.raw.has_value()) return {stereo.raw->width_px, stereo.raw->height_px};
+  return {stereo.camera.width_px, stereo.camera.height_px};
+}
+
+SourceFinding TellSize(const CameraPictures& camera, size_t number, const cv::Size& given,
+                       const cv::Size& expected) {
+  return {FindingLevel::kError, "picture-size",
+          absl::StrFormat("frame %d: the %s picture is %dx%d, the calibration is that of %dx%d: "
+                          "give the calibration of these pictures, or the pictures as they were "
+                          "calibrated",
+                          number, camera.name, given.width, given.height, expected.width,
+                          expected.height)};
+}
+
+// Adds what can be judged to `camera`, and a finding for the first picture of another size.
+void AddPictures(const cv::Size& size, const Sample& sample,
+                 const std::function<const cv::Mat&(const SensorImages&)>& picture_of,
+                 CameraPictures& camera, SourceFindings& findings) {
+  bool told = false;
+  for (const SampleFrame& frame : sample) {
+    const cv::Mat& picture = picture_of(frame.images);
+    if (picture.size() == size && picture.type() == CV_8UC1) {
+      camera.numbers.push_back(frame.number);
+      camera.pictures.push_back(picture);
+      camera.statistics.push_back(MeasurePicture(picture));
+    } else if (!told) {
+      findings.push_back(TellSize(camera, frame.number, picture.size(), size));
+      told = true;
+    }
+  }
+}
+
+// "in 11 of 12 frames".
+std::string InFrames(size_t count, const CameraPictures& camera) {
+  return absl::StrCat("in ", count, " of ", camera.pictures.size(), " frames of the sample");
+}
+
+int MedianOf(const CameraPictures& camera, const std::function<int(const PictureStatistics&)>& of) {
+  std::vector<int> values;
+  for (const PictureStatistics& statistics : camera.statistics) values.push_back(of(statistics));
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+// How many pictures are so, 0 unless they are more than half of enough.
+size_t CountMost(const CameraPictures& camera,
+                 const std::function<bool(const PictureStatistics&)>& is_so) {
+  const auto count =
+      static_cast<size_t>(std::count_if(camera.statistics.begin(), camera.statistics.end(), is_so));
+  return 2 * count > camera.statistics.size() ? count : 0;
+}
+
+void CheckLight(const CameraPictures& camera, SourceFindings& findings) {
+  const auto is_constant = [](const PictureStatistics& s) { return s.IsConstant(); };
+  const auto is_black = [](const PictureStatistics& s) { return s.bright < kBlack; };
+  const auto is_white = [](const PictureStatistics& s) { return s.white_share > kMostWhite; };
+  const auto is_flat = [](const PictureStatistics& s) { return s.Contrast() < kLeastContrast; };
+  const int bright = MedianOf(camera, [](const PictureStatistics& s) { return s.bright; });
+  if (const size_t count = CountMost(camera, is_constant); count > 0) {
+    const bool all = count == camera.pictures.size();
+    findings.push_back({all ? FindingLevel::kError : FindingLevel::kWarning, "pictures-constant",
+                        absl::StrFormat("%s pictures have one grey level, %d, all over %s: there "
+                                        "is nothing to see. Look at the files, and at the camera",
+                                        camera.name, bright, InFrames(count, camera))});
+  } else if (const size_t black = CountMost(camera, is_black); black > 0) {
+    findings.push_back({FindingLevel::kWarning, "pictures-nearly-black",
+                        absl::StrFormat("%s pictures are nearly black %s: 99 %% of their pixels "
+                                        "are below %d of 255 (median over the frames; less than "
+                                        "%d is nearly black). Are they of another bit depth, or "
+                                        "under-exposed? Scale their grey levels",
+                                        camera.name, InFrames(black, camera), bright + 1, kBlack)});
+  } else if (const size_t white = CountMost(camera, is_white); white > 0) {
+    findings.push_back({FindingLevel::kWarning, "pictures-overexposed",
+                        absl::StrFormat("%s pictures are overexposed %s: more than %.0f %% of "
+                                        "their pixels are at 255. Shorten the exposure, or scale "
+                                        "pictures of more bits down before they are cut to 8",
+                                        camera.name, InFrames(white, camera), 100 * kMostWhite)});
+  } else if (const size_t flat = CountMost(camera, is_flat); flat > 0) {
+    findings.push_back(
+        {FindingLevel::kWarning, "pictures-without-contrast",
+         absl::StrFormat("%s pictures have hardly any contrast %s: 98 %% of their pixels lie "
+                         "within %d grey levels (median over the frames; less than %d is too "
+                         "little). Is the lens covered, or out of focus?",
+                         camera.name, InFrames(flat, camera),
+                         MedianOf(camera, [](const PictureStatistics& s) { return s.Contrast(); }),
+                         kLeastContrast)});
+  }
+}
+
+// Whether all pictures of a camera are the same one.
+bool IsStuck(const CameraPictures& camera) {
+  if (camera.pictures.size() < kFewestFrames || camera.AreConstant()) return false;
+  return std::all_of(
+      camera.pictures.begin() + 1, camera.pictures.end(),
+      [&](const cv::Mat& picture) { return AreSame(picture, camera.pictures.front()); });
+}
+
+void CheckStuck(const std::vector<CameraPictures>& cameras, SourceFindings& findings) {
+  const auto stuck = static_cast<size_t>(std::count_if(cameras.begin(), cameras.end(), IsStuck));
+  for (const CameraPictures& camera : cameras) {
+    if (!IsStuck(camera)) continue;
+    const bool other_moves = stuck < cameras.size();
+    findings.push_back(
+        {other_moves ? FindingLevel::kError : FindingLevel::kWarning, "camera-stuck",
+         absl::StrFormat("the %s picture is the same to the byte in all %d frames of the sample, "
+                         "%d to %d%s: a camera's noise makes every picture another. Was one "
+                         "picture written again and again?",
+                         camera.name, camera.pictures.size(), camera.numbers.front(),
+                         camera.numbers.back(),
+                         other_moves ? ", though the other camera's change" : "")});
+  }
+}
+
+// Frames in whose pair both pictures are the same to the byte.
+void CheckSamePicture(const Sample& sample, SourceFindings& findings) {
+  std::vector<size_t> same;
+  size_t judged = 0;
+  for (const SampleFrame& frame : sample) {
+    const SensorImages& images = frame.images;
+    if (images.grey.empty() || images.right.empty()) continue;
+    if (images.grey.type() == CV_8UC1 && MeasurePicture(images.grey).IsConstant()) continue;
+    ++judged;
+    if (AreSame(images.grey, images.right)) same.push_back(frame.number);
+  }
+  if (same.empty()) return;
+  findings.push_back(
+      {2 * same.size() > judged ? FindingLevel::kError : FindingLevel::kWarning,
+       "pair-same-picture",
+       absl::StrFormat("left and right pictures are the same to the byte in %d of %d frames of the "
+                       "sample, in frame %d first: no depth can be had of them. Does the right "
+                       "camera's list or folder name the left one's files?",
+                       same.size(), judged, same.front())});
+}
+
+}  // namespace
+
+SourceFindings CheckPictures(const SensorCalibration& calibration, const Sample& sample) {
+  const cv::Size size = SizeOf(calibration);
+  const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
+  SourceFindings findings;
+  std::vector<CameraPictures> cameras(is_stereo ? 2 : 1);
+  cameras[0].name = is_stereo ? "left" : "grey";
+  AddPictures(
+      size, sample, [](const SensorImages& i) -> const cv::Mat& { return i.grey; }, cameras[0],
+      findings);
+  if (is_stereo) {
+    cameras[1].name = "right";
+    AddPictures(
+        size, sample, [](const SensorImages& i) -> const cv::Mat& { return i.right; }, cameras[1],
+        findings);
+    CheckSamePicture(sample, findings);
+  }
+  for (const CameraPictures& camera : cameras) {
+    if (!camera.pictures.empty()) CheckLight(camera, findings);
+  }
+  CheckStuck(cameras, findings);
+  return findings;
+}
+
+}  // namespace corbslam

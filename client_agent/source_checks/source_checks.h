@@ -1,0 +1,16 @@
+// All that can be told about a source from a sample of its frames.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_SOURCE_CHECKS_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_SOURCE_CHECKS_H_
+
+#include "client_agent/source/source_finding.h"
+#include "client_agent/source_checks/sample.h"
+
+namespace corbslam {
+
+// CheckPictures, and CheckStereoPair or CheckDepth as the calibration says. Where the pictures by
+// themselves show an error, only that is told. Pure; any thread.
+SourceFindings CheckSample(const SensorCalibration& calibration, const Sample& sample);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_SOURCE_CHECKS_H_

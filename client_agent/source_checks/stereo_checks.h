@@ -1,0 +1,19 @@
+// Whether left and right pictures are those of one stereo pair, taken at the same time.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_STEREO_CHECKS_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_STEREO_CHECKS_H_
+
+#include "client_agent/source/source_finding.h"
+#include "client_agent/source_checks/sample.h"
+
+namespace corbslam {
+
+// Judges matches between the pictures of pairs, found without knowledge of the geometry: exchanged
+// cameras, rows apart or turned against each other, a camera that is late, pictures that have
+// nothing to do with each other, a baseline in other units. Frames of another size than the
+// calibration's are passed over (CheckPictures names them), and so are those with too few features
+// to judge. Pure; any thread.
+SourceFindings CheckStereoPair(const StereoCalibration& calibration, const Sample& sample);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_STEREO_CHECKS_H_
