@@ -59,8 +59,7 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec) {
   SourceDescription& description = sequence.description;
   ASSIGN_OR_RETURN(const Listed listed, ReadLists(directory, description.remarks));
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(listed, description.remarks));
-  ASSIGN_OR_RETURN(RgbdCalibrationQuery query, MakeCalibrationQuery(spec, sequence.frames));
-  query.lists = {directory + "/rgb.txt", directory + "/depth.txt", directory + "/groundtruth.txt"};
+  ASSIGN_OR_RETURN(const RgbdCalibrationQuery query, MakeCalibrationQuery(spec, sequence.frames));
   ASSIGN_OR_RETURN(FoundRgbdCalibration found, FindRgbdCalibration(query));
   description.layout = "TUM RGB-D";
   sequence.times_file = listed.file;

@@ -96,9 +96,10 @@ struct NamedBy {
 };
 
 // INVALID_ARGUMENT where two files name different cameras.
-absl::StatusOr<NamedBy> FindNaming(const RgbdCalibrationQuery& query) {
+absl::StatusOr<NamedBy> FindNaming(const std::string& folder) {
   NamedBy named;
-  for (const std::string& list : query.lists) {
+  for (const char* name : {"rgb.txt", "depth.txt", "groundtruth.txt"}) {
+    const std::string list = absl::StrCat(folder, "/", name);
     const std::string recording = RecordingOf(list);
     const NamedCamera* camera = CameraOfTumRecording(recording);
     if (camera == nullptr) continue;
@@ -112,18 +113,32 @@ absl::StatusOr<NamedBy> FindNaming(const RgbdCalibrationQuery& query) {
   }
   if (named.camera != nullptr) return named;
   std::error_code error;
-  const std::string folder = fs::canonical(query.directory, error).filename().string();
-  return NamedBy{error ? nullptr : CameraOfTumRecording(folder),
-                 absl::StrCat("the folder's name, ", folder)};
+  const std::string name = fs::canonical(folder, error).filename().string();
+  return NamedBy{error ? nullptr : CameraOfTumRecording(name),
+                 absl::StrCat("the folder's name, ", name)};
 }
 
 absl::Status NoCalibration(const RgbdCalibrationQuery& query) {
   return absl::NotFoundError(absl::StrCat(
-      query.directory,
+      query.folders.front(),
       ": no calibration. Put calibration.yaml there (lines fx: fy: cx: cy: in pixels; k1 k2 p1 p2 "
       "k3 where the pictures are distorted; depth_units_per_m), or ETH3D's calibration.txt, or say "
       "?calibration=FILE, or ?camera=NAME for one of ",
       ListNamedCameras()));
+}
+
+// Nullopt where nothing in the folder says which camera it is.
+absl::StatusOr<std::optional<FoundRgbdCalibration>> FromFolder(const std::string& folder,
+                                                               const RgbdCalibrationQuery& query) {
+  std::error_code ignored;
+  for (const char* name : {"/calibration.yaml", "/calibration.txt"}) {
+    if (fs::exists(folder + name, ignored)) return FromFile(folder + name, query);
+  }
+  ASSIGN_OR_RETURN(const NamedBy named, FindNaming(folder));
+  if (named.camera == nullptr) return std::nullopt;
+  return FromNamed(*named.camera,
+                   absl::StrCat("as published for ", named.camera->name, ", because of ", named.by),
+                   query);
 }
 
 absl::StatusOr<FoundRgbdCalibration> Find(const RgbdCalibrationQuery& query) {
@@ -136,16 +151,11 @@ absl::StatusOr<FoundRgbdCalibration> Find(const RgbdCalibrationQuery& query) {
     return absl::InvalidArgumentError(
         absl::StrCat("?camera=", query.camera, ": known are ", ListNamedCameras()));
   }
-  std::error_code ignored;
-  for (const char* name : {"/calibration.yaml", "/calibration.txt"}) {
-    const std::string path = query.directory + name;
-    if (fs::exists(path, ignored)) return FromFile(path, query);
+  for (const std::string& folder : query.folders) {
+    ASSIGN_OR_RETURN(std::optional<FoundRgbdCalibration> found, FromFolder(folder, query));
+    if (found.has_value()) return *std::move(found);
   }
-  ASSIGN_OR_RETURN(const NamedBy named, FindNaming(query));
-  if (named.camera == nullptr) return NoCalibration(query);
-  return FromNamed(*named.camera,
-                   absl::StrCat("as published for ", named.camera->name, ", because of ", named.by),
-                   query);
+  return NoCalibration(query);
 }
 
 }  // namespace

@@ -60,16 +60,16 @@ struct Refused {
 class RefusedTimesTest : public ::testing::TestWithParam<Refused> {};
 
 TEST_P(RefusedTimesTest, AreNamedByLine) {
-  const absl::Status status =
-      BuildTimeline("times.txt", Lines(GetParam().times_ms)).status();
+  const absl::Status status = BuildTimeline("times.txt", Lines(GetParam().times_ms)).status();
   EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
   EXPECT_THAT(std::string(status.message()), HasSubstr(GetParam().says));
 }
 
 INSTANTIATE_TEST_SUITE_P(
     All, RefusedTimesTest,
-    ::testing::Values(Refused{{100, 200, 200, 300}, "times.txt:3: the time 0.200000000 s stands in "
-                                                    "line 2 too"},
+    ::testing::Values(Refused{{100, 200, 200, 300},
+                              "times.txt:3: the time 0.200000000 s stands in "
+                              "line 2 too"},
                       Refused{{0, 0, 0}, "times.txt:2"},
                       Refused{{-100, 0}, "times.txt:1: the time -0.100000000 s is negative"},
                       Refused{{900, 800, 700, 600}, "put the list in the order of time"}));
@@ -112,13 +112,13 @@ TEST_P(TimeUnitTest, IsJudgedByTheRate) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TimeUnitTest,
-                         ::testing::Values(Unit{33'333'333, false, 0},          // 30 Hz.
-                                           Unit{1'000'000'000, false, 0},       // A frame a second.
-                                           Unit{5'000'000, false, 0},           // 200 Hz.
-                                           Unit{1'000'000, false, 1},           // 1,000 Hz.
-                                           Unit{10'000'000'000, false, 1},      // Every 10 s.
-                                           Unit{50'000, true, 0},               // us for ns.
-                                           Unit{100'000'000'000, true, 0}));    // ms for s.
+                         ::testing::Values(Unit{33'333'333, false, 0},        // 30 Hz.
+                                           Unit{1'000'000'000, false, 0},     // A frame a second.
+                                           Unit{5'000'000, false, 0},         // 200 Hz.
+                                           Unit{1'000'000, false, 1},         // 1,000 Hz.
+                                           Unit{10'000'000'000, false, 1},    // Every 10 s.
+                                           Unit{50'000, true, 0},             // us for ns.
+                                           Unit{100'000'000'000, true, 0}));  // ms for s.
 
 TEST(MeasureTimesTest, SaysNothingOfASingleFrame) {
   SourceFindings findings;

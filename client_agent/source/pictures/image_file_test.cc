@@ -52,9 +52,9 @@ std::string Encode(const std::string& ending, const cv::Mat& image) {
 // An EXIF segment that holds nothing but an orientation, behind the JPEG's first marker.
 std::string WithOrientation(const std::string& jpeg, char orientation) {
   using namespace std::string_literals;
-  const std::string exif =
-      "\xff\xe1\x00\x22"s + "Exif\0\0"s + "MM\0*\0\0\0\x08"s + "\0\x01"s +
-      "\x01\x12\0\x03\0\0\0\x01\0"s + std::string(1, orientation) + "\0\0"s + "\0\0\0\0"s;
+  const std::string exif = "\xff\xe1\x00\x22"s + "Exif\0\0"s + "MM\0*\0\0\0\x08"s + "\0\x01"s +
+                           "\x01\x12\0\x03\0\0\0\x01\0"s + std::string(1, orientation) + "\0\0"s +
+                           "\0\0\0\0"s;
   return jpeg.substr(0, 2) + exif + jpeg.substr(2);
 }
 
