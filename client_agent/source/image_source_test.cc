@@ -517,7 +517,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadList{"no_file", "1000\n", "data.csv:1: field 2 names no file"},
         BadList{"empty", "#t,f\n", "cam0/data.csv: lists no picture"},
         BadList{"other_time", "1403715273000000000,1000.png\n", "have no common times: cam0 lists"},
-        BadList{"utf16", "\xff\xfe1\0", "data.csv:1: is UTF-16 text"}));
+        BadList{"utf16", "\xff\xfe" "1,a", "data.csv:1: is UTF-16 text"}));
 
 TEST(EurocSourceTest, RefusesAModelItDoesNotKnow) {
   EXPECT_THAT(

@@ -199,6 +199,7 @@ TEST(RgbdCalibrationTest, ReadsItsOwnAndEth3dsFile) {
   EXPECT_EQ(found->calibration.camera.fy_px, 525.5);
   EXPECT_EQ(found->calibration.distortion.k1, 0.1);
   EXPECT_EQ(found->calibration.depth_units_per_m, 5000);
+  std::filesystem::remove(WriteFile("calibration.yaml", ""));
   found = FindRgbdCalibration(QueryOfFile("calibration.txt", "\t526.25 526.5 319 240\r\n"));
   ASSERT_TRUE(found.ok()) << found.status();
   EXPECT_EQ(found->calibration.camera.fx_px, 526.25);
