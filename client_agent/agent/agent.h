@@ -14,6 +14,7 @@
 #include "absl/time/time.h"
 #include "client_agent/memory/spool.h"
 #include "client_agent/memory/upload_queue.h"
+#include "client_agent/source/source_finding.h"
 #include "client_agent/tracking/tracking_result.h"
 #include "slam/exchange/uplink.h"
 #include "slam/map/map.h"
@@ -68,6 +69,8 @@ struct AgentStatus {
   // Seconds between Create and the first acknowledged keyframe.
   std::optional<double> first_upload_s;
   UploadStatus upload;
+  // What looked wrong in what the sensor gave, in the order in which it was seen.
+  SourceFindings input_findings;
 };
 
 // One entry a frame, a local bundle adjustment, since the beginning.
@@ -95,6 +98,10 @@ class Agent {
   // INVALID_ARGUMENT where images don't fit the calibration. A frame that can't be tracked is no
   // error: the state says so.
   virtual absl::StatusOr<TrackingResult> Track(const SensorImages& images) = 0;
+
+  // What follows shares nothing with what was tracked so far but the camera: the local map ends and
+  // a new one begins. Between two calls of Track.
+  virtual void BeginLocalMap() = 0;
 
   // Deterministic runs: works off what came down the uplink since the last Track.
   virtual void Step() = 0;

@@ -46,18 +46,19 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Create(const AgentOptions& options
   RETURN_IF_ERROR(options.Validate());
   if (vocabulary == nullptr) return absl::InvalidArgumentError("agent: no vocabulary");
   ASSIGN_OR_RETURN(std::unique_ptr<Sensor> sensor, MakeSensor(calibration, options.sensor));
-  const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
-  return std::make_unique<SingleAgent>(options, std::move(sensor), is_stereo, std::move(vocabulary),
-                                       uplink, std::move(spool));
+  return std::make_unique<SingleAgent>(options, std::move(sensor), calibration,
+                                       std::move(vocabulary), uplink, std::move(spool));
 }
 
 SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
-                         bool is_stereo, std::shared_ptr<const Vocabulary> vocabulary,
-                         Uplink* uplink, std::unique_ptr<Spool> spool)
+                         const SensorCalibration& calibration,
+                         std::shared_ptr<const Vocabulary> vocabulary, Uplink* uplink,
+                         std::unique_ptr<Spool> spool)
     : options_(options),
-      is_stereo_(is_stereo),
+      is_stereo_(std::holds_alternative<StereoCalibration>(calibration)),
       created_(absl::Now()),
       sensor_(std::move(sensor)),
+      input_watch_(calibration),
       camera_(std::make_shared<const Camera>(sensor_->camera())),
       vocabulary_(std::move(vocabulary)),
       random_(SeedOf(options)),
@@ -115,15 +116,25 @@ void SingleAgent::OpenLocalMap() {
 absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   const absl::Time start = absl::Now();
   ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
+  Watch(features);
   TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start));
-  if (current().tracker().IsLostForGood() || memory_->NeedsNewLocalMap()) {
-    current().WaitUntilIdle(absl::Now() + absl::Seconds(1));
-    current().Stop();
-    OpenLocalMap();
-  }
+  if (current().tracker().IsLostForGood() || memory_->NeedsNewLocalMap()) BeginLocalMap();
   if (options_.deterministic) Step();
   return result;
+}
+
+void SingleAgent::BeginLocalMap() {
+  current().WaitUntilIdle(absl::Now() + absl::Seconds(1));
+  current().Stop();
+  OpenLocalMap();
+}
+
+void SingleAgent::Watch(const Features& features) {
+  std::optional<SourceFinding> finding = input_watch_.Add(features);
+  if (!finding.has_value()) return;
+  absl::MutexLock lock(&mutex_);
+  status_.input_findings.push_back(*std::move(finding));
 }
 
 void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {

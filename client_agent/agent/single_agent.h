@@ -11,17 +11,19 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/agent/local_map_session.h"
 #include "client_agent/memory/memory_manager.h"
+#include "client_agent/source_checks/input_watch.h"
 
 namespace corbslam {
 
 class SingleAgent : public Agent {
  public:
-  SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor, bool is_stereo,
-              std::shared_ptr<const Vocabulary> vocabulary, Uplink* uplink,
-              std::unique_ptr<Spool> spool);
+  SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
+              const SensorCalibration& calibration, std::shared_ptr<const Vocabulary> vocabulary,
+              Uplink* uplink, std::unique_ptr<Spool> spool);
   ~SingleAgent() override;
 
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override;
+  void BeginLocalMap() override;
   void Step() override;
   absl::Status Finish(absl::Duration timeout) override;
   AgentStatus GetStatus() const override;
@@ -32,6 +34,7 @@ class SingleAgent : public Agent {
 
  private:
   void OpenLocalMap();
+  void Watch(const Features& features);
   void Record(const TrackingResult& result, double tracking_ms);
   LocalMapSession& current() const { return *current_session_; }
   std::vector<const LocalMapSession*> Sessions() const;
@@ -40,6 +43,7 @@ class SingleAgent : public Agent {
   const bool is_stereo_;
   const absl::Time created_;
   const std::unique_ptr<Sensor> sensor_;
+  InputWatch input_watch_;
   const std::shared_ptr<const Camera> camera_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
   std::mt19937_64 random_;

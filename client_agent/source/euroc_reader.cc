@@ -1,63 +1,36 @@
-#include <map>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
-#include "absl/strings/strip.h"
-#include "client_agent/source/euroc_calibration.h"
+#include "client_agent/source/calibration/euroc_calibration.h"
+#include "client_agent/source/calibration/plausibility.h"
 #include "client_agent/source/frame_reader.h"
-#include "client_agent/source/image_file.h"
+#include "client_agent/source/listed_reader.h"
+#include "client_agent/source/lists/camera_list.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/text_file.h"
 
 namespace corbslam {
 namespace {
 
 constexpr double kCloseDepth_baselines = 50;
 
-struct StereoFiles {
-  int64_t timestamp_ns = 0;
-  std::string left;
-  std::string right;
-};
-
-absl::StatusOr<std::map<int64_t, std::string>> ReadList(const std::string& camera_directory) {
-  const std::string path = camera_directory + "/data.csv";
-  std::map<int64_t, std::string> files;
-  RETURN_IF_ERROR(ForEachLine(path, [&](int line, absl::string_view text) -> absl::Status {
-    const std::pair<absl::string_view, absl::string_view> fields =
-        absl::StrSplit(text, absl::MaxSplits(',', 1));
-    int64_t timestamp_ns = 0;
-    if (!absl::SimpleAtoi(fields.first, &timestamp_ns)) {
-      return LineError(path, line, absl::StrCat("field 1 is no time: ", fields.first));
-    }
-    const absl::string_view name = absl::StripAsciiWhitespace(fields.second);
-    if (name.empty()) return LineError(path, line, "field 2 names no file");
-    files[timestamp_ns] = absl::StrCat(camera_directory, "/data/", name);
-    return absl::OkStatus();
-  }));
-  return files;
+absl::Status CheckCamera(const EurocCamera& camera, const std::string& path, bool trust,
+                         SourceRemarks& remarks) {
+  const RawCamera& k = camera.intrinsics;
+  ASSIGN_OR_RETURN(SourceFindings findings, CheckIntrinsics({k.fx_px, k.fy_px, k.cx_px, k.cy_px,
+                                                             camera.width_px, camera.height_px},
+                                                            path, trust));
+  remarks.Add(std::move(findings));
+  return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<StereoFiles>> PairUp(const std::string& root) {
-  ASSIGN_OR_RETURN(const auto left, ReadList(root + "/cam0"));
-  ASSIGN_OR_RETURN(const auto right, ReadList(root + "/cam1"));
-  std::vector<StereoFiles> pairs;
-  for (const auto& [timestamp_ns, path] : left) {
-    const auto other = right.find(timestamp_ns);
-    if (other != right.end()) pairs.push_back({timestamp_ns, path, other->second});
-  }
-  if (pairs.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(root, ": cam0 and cam1 have no common times"));
-  }
-  return pairs;
-}
-
-absl::StatusOr<StereoCalibration> ReadCalibration(const std::string& root) {
-  ASSIGN_OR_RETURN(const EurocCamera left, ReadEurocCamera(root + "/cam0/sensor.yaml"));
-  ASSIGN_OR_RETURN(const EurocCamera right, ReadEurocCamera(root + "/cam1/sensor.yaml"));
+absl::StatusOr<StereoCalibration> ReadCalibration(const std::string& root, bool trust,
+                                                  SourceRemarks& remarks) {
+  const std::string left_path = root + "/cam0/sensor.yaml";
+  const std::string right_path = root + "/cam1/sensor.yaml";
+  ASSIGN_OR_RETURN(const EurocCamera left, ReadEurocCamera(left_path));
+  ASSIGN_OR_RETURN(const EurocCamera right, ReadEurocCamera(right_path));
   if (left.width_px != right.width_px || left.height_px != right.height_px) {
     return absl::InvalidArgumentError(absl::StrCat(root, ": cam0 and cam1 differ in resolution"));
   }
@@ -70,40 +43,57 @@ absl::StatusOr<StereoCalibration> ReadCalibration(const std::string& root) {
   if (const absl::Status status = Validate(raw); !status.ok()) {
     return absl::InvalidArgumentError(absl::StrCat(root, ": ", status.message()));
   }
+  RETURN_IF_ERROR(CheckCamera(left, left_path, trust, remarks));
+  RETURN_IF_ERROR(CheckCamera(right, right_path, trust, remarks));
+  const double baseline_m = raw.right_from_left.translation.norm();
+  ASSIGN_OR_RETURN(SourceFindings findings,
+                   CheckBaseline(baseline_m, absl::StrCat(root, ": T_BS of cam0 and cam1"), trust));
+  remarks.Add(std::move(findings));
   StereoCalibration calibration;
-  calibration.camera.close_depth_m = kCloseDepth_baselines * raw.right_from_left.translation.norm();
+  calibration.camera.close_depth_m = kCloseDepth_baselines * baseline_m;
   calibration.raw = raw;
   return calibration;
 }
 
-class EurocReader : public FrameReader {
- public:
-  EurocReader(StereoCalibration calibration, std::vector<StereoFiles> frames)
-      : calibration_(std::move(calibration)), frames_(std::move(frames)) {}
-
-  const SensorCalibration& calibration() const override { return calibration_; }
-  size_t frame_count() const override { return frames_.size(); }
-  int64_t timestamp_ns(size_t frame) const override { return frames_[frame].timestamp_ns; }
-  absl::StatusOr<SensorImages> Read(size_t frame) const override {
-    SensorImages images;
-    images.timestamp_ns = frames_[frame].timestamp_ns;
-    ASSIGN_OR_RETURN(images.grey, ReadGreyImage(frames_[frame].left));
-    ASSIGN_OR_RETURN(images.right, ReadGreyImage(frames_[frame].right));
-    return images;
+absl::Status NoPairs(const std::string& root, const std::vector<ListedPicture>& left,
+                     const std::vector<ListedPicture>& right) {
+  if (left.empty() || right.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(root, left.empty() ? "/cam0" : "/cam1", "/data.csv: lists no picture"));
   }
+  return absl::InvalidArgumentError(
+      absl::StrCat(root, ": cam0 and cam1 have no common times: cam0 lists ",
+                   left.front().timestamp_ns, " to ", left.back().timestamp_ns, ", cam1 ",
+                   right.front().timestamp_ns, " to ", right.back().timestamp_ns, " ns"));
+}
 
- private:
-  const SensorCalibration calibration_;
-  const std::vector<StereoFiles> frames_;
-};
+absl::StatusOr<std::vector<ListedFrame>> ListFrames(const std::string& root, int64_t tolerance_ns,
+                                                    SourceRemarks& remarks) {
+  ASSIGN_OR_RETURN(const auto left, ReadCameraList(root + "/cam0", remarks));
+  ASSIGN_OR_RETURN(const auto right, ReadCameraList(root + "/cam1", remarks));
+  std::vector<ListedFrame> frames;
+  for (const auto& [first, second] : PairByTime(left, right, tolerance_ns, remarks)) {
+    frames.push_back({first.timestamp_ns, 0, absl::StrCat(root, "/cam0/data/", first.file),
+                      absl::StrCat(root, "/cam1/data/", second.file)});
+  }
+  if (frames.empty()) return NoPairs(root, left, right);
+  return frames;
+}
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const std::string& directory) {
-  const std::string root = EurocRoot(directory);
-  ASSIGN_OR_RETURN(StereoCalibration calibration, ReadCalibration(root));
-  ASSIGN_OR_RETURN(std::vector<StereoFiles> frames, PairUp(root));
-  return std::make_unique<EurocReader>(std::move(calibration), std::move(frames));
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec) {
+  const std::string root = EurocRoot(spec.directory);
+  ListedSequence sequence;
+  SourceDescription& description = sequence.description;
+  ASSIGN_OR_RETURN(sequence.calibration,
+                   ReadCalibration(root, spec.opening.trust_calibration, description.remarks));
+  const auto tolerance_ns = static_cast<int64_t>(1e6 * spec.opening.pair_within_ms);
+  ASSIGN_OR_RETURN(sequence.frames, ListFrames(root, tolerance_ns, description.remarks));
+  description.layout = "EuRoC (ASL), cam0 and cam1";
+  description.intrinsics_from = root + "/cam0/sensor.yaml, cam1/sensor.yaml";
+  sequence.times_file = root + "/cam0/data.csv";
+  return MakeListedReader(std::move(sequence));
 }
 
 }  // namespace corbslam

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "client_agent/source/source_description.h"
 #include "client_agent/source/source_spec.h"
 #include "slam/sensor/sensor.h"
 
@@ -18,25 +19,27 @@ class FrameReader {
  public:
   virtual ~FrameReader() = default;
   virtual const SensorCalibration& calibration() const = 0;
+  // What is known of the sequence, and what looks wrong in it.
+  virtual const SourceDescription& description() const = 0;
   virtual size_t frame_count() const = 0;
   virtual int64_t timestamp_ns(size_t frame) const = 0;
-  // NOT_FOUND or INVALID_ARGUMENT, naming the file.
+  // Frames of one drive have growing times; a sequence whose times jump back holds several.
+  virtual int drive(size_t frame) const = 0;
+  // NOT_FOUND or INVALID_ARGUMENT, naming the file: one that is not there, can't be read, is cut
+  // short or has another size than the calibration.
   virtual absl::StatusOr<SensorImages> Read(size_t frame) const = 0;
 };
 
-// KITTI odometry: DIR/calib.txt (P0 and P1), times.txt, image_0 and image_1 with six digits a file.
-absl::StatusOr<std::unique_ptr<FrameReader>> OpenKitti(const std::string& directory);
-
+// Each opens `spec.directory`; docs/sources.md lists the files of each layout and the messages.
+// KITTI odometry and KITTI raw.
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenKitti(const SourceSpec& spec);
 // EuRoC's ASL layout: DIR/mav0 (or DIR) with cam0 and cam1, each sensor.yaml, data.csv and data/.
-// Frames are the times that both cameras list.
-absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const std::string& directory);
-
-// TUM RGB-D: DIR/associated.txt (time, grey file, time, depth file), or else rgb.txt and depth.txt,
-// each picture with the depth image nearest in time within 20 ms. DIR/calibration.yaml, when there,
-// has lines "fx: 525" (fx fy cx cy k1 k2 p1 p2 k3 depth_units_per_m); without it the published
-// values of freiburg 1, 2 or 3 are taken, as the directory's name says (else 1).
-absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const std::string& directory);
-
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec);
+// TUM RGB-D's, which ICL-NUIM and ETH3D use too: associated.txt (or associations.txt), else rgb.txt
+// and depth.txt, each picture with the depth image nearest in time within 20 ms.
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec);
+// 7-Scenes: DIR/frame-000000.color.png and frame-000000.depth.png; the times come from ?fps.
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenSevenScenes(const SourceSpec& spec);
 // Drawn, not read: Read's errors are those of SimulatedSequence::Render.
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenSimulation(const SimulationSpec& spec);
 

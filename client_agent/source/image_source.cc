@@ -31,16 +31,42 @@ class RecordedSource : public ImageSource {
   const SensorCalibration& calibration() const override { return reader_->calibration(); }
   size_t size() const override { return frames_.size(); }
   SourceFrame frame(size_t i) const override {
-    return {frames_[i], reader_->timestamp_ns(frames_[i])};
+    return {frames_[i], reader_->timestamp_ns(frames_[i]), reader_->drive(frames_[i])};
   }
-  absl::StatusOr<std::optional<SensorImages>> Next() override { return read_ahead_.Next(); }
+  absl::StatusOr<std::optional<SensorImages>> Next() override;
+  size_t position() const override { return next_ - 1; }
+  LeftOutFrames left_out() const override { return left_out_; }
 
  private:
   const std::unique_ptr<FrameReader> reader_;
   const std::vector<size_t> frames_;
   const Perturbation perturbation_;
+  size_t next_ = 0;  // The frame that read_ahead_ gives next.
+  size_t unreadable_in_a_row_ = 0;
+  LeftOutFrames left_out_;
   ReadAhead read_ahead_;  // Last: its thread uses the others.
 };
+
+absl::StatusOr<std::optional<SensorImages>> RecordedSource::Next() {
+  while (next_ < frames_.size()) {
+    absl::StatusOr<std::optional<SensorImages>> images = read_ahead_.Next();
+    if (images.ok() && !images->has_value()) return std::nullopt;
+    ++next_;
+    if (images.ok()) {
+      unreadable_in_a_row_ = 0;
+      return images;
+    }
+    ++left_out_.count;
+    left_out_.last = std::string(images.status().message());
+    if (++unreadable_in_a_row_ < kMaxUnreadableInARow) continue;
+    next_ = frames_.size();
+    return absl::Status(
+        images.status().code(),
+        absl::StrCat(kMaxUnreadableInARow, " frames in a row can't be read, the last because of ",
+                     left_out_.last));
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -59,11 +85,13 @@ absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t fra
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) {
   switch (spec.layout) {
     case SourceLayout::kKitti:
-      return OpenKitti(spec.directory);
+      return OpenKitti(spec);
     case SourceLayout::kEuroc:
-      return OpenEuroc(spec.directory);
+      return OpenEuroc(spec);
     case SourceLayout::kTum:
-      return OpenTum(spec.directory);
+      return OpenTum(spec);
+    case SourceLayout::kSevenScenes:
+      return OpenSevenScenes(spec);
     case SourceLayout::kSim:
       return OpenSimulation(spec.simulation);
   }
@@ -72,6 +100,11 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) 
 
 absl::StatusOr<std::unique_ptr<ImageSource>> OpenSource(const SourceSpec& spec) {
   ASSIGN_OR_RETURN(std::unique_ptr<FrameReader> reader, OpenReader(spec));
+  return PlayReader(std::move(reader), spec);
+}
+
+absl::StatusOr<std::unique_ptr<ImageSource>> PlayReader(std::unique_ptr<FrameReader> reader,
+                                                        const SourceSpec& spec) {
   std::vector<size_t> frames = FramesOf(spec, reader->frame_count());
   if (frames.empty()) {
     return absl::InvalidArgumentError(absl::StrCat(

@@ -1,120 +1,121 @@
-#include <array>
-#include <cmath>
+#include <algorithm>
+#include <filesystem>
 #include <map>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_split.h"
-#include "absl/strings/strip.h"
+#include "client_agent/source/calibration/kitti_calibration.h"
 #include "client_agent/source/frame_reader.h"
-#include "client_agent/source/image_file.h"
+#include "client_agent/source/kitti_folders.h"
+#include "client_agent/source/listed_reader.h"
+#include "client_agent/source/lists/frame_rate.h"
+#include "client_agent/source/lists/kitti_times.h"
+#include "client_agent/source/lists/numbered_pictures.h"
+#include "client_agent/source/pictures/image_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/text_file.h"
 
 namespace corbslam {
 namespace {
 
-// Depth from this many baselines on is too coarse to make a point from one view.
-constexpr double kCloseDepth_baselines = 35;
+using Numbered = std::map<size_t, std::string>;
 
-using ProjectionRows = std::map<std::string, std::vector<double>>;  // "P0" -> 12 numbers.
-
-std::string ImagePath(const std::string& directory, int camera, size_t frame) {
-  return absl::StrFormat("%s/image_%d/%06d.png", directory, camera, frame);
-}
-
-absl::StatusOr<ProjectionRows> ReadProjections(const std::string& path) {
-  ProjectionRows rows;
-  RETURN_IF_ERROR(ForEachLine(path, [&](int line, absl::string_view text) -> absl::Status {
-    const std::pair<absl::string_view, absl::string_view> parts =
-        absl::StrSplit(text, absl::MaxSplits(':', 1));
-    // Tr and the colour cameras are not ours.
-    if (parts.first != "P0" && parts.first != "P1") return absl::OkStatus();
-    const std::vector<absl::string_view> fields =
-        absl::StrSplit(parts.second, absl::ByAnyChar(" \t"), absl::SkipEmpty());
-    if (fields.size() != 12) {
-      return LineError(path, line,
-                       absl::StrCat(parts.first, " has ", fields.size(), " numbers instead of 12"));
-    }
-    ASSIGN_OR_RETURN(rows[std::string(parts.first)], ParseNumbers(fields, path, line));
-    return absl::OkStatus();
-  }));
-  for (const char* name : {"P0", "P1"}) {
-    if (!rows.contains(name)) {
-      return absl::InvalidArgumentError(absl::StrCat(path, ": no line ", name));
-    }
-  }
-  return rows;
-}
-
-absl::StatusOr<Camera> ReadCamera(const std::string& directory) {
-  const std::string path = directory + "/calib.txt";
-  ASSIGN_OR_RETURN(const ProjectionRows rows, ReadProjections(path));
-  ASSIGN_OR_RETURN(const cv::Mat first, ReadGreyImage(ImagePath(directory, 0, 0)));
-  const std::vector<double>& left = rows.at("P0");
-  const std::vector<double>& right = rows.at("P1");
-  Camera camera;
-  camera.fx_px = left[0];
-  camera.fy_px = left[5];
-  camera.cx_px = left[2];
-  camera.cy_px = left[6];
-  camera.width_px = first.cols;
-  camera.height_px = first.rows;
-  camera.baseline_m = (left[3] - right[3]) / right[0];
-  camera.close_depth_m = kCloseDepth_baselines * camera.baseline_m;
-  if (const absl::Status status = Validate(camera); !status.ok() || !camera.IsMetric()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path, ": ",
-                     status.ok() ? absl::StrCat("baseline ", camera.baseline_m, " m")
-                                 : std::string(status.message())));
-  }
-  return camera;
-}
-
-absl::StatusOr<std::vector<int64_t>> ReadTimes(const std::string& path) {
-  std::vector<int64_t> times_ns;
-  RETURN_IF_ERROR(ForEachLine(path, [&](int line, absl::string_view text) -> absl::Status {
-    const absl::StatusOr<int64_t> time_ns = ParseSeconds(text);
-    if (!time_ns.ok()) return LineError(path, line, time_ns.status().message());
-    times_ns.push_back(*time_ns);
-    return absl::OkStatus();
-  }));
-  if (times_ns.empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": no times"));
-  return times_ns;
-}
-
-class KittiReader : public FrameReader {
- public:
-  KittiReader(std::string directory, const Camera& camera, std::vector<int64_t> times_ns)
-      : directory_(std::move(directory)),
-        calibration_(StereoCalibration{camera, std::nullopt}),
-        times_ns_(std::move(times_ns)) {}
-
-  const SensorCalibration& calibration() const override { return calibration_; }
-  size_t frame_count() const override { return times_ns_.size(); }
-  int64_t timestamp_ns(size_t frame) const override { return times_ns_[frame]; }
-  absl::StatusOr<SensorImages> Read(size_t frame) const override {
-    SensorImages images;
-    images.timestamp_ns = times_ns_[frame];
-    ASSIGN_OR_RETURN(images.grey, ReadGreyImage(ImagePath(directory_, 0, frame)));
-    ASSIGN_OR_RETURN(images.right, ReadGreyImage(ImagePath(directory_, 1, frame)));
-    return images;
-  }
-
- private:
-  const std::string directory_;
-  const SensorCalibration calibration_;
-  const std::vector<int64_t> times_ns_;
+struct Pictures {
+  Numbered left;
+  Numbered right;
 };
+
+std::vector<std::string> PathsOf(const Numbered& pictures) {
+  std::vector<std::string> paths;
+  for (const auto& [number, path] : pictures) paths.push_back(path);
+  return paths;
+}
+
+absl::StatusOr<Pictures> ListPictures(const KittiFolders& folders) {
+  Pictures pictures;
+  ASSIGN_OR_RETURN(pictures.left, ListNumberedPictures(folders.left, "", ""));
+  ASSIGN_OR_RETURN(pictures.right, ListNumberedPictures(folders.right, "", ""));
+  for (const auto& [folder, list] :
+       {std::pair(folders.left, &pictures.left), std::pair(folders.right, &pictures.right)}) {
+    if (list->empty()) {
+      return absl::NotFoundError(
+          absl::StrCat("no picture in ", folder, " that is named by its number, as 000000.png"));
+    }
+  }
+  return pictures;
+}
+
+// A part of a recording, of which the list is whole.
+void TellSpareTimes(const std::string& path, size_t spare, SourceDescription& description) {
+  if (spare == 0) return;
+  description.remarks.left_out.push_back(
+      absl::StrCat("the last ", spare, " times of ", path, ", of which there is no picture"));
+}
+
+// Of picture 0 on. Times of fewer pictures than there are cannot be told apart.
+absl::StatusOr<std::vector<ListedTime>> TimesOf(const SourceSpec& spec, const std::string& path,
+                                                size_t pictures, SourceDescription& description) {
+  std::error_code ignored;
+  if (spec.opening.fps.has_value()) {
+    description.times_from = absl::StrCat("?fps=", *spec.opening.fps);
+    return TimesAtRate(*spec.opening.fps, pictures);
+  }
+  if (!std::filesystem::exists(path, ignored)) return NoTimes(path);
+  ASSIGN_OR_RETURN(std::vector<ListedTime> times, ReadKittiTimes(path));
+  if (times.size() >= pictures) {
+    TellSpareTimes(path, times.size() - pictures, description);
+    times.resize(pictures);
+    return times;
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      path, ": ", times.size(), " times, but pictures are numbered up to ", pictures - 1,
+      ": line n is the time of picture n - 1; add the missing ones or take the pictures out"));
+}
+
+std::string PathOf(const Numbered& pictures, size_t number, const std::string& folder) {
+  const auto found = pictures.find(number);
+  return found != pictures.end() ? found->second : absl::StrFormat("%s/%06d.png", folder, number);
+}
+
+absl::StatusOr<std::vector<ListedFrame>> ListFrames(const SourceSpec& spec,
+                                                    const KittiFolders& folders,
+                                                    const Pictures& pictures,
+                                                    SourceDescription& description) {
+  const size_t count = 1 + std::max(pictures.left.rbegin()->first, pictures.right.rbegin()->first);
+  ASSIGN_OR_RETURN(const std::vector<ListedTime> times,
+                   TimesOf(spec, folders.times, count, description));
+  ASSIGN_OR_RETURN(Timeline timeline, BuildTimeline(folders.times, times));
+  std::vector<ListedFrame> frames;
+  for (size_t i = 0; i < timeline.kept.size(); ++i) {
+    const size_t number = timeline.kept[i];
+    frames.push_back({times[number].timestamp_ns, timeline.drive[i],
+                      PathOf(pictures.left, number, folders.left),
+                      PathOf(pictures.right, number, folders.right)});
+  }
+  description.remarks.Add(std::move(timeline.remarks));
+  return frames;
+}
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<FrameReader>> OpenKitti(const std::string& directory) {
-  ASSIGN_OR_RETURN(const Camera camera, ReadCamera(directory));
-  ASSIGN_OR_RETURN(std::vector<int64_t> times_ns, ReadTimes(directory + "/times.txt"));
-  return std::make_unique<KittiReader>(directory, camera, std::move(times_ns));
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenKitti(const SourceSpec& spec) {
+  ASSIGN_OR_RETURN(const KittiFolders folders, FindKittiFolders(spec));
+  ASSIGN_OR_RETURN(const Pictures pictures, ListPictures(folders));
+  ASSIGN_OR_RETURN(const cv::Mat first, ReadFirstGrey(PathsOf(pictures.left)));
+  ASSIGN_OR_RETURN(FoundKittiCalibration found,
+                   ReadKittiCalibration({folders.calibration, folders.left_row, folders.right_row,
+                                         first.cols, first.rows, spec.opening.trust_calibration}));
+  ListedSequence sequence;
+  SourceDescription& description = sequence.description;
+  ASSIGN_OR_RETURN(sequence.frames, ListFrames(spec, folders, pictures, description));
+  sequence.calibration = found.calibration;
+  sequence.times_file = folders.times;
+  description.layout = folders.layout;
+  description.intrinsics_from =
+      absl::StrCat(folders.calibration, " (", folders.left_row, ", ", folders.right_row, ")");
+  description.remarks.Add(std::move(found.findings));
+  return MakeListedReader(std::move(sequence));
 }
 
 }  // namespace corbslam

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "slam/util/status_macros.h"
+
 namespace corbslam {
 
 ReadAhead::ReadAhead(size_t count, size_t capacity, Read read)
@@ -24,12 +26,10 @@ bool ReadAhead::HasSomething() const { return finished_ || !ready_.empty(); }
 void ReadAhead::Run(size_t count) {
   for (size_t i = 0; i < count; ++i) {
     absl::StatusOr<SensorImages> images = read_(i);
-    const bool failed = !images.ok();
     absl::MutexLock lock(&mutex_);
     mutex_.Await(absl::Condition(this, &ReadAhead::HasRoom));
     if (stopping_) return;
     ready_.push_back(std::move(images));
-    if (failed) break;
   }
   absl::MutexLock lock(&mutex_);
   finished_ = true;
@@ -39,10 +39,10 @@ absl::StatusOr<std::optional<SensorImages>> ReadAhead::Next() {
   absl::MutexLock lock(&mutex_);
   mutex_.Await(absl::Condition(this, &ReadAhead::HasSomething));
   if (ready_.empty()) return std::nullopt;
-  if (!ready_.front().ok()) return ready_.front().status();
-  std::optional<SensorImages> images = *std::move(ready_.front());
+  absl::StatusOr<SensorImages> images = std::move(ready_.front());
   ready_.pop_front();
-  return images;
+  RETURN_IF_ERROR(images.status());
+  return *std::move(images);
 }
 
 }  // namespace corbslam

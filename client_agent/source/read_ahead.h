@@ -26,8 +26,8 @@ class ReadAhead {
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;
 
-  // Waits for the next frame; nullopt after the last. After an error reading stops: the error is
-  // returned again.
+  // Waits for the next frame; nullopt after the last. An error is of one frame: the next call gives
+  // the one behind it.
   absl::StatusOr<std::optional<SensorImages>> Next();
 
  private:

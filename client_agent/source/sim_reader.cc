@@ -1,5 +1,7 @@
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "client_agent/source/frame_reader.h"
 #include "slam/simulation/sequence/simulated_sequence.h"
@@ -10,25 +12,47 @@ namespace {
 
 class SimReader : public FrameReader {
  public:
-  explicit SimReader(std::unique_ptr<SimulatedSequence> sequence)
-      : sequence_(std::move(sequence)) {}
+  SimReader(std::unique_ptr<SimulatedSequence> sequence, SourceDescription description)
+      : sequence_(std::move(sequence)), description_(std::move(description)) {}
 
   const SensorCalibration& calibration() const override { return sequence_->calibration(); }
+  const SourceDescription& description() const override { return description_; }
   size_t frame_count() const override { return sequence_->frame_count(); }
   int64_t timestamp_ns(size_t frame) const override { return sequence_->timestamp_ns(frame); }
+  int drive(size_t /*frame*/) const override { return 0; }
   absl::StatusOr<SensorImages> Read(size_t frame) const override {
     return sequence_->Render(frame);
   }
 
  private:
   const std::unique_ptr<SimulatedSequence> sequence_;
+  const SourceDescription description_;
 };
+
+SourceDescription Describe(const SimulatedSequence& sequence) {
+  const std::string from = "the simulation";
+  SourceDescription description;
+  description.layout = "simulation";
+  DescribeCamera(sequence.calibration(), description);
+  description.intrinsics_from = from;
+  description.depth_units_from = from;
+  description.times_from = from;
+  description.frames = sequence.frame_count();
+  std::vector<int64_t> times_ns;
+  for (size_t i = 0; i < sequence.frame_count(); ++i) times_ns.push_back(sequence.timestamp_ns(i));
+  // A slow camera may be asked for: what looks odd in a recording is as wished here.
+  SourceFindings ignored;
+  const auto times = MeasureTimes("simulation", times_ns, ignored);
+  if (times.ok()) description.times = *times;
+  return description;
+}
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenSimulation(const SimulationSpec& spec) {
   ASSIGN_OR_RETURN(std::unique_ptr<SimulatedSequence> sequence, SimulatedSequence::Make(spec));
-  return std::make_unique<SimReader>(std::move(sequence));
+  SourceDescription description = Describe(*sequence);
+  return std::make_unique<SimReader>(std::move(sequence), std::move(description));
 }
 
 }  // namespace corbslam

@@ -3,6 +3,7 @@
 #define CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_FINDING_H_
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace corbslam {
@@ -20,6 +21,21 @@ struct SourceFinding {
   std::string text;
 };
 using SourceFindings = std::vector<SourceFinding>;
+
+// What a part of opening a sequence has to say.
+struct SourceRemarks {
+  // What of the sequence is not played, and why, a sentence each.
+  std::vector<std::string> left_out;
+  SourceFindings findings;
+
+  void Add(SourceFindings more) {
+    for (SourceFinding& finding : more) findings.push_back(std::move(finding));
+  }
+  void Add(SourceRemarks more) {
+    for (std::string& what : more.left_out) left_out.push_back(std::move(what));
+    Add(std::move(more.findings));
+  }
+};
 
 }  // namespace corbslam
 

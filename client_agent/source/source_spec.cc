@@ -1,12 +1,16 @@
 #include "client_agent/source/source_spec.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "client_agent/source/opening_options.h"
 #include "slam/simulation/sequence/simulation_options.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -66,6 +70,8 @@ std::string ListKnownOptions(const SourceSpec& spec) {
                                           "robot",  "overlap", "gamma",  "noise"};
   if (spec.layout != SourceLayout::kSim) {
     names.insert(names.end(), {"seed", "truth_frame"});
+    const std::vector<absl::string_view> more = OpeningOptionNames(spec.layout);
+    names.insert(names.end(), more.begin(), more.end());
   } else {
     const std::vector<absl::string_view> more = SimulationOptionNames();
     names.insert(names.end(), more.begin(), more.end());
@@ -79,6 +85,7 @@ absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceS
     spec.perturbation.seed = spec.simulation.lens.noise_seed;
     return absl::OkStatus();
   }
+  if (IsOpeningOption(spec.layout, key)) return ApplyOpeningOption(key, value, spec.opening);
   if (key == "frames") return ParseFrames(value, spec.selection);
   if (key == "stride") {
     RETURN_IF_ERROR(ParseCount(key, value, spec.selection.stride));
@@ -106,17 +113,19 @@ absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceS
       absl::StrCat("unknown source option '", key, "': known are ", ListKnownOptions(spec)));
 }
 
-constexpr std::pair<absl::string_view, SourceLayout> kLayouts[] = {{"kitti", SourceLayout::kKitti},
-                                                                   {"euroc", SourceLayout::kEuroc},
-                                                                   {"tum", SourceLayout::kTum},
-                                                                   {"sim", SourceLayout::kSim}};
+constexpr std::pair<absl::string_view, SourceLayout> kLayouts[] = {
+    {"kitti", SourceLayout::kKitti},
+    {"euroc", SourceLayout::kEuroc},
+    {"tum", SourceLayout::kTum},
+    {"7scenes", SourceLayout::kSevenScenes},
+    {"sim", SourceLayout::kSim}};
 
 absl::StatusOr<SourceLayout> ParseLayout(absl::string_view name) {
   for (const auto& [known, layout] : kLayouts) {
     if (name == known) return layout;
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("unknown source layout '", name, "': known are kitti, euroc, tum, sim"));
+  return absl::InvalidArgumentError(absl::StrCat("unknown source layout '", name,
+                                                 "': known are kitti, euroc, tum, 7scenes, sim"));
 }
 
 absl::string_view LayoutName(SourceLayout layout) {
@@ -170,10 +179,28 @@ absl::Status ApplyOptions(absl::string_view options, SourceSpec& spec) {
   for (const absl::string_view option :
        absl::StrSplit(options, absl::ByAnyChar("&,"), absl::SkipEmpty())) {
     const KeyAndValue parts = absl::StrSplit(option, absl::MaxSplits('=', 1));
-    RETURN_IF_ERROR(ApplyOption(parts.first, parts.second, spec));
+    const std::string key = absl::StrReplaceAll(parts.first, {{"-", "_"}});
+    RETURN_IF_ERROR(ApplyOption(key, parts.second, spec));
   }
   return absl::OkStatus();
 }
+
+namespace {
+
+// Splits at the first '?', or at a later one before which there is an existing folder.
+KeyAndValue SplitOffOptions(absl::string_view text) {
+  for (size_t end = text.size(); end != absl::string_view::npos && end > 0;
+       end = text.rfind('?', end - 1)) {
+    const absl::string_view folder = text.substr(0, end);
+    if (!absl::StrContains(folder, '?')) break;
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(std::string(folder), ignored)) continue;
+    return {folder, text.substr(std::min(end + 1, text.size()))};
+  }
+  return absl::StrSplit(text, absl::MaxSplits('?', 1));
+}
+
+}  // namespace
 
 absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text) {
   if (!absl::StrContains(text, ':')) {
@@ -181,8 +208,7 @@ absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text) {
         absl::StrCat("source '", text, "' is not LAYOUT:DIR, for example kitti:DIR"));
   }
   const KeyAndValue layout_and_rest = absl::StrSplit(text, absl::MaxSplits(':', 1));
-  const KeyAndValue directory_and_options =
-      absl::StrSplit(layout_and_rest.second, absl::MaxSplits('?', 1));
+  const KeyAndValue directory_and_options = SplitOffOptions(layout_and_rest.second);
   SourceSpec spec;
   ASSIGN_OR_RETURN(spec.layout, ParseLayout(layout_and_rest.first));
   spec.directory = std::string(directory_and_options.first);
@@ -230,6 +256,7 @@ std::string FormatSourceSpec(const SourceSpec& spec) {
       options.push_back(absl::StrCat(key, "=", value));
     }
   }
+  for (std::string& option : FormatOpening(spec.opening)) options.push_back(std::move(option));
   for (std::string& option : FormatSelection(spec.selection)) {
     options.push_back(std::move(option));
   }
@@ -245,7 +272,8 @@ std::string FormatSourceSpec(const SourceSpec& spec) {
   if (!spec.truth_frame.empty()) {
     options.push_back(absl::StrCat("truth_frame=", spec.truth_frame));
   }
-  return absl::StrCat(LayoutName(spec.layout), ":", spec.directory, options.empty() ? "" : "?",
+  const bool is_plain = options.empty() && !absl::StrContains(spec.directory, '?');
+  return absl::StrCat(LayoutName(spec.layout), ":", spec.directory, is_plain ? "" : "?",
                       absl::StrJoin(options, "&"));
 }
 

@@ -17,10 +17,11 @@
 namespace corbslam {
 
 enum class SourceLayout {
-  kKitti,  // KITTI odometry: image_0, image_1, calib.txt, times.txt.
-  kEuroc,  // ASL: mav0/cam0, mav0/cam1 (or cam0, cam1 directly).
-  kTum,    // TUM RGB-D: associated.txt, or rgb.txt and depth.txt.
-  kSim,    // Drawn from a simulated world.
+  kKitti,        // KITTI odometry: image_0, image_1, calib.txt, times.txt.
+  kEuroc,        // ASL: mav0/cam0, mav0/cam1 (or cam0, cam1 directly).
+  kTum,          // TUM RGB-D: associated.txt, or rgb.txt and depth.txt.
+  kSevenScenes,  // 7-Scenes: frame-000000.color.png and frame-000000.depth.png.
+  kSim,          // Drawn from a simulated world.
 };
 
 // A robot's part of a sequence that several share, in the order in which it was driven.
@@ -67,10 +68,28 @@ struct Perturbation {
   uint64_t seed = 1;
 };
 
+// What a recording's own files leave open, or say wrongly.
+struct SourceOpening {
+  // camera=NAME, RGB-D: the calibration that was published for this camera (named_cameras.h).
+  std::string camera;
+  // calibration=FILE, RGB-D: instead of the one in the recording's folder.
+  std::string calibration_file;
+  // trust-calibration: also an improbable one is taken.
+  bool trust_calibration = false;
+  // fps=RATE: pictures that have no times were taken at this rate, the first at 0 s.
+  std::optional<double> fps;
+  // images=grey or images=colour, KITTI: which of its two pairs of cameras. Empty: grey where
+  // there.
+  std::string images;
+  // pair-within-ms=T, EuRoC: how far the times of a pair's two pictures may be apart.
+  double pair_within_ms = 2;
+};
+
 struct SourceSpec {
   SourceLayout layout = SourceLayout::kKitti;
   std::string directory;      // Of kSim the world's name.
   SimulationSpec simulation;  // kSim only.
+  SourceOpening opening;      // Recorded sequences only.
   FrameSelection selection;
   Perturbation perturbation;
   // truth_frame=NAME, of recorded sequences: those with the same name have their ground truth in
@@ -83,7 +102,8 @@ struct SourceSpec {
 // the same places.
 std::vector<size_t> FramesOf(const SourceSpec& spec, size_t frame_count);
 
-// INVALID_ARGUMENT, naming the option and its value.
+// A folder whose name holds '?' is recognised where it exists; names of options may be written with
+// '-' or '_'. INVALID_ARGUMENT, naming the option and its value.
 absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text);
 // Parses back to the same.
 std::string FormatSourceSpec(const SourceSpec& spec);

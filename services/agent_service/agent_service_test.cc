@@ -17,6 +17,7 @@ using ::testing::HasSubstr;
 class FakeAgent : public Agent {
  public:
   absl::StatusOr<TrackingResult> Track(const SensorImages&) override { return TrackingResult(); }
+  void BeginLocalMap() override {}
   void Step() override {}
   absl::Status Finish(absl::Duration) override { return absl::OkStatus(); }
   AgentStatus GetStatus() const override {

@@ -11,6 +11,16 @@ Spread ParseSpread(const nlohmann::json& json) {
           json.at("p99").get<double>()};
 }
 
+// Likewise.
+std::vector<ReportWarning> ParseWarnings(const nlohmann::json& json) {
+  std::vector<ReportWarning> warnings;
+  for (const nlohmann::json& warning : json) {
+    warnings.push_back(
+        {"", warning.at("code").get<std::string>(), warning.at("text").get<std::string>()});
+  }
+  return warnings;
+}
+
 }  // namespace
 
 RobotReport MakeRobotReport(const Agent& agent) {
@@ -34,6 +44,12 @@ RobotReport MakeRobotReport(const Agent& agent) {
   return report;
 }
 
+std::vector<ReportWarning> ToReportWarnings(const SourceFindings& findings) {
+  std::vector<ReportWarning> warnings;
+  for (const SourceFinding& finding : findings) warnings.push_back({"", finding.code, finding.text});
+  return warnings;
+}
+
 absl::StatusOr<RobotReport> ParseRobotReport(const nlohmann::json& json) {
   try {
     RobotReport report;
@@ -41,6 +57,9 @@ absl::StatusOr<RobotReport> ParseRobotReport(const nlohmann::json& json) {
     json.at("tracked").get_to(report.tracked);
     json.at("dropped").get_to(report.dropped);
     json.at("lost").get_to(report.lost);
+    json.at("left_out").get_to(report.left_out);
+    report.source_description = json.at("source_description");
+    report.warnings = ParseWarnings(json.at("warnings"));
     json.at("local_maps").get_to(report.local_maps);
     if (const auto& first = json.at("first_upload_s"); !first.is_null()) {
       report.first_upload_s = first.get<double>();

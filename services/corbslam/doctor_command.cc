@@ -21,6 +21,7 @@ struct DoctorArguments {
   std::string vocabulary = DefaultVocabularyPath();
   SecurityOptions security;
   bool json = false;
+  bool strict = false;
 };
 
 void Add(const Findings& more, Findings& findings) {
@@ -34,7 +35,7 @@ Findings Examine(const DoctorArguments& arguments) {
   Add(CheckClock(now), findings);
   Add({CheckVocabularyFile(arguments.vocabulary)}, findings);
   if (!arguments.data_dir.empty()) Add(CheckDataFolder(arguments.data_dir), findings);
-  if (!arguments.source.empty()) Add({CheckSource(arguments.source)}, findings);
+  if (!arguments.source.empty()) Add(CheckSource(arguments.source, arguments.strict), findings);
   Add(CheckSecurityFiles(arguments.security, now), findings);
   if (!arguments.server.empty()) {
     Add(CheckServer("store", arguments.server, "corbslam.v1.MapStore", arguments.security, now),
@@ -64,11 +65,12 @@ void AddDoctorCommand(CLI::App& app, Command& chosen) {
   doctor->add_option("--worker", arguments->workers, "HOST:PORT of a fusion worker to ask")
       ->delimiter(',');
   doctor->add_option("--data-dir", arguments->data_dir, "Folder of a store to look into");
-  doctor->add_option("--source", arguments->source, "Sequence to read, as for a robot");
+  doctor->add_option("--source", arguments->source, "Sequence to look into, as for a robot");
   doctor->add_option("--vocabulary", arguments->vocabulary, "File of the bag of words")
       ->capture_default_str();
   AddTlsFlags(*doctor, arguments->security);
   AddClientFlags(*doctor, arguments->security);
+  doctor->add_flag("--strict", arguments->strict, "What looks wrong in a source is a failure");
   doctor->add_flag("--json", arguments->json, "Print JSON, for scripts");
   doctor->callback(
       [arguments, &chosen] { chosen = [arguments] { return RunDoctor(*arguments); }; });

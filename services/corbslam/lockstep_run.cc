@@ -5,14 +5,16 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/agent/agent.h"
-#include "client_agent/source/image_source.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "map_store/map_store.h"
 #include "services/corbslam/agent_report.h"
 #include "services/corbslam/mission_run.h"
 #include "services/lockstep/direct_uplink.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/programs/agent_run.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/programs/inspected_source.h"
+#include "services/programs/source_json.h"
 #include "services/server/process_usage.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
@@ -29,7 +31,8 @@ constexpr uint64_t kSeed = 1;
 
 struct LockstepRobot {
   RobotPlan plan;
-  std::unique_ptr<ImageSource> source;
+  InspectedSource opened;
+  std::optional<int> drive;  // Of the last frame.
   std::unique_ptr<DirectUplink> uplink;
   std::unique_ptr<Agent> agent;  // Before the uplink goes.
   size_t frames = 0;
@@ -79,29 +82,33 @@ absl::Status Lockstep::StartStore() {
 absl::Status Lockstep::AddRobot(const RobotPlan& plan) {
   LockstepRobot robot;
   robot.plan = plan;
-  ASSIGN_OR_RETURN(robot.source, OpenSource(plan.source));
+  ASSIGN_OR_RETURN(robot.opened, OpenInspectedSource(plan.source, options_.strict));
+  const SensorCalibration& calibration = robot.opened.source->calibration();
   robot.uplink = std::make_unique<DirectUplink>(store_.get());
   AgentOptions options;
   options.mission = options_.mission;
   options.name = plan.name;
   options.seed = options_.seed.value_or(kSeed);
   options.deterministic = true;
-  const bool is_stereo = std::holds_alternative<StereoCalibration>(robot.source->calibration());
+  const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = is_stereo ? kStereoFeatures : kRgbdFeatures;
-  ASSIGN_OR_RETURN(robot.agent, Agent::Create(options, robot.source->calibration(), vocabulary_,
-                                              robot.uplink.get()));
+  ASSIGN_OR_RETURN(robot.agent, Agent::Create(options, calibration, vocabulary_, robot.uplink.get()));
   robots_.push_back(std::move(robot));
   return absl::OkStatus();
 }
 
 absl::Status Lockstep::TakeFrame(LockstepRobot& robot) {
   if (robot.has_ended) return absl::OkStatus();
-  ASSIGN_OR_RETURN(const std::optional<SensorImages> images, robot.source->Next());
+  ImageSource& source = *robot.opened.source;
+  ASSIGN_OR_RETURN(const std::optional<SensorImages> images, source.Next());
   if (!images.has_value()) {
     robot.has_ended = true;
     return absl::OkStatus();
   }
   ++robot.frames;
+  const int drive = source.frame(source.position()).drive;
+  if (robot.drive.value_or(drive) != drive) robot.agent->BeginLocalMap();
+  robot.drive = drive;
   return robot.agent->Track(*images).status();
 }
 
@@ -138,9 +145,19 @@ void Lockstep::ShowProgress(const std::string& stage) const {
   progress.stage = stage;
   for (const LockstepRobot& robot : robots_) {
     progress.robots.push_back(
-        {robot.plan.name, absl::StrCat(robot.frames, "/", robot.source->size())});
+        {robot.plan.name, absl::StrCat(robot.frames, "/", robot.opened.source->size())});
   }
   on_progress_(progress);
+}
+
+void DescribeSource(const LockstepRobot& robot, RobotReport& report) {
+  const ImageSource& source = *robot.opened.source;
+  PlayedFrames played;
+  played.played = robot.frames;
+  report.left_out = static_cast<int>(source.left_out().count);
+  report.source_description = ToJson(robot.opened.description);
+  report.warnings = ToReportWarnings(
+      CollectWarnings(robot.opened.warnings, *robot.agent, source, played));
 }
 
 absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {
@@ -153,6 +170,7 @@ absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {
     RobotReport report = MakeRobotReport(*robot.agent);
     report.name = robot.plan.name;
     report.source = FormatSourceSpec(robot.plan.source);
+    DescribeSource(robot, report);
     report.bytes_up = robot.uplink->bytes_up();
     report.bytes_down = robot.uplink->bytes_down();
     outcome.report.robots.push_back(std::move(report));

@@ -35,6 +35,8 @@ struct MissionRunOptions {
   SecurityOptions security;
   std::string pace = "max";
   std::string log_folder;
+  // Robots refuse a source in which something looks wrong.
+  bool strict = false;
   // How long the store may take to fuse after the last robot ended.
   absl::Duration fusion_timeout = absl::Minutes(20);
 };
@@ -44,6 +46,8 @@ struct MissionOutcome {
   RunReport report;
   std::vector<RobotPaths> paths;  // In the order of the robots.
   ServedMap map;
+  // What went wrong with single robots: "alpha: ...". The others' results stand all the same.
+  std::vector<std::string> failures;
 };
 
 // Frames done so far, by robot; what a progress line shows.
@@ -64,7 +68,9 @@ absl::StatusOr<MissionOutcome> RunProcesses(const MissionRunOptions& options,
 absl::StatusOr<MissionOutcome> RunLockstep(const MissionRunOptions& options,
                                            const ProgressListener& on_progress);
 
-// Fills paths, map and what the store's statistics know.
+// Fills paths, map and what the store's statistics know. Where no robot brought anything the store
+// knows no such mission: the outcome is empty then, and so are the paths of a robot of which it
+// knows nothing.
 absl::Status ReadOutcome(StoreReader& store, const std::vector<RobotPlan>& robots,
                          MissionOutcome& outcome);
 

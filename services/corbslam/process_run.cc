@@ -33,6 +33,7 @@ struct RunningAgent {
   std::string statistics_path;
   std::unique_ptr<ChildProcess> process;
   std::unique_ptr<v1::Agent::Stub> stub;  // Null: it does not stay.
+  absl::Status failure;                   // How it ended, where that was no success.
 };
 
 class ProcessRun {
@@ -54,10 +55,11 @@ class ProcessRun {
   // One that stays is connected until it is stopped, and takes in what others made.
   absl::Status StartAgent(const RobotPlan& plan, bool stays);
   // Until every agent that was started has mapped its last frame.
-  absl::Status WaitForAgents();
+  void WaitForAgents();
   // Until the agents that stay have what the store has for them.
   void WaitUntilShared();
-  absl::Status StopAgents();
+  void StopAgents();
+  absl::Status WaitUntilFused();
   void ShowProgress(const std::string& stage);
   void StopServers(MissionOutcome& outcome);
 
@@ -138,6 +140,7 @@ absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
   SecurityOptions own;
   own.insecure = true;
   AppendFlags(options_.server.empty() ? own : options_.security, arguments);
+  if (options_.strict) arguments.push_back("--strict");
   if (stays) {
     arguments.insert(arguments.end(), {"--stay", "--listen", "127.0.0.1:0", "--listen-insecure"});
   }
@@ -147,22 +150,25 @@ absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
                    ChildProcess::Start(plan.name, command,
                                        absl::StrCat(options_.log_folder, "/", plan.name, ".log")));
   if (stays) {
-    ASSIGN_OR_RETURN(const std::string address, agent.process->WaitForAddress(kStartTimeout));
-    agent.stub = v1::Agent::NewStub(std::shared_ptr<grpc::ChannelInterface>(MakeChannel(address)));
+    const absl::StatusOr<std::string> address = agent.process->WaitForAddress(kStartTimeout);
+    agent.failure.Update(address.status());
+    if (address.ok()) {
+      agent.stub =
+          v1::Agent::NewStub(std::shared_ptr<grpc::ChannelInterface>(MakeChannel(*address)));
+    }
   }
   agents_.push_back(std::move(agent));
   return absl::OkStatus();
 }
 
-absl::Status ProcessRun::WaitForAgents() {
+void ProcessRun::WaitForAgents() {
   if (store_ == nullptr) {
     store_ = std::make_unique<StoreReader>(MakeChannel(store_address_), options_.mission);
   }
   for (RunningAgent& agent : agents_) {
     while (!agent.process->WaitUntilFinished(kProgressInterval)) ShowProgress("mapping");
-    if (agent.process->end().has_value()) RETURN_IF_ERROR(agent.process->EndStatus());
+    if (agent.process->end().has_value()) agent.failure.Update(agent.process->EndStatus());
   }
-  return absl::OkStatus();
 }
 
 // 0 where it does not answer.
@@ -176,7 +182,7 @@ uint64_t AskBytesDown(v1::Agent::Stub& stub) {
 void ProcessRun::WaitUntilShared() {
   const absl::Time deadline = absl::Now() + kSharingTimeout;
   for (const RunningAgent& agent : agents_) {
-    if (agent.stub == nullptr) continue;
+    if (agent.stub == nullptr || agent.process->end().has_value()) continue;
     uint64_t before = AskBytesDown(*agent.stub);
     for (uint64_t now = before + 1; now != before && absl::Now() < deadline;) {
       before = now;
@@ -186,12 +192,17 @@ void ProcessRun::WaitUntilShared() {
   }
 }
 
-absl::Status ProcessRun::StopAgents() {
-  for (const RunningAgent& agent : agents_) {
+void ProcessRun::StopAgents() {
+  for (RunningAgent& agent : agents_) {
     agent.process->Stop(kAgentStopGrace);
-    RETURN_IF_ERROR(agent.process->EndStatus());
+    agent.failure.Update(agent.process->EndStatus());
   }
-  return absl::OkStatus();
+}
+
+// The store knows no mission where no robot brought anything.
+absl::Status ProcessRun::WaitUntilFused() {
+  const absl::Status fused = store_->WaitUntilFused(options_.fusion_timeout);
+  return absl::IsNotFound(fused) ? absl::OkStatus() : fused;
 }
 
 void ProcessRun::ShowProgress(const std::string& stage) {
@@ -207,14 +218,22 @@ void ProcessRun::ShowProgress(const std::string& stage) {
   on_progress_(progress);
 }
 
-absl::StatusOr<RobotReport> ReadRobotReport(const RunningAgent& agent) {
+absl::StatusOr<RobotReport> ReadStatistics(const RunningAgent& agent) {
   std::ifstream file(agent.statistics_path);
-  nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
-  if (json.is_discarded()) {
-    return absl::DataLossError(
-        absl::StrCat(agent.plan.name, " left no statistics in ", agent.statistics_path));
+  const nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
+  if (!json.is_discarded()) return ParseRobotReport(json);
+  return absl::DataLossError(
+      absl::StrCat(agent.plan.name, " left no statistics in ", agent.statistics_path));
+}
+
+// A robot that failed has a report all the same, with what it left and why it failed.
+RobotReport ReadRobotReport(RunningAgent& agent) {
+  absl::StatusOr<RobotReport> read = ReadStatistics(agent);
+  agent.failure.Update(read.status());
+  RobotReport report = read.ok() ? *std::move(read) : RobotReport();
+  if (!agent.failure.ok()) {
+    report.warnings.push_back({"", "robot-failed", std::string(agent.failure.message())});
   }
-  ASSIGN_OR_RETURN(RobotReport report, ParseRobotReport(json));
   report.name = agent.plan.name;
   report.source = FormatSourceSpec(agent.plan.source);
   const std::optional<ProcessEnd> end = agent.process->end();
@@ -236,17 +255,19 @@ absl::StatusOr<MissionOutcome> ProcessRun::Run() {
   for (const RobotPlan& plan : options_.robots) {
     const bool is_last = agents_.size() + 1 == options_.robots.size();
     RETURN_IF_ERROR(StartAgent(plan, is_last || !options_.sequential));
-    if (options_.sequential) RETURN_IF_ERROR(WaitForAgents());
+    if (options_.sequential) WaitForAgents();
   }
-  RETURN_IF_ERROR(WaitForAgents());
+  WaitForAgents();
   ShowProgress("fusing");
-  RETURN_IF_ERROR(store_->WaitUntilFused(options_.fusion_timeout));
+  RETURN_IF_ERROR(WaitUntilFused());
   WaitUntilShared();
-  RETURN_IF_ERROR(StopAgents());
+  StopAgents();
   MissionOutcome outcome;
   RETURN_IF_ERROR(ReadOutcome(*store_, options_.robots, outcome));
-  for (const RunningAgent& agent : agents_) {
-    ASSIGN_OR_RETURN(outcome.report.robots.emplace_back(), ReadRobotReport(agent));
+  for (RunningAgent& agent : agents_) {
+    outcome.report.robots.push_back(ReadRobotReport(agent));
+    if (agent.failure.ok()) continue;
+    outcome.failures.push_back(absl::StrCat(agent.plan.name, ": ", agent.failure.message()));
   }
   StopServers(outcome);
   return outcome;

@@ -19,13 +19,25 @@ struct Spread {
 // Zeros without values.
 Spread ComputeSpread(std::vector<double> values);
 
+// Something that looks wrong; docs/sources.md lists the codes.
+struct ReportWarning {
+  std::string robot;  // Empty: of the run as a whole.
+  std::string code;
+  std::string text;
+};
+
 struct RobotReport {
   std::string name;
   std::string source;
+  // What the robot knew of its source (services/programs/source_json.h); null where it didn't get
+  // as far.
+  nlohmann::ordered_json source_description;
+  std::vector<ReportWarning> warnings;
   int frames = 0;
   int tracked = 0;
   int dropped = 0;
   int lost = 0;
+  int left_out = 0;  // Frames that could not be read.
   int local_maps = 0;
   std::optional<double> first_upload_s;
   int keyframes_held = 0;
@@ -90,6 +102,7 @@ struct RunReport {
   std::string pace;
   size_t from_frame = 0;  // What the ..._from_frame values begin with.
   std::vector<RobotReport> robots;
+  std::vector<ReportWarning> warnings;  // Beside those of the robots.
   FusedReport fused;
   OverlapReport overlaps;
   std::vector<double> merge_ms;
@@ -103,6 +116,9 @@ struct RunReport {
   std::string version;
   std::string command;
 };
+
+// The robots' warnings in their order, then the run's.
+std::vector<ReportWarning> AllWarnings(const RunReport& report);
 
 nlohmann::ordered_json ToJson(const RunReport& report);
 // Tables for people.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "services/corbslam/report.h"
 
@@ -18,13 +19,21 @@ Json ToJson(const Spread& spread) {
   return {{"median", spread.median}, {"mean", spread.mean}, {"p99", spread.p99}};
 }
 
+Json ToJson(const ReportWarning& warning) {
+  return {{"robot", warning.robot.empty() ? Json(nullptr) : Json(warning.robot)},
+          {"code", warning.code},
+          {"text", warning.text}};
+}
+
 Json ToJson(const RobotReport& robot) {
   return {{"name", robot.name},
           {"source", robot.source},
+          {"source_description", robot.source_description},
           {"frames", robot.frames},
           {"tracked", robot.tracked},
           {"dropped", robot.dropped},
           {"lost", robot.lost},
+          {"left_out", robot.left_out},
           {"local_maps", robot.local_maps},
           {"first_upload_s", OrNull(robot.first_upload_s)},
           {"shared",
@@ -94,6 +103,18 @@ Spread ComputeSpread(std::vector<double> values) {
           values[p99]};
 }
 
+std::vector<ReportWarning> AllWarnings(const RunReport& report) {
+  std::vector<ReportWarning> all;
+  for (const RobotReport& robot : report.robots) {
+    for (ReportWarning warning : robot.warnings) {
+      warning.robot = robot.name;
+      all.push_back(std::move(warning));
+    }
+  }
+  all.insert(all.end(), report.warnings.begin(), report.warnings.end());
+  return all;
+}
+
 nlohmann::ordered_json ToJson(const RunReport& report) {
   Json servers = Json::object();
   for (const auto& [name, server] : report.servers) {
@@ -103,6 +124,7 @@ nlohmann::ordered_json ToJson(const RunReport& report) {
           {"pace", report.pace},
           {"from_frame", report.from_frame},
           {"robots", ToJsonArray(report.robots)},
+          {"warnings", ToJsonArray(AllWarnings(report))},
           {"fused", ToJson(report.fused)},
           {"overlaps",
            {{"queried", report.overlaps.queried},

@@ -2,6 +2,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "services/corbslam/report.h"
 
 namespace corbslam {
@@ -96,11 +97,24 @@ std::string ServerTable(const RunReport& report) {
   return table;
 }
 
+// A line for each; nothing where nothing looks wrong.
+std::string WarningList(const RunReport& report) {
+  const std::vector<ReportWarning> warnings = AllWarnings(report);
+  if (warnings.empty()) return "";
+  std::string list = "\nWarnings:\n\n";
+  for (const ReportWarning& warning : warnings) {
+    const std::string who = warning.robot.empty() ? "" : absl::StrCat(warning.robot, ": ");
+    absl::StrAppend(&list, "* ", who, absl::StrReplaceAll(warning.text, {{"\n", " "}}), " [",
+                    warning.code, "]\n");
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string ToMarkdown(const RunReport& report) {
   return absl::StrCat(
-      "# Several robots, one map\n\n", RobotTable(report), "\nThe fused map:\n\n",
+      "# Several robots, one map\n\n", RobotTable(report), WarningList(report), "\nThe fused map:\n\n",
       FusedTable(report), "\n", FusionList(report), "\n", TransferTable(report),
       ServerTable(report),
       absl::StrFormat("\nMission %s, pace %s, %.1f s, corbslam %s\n\n    %s\n", report.mission,

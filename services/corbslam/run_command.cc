@@ -5,16 +5,19 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
+#include "client_agent/source/frame_reader.h"
 #include "services/command_line/command_line.h"
 #include "services/convert/resource_names.h"
 #include "services/corbslam/commands.h"
 #include "services/corbslam/mission_run.h"
 #include "services/corbslam/picture.h"
+#include "services/programs/inspected_source.h"
 #include "services/security/flags.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/folders.h"
@@ -153,6 +156,32 @@ absl::Status CheckSecurity(const MissionRunOptions& mission) {
       "--tls-cert, --tls-key, --tls-ca and --token-file are for a --server");
 }
 
+// What can be known to be wrong before the robots spend hours: sources that can't be opened and
+// ground truth that can't be read.
+absl::Status CheckSources(const std::vector<RobotPlan>& robots, bool strict) {
+  std::set<std::string> seen;
+  for (const RobotPlan& robot : robots) {
+    SourceSpec whole = robot.source;
+    whole.selection = {};
+    if (!seen.insert(FormatSourceSpec(whole)).second) continue;
+    if (whole.layout != SourceLayout::kSim) {
+      ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(whole));
+      RETURN_IF_ERROR(JudgeFindings(reader->description().remarks.findings, strict));
+    }
+    RETURN_IF_ERROR(ReadGroundTruth(whole).status());
+  }
+  return absl::OkStatus();
+}
+
+// The report is written; that a robot failed is not forgotten.
+absl::Status JudgeOutcome(const MissionOutcome& outcome, const std::string& out) {
+  if (outcome.failures.empty()) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat(outcome.failures.size(), " of ", outcome.report.robots.size(),
+                   " robots failed; the report of all is in ", out, ".\n",
+                   absl::StrJoin(outcome.failures, "\n")));
+}
+
 absl::Status Run(RunArguments arguments) {
   const absl::Time start = absl::Now();
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission.mission));
@@ -160,6 +189,7 @@ absl::Status Run(RunArguments arguments) {
   ASSIGN_OR_RETURN(arguments.mission.robots, Plan(arguments));
   const std::vector<std::string> names = NamesOf(arguments.mission.robots);
   ASSIGN_OR_RETURN(arguments.own, ChooseOwn(arguments.own, names));
+  RETURN_IF_ERROR(CheckSources(arguments.mission.robots, arguments.mission.strict));
   arguments.mission.log_folder = arguments.out + "/logs";
   RETURN_IF_ERROR(MakeFolder(arguments.mission.log_folder));
   SayStart(arguments, names);
@@ -180,7 +210,11 @@ absl::Status Run(RunArguments arguments) {
   RETURN_IF_ERROR(WriteAll(arguments, *outcome));
   std::printf("Done in %.0f s: %s/report.md, report.json, map.png\n", report.wall_s,
               arguments.out.c_str());
-  return absl::OkStatus();
+  for (const ReportWarning& warning : AllWarnings(report)) {
+    std::fprintf(stderr, "warning: %s%s%s [%s]\n", warning.robot.c_str(),
+                 warning.robot.empty() ? "" : ": ", warning.text.c_str(), warning.code.c_str());
+  }
+  return JudgeOutcome(*outcome, arguments.out);
 }
 
 void AddMissionOptions(CLI::App& run, RunArguments& arguments) {
@@ -190,6 +224,8 @@ void AddMissionOptions(CLI::App& run, RunArguments& arguments) {
                  "robots go; step: deterministic, in one process")
       ->check(CLI::IsMember({"sensor", "max", "step"}))
       ->capture_default_str();
+  run.add_flag("--strict", mission.strict,
+               "Refuse sources in which something looks wrong, instead of warning");
   run.add_flag("--sequential", mission.sequential, "One robot after the other");
   run.add_option("--server", mission.server, "A running map store, HOST:PORT; else one is started");
   AddTlsFlags(run, mission.security);
@@ -207,7 +243,8 @@ void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chos
   CLI::App* run = app.add_subcommand("run", "Let robots map sequences together");
   run->add_option(
          "--source", arguments->sources,
-         "kitti:DIR, euroc:DIR, tum:DIR or sim:WORLD, each with ?OPTIONS; several: one robot each")
+         "kitti:DIR, euroc:DIR, tum:DIR, 7scenes:DIR or sim:WORLD, each with ?OPTIONS; several: one "
+         "robot each")
       ->required();
   run->add_option("--robots", arguments->robots, "Among how many one source is split (2)");
   run->add_option("--overlap", arguments->overlap, "Frames by which parts reach beyond their share")

@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source_checks/inspection.h"
 #include "services/programs/checks.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
@@ -40,13 +41,26 @@ bool IsSynchronised() {
   return adjtimex(&state) != TIME_ERROR;
 }
 
-absl::StatusOr<size_t> ReadEnds(const std::string& source) {
-  ASSIGN_OR_RETURN(const SourceSpec spec, ParseSourceSpec(source));
-  ASSIGN_OR_RETURN(const auto reader, OpenReader(spec));
-  const size_t frames = reader->frame_count();
-  if (frames == 0) return absl::NotFoundError("it has no frames");
-  for (const size_t frame : {size_t{0}, frames - 1}) RETURN_IF_ERROR(reader->Read(frame).status());
-  return frames;
+constexpr char kSource[] = "source";
+// Some seconds of decoding for the largest pictures.
+constexpr SampleOptions kThorough = {.places = 16, .stereo_row = 3, .rgbd_row = 5};
+
+Findings LookInto(const FrameReader& reader, const SourceSpec& spec, bool strict) {
+  Findings findings;
+  for (const auto& [name, value] : DescribeInWords(reader.description())) {
+    findings.push_back({Level::kOk, kSource, absl::StrCat(name, ": ", value), ""});
+  }
+  for (const SourceFinding& found : InspectSource(reader, spec, kThorough)) {
+    const bool fails = strict || found.level == FindingLevel::kError;
+    findings.push_back({fails ? Level::kFail : Level::kWarn, kSource, found.text,
+                        absl::StrCat("look up ", found.code, " in docs/sources.md")});
+  }
+  return findings;
+}
+
+Finding SourceFailure(const std::string& source, const absl::Status& status) {
+  return {Level::kFail, kSource, absl::StrCat(source, ": ", status.message()),
+          "docs/sources.md says what each layout's files are"};
 }
 
 bool CanMakeFile(const fs::path& folder) {
@@ -115,13 +129,12 @@ Findings CheckDataFolder(const std::string& path) {
           CheckSpace(folder)};
 }
 
-Finding CheckSource(const std::string& source) {
-  const absl::StatusOr<size_t> frames = ReadEnds(source);
-  if (frames.ok()) {
-    return {Level::kOk, "source", absl::StrCat(source, ": ", *frames, " frames"), ""};
-  }
-  return {Level::kFail, "source", absl::StrCat(source, ": ", frames.status().message()),
-          "kitti:DIR, euroc:DIR, tum:DIR or sim:WORLD, with the files that the benchmark has"};
+Findings CheckSource(const std::string& source, bool strict) {
+  const absl::StatusOr<SourceSpec> spec = ParseSourceSpec(source);
+  if (!spec.ok()) return {SourceFailure(source, spec.status())};
+  const absl::StatusOr<std::unique_ptr<FrameReader>> reader = OpenReader(*spec);
+  if (!reader.ok()) return {SourceFailure(source, reader.status())};
+  return LookInto(**reader, *spec, strict);
 }
 
 }  // namespace corbslam

@@ -18,8 +18,9 @@ Finding CheckVocabularyFile(const std::string& path);
 // than a store leaves free (64 MiB) a failure. A folder that is not there yet: that of its parents
 // which is.
 Findings CheckDataFolder(const std::string& path);
-// Its first and last frames are read.
-Finding CheckSource(const std::string& source);
+// What is known of it, a finding a line, and what looks wrong in its files and in a sample of its
+// frames, larger than the one that a robot looks at. With `strict` warnings are failures.
+Findings CheckSource(const std::string& source, bool strict);
 
 }  // namespace corbslam
 

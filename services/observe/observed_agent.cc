@@ -21,6 +21,7 @@ class ObservedAgent : public Agent {
     return result;
   }
 
+  void BeginLocalMap() override { agent_.BeginLocalMap(); }
   void Step() override { agent_.Step(); }
   absl::Status Finish(absl::Duration timeout) override { return agent_.Finish(timeout); }
   AgentStatus GetStatus() const override { return agent_.GetStatus(); }

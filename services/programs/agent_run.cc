@@ -1,5 +1,7 @@
 #include "services/programs/agent_run.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -8,8 +10,10 @@
 #include <optional>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "services/programs/source_json.h"
 #include "services/server/process_usage.h"
 #include "slam/util/status_macros.h"
 
@@ -49,14 +53,42 @@ nlohmann::ordered_json Spread(std::vector<double> values) {
 
 }  // namespace
 
+namespace {
+
+// Of a source whose Next has just returned: says what it passed over.
+void TellLeftOut(const ImageSource& source, PlayedFrames& frames) {
+  const LeftOutFrames left_out = source.left_out();
+  if (left_out.count == frames.left_out) return;
+  LOG(WARNING) << "a frame that can't be read is left out, " << left_out.count
+               << " so far: " << left_out.last;
+  frames.left_out = left_out.count;
+}
+
+// The camera's drive goes on from frame to frame; another drive is another local map.
+void FollowDrive(const ImageSource& source, std::optional<int>& drive, Agent& agent) {
+  const int of_frame = source.frame(source.position()).drive;
+  if (drive.has_value() && *drive != of_frame) {
+    LOG(WARNING) << "the source's time jumps back before frame "
+                 << source.frame(source.position()).number << ": a new local map begins";
+    agent.BeginLocalMap();
+  }
+  drive = of_frame;
+}
+
+}  // namespace
+
 absl::Status PlaySource(
     ImageSource& source, Agent& agent, Pace pace, const absl::Notification& stop,
     PlayedFrames& frames,
     const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame) {
   std::optional<Schedule> schedule;
-  for (size_t i = 0; !stop.HasBeenNotified(); ++i) {
-    ASSIGN_OR_RETURN(const std::optional<SensorImages> images, source.Next());
-    if (!images) break;
+  std::optional<int> drive;
+  while (!stop.HasBeenNotified()) {
+    const absl::StatusOr<std::optional<SensorImages>> images = source.Next();
+    TellLeftOut(source, frames);
+    RETURN_IF_ERROR(images.status());
+    if (!images->has_value()) break;
+    const size_t i = source.position();
     // The clock starts when the first picture is decoded.
     if (!schedule) schedule.emplace(source);
     if (pace == Pace::kSensor) {
@@ -67,24 +99,47 @@ absl::Status PlaySource(
       }
       if (stop.WaitForNotificationWithTimeout(schedule->Due(i) - now)) break;
     }
-    ASSIGN_OR_RETURN(const TrackingResult result, agent.Track(*images));
+    FollowDrive(source, drive, agent);
+    ASSIGN_OR_RETURN(const TrackingResult result, agent.Track(**images));
     ++frames.played;
     on_frame(result, frames.dropped);
   }
   return absl::OkStatus();
 }
 
-std::string StatisticsJson(const std::string& name, const Agent& agent, const PlayedFrames& played,
-                           uint64_t bytes_up, uint64_t bytes_down) {
+SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agent,
+                               const ImageSource& source, const PlayedFrames& played) {
+  SourceFindings warnings = at_start;
+  const AgentStatus status = agent.GetStatus();
+  warnings.insert(warnings.end(), status.input_findings.begin(), status.input_findings.end());
+  if (const LeftOutFrames left_out = source.left_out(); left_out.count > 0) {
+    warnings.push_back({FindingLevel::kWarning, "frames-left-out",
+                        absl::StrCat(left_out.count,
+                                     " frames could not be read and were left out, "
+                                     "the last because of ",
+                                     left_out.last)});
+  }
+  if (status.tracked == 0 && played.played > 0) {
+    warnings.push_back(
+        {FindingLevel::kWarning, "nothing-tracked",
+         absl::StrCat("none of ", played.played,
+                      " frames was tracked: there is no map. Ask corbslam doctor --source what is "
+                      "wrong with the pictures")});
+  }
+  return warnings;
+}
+
+std::string StatisticsJson(const RunStatistics& run, const Agent& agent) {
   using Json = nlohmann::ordered_json;
   const AgentStatus status = agent.GetStatus();
   const AgentTimings timings = agent.GetTimings();
   const Json local_ba = Spread(timings.local_ba_ms);
   const Json statistics = {
-      {"name", name},
-      {"frames", played.played + played.dropped},
+      {"name", run.name},
+      {"frames", run.played.played + run.played.dropped},
       {"tracked", status.tracked},
-      {"dropped", played.dropped},
+      {"dropped", run.played.dropped},
+      {"left_out", run.played.left_out},
       {"lost", status.lost},
       {"local_maps", status.local_maps},
       {"first_upload_s", status.first_upload_s ? Json(*status.first_upload_s) : Json(nullptr)},
@@ -107,8 +162,10 @@ std::string StatisticsJson(const std::string& name, const Agent& agent, const Pl
         {"memory_bytes", status.upload.memory_bytes},
         {"spool_bytes", status.upload.spool_bytes},
         {"lost_local_maps", status.upload.lost_local_maps}}},
-      {"bytes_up", bytes_up},
-      {"bytes_down", bytes_down}};
+      {"bytes_up", run.bytes_up},
+      {"bytes_down", run.bytes_down},
+      {"source_description", ToJson(run.source)},
+      {"warnings", ToJson(run.warnings)}};
   return statistics.dump(2) + "\n";
 }
 

@@ -18,6 +18,7 @@
 #include "services/programs/agent_run.h"
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/programs/inspected_source.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
 #include "services/programs/robot_observers.h"
@@ -51,15 +52,16 @@ struct Flags {
   uint64_t spool_mb = 1024;
   uint64_t outbox_mb = 64;
   bool stay = false;
+  bool strict = false;
   SecurityOptions security;
   ObserveFlags observe;
   bool listen_insecure = false;
 };
 
-absl::StatusOr<std::unique_ptr<ImageSource>> OpenFlaggedSource(const Flags& flags) {
+absl::StatusOr<InspectedSource> OpenFlaggedSource(const Flags& flags) {
   ASSIGN_OR_RETURN(SourceSpec spec, ParseSourceSpec(flags.source));
   if (!flags.frames.empty()) RETURN_IF_ERROR(ApplyOptions("frames=" + flags.frames, spec));
-  return OpenSource(spec);
+  return OpenInspectedSource(spec, flags.strict);
 }
 
 absl::Status SpoolNeedsServer() { return absl::InvalidArgumentError("--spool-dir needs --server"); }
@@ -116,14 +118,25 @@ absl::Status WriteTrajectories(const Agent& agent, const std::string& path) {
   return absl::OkStatus();
 }
 
-absl::Status WriteResults(const Flags& flags, const Agent& agent, const PlayedFrames& played,
-                          const Uplink* uplink) {
+RunStatistics MakeStatistics(const Flags& flags, const Agent& agent, const InspectedSource& source,
+                             const PlayedFrames& played, const Uplink* uplink) {
+  RunStatistics run;
+  run.name = flags.agent;
+  run.played = played;
+  if (uplink != nullptr) {
+    run.bytes_up = uplink->bytes_up();
+    run.bytes_down = uplink->bytes_down();
+  }
+  run.source = source.description;
+  run.warnings = CollectWarnings(source.warnings, agent, *source.source, played);
+  return run;
+}
+
+absl::Status WriteResults(const Flags& flags, const Agent& agent, const RunStatistics& run) {
   if (!flags.trajectory.empty()) {
     RETURN_IF_ERROR(WriteTrajectories(agent, flags.trajectory));
   }
-  const std::string statistics =
-      StatisticsJson(flags.agent, agent, played, uplink != nullptr ? uplink->bytes_up() : 0,
-                     uplink != nullptr ? uplink->bytes_down() : 0);
+  const std::string statistics = StatisticsJson(run, agent);
   LOG(INFO) << LogFields{.mission = flags.mission, .agent = flags.agent} << "done\n" << statistics;
   return flags.stats.empty() ? absl::OkStatus() : WriteText(flags.stats, statistics);
 }
@@ -148,15 +161,16 @@ absl::StatusOr<ServerSecurity> MakeListenSecurity(const Flags& flags) {
   return MakeServerSecurity(security, flags.mission);
 }
 
-std::vector<absl::Status> Check(const Flags& flags) {
-  std::vector<absl::Status> found = {
-      CheckNameSegment("--mission", flags.mission),
-      CheckNameSegment("--agent", flags.agent),
-      MakeUplink(flags).status(),
-      MakeListenSecurity(flags).status(),
-      CheckVocabulary(flags.vocabulary),
-      OpenFlaggedSource(flags).status(),
-  };
+// A run that mapped nothing is no success.
+absl::Status CheckTracked(const RunStatistics& run) {
+  for (const SourceFinding& warning : run.warnings) {
+    if (warning.code == "nothing-tracked") return absl::FailedPreconditionError(warning.text);
+  }
+  return absl::OkStatus();
+}
+
+std::vector<absl::Status> CheckPlaces(const Flags& flags) {
+  std::vector<absl::Status> found;
   if (!flags.server.empty()) found.push_back(CheckFlagAddress("--server", flags.server));
   if (!flags.listen.empty()) found.push_back(CheckFlagAddress("--listen", flags.listen));
   if (!flags.spool_dir.empty()) found.push_back(CheckFolder("--spool-dir", flags.spool_dir));
@@ -169,9 +183,25 @@ std::vector<absl::Status> Check(const Flags& flags) {
   return found;
 }
 
+std::vector<absl::Status> Check(const Flags& flags) {
+  std::vector<absl::Status> found = {
+      CheckNameSegment("--mission", flags.mission),
+      CheckNameSegment("--agent", flags.agent),
+      MakeUplink(flags).status(),
+      MakeListenSecurity(flags).status(),
+      CheckVocabulary(flags.vocabulary),
+      OpenFlaggedSource(flags).status(),
+  };
+  const std::vector<absl::Status> places = CheckPlaces(flags);
+  found.insert(found.end(), places.begin(), places.end());
+  return found;
+}
+
 absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", flags.mission));
   RETURN_IF_ERROR(CheckNameSegment("--agent", flags.agent));
+  // Hours of mapping are not lost because of a folder that isn't there.
+  for (const absl::Status& place : CheckPlaces(flags)) RETURN_IF_ERROR(place);
   ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool, OpenFlaggedSpool(flags));
   // Outlives the agent, which closes it.
   ASSIGN_OR_RETURN(const std::unique_ptr<Uplink> uplink, MakeUplink(flags));
@@ -180,11 +210,12 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(ServerSecurity security, MakeListenSecurity(flags));
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
-  ASSIGN_OR_RETURN(const auto source, OpenFlaggedSource(flags));
-  ASSIGN_OR_RETURN(
-      const auto agent,
-      Agent::Create(MakeAgentOptions(flags, source->calibration()), source->calibration(),
-                    vocabulary, observers->Watch(uplink.get()), std::move(spool)));
+  ASSIGN_OR_RETURN(const InspectedSource source, OpenFlaggedSource(flags));
+  LogSource(source);
+  const SensorCalibration& calibration = source.source->calibration();
+  ASSIGN_OR_RETURN(const auto agent,
+                   Agent::Create(MakeAgentOptions(flags, calibration), calibration, vocabulary,
+                                 observers->Watch(uplink.get()), std::move(spool)));
   Agent* const watched = observers->Watch(agent.get());
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "", .agent = flags.agent});
@@ -196,25 +227,29 @@ absl::Status Run(const Flags& flags) {
     AnnounceAddress(server->address());
   }
   PlayedFrames frames;
-  const absl::Status played = PlaySource(*source, *watched, flags.pace, stop.stopped(), frames,
-                                         [&](const TrackingResult& result, uint64_t dropped) {
-                                           observers->SetDropped(dropped);
-                                           if (server != nullptr) service.OnFrame(result, dropped);
-                                         });
+  const absl::Status played =
+      PlaySource(*source.source, *watched, flags.pace, stop.stopped(), frames,
+                 [&](const TrackingResult& result, uint64_t dropped) {
+                   observers->SetDropped(dropped);
+                   if (server != nullptr) service.OnFrame(result, dropped);
+                 });
   // A frame that can't be read ends the drive, not what was mapped until then.
   const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
   if (flags.stay && played.ok() && finished.ok()) {
     AnnounceFinished();
     stop.stopped().WaitForNotification();
   }
-  RETURN_IF_ERROR(WriteResults(flags, *agent, frames, uplink.get()));
+  const RunStatistics run = MakeStatistics(flags, *agent, source, frames, uplink.get());
+  RETURN_IF_ERROR(WriteResults(flags, *agent, run));
   RETURN_IF_ERROR(played);
+  RETURN_IF_ERROR(CheckTracked(run));
   return finished;
 }
 
 void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--source", flags.source,
-                 "kitti:DIR, euroc:DIR, tum:DIR or sim:WORLD, with options: kitti:DIR?frames=0:120")
+                 "kitti:DIR, euroc:DIR, tum:DIR, 7scenes:DIR or sim:WORLD, with options: "
+                 "kitti:DIR?frames=0:120")
       ->required();
   app.add_option("--frames", flags.frames, "First and last frame, A:B");
   app.add_option("--server", flags.server, "HOST:PORT of a map store; without: one robot alone");
@@ -258,6 +293,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "MiB that wait in memory before they go to --spool-dir; 0: everything does")
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str();
+  app.add_flag("--strict", flags.strict,
+               "Refuse a source in which something looks wrong, instead of warning");
   app.add_flag("--stay", flags.stay,
                "At the end say \"finished\" and stay connected until SIGTERM");
   AddTlsFlags(app, flags.security);

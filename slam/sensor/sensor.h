@@ -34,6 +34,10 @@ struct StereoCalibration {
   Camera camera = {};
   // Present when the images come raw and need rectifying.
   std::optional<RawStereo> raw = {};
+  // Of a rectified pair: by how many columns the right camera's principal point lies further right
+  // than the left one's, which is so far each disparity is too small. Legal, and not 0 in pairs
+  // that are rectified so that they look at one point.
+  double right_cx_offset_px = 0;
 };
 
 struct RgbdCalibration {

@@ -114,8 +114,9 @@ void MatchStereo(const Features& right, const ImagePyramid& left_pyramid,
     const int row = std::clamp(static_cast<int>(std::lround(keypoint.y_px)), 0, height - 1);
     const std::optional<uint32_t> best = FindMostSimilar(left, i, right, rows, row, options);
     if (!best.has_value()) continue;
-    const std::optional<Measured> m =
+    std::optional<Measured> m =
         Measure(keypoint, i, right.keypoints[*best], left_pyramid, right_pyramid);
+    if (m.has_value()) m->disparity_px += static_cast<float>(options.disparity_offset_px);
     if (!m.has_value() || m->disparity_px < kLeastMeasured_px ||
         m->disparity_px > options.max_disparity_px) {
       continue;

@@ -11,6 +11,9 @@ struct StereoMatchingOptions {
   // Of left minus right columns, level-0 pixels; the largest belongs to the nearest point, one
   // baseline away when it is fx.
   double max_disparity_px = 0;
+  // Added to each disparity that is measured: what the pictures' principal points differ by beyond
+  // whole columns.
+  double disparity_offset_px = 0;
   // Least similar descriptors that may match, bits.
   int max_hamming = 75;
   // Matches whose grey values differ by more than this many times the median's are dropped.

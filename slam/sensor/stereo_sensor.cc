@@ -1,5 +1,9 @@
 #include "slam/sensor/stereo_sensor.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <opencv2/core.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -13,6 +17,18 @@ namespace {
 // The right image serves only to find counterparts: with more corners there, fewer of the left
 // ones miss theirs because the spread over the image chose its neighbour.
 constexpr int kRightFeaturesFactor = 2;
+
+// The image without its first `columns`; what is missing at the other side repeats its edge. A
+// negative number moves it the other way.
+cv::Mat DropColumns(const cv::Mat& image, int columns) {
+  const int count = std::min(std::abs(columns), image.cols - 1);
+  const cv::Range kept =
+      columns > 0 ? cv::Range(count, image.cols) : cv::Range(0, image.cols - count);
+  cv::Mat moved;
+  cv::copyMakeBorder(image.colRange(kept), moved, 0, 0, columns > 0 ? 0 : count,
+                     columns > 0 ? count : 0, cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
+  return moved;
+}
 
 OrbOptions OptionsOfRight(OrbOptions options) {
   options.features *= kRightFeaturesFactor;
@@ -37,13 +53,21 @@ absl::StatusOr<std::unique_ptr<Sensor>> StereoSensor::Make(const StereoCalibrati
     return absl::InvalidArgumentError(
         absl::StrCat("camera.baseline_m is ", camera.baseline_m, ", must be > 0 for stereo"));
   }
-  return std::unique_ptr<Sensor>(new StereoSensor(camera, std::move(rectifier), options));
+  if (!(std::abs(calibration.right_cx_offset_px) < camera.width_px)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("right_cx_offset_px is ", calibration.right_cx_offset_px,
+                     ", must be less than the picture's width of ", camera.width_px));
+  }
+  return std::unique_ptr<Sensor>(
+      new StereoSensor(camera, std::move(rectifier), calibration.right_cx_offset_px, options));
 }
 
 StereoSensor::StereoSensor(const Camera& camera, std::optional<StereoRectifier> rectifier,
-                           const SensorOptions& options)
+                           double right_cx_offset_px, const SensorOptions& options)
     : camera_(camera),
       rectifier_(std::move(rectifier)),
+      right_columns_(static_cast<int>(std::lround(right_cx_offset_px))),
+      right_rest_px_(right_cx_offset_px - right_columns_),
       left_(options.orb),
       right_(OptionsOfRight(options.orb)),
       worker_(options.parallel ? std::make_unique<WorkerThread>() : nullptr) {}
@@ -61,7 +85,8 @@ absl::StatusOr<Features> StereoSensor::Process(const SensorImages& images) {
   if (worker_ != nullptr) worker_->Wait();
   RETURN_IF_ERROR(left_.status);
   RETURN_IF_ERROR(right_.status);
-  MatchStereo(right_.features, left_.pyramid, right_.pyramid, {.max_disparity_px = camera_.fx_px},
+  MatchStereo(right_.features, left_.pyramid, right_.pyramid,
+              {.max_disparity_px = camera_.fx_px, .disparity_offset_px = right_rest_px_},
               left_.features);
   return left_.features;
 }
@@ -76,7 +101,9 @@ absl::Status StereoSensor::ProcessLeft(const cv::Mat& image) {
 
 absl::Status StereoSensor::ProcessRight(const cv::Mat& image) {
   if (!rectifier_.has_value()) {
-    return right_.extractor.Extract(image, right_.features, right_.pyramid);
+    return right_.extractor.Extract(
+        right_columns_ == 0 ? image : DropColumns(image, right_columns_), right_.features,
+        right_.pyramid);
   }
   RETURN_IF_ERROR(rectifier_->RectifyRight(image, right_.rectified));
   return right_.extractor.Extract(right_.rectified, right_.features, right_.pyramid);

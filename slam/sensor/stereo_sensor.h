@@ -30,12 +30,16 @@ class StereoSensor : public Sensor {
   };
 
   StereoSensor(const Camera& camera, std::optional<StereoRectifier> rectifier,
-               const SensorOptions& options);
+               double right_cx_offset_px, const SensorOptions& options);
   absl::Status ProcessLeft(const cv::Mat& image);
   absl::Status ProcessRight(const cv::Mat& image);
 
   Camera camera_;
   std::optional<StereoRectifier> rectifier_;
+  // StereoCalibration::right_cx_offset_px in whole columns, by which the right image is moved, and
+  // what is left of it.
+  int right_columns_ = 0;
+  double right_rest_px_ = 0;
   Side left_;
   Side right_;
   // For the right image; null: one thread does both. Last, so that it ends first.

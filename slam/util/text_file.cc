@@ -6,6 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -17,6 +19,33 @@ namespace corbslam {
 namespace {
 
 constexpr int64_t kNanosecondsPerSecond = 1'000'000'000;
+constexpr absl::string_view kUtf8Mark = "\xef\xbb\xbf";
+
+// Without a comment and the space around it.
+absl::string_view Content(absl::string_view line) {
+  for (size_t at = line.find('#'); at != absl::string_view::npos; at = line.find('#', at + 1)) {
+    if (at > 0 && !absl::ascii_isspace(static_cast<unsigned char>(line[at - 1]))) continue;
+    line = line.substr(0, at);
+    break;
+  }
+  return absl::StripAsciiWhitespace(line);
+}
+
+bool IsUtf16(absl::string_view text) {
+  return absl::StartsWith(text, "\xff\xfe") || absl::StartsWith(text, "\xfe\xff");
+}
+
+// What lies between two LFs: one line, or several that end with CR.
+absl::Status UseLines(absl::string_view text, int& line,
+                      const std::function<absl::Status(int, absl::string_view)>& use_line) {
+  absl::ConsumeSuffix(&text, "\r");
+  for (const absl::string_view part : absl::StrSplit(text, '\r')) {
+    const absl::string_view content = Content(part);
+    if (!content.empty()) RETURN_IF_ERROR(use_line(line, content));
+    ++line;
+  }
+  return absl::OkStatus();
+}
 
 }  // namespace
 
@@ -29,10 +58,14 @@ absl::Status ForEachLine(const std::string& path,
   std::ifstream file(path);
   if (!file) return absl::NotFoundError(absl::StrCat("cannot open ", path));
   std::string text;
-  for (int line = 1; std::getline(file, text); ++line) {
-    const absl::string_view stripped = absl::StripAsciiWhitespace(text);
-    if (stripped.empty() || stripped.front() == '#') continue;
-    RETURN_IF_ERROR(use_line(line, stripped));
+  int line = 1;
+  while (std::getline(file, text)) {
+    absl::string_view rest = text;
+    if (line == 1) {
+      if (IsUtf16(rest)) return LineError(path, 1, "is UTF-16 text: save it as UTF-8");
+      absl::ConsumePrefix(&rest, kUtf8Mark);
+    }
+    RETURN_IF_ERROR(UseLines(rest, line, use_line));
   }
   return absl::OkStatus();
 }

@@ -17,8 +17,10 @@ namespace corbslam {
 // "path:line: what", INVALID_ARGUMENT.
 absl::Status LineError(absl::string_view path, int line, absl::string_view what);
 
-// Calls `use_line` with the number of every line that holds something and is no comment (#), and
-// with its text, stripped of space around it. Stops at the first error.
+// Calls `use_line` with the number of every line that holds something and is no comment, and with
+// its text, stripped of space around it. A comment begins with # at the start of a line or behind
+// space. Lines end with LF, CRLF or CR; a UTF-8 byte order mark is passed over, UTF-16 is
+// INVALID_ARGUMENT. Stops at the first error.
 absl::Status ForEachLine(const std::string& path,
                          const std::function<absl::Status(int, absl::string_view)>& use_line);
 

@@ -1,6 +1,6 @@
 // Grey pictures of 16 bits a pixel, of which a camera used 10, 12, 14 or all.
-#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_GREY_DEPTH_H_
-#define CORBSLAM_CLIENT_AGENT_SOURCE_GREY_DEPTH_H_
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_PICTURES_GREY_DEPTH_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_PICTURES_GREY_DEPTH_H_
 
 #include <opencv2/core/mat.hpp>
 
@@ -27,4 +27,4 @@ cv::Mat ScaleGreyTo8(const cv::Mat& grey, int used_bits);
 
 }  // namespace corbslam
 
-#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_GREY_DEPTH_H_
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_PICTURES_GREY_DEPTH_H_

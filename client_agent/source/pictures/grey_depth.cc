@@ -1,4 +1,4 @@
-#include "client_agent/source/grey_depth.h"
+#include "client_agent/source/pictures/grey_depth.h"
 
 #include <algorithm>
 #include <cstdint>

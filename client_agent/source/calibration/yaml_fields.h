@@ -1,0 +1,29 @@
+// YAML files of fields, read whole: nothing twice, nothing that a parser would pass over.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_YAML_FIELDS_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_YAML_FIELDS_H_
+
+#include <yaml-cpp/yaml.h>
+
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+
+namespace corbslam {
+
+// Calls `use` with the file's top level, a map whose keys differ. NOT_FOUND where it can't be
+// opened; INVALID_ARGUMENT names the file and the line of what is no YAML, no map, or a key that
+// is there twice. What `use` throws (yaml-cpp does) becomes INVALID_ARGUMENT too.
+absl::Status UseYamlFields(const std::string& path,
+                           const std::function<absl::Status(const YAML::Node&)>& use);
+
+// The line of a node in its file, from 1 on.
+int LineOf(const YAML::Node& node);
+
+// A finite number, or false.
+bool ReadFinite(const YAML::Node& node, double& number);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_YAML_FIELDS_H_

@@ -1,0 +1,40 @@
+// The reader of every layout whose frames are two files each: a left picture with a right one, or
+// a picture with a depth image.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client_agent/source/frame_reader.h"
+
+namespace corbslam {
+
+struct ListedFrame {
+  int64_t timestamp_ns = 0;
+  int drive = 0;  // Timeline::drive.
+  std::string first;
+  std::string second;
+};
+
+// A layout's part of opening a sequence; the rest is alike for all.
+struct ListedSequence {
+  SensorCalibration calibration;
+  std::vector<ListedFrame> frames;
+  std::string times_file;  // For messages about times.
+  SourceDescription description;
+};
+
+// Measures times and completes the description. INVALID_ARGUMENT or NOT_FOUND, naming the file,
+// where nothing is left or the times can't be.
+absl::StatusOr<std::unique_ptr<FrameReader>> MakeListedReader(ListedSequence sequence);
+
+// Says of how many frames a picture is not there; they keep their numbers and are left out when
+// they are played. NOT_FOUND, naming a file, where it is more than half of them.
+absl::Status TellMissing(const std::vector<ListedFrame>& frames, SourceDescription& description);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_

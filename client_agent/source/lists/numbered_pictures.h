@@ -1,0 +1,24 @@
+// Folders of pictures that are named by their number: 000000.png, 000001.png, ...
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_NUMBERED_PICTURES_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_NUMBERED_PICTURES_H_
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+
+namespace corbslam {
+
+// Number -> path of the files of `folder` whose names are `prefix`, digits, and `suffix` with one
+// of the endings .png, .jpg, .jpeg, .bmp, .pgm, .ppm, .tif, .tiff; others are passed over.
+// NOT_FOUND where there is no such folder; INVALID_ARGUMENT, naming both files, where a number is
+// there twice.
+absl::StatusOr<std::map<size_t, std::string>> ListNumberedPictures(const std::string& folder,
+                                                                   absl::string_view prefix,
+                                                                   absl::string_view suffix);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_NUMBERED_PICTURES_H_

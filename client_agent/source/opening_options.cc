@@ -1,0 +1,90 @@
+#include "client_agent/source/opening_options.h"
+
+#include <algorithm>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/calibration/named_cameras.h"
+#include "slam/util/text_file.h"
+
+namespace corbslam {
+namespace {
+
+absl::Status BadOption(absl::string_view key, absl::string_view value, absl::string_view wanted) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("source option ", key, "=", value, ": wants ", wanted));
+}
+
+absl::Status ParseReal(absl::string_view key, absl::string_view value, double least, double most,
+                       double& number) {
+  if (absl::SimpleAtod(value, &number) && number >= least && number <= most) {
+    return absl::OkStatus();
+  }
+  return BadOption(key, value, absl::StrCat("a number from ", least, " to ", most));
+}
+
+}  // namespace
+
+std::vector<absl::string_view> OpeningOptionNames(SourceLayout layout) {
+  switch (layout) {
+    case SourceLayout::kKitti:
+      return {"trust_calibration", "fps", "images"};
+    case SourceLayout::kEuroc:
+      return {"trust_calibration", "pair_within_ms"};
+    case SourceLayout::kTum:
+      return {"camera", "calibration", "trust_calibration"};
+    case SourceLayout::kSevenScenes:
+      return {"camera", "calibration", "trust_calibration", "fps"};
+    case SourceLayout::kSim:
+      break;
+  }
+  return {};
+}
+
+bool IsOpeningOption(SourceLayout layout, absl::string_view key) {
+  const std::vector<absl::string_view> names = OpeningOptionNames(layout);
+  return std::find(names.begin(), names.end(), key) != names.end();
+}
+
+absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
+                                SourceOpening& opening) {
+  if (key == "camera") {
+    if (FindNamedCamera(value) == nullptr) {
+      return BadOption(key, value, absl::StrCat("one of ", ListNamedCameras()));
+    }
+    opening.camera = std::string(value);
+  } else if (key == "calibration") {
+    if (value.empty()) return BadOption(key, value, "a file");
+    opening.calibration_file = std::string(value);
+  } else if (key == "trust_calibration") {
+    if (value != "" && value != "0" && value != "1") return BadOption(key, value, "0 or 1");
+    opening.trust_calibration = value != "0";
+  } else if (key == "fps") {
+    return ParseReal(key, value, 0.1, 1000, opening.fps.emplace());
+  } else if (key == "images") {
+    if (value != "grey" && value != "colour") return BadOption(key, value, "grey or colour");
+    opening.images = std::string(value);
+  } else if (key == "pair_within_ms") {
+    return ParseReal(key, value, 0, 1000, opening.pair_within_ms);
+  } else {
+    return BadOption(key, value, "another name");
+  }
+  return absl::OkStatus();
+}
+
+std::vector<std::string> FormatOpening(const SourceOpening& opening) {
+  std::vector<std::string> options;
+  if (!opening.camera.empty()) options.push_back(absl::StrCat("camera=", opening.camera));
+  if (!opening.calibration_file.empty()) {
+    options.push_back(absl::StrCat("calibration=", opening.calibration_file));
+  }
+  if (opening.trust_calibration) options.push_back("trust_calibration=1");
+  if (opening.fps.has_value()) options.push_back(absl::StrCat("fps=", FormatReal(*opening.fps)));
+  if (!opening.images.empty()) options.push_back(absl::StrCat("images=", opening.images));
+  if (opening.pair_within_ms != SourceOpening().pair_within_ms) {
+    options.push_back(absl::StrCat("pair_within_ms=", FormatReal(opening.pair_within_ms)));
+  }
+  return options;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,27 @@
+// The options of a source's spec that say what its files leave open (SourceOpening).
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_OPENING_OPTIONS_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_OPENING_OPTIONS_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+#include "client_agent/source/source_spec.h"
+
+namespace corbslam {
+
+// Those that mean something for the layout, spelled with '_'.
+std::vector<absl::string_view> OpeningOptionNames(SourceLayout layout);
+bool IsOpeningOption(SourceLayout layout, absl::string_view key);
+
+// INVALID_ARGUMENT, naming the option and its value.
+absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
+                                SourceOpening& opening);
+
+// "camera=freiburg2" and so on, those that differ from their defaults.
+std::vector<std::string> FormatOpening(const SourceOpening& opening);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_OPENING_OPTIONS_H_

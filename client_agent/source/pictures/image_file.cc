@@ -1,0 +1,102 @@
+#include "client_agent/source/pictures/image_file.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// What may stand behind a picture's end: padding of file systems and of cameras.
+constexpr size_t kMaxTrailer_bytes = 4096;
+constexpr size_t kFirstPictures = 10;
+
+absl::StatusOr<std::string> ReadBytes(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    return absl::NotFoundError(absl::StrCat("no picture ", path));
+  }
+  const uintmax_t size = std::filesystem::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": can't be read"));
+  }
+  std::string bytes(size, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (file.gcount() != static_cast<std::streamsize>(size) || bytes.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": an empty file"));
+  }
+  return bytes;
+}
+
+bool EndsWithMark(absl::string_view bytes, absl::string_view mark) {
+  const size_t last = bytes.rfind(mark);
+  return last != absl::string_view::npos && bytes.size() - last <= mark.size() + kMaxTrailer_bytes;
+}
+
+// Decoders paint what is missing grey, and say nothing. JPEG and PNG both mark their end.
+bool IsCutShort(absl::string_view bytes) {
+  if (absl::StartsWith(bytes, "\xff\xd8")) return !EndsWithMark(bytes, "\xff\xd9");
+  if (absl::StartsWith(bytes, "\x89PNG")) return !EndsWithMark(bytes, "IEND");
+  return false;
+}
+
+absl::StatusOr<cv::Mat> ReadImage(const std::string& path, int flags) {
+  ASSIGN_OR_RETURN(const std::string bytes, ReadBytes(path));
+  if (IsCutShort(bytes)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": the picture is cut short after ", bytes.size(), " bytes"));
+  }
+  if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": ", bytes.size(), " bytes"));
+  }
+  const cv::Mat data(1, static_cast<int>(bytes.size()), CV_8UC1,
+                     const_cast<char*>(bytes.data()));  // Only read.
+  try {
+    cv::Mat image = cv::imdecode(data, flags);
+    if (!image.empty()) return image;
+  } catch (const cv::Exception& exception) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": ", exception.what()));
+  }
+  return absl::InvalidArgumentError(absl::StrCat(path, ": no picture that can be read"));
+}
+
+}  // namespace
+
+absl::StatusOr<cv::Mat> ReadGreyImage(const std::string& path) {
+  ASSIGN_OR_RETURN(cv::Mat image, ReadImage(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH |
+                                                      cv::IMREAD_IGNORE_ORIENTATION));
+  if (image.type() == CV_8UC1 || image.type() == CV_16UC1) return image;
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": a picture has 8 or 16 bits, this one is of OpenCV type ",
+                   cv::typeToString(image.type())));
+}
+
+absl::StatusOr<cv::Mat> ReadFirstGrey(const std::vector<std::string>& paths) {
+  absl::Status first_error;
+  for (size_t i = 0; i < std::min(kFirstPictures, paths.size()); ++i) {
+    absl::StatusOr<cv::Mat> image = ReadGreyImage(paths[i]);
+    if (image.ok()) return image;
+    if (first_error.ok()) first_error = image.status();
+  }
+  return first_error;
+}
+
+absl::StatusOr<cv::Mat> ReadDepthImage(const std::string& path) {
+  ASSIGN_OR_RETURN(cv::Mat image, ReadImage(path, cv::IMREAD_UNCHANGED));
+  if (image.type() != CV_16UC1) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        path, ": a depth image has one channel of 16 bits, this one is of OpenCV type ",
+        cv::typeToString(image.type())));
+  }
+  return image;
+}
+
+}  // namespace corbslam

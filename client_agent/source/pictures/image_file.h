@@ -1,0 +1,27 @@
+// Pictures of recorded sequences, as their pixels are stored: no turning by EXIF, no part that the
+// file does not hold.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_PICTURES_IMAGE_FILE_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_PICTURES_IMAGE_FILE_H_
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace corbslam {
+
+// CV_8UC1, or CV_16UC1 where the file has 16 bits; colour becomes grey. NOT_FOUND or
+// INVALID_ARGUMENT, naming the file: one that is no picture, or one that is cut short.
+absl::StatusOr<cv::Mat> ReadGreyImage(const std::string& path);
+
+// The first of the pictures that can be read, among the first ten; the error of the first where
+// none can. `paths` holds at least one.
+absl::StatusOr<cv::Mat> ReadFirstGrey(const std::vector<std::string>& paths);
+
+// One channel of 16 bits, as it is stored.
+absl::StatusOr<cv::Mat> ReadDepthImage(const std::string& path);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_PICTURES_IMAGE_FILE_H_

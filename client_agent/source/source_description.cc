@@ -1,0 +1,90 @@
+#include "client_agent/source/source_description.h"
+
+#include <variant>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "slam/util/text_file.h"
+
+namespace corbslam {
+namespace {
+
+std::string Describe(const RadialTangential& distortion) {
+  if (distortion.IsZero()) return "no distortion";
+  const RadialTangential& d = distortion;
+  return absl::StrCat("radial-tangential distortion k1 ", FormatReal(d.k1), " k2 ",
+                      FormatReal(d.k2), " p1 ", FormatReal(d.p1), " p2 ", FormatReal(d.p2), " k3 ",
+                      FormatReal(d.k3));
+}
+
+std::string DescribeIntrinsics(const SourceDescription& description) {
+  const Intrinsics& k = description.intrinsics;
+  return absl::StrFormat("fx %.10g fy %.10g cx %.10g cy %.10g px, from %s", k.fx_px, k.fy_px,
+                         k.cx_px, k.cy_px, description.intrinsics_from);
+}
+
+std::string DescribeTimes(const SourceDescription& description) {
+  const TimeStatistics& times = description.times;
+  std::string text = absl::StrFormat("%.3g frames/s over %.1f s, from %s", times.rate_hz,
+                                     times.duration_s, description.times_from);
+  if (times.gaps == 0) return text + "; no gaps";
+  absl::StrAppend(&text, absl::StrFormat("; %d gaps, the longest %.1f s before frame %d",
+                                         times.gaps, times.longest_gap_s, times.longest_gap_frame));
+  return text;
+}
+
+void Describe(const StereoCalibration& calibration, SourceDescription& description) {
+  if (!calibration.raw.has_value()) {
+    const Camera& camera = calibration.camera;
+    description.camera_model = "rectified stereo pair, pinhole";
+    description.intrinsics = {camera.fx_px, camera.fy_px,    camera.cx_px,
+                              camera.cy_px, camera.width_px, camera.height_px};
+    description.baseline_m = camera.baseline_m;
+    return;
+  }
+  const RawStereo& raw = *calibration.raw;
+  description.camera_model = absl::StrCat(
+      "raw stereo pair, rectified while it is played; left: pinhole, ",
+      Describe(raw.left.distortion), "; right: pinhole, ", Describe(raw.right.distortion));
+  description.intrinsics = {raw.left.fx_px, raw.left.fy_px, raw.left.cx_px,
+                            raw.left.cy_px, raw.width_px,   raw.height_px};
+  description.baseline_m = raw.right_from_left.translation.norm();
+}
+
+void Describe(const RgbdCalibration& calibration, SourceDescription& description) {
+  const Camera& camera = calibration.camera;
+  description.camera_model = absl::StrCat("RGB-D, pinhole, ", Describe(calibration.distortion));
+  description.intrinsics = {camera.fx_px, camera.fy_px,    camera.cx_px,
+                            camera.cy_px, camera.width_px, camera.height_px};
+  description.depth_units_per_m = calibration.depth_units_per_m;
+}
+
+}  // namespace
+
+void DescribeCamera(const SensorCalibration& calibration, SourceDescription& description) {
+  std::visit([&](const auto& kind) { Describe(kind, description); }, calibration);
+}
+
+std::vector<std::pair<std::string, std::string>> DescribeInWords(
+    const SourceDescription& description) {
+  const Intrinsics& k = description.intrinsics;
+  std::vector<std::pair<std::string, std::string>> lines = {
+      {"layout", description.layout},
+      {"camera", description.camera_model},
+      {"size", absl::StrCat(k.width_px, "x", k.height_px)},
+      {"intrinsics", DescribeIntrinsics(description)}};
+  if (description.baseline_m.has_value()) {
+    lines.push_back({"baseline", absl::StrFormat("%.6g m", *description.baseline_m)});
+  }
+  if (description.depth_units_per_m.has_value()) {
+    lines.push_back(
+        {"depth", absl::StrFormat("%.6g units a metre, from %s", *description.depth_units_per_m,
+                                  description.depth_units_from)});
+  }
+  lines.push_back({"frames", absl::StrCat(description.frames)});
+  lines.push_back({"times", DescribeTimes(description)});
+  for (const std::string& what : description.remarks.left_out) lines.push_back({"left out", what});
+  return lines;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,61 @@
+#include "client_agent/source_checks/inspection.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client_agent/source_checks/source_checks.h"
+
+namespace corbslam {
+namespace {
+
+struct ReadSample {
+  Sample frames;
+  size_t asked_for = 0;
+  size_t unreadable = 0;
+  std::string why;  // The first could not be read.
+};
+
+ReadSample ReadFrames(const FrameReader& reader, const std::vector<size_t>& numbers) {
+  ReadSample sample;
+  sample.asked_for = numbers.size();
+  for (const size_t number : numbers) {
+    absl::StatusOr<SensorImages> images = reader.Read(number);
+    if (images.ok()) {
+      sample.frames.push_back({number, *std::move(images)});
+    } else if (sample.unreadable++ == 0) {
+      sample.why = std::string(images.status().message());
+    }
+  }
+  return sample;
+}
+
+void TellUnreadable(const ReadSample& sample, SourceFindings& findings) {
+  if (sample.unreadable == 0) return;
+  const std::string text =
+      absl::StrCat(sample.unreadable, " of ", sample.asked_for,
+                   " frames that were looked at can't be read, the first because of ", sample.why);
+  const bool all = sample.frames.empty();
+  findings.push_back({all ? FindingLevel::kError : FindingLevel::kWarning, "pictures-unreadable",
+                      all ? text : absl::StrCat(text, ": such frames are left out")});
+}
+
+}  // namespace
+
+SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
+                             const SampleOptions& options) {
+  SourceFindings findings = reader.description().remarks.findings;
+  if (spec.layout == SourceLayout::kSim) return findings;
+  const FrameRange range = SelectRange(spec.selection, reader.frame_count());
+  const ReadSample sample =
+      ReadFrames(reader, ChooseSampleFrames(reader.calibration(), range.begin,
+                                            std::max(range.begin, range.end), options));
+  TellUnreadable(sample, findings);
+  if (sample.frames.empty()) return findings;
+  SourceFindings seen = CheckSample(reader.calibration(), sample.frames);
+  std::move(seen.begin(), seen.end(), std::back_inserter(findings));
+  return findings;
+}
+
+}  // namespace corbslam

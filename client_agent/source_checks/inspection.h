@@ -1,0 +1,19 @@
+// Looks into a sequence before it is played.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_INSPECTION_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_INSPECTION_H_
+
+#include "client_agent/source/frame_reader.h"
+#include "client_agent/source/source_finding.h"
+#include "client_agent/source_checks/sample.h"
+
+namespace corbslam {
+
+// What its files and a sample of the frames that `spec` selects show: the reader's own findings,
+// then those of CheckSample, then frames of the sample that can't be read. A simulation is not
+// looked into: what it draws is as it was asked for. Thread-safe; decodes the sample's pictures.
+SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
+                             const SampleOptions& options = {});
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_INSPECTION_H_
