@@ -34,6 +34,7 @@ class InputWatch {
   const bool is_stereo_;
   std::deque<Count> window_;
   Count sum_;
+  bool is_start_ = true;  // The window has not been full yet.
   bool told_ = false;
 };
 

@@ -21,6 +21,7 @@
 #include "client_agent/source_checks/depth_checks.h"
 #include "client_agent/source_checks/depth_evidence.h"
 #include "client_agent/source_checks/depth_parallax.h"
+#include "client_agent/source_checks/input_watch.h"
 #include "client_agent/source_checks/pair_evidence.h"
 #include "client_agent/source_checks/picture_checks.h"
 #include "client_agent/source_checks/stereo_checks.h"
@@ -126,6 +127,34 @@ void MeasureRgbd(const RgbdCalibration& calibration, const Sample& sample) {
   }
 }
 
+// What a robot's sensor makes of the frames in turn.
+void MeasureWatch(const SensorCalibration& calibration, const ReadFrame& read, size_t frames) {
+  const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
+  SensorOptions options;
+  options.orb.features = is_stereo ? 2000 : 1000;
+  const std::unique_ptr<Sensor> sensor = MakeSensor(calibration, options).value();
+  InputWatch watch(calibration);
+  double adding_ms = 0;
+  for (size_t i = 0; i < frames; ++i) {
+    const Features features = sensor->Process(read(i).value()).value();
+    size_t with_depth = 0;
+    size_t at_infinity = 0;
+    for (const Keypoint& keypoint : features.keypoints) {
+      with_depth += keypoint.HasDepth() ? 1 : 0;
+      at_infinity += keypoint.HasDepth() && keypoint.disparity_px < 0.5F ? 1 : 0;
+    }
+    Note("features", static_cast<double>(features.keypoints.size()));
+    Note("with depth", Share(with_depth, features.keypoints.size()));
+    Note("at infinity", Share(at_infinity, with_depth));
+    const double at = Now_ms();
+    const std::optional<SourceFinding> finding = watch.Add(features);
+    adding_ms += Now_ms() - at;
+    if (finding.has_value()) std::printf("frame %zu: %s\n", i, finding->text.c_str());
+  }
+  PrintColumns();
+  std::printf("InputWatch %.4f ms a frame\n", adding_ms / static_cast<double>(frames));
+}
+
 int Run(int argc, char** argv) {
   const std::unique_ptr<FrameReader> reader = Open(argv[1]);
   SampleOptions options;
@@ -143,6 +172,10 @@ int Run(int argc, char** argv) {
     };
   } else if (argc > 4 && std::string(argv[3]) != "-") {
     read = Damage(read, argv[3], std::atof(argv[4]));
+  }
+  if (std::string(argv[2]) == "watch") {
+    MeasureWatch(reader->calibration(), read, std::min<size_t>(reader->frame_count(), 70));
+    return 0;
   }
   Sample sample;
   const double begin = Now_ms();
