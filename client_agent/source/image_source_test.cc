@@ -440,9 +440,10 @@ std::string MakeEuroc(const std::string& name, const std::string& model) {
     WriteImage(folder + "/data/1000.png", CV_8UC1, 10 + camera);
     WriteImage(folder + "/data/3000.png", CV_8UC1, 30 + camera);
     WriteText(folder + "/data.csv",
-              camera == 0 ? "#timestamp [ns],filename\r\n1000,1000.png\r\n2000,2000.png\r\n"
-                            "3000,3000.png\r\n"
-                          : "#timestamp [ns],filename\n1000,1000.png\n3000,3000.png\n");
+              camera == 0
+                  ? "#timestamp [ns],filename\r\n100000000,1000.png\r\n200000000,2000.png\r\n"
+                    "300000000,3000.png\r\n"
+                  : "#timestamp [ns],filename\n100000000,1000.png\n300000000,3000.png\n");
   }
   return directory;
 }
@@ -451,7 +452,7 @@ TEST(EurocSourceTest, PairsCommonTimesAndReadsTheRawCalibration) {
   const auto source = OpenSource("euroc:" + MakeEuroc("euroc", "radial-tangential"));
   ASSERT_TRUE(source.ok()) << source.status();
   ASSERT_EQ((*source)->size(), 2u);
-  EXPECT_EQ((*source)->frame(1).timestamp_ns, 3000);
+  EXPECT_EQ((*source)->frame(1).timestamp_ns, 300'000'000);
   const auto& calibration = std::get<StereoCalibration>((*source)->calibration());
   ASSERT_TRUE(calibration.raw.has_value());
   EXPECT_DOUBLE_EQ(calibration.raw->left.fx_px, 50.5);
@@ -517,7 +518,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadList{"no_file", "1000\n", "data.csv:1: field 2 names no file"},
         BadList{"empty", "#t,f\n", "cam0/data.csv: lists no picture"},
         BadList{"other_time", "1403715273000000000,1000.png\n", "have no common times: cam0 lists"},
-        BadList{"utf16", "\xff\xfe" "1,a", "data.csv:1: is UTF-16 text"}));
+        BadList{"utf16",
+                "\xff\xfe"
+                "1,a",
+                "data.csv:1: is UTF-16 text"}));
 
 TEST(EurocSourceTest, RefusesAModelItDoesNotKnow) {
   EXPECT_THAT(
