@@ -192,6 +192,8 @@ absl::StatusOr<std::optional<Trajectory>> ReadGroundTruth(const SourceSpec& sour
                                   camera.body_from_camera);
       break;
     }
+    case SourceLayout::kSevenScenes:
+      return std::nullopt;
     case SourceLayout::kSim: {
       ASSIGN_OR_RETURN(const std::unique_ptr<SimulatedSequence> sequence,
                        SimulatedSequence::Make(source.simulation));

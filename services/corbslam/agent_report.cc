@@ -46,7 +46,8 @@ RobotReport MakeRobotReport(const Agent& agent) {
 
 std::vector<ReportWarning> ToReportWarnings(const SourceFindings& findings) {
   std::vector<ReportWarning> warnings;
-  for (const SourceFinding& finding : findings) warnings.push_back({"", finding.code, finding.text});
+  for (const SourceFinding& finding : findings)
+    warnings.push_back({"", finding.code, finding.text});
   return warnings;
 }
 

@@ -108,6 +108,7 @@ std::vector<std::string> FoldersOf(SourceLayout layout) {
       return {"mav0/cam0/data", "mav0/cam1/data", kEurocTruth};
     case SourceLayout::kTum:
       return {"rgb", "depth"};
+    case SourceLayout::kSevenScenes:
     case SourceLayout::kSim:
       break;
   }
@@ -128,6 +129,7 @@ FramePaths PathsOfFrame(SourceLayout layout, size_t index, int64_t timestamp_ns)
       const std::string time = FormatSeconds(timestamp_ns);
       return {absl::StrCat("rgb/", time, ".png"), absl::StrCat("depth/", time, ".png")};
     }
+    case SourceLayout::kSevenScenes:
     case SourceLayout::kSim:
       break;
   }

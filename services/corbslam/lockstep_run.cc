@@ -92,7 +92,8 @@ absl::Status Lockstep::AddRobot(const RobotPlan& plan) {
   options.deterministic = true;
   const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = is_stereo ? kStereoFeatures : kRgbdFeatures;
-  ASSIGN_OR_RETURN(robot.agent, Agent::Create(options, calibration, vocabulary_, robot.uplink.get()));
+  ASSIGN_OR_RETURN(robot.agent,
+                   Agent::Create(options, calibration, vocabulary_, robot.uplink.get()));
   robots_.push_back(std::move(robot));
   return absl::OkStatus();
 }
@@ -156,8 +157,8 @@ void DescribeSource(const LockstepRobot& robot, RobotReport& report) {
   played.played = robot.frames;
   report.left_out = static_cast<int>(source.left_out().count);
   report.source_description = ToJson(robot.opened.description);
-  report.warnings = ToReportWarnings(
-      CollectWarnings(robot.opened.warnings, *robot.agent, source, played));
+  report.warnings =
+      ToReportWarnings(CollectWarnings(robot.opened.warnings, *robot.agent, source, played));
 }
 
 absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {

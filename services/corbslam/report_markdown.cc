@@ -114,9 +114,9 @@ std::string WarningList(const RunReport& report) {
 
 std::string ToMarkdown(const RunReport& report) {
   return absl::StrCat(
-      "# Several robots, one map\n\n", RobotTable(report), WarningList(report), "\nThe fused map:\n\n",
-      FusedTable(report), "\n", FusionList(report), "\n", TransferTable(report),
-      ServerTable(report),
+      "# Several robots, one map\n\n", RobotTable(report), WarningList(report),
+      "\nThe fused map:\n\n", FusedTable(report), "\n", FusionList(report), "\n",
+      TransferTable(report), ServerTable(report),
       absl::StrFormat("\nMission %s, pace %s, %.1f s, corbslam %s\n\n    %s\n", report.mission,
                       report.pace, report.wall_s, report.version, report.command));
 }

@@ -156,19 +156,19 @@ absl::Status CheckSecurity(const MissionRunOptions& mission) {
       "--tls-cert, --tls-key, --tls-ca and --token-file are for a --server");
 }
 
-// What can be known to be wrong before the robots spend hours: sources that can't be opened and
-// ground truth that can't be read.
+// Says what each source is, and what can be known to be wrong before the robots spend hours:
+// sources that can't be opened and ground truth that can't be read.
 absl::Status CheckSources(const std::vector<RobotPlan>& robots, bool strict) {
   std::set<std::string> seen;
   for (const RobotPlan& robot : robots) {
     SourceSpec whole = robot.source;
     whole.selection = {};
     if (!seen.insert(FormatSourceSpec(whole)).second) continue;
-    if (whole.layout != SourceLayout::kSim) {
-      ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(whole));
-      RETURN_IF_ERROR(JudgeFindings(reader->description().remarks.findings, strict));
-    }
+    ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(whole));
+    RETURN_IF_ERROR(JudgeFindings(reader->description().remarks.findings, strict));
     RETURN_IF_ERROR(ReadGroundTruth(whole).status());
+    std::printf("%s\n%s\n", FormatSourceSpec(whole).c_str(),
+                FormatDescription(reader->description()).c_str());
   }
   return absl::OkStatus();
 }
@@ -176,10 +176,10 @@ absl::Status CheckSources(const std::vector<RobotPlan>& robots, bool strict) {
 // The report is written; that a robot failed is not forgotten.
 absl::Status JudgeOutcome(const MissionOutcome& outcome, const std::string& out) {
   if (outcome.failures.empty()) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      absl::StrCat(outcome.failures.size(), " of ", outcome.report.robots.size(),
-                   " robots failed; the report of all is in ", out, ".\n",
-                   absl::StrJoin(outcome.failures, "\n")));
+  return absl::FailedPreconditionError(absl::StrCat(outcome.failures.size(), " of ",
+                                                    outcome.report.robots.size(),
+                                                    " robots failed; the report of all is in ", out,
+                                                    ".\n", absl::StrJoin(outcome.failures, "\n")));
 }
 
 absl::Status Run(RunArguments arguments) {
@@ -241,10 +241,10 @@ void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chos
   auto arguments = std::make_shared<RunArguments>();
   arguments->command_line = command_line;
   CLI::App* run = app.add_subcommand("run", "Let robots map sequences together");
-  run->add_option(
-         "--source", arguments->sources,
-         "kitti:DIR, euroc:DIR, tum:DIR, 7scenes:DIR or sim:WORLD, each with ?OPTIONS; several: one "
-         "robot each")
+  run->add_option("--source", arguments->sources,
+                  "kitti:DIR, euroc:DIR, tum:DIR, 7scenes:DIR or sim:WORLD, each with ?OPTIONS; "
+                  "several: one "
+                  "robot each")
       ->required();
   run->add_option("--robots", arguments->robots, "Among how many one source is split (2)");
   run->add_option("--overlap", arguments->overlap, "Frames by which parts reach beyond their share")

@@ -32,12 +32,16 @@ absl::StatusOr<InspectedSource> OpenInspectedSource(const SourceSpec& spec, bool
   return opened;
 }
 
-void LogSource(const InspectedSource& source) {
+std::string FormatDescription(const SourceDescription& description) {
   std::vector<std::string> lines;
-  for (const auto& [name, value] : DescribeInWords(source.description)) {
+  for (const auto& [name, value] : DescribeInWords(description)) {
     lines.push_back(absl::StrCat("  ", name, ": ", value));
   }
-  LOG(INFO) << "the source:\n" << absl::StrJoin(lines, "\n");
+  return absl::StrJoin(lines, "\n");
+}
+
+void LogSource(const InspectedSource& source) {
+  LOG(INFO) << "the source:\n" << FormatDescription(source.description);
   for (const SourceFinding& warning : source.warnings) {
     LOG(WARNING) << warning.text << " [" << warning.code << "]";
   }

@@ -4,6 +4,7 @@
 #define CORBSLAM_SERVICES_PROGRAMS_INSPECTED_SOURCE_H_
 
 #include <memory>
+#include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -24,6 +25,9 @@ absl::StatusOr<InspectedSource> OpenInspectedSource(const SourceSpec& spec, bool
 
 // OK where `findings` holds no error (and no warning, when `strict`).
 absl::Status JudgeFindings(const SourceFindings& findings, bool strict);
+
+// A line for each part of the description, indented.
+std::string FormatDescription(const SourceDescription& description);
 
 // Logs the description, a line each, and the warnings as such.
 void LogSource(const InspectedSource& source);

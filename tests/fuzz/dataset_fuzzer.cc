@@ -5,9 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <variant>
 
-#include "client_agent/source/euroc_calibration.h"
 #include "client_agent/source/frame_reader.h"
-#include "client_agent/source/tum_calibration.h"
 #include "slam/camera/rectification.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "tests/fuzz/fuzz_files.h"
@@ -21,7 +19,7 @@ void WritePictures() {
   static const bool done = [] {
     const cv::Mat grey = cv::Mat::zeros(64, 64, CV_8UC1);
     const cv::Mat depth = cv::Mat::zeros(64, 64, CV_16UC1);
-    for (const char* name : {"kitti/image_0/000000.png", "tum/rgb/a.png",
+    for (const char* name : {"kitti/image_0/000000.png", "kitti/image_1/000000.png", "tum/rgb/a.png",
                              "euroc/mav0/cam0/data/1.png", "euroc/mav0/cam1/data/1.png"}) {
       cv::imwrite(WriteFuzzFile(name, ""), grey);
     }
@@ -46,10 +44,16 @@ void Play(const absl::StatusOr<std::unique_ptr<FrameReader>>& reader) {
   if (rectifier.ok() && !Validate(rectifier->camera()).ok()) std::abort();
 }
 
+SourceSpec SpecOf(const std::string& name) {
+  SourceSpec spec;
+  spec.directory = FuzzFolder() + "/" + name;
+  return spec;
+}
+
 void ReadKitti(absl::string_view input) {
   WriteFuzzFile("kitti/calib.txt", TakeMessage(input));
   WriteFuzzFile("kitti/times.txt", TakeMessage(input));
-  Play(OpenKitti(FuzzFolder() + "/kitti"));
+  Play(OpenKitti(SpecOf("kitti")));
 }
 
 void ReadEuroc(absl::string_view input) {
@@ -58,15 +62,14 @@ void ReadEuroc(absl::string_view input) {
     WriteFuzzFile(folder + "/sensor.yaml", TakeMessage(input));
     WriteFuzzFile(folder + "/data.csv", TakeMessage(input));
   }
-  Play(OpenEuroc(FuzzFolder() + "/euroc"));
+  Play(OpenEuroc(SpecOf("euroc")));
 }
 
 void ReadTum(absl::string_view input) {
-  for (const char* name : {"associated.txt", "rgb.txt", "depth.txt", "calibration.yaml"}) {
+  for (const char* name : {"associated.txt", "rgb.txt", "depth.txt", "calibration.yaml", "calibration.txt"}) {
     WriteFuzzFile(std::string("tum/") + name, TakeMessage(input));
   }
-  Play(OpenTum(FuzzFolder() + "/tum"));
-  (void)ReadTumCalibration(FuzzFolder() + "/tum", 64, 64);
+  Play(OpenTum(SpecOf("tum")));
 }
 
 void ReadTrajectories(absl::string_view input) {

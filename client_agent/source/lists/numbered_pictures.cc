@@ -19,6 +19,9 @@ namespace fs = std::filesystem;
 constexpr absl::string_view kEndings[] = {".png", ".jpg", ".jpeg", ".bmp",
                                           ".pgm", ".ppm", ".tif",  ".tiff"};
 
+// Eleven days at 10 frames a second.
+constexpr size_t kMaxNumber = 9'999'999;
+
 std::optional<size_t> NumberOf(const fs::path& file, absl::string_view prefix,
                                absl::string_view suffix) {
   const std::string ending = absl::AsciiStrToLower(file.extension().string());
@@ -49,6 +52,10 @@ absl::StatusOr<std::map<size_t, std::string>> ListNumberedPictures(const std::st
     const std::optional<size_t> number = NumberOf(it->path().filename(), prefix, suffix);
     if (!number.has_value()) continue;
     const std::string path = absl::StrCat(folder, "/", it->path().filename().string());
+    if (*number > kMaxNumber) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(path, ": its number must be at most ", kMaxNumber, ": is its name a time?"));
+    }
     const auto [there, added] = pictures.emplace(*number, path);
     if (added) continue;
     return absl::InvalidArgumentError(

@@ -13,8 +13,8 @@ namespace corbslam {
 
 // Number -> path of the files of `folder` whose names are `prefix`, digits, and `suffix` with one
 // of the endings .png, .jpg, .jpeg, .bmp, .pgm, .ppm, .tif, .tiff; others are passed over.
-// NOT_FOUND where there is no such folder; INVALID_ARGUMENT, naming both files, where a number is
-// there twice.
+// NOT_FOUND where there is no such folder; INVALID_ARGUMENT, naming the files, where a number is
+// there twice or has more than seven digits.
 absl::StatusOr<std::map<size_t, std::string>> ListNumberedPictures(const std::string& folder,
                                                                    absl::string_view prefix,
                                                                    absl::string_view suffix);
