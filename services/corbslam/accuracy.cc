@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/euroc_calibration.h"
+#include "client_agent/source/calibration/euroc_calibration.h"
 #include "client_agent/source/frame_reader.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/simulation/sequence/simulated_sequence.h"

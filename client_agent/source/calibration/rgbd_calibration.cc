@@ -115,7 +115,7 @@ absl::StatusOr<NamedBy> FindNaming(const std::string& folder) {
   std::error_code error;
   const std::string name = fs::canonical(folder, error).filename().string();
   return NamedBy{error ? nullptr : CameraOfTumRecording(name),
-                 absl::StrCat("the folder's name, ", name)};
+                 absl::StrCat("the folder is called ", name)};
 }
 
 absl::Status NoCalibration(const RgbdCalibrationQuery& query) {
@@ -137,7 +137,7 @@ absl::StatusOr<std::optional<FoundRgbdCalibration>> FromFolder(const std::string
   ASSIGN_OR_RETURN(const NamedBy named, FindNaming(folder));
   if (named.camera == nullptr) return std::nullopt;
   return FromNamed(*named.camera,
-                   absl::StrCat("as published for ", named.camera->name, ", because of ", named.by),
+                   absl::StrCat("the values published for ", named.camera->name, ", as ", named.by),
                    query);
 }
 
