@@ -24,6 +24,7 @@
 #include "client_agent/source_checks/input_watch.h"
 #include "client_agent/source_checks/pair_sample.h"
 #include "client_agent/source_checks/picture_checks.h"
+#include "client_agent/source_checks/picture_statistics.h"
 #include "client_agent/source_checks/stereo_checks.h"
 #include "client_agent/source_checks/testing/damage.h"
 
@@ -51,6 +52,12 @@ void PrintColumns() {
 }
 double Share(size_t part, size_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+void NotePicture(const PictureStatistics& s) {
+  Note("grey of 99 %", s.bright);
+  Note("contrast", s.Contrast());
+  Note("white share", s.white_share);
 }
 
 void NotePair(const PairEvidence& e) {
@@ -162,6 +169,11 @@ int Run(int argc, char** argv) {
   }
   std::printf("reading %.1f ms\n", Now_ms() - begin);
   const double middle = Now_ms();
+  for (const SampleFrame& frame : sample) {
+    for (const cv::Mat& picture : {frame.images.grey, frame.images.right}) {
+      if (!picture.empty()) NotePicture(MeasurePicture(picture));
+    }
+  }
   if (const auto* stereo = std::get_if<StereoCalibration>(&reader->calibration())) {
     MeasureStereo(*stereo, sample);
   } else {
