@@ -12,7 +12,7 @@ constexpr size_t kFewestFeatures = 100;  // A frame with fewer is dark or bare: 
 // robot may stand in front of a bare wall, whose few features are noise.
 constexpr double kLeastStereoAtStart = 0.12;
 constexpr double kLeastStereo = 0.05;
-constexpr double kLeastDepthAtStart = 0.05;
+constexpr double kLeastDepthAtStart = 0.03;
 constexpr double kLeastDepth = 0.02;
 constexpr double kMostAtInfinity = 0.95;
 constexpr float kInfinity_px = 0.5F;  // A disparity below it is one of noise.

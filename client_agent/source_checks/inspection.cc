@@ -54,6 +54,10 @@ SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
   TellUnreadable(sample, findings);
   if (sample.frames.empty()) return findings;
   SourceFindings seen = CheckSample(reader.calibration(), sample.frames);
+  if (spec.layout == SourceLayout::kSevenScenes) {
+    // 65535 is what this layout says where there is no depth.
+    std::erase_if(seen, [](const SourceFinding& f) { return f.code == "depth-saturated"; });
+  }
   std::move(seen.begin(), seen.end(), std::back_inserter(findings));
   return findings;
 }

@@ -22,11 +22,11 @@
 #include "client_agent/source_checks/depth_evidence.h"
 #include "client_agent/source_checks/depth_parallax.h"
 #include "client_agent/source_checks/input_watch.h"
-#include "client_agent/source_checks/pair_evidence.h"
+#include "client_agent/source_checks/pair_sample.h"
 #include "client_agent/source_checks/picture_checks.h"
+#include "client_agent/source_checks/picture_statistics.h"
 #include "client_agent/source_checks/stereo_checks.h"
 #include "client_agent/source_checks/testing/damage.h"
-#include "slam/camera/rectification.h"
 
 namespace corbslam {
 namespace {
@@ -54,6 +54,12 @@ double Share(size_t part, size_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
+void NotePicture(const PictureStatistics& s) {
+  Note("grey of 99 %", s.bright);
+  Note("contrast", s.Contrast());
+  Note("white share", s.white_share);
+}
+
 void NotePair(const PairEvidence& e) {
   Note("features", static_cast<double>(e.features));
   Note("matches of features", Share(e.matches, e.features));
@@ -72,38 +78,16 @@ void NotePair(const PairEvidence& e) {
 }
 
 void MeasureStereo(const StereoCalibration& calibration, const Sample& sample) {
-  std::vector<CheckFeatures> left;
-  std::vector<CheckFeatures> right;
-  std::optional<StereoRectifier> rectifier;
-  if (calibration.raw.has_value()) rectifier = StereoRectifier::Make(*calibration.raw).value();
-  for (const SampleFrame& frame : sample) {
-    cv::Mat l = frame.images.grey;
-    cv::Mat r = frame.images.right;
-    if (rectifier.has_value()) {
-      cv::Mat rect;
-      (void)rectifier->RectifyLeft(l, rect);
-      l = rect.clone();
-      (void)rectifier->RectifyRight(r, rect);
-      r = rect.clone();
+  const PairPreparation preparation = PairPreparation::Make(calibration).value();
+  for (const JudgedPair& pair : preparation.Judge(sample)) {
+    NotePair(pair.evidence);
+    if (pair.with_before.has_value()) {
+      Note("score before", pair.with_before->row_score / (pair.evidence.row_score + 1e-9));
     }
-    left.push_back(ExtractCheckFeatures(l));
-    right.push_back(ExtractCheckFeatures(r));
-  }
-  const double begin = Now_ms();
-  for (size_t i = 0; i < sample.size(); ++i) {
-    const cv::Size size = sample[i].images.grey.size();
-    const PairEvidence same = GatherPairEvidence(left[i], right[i], size);
-    NotePair(same);
-    if (i > 0 && sample[i - 1].number + 1 == sample[i].number) {
-      Note("before",
-           GatherPairEvidence(left[i], right[i - 1], size).row_score / (same.row_score + 1e-9));
-    }
-    if (i + 1 < sample.size() && sample[i + 1].number == sample[i].number + 1) {
-      Note("after",
-           GatherPairEvidence(left[i], right[i + 1], size).row_score / (same.row_score + 1e-9));
+    if (pair.with_after.has_value()) {
+      Note("score after", pair.with_after->row_score / (pair.evidence.row_score + 1e-9));
     }
   }
-  std::printf("matching %.1f ms\n", Now_ms() - begin);
 }
 
 void MeasureRgbd(const RgbdCalibration& calibration, const Sample& sample) {
@@ -185,6 +169,11 @@ int Run(int argc, char** argv) {
   }
   std::printf("reading %.1f ms\n", Now_ms() - begin);
   const double middle = Now_ms();
+  for (const SampleFrame& frame : sample) {
+    for (const cv::Mat& picture : {frame.images.grey, frame.images.right}) {
+      if (!picture.empty()) NotePicture(MeasurePicture(picture));
+    }
+  }
   if (const auto* stereo = std::get_if<StereoCalibration>(&reader->calibration())) {
     MeasureStereo(*stereo, sample);
   } else {

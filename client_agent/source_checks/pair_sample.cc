@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "slam/util/median.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -21,6 +22,7 @@ bool HasSize(const cv::Mat& grey, const Camera& camera) {
 absl::StatusOr<PairPreparation> PairPreparation::Make(const StereoCalibration& calibration) {
   PairPreparation preparation;
   preparation.camera_ = calibration.camera;
+  preparation.right_cx_offset_px_ = calibration.right_cx_offset_px;
   if (calibration.raw.has_value()) {
     ASSIGN_OR_RETURN(preparation.rectifier_, StereoRectifier::Make(*calibration.raw));
     preparation.camera_ = preparation.rectifier_->camera();
@@ -43,7 +45,11 @@ std::optional<PairPreparation::Sides> PairPreparation::Extract(const SensorImage
     left = rectified_left;
     right = rectified_right;
   }
-  return Sides{ExtractCheckFeatures(left), ExtractCheckFeatures(right)};
+  Sides sides{ExtractCheckFeatures(left), ExtractCheckFeatures(right)};
+  for (Keypoint& keypoint : sides.right.features.keypoints) {
+    keypoint.x_px -= static_cast<float>(right_cx_offset_px_);
+  }
+  return sides;
 }
 
 std::optional<PairEvidence> PairPreparation::Compare(const std::optional<Sides>& left,
@@ -71,6 +77,19 @@ std::vector<JudgedPair> PairPreparation::Judge(const Sample& sample, bool exchan
     pairs.push_back(std::move(pair));
   }
   return pairs;
+}
+
+double PairPreparation::MatchShareInTime(const Sample& sample) const {
+  std::vector<double> shares;
+  for (size_t i = 0; i + 1 < sample.size(); ++i) {
+    if (sample[i].number + 1 != sample[i + 1].number) continue;
+    const std::optional<Sides> now = Extract(sample[i].images, false);
+    const std::optional<Sides> next = Extract(sample[i + 1].images, false);
+    if (!now.has_value() || !next.has_value() || !HasEnough(now->left)) continue;
+    shares.push_back(static_cast<double>(MatchFeatures(now->left, next->left).size()) /
+                     static_cast<double>(now->left.features.keypoints.size()));
+  }
+  return shares.empty() ? 0 : Median(std::move(shares));
 }
 
 }  // namespace corbslam

@@ -33,6 +33,9 @@ class PairPreparation {
   // Every pair of the right size and with enough features on both sides, in order. `exchanged`
   // takes the left picture for the right one and the other way round.
   std::vector<JudgedPair> Judge(const Sample& sample, bool exchanged = false) const;
+  // Which share of the features of a left picture match in that of the next frame, median over the
+  // sample: hardly any where they are noise on a bare wall. 0 without neighbouring frames.
+  double MatchShareInTime(const Sample& sample) const;
 
  private:
   struct Sides {
@@ -46,6 +49,7 @@ class PairPreparation {
 
   Camera camera_;
   std::optional<StereoRectifier> rectifier_;
+  double right_cx_offset_px_ = 0;
 };
 
 }  // namespace corbslam

@@ -19,6 +19,7 @@ namespace {
 
 // Limits and what they were derived from: docs/sources_checks.md.
 constexpr double kLeastRelated = 0.06;
+constexpr double kLeastInTime = 0.12;
 constexpr double kMostNegative = 0.15;
 constexpr double kExchangedNegative = 0.8;
 constexpr double kMostUnmoved = 0.9;
@@ -126,6 +127,8 @@ void CheckGeometry(const PairPreparation& preparation, const Sample& sample, con
   const double negative = MedianOf(pairs, Negative);
   const bool rows_apart = MedianOf(pairs, RowError) > kMostRowError_px;
   if (MedianOf(pairs, Related) < kLeastRelated) {
+    // Noise on a bare wall has no counterpart either, and tells nothing about the pair.
+    if (preparation.MatchShareInTime(sample) < kLeastInTime) return;
     findings.push_back(TellUnrelated(pairs));
   } else if (!preparation.rectifies() && negative > kExchangedNegative) {
     findings.push_back(TellExchanged(

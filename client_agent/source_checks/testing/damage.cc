@@ -58,6 +58,8 @@ const std::map<std::string, Edit>& Edits() {
       {"same", [](SensorImages& images, double) { images.right = images.grey.clone(); }},
       {"rows",
        [](SensorImages& images, double px) { images.right = Shifted(images.right, 0, px); }},
+      {"columns",
+       [](SensorImages& images, double px) { images.right = Shifted(images.right, px, 0); }},
       {"roll",
        [](SensorImages& images, double degrees) { images.right = Rolled(images.right, degrees); }},
       {"mirrored", [](SensorImages& images, double) { cv::flip(images.right, images.right, 1); }},

@@ -14,11 +14,11 @@ namespace corbslam {
 using ReadFrame = std::function<absl::StatusOr<SensorImages>(size_t)>;
 
 // `name` with `amount`: of a pair "exchanged", "same" (the left picture twice), "rows" (the right
-// picture lies lower, pixels), "roll" (degrees), "mirrored", "late" (the right picture is that of
-// so many frames before); of both "dark" (grey levels divided), "bright" (multiplied), "noise";
-// of depth "depth_scale" (multiplied), "depth_saturated" (65535 where there is none), "depth_late",
-// "depth_shift" (columns), "depth_empty", "depth_constant". "" changes nothing.
-// INVALID_ARGUMENT for another name, when a frame is read.
+// picture lies lower, pixels), "columns" (farther right), "roll" (degrees), "mirrored", "late" (the
+// right picture is that of so many frames before); of both "dark" (grey levels divided), "bright"
+// (multiplied), "noise"; of depth "depth_scale" (multiplied), "depth_saturated" (65535 where there
+// is none), "depth_late", "depth_shift" (columns), "depth_empty", "depth_constant". "" changes
+// nothing. INVALID_ARGUMENT for another name, when a frame is read.
 ReadFrame Damage(ReadFrame read, const std::string& name, double amount = 0);
 
 }  // namespace corbslam
