@@ -32,17 +32,14 @@ AddressList Resolve(const std::string& address, int& error) {
   return {error == 0 ? found : nullptr, freeaddrinfo};
 }
 
-sockaddr_storage FirstOf(const addrinfo& found) {
-  sockaddr_storage address = {};
-  std::memcpy(&address, found.ai_addr, std::min<size_t>(found.ai_addrlen, sizeof(address)));
-  return address;
-}
-
-std::string ExplainTakenPort(const std::string& address) {
-  int error = 0;
-  const AddressList found = Resolve(address, error);
-  const std::optional<pid_t> holder =
-      found == nullptr ? std::nullopt : FindPortHolder(FirstOf(*found));
+// `address` may be null: unknown.
+std::string ExplainTakenPort(const addrinfo* address) {
+  std::optional<pid_t> holder;
+  if (address != nullptr) {
+    sockaddr_storage wanted = {};
+    std::memcpy(&wanted, address->ai_addr, std::min<size_t>(address->ai_addrlen, sizeof(wanted)));
+    holder = FindPortHolder(wanted);
+  }
   if (holder == getpid()) {
     return "this process itself has this port already; choose another one (0: any that is free)";
   }
@@ -54,9 +51,7 @@ std::string ExplainTakenPort(const std::string& address) {
   return absl::StrCat(who, "; stop it, or choose another port (0: any that is free)");
 }
 
-}  // namespace
-
-std::string ExplainBindError(const std::string& address, int error) {
+std::string Explain(const addrinfo* address, int error) {
   switch (error) {
     case EADDRINUSE:
       return ExplainTakenPort(address);
@@ -71,19 +66,35 @@ std::string ExplainBindError(const std::string& address, int error) {
   }
 }
 
+// As a server does it; 0, or errno's.
+int TryToListen(const addrinfo& address) {
+  const int fd = socket(address.ai_family, address.ai_socktype | SOCK_CLOEXEC, 0);
+  if (fd < 0) return errno;
+  const int on = 1;
+  setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
+  const bool listens = bind(fd, address.ai_addr, address.ai_addrlen) == 0 && listen(fd, 1) == 0;
+  const int error = listens ? 0 : errno;
+  close(fd);
+  return error;
+}
+
+}  // namespace
+
+std::string ExplainBindError(const std::string& address, int error) {
+  int unknown = 0;
+  const AddressList found = Resolve(address, unknown);
+  return Explain(found.get(), error);
+}
+
 std::string ExplainListenFailure(const std::string& address) {
   int error = 0;
   const AddressList found = Resolve(address, error);
   if (found == nullptr) return absl::StrCat("the host has no address: ", gai_strerror(error));
-  const int fd = socket(found->ai_family, found->ai_socktype | SOCK_CLOEXEC, 0);
-  if (fd < 0) return std::strerror(errno);
-  const int on = 1;
-  setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
-  const bool failed = bind(fd, found->ai_addr, found->ai_addrlen) != 0 || listen(fd, 1) != 0;
-  error = errno;
-  close(fd);
-  return failed ? ExplainBindError(address, error)
-                : "it could not a moment ago, and can now; start this process again";
+  for (const addrinfo* one = found.get(); one != nullptr; one = one->ai_next) {
+    error = TryToListen(*one);
+    if (error != 0) return Explain(one, error);
+  }
+  return "it could not a moment ago, and can now; start this process again";
 }
 
 }  // namespace corbslam
