@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "absl/strings/str_cat.h"
 #include "map_store/island_view.h"
 #include "map_store/placement.h"
 
@@ -52,14 +53,11 @@ std::string DefaultNote(const OverlapEntry& entry) {
   return entry.state == OverlapState::kWaiting ? "waits for fusing" : "";
 }
 
-bool Matches(const OverlapFilter& filter, const Overlap& overlap) {
-  if (filter.accepted.has_value() && *filter.accepted != overlap.IsAccepted()) return false;
-  if (!filter.local_map.IsValid()) return true;
-  return overlap.query.local_map == filter.local_map ||
-         overlap.candidate.local_map == filter.local_map;
-}
-
 }  // namespace
+
+absl::Status NoSuchLocalMap(LocalMapId id) {
+  return absl::NotFoundError(absl::StrCat("there is no local map ", ToString(id)));
+}
 
 MissionInfo DescribeMission(const MissionState& state) {
   MissionInfo info;
@@ -73,12 +71,8 @@ MissionInfo DescribeMission(const MissionState& state) {
   return info;
 }
 
-std::vector<AgentInfo> DescribeAgents(const MissionState& state) {
-  std::vector<AgentInfo> agents;
-  for (const auto& [name, agent] : state.agents) {
-    agents.push_back({name, agent.session != 0, agent.local_maps});
-  }
-  return agents;
+AgentInfo DescribeAgent(const std::string& name, const AgentState& agent) {
+  return {name, agent.session != 0, agent.local_maps};
 }
 
 LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& local_map) {
@@ -123,22 +117,23 @@ MissionStatistics DescribeStatistics(const MissionState& state) {
   return statistics;
 }
 
-std::vector<OverlapInfo> DescribeOverlaps(const MissionState& state, const OverlapFilter& filter) {
-  std::vector<OverlapInfo> overlaps;
-  for (const auto& [id, entry] : state.global.overlaps) {
-    if (!Matches(filter, entry.overlap)) continue;
-    OverlapInfo info;
-    info.id = id;
-    info.overlap = entry.overlap;
-    const auto a = state.global.island_of.find(entry.overlap.query.local_map);
-    const auto b = state.global.island_of.find(entry.overlap.candidate.local_map);
-    info.fused = a != state.global.island_of.end() && b != state.global.island_of.end() &&
-                 a->second == b->second;
-    info.revision = entry.revision;
-    info.note = DefaultNote(entry);
-    overlaps.push_back(std::move(info));
-  }
-  return overlaps;
+OverlapInfo DescribeOverlap(const MissionState& state, const OverlapEntry& entry) {
+  OverlapInfo info;
+  info.id = entry.id;
+  info.overlap = entry.overlap;
+  const Island* a = state.FindIslandOf(entry.overlap.query.local_map);
+  const Island* b = state.FindIslandOf(entry.overlap.candidate.local_map);
+  info.fused = a != nullptr && a == b;
+  info.revision = entry.revision;
+  info.note = DefaultNote(entry);
+  return info;
+}
+
+bool Matches(const OverlapFilter& filter, const Overlap& overlap) {
+  if (filter.accepted.has_value() && *filter.accepted != overlap.IsAccepted()) return false;
+  if (!filter.local_map.IsValid()) return true;
+  return overlap.query.local_map == filter.local_map ||
+         overlap.candidate.local_map == filter.local_map;
 }
 
 IslandView DescribeIsland(const MissionState& state, const Island& island) {

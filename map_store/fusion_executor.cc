@@ -1,17 +1,16 @@
 #include "map_store/fusion_executor.h"
 
 #include <glog/logging.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "slam/util/thread_priority.h"
 
 namespace corbslam::map_store {
 namespace {
 
-constexpr int kKeeperNiceness = 10;
+constexpr int kKeeperStepsLower = 10;
 constexpr absl::Duration kAfterFailedSnapshot = absl::Minutes(1);
 
 }  // namespace
@@ -77,7 +76,8 @@ void FusionExecutor::RunLane(FusionLane lane) {
 
 void FusionExecutor::RunKeeper() {
   // Robots wait for the other threads, nobody for this one.
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kKeeperNiceness);
+  const absl::Status lowered = LowerThreadPriority(kKeeperStepsLower);
+  LOG_IF(WARNING, !lowered.ok()) << "snapshots may hold up robots: " << lowered;
   uint64_t seen = 0;
   absl::Time next_try = absl::InfinitePast();
   while (WaitForWork(seen, false)) {

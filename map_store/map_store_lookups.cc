@@ -15,65 +15,10 @@ namespace corbslam {
 using map_store::LocalMapState;
 using map_store::Mission;
 using map_store::MissionState;
-using map_store::TakePage;
-
-namespace {
-
-absl::Status NoLocalMap(LocalMapId id) {
-  return absl::NotFoundError(absl::StrCat("there is no local map ", ToString(id)));
-}
-
-// Of one local map, or of all, map by map; each by id.
-std::vector<KeyframeId> KeyframeIdsOf(const MissionState& state, LocalMapId local_map) {
-  const auto& order = local_map.IsValid() ? std::vector<LocalMapId>{local_map} : state.order;
-  std::vector<KeyframeId> ids;
-  for (const LocalMapId& one : order) {
-    for (const auto& [id, keyframe] : state.FindLocalMap(one)->map.keyframes()) ids.push_back(id);
-  }
-  return ids;
-}
-
-MissionInfo Describe(const Mission& mission) {
-  MissionInfo info = mission.WithState(map_store::DescribeMission);
-  info.fusion_idle = mission.IsFusionIdle();
-  return info;
-}
-
-}  // namespace
-
-absl::StatusOr<Page<MissionInfo>> MapStore::ListMissions(const PageRequest& page) const {
-  std::vector<std::shared_ptr<Mission>> missions;
-  {
-    absl::MutexLock lock(&mutex_);
-    for (const auto& [name, mission] : missions_) missions.push_back(mission);
-  }
-  std::vector<MissionInfo> infos;
-  for (const auto& mission : missions) infos.push_back(Describe(*mission));
-  return TakePage(std::move(infos), page, options_.max_page_size);
-}
 
 absl::StatusOr<MissionInfo> MapStore::GetMission(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return Describe(*mission);
-}
-
-absl::StatusOr<Page<AgentInfo>> MapStore::ListAgents(absl::string_view mission_name,
-                                                     const PageRequest& page) const {
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return TakePage(mission->WithState(map_store::DescribeAgents), page, options_.max_page_size);
-}
-
-absl::StatusOr<Page<LocalMapInfo>> MapStore::ListLocalMaps(absl::string_view mission_name,
-                                                           const PageRequest& page) const {
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return TakePage(mission->WithState([](const MissionState& state) {
-    std::vector<LocalMapInfo> infos;
-    for (const LocalMapId& id : state.order) {
-      infos.push_back(map_store::DescribeLocalMap(state, *state.FindLocalMap(id)));
-    }
-    return infos;
-  }),
-                  page, options_.max_page_size);
+  return mission->Info();
 }
 
 absl::StatusOr<LocalMapInfo> MapStore::GetLocalMap(absl::string_view mission_name,
@@ -81,24 +26,8 @@ absl::StatusOr<LocalMapInfo> MapStore::GetLocalMap(absl::string_view mission_nam
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   return mission->WithState([id](const MissionState& state) -> absl::StatusOr<LocalMapInfo> {
     const LocalMapState* local_map = state.FindLocalMap(id);
-    if (local_map == nullptr) return NoLocalMap(id);
+    if (local_map == nullptr) return map_store::NoSuchLocalMap(id);
     return map_store::DescribeLocalMap(state, *local_map);
-  });
-}
-
-absl::StatusOr<Page<KeyframeInfo>> MapStore::ListKeyframes(absl::string_view mission_name,
-                                                           LocalMapId local_map_id,
-                                                           const PageRequest& page) const {
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->WithState([&](const MissionState& state) -> absl::StatusOr<Page<KeyframeInfo>> {
-    if (local_map_id.IsValid() && state.FindLocalMap(local_map_id) == nullptr) {
-      return NoLocalMap(local_map_id);
-    }
-    ASSIGN_OR_RETURN(auto ids,
-                     TakePage(KeyframeIdsOf(state, local_map_id), page, options_.max_page_size));
-    // No others: each costs what it sees, and robots wait meanwhile.
-    return Page<KeyframeInfo>{map_store::DescribeKeyframes(state, ids.items),
-                              std::move(ids.next_page_token)};
   });
 }
 
@@ -146,16 +75,6 @@ absl::StatusOr<std::vector<AgentTrajectory>> MapStore::GetTrajectory(absl::strin
     return absl::NotFoundError(absl::StrCat("there is no agent ", agent));
   }
   return trajectories;
-}
-
-absl::StatusOr<Page<OverlapInfo>> MapStore::ListOverlaps(absl::string_view mission_name,
-                                                         const OverlapFilter& filter,
-                                                         const PageRequest& page) const {
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return TakePage(mission->WithState([&filter](const MissionState& state) {
-    return map_store::DescribeOverlaps(state, filter);
-  }),
-                  page, options_.max_page_size);
 }
 
 absl::StatusOr<std::vector<IslandView>> MapStore::GlobalMapView(

@@ -103,6 +103,7 @@ class Mission {
       ABSL_LOCKS_EXCLUDED(writer_mutex_, mutex_);
   bool IsFusionIdle() const;
   MissionLoad Load() const;
+  MissionInfo Info() const;
   bool WaitUntilFusionIdle(absl::Time deadline) const;
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "map_store/answers.h"
 #include "map_store/mission.h"
 
 namespace corbslam::map_store {
@@ -47,6 +48,12 @@ FusionRequestCounts CountRequests(FusionSummary summary, const PolicyLimits& lim
     }
     if (!changed) return counts;
   }
+}
+
+MissionInfo Mission::Info() const {
+  MissionInfo info = WithState(DescribeMission);
+  info.fusion_idle = IsFusionIdle();
+  return info;
 }
 
 MissionLoad Mission::Load() const {

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/lock_holder.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -141,10 +142,12 @@ absl::StatusOr<std::unique_ptr<SpoolFiles>> OpenSpoolFolder(const std::string& p
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error) return FileError("create", path, error.value());
-  ASSIGN_OR_RETURN(Descriptor lock, OpenFile(absl::StrCat(path, "/", kLockName), O_RDWR | O_CREAT));
+  const std::string lock_path = absl::StrCat(path, "/", kLockName);
+  ASSIGN_OR_RETURN(Descriptor lock, OpenFile(lock_path, O_RDWR | O_CREAT));
   if (flock(lock.fd(), LOCK_EX | LOCK_NB) != 0) {
     return absl::FailedPreconditionError(
-        absl::StrCat("another process uses the spool folder ", path));
+        absl::StrCat("the spool folder ", path, " is in use: ", DescribeLockHolder(lock_path),
+                     "; stop it, or give each robot a folder of its own"));
   }
   return std::make_unique<SpoolFolder>(path, std::move(lock));
 }

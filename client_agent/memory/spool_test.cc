@@ -191,7 +191,9 @@ TEST(SpoolFolderTest, KeepsBatchesInAFolder) {
   {
     auto files = OpenSpoolFolder(path);
     ASSERT_TRUE(files.ok()) << files.status();
-    EXPECT_TRUE(absl::IsFailedPrecondition(OpenSpoolFolder(path).status())) << "it is locked";
+    const absl::Status locked = OpenSpoolFolder(path).status();
+    EXPECT_TRUE(absl::IsFailedPrecondition(locked)) << locked;
+    EXPECT_THAT(std::string(locked.message()), HasSubstr("this process itself has it"));
     auto spool = Spool::Open(options, *std::move(files), FakeCodec(&codec_disk));
     ASSERT_TRUE((*spool)->Append(BatchOf(7, 1)).ok());
     ASSERT_TRUE((*spool)->Append(BatchOf(7, 2)).ok());

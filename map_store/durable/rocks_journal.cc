@@ -8,12 +8,14 @@
 #include <utility>
 #include <variant>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "map_store/durable/archive.h"
 #include "map_store/durable/journal_keys.h"
 #include "map_store/durable/mission_header.h"
 #include "map_store/durable/rocks_database.h"
 #include "map_store/durable/state_archive.h"
+#include "slam/util/lock_holder.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -36,6 +38,20 @@ using map_store::SnapshotKey;
 namespace {
 
 constexpr size_t kChunkBytes = 1 << 20;
+
+// RocksDB locks this file of the folder as long as it has the database open.
+constexpr char kLockName[] = "LOCK";
+
+// Why a database can't be opened: with the process that has it, where there is one.
+std::string ExplainOpenFailure(const std::string& directory, const rocksdb::Status& status) {
+  const std::string said = status.ToString();
+  const bool is_locked = absl::StrContains(said, "While lock file") ||
+                         absl::StrContains(said, "lock hold by current process");
+  if (!is_locked) return said;
+  const std::string lock = absl::StrCat(directory, "/", kLockName);
+  return absl::StrCat("the folder is in use: ", DescribeLockHolder(lock),
+                      "; stop it, or choose another folder");
+}
 
 }  // namespace
 
@@ -64,8 +80,8 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
   auto database = std::make_unique<RocksDatabase>(options.directory, options.env);
   const rocksdb::Status status = database->Open();
   if (!status.ok()) {
-    const std::string message =
-        absl::StrCat("journal ", options.directory, ": ", status.ToString());
+    const std::string message = absl::StrCat("journal ", options.directory, ": ",
+                                             ExplainOpenFailure(options.directory, status));
     if (status.IsCorruption()) return absl::DataLossError(message);
     return absl::FailedPreconditionError(message);
   }

@@ -442,6 +442,7 @@ TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   const auto second = RocksJournal::Open(options);
   EXPECT_EQ(second.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(second.status().message()), HasSubstr(options.directory));
+  EXPECT_THAT(std::string(second.status().message()), HasSubstr("this process itself has it"));
 
   first->reset();
   rocksdb::DB* raw = nullptr;

@@ -1,24 +1,39 @@
 #include "services/metrics/metrics_endpoint.h"
 
-#include <exception>
-#include <utility>
+#include <prometheus/text_serializer.h>
 
-#include "absl/status/status.h"
-#include "absl/strings/numbers.h"
+#include <iterator>
+
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
+namespace {
 
-// The HTTP server takes lists of ports, and ports without a host, which would be all interfaces.
+std::string Scrape(const MetricsEndpoint::Collectables& collectables) {
+  std::vector<prometheus::MetricFamily> families;
+  for (const auto& collectable : collectables) {
+    std::vector<prometheus::MetricFamily> more = collectable->Collect();
+    families.insert(families.end(), std::make_move_iterator(more.begin()),
+                    std::make_move_iterator(more.end()));
+  }
+  return prometheus::TextSerializer().Serialize(families);
+}
+
+HttpResponse Answer(const MetricsEndpoint::Collectables& collectables, const HttpRequest& request) {
+  if (request.method != "GET" && request.method != "HEAD") {
+    return {.status = 405, .body = "metrics are only read\n", .allow = "GET, HEAD"};
+  }
+  if (request.path != "/metrics") {
+    return {.status = 404, .body = "there is nothing but /metrics\n"};
+  }
+  return {.body = Scrape(collectables)};
+}
+
+}  // namespace
+
 absl::Status CheckMetricsAddress(const std::string& address) {
-  const size_t colon = address.rfind(':');
-  int port = 0;
-  const bool good = colon != std::string::npos && colon > 0 &&
-                    absl::SimpleAtoi(address.substr(colon + 1), &port) && port >= 0 &&
-                    port <= 65535 &&
-                    address.find_first_not_of("0123456789abcdefABCDEF.:[]") == std::string::npos;
-  if (good) return absl::OkStatus();
+  if (CheckHttpAddress(address).ok()) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrCat("the metrics' address is \"", address,
                    "\", must be HOST:PORT with an IP address and a port of 0 to 65535"));
@@ -27,28 +42,15 @@ absl::Status CheckMetricsAddress(const std::string& address) {
 absl::StatusOr<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::Start(const std::string& address,
                                                                         Collectables collectables) {
   RETURN_IF_ERROR(CheckMetricsAddress(address));
-  std::unique_ptr<prometheus::Exposer> exposer;
-  try {
-    exposer = std::make_unique<prometheus::Exposer>(address);
-  } catch (const std::exception& error) {
-    return absl::UnavailableError(
-        absl::StrCat("can't serve metrics on \"", address, "\": ", error.what()));
+  auto server = HttpServer::Start(
+      address, [collectables = std::move(collectables)](const HttpRequest& request) {
+        return Answer(collectables, request);
+      });
+  if (!server.ok()) {
+    return absl::Status(server.status().code(),
+                        absl::StrCat("metrics: ", server.status().message()));
   }
-  const std::vector<int> ports = exposer->GetListeningPorts();
-  if (ports.empty()) {
-    return absl::UnavailableError(absl::StrCat("can't serve metrics on \"", address, "\""));
-  }
-  return std::unique_ptr<MetricsEndpoint>(new MetricsEndpoint(
-      std::move(exposer), absl::StrCat(address.substr(0, address.rfind(':')), ":", ports.front()),
-      std::move(collectables)));
-}
-
-MetricsEndpoint::MetricsEndpoint(std::unique_ptr<prometheus::Exposer> exposer, std::string address,
-                                 Collectables collectables)
-    : address_(std::move(address)),
-      collectables_(std::move(collectables)),
-      exposer_(std::move(exposer)) {
-  for (const auto& collectable : collectables_) exposer_->RegisterCollectable(collectable);
+  return std::unique_ptr<MetricsEndpoint>(new MetricsEndpoint(*std::move(server)));
 }
 
 }  // namespace corbslam

@@ -1,7 +1,4 @@
 // fusion_worker: computes for map stores.
-#include <sys/resource.h>
-
-#include <cerrno>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -19,6 +16,7 @@
 #include "services/security/flags.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/thread_priority.h"
 
 namespace corbslam {
 namespace {
@@ -28,7 +26,8 @@ struct Flags {
   FusionWorkerOptions worker;
   FusionWorkerServiceOptions service;
   SecurityOptions security;
-  // Who shares the machine with it may be a map store, and robots wait for that one.
+  // Steps lower than it was started. Who shares the machine with it may be a map store, and robots
+  // wait for that one.
   int niceness = 5;
   // Where many workers have one name, stores get to know new ones by new connections.
   double max_connection_age_s = 300;
@@ -36,13 +35,6 @@ struct Flags {
   double drain_s = 2;
   std::string keep_adjustments;
 };
-
-// Of this thread and all that it will start, unless it is lower already.
-absl::Status LowerPriority(int niceness) {
-  if (getpriority(PRIO_PROCESS, 0) >= niceness) return absl::OkStatus();
-  if (setpriority(PRIO_PROCESS, 0, niceness) == 0) return absl::OkStatus();
-  return absl::ErrnoToStatus(errno, absl::StrCat("--niceness ", niceness));
-}
 
 std::vector<absl::Status> Check(const Flags& flags) {
   std::vector<absl::Status> found = CheckObserving(flags.observe);
@@ -68,7 +60,8 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> Keep(const std::string& folder,
 }
 
 absl::Status Run(const Flags& flags) {
-  RETURN_IF_ERROR(LowerPriority(flags.niceness));
+  // Of this thread and all that it will start.
+  RETURN_IF_ERROR(LowerThreadPriority(flags.niceness));
   ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
   security.server.max_connection_age = absl::Seconds(flags.max_connection_age_s);
   WorkerObservers observers(flags.observe);
@@ -107,8 +100,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   app.add_option("--seed", flags.worker.seed, "Of all random choices")->capture_default_str();
-  app.add_option("--niceness", flags.niceness,
-                 "Of its threads: 0 like others, 19 only when nobody else wants the processor")
+  app.add_option(
+         "--niceness", flags.niceness,
+         "Steps that its threads are nicer than it was started: 0 like others, 19 only when "
+         "nobody else wants the processor")
       ->check(CLI::Range(0, 19))
       ->capture_default_str();
   app.add_option("--max-connection-age", flags.max_connection_age_s,

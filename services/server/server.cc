@@ -14,6 +14,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "services/runtime/callback_threads.h"
+#include "services/runtime/listen_errors.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -106,7 +107,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const std::string& address
   std::unique_ptr<Server> server(new Server);
   server->server_ = builder.BuildAndStart();
   if (server->server_ == nullptr || (!address.empty() && port == 0)) {
-    return absl::UnavailableError(absl::StrCat("can't listen on \"", address, "\""));
+    return absl::UnavailableError(
+        absl::StrCat("can't listen on \"", address, "\": ", ExplainListenFailure(address)));
   }
   const std::string host = address.substr(0, address.rfind(':'));
   if (!address.empty()) server->address_ = absl::StrCat(host, ":", port);

@@ -17,7 +17,9 @@
 namespace corbslam {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 
 constexpr char kAddress[] = "127.0.0.1:0";
@@ -94,6 +96,18 @@ TEST(ServerTest, TwoServersDoNotShareAPort) {
   ASSERT_TRUE(first.ok());
   const auto second = Server::Start((*first)->address(), {});
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(
+      std::string(second.status().message()),
+      AllOf(HasSubstr((*first)->address()), HasSubstr("this process itself has this port")));
+}
+
+TEST(ServerTest, SaysWhyItCantListen) {
+  const auto elsewhere = Server::Start("192.0.2.1:0", {});
+  EXPECT_EQ(elsewhere.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(elsewhere.status().message()), HasSubstr("no network interface"));
+  const auto unknown = Server::Start("nowhere.invalid:0", {});
+  EXPECT_EQ(unknown.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(unknown.status().message()), HasSubstr("the host has no address"));
 }
 
 TEST(ServerTest, RefusesWhatIsNoAddress) {

@@ -1,19 +1,20 @@
 #include "services/server/task_pool.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/thread_priority.h"
 
 namespace corbslam {
 namespace {
 
-// Of threads of look-ups: a third of what a task's thread is given, where there is not enough for
-// both. They hold locks that tasks wait for, so not much less.
-constexpr int kLookUpNiceness = 5;
+// A look-up's thread is so many steps lower than a task's: it gets a third of what that one is
+// given, where there is not enough for both. Look-ups hold locks that tasks wait for, so not much
+// less.
+constexpr int kLookUpStepsLower = 5;
 
 }  // namespace
 
@@ -71,7 +72,8 @@ void TaskPool::RunTasks() {
 }
 
 void TaskPool::RunLookUps() {
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLookUpNiceness);
+  const absl::Status lowered = LowerThreadPriority(kLookUpStepsLower);
+  LOG_IF(WARNING, !lowered.ok()) << "look-ups may hold up robots: " << lowered;
   while (true) {
     LookUp look_up;
     {

@@ -5,7 +5,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "absl/synchronization/blocking_counter.h"
@@ -86,17 +88,27 @@ TEST(TaskPoolTest, TasksDoNotWaitForLookUpsNorLookUpsForTasks) {
   free.Notify();
 }
 
-TEST(TaskPoolTest, LookUpsHaveLessOfAProcessorThanTasks) {
-  const auto niceness = [] { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); };
+int NicenessOfThisThread() { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); }
+
+// Runs a pool in a thread that has at least this niceness, as a process that `nice` started.
+void ExpectLookUpsBelowTasks(int niceness) {
   int of_task = 0;
   int of_look_up = 0;
-  {
-    TaskPool pool(1);
-    pool.Schedule([&] { of_task = niceness(); });
-    pool.ScheduleLookUp([&] { of_look_up = niceness(); });
-  }
-  EXPECT_EQ(of_task, niceness());
-  EXPECT_GT(of_look_up, of_task);
+  std::thread([&] {
+    const int of_process = std::max(niceness, NicenessOfThisThread());
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), of_process);
+    {
+      TaskPool pool(1);
+      pool.Schedule([&] { of_task = NicenessOfThisThread(); });
+      pool.ScheduleLookUp([&] { of_look_up = NicenessOfThisThread(); });
+    }
+    EXPECT_EQ(of_task, of_process);
+    EXPECT_EQ(of_look_up, std::min(19, of_process + 5)) << "of " << of_process;
+  }).join();
+}
+
+TEST(TaskPoolTest, LookUpsHaveLessOfAProcessorThanTasksHoweverTheProcessWasStarted) {
+  for (const int niceness : {0, 3, 15, 19}) ExpectLookUpsBelowTasks(niceness);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // attacker HOST:PORT MISSION --out FILE: does everything that a hostile client may do to a map
-// store while robots stream, one attack after the other, and writes how each of them ended.
+// store and to its metrics port while robots stream, one attack after the other, and writes how
+// each of them ended.
 #include <glog/logging.h>
 #include <sys/resource.h>
 
@@ -18,6 +19,7 @@
 #include "services/remote/channel.h"
 #include "slam/vocabulary/vocabulary.h"
 #include "tests/fault/attacks.h"
+#include "tests/fault/metrics_attacks.h"
 #include "tests/replay/recorded_uploads.h"
 
 namespace corbslam {
@@ -27,6 +29,7 @@ constexpr absl::Duration kPatience = absl::Seconds(40);
 
 struct Flags {
   std::string address;
+  std::string metrics;
   std::string mission;
   uint64_t victim = 0;
   int messages = 0;
@@ -65,6 +68,17 @@ class AttackLog {
   nlohmann::json attacks_ = nlohmann::json::array();
 };
 
+void AttackMetrics(const Flags& flags, AttackLog& log) {
+  MetricsAttacker attacker(flags.metrics, 2);
+  log.Do("metrics: every request", [&] { return attacker.AskForEverything(); });
+  log.Do("metrics: mutated requests", [&] { return attacker.SendMutatedRequests(flags.messages); });
+  log.Do("metrics: connections that are slow",
+         [&] { return attacker.HoldConnections(flags.calls, kPatience); });
+  log.Do("metrics: connections that go", [&] { return attacker.OpenAndClose(flags.messages); });
+  log.Do("metrics: answers that nobody reads",
+         [&] { return attacker.ScrapeWithoutReading(flags.calls, kPatience); });
+}
+
 nlohmann::json DoEverything(const Flags& flags, const RecordedUploads& uploads) {
   Attacker attacker(flags.address, flags.mission, LocalMapId{flags.victim}, &uploads, 1);
   AttackLog log(flags.address);
@@ -85,6 +99,7 @@ nlohmann::json DoEverything(const Flags& flags, const RecordedUploads& uploads) 
   }
   log.Do("look-ups", [&] { return attacker.FloodWithLookups(flags.calls, kPatience); });
   log.Do("mutated messages", [&] { return attacker.SendMutatedMessages(flags.messages); });
+  AttackMetrics(flags, log);
   return log.Take();
 }
 
@@ -107,6 +122,7 @@ int main(int argc, char** argv) {
   CLI::App app("Attacks a map store that serves without TLS", "attacker");
   app.add_option("address", flags.address, "HOST:PORT of the map store")->required();
   app.add_option("mission", flags.mission, "The robots' mission")->required();
+  app.add_option("--metrics", flags.metrics, "IP:PORT of its metrics")->required();
   app.add_option("--victim", flags.victim, "Local map that a robot uploads now")->required();
   app.add_option("--source", flags.source, "A recording for good batches")->required();
   app.add_option("--messages", flags.messages, "Mutated messages")->required();

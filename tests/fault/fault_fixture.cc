@@ -62,6 +62,16 @@ std::string FaultTest::AddressOf(ChildProcess* process) {
   return address.value_or("");
 }
 
+std::string FaultTest::MetricsAddressOf(const std::string& name) const {
+  const std::string log = ReadText(LogOf(name));
+  constexpr absl::string_view kWords = "metrics on ";
+  const size_t at = log.find(kWords);
+  EXPECT_NE(at, std::string::npos) << name << " says nowhere where its metrics are";
+  if (at == std::string::npos) return "";
+  const size_t begin = at + kWords.size();
+  return log.substr(begin, log.find('\n', begin) - begin);
+}
+
 nlohmann::json FaultTest::ReadStatistics(const std::string& path) {
   const nlohmann::json read = nlohmann::json::parse(ReadText(path), nullptr, false);
   EXPECT_TRUE(read.is_object()) << path;

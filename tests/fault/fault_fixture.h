@@ -52,6 +52,8 @@ class FaultTest : public ::testing::Test {
   }
   // Waits for the address that it says; empty when it says none, which fails the test.
   static std::string AddressOf(ChildProcess* process);
+  // Of a process that was started under this name and has named its address.
+  std::string MetricsAddressOf(const std::string& name) const;
 
   std::string LogOf(const std::string& name) const { return FileOf(name + ".log"); }
   std::string FileOf(const std::string& name) const { return (folder_ / name).string(); }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
@@ -48,10 +49,12 @@ class HostileClientTest : public ReplayFaultTest {
   // Robots come from one host, the attacker from another: a host has so many streams.
   void StartStore(const std::string& name) {
     store_ = Start(name, "map_store",
-                   {"--listen", "[::]:0", "--data-dir", FileOf(name), "--open-timeout", "3"});
+                   {"--listen", "[::]:0", "--data-dir", FileOf(name), "--open-timeout", "3",
+                    "--metrics-listen", "127.0.0.1:0"});
     const std::string address = AddressOf(store_.get());
     ASSERT_NE(address, "");
     port_ = address.substr(address.rfind(':'));
+    metrics_ = MetricsAddressOf(name);
   }
 
   std::vector<std::unique_ptr<ReplayingAgent>> StartVictims(int laps) const {
@@ -83,12 +86,12 @@ class HostileClientTest : public ReplayFaultTest {
   // All that an attacker does (attacker_main.cc), one after the other, while the robots stream.
   // Returns what it wrote of that.
   nlohmann::json Attack(int messages) {
-    const auto attacker =
-        Start("attacker", "attacker",
-              {"127.0.0.1" + port_, kMission, "--victim", absl::StrCat(kFirstLocalMap), "--source",
-               DemoSource(), "--messages", absl::StrCat(messages), "--calls",
-               absl::StrCat(messages / 10), "--out", FileOf("attacks.json")},
-              {});
+    const auto attacker = Start("attacker", "attacker",
+                                {"127.0.0.1" + port_, kMission, "--metrics", metrics_, "--victim",
+                                 absl::StrCat(kFirstLocalMap), "--source", DemoSource(),
+                                 "--messages", absl::StrCat(messages), "--calls",
+                                 absl::StrCat(messages / 10), "--out", FileOf("attacks.json")},
+                                {});
     if (attacker == nullptr) return {};
     EXPECT_TRUE(attacker->WaitForEnd(absl::Minutes(30)));
     EXPECT_TRUE(attacker->EndStatus().ok()) << attacker->EndStatus();
@@ -110,6 +113,11 @@ class HostileClientTest : public ReplayFaultTest {
         EXPECT_EQ(ends.size(), 1 + ends.count("RESOURCE_EXHAUSTED"));
       } else {
         EXPECT_FALSE(ends.contains("OK")) << name;
+      }
+      if (absl::StartsWith(name, "metrics: ")) {
+        EXPECT_GE(ends.at("scraped"), 1) << name << ", then a scrape";
+        EXPECT_FALSE(ends.contains("0") || ends.contains("500") || ends.contains("refused"))
+            << name;
       }
       // Its sessions were granted, its batches were not.
       if (name == "forbidden batches") {
@@ -156,6 +164,7 @@ class HostileClientTest : public ReplayFaultTest {
   const RecordedUploads uploads_ = RecordDemo();
   std::unique_ptr<ChildProcess> store_;
   std::string port_;
+  std::string metrics_;
 };
 
 TEST_F(HostileClientTest, RobotsDoNotNotice) {

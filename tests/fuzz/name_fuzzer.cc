@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "map_store/page_tokens.h"
 #include "services/convert/resource_names.h"
 #include "services/security/identity.h"
 #include "tests/fuzz/live_store.h"
@@ -53,18 +54,41 @@ std::unique_ptr<MapStore> MakeStoreOfTwo() {
   return store;
 }
 
-// A page begins anywhere or nowhere, and there is an end.
-void ReadPages(absl::string_view token) {
-  static const MapStore* const store = MakeStoreOfTwo().release();
-  PageRequest request = {1, std::string(token)};
+// Pages of one item, from this token on: there is an end.
+template <typename List>
+void ReadPages(const List& list, const std::string& token) {
+  PageRequest request = {1, token};
   for (int pages = 0; pages < 4; ++pages) {
-    const auto page = store->ListAgents("m", request);
+    const auto page = list(request);
     if (!page.ok()) return;
     MustBe(page->items.size() <= 1);
     request.page_token = page->next_page_token;
     if (request.page_token.empty()) return;
   }
   std::abort();
+}
+
+// The text is a token, or what a token of the list names.
+template <typename List>
+void ReadPagesOf(const std::string& name, const List& list, absl::string_view text) {
+  ReadPages(list, std::string(text));
+  ReadPages(list, map_store::MakePageToken({.list = name, .after = "", .size = 1}, text));
+}
+
+void ReadLists(absl::string_view text) {
+  static const MapStore* const store = MakeStoreOfTwo().release();
+  ReadPagesOf(
+      "missions", [](const PageRequest& page) { return store->ListMissions(page); }, text);
+  ReadPagesOf(
+      "m/agents", [](const PageRequest& page) { return store->ListAgents("m", page); }, text);
+  ReadPagesOf(
+      "m/localMaps", [](const PageRequest& page) { return store->ListLocalMaps("m", page); }, text);
+  ReadPagesOf(
+      "m/keyframes/", [](const PageRequest& page) { return store->ListKeyframes("m", {}, page); },
+      text);
+  ReadPagesOf(
+      "m/overlaps//", [](const PageRequest& page) { return store->ListOverlaps("m", {}, page); },
+      text);
 }
 
 }  // namespace
@@ -75,6 +99,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const absl::string_view text = AsText(data, size);
   ReadNames(text);
   ReadGrants(text);
-  ReadPages(text);
+  ReadLists(text);
   return 0;
 }

@@ -9,6 +9,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "services/http/testing/raw_http.h"
 #include "services/reflection/generic_client.h"
 #include "services/remote/channel.h"
 #include "services/tracing/testing/read_trace.h"
@@ -162,6 +163,22 @@ TEST_F(MetricsTest, GoWithWhatTheyAreAbout) {
   EXPECT_EQ(store.Value("corbslam_rpc_calls_total",
                         {{"method", "corbslam.v1.MapStore/DeleteMission"}, {"code", "OK"}}),
             1);
+}
+
+// Any of these ended a program once.
+TEST_F(MetricsTest, AreAllThereIsAndNoRequestEndsAProgram) {
+  for (const char* name : {"store", "worker", "alpha"}) {
+    const std::string address = MetricsAddressOf(name);
+    const auto status = [&address](const char* method, const char* path) {
+      return testing::StatusOf(testing::Ask(address, testing::MakeRequest(method, path)));
+    };
+    EXPECT_EQ(status("GET", "/"), 404) << name;
+    EXPECT_EQ(status("HEAD", "/"), 404) << name;
+    EXPECT_EQ(status("GET", "/nowhere"), 404) << name;
+    EXPECT_EQ(status("POST", "/metrics"), 405) << name;
+    EXPECT_EQ(status("HEAD", "/metrics"), 200) << name;
+    EXPECT_EQ(ScrapeOf(name).Count("corbslam_build_info"), 1u) << name;
+  }
 }
 
 class TraceTest : public ObservedMissionTest {

@@ -152,10 +152,14 @@ std::string ObservedMissionTest::RunScript(const std::string& script,
   return ReadText(output);
 }
 
-ObservedMissionTest::Scrape ObservedMissionTest::ScrapeOf(const std::string& name) {
+std::string ObservedMissionTest::MetricsAddressOf(const std::string& name) const {
   const std::string address = FindAddress(ReadText(LogOf(name)), "metrics on ");
   EXPECT_FALSE(address.empty()) << name << " says nowhere where its metrics are";
-  json families = json::parse(RunScript("scrape.py", {address}), nullptr, false);
+  return address;
+}
+
+ObservedMissionTest::Scrape ObservedMissionTest::ScrapeOf(const std::string& name) {
+  json families = json::parse(RunScript("scrape.py", {MetricsAddressOf(name)}), nullptr, false);
   EXPECT_FALSE(families.is_discarded()) << name;
   return Scrape(families.is_discarded() ? json::object() : std::move(families));
 }

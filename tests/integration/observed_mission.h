@@ -45,6 +45,8 @@ class ObservedMissionTest : public ::testing::Test {
 
   // By the name that it was started under. Fails the test where a parser objects.
   Scrape ScrapeOf(const std::string& name);
+  // Where its metrics are.
+  std::string MetricsAddressOf(const std::string& name) const;
   // Calls the store, which answers once.
   nlohmann::json Ask(const std::string& method, const nlohmann::json& request);
   // Runs one of this folder's scripts; what it printed.

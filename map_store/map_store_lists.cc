@@ -1,0 +1,187 @@
+// MapStore's lists, a page at a time. Each has an order of its own that items keep as long as they
+// are there, and describes no other items than those of the page.
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "map_store/answers.h"
+#include "map_store/map_store.h"
+#include "map_store/mission.h"
+#include "map_store/page_tokens.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+using map_store::EndPage;
+using map_store::LocalMapState;
+using map_store::Mission;
+using map_store::MissionState;
+using map_store::NoSuchPageToken;
+using map_store::PageStart;
+using map_store::ReadPageStart;
+
+namespace {
+
+// A number of a page's key; 0 for none, where the page is the first one.
+absl::StatusOr<uint64_t> ParseKey(absl::string_view key) {
+  uint64_t number = 0;
+  if (!key.empty() && !absl::SimpleAtoi(key, &number)) return NoSuchPageToken();
+  return number;
+}
+
+// How many of a mission's local maps come before the one to begin with.
+absl::StatusOr<size_t> ParseLocalMapKey(absl::string_view key) {
+  ASSIGN_OR_RETURN(const uint64_t last, ParseKey(key));
+  if (key.empty()) return 0;
+  return std::min(last, std::numeric_limits<uint64_t>::max() - 1) + 1;
+}
+
+// The place of a keyframe among all of a mission: by the arrival of its local map, then by index.
+struct KeyframePlace {
+  size_t local_map = 0;
+  uint32_t index = 0;
+  bool is_first_page = true;
+};
+
+absl::StatusOr<KeyframePlace> ParseKeyframeKey(absl::string_view key) {
+  if (key.empty()) return KeyframePlace();
+  KeyframePlace place = {.is_first_page = false};
+  const std::vector<absl::string_view> parts = absl::StrSplit(key, '/');
+  if (parts.size() != 2 || !absl::SimpleAtoi(parts[0], &place.local_map) ||
+      !absl::SimpleAtoi(parts[1], &place.index)) {
+    return NoSuchPageToken();
+  }
+  return place;
+}
+
+std::string KeyframeKey(const MissionState& state, KeyframeId id) {
+  return absl::StrCat(state.FindLocalMap(id.local_map)->order, "/", id.index);
+}
+
+// Up to `count` keyframes behind a place, of the local maps with an order of `begin` to `end` - 1.
+std::vector<KeyframeId> KeyframesAfter(const MissionState& state, const KeyframePlace& after,
+                                       size_t begin, size_t end, size_t count) {
+  std::vector<KeyframeId> ids;
+  for (size_t i = std::max(begin, after.local_map); i < end && ids.size() < count; ++i) {
+    const LocalMapId id = state.order[i];
+    const auto& keyframes = state.FindLocalMap(id)->map.keyframes();
+    const bool goes_on = !after.is_first_page && i == after.local_map;
+    auto it = goes_on ? keyframes.upper_bound({id, after.index}) : keyframes.begin();
+    for (; it != keyframes.end() && ids.size() < count; ++it) ids.push_back(it->first);
+  }
+  return ids;
+}
+
+}  // namespace
+
+absl::StatusOr<Page<MissionInfo>> MapStore::ListMissions(const PageRequest& request) const {
+  ASSIGN_OR_RETURN(const PageStart start,
+                   ReadPageStart(request, options_.max_page_size, "missions"));
+  using Named = std::pair<std::string, std::shared_ptr<Mission>>;
+  std::vector<Named> missions;
+  {
+    absl::MutexLock lock(&mutex_);
+    for (auto it = missions_.upper_bound(start.after);
+         it != missions_.end() && missions.size() <= start.size; ++it) {
+      missions.emplace_back(*it);
+    }
+  }
+  Page<MissionInfo> page;
+  page.next_page_token = EndPage(start, missions, [](const Named& named) { return named.first; });
+  for (const Named& named : missions) page.items.push_back(named.second->Info());
+  return page;
+}
+
+absl::StatusOr<Page<AgentInfo>> MapStore::ListAgents(absl::string_view mission_name,
+                                                     const PageRequest& request) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  ASSIGN_OR_RETURN(const PageStart start, ReadPageStart(request, options_.max_page_size,
+                                                        absl::StrCat(mission_name, "/agents")));
+  return mission->WithState([&start](const MissionState& state) {
+    Page<AgentInfo> page;
+    for (auto it = state.agents.upper_bound(start.after);
+         it != state.agents.end() && page.items.size() <= start.size; ++it) {
+      page.items.push_back(map_store::DescribeAgent(it->first, it->second));
+    }
+    page.next_page_token =
+        EndPage(start, page.items, [](const AgentInfo& agent) { return agent.name; });
+    return page;
+  });
+}
+
+absl::StatusOr<Page<LocalMapInfo>> MapStore::ListLocalMaps(absl::string_view mission_name,
+                                                           const PageRequest& request) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  ASSIGN_OR_RETURN(const PageStart start, ReadPageStart(request, options_.max_page_size,
+                                                        absl::StrCat(mission_name, "/localMaps")));
+  ASSIGN_OR_RETURN(const size_t first, ParseLocalMapKey(start.after));
+  return mission->WithState([&start, first](const MissionState& state) {
+    std::vector<const LocalMapState*> local_maps;
+    for (size_t i = first; i < state.order.size() && local_maps.size() <= start.size; ++i) {
+      local_maps.push_back(state.FindLocalMap(state.order[i]));
+    }
+    Page<LocalMapInfo> page;
+    page.next_page_token = EndPage(start, local_maps, [](const LocalMapState* local_map) {
+      return absl::StrCat(local_map->order);
+    });
+    for (const LocalMapState* local_map : local_maps) {
+      page.items.push_back(map_store::DescribeLocalMap(state, *local_map));
+    }
+    return page;
+  });
+}
+
+absl::StatusOr<Page<KeyframeInfo>> MapStore::ListKeyframes(absl::string_view mission_name,
+                                                           LocalMapId local_map_id,
+                                                           const PageRequest& request) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  const std::string list = absl::StrCat(mission_name, "/keyframes/",
+                                        local_map_id.IsValid() ? ToString(local_map_id) : "");
+  ASSIGN_OR_RETURN(const PageStart start, ReadPageStart(request, options_.max_page_size, list));
+  ASSIGN_OR_RETURN(const KeyframePlace after, ParseKeyframeKey(start.after));
+  return mission->WithState([&](const MissionState& state) -> absl::StatusOr<Page<KeyframeInfo>> {
+    size_t begin = 0;
+    size_t end = state.order.size();
+    if (local_map_id.IsValid()) {
+      const LocalMapState* local_map = state.FindLocalMap(local_map_id);
+      if (local_map == nullptr) return map_store::NoSuchLocalMap(local_map_id);
+      begin = local_map->order;
+      end = begin + 1;
+    }
+    std::vector<KeyframeId> ids = KeyframesAfter(state, after, begin, end, start.size + 1);
+    Page<KeyframeInfo> page;
+    page.next_page_token =
+        EndPage(start, ids, [&state](KeyframeId id) { return KeyframeKey(state, id); });
+    page.items = map_store::DescribeKeyframes(state, ids);
+    return page;
+  });
+}
+
+absl::StatusOr<Page<OverlapInfo>> MapStore::ListOverlaps(absl::string_view mission_name,
+                                                         const OverlapFilter& filter,
+                                                         const PageRequest& request) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  const std::string list = absl::StrCat(
+      mission_name, "/overlaps/", filter.accepted.has_value() ? absl::StrCat(*filter.accepted) : "",
+      "/", filter.local_map.IsValid() ? ToString(filter.local_map) : "");
+  ASSIGN_OR_RETURN(const PageStart start, ReadPageStart(request, options_.max_page_size, list));
+  ASSIGN_OR_RETURN(const uint64_t after, ParseKey(start.after));
+  return mission->WithState([&](const MissionState& state) {
+    Page<OverlapInfo> page;
+    const auto& overlaps = state.global.overlaps;
+    for (auto it = overlaps.upper_bound(after);
+         it != overlaps.end() && page.items.size() <= start.size; ++it) {
+      if (!map_store::Matches(filter, it->second.overlap)) continue;
+      page.items.push_back(map_store::DescribeOverlap(state, it->second));
+    }
+    page.next_page_token = EndPage(
+        start, page.items, [](const OverlapInfo& overlap) { return absl::StrCat(overlap.id); });
+    return page;
+  });
+}
+
+}  // namespace corbslam

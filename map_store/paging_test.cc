@@ -1,0 +1,135 @@
+// Lists in pages while items come and go between them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "map_store/map_store.h"
+#include "map_store/testing/name_lists.h"
+#include "map_store/testing/two_robots.h"
+
+namespace corbslam {
+namespace {
+
+using testing::Agents;
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
+using testing::Keyframes;
+using testing::List;
+using testing::Missions;
+using testing::NamesOf;
+using testing::Overlaps;
+using testing::ReadInPages;
+using ::testing::SizeIs;
+using testing::TwoRobots;
+
+class MissionPagesTest : public ::testing::Test {
+ protected:
+  void Make(const std::string& mission, const std::string& agent = "a") {
+    SessionRequest request;
+    request.mission = mission;
+    request.agent = agent;
+    const auto opened = store_.OpenSession(request);
+    ASSERT_TRUE(opened.ok()) << opened.status();
+  }
+
+  MapStore store_{MapStoreOptions(), nullptr, std::make_unique<InMemoryJournal>(), nullptr};
+};
+
+TEST_F(MissionPagesTest, NoneIsSkippedWhenAnotherIsDeletedBetweenPages) {
+  for (const char* name : {"a", "b", "c", "d", "e"}) Make(name);
+  const auto first = store_.ListMissions({2, ""});
+  ASSERT_TRUE(store_.DeleteMission("a").ok());
+  const auto second = store_.ListMissions({2, first->next_page_token});
+  EXPECT_THAT(NamesOf(second)->names, ElementsAre("c", "d"));
+  // Those that the token and the next page begin with go, too.
+  ASSERT_TRUE(store_.DeleteMission("d").ok());
+  const auto third = store_.ListMissions({2, second->next_page_token});
+  EXPECT_THAT(NamesOf(third)->names, ElementsAre("e"));
+  EXPECT_EQ(third->next_page_token, "");
+}
+
+TEST_F(MissionPagesTest, NoneComesTwiceWhenAnotherIsAddedBetweenPages) {
+  for (const char* name : {"b", "d", "f"}) Make(name);
+  int added = 0;
+  const auto all = ReadInPages(Missions(store_), 1, [&] {
+    if (added++ == 0) {
+      Make("a");
+      Make("e");
+    }
+  });
+  EXPECT_THAT(all, ElementsAre("b", "d", "e", "f")) << "in order; what came behind is there";
+}
+
+TEST_F(MissionPagesTest, AgentsComeBetweenPages) {
+  for (const char* agent : {"bravo", "delta"}) Make("m", agent);
+  int added = 0;
+  const auto all = ReadInPages(Agents(store_), 1, [&] {
+    if (added++ == 0) {
+      Make("m", "alpha");
+      Make("m", "charlie");
+    }
+  });
+  EXPECT_THAT(all, ElementsAre("bravo", "charlie", "delta"));
+}
+
+TEST_F(MissionPagesTest, AnEmptyListIsOnePage) {
+  const auto page = store_.ListMissions({10, ""});
+  EXPECT_THAT(page->items, SizeIs(0));
+  EXPECT_EQ(page->next_page_token, "");
+}
+
+class PagesTest : public TwoRobots {
+ protected:
+  PagesTest() {
+    StreamBoth();
+    Fuse();
+  }
+  std::vector<std::pair<std::string, List>> AllLists() const {
+    return testing::AllLists(store_, a_.local_map(), b_.local_map());
+  }
+};
+
+TEST_F(PagesTest, EverySizeOfPageGivesTheSame) {
+  for (const auto& [what, list] : AllLists()) {
+    const auto whole = list({0, ""});
+    ASSERT_TRUE(whole.ok()) << what << ": " << whole.status();
+    EXPECT_FALSE(whole->names.empty()) << what;
+    EXPECT_EQ(whole->next_page_token, "") << what;
+    for (const size_t size : {1, 2, 3, 7, 1000}) {
+      EXPECT_THAT(ReadInPages(list, size), ElementsAreArray(whole->names))
+          << what << " by " << size;
+    }
+  }
+}
+
+TEST_F(PagesTest, KeyframesThatTheirOwnerRemovesBetweenPages) {
+  const auto all = *Keyframes(store_, {})({0, ""});
+  const auto first = *Keyframes(store_, {})({3, ""});
+  MapUpdateBatch batch = a_.EmptyBatch();
+  for (const uint32_t index : {1u, 2u, 3u}) batch.removed_keyframes.push_back({a_.Id(index), {}, {}});
+  ASSERT_TRUE(a_.Send(batch).ok());
+  ASSERT_EQ(store_.ListKeyframes("m", {}, {})->items.size(), all.names.size() - 3);
+  const auto second = Keyframes(store_, {})({1000, first.next_page_token});
+  ASSERT_TRUE(second.ok()) << second.status();
+  const std::vector<std::string> rest(all.names.begin() + 4, all.names.end());
+  EXPECT_THAT(second->names, ElementsAreArray(rest)) << "the token's own keyframe is gone";
+}
+
+TEST_F(PagesTest, OverlapsThatAreFoundAgainBetweenPages) {
+  const auto before = *Overlaps(store_)({0, ""});
+  ASSERT_GT(before.names.size(), 1u);
+  const auto first = *Overlaps(store_)({1, ""});
+  ASSERT_TRUE(store_.RederiveGlobalLayer("m").ok());
+  Fuse();
+  const auto rest = Overlaps(store_)({1000, first.next_page_token});
+  ASSERT_TRUE(rest.ok()) << rest.status();
+  const auto now = *Overlaps(store_)({0, ""});
+  const bool first_is_there = now.names.front() == before.names.front();
+  EXPECT_EQ(rest->names.size(), now.names.size() - (first_is_there ? 1 : 0));
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,97 @@
+// The lists of a store as lists of names, a page at a time.
+#ifndef CORBSLAM_MAP_STORE_TESTING_NAME_LISTS_H_
+#define CORBSLAM_MAP_STORE_TESTING_NAME_LISTS_H_
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/str_cat.h"
+#include "map_store/map_store.h"
+
+namespace corbslam::testing {
+
+// What an item is called, whichever list it is of.
+inline std::string NameOf(const MissionInfo& mission) { return mission.name; }
+inline std::string NameOf(const AgentInfo& agent) { return agent.name; }
+inline std::string NameOf(const LocalMapInfo& local_map) { return ToString(local_map.id); }
+inline std::string NameOf(const KeyframeInfo& keyframe) { return ToString(keyframe.id); }
+inline std::string NameOf(const OverlapInfo& overlap) { return absl::StrCat(overlap.id); }
+
+struct Names {
+  std::vector<std::string> names;
+  std::string next_page_token;
+};
+
+template <typename T>
+absl::StatusOr<Names> NamesOf(const absl::StatusOr<Page<T>>& page) {
+  if (!page.ok()) return page.status();
+  Names names;
+  for (const T& item : page->items) names.names.push_back(NameOf(item));
+  names.next_page_token = page->next_page_token;
+  return names;
+}
+
+using List = std::function<absl::StatusOr<Names>(const PageRequest&)>;
+
+inline List Missions(const MapStore& store) {
+  return [&store](const PageRequest& page) { return NamesOf(store.ListMissions(page)); };
+}
+inline List Agents(const MapStore& store, const std::string& mission = "m") {
+  return [&store, mission](const PageRequest& page) {
+    return NamesOf(store.ListAgents(mission, page));
+  };
+}
+inline List LocalMaps(const MapStore& store) {
+  return [&store](const PageRequest& page) { return NamesOf(store.ListLocalMaps("m", page)); };
+}
+inline List Keyframes(const MapStore& store, LocalMapId local_map) {
+  return [&store, local_map](const PageRequest& page) {
+    return NamesOf(store.ListKeyframes("m", local_map, page));
+  };
+}
+inline List Overlaps(const MapStore& store, const OverlapFilter& filter = {}) {
+  return [&store, filter](const PageRequest& page) {
+    return NamesOf(store.ListOverlaps("m", filter, page));
+  };
+}
+
+// Of mission "m", each by what it is.
+inline std::vector<std::pair<std::string, List>> AllLists(const MapStore& store, LocalMapId a,
+                                                          LocalMapId b) {
+  return {{"missions", Missions(store)},
+          {"agents", Agents(store)},
+          {"local maps", LocalMaps(store)},
+          {"keyframes", Keyframes(store, {})},
+          {"keyframes of one", Keyframes(store, a)},
+          {"keyframes of the other", Keyframes(store, b)},
+          {"overlaps", Overlaps(store)},
+          {"accepted overlaps", Overlaps(store, {.accepted = true, .local_map = {}})},
+          {"overlaps of one", Overlaps(store, {.accepted = std::nullopt, .local_map = a})}};
+}
+
+// Of all pages, with what happens after each.
+inline std::vector<std::string> ReadInPages(
+    const List& list, size_t page_size, const std::function<void()>& between = [] {}) {
+  std::vector<std::string> all;
+  PageRequest request = {page_size, ""};
+  do {
+    const auto page = list(request);
+    EXPECT_TRUE(page.ok()) << page.status();
+    if (!page.ok()) return all;
+    EXPECT_LE(page->names.size(), page_size);
+    all.insert(all.end(), page->names.begin(), page->names.end());
+    request.page_token = page->next_page_token;
+    between();
+  } while (!request.page_token.empty());
+  return all;
+}
+
+}  // namespace corbslam::testing
+
+#endif  // CORBSLAM_MAP_STORE_TESTING_NAME_LISTS_H_

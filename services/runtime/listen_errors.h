@@ -1,0 +1,18 @@
+// Why a port can't be listened on, for people.
+#ifndef CORBSLAM_SERVICES_RUNTIME_LISTEN_ERRORS_H_
+#define CORBSLAM_SERVICES_RUNTIME_LISTEN_ERRORS_H_
+
+#include <string>
+
+namespace corbslam {
+
+// Why binding to "HOST:PORT" failed with `error` (errno's): with the process that has the port, and
+// with what to do.
+std::string ExplainBindError(const std::string& address, int error);
+
+// The same where only the failure is known, as gRPC tells no more: tries to bind by itself.
+std::string ExplainListenFailure(const std::string& address);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_RUNTIME_LISTEN_ERRORS_H_

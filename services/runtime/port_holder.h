@@ -1,0 +1,19 @@
+// Who has a port.
+#ifndef CORBSLAM_SERVICES_RUNTIME_PORT_HOLDER_H_
+#define CORBSLAM_SERVICES_RUNTIME_PORT_HOLDER_H_
+
+#include <sys/socket.h>
+#include <sys/types.h>
+
+#include <optional>
+
+namespace corbslam {
+
+// The process with a socket that keeps others from `address` (IPv4 or IPv6): one that listens
+// there, or else one that has the port for a connection. None where there is none, or it can't be
+// seen from here: a process of another user or of another container.
+std::optional<pid_t> FindPortHolder(const sockaddr_storage& address);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_RUNTIME_PORT_HOLDER_H_
