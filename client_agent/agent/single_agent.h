@@ -16,7 +16,8 @@ namespace corbslam {
 
 class SingleAgent : public Agent {
  public:
-  SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor, bool is_stereo,
+  SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
+              const RecordedCamera& recorded_camera, bool is_stereo,
               std::shared_ptr<const Vocabulary> vocabulary, Uplink* uplink,
               std::unique_ptr<Spool> spool);
   ~SingleAgent() override;

@@ -73,6 +73,7 @@ absl::StatusOr<StereoCalibration> ReadCalibration(const std::string& root) {
   StereoCalibration calibration;
   calibration.camera.close_depth_m = kCloseDepth_baselines * raw.right_from_left.translation.norm();
   calibration.raw = raw;
+  calibration.body_from_raw_left = left.body_from_camera;
   return calibration;
 }
 

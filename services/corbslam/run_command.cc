@@ -15,8 +15,8 @@
 #include "services/corbslam/commands.h"
 #include "services/corbslam/mission_run.h"
 #include "services/corbslam/picture.h"
+#include "services/corbslam/trajectory_files.h"
 #include "services/security/flags.h"
-#include "slam/evaluation/trajectory_io.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -92,8 +92,10 @@ void ShowOnTerminal(const Progress& progress) {
 absl::Status WriteTrajectories(const MissionOutcome& outcome, const std::string& folder) {
   for (const RobotPaths& paths : outcome.paths) {
     const std::string stem = absl::StrCat(folder, "/", paths.name);
-    RETURN_IF_ERROR(WriteTumTrajectory(ToTrajectory(paths.local), stem + ".local.tum"));
-    RETURN_IF_ERROR(WriteTumTrajectory(ToTrajectory(paths.global), stem + ".global.tum"));
+    RETURN_IF_ERROR(WriteTumFiles(OwnFiles(PartsOf(paths.local)), PosesOf::kRecordedCamera,
+                                  "in the frame of the local map", stem + ".local.tum"));
+    RETURN_IF_ERROR(WriteTumFiles(ShareFiles(PartsOf(paths.global)), PosesOf::kRecordedCamera,
+                                  "in the mission's global frame", stem + ".global.tum"));
   }
   return absl::OkStatus();
 }

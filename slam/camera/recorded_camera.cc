@@ -43,7 +43,18 @@ bool IsIdentity(const Rigid3d& motion) {
   return motion.translation.isZero(0) && motion.rotation.vec().isZero(0);
 }
 
+bool IsSame(const Rigid3d& a, const Rigid3d& b) {
+  return a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation;
+}
+
 }  // namespace
+
+bool operator==(const RecordedCamera& a, const RecordedCamera& b) {
+  if (a.body_from_recorded.has_value() != b.body_from_recorded.has_value()) return false;
+  return a.lens == b.lens && IsSame(a.camera_from_recorded, b.camera_from_recorded) &&
+         (!a.body_from_recorded.has_value() ||
+          IsSame(*a.body_from_recorded, *b.body_from_recorded));
+}
 
 absl::Status Validate(const RecordedCamera& recorded) {
   RETURN_IF_ERROR(ValidateLens(recorded.lens));

@@ -26,6 +26,9 @@ struct RecordedCamera {
   Rigid3d camera_from_recorded;
   // EuRoC's T_BS; absent: nobody said where the body is.
   std::optional<Rigid3d> body_from_recorded;
+
+  // To the bit.
+  friend bool operator==(const RecordedCamera& a, const RecordedCamera& b);
 };
 
 // INVALID_ARGUMENT, naming the field and its value, where it is impossible.

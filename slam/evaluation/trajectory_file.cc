@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "absl/strings/strip.h"
+#include "slam/evaluation/pose_header.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -162,8 +163,9 @@ absl::StatusOr<TrajectoryReading> ReadTrajectoryFile(const std::string& path,
 
 absl::StatusOr<TrajectoryReading> ReadColmapImages(const std::string& path) {
   PoseRows rows(path);
+  PoseHeader header;
   RETURN_IF_ERROR(ForEachRow(
-      path, [](absl::string_view) {},
+      path, [&](absl::string_view comment) { ReadPoseHeader(comment, header); },
       [&](const TextRow& row) -> absl::Status {
         // The other lines are keypoints: numbers only.
         double ignored = 0;
@@ -171,7 +173,9 @@ absl::StatusOr<TrajectoryReading> ReadColmapImages(const std::string& path) {
                               !absl::SimpleAtod(row.fields.back(), &ignored);
         return is_image ? AddColmapImage(row, path, rows) : absl::OkStatus();
       }));
-  return rows.Finish();
+  TrajectoryReading reading = rows.Finish();
+  reading.poses_of = header.poses_of;
+  return reading;
 }
 
 absl::StatusOr<TrajectoryReading> ReadPoseFiles(const std::string& directory, double rate_hz) {

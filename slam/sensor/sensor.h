@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "slam/camera/camera.h"
 #include "slam/camera/distortion.h"
+#include "slam/camera/recorded_camera.h"
 #include "slam/camera/rectification.h"
 #include "slam/features/keypoint.h"
 #include "slam/features/orb_extractor.h"
@@ -34,6 +35,8 @@ struct StereoCalibration {
   Camera camera = {};
   // Present when the images come raw and need rectifying.
   std::optional<RawStereo> raw = {};
+  // Of the left camera as it recorded, where the calibration says it (EuRoC's T_BS).
+  std::optional<Rigid3d> body_from_raw_left = {};
 };
 
 struct RgbdCalibration {
@@ -43,6 +46,8 @@ struct RgbdCalibration {
   RadialTangential distortion = {};
   // Of CV_16UC1 depth images.
   double depth_units_per_m = 5000;
+  // Of the grey camera, where the calibration says it.
+  std::optional<Rigid3d> body_from_raw = {};
 };
 
 using SensorCalibration = std::variant<StereoCalibration, RgbdCalibration>;
@@ -66,6 +71,10 @@ class Sensor {
   // type.
   virtual absl::StatusOr<Features> Process(const SensorImages& images) = 0;
 };
+
+// The one that recorded the (left) pictures of a sensor's camera(). INVALID_ARGUMENT where the
+// calibration is impossible.
+absl::StatusOr<RecordedCamera> RecordedCameraOf(const SensorCalibration& calibration);
 
 // INVALID_ARGUMENT where the calibration or the options are impossible.
 absl::StatusOr<std::unique_ptr<Sensor>> MakeSensor(const SensorCalibration& calibration,
