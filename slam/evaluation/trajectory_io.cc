@@ -59,18 +59,19 @@ absl::StatusOr<Trajectory> ReadTumTrajectory(const std::string& path) {
   return AllOf(ReadTumFile(path));
 }
 
+std::string TumRow(const StampedPose& pose) {
+  const Eigen::Vector3d& t = pose.world_from_camera.translation;
+  const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
+  return absl::StrFormat("%s %.9f %.9f %.9f %.9f %.9f %.9f %.9f", FormatSeconds(pose.timestamp_ns),
+                         t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+}
+
 absl::Status WriteTumTrajectory(const Trajectory& trajectory, const std::string& path,
-                                const std::vector<std::string>& comments) {
+                                const std::string& comment) {
   std::vector<std::string> lines;
-  lines.reserve(comments.size() + trajectory.size());
-  for (const std::string& comment : comments) lines.push_back(absl::StrCat("# ", comment));
-  for (const StampedPose& pose : trajectory) {
-    const Eigen::Vector3d& t = pose.world_from_camera.translation;
-    const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
-    lines.push_back(absl::StrFormat("%s %.9f %.9f %.9f %.9f %.9f %.9f %.9f",
-                                    FormatSeconds(pose.timestamp_ns), t.x(), t.y(), t.z(), q.x(),
-                                    q.y(), q.z(), q.w()));
-  }
+  lines.reserve(1 + trajectory.size());
+  if (!comment.empty()) lines.push_back(absl::StrCat("# ", comment));
+  for (const StampedPose& pose : trajectory) lines.push_back(TumRow(pose));
   return WriteLines(lines, path);
 }
 

@@ -22,9 +22,11 @@ namespace corbslam {
 // "time tx ty tz qx qy qz qw" a row, time in seconds, or in nanoseconds since 1970 without a point.
 absl::StatusOr<TrajectoryReading> ReadTumFile(const std::string& path);
 absl::StatusOr<Trajectory> ReadTumTrajectory(const std::string& path);
-// `comments` stand before the rows, a line each, behind a #.
+// `comment` stands before the rows behind a #; none where it is empty.
 absl::Status WriteTumTrajectory(const Trajectory& trajectory, const std::string& path,
-                                const std::vector<std::string>& comments = {});
+                                const std::string& comment = "");
+// The row of one pose.
+std::string TumRow(const StampedPose& pose);
 
 // Twelve numbers a row: the first three rows of world_from_camera. Times come from `times_path`,
 // one number of seconds a line.

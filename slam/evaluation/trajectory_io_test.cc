@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(TumTrajectoryTest, SaysWhatItsPosesAreOf) {
   const std::string path = ::testing::TempDir() + "trajectory_io_body.tum";
   ASSERT_TRUE(
-      WriteTumTrajectory(MakeTrajectory(), path, {PoseHeaderLine(PosesOf::kBody), "more"}).ok());
+      WriteTumTrajectory(MakeTrajectory(), path, PoseHeaderLine(PosesOf::kBody) + "; more").ok());
   const auto read = ReadTumFile(path);
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(read->poses_of, PosesOf::kBody);
