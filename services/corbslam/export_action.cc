@@ -56,7 +56,7 @@ absl::Status ExportPoints(const MissionArguments& arguments,
       {absl::StrCat("Landmarks of mission ", arguments.mission,
                     ", coloured by the robot that made them (the PLY's comments say which),"),
        "in the mission's global frame, that of its first local map; metres."},
-      arguments.file + ".README.txt"));
+      arguments.file + ".README.md"));
   std::printf("%s: %zu points\n", arguments.file.c_str(), points.size());
   return absl::OkStatus();
 }
@@ -88,7 +88,7 @@ absl::Status WriteColmapReadme(const std::string& mission, const ColmapSource& s
        "to images/ROBOT/NANOSECONDS.png, called after its time. ROBOT+2 holds pictures of times "
        "that",
        "ROBOT has already: the robot was started again and saw the same recording."},
-      folder + "/README.txt");
+      folder + "/README.md");
 }
 
 ColmapSource MakeColmapSource(const map_store::MissionState& state, PosesOf poses_of) {

@@ -101,7 +101,7 @@ absl::Status ExportTrajectories(const MissionArguments& arguments,
   if (!arguments.agent.empty()) {
     RETURN_IF_ERROR(CheckNameSegment("--agent", arguments.agent));
     RETURN_IF_ERROR(exporting.Add(arguments.agent, arguments.file));
-    return exporting.WriteReadme(arguments.file + ".README.txt");
+    return exporting.WriteReadme(arguments.file + ".README.md");
   }
   ASSIGN_OR_RETURN(const auto agents, ReadAgents(channel, arguments.mission));
   RETURN_IF_ERROR(MakeFolder(arguments.file));
@@ -110,7 +110,7 @@ absl::Status ExportTrajectories(const MissionArguments& arguments,
     const std::string name = LastSegment(agent.name());
     RETURN_IF_ERROR(exporting.Add(name, absl::StrCat(arguments.file, "/", name, ending)));
   }
-  return exporting.WriteReadme(arguments.file + "/README.txt");
+  return exporting.WriteReadme(arguments.file + "/README.md");
 }
 
 }  // namespace corbslam

@@ -9,8 +9,26 @@
 #include "slam/evaluation/pose_header.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
 
 namespace corbslam {
+
+namespace {
+
+// A comment before each part, the first one behind the header: two comments never follow each
+// other, so that a plain comparison of a line's first word with the one before finds times only.
+std::vector<std::string> TumLines(const TrajectoryFile& file, const std::string& header) {
+  std::vector<std::string> lines;
+  if (file.empty()) lines.push_back(header);
+  for (const TrajectoryPart& part : file) {
+    lines.push_back(absl::StrCat(lines.empty() ? absl::StrCat(header, "; ") : "# ", "local map ",
+                                 part.local_map));
+    for (const StampedPose& pose : part.poses) lines.push_back(TumRow(pose));
+  }
+  return lines;
+}
+
+}  // namespace
 
 std::vector<TrajectoryPart> PartsOf(const ServedTrajectory& served) {
   std::vector<TrajectoryPart> parts;
@@ -82,10 +100,9 @@ std::vector<std::string> DescribeParts(const TrajectoryFile& file) {
 absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf poses_of,
                            const std::string& frame, const std::string& path) {
   for (size_t i = 0; i < files.size(); ++i) {
-    std::vector<std::string> comments = {PoseHeaderLine(poses_of), frame};
-    for (std::string& line : DescribeParts(files[i])) comments.push_back(std::move(line));
-    comments.push_back("timestamp tx ty tz qx qy qz qw");
-    RETURN_IF_ERROR(WriteTumTrajectory(Join(files[i]), NumberedPath(path, i + 1), comments));
+    const std::string header = absl::StrCat("# ", PoseHeaderLine(poses_of), " ", frame,
+                                            ": timestamp tx ty tz qx qy qz qw");
+    RETURN_IF_ERROR(WriteLines(TumLines(files[i], header), NumberedPath(path, i + 1)));
   }
   return absl::OkStatus();
 }

@@ -40,8 +40,9 @@ std::string NumberedPath(const std::string& path, size_t number);
 // "local map 00ab: poses 1 to 50" for each part.
 std::vector<std::string> DescribeParts(const TrajectoryFile& file);
 
-// TUM files at `path`, NumberedPath(path, 2) and so on; their comments say what the poses are of,
-// in which frame ("in the mission's global frame"), and the parts. UNAVAILABLE names the path.
+// TUM files at `path`, NumberedPath(path, 2) and so on; comments say what the poses are of, in
+// which frame ("in the mission's global frame"), and where a local map begins. UNAVAILABLE names
+// the path.
 absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf poses_of,
                            const std::string& frame, const std::string& path);
 
