@@ -28,6 +28,9 @@ void AddCameras(const MapUpdateBatch& batch, LocalMapState& local_map) {
   for (size_t i = 0; i < batch.cameras.size(); ++i) {
     if (batch.first_camera_index + i < local_map.cameras.size()) continue;
     local_map.cameras.push_back(batch.cameras[i]);
+    local_map.recorded_cameras.resize(local_map.cameras.size());
+    if (batch.recorded_cameras.empty()) continue;
+    local_map.recorded_cameras.back() = batch.recorded_cameras[i];
   }
 }
 

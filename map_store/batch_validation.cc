@@ -26,9 +26,28 @@ absl::Status ValidateCount(const MapUpdateBatch& batch, const MapStoreOptions& o
                                                    options.max_items_per_batch));
 }
 
+absl::Status ValidateRecordedCameras(const LocalMapState* local_map, const MapUpdateBatch& batch) {
+  if (batch.recorded_cameras.empty()) return absl::OkStatus();
+  if (batch.recorded_cameras.size() != batch.cameras.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("recorded_cameras has ", batch.recorded_cameras.size(), " entries, cameras ",
+                     batch.cameras.size(), "; must be as many or none"));
+  }
+  for (size_t i = 0; i < batch.recorded_cameras.size(); ++i) {
+    const size_t index = batch.first_camera_index + i;
+    RETURN_IF_ERROR(Validate(batch.recorded_cameras[i]));
+    if (local_map == nullptr || index >= local_map->cameras.size()) continue;
+    if (local_map->Recorded(index) == batch.recorded_cameras[i]) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("recorded camera ", index, " differs from what was sent before"));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status ValidateCameras(const LocalMapState* local_map, const MapUpdateBatch& batch,
                              const MapStoreOptions& options) {
   const size_t known = local_map == nullptr ? 0 : local_map->cameras.size();
+  RETURN_IF_ERROR(ValidateRecordedCameras(local_map, batch));
   if (batch.cameras.empty()) return absl::OkStatus();
   if (batch.first_camera_index > known ||
       batch.first_camera_index + batch.cameras.size() > options.max_cameras_per_local_map) {

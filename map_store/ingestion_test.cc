@@ -309,6 +309,74 @@ TEST_F(IngestionTest, FramesOfARemovedKeyframeFollowItsParent) {
   EXPECT_TRUE(poses[2].after_gap);
 }
 
+RecordedCamera MakeRecorded() {
+  RecordedCamera recorded;
+  recorded.lens = {500, 500, 320, 240, {}};
+  recorded.camera_from_recorded.rotation = Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
+  // The camera sits 2 m ahead on the body.
+  recorded.body_from_recorded = Rigid3d{Eigen::Quaterniond::Identity(), {0, 0, 2}};
+  return recorded;
+}
+
+TEST_F(IngestionTest, PosesAreOfTheFrameThatIsWanted) {
+  const uint64_t a = Open("a");
+  MapUpdateBatch batch = First();
+  batch.recorded_cameras = {MakeRecorded()};
+  batch.tracked_frames = {{10, KfA(1), PoseAt(0)}};
+  ASSERT_TRUE(store_.Apply(a, batch).ok());
+  const auto pose = [&](PosesOf poses_of) {
+    return store_.GetTrajectory("m", "a", TrajectoryFrame::kLocal, false, poses_of)
+        ->at(0)
+        .poses.at(0)
+        .frame_from_camera;
+  };
+  const Rigid3d rectified = pose(PosesOf::kRectifiedCamera);
+  EXPECT_LT((rectified.translation - Eigen::Vector3d(1, 0, 0)).norm(), 1e-12);
+  EXPECT_NEAR(RotationAngle(rectified.rotation), 0, 1e-12);
+  const Rigid3d camera = pose(PosesOf::kRecordedCamera);
+  EXPECT_LT((camera.translation - rectified.translation).norm(), 1e-12);
+  EXPECT_NEAR(RotationAngle(camera.rotation), 0.1, 1e-9);
+  // 2 m behind the recorded camera, along its own axis.
+  const Rigid3d body = pose(PosesOf::kBody);
+  EXPECT_LT((body.translation - (camera * Eigen::Vector3d(0, 0, -2))).norm(), 1e-12);
+  EXPECT_NEAR(RotationAngle(body.rotation), 0.1, 1e-9);
+}
+
+TEST_F(IngestionTest, WithoutARecordedCameraTheCameraIsIt) {
+  const uint64_t a = Open("a");
+  MapUpdateBatch batch = First();
+  batch.tracked_frames = {{10, KfA(1), PoseAt(0)}};
+  ASSERT_TRUE(store_.Apply(a, batch).ok());
+  const auto camera = store_.GetTrajectory("m", "a", TrajectoryFrame::kLocal);
+  ASSERT_TRUE(camera.ok()) << camera.status();
+  EXPECT_NEAR(RotationAngle(camera->at(0).poses.at(0).frame_from_camera.rotation), 0, 1e-12);
+  const absl::Status body =
+      store_.GetTrajectory("m", "a", TrajectoryFrame::kLocal, false, PosesOf::kBody).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(body)) << body;
+  EXPECT_THAT(std::string(body.message()), HasSubstr("agent a, local map 000000000000000a"));
+}
+
+TEST_F(IngestionTest, RecordedCamerasComeWithTheirCamerasAndStay) {
+  const uint64_t a = Open("a");
+  MapUpdateBatch batch = First();
+  batch.recorded_cameras = {MakeRecorded(), MakeRecorded()};
+  EXPECT_TRUE(absl::IsInvalidArgument(store_.Apply(a, batch).status()));
+  batch.recorded_cameras = {MakeRecorded()};
+  batch.recorded_cameras[0].lens.fx_px = -1;
+  EXPECT_TRUE(absl::IsInvalidArgument(store_.Apply(a, batch).status()));
+  batch.recorded_cameras = {MakeRecorded()};
+  ASSERT_TRUE(store_.Apply(a, batch).ok());
+  MapUpdateBatch again = Next(2);
+  again.cameras = batch.cameras;
+  again.recorded_cameras = batch.recorded_cameras;
+  EXPECT_TRUE(store_.Apply(a, again).ok());
+  again.number = 3;
+  again.recorded_cameras[0].body_from_recorded.reset();
+  const absl::Status differs = store_.Apply(a, again).status();
+  EXPECT_TRUE(absl::IsInvalidArgument(differs));
+  EXPECT_THAT(std::string(differs.message()), HasSubstr("recorded camera 0 differs"));
+}
+
 TEST_F(IngestionTest, ObservationChangesReplaceWhatTheOwnerSaidBefore) {
   const uint64_t a = Open("a");
   ASSERT_TRUE(store_.Apply(a, First()).ok());

@@ -144,11 +144,11 @@ class MapStore {
   // but local maps and what waits for fusion.
   std::vector<MissionLoad> ListLoads() const;
   // Of one agent, or of all (empty name) in the order of names. Global: only what lies in the
-  // reference island, unless `all_islands`.
-  absl::StatusOr<std::vector<AgentTrajectory>> GetTrajectory(absl::string_view mission,
-                                                             absl::string_view agent,
-                                                             TrajectoryFrame frame,
-                                                             bool all_islands = false) const;
+  // reference island, unless `all_islands`. FAILED_PRECONDITION: an agent never said where the
+  // frame is that `poses_of` wants.
+  absl::StatusOr<std::vector<AgentTrajectory>> GetTrajectory(
+      absl::string_view mission, absl::string_view agent, TrajectoryFrame frame,
+      bool all_islands = false, PosesOf poses_of = PosesOf::kRecordedCamera) const;
   absl::StatusOr<Page<OverlapInfo>> ListOverlaps(absl::string_view mission,
                                                  const OverlapFilter& filter,
                                                  const PageRequest& page) const;

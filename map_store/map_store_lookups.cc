@@ -61,16 +61,18 @@ std::vector<MissionLoad> MapStore::ListLoads() const {
 absl::StatusOr<std::vector<AgentTrajectory>> MapStore::GetTrajectory(absl::string_view mission_name,
                                                                      absl::string_view agent,
                                                                      TrajectoryFrame frame,
-                                                                     bool all_islands) const {
+                                                                     bool all_islands,
+                                                                     PosesOf poses_of) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   std::vector<AgentTrajectory> trajectories;
-  mission->WithState([&](const MissionState& state) {
+  RETURN_IF_ERROR(mission->WithState([&](const MissionState& state) -> absl::Status {
     for (const auto& [name, agent_state] : state.agents) {
       if (!agent.empty() && agent != name) continue;
-      trajectories.push_back(map_store::ComputeTrajectory(state, name, frame, all_islands));
+      ASSIGN_OR_RETURN(trajectories.emplace_back(),
+                       map_store::ComputeTrajectory(state, name, frame, all_islands, poses_of));
     }
-    return 0;
-  });
+    return absl::OkStatus();
+  }));
   if (trajectories.empty() && !agent.empty()) {
     return absl::NotFoundError(absl::StrCat("there is no agent ", agent));
   }

@@ -6,6 +6,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -49,6 +50,8 @@ struct LocalMapState {
   bool closed = false;
 
   std::vector<std::shared_ptr<const Camera>> cameras;
+  // As many; nullopt where the owner never said it.
+  std::vector<std::optional<RecordedCamera>> recorded_cameras;
   // Its own keyframes and points in its own frame. What its keyframes see of other local maps'
   // points stands beside it: keyframe -> keypoint -> point.
   Map map;
@@ -76,6 +79,11 @@ struct LocalMapState {
   // For telling others. Landmarks and foreign observations included; places are not.
   ChangeLog changes;
 
+  // Of the camera that took the frames; nullopt where the owner never said it.
+  std::optional<RecordedCamera> Recorded(size_t camera_index = 0) const {
+    if (camera_index >= recorded_cameras.size()) return std::nullopt;
+    return recorded_cameras[camera_index];
+  }
   size_t CountParked() const { return parked.size() + parked_parents.size(); }
   bool IsSettled(KeyframeId keyframe) const {
     const auto it = arrival.find(keyframe);

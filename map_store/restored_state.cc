@@ -31,6 +31,9 @@ absl::Status ValidateAmounts(const MissionState& state, const MapStoreOptions& o
 
 absl::Status ValidateKeyframes(const LocalMapState& local_map, const MapStoreOptions& options) {
   for (const auto& camera : local_map.cameras) RETURN_IF_ERROR(Validate(*camera));
+  for (const auto& recorded : local_map.recorded_cameras) {
+    if (recorded.has_value()) RETURN_IF_ERROR(Validate(*recorded));
+  }
   for (const auto& [id, keyframe] : local_map.map.keyframes()) {
     RETURN_IF_ERROR(ValidateOwn("keyframe", id, local_map.id));
     RETURN_IF_ERROR(ValidateFullKeyframe({keyframe.payload, keyframe.camera_from_map, {}},

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "map_store/placement.h"
 
 namespace corbslam::map_store {
@@ -13,13 +14,19 @@ namespace {
 // Poses of one local map's frames, in its island's frame or its own.
 class FrameChain {
  public:
-  FrameChain(const MissionState& state, const LocalMapState& local_map, TrajectoryFrame frame)
-      : state_(state), local_map_(local_map), frame_(frame) {}
+  // `camera_from_wanted`: nullopt where poses of the camera itself are wanted.
+  FrameChain(const MissionState& state, const LocalMapState& local_map, TrajectoryFrame frame,
+             const std::optional<Rigid3d>& camera_from_wanted)
+      : state_(state),
+        local_map_(local_map),
+        frame_(frame),
+        camera_from_wanted_(camera_from_wanted) {}
 
-  std::optional<Rigid3d> FrameFromCamera(const TrackedFrame& tracked) {
+  std::optional<Rigid3d> FrameFromWanted(const TrackedFrame& tracked) {
     LivingRelative relative;
     if (!FindLivingRelative(state_, tracked.reference, relative)) return std::nullopt;
-    const Rigid3d relative_from_camera = relative.relative_from_id * tracked.reference_from_camera;
+    Rigid3d relative_from_camera = relative.relative_from_id * tracked.reference_from_camera;
+    if (camera_from_wanted_) relative_from_camera = relative_from_camera * *camera_from_wanted_;
     const bool is_own = relative.id.local_map == local_map_.id;
     if (frame_ == TrajectoryFrame::kLocal && is_own) {
       const Keyframe& keyframe = *local_map_.map.FindKeyframe(relative.id);
@@ -51,6 +58,7 @@ class FrameChain {
   const MissionState& state_;
   const LocalMapState& local_map_;
   const TrajectoryFrame frame_;
+  const std::optional<Rigid3d> camera_from_wanted_;
   std::map<LocalMapId, IslandPoses> poses_;
 };
 
@@ -59,9 +67,8 @@ bool HasTimeBetween(const std::vector<int64_t>& times, int64_t begin, int64_t en
   return it != times.end() && *it < end;
 }
 
-void AppendLocalMap(const MissionState& state, const LocalMapState& local_map,
-                    TrajectoryFrame frame, AgentTrajectory& trajectory) {
-  FrameChain chain(state, local_map, frame);
+void AppendLocalMap(const MissionState& state, const LocalMapState& local_map, FrameChain chain,
+                    AgentTrajectory& trajectory) {
   std::vector<TrackedFrame> frames = local_map.frames;
   std::stable_sort(frames.begin(), frames.end(), [](const TrackedFrame& a, const TrackedFrame& b) {
     return a.timestamp_ns < b.timestamp_ns;
@@ -71,7 +78,7 @@ void AppendLocalMap(const MissionState& state, const LocalMapState& local_map,
   bool gap = !trajectory.poses.empty();
   std::optional<int64_t> before;
   for (const TrackedFrame& tracked : frames) {
-    const std::optional<Rigid3d> pose = chain.FrameFromCamera(tracked);
+    const std::optional<Rigid3d> pose = chain.FrameFromWanted(tracked);
     if (!pose.has_value()) {
       gap = true;
       continue;
@@ -86,15 +93,25 @@ void AppendLocalMap(const MissionState& state, const LocalMapState& local_map,
 
 }  // namespace
 
-AgentTrajectory ComputeTrajectory(const MissionState& state, const std::string& agent,
-                                  TrajectoryFrame frame, bool all_islands) {
+absl::StatusOr<AgentTrajectory> ComputeTrajectory(const MissionState& state,
+                                                  const std::string& agent, TrajectoryFrame frame,
+                                                  bool all_islands, PosesOf poses_of) {
   AgentTrajectory trajectory;
   trajectory.agent = agent;
   const IslandId reference = state.ReferenceIsland();
   for (const LocalMapId& id : state.agents.at(agent).local_maps) {
     const bool wanted = frame == TrajectoryFrame::kLocal || all_islands ||
                         state.global.island_of.at(id) == reference;
-    if (wanted) AppendLocalMap(state, *state.FindLocalMap(id), frame, trajectory);
+    if (!wanted) continue;
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    const auto camera_from_wanted = CameraFromWanted(local_map.Recorded(), poses_of);
+    if (!camera_from_wanted.ok()) {
+      return absl::FailedPreconditionError(absl::StrCat("agent ", agent, ", local map ",
+                                                        ToString(id), ": ",
+                                                        camera_from_wanted.status().message()));
+    }
+    AppendLocalMap(state, local_map, FrameChain(state, local_map, frame, *camera_from_wanted),
+                   trajectory);
   }
   return trajectory;
 }

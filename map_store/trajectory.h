@@ -4,17 +4,21 @@
 
 #include <string>
 
+#include "absl/status/statusor.h"
 #include "map_store/lookups.h"
 #include "map_store/mission_state.h"
+#include "slam/camera/recorded_camera.h"
 
 namespace corbslam::map_store {
 
 // By local map in the order in which the agent opened them, each in time. A frame whose reference
 // keyframe was removed follows the relative that its owner named; one whose reference nobody knows
 // is left out, and marks a gap. Global: in the frame of the local map's island; only the reference
-// island's local maps unless `all_islands`.
-AgentTrajectory ComputeTrajectory(const MissionState& state, const std::string& agent,
-                                  TrajectoryFrame frame, bool all_islands);
+// island's local maps unless `all_islands`. FAILED_PRECONDITION names the local map whose owner
+// never said where the wanted frame is.
+absl::StatusOr<AgentTrajectory> ComputeTrajectory(const MissionState& state,
+                                                  const std::string& agent, TrajectoryFrame frame,
+                                                  bool all_islands, PosesOf poses_of);
 
 }  // namespace corbslam::map_store
 

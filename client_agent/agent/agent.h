@@ -38,6 +38,8 @@ struct AgentOptions {
   absl::Status Validate() const;
 };
 
+// Of the sensor's camera: for poses of the camera as it recorded, or of the body, see
+// CameraFromWanted (recorded_camera.h) and RecordedCameraOf (sensor.h).
 struct TrajectoryPose {
   int64_t timestamp_ns = 0;
   LocalMapId local_map;

@@ -18,10 +18,12 @@ uint64_t SeedOf(const AgentOptions& options) {
   return hash;
 }
 
-MemoryOptions MakeMemoryOptions(const AgentOptions& options) {
+MemoryOptions MakeMemoryOptions(const AgentOptions& options,
+                                const RecordedCamera& recorded_camera) {
   MemoryOptions memory;
   memory.mission = options.mission;
   memory.agent = options.name;
+  memory.recorded_camera = recorded_camera;
   memory.seed = SeedOf(options);
   memory.max_outbox_bytes = options.max_outbox_bytes;
   return memory;
@@ -46,12 +48,14 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Create(const AgentOptions& options
   RETURN_IF_ERROR(options.Validate());
   if (vocabulary == nullptr) return absl::InvalidArgumentError("agent: no vocabulary");
   ASSIGN_OR_RETURN(std::unique_ptr<Sensor> sensor, MakeSensor(calibration, options.sensor));
-  return std::make_unique<SingleAgent>(options, std::move(sensor), calibration,
+  ASSIGN_OR_RETURN(const RecordedCamera recorded_camera, RecordedCameraOf(calibration));
+  return std::make_unique<SingleAgent>(options, std::move(sensor), calibration, recorded_camera,
                                        std::move(vocabulary), uplink, std::move(spool));
 }
 
 SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
                          const SensorCalibration& calibration,
+                         const RecordedCamera& recorded_camera,
                          std::shared_ptr<const Vocabulary> vocabulary, Uplink* uplink,
                          std::unique_ptr<Spool> spool)
     : options_(options),
@@ -63,7 +67,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       vocabulary_(std::move(vocabulary)),
       random_(SeedOf(options)),
       memory_(std::make_unique<MemoryManager>(
-          MakeMemoryOptions(options), uplink,
+          MakeMemoryOptions(options, recorded_camera), uplink,
           [vocabulary = vocabulary_](const std::vector<Descriptor>& descriptors) {
             return std::make_shared<const Words>(vocabulary->Transform(descriptors));
           },

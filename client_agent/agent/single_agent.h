@@ -18,8 +18,9 @@ namespace corbslam {
 class SingleAgent : public Agent {
  public:
   SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
-              const SensorCalibration& calibration, std::shared_ptr<const Vocabulary> vocabulary,
-              Uplink* uplink, std::unique_ptr<Spool> spool);
+              const SensorCalibration& calibration, const RecordedCamera& recorded_camera,
+              std::shared_ptr<const Vocabulary> vocabulary, Uplink* uplink,
+              std::unique_ptr<Spool> spool);
   ~SingleAgent() override;
 
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override;

@@ -76,7 +76,8 @@ MapObserver* MemoryManager::BeginLocalMap(MapAccess access) {
   reopen_ = !recordings_.empty();
   placing_ = std::make_shared<Placing>(access);
   auto recording = std::make_unique<Recording>();
-  recording->recorder = std::make_unique<UpdateRecorder>(access.local_map);
+  recording->recorder =
+      std::make_unique<UpdateRecorder>(access.local_map, options_.recorded_camera);
   recording->access = std::move(access);
   needs_new_local_map_ = recording->closed = !queue_.Begin(recording->access.local_map);
   recordings_.push_back(std::move(recording));

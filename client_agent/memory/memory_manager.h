@@ -26,6 +26,8 @@ namespace corbslam {
 struct MemoryOptions {
   std::string mission;
   std::string agent;
+  // What recorded the pictures of every local map; told to the store. Nullopt: not said.
+  std::optional<RecordedCamera> recorded_camera;
   // What changes results: nothing. What changes speed:
   // In memory; with a spool, what is over goes to the disk.
   size_t max_outbox_bytes = 64 << 20;

@@ -130,6 +130,7 @@ void UpdateRecorder::TakeCameras(const FullKeyframe& keyframe, MapUpdateBatch& b
   if (keyframe.payload->camera_index != sent_cameras_) return;
   if (batch.cameras.empty()) batch.first_camera_index = sent_cameras_;
   batch.cameras.push_back(keyframe.payload->camera);
+  if (recorded_camera_.has_value()) batch.recorded_cameras.push_back(*recorded_camera_);
   ++sent_cameras_;
 }
 

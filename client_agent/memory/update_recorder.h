@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_MEMORY_UPDATE_RECORDER_H_
 #define CORBSLAM_CLIENT_AGENT_MEMORY_UPDATE_RECORDER_H_
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,7 +21,10 @@ namespace corbslam {
 // of frames. Thread-safe.
 class UpdateRecorder : public MapObserver {
  public:
-  explicit UpdateRecorder(LocalMapId local_map) : local_map_(local_map) {}
+  // `recorded_camera`: what recorded the pictures of the map's cameras; nullopt: not said.
+  explicit UpdateRecorder(LocalMapId local_map,
+                          const std::optional<RecordedCamera>& recorded_camera = std::nullopt)
+      : local_map_(local_map), recorded_camera_(recorded_camera) {}
 
   void OnKeyframeAdded(KeyframeId id) override;
   void OnKeyframeMoved(KeyframeId id) override;
@@ -71,6 +75,7 @@ class UpdateRecorder : public MapObserver {
   KeyframeId KnownReference(const MapPoint& point) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const LocalMapId local_map_;
+  const std::optional<RecordedCamera> recorded_camera_;
 
   mutable absl::Mutex mutex_;
   // What the store has been told.

@@ -312,5 +312,20 @@ TEST_F(RecordedMapTest, CameraGoesOnceBeforeItsFirstKeyframe) {
   EXPECT_EQ(recorder_.TakeBatch(map_, 9).cameras.size(), 0U);
 }
 
+TEST(RecordedCameraTest, GoesUpOnceWithItsCamera) {
+  RecordedCamera recorded;
+  recorded.lens.fx_px = 400;
+  recorded.lens.fy_px = 400;
+  UpdateRecorder recorder(kOwn, recorded);
+  Map map;
+  map.SetObserver(&recorder);
+  map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  const MapUpdateBatch first = recorder.TakeBatch(map, 10);
+  EXPECT_EQ(first.cameras.size(), 1u);
+  EXPECT_EQ(first.recorded_cameras, std::vector<RecordedCamera>{recorded});
+  map.AddKeyframe(MakeKeyframe({kOwn, 1}, {kOwn, 0}));
+  EXPECT_TRUE(recorder.TakeBatch(map, 10).recorded_cameras.empty());
+}
+
 }  // namespace
 }  // namespace corbslam

@@ -52,6 +52,7 @@ absl::StatusOr<StereoCalibration> ReadCalibration(const std::string& root, bool 
   StereoCalibration calibration;
   calibration.camera.close_depth_m = kCloseDepth_baselines * baseline_m;
   calibration.raw = raw;
+  calibration.body_from_raw_left = left.body_from_camera;
   return calibration;
 }
 

@@ -20,7 +20,9 @@ using map_store::MissionState;
 namespace {
 
 constexpr std::string_view kMagic = "CORBMISN";
-constexpr uint32_t kFormat = 4;
+// 4: states of format 3, otherwise the same.
+constexpr uint32_t kOldestFormat = 4;
+constexpr uint32_t kFormat = 5;
 constexpr size_t kHeaderBytes = kMagic.size() + sizeof(kFormat);
 constexpr size_t kSectionHeadBytes = 1 + sizeof(uint64_t);
 constexpr size_t kChecksumBytes = sizeof(uint32_t);
@@ -129,9 +131,9 @@ absl::StatusOr<bool> MissionRestorer::TakeHeader(std::string_view& rest) {
   if (rest.size() < kHeaderBytes) return false;
   uint32_t format = 0;
   std::memcpy(&format, rest.data() + kMagic.size(), sizeof(format));
-  if (format != kFormat) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("the backup has format ", format, ", this program reads ", kFormat));
+  if (format < kOldestFormat || format > kFormat) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "the backup has format ", format, ", this program reads ", kOldestFormat, " to ", kFormat));
   }
   rest.remove_prefix(kHeaderBytes);
   taken_ += kHeaderBytes;

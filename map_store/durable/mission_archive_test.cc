@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <rocksdb/db.h>
 
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -15,6 +16,7 @@
 #include "absl/time/clock.h"
 #include "map_store/durable/journal_keys.h"
 #include "map_store/durable/rocks_journal.h"
+#include "map_store/durable/state_archive.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
@@ -153,6 +155,44 @@ TEST_F(MissionArchiveTest, AMissionThatIsThereIsNotOverwritten) {
   EXPECT_EQ(DumpLocal("m", *store_), local);
   EXPECT_TRUE(absl::IsInvalidArgument(store_->RestoreMission("a/b", *Read(BackUp()))));
   EXPECT_TRUE(absl::IsNotFound(store_->BackUpMission("nowhere").status()));
+}
+
+// A state as programs before recorded cameras wrote it: another format, and nothing at the end.
+std::string AsFormat3(std::string state, const map_store::MissionState& of) {
+  const uint32_t format = 3;
+  std::memcpy(state.data(), &format, sizeof(format));
+  for (const auto& [id, local_map] : of.local_maps) {
+    // A size, and for each camera that nothing is there.
+    state.resize(state.size() - 8 - local_map.cameras.size());
+  }
+  return state;
+}
+
+TEST_F(MissionArchiveTest, RecordedCamerasGoAlong) {
+  auto state = *Read(BackUp());
+  RecordedCamera recorded;
+  recorded.lens = {400, 401, 320, 240, {-0.1, 0.01, 0, 0, 0.001}};
+  recorded.body_from_recorded = Rigid3d{Eigen::Quaterniond::Identity(), {1, 2, 3}};
+  state.local_maps.begin()->second.recorded_cameras = {recorded};
+  ASSERT_TRUE(store_->RestoreMission("copy", std::move(state)).ok());
+  MissionBackup backup = *store_->BackUpMission("copy");
+  std::string file;
+  for (std::string piece = backup.Next(1 << 20); !piece.empty(); piece = backup.Next(1 << 20)) {
+    file += piece;
+  }
+  const auto read = Read(file);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->local_maps.begin()->second.Recorded(), recorded);
+  EXPECT_FALSE(read->local_maps.rbegin()->second.Recorded().has_value());
+}
+
+TEST_F(MissionArchiveTest, AStateFromBeforeRecordedCamerasIsRead) {
+  const auto state = *Read(BackUp());
+  const auto read =
+      map_store::DecodeState(AsFormat3(map_store::EncodeState(state), state), nullptr);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->local_maps.size(), state.local_maps.size());
+  EXPECT_FALSE(read->local_maps.begin()->second.Recorded().has_value());
 }
 
 TEST_F(MissionArchiveTest, DamageIsFoundWhereverItIs) {

@@ -41,16 +41,17 @@ absl::Status RocksJournal::LoadMissions() {
     return absl::DataLossError(
         absl::StrCat("journal ", options_.directory, ": its format's number is damaged"));
   }
-  if (format != map_store::kJournalFormat) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("journal ", options_.directory, " has format ", format,
-                     ", this program reads ", map_store::kJournalFormat));
+  if (format < map_store::kOldestJournalFormat || format > map_store::kJournalFormat) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "journal ", options_.directory, " has format ", format, ", this program reads ",
+        map_store::kOldestJournalFormat, " to ", map_store::kJournalFormat));
   }
   ASSIGN_OR_RETURN(const std::vector<std::string> names, ListMissions());
   absl::MutexLock lock(&mutex_);
   for (const std::string& name : names) RETURN_IF_ERROR(LoadMission(name));
   synced_ = last_;
-  return absl::OkStatus();
+  // What is written from now on an older program would not understand.
+  return format == map_store::kJournalFormat ? absl::OkStatus() : WriteFormat();
 }
 
 absl::Status RocksJournal::LoadMission(const std::string& name) {

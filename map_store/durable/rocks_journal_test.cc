@@ -435,6 +435,31 @@ TEST_F(RocksJournalTest, ADeletedMissionStaysDeleted) {
   EXPECT_EQ(store->GetMission(kMission)->keyframes, 2u);
 }
 
+// What a program before recorded cameras left: format 5.
+TEST_F(RocksJournalTest, AnOlderFormatIsReadAndBecomesTheNewOne) {
+  const RocksJournalOptions options{.directory = Folder("store")};
+  const auto set_format = [&](const std::string& format) {
+    rocksdb::DB* raw = nullptr;
+    ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
+    const std::unique_ptr<rocksdb::DB> closing(raw);
+    std::string before;
+    ASSERT_TRUE(raw->Get({}, map_store::FormatKey(), &before).ok());
+    EXPECT_EQ(before, std::string("\x06\0\0\0", 4));
+    ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), format).ok());
+    ASSERT_TRUE(raw->Close().ok());
+  };
+  auto store = Open(options);
+  Send(MakeBatches(), 0, 6, store.get());
+  store.reset();
+  set_format(std::string("\x05\0\0\0", 4));
+  store = Open(options);
+  ASSERT_NE(store, nullptr);
+  EXPECT_EQ(store->GetMission(kMission)->keyframes, 6u);
+  store.reset();
+  set_format(std::string("\x04\0\0\0", 4));
+  EXPECT_EQ(TryOpen(options).status().code(), absl::StatusCode::kFailedPrecondition);
+}
+
 TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   const RocksJournalOptions options{.directory = Folder("store")};
   auto first = RocksJournal::Open(options);

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -68,7 +69,9 @@ void Fields(Archive& archive, T& agent) {
 
 namespace {
 
-constexpr uint32_t kStateFormat = 3;
+// 3: without recorded cameras, which follow everything else.
+constexpr uint32_t kOldestStateFormat = 3;
+constexpr uint32_t kStateFormat = 4;
 
 absl::Status Unreadable(absl::string_view what) {
   return absl::DataLossError(absl::StrCat(what, " can't be read: its bytes are damaged"));
@@ -202,6 +205,17 @@ absl::StatusOr<Features> LoadOrBlank(const FeatureLoader& load, KeyframeId id, u
   return blank;
 }
 
+absl::Status CheckRecordedCameras(const LocalMapState& local_map) {
+  if (local_map.recorded_cameras.size() > local_map.cameras.size()) {
+    return Unreadable(absl::StrCat("local map ", ToString(local_map.id)));
+  }
+  for (const std::optional<RecordedCamera>& recorded : local_map.recorded_cameras) {
+    const absl::Status valid = recorded.has_value() ? Validate(*recorded) : absl::OkStatus();
+    if (!valid.ok()) return absl::DataLossError(valid.message());
+  }
+  return absl::OkStatus();
+}
+
 // What DecodeState's order of reading is; the same both ways.
 template <typename Archive, typename State>
 void GlobalFields(Archive& archive, State& state) {
@@ -236,6 +250,8 @@ std::string EncodeRecord(const JournalRecord& record) {
   writer(record);
   if (const auto* update = std::get_if<BatchRecord>(&record)) {
     writer(CountKeypoints(update->batch->full_keyframes));
+    // Records of journals before format 6 end here.
+    writer(update->batch->recorded_cameras);
   }
   return writer.Take();
 }
@@ -246,11 +262,14 @@ absl::StatusOr<JournalRecord> DecodeRecord(std::string_view bytes, const Feature
   reader(record);
   auto* update = std::get_if<BatchRecord>(&record);
   std::vector<uint32_t> keypoints;
+  std::vector<RecordedCamera> recorded_cameras;
   if (update != nullptr && reader.ok()) reader(keypoints);
+  if (update != nullptr && reader.left() > 0) reader(recorded_cameras);
   if (!reader.done()) return Unreadable("a journal record");
   if (update == nullptr) return record;
   auto batch = std::make_shared<MapUpdateBatch>(*update->batch);
   if (keypoints.size() != batch->full_keyframes.size()) return Unreadable("a journal record");
+  batch->recorded_cameras = std::move(recorded_cameras);
   for (size_t i = 0; i < keypoints.size(); ++i) {
     auto payload = std::make_shared<KeyframePayload>(*batch->full_keyframes[i].payload);
     ASSIGN_OR_RETURN(payload->features, LoadOrBlank(load, payload->id, keypoints[i]));
@@ -270,6 +289,7 @@ std::string EncodeState(const MissionState& state) {
     const LocalMapState& local_map = *state.FindLocalMap(id);
     writer(local_map, ToStored(local_map.map));
   }
+  for (const LocalMapId& id : state.order) writer(state.FindLocalMap(id)->recorded_cameras);
   return writer.Take();
 }
 
@@ -287,7 +307,9 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
   ArchiveReader reader(bytes);
   uint32_t format = 0;
   reader(format);
-  if (!reader.ok() || format != kStateFormat) return Unreadable("a mission's snapshot");
+  if (!reader.ok() || format < kOldestStateFormat || format > kStateFormat) {
+    return Unreadable("a mission's snapshot");
+  }
   MissionState state;
   GlobalFields(reader, state);
   Landmarks::Sets landmarks;
@@ -302,6 +324,12 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
     if (!reader.ok() || local_map.id != id) return Unreadable("a mission's snapshot");
     RETURN_IF_ERROR(BuildMap(stored, load, &local_map));
     state.local_maps.emplace(id, std::move(local_map));
+  }
+  for (const LocalMapId& id : state.order) {
+    LocalMapState& local_map = *state.FindLocalMap(id);
+    if (format > kOldestStateFormat) reader(local_map.recorded_cameras);
+    RETURN_IF_ERROR(CheckRecordedCameras(local_map));
+    local_map.recorded_cameras.resize(local_map.cameras.size());
   }
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));

@@ -5,11 +5,13 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <type_traits>
 
 #include "absl/time/time.h"
 #include "map_store/durable/archive.h"
 #include "slam/camera/camera.h"
+#include "slam/camera/recorded_camera.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
 #include "slam/geometry/lie.h"
@@ -46,6 +48,25 @@ template <typename Archive, MayBeConst<Camera> T>
 void Fields(Archive& archive, T& camera) {
   archive(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px, camera.width_px, camera.height_px,
           camera.baseline_m, camera.close_depth_m);
+}
+template <typename Archive, MayBeConst<RecordedCamera> T>
+void Fields(Archive& archive, T& camera) {
+  archive(camera.lens.fx_px, camera.lens.fy_px, camera.lens.cx_px, camera.lens.cy_px,
+          camera.lens.distortion.k1, camera.lens.distortion.k2, camera.lens.distortion.p1,
+          camera.lens.distortion.p2, camera.lens.distortion.k3, camera.camera_from_recorded,
+          camera.body_from_recorded);
+}
+// One where it is there.
+template <typename Archive, typename T>
+requires(MayBeConst<T, std::optional<Rigid3d>> ||
+         MayBeConst<T, std::optional<RecordedCamera>>) void Fields(Archive& archive, T& value) {
+  bool is_there = value.has_value();
+  archive(is_there);
+  if constexpr (!std::is_const_v<T>) {
+    value.reset();
+    if (is_there) value.emplace();
+  }
+  if (is_there) archive(*value);
 }
 template <typename Archive, MayBeConst<Keypoint> T>
 void Fields(Archive& archive, T& keypoint) {

@@ -33,6 +33,11 @@ MapUpdateBatch MakeFirstBatch(LocalMapId local_map) {
   batch.local_map = local_map;
   batch.number = 1;
   batch.cameras = {std::make_shared<const Camera>(Camera{500, 500, 320, 240, 640, 480, 0.1, 4})};
+  if (local_map == kSmallMapA) {
+    batch.recorded_cameras = {{{400, 400, 322, 238, {-0.2, 0.05, 0, 0, 0}},
+                               {},
+                               Rigid3d{Eigen::Quaterniond::Identity(), {0.1, 0, 0}}}};
+  }
   for (uint32_t k = 0; k < kKeyframes; ++k) {
     batch.full_keyframes.push_back(MakeKeyframe(local_map, k));
     batch.tracked_frames.push_back({k, {local_map, k}, {}});

@@ -14,6 +14,7 @@
 #include "corbslam/v1/agent_service.grpc.pb.h"
 #include "services/agent_service/pose_board.h"
 #include "services/server/task_pool.h"
+#include "slam/camera/recorded_camera.h"
 #include "slam/exchange/uplink.h"
 
 namespace corbslam {
@@ -22,6 +23,8 @@ struct AgentServiceOptions {
   // Empty without a map store.
   std::string mission;
   std::string agent;
+  // What recorded the agent's pictures; nullopt: its own camera did.
+  std::optional<RecordedCamera> recorded_camera = std::nullopt;
 };
 
 // Thread-safe. `agent` and `uplink` (null: no map store) are not owned and must outlive it; the

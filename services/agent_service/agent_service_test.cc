@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -68,7 +69,16 @@ class AgentServiceTest : public ::testing::Test {
   }
 
   FakeAgent agent_;
-  AgentService service_{&agent_, nullptr, {.mission = "m", .agent = "alpha"}};
+  // Turned by 0.2 rad against the camera whose poses the agent knows; the body is 1 m above.
+  static RecordedCamera MakeRecorded() {
+    RecordedCamera recorded;
+    recorded.camera_from_recorded.rotation = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY());
+    recorded.body_from_recorded = Rigid3d{Eigen::Quaterniond::Identity(), {0, 1, 0}};
+    return recorded;
+  }
+
+  AgentService service_{
+      &agent_, nullptr, {.mission = "m", .agent = "alpha", .recorded_camera = MakeRecorded()}};
   std::unique_ptr<Server> server_;
   std::unique_ptr<v1::Agent::Stub> stub_;
 };
@@ -145,6 +155,54 @@ TEST_F(AgentServiceTest, AnImpossibleRateIsRefused) {
   const grpc::Status status = stream->Finish();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(status.error_message(), HasSubstr("max_rate_hz is -1"));
+}
+
+TEST_F(AgentServiceTest, PosesAreOfTheFrameThatIsWanted) {
+  Track(1000);
+  const auto first_pose = [&](v1::PosesOf poses_of) {
+    grpc::ClientContext context;
+    v1::WatchPoseRequest request;
+    request.set_poses_of(poses_of);
+    const auto stream = stub_->WatchPose(&context, request);
+    v1::WatchPoseResponse pose;
+    EXPECT_TRUE(stream->Read(&pose));
+    context.TryCancel();
+    stream->Finish();
+    return pose;
+  };
+  const v1::WatchPoseResponse rectified = first_pose(v1::POSES_OF_RECTIFIED_CAMERA);
+  EXPECT_EQ(rectified.local_from_camera().rotation_wxyz(0), 1);
+  const v1::WatchPoseResponse camera = first_pose(v1::POSES_OF_UNSPECIFIED);
+  EXPECT_EQ(camera.poses_of(), v1::POSES_OF_CAMERA);
+  EXPECT_NEAR(camera.local_from_camera().rotation_wxyz(0), std::cos(0.1), 1e-9);
+  EXPECT_EQ(camera.local_from_camera().translation(2), 2);
+  const v1::WatchPoseResponse body = first_pose(v1::POSES_OF_BODY);
+  EXPECT_EQ(body.poses_of(), v1::POSES_OF_BODY);
+  EXPECT_NEAR(body.local_from_camera().translation(1), -1, 1e-9);
+
+  grpc::ClientContext context;
+  v1::GetAgentTrajectoryRequest request;
+  request.set_poses_of(v1::POSES_OF_BODY);
+  const auto stream = stub_->GetTrajectory(&context, request);
+  v1::GetAgentTrajectoryResponse response;
+  ASSERT_TRUE(stream->Read(&response));
+  EXPECT_EQ(response.poses_of(), v1::POSES_OF_BODY);
+  EXPECT_NEAR(response.poses(0).frame_from_camera().translation(1), -1, 1e-9);
+  while (stream->Read(&response)) {
+  }
+  EXPECT_TRUE(stream->Finish().ok());
+}
+
+TEST_F(AgentServiceTest, AnUnknownFrameIsRefused) {
+  grpc::ClientContext context;
+  v1::WatchPoseRequest request;
+  request.set_poses_of(static_cast<v1::PosesOf>(7));
+  const auto stream = stub_->WatchPose(&context, request);
+  v1::WatchPoseResponse pose;
+  EXPECT_FALSE(stream->Read(&pose));
+  const grpc::Status status = stream->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("poses_of is 7"));
 }
 
 TEST_F(AgentServiceTest, StreamsItsTrajectory) {

@@ -19,9 +19,14 @@ constexpr double kMaxRate_hz = 1000;
 // Writes the newest pose whenever the one before is written. Owns itself.
 class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> {
  public:
-  // Frames nearer in the agent's own time than `interval_ns` are left out.
-  WatchPoseReactor(PoseBoard& board, int64_t interval_ns)
-      : board_(board), interval_ns_(interval_ns) {
+  // Frames nearer in the agent's own time than `interval_ns` are left out. `camera_from_wanted`
+  // makes the camera's poses those of `poses_of`; nullopt: they are.
+  WatchPoseReactor(PoseBoard& board, int64_t interval_ns, PosesOf poses_of,
+                   const std::optional<Rigid3d>& camera_from_wanted)
+      : board_(board),
+        interval_ns_(interval_ns),
+        poses_of_(poses_of),
+        camera_from_wanted_(camera_from_wanted) {
     const uint64_t token = board_.Add([this](const v1::WatchPoseResponse& pose) { OnPose(pose); });
     token_.store(token);
   }
@@ -53,9 +58,20 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
       // A sequence may be played backwards.
       const int64_t step_ns = std::abs(pose.timestamp_ns() - last_ns_.value_or(0));
       if (last_ns_ && step_ns < interval_ns_) return;
-      next_ = pose;
+      next_ = InWantedFrame(pose);
     }
     Advance();
+  }
+
+  v1::WatchPoseResponse InWantedFrame(v1::WatchPoseResponse pose) const {
+    pose.set_poses_of(ToProto(poses_of_));
+    if (!camera_from_wanted_ || !pose.has_local_from_camera()) return pose;
+    const absl::StatusOr<Rigid3d> local_from_camera = FromProto(pose.local_from_camera());
+    pose.clear_local_from_camera();
+    if (local_from_camera.ok()) {
+      ToProto(*local_from_camera * *camera_from_wanted_, pose.mutable_local_from_camera());
+    }
+    return pose;
   }
 
   void Advance() {
@@ -76,6 +92,8 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
 
   PoseBoard& board_;
   const int64_t interval_ns_;
+  const PosesOf poses_of_;
+  const std::optional<Rigid3d> camera_from_wanted_;
   std::atomic<uint64_t> token_{0};
   // Being written while writing_ is set.
   v1::WatchPoseResponse written_;
@@ -118,8 +136,12 @@ grpc::ServerWriteReactor<v1::WatchPoseResponse>* AgentService::WatchPose(
     return new RefusedPose(absl::InvalidArgumentError(
         absl::StrCat("max_rate_hz is ", rate_hz, ", must be 0 or in [0.1, 1000]")));
   }
+  const auto poses_of = FromProto(request->poses_of());
+  if (!poses_of.ok()) return new RefusedPose(poses_of.status());
+  const auto camera_from_wanted = CameraFromWanted(options_.recorded_camera, *poses_of);
+  if (!camera_from_wanted.ok()) return new RefusedPose(camera_from_wanted.status());
   const int64_t interval_ns = rate_hz == 0 ? 0 : static_cast<int64_t>(1e9 / rate_hz);
-  return new WatchPoseReactor(poses_, interval_ns);
+  return new WatchPoseReactor(poses_, interval_ns, *poses_of, *camera_from_wanted);
 }
 
 }  // namespace corbslam

@@ -12,6 +12,7 @@ namespace corbslam {
 namespace {
 
 constexpr int kCovarianceEntries = 28;
+constexpr int kDistortionCoefficients = 5;
 
 template <typename Field>
 absl::StatusOr<Eigen::Quaterniond> ReadRotation(const Field& wxyz) {
@@ -86,6 +87,35 @@ void ToProto(const Camera& camera, v1::Camera* proto) {
   proto->set_close_depth_m(camera.close_depth_m);
 }
 
+void ToProto(const RecordedCamera& recorded, v1::RecordedCamera* proto) {
+  const RawCamera& lens = recorded.lens;
+  proto->set_fx_px(lens.fx_px);
+  proto->set_fy_px(lens.fy_px);
+  proto->set_cx_px(lens.cx_px);
+  proto->set_cy_px(lens.cy_px);
+  if (!lens.distortion.IsZero()) {
+    const RadialTangential& d = lens.distortion;
+    for (const double coefficient : {d.k1, d.k2, d.p1, d.p2, d.k3}) {
+      proto->add_distortion(coefficient);
+    }
+  }
+  ToProto(recorded.camera_from_recorded, proto->mutable_camera_from_recorded());
+  if (!recorded.body_from_recorded.has_value()) return;
+  ToProto(*recorded.body_from_recorded, proto->mutable_body_from_recorded());
+}
+
+v1::PosesOf ToProto(PosesOf poses_of) {
+  switch (poses_of) {
+    case PosesOf::kRecordedCamera:
+      return v1::POSES_OF_CAMERA;
+    case PosesOf::kRectifiedCamera:
+      return v1::POSES_OF_RECTIFIED_CAMERA;
+    case PosesOf::kBody:
+      return v1::POSES_OF_BODY;
+  }
+  return v1::POSES_OF_UNSPECIFIED;
+}
+
 absl::StatusOr<Rigid3d> FromProto(const v1::Rigid& proto) {
   Rigid3d rigid;
   ASSIGN_OR_RETURN(rigid.rotation, ReadRotation(proto.rotation_wxyz()));
@@ -137,6 +167,34 @@ absl::StatusOr<Camera> FromProto(const v1::Camera& proto) {
   camera.close_depth_m = proto.close_depth_m();
   RETURN_IF_ERROR(Validate(camera));
   return camera;
+}
+
+absl::StatusOr<RecordedCamera> FromProto(const v1::RecordedCamera& proto) {
+  RecordedCamera recorded;
+  recorded.lens = {proto.fx_px(), proto.fy_px(), proto.cx_px(), proto.cy_px(), {}};
+  const auto& d = proto.distortion();
+  if (!d.empty() && d.size() != kDistortionCoefficients) {
+    return BadLength("distortion", d.size(), kDistortionCoefficients);
+  }
+  if (!d.empty()) recorded.lens.distortion = {d[0], d[1], d[2], d[3], d[4]};
+  if (proto.has_camera_from_recorded()) {
+    ASSIGN_OR_RETURN(recorded.camera_from_recorded, FromProto(proto.camera_from_recorded()));
+  }
+  if (proto.has_body_from_recorded()) {
+    ASSIGN_OR_RETURN(recorded.body_from_recorded, FromProto(proto.body_from_recorded()));
+  }
+  RETURN_IF_ERROR(Validate(recorded));
+  return recorded;
+}
+
+absl::StatusOr<PosesOf> FromProto(v1::PosesOf poses_of) {
+  if (poses_of == v1::POSES_OF_UNSPECIFIED) return PosesOf::kRecordedCamera;
+  for (const PosesOf known :
+       {PosesOf::kRecordedCamera, PosesOf::kRectifiedCamera, PosesOf::kBody}) {
+    if (poses_of == ToProto(known)) return known;
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("poses_of is ", static_cast<int>(poses_of), ", must be 0 to 3"));
 }
 
 }  // namespace corbslam

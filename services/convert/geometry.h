@@ -5,6 +5,7 @@
 #include "absl/status/statusor.h"
 #include "corbslam/v1/geometry.pb.h"
 #include "slam/camera/camera.h"
+#include "slam/camera/recorded_camera.h"
 #include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 
@@ -13,6 +14,8 @@ namespace corbslam {
 void ToProto(const Rigid3d& rigid, v1::Rigid* proto);
 void ToProto(const Similarity3d& similarity, v1::Similarity* proto);
 void ToProto(const Camera& camera, v1::Camera* proto);
+void ToProto(const RecordedCamera& recorded, v1::RecordedCamera* proto);
+v1::PosesOf ToProto(PosesOf poses_of);
 
 // The upper triangle, row by row; nothing for 0.
 void ToProto(const Matrix7d& covariance, google::protobuf::RepeatedField<double>* proto);
@@ -21,6 +24,9 @@ void ToProto(const Matrix7d& covariance, google::protobuf::RepeatedField<double>
 absl::StatusOr<Rigid3d> FromProto(const v1::Rigid& proto);
 absl::StatusOr<Similarity3d> FromProto(const v1::Similarity& proto);
 absl::StatusOr<Camera> FromProto(const v1::Camera& proto);
+absl::StatusOr<RecordedCamera> FromProto(const v1::RecordedCamera& proto);
+// Unspecified: the camera as recorded.
+absl::StatusOr<PosesOf> FromProto(v1::PosesOf poses_of);
 absl::StatusOr<Matrix7d> FromProto(const google::protobuf::RepeatedField<double>& covariance);
 
 // Finite and within kMaxCoordinate of 0.

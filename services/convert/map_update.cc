@@ -32,6 +32,9 @@ void WriteCameras(const MapUpdateBatch& batch, CameraBook& sent, v1::MapUpdateBa
     const auto index = batch.first_camera_index + static_cast<uint32_t>(i);
     sent.Add(batch.local_map, index, batch.cameras[i]).IgnoreError();
   }
+  for (const RecordedCamera& recorded : batch.recorded_cameras) {
+    ToProto(recorded, part.add_recorded_cameras());
+  }
   for (const FullKeyframe& keyframe : batch.full_keyframes) {
     const KeyframePayload& payload = *keyframe.payload;
     if (sent.Find(batch.local_map, payload.camera_index) != nullptr) continue;
@@ -138,6 +141,9 @@ absl::Status ReadCameras(const v1::MapUpdateBatch& proto, CameraBook& cameras,
     RETURN_IF_ERROR(cameras.Add(batch.local_map,
                                 batch.first_camera_index + static_cast<uint32_t>(i),
                                 batch.cameras.back()));
+  }
+  for (const v1::RecordedCamera& recorded : proto.recorded_cameras()) {
+    ASSIGN_OR_RETURN(batch.recorded_cameras.emplace_back(), FromProto(recorded));
   }
   for (const v1::IndexedCamera& known : proto.known_cameras()) {
     ASSIGN_OR_RETURN(const Camera camera, FromProto(known.camera()));
@@ -259,7 +265,8 @@ size_t CountItems(const v1::MapUpdateBatch& proto) {
                          proto.replacements().survivors().index_deltas_size();
   const int64_t keyframes = int64_t{proto.full_keyframes_size()} + proto.light_keyframes_size() +
                             proto.removed_keyframes_size() + proto.loop_edges_size() +
-                            proto.cameras_size() + proto.known_cameras_size();
+                            proto.cameras_size() + proto.known_cameras_size() +
+                            proto.recorded_cameras_size();
   const int64_t others = int64_t{proto.observations().points().index_deltas_size()} +
                          proto.tracked_frames().timestamp_deltas_ns_size() +
                          proto.lost_frame_deltas_ns_size();
@@ -269,6 +276,7 @@ size_t CountItems(const v1::MapUpdateBatch& proto) {
 void Append(MapUpdateBatch& batch, MapUpdateBatch& part) {
   if (batch.cameras.empty()) batch.first_camera_index = part.first_camera_index;
   AppendAll(batch.cameras, part.cameras);
+  AppendAll(batch.recorded_cameras, part.recorded_cameras);
   AppendAll(batch.full_keyframes, part.full_keyframes);
   AppendAll(batch.full_points, part.full_points);
   AppendAll(batch.light_keyframes, part.light_keyframes);

@@ -104,6 +104,7 @@ void ExpectSameBatch(const MapUpdateBatch& a, const MapUpdateBatch& b) {
   EXPECT_EQ(a.first_camera_index, b.first_camera_index);
   ASSERT_EQ(a.cameras.size(), b.cameras.size());
   for (size_t i = 0; i < a.cameras.size(); ++i) EXPECT_EQ(*a.cameras[i], *b.cameras[i]);
+  EXPECT_EQ(a.recorded_cameras, b.recorded_cameras);
   ExpectSameKeyframes(a, b);
   ExpectSamePoints(a, b);
   ExpectSameGraph(a, b);
@@ -112,6 +113,9 @@ void ExpectSameBatch(const MapUpdateBatch& a, const MapUpdateBatch& b) {
 
 MapUpdateBatch MakeFullBatch(std::mt19937& random) {
   MapUpdateBatch batch = MakeBatch(random, kMap, 1);
+  batch.recorded_cameras = {{{700, 701, 600, 180, {-0.3, 0.1, 0.001, -0.002, 0.01}},
+                             {test_data::MakeMotion(random).rotation, {}},
+                             test_data::MakeMotion(random)}};
   batch.replacements = {{{kMap, 1}, {kOtherMap, 17}}, {{kMap, 2}, {kMap, 3}}};
   batch.observations.push_back({ObservationChange::Kind::kAdded, {kOtherMap, 4000}, {kMap, 10}, 7});
   batch.removed_points = {{kMap, 9}, {kMap, 4}};
@@ -218,6 +222,20 @@ INSTANTIATE_TEST_SUITE_P(
         Malformed{"NegativeBaseline",
                   [](Batch& b) { b.mutable_cameras(0)->set_baseline_m(-1); }, kInvalid,
                   "camera.baseline_m is -1"},
+        Malformed{"BadRecordedCamera",
+                  [](Batch& b) { b.mutable_recorded_cameras(0)->set_fy_px(0); }, kInvalid,
+                  "recorded camera: fy_px is 0"},
+        Malformed{"HalfADistortion",
+                  [](Batch& b) {
+                    b.mutable_recorded_cameras(0)->mutable_distortion()->RemoveLast();
+                  },
+                  kInvalid, "distortion"},
+        Malformed{"RectificationThatMoves",
+                  [](Batch& b) {
+                    b.mutable_recorded_cameras(0)->mutable_camera_from_recorded()->set_translation(
+                        0, 1);
+                  },
+                  kInvalid, "camera_from_recorded"},
         Malformed{"UnknownCamera",
                   [](Batch& b) {
                     b.mutable_full_keyframes(0)->mutable_payload()->set_camera_index(3);

@@ -7,9 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/euroc_calibration.h"
 #include "client_agent/source/frame_reader.h"
-#include "slam/evaluation/trajectory_io.h"
 #include "slam/simulation/sequence/simulated_sequence.h"
 #include "slam/util/status_macros.h"
 
@@ -19,6 +17,7 @@ namespace {
 // One sequence: its truth and the time from which errors count again.
 struct Sequence {
   std::optional<Trajectory> truth;
+  std::vector<std::string> truth_notes;
   std::optional<int64_t> from_ns;  // None: it is shorter than that.
 };
 
@@ -43,7 +42,11 @@ std::string WorldOf(const SourceSpec& source) {
 
 absl::StatusOr<Sequence> ReadSequence(const SourceSpec& source, size_t from_frame) {
   Sequence sequence;
-  ASSIGN_OR_RETURN(sequence.truth, ReadGroundTruth(source));
+  ASSIGN_OR_RETURN(std::optional<GroundTruth> truth, ReadGroundTruth(source));
+  if (truth.has_value()) {
+    sequence.truth = std::move(truth->trajectory);
+    sequence.truth_notes = std::move(truth->notes);
+  }
   ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(source));
   if (from_frame < reader->frame_count()) sequence.from_ns = reader->timestamp_ns(from_frame);
   return sequence;
@@ -78,7 +81,8 @@ RobotAccuracy ComputeRobotAccuracy(const RobotPaths& robot, const Sequence& sequ
   RobotAccuracy accuracy;
   accuracy.ate_m = AteOf(estimate, sequence, alignment);
   accuracy.ate_global_m = AteOf(global, sequence, alignment);
-  accuracy.relative = ComputeRelativeError(AssociateByTime(estimate, *sequence.truth));
+  accuracy.relative =
+      ComputeRelativeError(AssociateByTime(estimate, *sequence.truth), *sequence.truth);
   if (sequence.from_ns.has_value()) {
     accuracy.ate_from_frame_m = AteOf(KeepFrom(estimate, *sequence.from_ns), sequence, alignment);
   }
@@ -113,7 +117,7 @@ std::optional<RelativeError> FusedRelativeError(const std::vector<RobotPaths>& r
       if (KeyOf(robot.source) == key) parts.push_back(ToTrajectory(robot.global));
     }
     const std::optional<RelativeError> error =
-        ComputeRelativeError(AssociateByTime(MergeByTime(parts), *sequence.truth));
+        ComputeRelativeError(AssociateByTime(MergeByTime(parts), *sequence.truth), *sequence.truth);
     if (!error.has_value()) continue;
     sum.translation_percent += error->segments * error->translation_percent;
     sum.rotation_deg_per_100m += error->segments * error->rotation_deg_per_100m;
@@ -175,40 +179,14 @@ FusedAccuracy ComputeFusedAccuracy(const std::vector<RobotPaths>& robots,
 
 }  // namespace
 
-absl::StatusOr<std::optional<Trajectory>> ReadGroundTruth(const SourceSpec& source) {
-  const std::string& directory = source.directory;
-  absl::StatusOr<Trajectory> truth;
-  switch (source.layout) {
-    case SourceLayout::kKitti:
-      truth = ReadKittiTrajectory(directory + "/poses.txt", directory + "/times.txt");
-      break;
-    case SourceLayout::kTum:
-      truth = ReadTumTrajectory(directory + "/groundtruth.txt");
-      break;
-    case SourceLayout::kEuroc: {
-      const std::string root = EurocRoot(directory);
-      ASSIGN_OR_RETURN(const EurocCamera camera, ReadEurocCamera(root + "/cam0/sensor.yaml"));
-      truth = ReadEurocTrajectory(root + "/state_groundtruth_estimate0/data.csv",
-                                  camera.body_from_camera);
-      break;
-    }
-    case SourceLayout::kSevenScenes:
-      return std::nullopt;
-    case SourceLayout::kSim: {
-      ASSIGN_OR_RETURN(const std::unique_ptr<SimulatedSequence> sequence,
-                       SimulatedSequence::Make(source.simulation));
-      return TrueTrajectory(*sequence);
-    }
-  }
-  if (absl::IsNotFound(truth.status())) return std::nullopt;
-  RETURN_IF_ERROR(truth.status());
-  return *std::move(truth);
-}
-
 absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,
                                          Alignment alignment) {
   ASSIGN_OR_RETURN(const Sequences sequences, ReadSequences(robots, from_frame));
   Accuracy accuracy;
+  for (const auto& [key, sequence] : sequences) {
+    accuracy.truth_notes.insert(accuracy.truth_notes.end(), sequence.truth_notes.begin(),
+                                sequence.truth_notes.end());
+  }
   for (const RobotPaths& robot : robots) {
     accuracy.robots.push_back(
         ComputeRobotAccuracy(robot, sequences.at(KeyOf(robot.source)), alignment));

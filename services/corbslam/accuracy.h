@@ -1,5 +1,4 @@
-// Holds what the store serves against the truth. Nothing else under `corbslam run` opens ground
-// truth.
+// Holds what the store serves against the truth.
 #ifndef CORBSLAM_SERVICES_CORBSLAM_ACCURACY_H_
 #define CORBSLAM_SERVICES_CORBSLAM_ACCURACY_H_
 
@@ -9,16 +8,14 @@
 
 #include "absl/status/statusor.h"
 #include "client_agent/source/source_spec.h"
+#include "services/corbslam/ground_truth.h"
 #include "services/corbslam/served_mission.h"
 #include "slam/evaluation/trajectory.h"
 #include "slam/evaluation/trajectory_error.h"
 
 namespace corbslam {
 
-// The truth that lies beside a recorded sequence: poses.txt, groundtruth.txt or
-// state_groundtruth_estimate0; nullopt where there is none. A simulation's is where its camera is.
-absl::StatusOr<std::optional<Trajectory>> ReadGroundTruth(const SourceSpec& source);
-
+// Poses are of the camera as recorded, as the truth's are.
 struct RobotPaths {
   std::string name;
   SourceSpec source;
@@ -55,6 +52,8 @@ struct FusedAccuracy {
 struct Accuracy {
   std::vector<RobotAccuracy> robots;  // In the order of the paths.
   FusedAccuracy fused;
+  // What was left out of the truths, a sentence each (GroundTruth::notes).
+  std::vector<std::string> truth_notes;
 };
 
 // `from_frame` is a frame's number in its sequence.

@@ -168,9 +168,9 @@ RobotPaths MakePerfectRobot(const std::string& text) {
   const Rigid3d other_from_world{Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), {1, 2, 3}};
   RobotPaths robot;
   robot.source = *ParseSourceSpec(text);
-  const std::optional<Trajectory> truth = *ReadGroundTruth(robot.source);
-  for (const size_t frame : FramesOf(robot.source, truth->size())) {
-    const StampedPose& pose = (*truth)[frame];
+  const Trajectory truth = (*ReadGroundTruth(robot.source))->trajectory;
+  for (const size_t frame : FramesOf(robot.source, truth.size())) {
+    const StampedPose& pose = truth[frame];
     robot.local.push_back(
         {pose.timestamp_ns, other_from_world * pose.world_from_camera, "missions/m/localMaps/1"});
   }

@@ -1,81 +1,36 @@
 #include <cstdio>
 #include <limits>
+#include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/durable/mission_archive.h"
 #include "services/convert/resource_names.h"
+#include "services/corbslam/export_trajectories.h"
 #include "services/corbslam/mission_admin.h"
 #include "services/corbslam/mission_arguments.h"
 #include "services/corbslam/mission_summary.h"
 #include "services/corbslam/store_reader.h"
 #include "services/mission_export/colmap_model.h"
-#include "services/mission_export/euroc_file.h"
 #include "services/mission_export/ply_file.h"
-#include "slam/evaluation/trajectory_io.h"
-#include "slam/util/folders.h"
+#include "slam/camera/recorded_camera.h"
+#include "slam/evaluation/pose_header.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
 namespace corbslam {
 namespace {
 
-absl::Status WriteTimes(const Trajectory& trajectory, const std::string& path) {
-  std::vector<std::string> lines;
-  for (const StampedPose& pose : trajectory) lines.push_back(FormatSeconds(pose.timestamp_ns));
-  return WriteLines(lines, path);
-}
-
-absl::Status WriteTrajectory(const Trajectory& trajectory, const std::string& format,
-                             const std::string& path) {
-  if (format == "tum") return WriteTumTrajectory(trajectory, path);
-  if (format == "euroc") return WriteEurocTrajectory(trajectory, path);
-  RETURN_IF_ERROR(WriteKittiTrajectory(trajectory, path));
-  return WriteTimes(trajectory, path + ".times");
-}
-
-absl::Status ExportTrajectory(const MissionArguments& arguments, StoreReader& store,
-                              const std::string& agent, const std::string& path) {
-  ASSIGN_OR_RETURN(const ServedTrajectory served,
-                   store.ReadTrajectory(agent, v1::TRAJECTORY_FRAME_GLOBAL));
-  if (served.empty() && !arguments.agent.empty()) {
-    return absl::NotFoundError(
-        absl::StrCat("robot ", agent, ": nothing of it is connected to the global frame"));
-  }
-  if (served.empty()) {
-    std::printf("%s: nothing of it is connected to the global frame\n", agent.c_str());
-    return absl::OkStatus();
-  }
-  RETURN_IF_ERROR(WriteTrajectory(ToTrajectory(served), arguments.format, path));
-  std::printf("%s: %zu poses of %s\n", path.c_str(), served.size(), agent.c_str());
-  return absl::OkStatus();
-}
-
-// One robot's into the file, or everybody's into files of a folder.
-absl::Status ExportTrajectories(const MissionArguments& arguments,
-                                const std::shared_ptr<grpc::Channel>& channel) {
-  StoreReader store(channel, arguments.mission);
-  if (!arguments.agent.empty()) {
-    RETURN_IF_ERROR(CheckNameSegment("--agent", arguments.agent));
-    return ExportTrajectory(arguments, store, arguments.agent, arguments.file);
-  }
-  ASSIGN_OR_RETURN(const auto agents, ReadAgents(channel, arguments.mission));
-  RETURN_IF_ERROR(MakeFolder(arguments.file));
-  const std::string ending = arguments.format == "euroc" ? ".csv" : ".txt";
-  for (const v1::MissionAgent& agent : agents) {
-    const std::string name = LastSegment(agent.name());
-    RETURN_IF_ERROR(
-        ExportTrajectory(arguments, store, name, absl::StrCat(arguments.file, "/", name, ending)));
-  }
-  return absl::OkStatus();
-}
-
 absl::Status ExportPoints(const MissionArguments& arguments,
                           const std::shared_ptr<grpc::Channel>& channel) {
   ASSIGN_OR_RETURN(const auto agents, ReadAgents(channel, arguments.mission));
   std::set<std::string> names;
   for (const v1::MissionAgent& agent : agents) names.insert(LastSegment(agent.name()));
+  if (!arguments.poses_of.empty()) {
+    return absl::InvalidArgumentError("--poses-of: a PLY file holds points and no poses");
+  }
   if (!arguments.agent.empty() && !names.contains(arguments.agent)) {
     return absl::NotFoundError(
         absl::StrCat("mission ", arguments.mission, " has no robot ", arguments.agent));
@@ -97,6 +52,11 @@ absl::Status ExportPoints(const MissionArguments& arguments,
     std::printf("%s\n", comments.back().c_str());
   }
   RETURN_IF_ERROR(WritePly(points, comments, arguments.file));
+  RETURN_IF_ERROR(WriteLines(
+      {absl::StrCat("Landmarks of mission ", arguments.mission,
+                    ", coloured by the robot that made them (the PLY's comments say which),"),
+       "in the mission's global frame, that of its first local map; metres."},
+      arguments.file + ".README.md"));
   std::printf("%s: %zu points\n", arguments.file.c_str(), points.size());
   return absl::OkStatus();
 }
@@ -116,16 +76,50 @@ absl::StatusOr<map_store::MissionState> ReadState(const MissionArguments& argume
   return restorer.Finish();
 }
 
+absl::Status WriteColmapReadme(const std::string& mission, const ColmapSource& source,
+                               const std::string& folder) {
+  return WriteLines(
+      {absl::StrCat("Mission ", mission,
+                    " as COLMAP's text model: ", PoseHeaderLine(source.poses_of), ","),
+       "in the mission's global frame, that of its first local map; metres.",
+       source.poses_of == PosesOf::kRecordedCamera
+           ? "Pictures are the recorded left ones, cameras have their distortion: link each robot's"
+           : "Pictures are the left ones undistorted and rectified, which nobody wrote: link each",
+       "to images/ROBOT/NANOSECONDS.png, called after its time. ROBOT+2 holds pictures of times "
+       "that",
+       "ROBOT has already: the robot was started again and saw the same recording."},
+      folder + "/README.md");
+}
+
+ColmapSource MakeColmapSource(const map_store::MissionState& state, PosesOf poses_of) {
+  ColmapSource source;
+  source.poses_of = poses_of;
+  for (const auto& [id, local_map] : state.local_maps) {
+    source.robots[id] = local_map.agent;
+    for (size_t i = 0; i < local_map.cameras.size(); ++i) {
+      const std::optional<RecordedCamera> recorded = local_map.Recorded(i);
+      if (recorded.has_value()) source.recorded[{id, static_cast<uint32_t>(i)}] = *recorded;
+    }
+  }
+  return source;
+}
+
 absl::Status ExportColmap(const MissionArguments& arguments,
                           const std::shared_ptr<grpc::Channel>& channel) {
   if (!arguments.agent.empty()) {
     return absl::InvalidArgumentError("--agent: a COLMAP model is of all robots");
   }
+  ASSIGN_OR_RETURN(const PosesOf poses_of,
+                   ParsePosesOf(arguments.poses_of.empty() ? "camera" : arguments.poses_of));
+  if (poses_of == PosesOf::kBody) {
+    return absl::InvalidArgumentError(
+        "--poses-of body: a COLMAP model's poses are those of its pictures' camera");
+  }
   ASSIGN_OR_RETURN(const map_store::MissionState state, ReadState(arguments, channel));
   ASSIGN_OR_RETURN(const Map map, GlobalMapOf(state));
-  std::map<LocalMapId, std::string> robots;
-  for (const auto& [id, local_map] : state.local_maps) robots[id] = local_map.agent;
-  ASSIGN_OR_RETURN(const ColmapCounts counts, WriteColmapModel(map, robots, arguments.file));
+  const ColmapSource source = MakeColmapSource(state, poses_of);
+  ASSIGN_OR_RETURN(const ColmapCounts counts, WriteColmapModel(map, source, arguments.file));
+  RETURN_IF_ERROR(WriteColmapReadme(arguments.mission, source, arguments.file));
   std::printf("%s: %zu cameras, %zu images, %zu points, %zu observations\n", arguments.file.c_str(),
               counts.cameras, counts.images, counts.points, counts.observations);
   return absl::OkStatus();
@@ -164,6 +158,11 @@ void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>&
                    "File to write; a folder for colmap, and for trajectories without --agent")
       ->required();
   action->add_option("--agent", arguments->agent, "Only this robot's");
+  action
+      ->add_option("--poses-of", arguments->poses_of,
+                   "camera (as recorded; of a stereo pair the left one, the default), rectified "
+                   "(the rectified camera) or body (where the robots know it)")
+      ->check(CLI::IsMember({"camera", "rectified", "body"}));
 }
 
 }  // namespace corbslam

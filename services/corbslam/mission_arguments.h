@@ -26,6 +26,7 @@ struct MissionArguments {
   // Of `export`.
   std::string format;
   std::string agent;
+  std::string poses_of;  // Empty: not said.
 };
 
 // A channel to the store that the flags name.

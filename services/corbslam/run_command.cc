@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -15,11 +16,12 @@
 #include "services/command_line/command_line.h"
 #include "services/convert/resource_names.h"
 #include "services/corbslam/commands.h"
+#include "services/corbslam/ground_truth.h"
 #include "services/corbslam/mission_run.h"
 #include "services/corbslam/picture.h"
+#include "services/corbslam/trajectory_files.h"
 #include "services/programs/inspected_source.h"
 #include "services/security/flags.h"
-#include "slam/evaluation/trajectory_io.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -95,8 +97,10 @@ void ShowOnTerminal(const Progress& progress) {
 absl::Status WriteTrajectories(const MissionOutcome& outcome, const std::string& folder) {
   for (const RobotPaths& paths : outcome.paths) {
     const std::string stem = absl::StrCat(folder, "/", paths.name);
-    RETURN_IF_ERROR(WriteTumTrajectory(ToTrajectory(paths.local), stem + ".local.tum"));
-    RETURN_IF_ERROR(WriteTumTrajectory(ToTrajectory(paths.global), stem + ".global.tum"));
+    RETURN_IF_ERROR(WriteTumFiles(OwnFiles(PartsOf(paths.local)), PosesOf::kRecordedCamera,
+                                  "in the frame of the local map", stem + ".local.tum"));
+    RETURN_IF_ERROR(WriteTumFiles(ShareFiles(PartsOf(paths.global)), PosesOf::kRecordedCamera,
+                                  "in the mission's global frame", stem + ".global.tum"));
   }
   return absl::OkStatus();
 }
@@ -158,7 +162,9 @@ absl::Status CheckSecurity(const MissionRunOptions& mission) {
 
 // Says what each source is, and what can be known to be wrong before the robots spend hours:
 // sources that can't be opened and ground truth that can't be read.
-absl::Status CheckSources(const std::vector<RobotPlan>& robots, bool strict) {
+absl::StatusOr<std::vector<ReportWarning>> CheckSources(const std::vector<RobotPlan>& robots,
+                                                        bool strict) {
+  std::vector<ReportWarning> warnings;
   std::set<std::string> seen;
   for (const RobotPlan& robot : robots) {
     SourceSpec whole = robot.source;
@@ -166,11 +172,15 @@ absl::Status CheckSources(const std::vector<RobotPlan>& robots, bool strict) {
     if (!seen.insert(FormatSourceSpec(whole)).second) continue;
     ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(whole));
     RETURN_IF_ERROR(JudgeFindings(reader->description().remarks.findings, strict));
-    RETURN_IF_ERROR(ReadGroundTruth(whole).status());
+    ASSIGN_OR_RETURN(const std::optional<GroundTruth> truth, ReadGroundTruth(whole));
+    if (truth.has_value()) {
+      for (const std::string& note : truth->notes) warnings.push_back({"", "ground-truth", note});
+    }
     std::printf("%s\n%s\n", FormatSourceSpec(whole).c_str(),
                 FormatDescription(reader->description()).c_str());
   }
-  return absl::OkStatus();
+  if (!strict || warnings.empty()) return warnings;
+  return absl::InvalidArgumentError(warnings.front().text);
 }
 
 // The report is written; that a robot failed is not forgotten.
@@ -189,7 +199,8 @@ absl::Status Run(RunArguments arguments) {
   ASSIGN_OR_RETURN(arguments.mission.robots, Plan(arguments));
   const std::vector<std::string> names = NamesOf(arguments.mission.robots);
   ASSIGN_OR_RETURN(arguments.own, ChooseOwn(arguments.own, names));
-  RETURN_IF_ERROR(CheckSources(arguments.mission.robots, arguments.mission.strict));
+  ASSIGN_OR_RETURN(std::vector<ReportWarning> warnings,
+                   CheckSources(arguments.mission.robots, arguments.mission.strict));
   arguments.mission.log_folder = arguments.out + "/logs";
   RETURN_IF_ERROR(MakeFolder(arguments.mission.log_folder));
   SayStart(arguments, names);
@@ -201,6 +212,7 @@ absl::Status Run(RunArguments arguments) {
   if (is_terminal) std::fprintf(stderr, "\r%-78s\r", "");
   RETURN_IF_ERROR(outcome.status());
   RunReport& report = outcome->report;
+  report.warnings = std::move(warnings);
   report.mission = arguments.mission.mission;
   report.pace = arguments.mission.pace;
   report.from_frame = arguments.from_frame;

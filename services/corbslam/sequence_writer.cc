@@ -109,9 +109,9 @@ absl::StatusOr<size_t> WriteSequence(const SourceSpec& source,
   drawn.simulation.threads = 1;
   ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(drawn));
   const std::vector<size_t> frames = FramesOf(drawn, reader->frame_count());
-  ASSIGN_OR_RETURN(const std::optional<Trajectory> truth, ReadGroundTruth(drawn));
+  ASSIGN_OR_RETURN(const std::optional<GroundTruth> truth, ReadGroundTruth(drawn));
   Trajectory written;
-  for (const size_t frame : frames) written.push_back((*truth)[frame]);
+  for (const size_t frame : frames) written.push_back(truth->trajectory[frame]);
   RETURN_IF_ERROR(MakeLayoutFolders(options.layout, options.folder));
   RETURN_IF_ERROR(WriteLayoutFiles(options.layout, options.folder, reader->calibration(), written));
   RETURN_IF_ERROR(FrameWriter(drawn, options, *reader, frames).WriteAll());

@@ -74,7 +74,7 @@ TEST_P(LayoutTest, IsReadBackAsItWasDrawn) {
   const auto read_truth = ReadGroundTruth(read_spec);
   ASSERT_TRUE(read_truth.ok() && read_truth->has_value()) << read_truth.status();
   ASSERT_EQ((*read)->frame_count(), 6u);
-  ASSERT_EQ((*read_truth)->size(), 6u);
+  ASSERT_EQ((*read_truth)->trajectory.size(), 6u);
   for (size_t i = 0; i < 6; ++i) {
     const absl::StatusOr<SensorImages> one = ReadPerturbed(**drawn, i + 4, drawn_spec.perturbation);
     const absl::StatusOr<SensorImages> other = (*read)->Read(i);
@@ -83,8 +83,8 @@ TEST_P(LayoutTest, IsReadBackAsItWasDrawn) {
     EXPECT_EQ(Difference(one->grey, other->grey), 0);
     EXPECT_EQ(Difference(one->right, other->right), 0);
     EXPECT_EQ(Difference(one->depth, other->depth), 0);
-    const StampedPose& was = (**drawn_truth)[i + 4];
-    const StampedPose& is = (**read_truth)[i];
+    const StampedPose& was = (*drawn_truth)->trajectory[i + 4];
+    const StampedPose& is = (*read_truth)->trajectory[i];
     EXPECT_EQ(is.timestamp_ns, was.timestamp_ns);
     EXPECT_LT((is.world_from_camera.translation - was.world_from_camera.translation).norm(), 1e-6);
     EXPECT_LT(

@@ -132,22 +132,31 @@ absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames
 }
 
 absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& agent,
-                                                             v1::TrajectoryFrame frame) {
+                                                             v1::TrajectoryFrame frame,
+                                                             PosesOf poses_of) {
   grpc::ClientContext context;
   WaitForStream(context);
   v1::GetTrajectoryRequest request;
   request.set_name(AgentName(mission_, agent));
   request.set_frame(frame);
+  request.set_poses_of(ToProto(poses_of));
   ServedTrajectory trajectory;
   const auto reader = stub_->GetTrajectory(&context, request);
   v1::GetTrajectoryResponse response;
+  bool is_wanted = true;
   while (reader->Read(&response)) {
+    is_wanted = is_wanted && response.poses_of() == request.poses_of();
     for (const v1::TrajectoryPose& pose : response.poses()) {
       ASSIGN_OR_RETURN(const Rigid3d frame_from_camera, FromProto(pose.frame_from_camera()));
       trajectory.push_back({pose.timestamp_ns(), frame_from_camera, pose.local_map()});
     }
   }
   RETURN_IF_ERROR(ToStatus(reader->Finish(), absl::StrCat("GetTrajectory of ", agent)));
+  if (!is_wanted && poses_of != PosesOf::kRectifiedCamera) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("the map store is older than this program and gives poses of ",
+                     Describe(PosesOf::kRectifiedCamera), " only, not of ", Describe(poses_of)));
+  }
   return trajectory;
 }
 

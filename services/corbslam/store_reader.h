@@ -15,6 +15,7 @@
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "services/corbslam/report.h"
 #include "services/corbslam/served_mission.h"
+#include "slam/camera/recorded_camera.h"
 
 namespace corbslam {
 
@@ -35,8 +36,10 @@ class StoreReader {
   // Frames that the agents reported so far, tracked or lost, by agent; empty before the first.
   absl::StatusOr<std::map<std::string, uint64_t>> CountReportedFrames();
 
+  // FAILED_PRECONDITION: the store doesn't know the frame that `poses_of` wants.
   absl::StatusOr<ServedTrajectory> ReadTrajectory(const std::string& agent,
-                                                  v1::TrajectoryFrame frame);
+                                                  v1::TrajectoryFrame frame,
+                                                  PosesOf poses_of = PosesOf::kRecordedCamera);
   // The island in the global frame.
   absl::StatusOr<ServedMap> ReadGlobalMap();
 

@@ -18,6 +18,7 @@ constexpr size_t kPosesPerMessage = 1000;
 struct Walk {
   std::string mission;
   bool global = false;
+  v1::PosesOf poses_of = v1::POSES_OF_UNSPECIFIED;
   uint64_t revision = 0;
   std::vector<AgentTrajectory> trajectories;
   size_t agent = 0;
@@ -46,6 +47,7 @@ void ToProto(const Walk& walk, const std::string& agent, const Pose& pose,
 bool FillNext(Walk& walk, v1::GetTrajectoryResponse& response) {
   if (walk.AtEnd()) return false;
   response.set_revision(walk.revision);
+  response.set_poses_of(walk.poses_of);
   while (!walk.AtEnd() && static_cast<size_t>(response.poses_size()) < kPosesPerMessage) {
     const AgentTrajectory& trajectory = walk.trajectories[walk.agent];
     ToProto(walk, trajectory.agent, trajectory.poses[walk.pose++], response.add_poses());
@@ -70,13 +72,15 @@ grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* MapStoreService::GetTraject
       [this, request = *request]() -> absl::StatusOr<Reactor::Next> {
         ASSIGN_OR_RETURN(const AgentPath path, ParseAgentName(request.name(), /*may_be_all=*/true));
         ASSIGN_OR_RETURN(const TrajectoryFrame frame, ReadFrame(request.frame()));
+        ASSIGN_OR_RETURN(const PosesOf poses_of, FromProto(request.poses_of()));
         auto walk = std::make_shared<Walk>();
+        walk->poses_of = ToProto(poses_of);
         walk->mission = path.mission;
         walk->global = frame == TrajectoryFrame::kGlobal;
         ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(path.mission));
         walk->revision = info.revision;
         ASSIGN_OR_RETURN(walk->trajectories, store_.GetTrajectory(path.mission, path.agent, frame,
-                                                                  request.all_islands()));
+                                                                  request.all_islands(), poses_of));
         return [walk](v1::GetTrajectoryResponse& response) { return FillNext(*walk, response); };
       });
 }

@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "map_store/island_view.h"
 #include "services/mission_export/robot_colours.h"
+#include "slam/evaluation/pose_header.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -41,37 +42,69 @@ Numbers NumberAll(const Map& map) {
   return numbers;
 }
 
-std::string Name(const std::map<LocalMapId, std::string>& robots, LocalMapId local_map) {
-  const auto it = robots.find(local_map);
-  return it == robots.end() ? ToString(local_map) : it->second;
+std::string RobotOf(const ColmapSource& source, LocalMapId local_map) {
+  const auto it = source.robots.find(local_map);
+  return it == source.robots.end() ? ToString(local_map) : it->second;
 }
 
-absl::Status WriteCameras(const Map& map, const Numbers& numbers, const std::string& path) {
-  std::vector<std::string> lines = {"# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY"};
+// What recorded the keyframe's picture; its own camera where the recorded one isn't known or
+// wanted.
+RecordedCamera RecordedOf(const ColmapSource& source, const Keyframe& keyframe) {
+  const auto it = source.recorded.find(CameraKey(keyframe));
+  const bool is_wanted = source.poses_of == PosesOf::kRecordedCamera;
+  return it != source.recorded.end() && is_wanted ? it->second : AsRecorded(keyframe.camera());
+}
+
+// PINHOLE, or COLMAP's two models of OpenCV's distortion.
+std::string CameraLine(size_t number, const Camera& camera, const RawCamera& lens) {
+  const RadialTangential& d = lens.distortion;
+  const char* const model = d.IsZero() ? "PINHOLE" : d.k3 == 0 ? "OPENCV" : "FULL_OPENCV";
+  std::string line = absl::StrFormat("%d %s %d %d %.9g %.9g %.9g %.9g", number, model,
+                                     camera.width_px, camera.height_px, lens.fx_px, lens.fy_px,
+                                     lens.cx_px + kHalfPixel, lens.cy_px + kHalfPixel);
+  if (!d.IsZero()) absl::StrAppendFormat(&line, " %.9g %.9g %.9g %.9g", d.k1, d.k2, d.p1, d.p2);
+  if (d.k3 != 0) absl::StrAppendFormat(&line, " %.9g 0 0 0", d.k3);
+  return line;
+}
+
+absl::Status WriteCameras(const Map& map, const Numbers& numbers, const ColmapSource& source,
+                          const std::string& path) {
+  std::vector<std::string> lines = {"# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY (K1 K2 P1 P2 ...)"};
   std::set<size_t> written;
   for (const auto& [id, keyframe] : map.keyframes()) {
     const size_t number = numbers.cameras.at(CameraKey(keyframe));
     if (!written.insert(number).second) continue;
-    const Camera& camera = keyframe.camera();
-    lines.push_back(absl::StrFormat("%d PINHOLE %d %d %.9g %.9g %.9g %.9g", number, camera.width_px,
-                                    camera.height_px, camera.fx_px, camera.fy_px,
-                                    camera.cx_px + kHalfPixel, camera.cy_px + kHalfPixel));
+    lines.push_back(CameraLine(number, keyframe.camera(), RecordedOf(source, keyframe).lens));
   }
   return WriteLines(lines, path);
 }
 
+// Gives each picture a name of its own.
+class PictureNames {
+ public:
+  std::string Take(const std::string& robot, int64_t timestamp_ns) {
+    const size_t number = ++used_[{robot, timestamp_ns}];
+    const std::string suffix = number == 1 ? "" : absl::StrCat("+", number);
+    return absl::StrCat(robot, suffix, "/", timestamp_ns, ".png");
+  }
+
+ private:
+  std::map<std::pair<std::string, int64_t>, size_t> used_;
+};
+
 // The line of its pose, then that of its keypoints.
-void AddImage(const Keyframe& keyframe, const Numbers& numbers, const std::string& robot,
-              std::vector<std::string>& lines) {
-  const Eigen::Quaterniond& q = keyframe.camera_from_map.rotation;
-  const Eigen::Vector3d& t = keyframe.camera_from_map.translation;
-  lines.push_back(absl::StrFormat("%d %.12g %.12g %.12g %.12g %.9g %.9g %.9g %d %s/%d.png",
-                                  numbers.images.at(keyframe.id()), q.w(), q.x(), q.y(), q.z(),
-                                  t.x(), t.y(), t.z(), numbers.cameras.at(CameraKey(keyframe)),
-                                  robot, keyframe.payload->timestamp_ns));
+void AddImage(const Keyframe& keyframe, const Numbers& numbers, const RecordedCamera& recorded,
+              const std::string& name, std::vector<std::string>& lines) {
+  const Rigid3d pose = recorded.camera_from_recorded.Inverse() * keyframe.camera_from_map;
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& t = pose.translation;
+  lines.push_back(absl::StrFormat(
+      "%d %.12g %.12g %.12g %.12g %.9g %.9g %.9g %d %s", numbers.images.at(keyframe.id()), q.w(),
+      q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), numbers.cameras.at(CameraKey(keyframe)), name));
   std::string& keypoints = lines.emplace_back();
   for (size_t i = 0; i < keyframe.keypoints().size(); ++i) {
-    const Eigen::Vector2d pixel = keyframe.keypoints()[i].Pixel();
+    const Eigen::Vector2d pixel =
+        RecordedPixel(keyframe.camera(), recorded, keyframe.keypoints()[i].Pixel());
     const auto point = numbers.points.find(keyframe.points[i]);
     absl::StrAppendFormat(&keypoints, "%s%.3f %.3f ", keypoints.empty() ? "" : " ",
                           pixel.x() + kHalfPixel, pixel.y() + kHalfPixel);
@@ -79,12 +112,16 @@ void AddImage(const Keyframe& keyframe, const Numbers& numbers, const std::strin
   }
 }
 
-absl::Status WriteImages(const Map& map, const Numbers& numbers,
-                         const std::map<LocalMapId, std::string>& robots, const std::string& path) {
-  std::vector<std::string> lines = {"# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME",
+absl::Status WriteImages(const Map& map, const Numbers& numbers, const ColmapSource& source,
+                         const std::string& path) {
+  std::vector<std::string> lines = {absl::StrCat("# ", PoseHeaderLine(source.poses_of)),
+                                    "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME",
                                     "# X Y POINT3D_ID of each keypoint, -1: none"};
+  PictureNames names;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    AddImage(keyframe, numbers, Name(robots, id.local_map), lines);
+    const std::string name =
+        names.Take(RobotOf(source, id.local_map), keyframe.payload->timestamp_ns);
+    AddImage(keyframe, numbers, RecordedOf(source, keyframe), name, lines);
   }
   return WriteLines(lines, path);
 }
@@ -104,16 +141,16 @@ double MeanReprojectionError(const Map& map, const MapPoint& point) {
   return count == 0 ? 0 : sum_px / static_cast<double>(count);
 }
 
-absl::Status WritePoints(const Map& map, const Numbers& numbers,
-                         const std::map<LocalMapId, std::string>& robots, const std::string& path) {
+absl::Status WritePoints(const Map& map, const Numbers& numbers, const ColmapSource& source,
+                         const std::string& path) {
   std::set<std::string> names;
-  for (const auto& [local_map, name] : robots) names.insert(name);
+  for (const auto& [local_map, name] : source.robots) names.insert(name);
   const std::map<std::string, Colour> colours = ChooseColours(names);
   std::vector<std::string> lines = {
       "# POINT3D_ID X Y Z R G B ERROR, then IMAGE_ID POINT2D_IDX of each that sees it"};
   for (const auto& [id, number] : numbers.points) {
     const MapPoint& point = *map.FindPoint(id);
-    const auto colour = colours.find(Name(robots, id.local_map));
+    const auto colour = colours.find(RobotOf(source, id.local_map));
     const Colour rgb = colour == colours.end() ? Colour() : colour->second;
     const Eigen::Vector3d& x = point.position_in_map;
     std::string& line = lines.emplace_back(
@@ -140,14 +177,13 @@ absl::StatusOr<Map> GlobalMapOf(const map_store::MissionState& state) {
   return std::move(snapshot.view);
 }
 
-absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map,
-                                              const std::map<LocalMapId, std::string>& robots,
+absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map, const ColmapSource& source,
                                               const std::string& folder) {
   RETURN_IF_ERROR(MakeFolder(folder));
   const Numbers numbers = NumberAll(map);
-  RETURN_IF_ERROR(WriteCameras(map, numbers, folder + "/cameras.txt"));
-  RETURN_IF_ERROR(WriteImages(map, numbers, robots, folder + "/images.txt"));
-  RETURN_IF_ERROR(WritePoints(map, numbers, robots, folder + "/points3D.txt"));
+  RETURN_IF_ERROR(WriteCameras(map, numbers, source, folder + "/cameras.txt"));
+  RETURN_IF_ERROR(WriteImages(map, numbers, source, folder + "/images.txt"));
+  RETURN_IF_ERROR(WritePoints(map, numbers, source, folder + "/points3D.txt"));
   ColmapCounts counts = {numbers.cameras.size(), numbers.images.size(), numbers.points.size()};
   for (const auto& [id, point] : map.points()) counts.observations += point.observations.size();
   return counts;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "services/mission_export/robot_colours.h"
 #include "services/mission_export/testing/colmap_reader.h"
@@ -75,6 +76,12 @@ Map MakeMap() {
   return map;
 }
 
+ColmapSource MakeSource() {
+  ColmapSource source;
+  source.robots = {{kMapA, "alpha"}, {kMapB, "bravo"}};
+  return source;
+}
+
 class ColmapModelTest : public ::testing::Test {
  protected:
   void SetUp() override { std::filesystem::remove_all(folder_); }
@@ -83,7 +90,7 @@ class ColmapModelTest : public ::testing::Test {
 };
 
 TEST_F(ColmapModelTest, ProjectsItsPointsOntoItsKeypoints) {
-  const auto counts = WriteColmapModel(MakeMap(), {{kMapA, "alpha"}, {kMapB, "bravo"}}, folder_);
+  const auto counts = WriteColmapModel(MakeMap(), MakeSource(), folder_);
   ASSERT_TRUE(counts.ok()) << counts.status();
   EXPECT_EQ(counts->observations, 30u);
   const auto model = testing::ReadColmapModel(folder_);
@@ -99,7 +106,7 @@ TEST_F(ColmapModelTest, ProjectsItsPointsOntoItsKeypoints) {
 }
 
 TEST_F(ColmapModelTest, FollowsColmapsConventions) {
-  ASSERT_TRUE(WriteColmapModel(MakeMap(), {{kMapA, "alpha"}, {kMapB, "bravo"}}, folder_).ok());
+  ASSERT_TRUE(WriteColmapModel(MakeMap(), MakeSource(), folder_).ok());
   const auto model = testing::ReadColmapModel(folder_);
   ASSERT_TRUE(model.ok()) << model.status();
   const auto& camera = model->cameras.at(2);
@@ -115,6 +122,49 @@ TEST_F(ColmapModelTest, FollowsColmapsConventions) {
   EXPECT_EQ(image.keypoints.back().second, -1);
   const Colour colour = ChooseColours({"alpha", "bravo"}).at("alpha");
   EXPECT_EQ(model->points.at(1).rgb, Eigen::Vector3i(colour.red, colour.green, colour.blue));
+}
+
+// Both robots rectified their pictures; alpha's lens needs COLMAP's full model.
+TEST_F(ColmapModelTest, IsOfThePicturesAsTheyWereRecorded) {
+  ColmapSource source = MakeSource();
+  RecordedCamera& alpha = source.recorded[{kMapA, 0}];
+  alpha.lens = {480, 482, 330, 236, {-0.2, 0.06, 0.001, -0.002, 0.01}};
+  alpha.camera_from_recorded.rotation = Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitY());
+  RecordedCamera& bravo = source.recorded[{kMapB, 0}];
+  bravo.lens = {580, 582, 310, 246, {-0.1, 0.02, 0, 0.001, 0}};
+  bravo.camera_from_recorded.rotation = Eigen::AngleAxisd(-0.02, Eigen::Vector3d::UnitX());
+  ASSERT_TRUE(WriteColmapModel(MakeMap(), source, folder_).ok());
+  const auto model = testing::ReadColmapModel(folder_);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_EQ(model->cameras.at(1).distortion,
+            (std::vector<double>{-0.2, 0.06, 0.001, -0.002, 0.01, 0, 0, 0}));
+  EXPECT_EQ(model->cameras.at(2).distortion, (std::vector<double>{-0.1, 0.02, 0, 0.001}));
+  const std::vector<double> errors_px = testing::ReprojectionErrors_px(*model);
+  ASSERT_EQ(errors_px.size(), 30u);
+  EXPECT_LT(errors_px.back(), 0.003);
+  // And they are other pixels than the undistorted ones.
+  EXPECT_GT((model->images.at(1).keypoints.back().first - Eigen::Vector2d(5.5, 6.5)).norm(), 5);
+
+  source.poses_of = PosesOf::kRectifiedCamera;
+  ASSERT_TRUE(WriteColmapModel(MakeMap(), source, folder_).ok());
+  const auto rectified = testing::ReadColmapModel(folder_);
+  ASSERT_TRUE(rectified.ok()) << rectified.status();
+  EXPECT_TRUE(rectified->cameras.at(1).distortion.empty());
+  EXPECT_EQ(rectified->images.at(1).keypoints.back().first, Eigen::Vector2d(5.5, 6.5));
+}
+
+// A robot that was started again on the same recording.
+TEST_F(ColmapModelTest, GivesEachPictureANameOfItsOwn) {
+  Map map = MakeMap();
+  map.AddKeyframe(MakeKeyframe({kMapB, 0}, 500, Rigid3d(), 20, 1));
+  ColmapSource source = MakeSource();
+  source.robots[kMapB] = "alpha";
+  ASSERT_TRUE(WriteColmapModel(map, source, folder_).ok());
+  const auto model = testing::ReadColmapModel(folder_);
+  ASSERT_TRUE(model.ok()) << model.status();
+  EXPECT_EQ(model->images.at(1).name, "alpha/1000000000.png");
+  EXPECT_EQ(model->images.at(2).name, "alpha+2/1000000000.png");
+  EXPECT_EQ(model->images.at(3).name, "alpha/1000000007.png");
 }
 
 TEST_F(ColmapModelTest, SaysHowFarPointsAreOff) {

@@ -16,6 +16,7 @@
 #include "services/convert/resource_names.h"
 #include "services/logging/log_fields.h"
 #include "services/programs/agent_run.h"
+#include "services/programs/agent_trajectories.h"
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/inspected_source.h"
@@ -26,7 +27,6 @@
 #include "services/remote/remote_uplink.h"
 #include "services/security/flags.h"
 #include "services/server/server.h"
-#include "slam/evaluation/trajectory_io.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
 
@@ -43,6 +43,7 @@ struct Flags {
   std::string listen;
   std::string stats;
   std::string trajectory;
+  PosesOf poses_of = PosesOf::kRecordedCamera;
   std::string vocabulary = DefaultVocabularyPath();
   int features = 0;
   uint64_t seed = 0;
@@ -100,24 +101,6 @@ absl::Status WriteText(const std::string& path, const std::string& text) {
   return absl::OkStatus();
 }
 
-// Local maps have frames of their own: the first one's poses go to `path`, the next one's to
-// path.2.
-absl::Status WriteTrajectories(const Agent& agent, const std::string& path) {
-  std::vector<LocalMapId> order;
-  std::map<LocalMapId, Trajectory> trajectories;
-  for (const TrajectoryPose& pose : agent.LocalTrajectory()) {
-    const auto [it, added] = trajectories.try_emplace(pose.local_map);
-    if (added) order.push_back(pose.local_map);
-    it->second.push_back({pose.timestamp_ns, pose.local_from_camera});
-  }
-  RETURN_IF_ERROR(
-      WriteTumTrajectory(order.empty() ? Trajectory() : trajectories.at(order[0]), path));
-  for (size_t i = 1; i < order.size(); ++i) {
-    RETURN_IF_ERROR(WriteTumTrajectory(trajectories.at(order[i]), absl::StrCat(path, ".", i + 1)));
-  }
-  return absl::OkStatus();
-}
-
 RunStatistics MakeStatistics(const Flags& flags, const Agent& agent, const InspectedSource& source,
                              const PlayedFrames& played, const Uplink* uplink) {
   RunStatistics run;
@@ -132,9 +115,10 @@ RunStatistics MakeStatistics(const Flags& flags, const Agent& agent, const Inspe
   return run;
 }
 
-absl::Status WriteResults(const Flags& flags, const Agent& agent, const RunStatistics& run) {
+absl::Status WriteResults(const Flags& flags, const Agent& agent,
+                          const SensorCalibration& calibration, const RunStatistics& run) {
   if (!flags.trajectory.empty()) {
-    RETURN_IF_ERROR(WriteTrajectories(agent, flags.trajectory));
+    RETURN_IF_ERROR(WriteAgentTrajectories(agent, calibration, flags.poses_of, flags.trajectory));
   }
   const std::string statistics = StatisticsJson(run, agent);
   LOG(INFO) << LogFields{.mission = flags.mission, .agent = flags.agent} << "done\n" << statistics;
@@ -213,12 +197,16 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(const InspectedSource source, OpenFlaggedSource(flags));
   LogSource(source);
   const SensorCalibration& calibration = source.source->calibration();
+  RETURN_IF_ERROR(CheckPosesOf(calibration, flags.poses_of));
+  ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
   ASSIGN_OR_RETURN(const auto agent,
                    Agent::Create(MakeAgentOptions(flags, calibration), calibration, vocabulary,
                                  observers->Watch(uplink.get()), std::move(spool)));
   Agent* const watched = observers->Watch(agent.get());
   AgentService service(agent.get(), uplink.get(),
-                       {.mission = uplink != nullptr ? flags.mission : "", .agent = flags.agent});
+                       {.mission = uplink != nullptr ? flags.mission : "",
+                        .agent = flags.agent,
+                        .recorded_camera = recorded});
   ASSIGN_OR_RETURN(const auto metrics, observers->Serve(agent.get(), uplink.get()));
   security.server.rpc_observer = observers->OfCalls();
   std::unique_ptr<Server> server;
@@ -240,7 +228,7 @@ absl::Status Run(const Flags& flags) {
     stop.stopped().WaitForNotification();
   }
   const RunStatistics run = MakeStatistics(flags, *agent, source, frames, uplink.get());
-  RETURN_IF_ERROR(WriteResults(flags, *agent, run));
+  RETURN_IF_ERROR(WriteResults(flags, *agent, calibration, run));
   RETURN_IF_ERROR(played);
   RETURN_IF_ERROR(CheckTracked(run));
   return finished;
@@ -267,6 +255,15 @@ void AddFlags(CLI::App& app, Flags& flags) {
       "--trajectory", flags.trajectory,
       "File to write the trajectory to in the local map's frame, as TUM; those of further "
       "local maps, begun when tracking was lost, to FILE.2 and so on");
+  app.add_option("--poses-of", flags.poses_of,
+                 "What --trajectory is of: camera (as recorded; of a stereo pair the left one), "
+                 "rectified (the rectified camera) or body (where the calibration knows it)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, PosesOf>{{"camera", PosesOf::kRecordedCamera},
+                                         {"rectified", PosesOf::kRectifiedCamera},
+                                         {"body", PosesOf::kBody}}))
+      ->type_name("camera|rectified|body")
+      ->default_str("camera");
   app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
       ->capture_default_str();
   app.add_option("--features", flags.features,

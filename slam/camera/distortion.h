@@ -22,6 +22,17 @@ struct RadialTangential {
   friend bool operator==(const RadialTangential&, const RadialTangential&) = default;
 };
 
+// A camera of pictures as they are recorded, with their distortion.
+struct RawCamera {
+  double fx_px = 0;
+  double fy_px = 0;
+  double cx_px = 0;
+  double cy_px = 0;
+  RadialTangential distortion;
+
+  friend bool operator==(const RawCamera&, const RawCamera&) = default;
+};
+
 // INVALID_ARGUMENT, naming the coefficient and its value, where one is not finite or beyond 100.
 absl::Status Validate(const RadialTangential& distortion);
 

@@ -13,14 +13,6 @@
 
 namespace corbslam {
 
-struct RawCamera {
-  double fx_px = 0;
-  double fy_px = 0;
-  double cx_px = 0;
-  double cy_px = 0;
-  RadialTangential distortion;
-};
-
 // A stereo pair as it is calibrated: images of the same size, not rectified.
 struct RawStereo {
   RawCamera left;

@@ -1,7 +1,11 @@
 #include "slam/evaluation/trajectory.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <compare>
+#include <functional>
+#include <optional>
+#include <queue>
+#include <utility>
 
 namespace corbslam {
 namespace {
@@ -10,29 +14,81 @@ bool IsEarlier(const StampedPose& a, const StampedPose& b) {
   return a.timestamp_ns < b.timestamp_ns;
 }
 
-// Null for an empty truth.
-const StampedPose* FindNearest(const Trajectory& truth, int64_t timestamp_ns) {
-  if (truth.empty()) return nullptr;
-  const auto after =
-      std::lower_bound(truth.begin(), truth.end(), StampedPose{timestamp_ns, {}}, IsEarlier);
-  if (after == truth.begin()) return &*after;
-  const auto before = std::prev(after);
-  if (after == truth.end()) return &*before;
-  return timestamp_ns - before->timestamp_ns <= after->timestamp_ns - timestamp_ns ? &*before
-                                                                                   : &*after;
+// The true poses around one time, from the nearest outwards.
+class Outwards {
+ public:
+  Outwards(const Trajectory& truth, int64_t time_ns)
+      : truth_(truth),
+        time_ns_(time_ns),
+        after_(static_cast<size_t>(
+            std::lower_bound(truth.begin(), truth.end(), StampedPose{time_ns, {}}, IsEarlier) -
+            truth.begin())),
+        before_(after_) {}
+
+  // How far the next one is in time; nullopt after the last. Equally far: the earlier one is first.
+  std::optional<int64_t> gap_ns() const {
+    if (before_ == 0 && after_ == truth_.size()) return std::nullopt;
+    return IsBefore() ? GapBefore_ns() : GapAfter_ns();
+  }
+  // Its index; moves on.
+  size_t Take() { return IsBefore() ? --before_ : after_++; }
+
+ private:
+  int64_t GapBefore_ns() const { return time_ns_ - truth_[before_ - 1].timestamp_ns; }
+  int64_t GapAfter_ns() const { return truth_[after_].timestamp_ns - time_ns_; }
+  bool IsBefore() const {
+    return before_ > 0 && (after_ == truth_.size() || GapBefore_ns() <= GapAfter_ns());
+  }
+
+  const Trajectory& truth_;
+  int64_t time_ns_;
+  size_t after_;
+  size_t before_;  // The one before this index is next on that side.
+};
+
+struct Candidate {
+  int64_t gap_ns = 0;
+  size_t estimate = 0;
+  friend auto operator<=>(const Candidate&, const Candidate&) = default;
+};
+
+// Index of each estimate's true pose; nullopt where none is left for it.
+std::vector<std::optional<size_t>> MatchNearestFirst(const Trajectory& estimate,
+                                                     const Trajectory& truth, int64_t max_gap_ns) {
+  std::vector<Outwards> searches;
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> nearest;
+  const auto propose = [&](size_t i) {
+    const std::optional<int64_t> gap_ns = searches[i].gap_ns();
+    if (gap_ns.has_value() && *gap_ns <= max_gap_ns) nearest.push({*gap_ns, i});
+  };
+  for (size_t i = 0; i < estimate.size(); ++i) {
+    searches.emplace_back(truth, estimate[i].timestamp_ns);
+    propose(i);
+  }
+  std::vector<std::optional<size_t>> chosen(estimate.size());
+  std::vector<bool> is_used(truth.size(), false);
+  while (!nearest.empty()) {
+    const size_t i = nearest.top().estimate;
+    nearest.pop();
+    const size_t pose = searches[i].Take();
+    if (is_used[pose]) {
+      propose(i);
+      continue;
+    }
+    is_used[pose] = true;
+    chosen[i] = pose;
+  }
+  return chosen;
 }
 
 }  // namespace
 
 std::vector<PosePair> AssociateByTime(const Trajectory& estimate, const Trajectory& truth,
                                       int64_t max_gap_ns) {
+  const auto chosen = MatchNearestFirst(estimate, truth, max_gap_ns);
   std::vector<PosePair> pairs;
-  pairs.reserve(estimate.size());
-  for (const StampedPose& pose : estimate) {
-    const StampedPose* nearest = FindNearest(truth, pose.timestamp_ns);
-    if (nearest == nullptr) continue;
-    if (std::abs(nearest->timestamp_ns - pose.timestamp_ns) > max_gap_ns) continue;
-    pairs.push_back({pose, *nearest});
+  for (size_t i = 0; i < estimate.size(); ++i) {
+    if (chosen[i].has_value()) pairs.push_back({estimate[i], truth[*chosen[i]]});
   }
   return pairs;
 }

@@ -26,8 +26,9 @@ struct PosePair {
 // Largest difference in time between an estimate and the true pose that it is held against.
 inline constexpr int64_t kMaxAssociationGap_ns = 20'000'000;
 
-// Each estimate with the true pose nearest in time, where one lies within `max_gap_ns`; in the
-// order of `estimate`. `truth` must be sorted by time.
+// Each estimate with the true pose nearest in time, where one lies within `max_gap_ns` (at least
+// 0); in the order of `estimate`. A true pose is used once: by the estimate that it is nearest to,
+// the others take the next nearest that is free. `truth` must be sorted by time.
 std::vector<PosePair> AssociateByTime(const Trajectory& estimate, const Trajectory& truth,
                                       int64_t max_gap_ns = kMaxAssociationGap_ns);
 

@@ -7,12 +7,14 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/evaluation/true_travel.h"
 #include "slam/util/median.h"
 
 namespace corbslam {
 namespace {
 
 constexpr double kSegmentLengths_m[] = {100, 200, 300, 400, 500, 600, 700, 800};
+constexpr double kMaxSegmentExcess = 1.1;
 
 Similarity3d Align(const std::vector<PosePair>& pairs, Alignment alignment) {
   Eigen::Matrix3Xd estimate(3, static_cast<Eigen::Index>(pairs.size()));
@@ -31,15 +33,21 @@ Similarity3d Align(const std::vector<PosePair>& pairs, Alignment alignment) {
   return truth_from_estimate;
 }
 
-// Metres travelled up to each true pose.
-std::vector<double> CumulativeTravel(const std::vector<PosePair>& pairs) {
-  std::vector<double> travel_m(pairs.size(), 0);
-  for (size_t i = 1; i < pairs.size(); ++i) {
-    travel_m[i] = travel_m[i - 1] + (pairs[i].truth.world_from_camera.translation -
-                                     pairs[i - 1].truth.world_from_camera.translation)
-                                        .norm();
-  }
-  return travel_m;
+struct Segment {
+  size_t last = 0;      // Pair that it ends with.
+  double length_m = 0;  // What its error is divided by.
+};
+
+// Nullopt where the path ends before, or where lost frames leave no pair near the end.
+std::optional<Segment> FindSegment(const TrueTravel& travel, size_t first, double nominal_m) {
+  const auto end =
+      std::upper_bound(travel.at_m.begin(), travel.at_m.end(), travel.at_m[first] + nominal_m);
+  if (end == travel.at_m.end()) return std::nullopt;
+  const auto last = static_cast<size_t>(end - travel.at_m.begin());
+  // Without lost frames the pose before it is the last one within the length.
+  const double length_m = std::max(nominal_m, travel.before_m[last] - travel.at_m[first]);
+  if (length_m > kMaxSegmentExcess * nominal_m) return std::nullopt;
+  return Segment{last, length_m};
 }
 
 // The estimate's motion over a segment, seen from the true motion's end.
@@ -79,25 +87,23 @@ absl::StatusOr<AbsoluteError> ComputeAbsoluteError(const std::vector<PosePair>& 
   const auto count = static_cast<double>(pairs.size());
   error.mean_m /= count;
   error.rmse_m = std::sqrt(sum_of_squares / count);
-  error.median_m = Median(std::move(distances_m));
+  error.median_m = MeanMedian(std::move(distances_m));
   return error;
 }
 
 std::optional<RelativeError> ComputeRelativeError(const std::vector<PosePair>& pairs,
-                                                  int first_pose_step) {
-  const std::vector<double> travel_m = CumulativeTravel(pairs);
+                                                  const Trajectory& truth, int first_pose_step) {
+  const TrueTravel travel = MeasureTravel(pairs, truth);
   const auto step = static_cast<size_t>(std::max(first_pose_step, 1));
   RelativeError sum;
   for (size_t first = 0; first < pairs.size(); first += step) {
-    for (const double length_m : kSegmentLengths_m) {
-      const auto last =
-          std::upper_bound(travel_m.begin(), travel_m.end(), travel_m[first] + length_m);
-      if (last == travel_m.end()) break;
-      const Rigid3d error =
-          SegmentError(pairs[first], pairs[static_cast<size_t>(last - travel_m.begin())]);
-      sum.translation_percent += 100 * error.translation.norm() / length_m;
+    for (const double nominal_m : kSegmentLengths_m) {
+      const std::optional<Segment> segment = FindSegment(travel, first, nominal_m);
+      if (!segment.has_value()) continue;
+      const Rigid3d error = SegmentError(pairs[first], pairs[segment->last]);
+      sum.translation_percent += 100 * error.translation.norm() / segment->length_m;
       sum.rotation_deg_per_100m +=
-          RotationAngle(error.rotation) * 180 / std::numbers::pi * 100 / length_m;
+          RotationAngle(error.rotation) * 180 / std::numbers::pi * 100 / segment->length_m;
       ++sum.segments;
     }
   }

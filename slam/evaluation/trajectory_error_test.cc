@@ -77,6 +77,21 @@ TEST(AbsoluteErrorTest, HasAKnownValue) {
 }
 
 // Two robots, each perfect in itself, in frames 4 m apart: one alignment can't mend both.
+TEST(AbsoluteErrorTest, TheMedianOfAnEvenNumberIsTheMeanOfTheMiddleTwo) {
+  // Twice the square above: it stays where it is, so that the distances are 0.5 and 1.5.
+  std::vector<PosePair> pairs(8);
+  const double corners[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+  for (size_t i = 0; i < 8; ++i) {
+    const double size = i < 4 ? 1 : 3;
+    const double height = i < 4 ? 0.5 : 1.5;
+    pairs[i].truth.world_from_camera.translation = {size * corners[i % 4][0],
+                                                    size * corners[i % 4][1], 0};
+    pairs[i].estimate.world_from_camera.translation = {
+        size * corners[i % 4][0], size * corners[i % 4][1], i % 2 == 0 ? height : -height};
+  }
+  EXPECT_THAT(ComputeAbsoluteError(pairs, Alignment::kSe3)->median_m, DoubleNear(1, 1e-9));
+}
+
 TEST(AbsoluteErrorTest, OneAlignmentShowsTwoMapsThatDoNotFit) {
   std::vector<PosePair> pairs = PairUp(MakeSpiral(50), Similarity3d::Identity());
   Similarity3d shifted = Similarity3d::Identity();
@@ -109,7 +124,7 @@ TEST(RelativeErrorTest, HasKnownValues) {
     pair.estimate.world_from_camera.translation.z() = 1.02 * i;
     pairs.push_back(pair);
   }
-  const std::optional<RelativeError> straight = ComputeRelativeError(pairs);
+  const std::optional<RelativeError> straight = ComputeRelativeError(pairs, {});
   ASSERT_TRUE(straight.has_value());
   // Segments end at the first pose beyond their length: 101 and 201 m.
   EXPECT_EQ(straight->segments, 15 + 5);
@@ -121,11 +136,12 @@ TEST(RelativeErrorTest, HasKnownValues) {
     pairs[i].estimate.world_from_camera.rotation =
         Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY());
   }
-  EXPECT_NEAR(ComputeRelativeError(pairs)->rotation_deg_per_100m, 0.75 * 1.01 + 0.25 * 1.005, 1e-6);
+  EXPECT_NEAR(ComputeRelativeError(pairs, {})->rotation_deg_per_100m, 0.75 * 1.01 + 0.25 * 1.005,
+              1e-6);
 }
 
 TEST(RelativeErrorTest, IsAbsentForAShortPath) {
-  EXPECT_FALSE(ComputeRelativeError(PairUp(MakeSpiral(50), kMoved)).has_value());
+  EXPECT_FALSE(ComputeRelativeError(PairUp(MakeSpiral(50), kMoved), MakeSpiral(50)).has_value());
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <fstream>
 
+#include "slam/evaluation/pose_header.h"
+
 namespace corbslam {
 namespace {
 
@@ -58,6 +60,96 @@ TEST(TumTrajectoryTest, RefusesAQuaternionOfWrongLength) {
 
 TEST(TumTrajectoryTest, NamesAFileThatIsNotThere) {
   EXPECT_EQ(ReadTumTrajectory("/nowhere/x.tum").status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST(TumTrajectoryTest, SaysWhatIsNotFiniteRepeatsOrGoesBack) {
+  const std::string path = Write("rows.tum",
+                                 "# header\n"
+                                 "3 0 0 0 0 0 0 1\n"
+                                 "1 1 0 0 0 0 0 1\n"
+                                 "2 nan 0 0 0 0 0 1\n"
+                                 "2 inf 0 0 0 0 0 1\n"
+                                 "nan 0 0 0 0 0 0 1\n"
+                                 "3 9 0 0 0 0 0 1\n");
+  const auto read = ReadTumFile(path);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->trajectory.size(), 2u);
+  EXPECT_EQ(read->trajectory[0].timestamp_ns, 1'000'000'000);
+  EXPECT_EQ(read->trajectory[1].world_from_camera.translation.x(), 0);
+  EXPECT_EQ(read->rows_not_finite, 3u);
+  EXPECT_EQ(read->rows_repeated, 1u);
+  EXPECT_EQ(read->rows_out_of_order, 1u);
+  ASSERT_EQ(read->notes.size(), 3u);
+  EXPECT_THAT(read->notes[0], HasSubstr(path + ": 3 rows left out"));
+  EXPECT_THAT(read->notes[0], HasSubstr("line 4"));
+  EXPECT_THAT(read->notes[1], HasSubstr("1 row left out: an earlier row has the same time"));
+  EXPECT_THAT(read->notes[1], HasSubstr("line 7"));
+  EXPECT_THAT(read->notes[2], HasSubstr("line 3"));
+  // Whoever needs every row is told of the first that is none.
+  EXPECT_THAT(std::string(ReadTumTrajectory(path).status().message()), HasSubstr("line 4"));
+}
+
+struct TumForm {
+  const char* name;
+  const char* text;
+};
+class TumFormsTest : public ::testing::TestWithParam<TumForm> {};
+
+TEST_P(TumFormsTest, IsReadAsTheSame) {
+  const std::string path = Write(std::string("form_") + GetParam().name, GetParam().text);
+  const auto read = ReadTumFile(path);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->trajectory.size(), 1u);
+  EXPECT_EQ(read->trajectory[0].timestamp_ns, 1305031102175304001);
+  EXPECT_EQ(read->trajectory[0].world_from_camera.translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(read->trajectory[0].world_from_camera.rotation.w(), 0);
+  EXPECT_EQ(read->trajectory[0].world_from_camera.rotation.x(), 1);
+  EXPECT_TRUE(read->notes.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    AllForms, TumFormsTest,
+    ::testing::Values(
+        TumForm{"Plain", "1305031102.175304001 1 2 3 1 0 0 0\n"},
+        TumForm{"Commas", "1305031102.175304001,1,2,3,1,0,0,0\n"},
+        TumForm{"CommasAndSpaces", "1305031102.175304001, 1, 2, 3, 1, 0, 0, 0\r\n"},
+        TumForm{"Tabs", "1305031102.175304001\t1\t2\t3\t1\t0\t0\t0"},
+        TumForm{"Nanoseconds", "1305031102175304001 1 2 3 1 0 0 0\n"},
+        TumForm{"HeaderWithoutHash",
+                "timestamp tx ty tz qx qy qz qw\n1305031102.175304001 1 2 3 1 0 0 0\n"},
+        TumForm{"HeaderWithWFirst",
+                "timestamp,tx,ty,tz,qw,qx,qy,qz\n1305031102.175304001,1,2,3,0,1,0,0\n"},
+        TumForm{"ByteOrderMark", "\xef\xbb\xbf# t\n1305031102.175304001 1 2 3 1 0 0 0 # first\n"},
+        TumForm{"ByteOrderMarkAndRow", "\xef\xbb\xbf\n1305031102.175304001 1 2 3 1 0 0 0\n"}),
+    [](const auto& info) { return info.param.name; });
+
+TEST(TumTrajectoryTest, SaysWhatItsPosesAreOf) {
+  const std::string path = ::testing::TempDir() + "trajectory_io_body.tum";
+  ASSERT_TRUE(
+      WriteTumTrajectory(MakeTrajectory(), path, PoseHeaderLine(PosesOf::kBody) + "; more").ok());
+  const auto read = ReadTumFile(path);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->poses_of, PosesOf::kBody);
+  ExpectSame(read->trajectory, MakeTrajectory());
+  EXPECT_FALSE(ReadTumFile(Write("none.tum", "1 0 0 0 0 0 0 1\n"))->poses_of.has_value());
+}
+
+TEST(TumTrajectoryTest, RefusesARowThatIsHalfAHeader) {
+  EXPECT_FALSE(ReadTumFile(Write("half.tum", "x 0 0 0 0 0 0 1\n")).ok());
+  EXPECT_FALSE(ReadTumFile(Write("micro.tum", "1305031102175304 0 0 0 0 0 0 1\n")).ok());
+}
+
+TEST(KittiTrajectoryTest, LeavesOutWhatIsNotFiniteAndKeepsTheTimes) {
+  const auto read = ReadKittiFile(Write("gap.txt",
+                                        "1 0 0 0 0 1 0 0 0 0 1 0\n"
+                                        "nan 0 0 0 0 1 0 0 0 0 1 0\n"
+                                        "1 0 0 0 0 1 0 0 0 0 1 5\n"),
+                                  Write("gap_times.txt", "0\n0.1\n0.2\n"));
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->trajectory.size(), 2u);
+  EXPECT_EQ(read->trajectory[1].timestamp_ns, 200'000'000);
+  EXPECT_EQ(read->trajectory[1].world_from_camera.translation.z(), 5);
+  EXPECT_EQ(read->rows_not_finite, 1u);
 }
 
 TEST(KittiTrajectoryTest, ComesBackAsWrittenWithItsTimes) {

@@ -35,6 +35,28 @@ TEST(AssociateByTimeTest, FindsNothingInAnEmptyTruth) {
   EXPECT_TRUE(AssociateByTime({At(0, 0)}, {}).empty());
 }
 
+TEST(AssociateByTimeTest, UsesATruePoseOnceAndNearestFirst) {
+  const Trajectory truth = {At(0, 0), At(100, 1), At(200, 2)};
+  // Two want the one at 100: the second is nearer, the first takes what is left within the gap.
+  std::vector<PosePair> pairs = AssociateByTime({At(70, 0), At(110, 0)}, truth, 80);
+  ASSERT_EQ(pairs.size(), 2u);
+  EXPECT_EQ(pairs[0].truth.timestamp_ns, 0);
+  EXPECT_EQ(pairs[1].truth.timestamp_ns, 100);
+  pairs = AssociateByTime({At(70, 0), At(110, 0)}, truth, 40);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].estimate.timestamp_ns, 110);
+  // More estimates than true poses, some of the same time.
+  pairs = AssociateByTime({At(100, 0), At(100, 1), At(100, 2), At(100, 3)}, truth, 1000);
+  EXPECT_EQ(pairs.size(), 3u);
+  EXPECT_EQ(pairs[0].truth.timestamp_ns, 100);
+}
+
+TEST(AssociateByTimeTest, OfTwoEquallyNearTakesTheEarlier) {
+  const std::vector<PosePair> pairs = AssociateByTime({At(50, 0)}, {At(0, 0), At(100, 1)}, 50);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].truth.timestamp_ns, 0);
+}
+
 TEST(MergeByTimeTest, SortsAndLetsTheFirstWin) {
   const Trajectory merged = MergeByTime({{At(3, 1), At(5, 1)}, {At(1, 2), At(3, 2)}});
   ASSERT_EQ(merged.size(), 3u);

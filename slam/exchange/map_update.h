@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "slam/camera/camera.h"
+#include "slam/camera/recorded_camera.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/map/keyframe.h"
 #include "slam/map/map_point.h"
@@ -88,6 +89,8 @@ struct MapUpdateBatch {
   // Cameras in the order of KeyframePayload::camera_index; only those not sent before.
   uint32_t first_camera_index = 0;
   std::vector<std::shared_ptr<const Camera>> cameras;
+  // What recorded the pictures of `cameras`: as many, or none where nobody said it.
+  std::vector<RecordedCamera> recorded_cameras;
   std::vector<FullKeyframe> full_keyframes;
   std::vector<FullMapPoint> full_points;
   std::vector<LightKeyframe> light_keyframes;

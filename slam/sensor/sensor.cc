@@ -15,4 +15,24 @@ absl::StatusOr<std::unique_ptr<Sensor>> MakeSensor(const SensorCalibration& cali
   return RgbdSensor::Make(std::get<RgbdCalibration>(calibration), options);
 }
 
+absl::StatusOr<RecordedCamera> RecordedCameraOf(const SensorCalibration& calibration) {
+  RecordedCamera recorded;
+  if (const auto* const rgbd = std::get_if<RgbdCalibration>(&calibration)) {
+    recorded = AsRecorded(rgbd->camera);
+    recorded.lens.distortion = rgbd->distortion;
+    recorded.body_from_recorded = rgbd->body_from_raw;
+    return recorded;
+  }
+  const auto& stereo = std::get<StereoCalibration>(calibration);
+  if (stereo.raw.has_value()) {
+    ASSIGN_OR_RETURN(const StereoRectifier rectifier, StereoRectifier::Make(*stereo.raw));
+    recorded.lens = stereo.raw->left;
+    recorded.camera_from_recorded = rectifier.rectified_from_raw_left();
+  } else {
+    recorded = AsRecorded(stereo.camera);
+  }
+  recorded.body_from_recorded = stereo.body_from_raw_left;
+  return recorded;
+}
+
 }  // namespace corbslam

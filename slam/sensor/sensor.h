@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "slam/camera/camera.h"
 #include "slam/camera/distortion.h"
+#include "slam/camera/recorded_camera.h"
 #include "slam/camera/rectification.h"
 #include "slam/features/keypoint.h"
 #include "slam/features/orb_extractor.h"
@@ -38,6 +39,8 @@ struct StereoCalibration {
   // than the left one's, which is so far each disparity is too small. Legal, and not 0 in pairs
   // that are rectified so that they look at one point.
   double right_cx_offset_px = 0;
+  // Of the left camera as it recorded, where the calibration says it (EuRoC's T_BS).
+  std::optional<Rigid3d> body_from_raw_left = {};
 };
 
 struct RgbdCalibration {
@@ -47,6 +50,8 @@ struct RgbdCalibration {
   RadialTangential distortion = {};
   // Of CV_16UC1 depth images.
   double depth_units_per_m = 5000;
+  // Of the grey camera, where the calibration says it.
+  std::optional<Rigid3d> body_from_raw = {};
 };
 
 using SensorCalibration = std::variant<StereoCalibration, RgbdCalibration>;
@@ -70,6 +75,10 @@ class Sensor {
   // type.
   virtual absl::StatusOr<Features> Process(const SensorImages& images) = 0;
 };
+
+// The one that recorded the (left) pictures of a sensor's camera(). INVALID_ARGUMENT where the
+// calibration is impossible.
+absl::StatusOr<RecordedCamera> RecordedCameraOf(const SensorCalibration& calibration);
 
 // INVALID_ARGUMENT where the calibration or the options are impossible.
 absl::StatusOr<std::unique_ptr<Sensor>> MakeSensor(const SensorCalibration& calibration,

@@ -16,6 +16,15 @@ T Median(std::vector<T> values) {
   return *middle;
 }
 
+// The median that statistics report: of an even number of values the mean of the middle two. There
+// must be at least one.
+inline double MeanMedian(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return (*std::max_element(values.begin(), middle) + *middle) / 2;
+}
+
 }  // namespace corbslam
 
 #endif  // CORBSLAM_SLAM_UTIL_MEDIAN_H_

@@ -118,7 +118,7 @@ class Collector {
       *value /= n;
     }
     result.matched_share /= std::max(n - 1, 1.0);
-    if (!depths_.empty()) result.median_depth_m = Median(depths_);
+    if (!depths_.empty()) result.median_depth_m = MeanMedian(depths_);
     result.track_length = frames_followed_ / std::max(tracks_, 1.0);
     result.long_tracks_share = long_tracks_ / std::max(tracks_, 1.0);
     result.self_recall = SelfRecall(frames_);

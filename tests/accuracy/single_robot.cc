@@ -30,7 +30,7 @@ struct Options {
 };
 
 double MedianOrZero(const std::vector<double>& values) {
-  return values.empty() ? 0 : Median(values);
+  return values.empty() ? 0 : MeanMedian(values);
 }
 
 absl::StatusOr<Trajectory> ReadTruth(const std::string& path) {

@@ -127,7 +127,7 @@ Json ToJson(const std::string& file, const Row& row) {
 
 absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(flags.source));
-  ASSIGN_OR_RETURN(const std::optional<Trajectory> truth, ReadGroundTruth(source));
+  ASSIGN_OR_RETURN(const std::optional<GroundTruth> truth, ReadGroundTruth(source));
   if (!truth.has_value()) {
     return absl::NotFoundError(absl::StrCat(flags.source, " has no ground truth"));
   }
@@ -137,7 +137,7 @@ absl::Status Run(const Flags& flags) {
       "cost | ms |\n| --- | --- | --- | --- | --- | --- | --- |\n");
   Json rows = Json::array();
   for (const std::string& file : flags.files) {
-    ASSIGN_OR_RETURN(const Row row, AdjustAgain(file, *truth, flags, *worker));
+    ASSIGN_OR_RETURN(const Row row, AdjustAgain(file, truth->trajectory, flags, *worker));
     Print(file, row);
     rows.push_back(ToJson(file, row));
   }

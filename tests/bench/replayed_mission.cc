@@ -28,9 +28,9 @@ absl::StatusOr<RecordedMission> RecordMission(const std::string& source, size_t 
   RecordedMission recorded;
   ASSIGN_OR_RETURN(recorded.vocabulary, Vocabulary::Load(DefaultVocabularyPath()));
   ASSIGN_OR_RETURN(const SourceSpec whole, ParseSourceSpec(source));
-  ASSIGN_OR_RETURN(const std::optional<Trajectory> truth, ReadGroundTruth(whole));
+  ASSIGN_OR_RETURN(const std::optional<GroundTruth> truth, ReadGroundTruth(whole));
   if (!truth.has_value()) return absl::NotFoundError(absl::StrCat(source, " has no ground truth"));
-  recorded.truth = *truth;
+  recorded.truth = truth->trajectory;
   for (size_t i = 0; i < robots; ++i) {
     const std::string part = absl::StrCat(source, absl::StrContains(source, '?') ? "&" : "?",
                                           "robot=", i + 1, "/", robots);

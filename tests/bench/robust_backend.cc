@@ -47,7 +47,7 @@ struct Errors {
 };
 
 double MedianOrZero(const std::vector<double>& values) {
-  return values.empty() ? 0 : Median(values);
+  return values.empty() ? 0 : MeanMedian(values);
 }
 
 double Largest(const std::vector<double>& values) {

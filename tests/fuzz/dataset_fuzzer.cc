@@ -7,6 +7,7 @@
 
 #include "client_agent/source/frame_reader.h"
 #include "slam/camera/rectification.h"
+#include "slam/evaluation/trajectory_file.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "tests/fuzz/fuzz_files.h"
 #include "tests/fuzz/messages.h"
@@ -79,6 +80,9 @@ void ReadTrajectories(absl::string_view input) {
   (void)ReadKittiTrajectory(first, second);
   (void)ReadKittiTrajectory(first);
   (void)ReadEurocTrajectory(first, Rigid3d::Identity());
+  (void)ReadTrajectoryFile(first, second);
+  (void)ReadTrajectoryFile(first);
+  (void)ReadColmapImages(first);
 }
 
 }  // namespace

@@ -40,16 +40,38 @@ absl::Status Bad(const std::string& what) { return absl::InvalidArgumentError(wh
 
 absl::Status ReadCameras(const std::string& path, ColmapModel& model) {
   ASSIGN_OR_RETURN(const std::vector<Fields> lines, ReadFields(path));
+  const std::map<std::string, size_t> distortions = {
+      {"PINHOLE", 0}, {"OPENCV", 4}, {"FULL_OPENCV", 8}};
   for (const Fields& f : lines) {
-    if (f.size() != 8 || f[1] != "PINHOLE") return Bad("a camera's line");
-    model.cameras[Whole(f[0])] = {static_cast<int>(Whole(f[2])),
-                                  static_cast<int>(Whole(f[3])),
-                                  Number(f[4]),
-                                  Number(f[5]),
-                                  Number(f[6]),
-                                  Number(f[7])};
+    const auto distortion = distortions.find(f.size() > 1 ? f[1] : "");
+    if (distortion == distortions.end() || f.size() != 8 + distortion->second) {
+      return Bad("a camera's line");
+    }
+    ColmapCamera& camera = model.cameras[Whole(f[0])];
+    camera = {static_cast<int>(Whole(f[2])),
+              static_cast<int>(Whole(f[3])),
+              Number(f[4]),
+              Number(f[5]),
+              Number(f[6]),
+              Number(f[7]),
+              {}};
+    for (size_t i = 8; i < f.size(); ++i) camera.distortion.push_back(Number(f[i]));
   }
   return absl::OkStatus();
+}
+
+// As COLMAP's documentation of its camera models says.
+Eigen::Vector2d ProjectAsColmap(const ColmapCamera& camera, const Eigen::Vector3d& x) {
+  std::vector<double> k = camera.distortion;
+  k.resize(8);
+  const double u = x.x() / x.z();
+  const double v = x.y() / x.z();
+  const double r2 = u * u + v * v;
+  const double radial =
+      (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
+  const double u_bent = u * radial + 2 * k[2] * u * v + k[3] * (r2 + 2 * u * u);
+  const double v_bent = v * radial + 2 * k[3] * u * v + k[2] * (r2 + 2 * v * v);
+  return {camera.fx_px * u_bent + camera.cx_px, camera.fy_px * v_bent + camera.cy_px};
 }
 
 absl::Status ReadImages(const std::string& path, ColmapModel& model) {
@@ -127,8 +149,7 @@ std::vector<double> ReprojectionErrors_px(const ColmapModel& model) {
       const ColmapImage& image = model.images.at(number);
       const ColmapCamera& camera = model.cameras.at(image.camera);
       const Eigen::Vector3d x = image.camera_from_world * point.position;
-      const Eigen::Vector2d pixel(camera.fx_px * x.x() / x.z() + camera.cx_px,
-                                  camera.fy_px * x.y() / x.z() + camera.cy_px);
+      const Eigen::Vector2d pixel = ProjectAsColmap(camera, x);
       errors_px.push_back(x.z() > 0 ? (pixel - image.keypoints[keypoint].first).norm()
                                     : std::numeric_limits<double>::infinity());
     }

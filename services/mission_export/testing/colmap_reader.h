@@ -21,6 +21,8 @@ struct ColmapCamera {
   double fy_px = 0;
   double cx_px = 0;
   double cy_px = 0;
+  // Of PINHOLE none, of OPENCV k1 k2 p1 p2, of FULL_OPENCV k1 k2 p1 p2 k3 k4 k5 k6.
+  std::vector<double> distortion;
 };
 struct ColmapImage {
   Rigid3d camera_from_world;

@@ -1,0 +1,66 @@
+// The camera that recorded the pictures from which those of a Camera were made.
+//
+// Keyframes, their poses and all that is estimated are of the Camera, whose pictures are
+// undistorted and, for stereo, rectified. People mean another frame: that of the camera as it is
+// built into the robot and as ground truth names it, or the robot's body.
+#ifndef CORBSLAM_SLAM_CAMERA_RECORDED_CAMERA_H_
+#define CORBSLAM_SLAM_CAMERA_RECORDED_CAMERA_H_
+
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "slam/camera/camera.h"
+#include "slam/camera/distortion.h"
+#include "slam/geometry/rigid3.h"
+
+namespace corbslam {
+
+struct RecordedCamera {
+  // Of the recorded pictures; of a stereo pair the left ones. They have the Camera's size.
+  RawCamera lens;
+  // By what rectification turned the camera: x_in_camera = camera_from_recorded * x_in_recorded.
+  // Both have one centre.
+  Rigid3d camera_from_recorded;
+  // EuRoC's T_BS; absent: nobody said where the body is.
+  std::optional<Rigid3d> body_from_recorded;
+
+  // To the bit.
+  friend bool operator==(const RecordedCamera& a, const RecordedCamera& b);
+};
+
+// INVALID_ARGUMENT, naming the field and its value, where it is impossible.
+absl::Status Validate(const RecordedCamera& recorded);
+
+// Of pictures that were used as they were recorded.
+RecordedCamera AsRecorded(const Camera& camera);
+
+// The recorded picture's pixel where the Camera has `pixel`.
+Eigen::Vector2d RecordedPixel(const Camera& camera, const RecordedCamera& recorded,
+                              const Eigen::Vector2d& pixel);
+
+// Which frame poses are of.
+enum class PosesOf {
+  kRecordedCamera,   // The camera as it recorded; of a stereo pair the left one.
+  kRectifiedCamera,  // The Camera.
+  kBody,
+};
+
+// "camera", "rectified", "body": what options are called.
+absl::string_view ToString(PosesOf poses_of);
+// INVALID_ARGUMENT names the three.
+absl::StatusOr<PosesOf> ParsePosesOf(absl::string_view text);
+// "the camera as recorded (of a stereo pair the left one)", "the rectified camera ...", "the body".
+absl::string_view Describe(PosesOf poses_of);
+
+// x_in_camera = camera_from_wanted * x_in_wanted; nullopt where both are the same frame. Without
+// `recorded` the Camera is taken to be the one that recorded. FAILED_PRECONDITION: the body is
+// wanted and not known.
+absl::StatusOr<std::optional<Rigid3d>> CameraFromWanted(
+    const std::optional<RecordedCamera>& recorded, PosesOf wanted);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_CAMERA_RECORDED_CAMERA_H_
