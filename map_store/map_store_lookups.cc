@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/answers.h"
+#include "map_store/fusion_executor.h"
 #include "map_store/map_store.h"
 #include "map_store/mission.h"
 #include "map_store/mission_load.h"
@@ -33,13 +34,19 @@ std::vector<KeyframeId> KeyframeIdsOf(const MissionState& state, LocalMapId loca
   return ids;
 }
 
-MissionInfo Describe(const Mission& mission) {
+}  // namespace
+
+bool MapStore::has_worker() const { return executor_->has_worker(); }
+
+std::optional<WorkerOutage> MapStore::worker_outage() const { return executor_->worker_outage(); }
+
+MissionInfo MapStore::Describe(const Mission& mission) const {
   MissionInfo info = mission.WithState(map_store::DescribeMission);
   info.fusion_idle = mission.IsFusionIdle();
+  info.has_worker = has_worker();
+  info.worker_outage = worker_outage();
   return info;
 }
-
-}  // namespace
 
 absl::StatusOr<Page<MissionInfo>> MapStore::ListMissions(const PageRequest& page) const {
   std::vector<std::shared_ptr<Mission>> missions;
