@@ -51,6 +51,7 @@ struct Flags {
   uint64_t spool_mb = 1024;
   uint64_t outbox_mb = 64;
   bool stay = false;
+  bool take_over = false;
   SecurityOptions security;
   ObserveFlags observe;
   bool listen_insecure = false;
@@ -132,7 +133,9 @@ absl::Status WriteResults(const Flags& flags, const Agent& agent, const PlayedFr
 absl::StatusOr<std::unique_ptr<Uplink>> MakeUplink(const Flags& flags) {
   if (flags.server.empty()) return nullptr;
   ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
-  return MakeRemoteUplink(MakeChannel(flags.server, credentials));
+  RemoteUplinkOptions options;
+  options.take_over = flags.take_over;
+  return MakeRemoteUplink(MakeChannel(flags.server, credentials), options);
 }
 
 // How other programs on the robot reach it.
@@ -157,7 +160,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
       CheckVocabulary(flags.vocabulary),
       OpenFlaggedSource(flags).status(),
   };
-  if (!flags.server.empty()) found.push_back(CheckFlagAddress("--server", flags.server));
+  if (!flags.server.empty()) found.push_back(CheckFlagServer("--server", flags.server));
   if (!flags.listen.empty()) found.push_back(CheckFlagAddress("--listen", flags.listen));
   if (!flags.spool_dir.empty()) found.push_back(CheckFolder("--spool-dir", flags.spool_dir));
   if (!flags.spool_dir.empty() && flags.server.empty()) found.push_back(SpoolNeedsServer());
@@ -172,11 +175,15 @@ std::vector<absl::Status> Check(const Flags& flags) {
 absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", flags.mission));
   RETURN_IF_ERROR(CheckNameSegment("--agent", flags.agent));
+  if (!flags.server.empty()) RETURN_IF_ERROR(CheckFlagServer("--server", flags.server));
   ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool, OpenFlaggedSpool(flags));
   // Outlives the agent, which closes it.
   ASSIGN_OR_RETURN(const std::unique_ptr<Uplink> uplink, MakeUplink(flags));
   ASSIGN_OR_RETURN(const auto observers,
                    RobotObservers::Make(flags.observe, flags.mission, flags.agent));
+  if (uplink != nullptr) {
+    observers->LogSessions({flags.server, kMapStoreService, flags.security});
+  }
   ASSIGN_OR_RETURN(ServerSecurity security, MakeListenSecurity(flags));
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
@@ -187,7 +194,9 @@ absl::Status Run(const Flags& flags) {
                     vocabulary, observers->Watch(uplink.get()), std::move(spool)));
   Agent* const watched = observers->Watch(agent.get());
   AgentService service(agent.get(), uplink.get(),
-                       {.mission = uplink != nullptr ? flags.mission : "", .agent = flags.agent});
+                       {.mission = uplink != nullptr ? flags.mission : "",
+                        .agent = flags.agent,
+                        .session = observers->OfSessions()});
   ASSIGN_OR_RETURN(const auto metrics, observers->Serve(agent.get(), uplink.get()));
   security.server.rpc_observer = observers->OfCalls();
   std::unique_ptr<Server> server;
@@ -258,6 +267,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "MiB that wait in memory before they go to --spool-dir; 0: everything does")
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str();
+  app.add_flag("--take-over", flags.take_over,
+               "Take the place of another process of this name that is connected; without, it is "
+               "waited for");
   app.add_flag("--stay", flags.stay,
                "At the end say \"finished\" and stay connected until SIGTERM");
   AddTlsFlags(app, flags.security);
