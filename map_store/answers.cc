@@ -1,6 +1,8 @@
 #include "map_store/answers.h"
 
+#include <map>
 #include <set>
+#include <tuple>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/island_view.h"
@@ -48,6 +50,20 @@ KeyframeInfo DescribeKeyframe(const MissionState& state, const LocalMapState& lo
   return info;
 }
 
+std::vector<UncomparedPair> ListUncompared(const MissionState& state) {
+  std::map<std::pair<LocalMapId, LocalMapId>, UncomparedPair> pairs;
+  for (const QueryTask& task : state.queries) {
+    ++pairs[{task.query.local_map, task.against}].waiting;
+  }
+  for (const auto& [ids, count] : state.failed_queries) pairs[ids].failed = count;
+  std::vector<UncomparedPair> listed;
+  for (auto& [ids, pair] : pairs) {
+    std::tie(pair.query, pair.against) = ids;
+    listed.push_back(pair);
+  }
+  return listed;
+}
+
 std::string DefaultNote(const OverlapEntry& entry) {
   if (!entry.note.empty()) return entry.note;
   return entry.state == OverlapState::kWaiting ? "waits for fusing" : "";
@@ -68,6 +84,7 @@ MissionInfo DescribeMission(const MissionState& state) {
   info.islands = state.global.islands.size();
   info.keyframes = CountKeyframes(state);
   info.map_points = CountPoints(state);
+  info.waiting_queries = state.queries.size();
   return info;
 }
 
@@ -114,6 +131,7 @@ MissionStatistics DescribeStatistics(const MissionState& state) {
   statistics.islands = state.global.islands.size();
   statistics.keyframes = CountKeyframes(state);
   statistics.map_points = CountPoints(state);
+  statistics.uncompared = ListUncompared(state);
   return statistics;
 }
 

@@ -54,7 +54,9 @@ bool FusionExecutor::RunOne(Mission& mission, FusionLane lane, bool& unavailable
   const ProgressCallback progress = [this, &job](double) {
     return !job->cancelled->load() && !IsStopped();
   };
-  if (mission.FinishJob(lane, *job, RunRequest(job->work, *worker_, progress))) return true;
+  absl::StatusOr<FusionResult> result = RunRequest(job->work, *worker_, progress);
+  watch_.Note(result.status());
+  if (mission.FinishJob(lane, *job, std::move(result))) return true;
   unavailable = true;
   return false;
 }

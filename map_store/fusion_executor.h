@@ -6,13 +6,17 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "map_store/lookups.h"
 #include "map_store/mission.h"
+#include "map_store/worker_watch.h"
 #include "slam/exchange/fusion_worker.h"
 
 namespace corbslam::map_store {
@@ -23,8 +27,9 @@ class FusionExecutor {
   using ListMissions = std::function<std::vector<std::shared_ptr<Mission>>()>;
 
   // `worker` (not owned, may be null) must outlive it.
-  FusionExecutor(FusionWorker* worker, absl::Duration retry_after)
-      : worker_(worker), retry_after_(retry_after) {}
+  FusionExecutor(FusionWorker* worker, absl::Duration retry_after,
+                 std::function<absl::Time()> clock)
+      : worker_(worker), retry_after_(retry_after), watch_(std::move(clock)) {}
   ~FusionExecutor() { Stop(); }
 
   // Starts `threads_per_lane` threads for each lane, and one that keeps snapshots.
@@ -36,6 +41,10 @@ class FusionExecutor {
 
   // All that the mission has to do, here and now, in the order of the policy.
   void RunUntilIdle(Mission& mission);
+
+  bool has_worker() const { return worker_ != nullptr; }
+  // None while workers take requests, and before the first one.
+  std::optional<WorkerOutage> worker_outage() const { return watch_.outage(); }
 
  private:
   bool IsStopped() const;
@@ -49,6 +58,7 @@ class FusionExecutor {
 
   FusionWorker* const worker_;
   const absl::Duration retry_after_;
+  WorkerWatch watch_;
   ListMissions missions_;
   std::vector<std::thread> threads_;
 

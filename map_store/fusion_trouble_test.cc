@@ -112,6 +112,34 @@ TEST_F(FusionTroubleTest, RefusedFusingIsKeptWithItsReason) {
   EXPECT_TRUE(found);
 }
 
+TEST_F(FusionTroubleTest, WhatNobodyLookedAtIsKnown) {
+  EXPECT_TRUE(store_.has_worker());
+  worker_.verify_failures.assign(1000, absl::UnavailableError("gone"));
+  StreamBoth();
+  const std::vector<UncomparedPair> waiting = Statistics().uncompared;
+  ASSERT_FALSE(waiting.empty());
+  uint64_t look_ups = 0;
+  for (const UncomparedPair& pair : waiting) look_ups += pair.waiting;
+  EXPECT_EQ(store_.GetMission(kMission)->waiting_queries, look_ups);
+  EXPECT_FALSE(store_.worker_outage().has_value()) << "nobody was asked";
+  // Without threads nobody waits: what fails is given up.
+  Fuse();
+  ASSERT_TRUE(store_.GetMission(kMission)->worker_outage.has_value());
+  EXPECT_EQ(store_.worker_outage()->cause, "gone");
+  uint64_t failed = 0;
+  for (const UncomparedPair& pair : Statistics().uncompared) {
+    EXPECT_EQ(pair.waiting, 0u);
+    failed += pair.failed;
+  }
+  EXPECT_GT(failed, 0u);
+  worker_.verify_failures.clear();
+  ASSERT_TRUE(store_.RederiveGlobalLayer(kMission).ok());
+  Fuse();
+  EXPECT_FALSE(store_.worker_outage().has_value());
+  EXPECT_TRUE(Statistics().uncompared.empty());
+  EXPECT_EQ(Statistics().islands, 1u);
+}
+
 // Several overlaps go into one request: one that bends the graph takes no other along.
 TEST_F(FusionTroubleTest, OneBadOverlapDoesNotRefuseTheOthers) {
   MapStoreOptions options = DeterministicOptions();

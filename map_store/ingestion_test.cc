@@ -148,6 +148,43 @@ TEST_F(IngestionTest, ResumesWhereItsLocalMapsStand) {
   EXPECT_TRUE(store_.Apply(again, Next(3)).ok()) << "the old one's end is not the new one's";
 }
 
+// Two robots of one name: the second is told, and the first goes on.
+TEST_F(IngestionTest, AnotherProcessDoesNotTakeASessionOver) {
+  SessionRequest first{"m", "a", 0, {}, /*instance=*/1};
+  first.peer = "ipv4:10.0.0.5:4711";
+  const uint64_t a = store_.OpenSession(first)->session_id;
+  SessionRequest second{"m", "a", 0, {}, /*instance=*/2};
+  const absl::Status refused = store_.OpenSession(second).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kAlreadyExists);
+  for (const char* part : {"agent a of mission m", "since 20", "ipv4:10.0.0.5:4711", "--agent",
+                           "--take-over", "within a minute"}) {
+    EXPECT_THAT(std::string(refused.message()), HasSubstr(part));
+  }
+  EXPECT_TRUE(store_.Apply(a, First()).ok());
+  // Another name is no question, nor is the same one once it is free.
+  second.agent = "b";
+  EXPECT_TRUE(store_.OpenSession(second).ok());
+  second.agent = "a";
+  store_.CloseSession(a);
+  EXPECT_TRUE(store_.OpenSession(second).ok());
+}
+
+TEST_F(IngestionTest, TheSameProcessAndOneThatIsToldToTakeASessionOver) {
+  const SessionRequest first{"m", "a", 0, {}, /*instance=*/1};
+  const uint64_t a = store_.OpenSession(first)->session_id;
+  // Its link broke, and the store has not noticed.
+  const uint64_t again = store_.OpenSession(first)->session_id;
+  EXPECT_EQ(store_.Apply(a, First()).status().code(), absl::StatusCode::kAborted);
+  SessionRequest second{"m", "a", 0, {}, /*instance=*/2};
+  EXPECT_FALSE(store_.OpenSession(second).ok());
+  second.take_over = true;
+  ASSERT_TRUE(store_.OpenSession(second).ok());
+  EXPECT_EQ(store_.Apply(again, First()).status().code(), absl::StatusCode::kAborted);
+  EXPECT_EQ(store_.OpenSession(first).status().code(), absl::StatusCode::kAlreadyExists);
+  // An agent that says nothing of processes is as old as this rule's absence.
+  EXPECT_TRUE(store_.OpenSession({"m", "a", 0, {}}).ok());
+}
+
 TEST_F(IngestionTest, FencingWakesTheOldSession) {
   const uint64_t a = Open("a");
   int calls = 0;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/time/time.h"
 #include "slam/exchange/overlap.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/map/keyframe.h"
@@ -28,6 +29,21 @@ struct Page {
   std::string next_page_token;  // Empty: that was all.
 };
 
+// Since when no fusion worker takes the store's requests, and what was heard instead.
+struct WorkerOutage {
+  absl::Time begin;
+  std::string cause;
+};
+
+// Keyframes of one local map that were not looked up among those of another.
+struct UncomparedPair {
+  LocalMapId query;
+  LocalMapId against;
+  uint64_t waiting = 0;
+  // Given up, because workers answered with errors. Not known of what was before a restart.
+  uint64_t failed = 0;
+};
+
 struct MissionInfo {
   std::string name;
   uint64_t revision = 0;
@@ -37,6 +53,11 @@ struct MissionInfo {
   size_t keyframes = 0;
   size_t map_points = 0;
   bool fusion_idle = true;
+  // Look-ups of a keyframe in a local map that wait for a worker.
+  uint64_t waiting_queries = 0;
+  // The store has fusion workers; they may be away.
+  bool has_worker = false;
+  std::optional<WorkerOutage> worker_outage;
 };
 
 struct AgentInfo {
@@ -109,6 +130,7 @@ struct MissionStatistics {
   std::vector<double> merge_ms;
   std::vector<GlobalAdjustmentStatistics> global_adjustments;
   uint64_t failed_requests = 0;
+  std::vector<UncomparedPair> uncompared;  // By ids; none of which all is looked up.
 };
 
 enum class TrajectoryFrame { kLocal, kGlobal };

@@ -20,8 +20,8 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       vocabulary_(std::move(vocabulary)),
       journal_(std::move(journal)),
       clock_(std::move(clock)),
-      has_worker_(worker != nullptr),
-      executor_(std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms))) {
+      executor_(
+          std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)) {
   if (options_.deterministic) return;
   const auto list_missions = [this] {
     std::vector<std::shared_ptr<Mission>> missions;
@@ -76,7 +76,7 @@ std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
   environment.journal = journal_.get();
   environment.clock = clock_;
   environment.wake_fusion = [this] { executor_->Wake(); };
-  environment.has_worker = has_worker_;
+  environment.has_worker = executor_->has_worker();
   return std::make_shared<Mission>(name, std::move(environment));
 }
 

@@ -79,8 +79,10 @@ class MapStore {
 
   // Opens or resumes; creates the mission and the agent. An older session of the same agent is
   // fenced: its calls answer ABORTED from now on, and its shared listener is called once.
-  // INVALID_ARGUMENT: a name is empty, longer than 128 or has other characters than
-  // [a-zA-Z0-9._-]. PERMISSION_DENIED: a local map is another agent's. RESOURCE_EXHAUSTED.
+  // ALREADY_EXISTS: it stands, and was opened by another process (SessionRequest::instance) than
+  // this one, which is not to take over. INVALID_ARGUMENT: a name is empty, longer than 128 or has
+  // other characters than [a-zA-Z0-9._-]. PERMISSION_DENIED: a local map is another agent's.
+  // RESOURCE_EXHAUSTED.
   absl::StatusOr<OpenedSession> OpenSession(const SessionRequest& request);
   // Applies the batch as a whole or not at all, and answers up to where the local map is stored.
   // A batch seen before is acknowledged, not applied again. FAILED_PRECONDITION names the expected
@@ -115,6 +117,11 @@ class MapStore {
   absl::StatusOr<bool> IsFusionIdle(absl::string_view mission) const;
   // DEADLINE_EXCEEDED after `timeout`.
   absl::Status WaitUntilFusionIdle(absl::string_view mission, absl::Duration timeout) const;
+
+  // Whether there are fusion workers at all, and since when they take no requests; none before the
+  // first request.
+  bool has_worker() const;
+  std::optional<WorkerOutage> worker_outage() const;
 
   // Look-ups. NOT_FOUND, naming what; INVALID_ARGUMENT for a bad page token.
 
@@ -174,12 +181,12 @@ class MapStore {
   std::shared_ptr<map_store::Mission> MakeMission(const std::string& name);
   absl::Status CheckRoomForMission() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
+  MissionInfo Describe(const map_store::Mission& mission) const;
 
   const MapStoreOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
   const std::unique_ptr<Journal> journal_;
   const Clock clock_;
-  const bool has_worker_;
   std::unique_ptr<map_store::FusionExecutor> executor_;
 
   // Held by one deletion from its beginning to its end.

@@ -92,7 +92,7 @@ absl::StatusOr<Page<MissionInfo>> MapStore::ListMissions(const PageRequest& requ
   }
   Page<MissionInfo> page;
   page.next_page_token = EndPage(start, missions, [](const Named& named) { return named.first; });
-  for (const Named& named : missions) page.items.push_back(named.second->Info());
+  for (const Named& named : missions) page.items.push_back(Describe(*named.second));
   return page;
 }
 

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/answers.h"
+#include "map_store/fusion_executor.h"
 #include "map_store/map_store.h"
 #include "map_store/mission.h"
 #include "map_store/mission_load.h"
@@ -16,9 +17,20 @@ using map_store::LocalMapState;
 using map_store::Mission;
 using map_store::MissionState;
 
+bool MapStore::has_worker() const { return executor_->has_worker(); }
+
+std::optional<WorkerOutage> MapStore::worker_outage() const { return executor_->worker_outage(); }
+
+MissionInfo MapStore::Describe(const Mission& mission) const {
+  MissionInfo info = mission.Info();
+  info.has_worker = has_worker();
+  info.worker_outage = worker_outage();
+  return info;
+}
+
 absl::StatusOr<MissionInfo> MapStore::GetMission(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->Info();
+  return Describe(*mission);
 }
 
 absl::StatusOr<LocalMapInfo> MapStore::GetLocalMap(absl::string_view mission_name,

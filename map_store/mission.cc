@@ -48,6 +48,22 @@ absl::Status CheckNumber(const LocalMapState* local_map, const MapUpdateBatch& b
                                                     last + 1));
 }
 
+// Two processes of one name would throw each other out for ever. A process that comes back takes
+// its own older session's place, and so does an agent that says nothing of processes.
+absl::Status CheckNotHeld(absl::string_view mission, const AgentState& agent,
+                          const SessionRequest& request) {
+  const bool is_held = agent.session != 0 && request.instance != 0 &&
+                       request.instance != agent.instance && !request.take_over;
+  if (!is_held) return absl::OkStatus();
+  return absl::AlreadyExistsError(absl::StrCat(
+      "agent ", request.agent, " of mission ", mission,
+      " is connected already, as another process, since ",
+      absl::FormatTime("%Y-%m-%dT%H:%M:%SZ", agent.session_begin, absl::UTCTimeZone()),
+      agent.peer.empty() ? "" : " from ", agent.peer,
+      ": give this robot another name (--agent), stop that process, or start this one with "
+      "--take-over; if that process or its link is gone, its session ends within a minute"));
+}
+
 }  // namespace
 
 Mission::Mission(std::string name, Environment environment)
@@ -62,6 +78,9 @@ absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
   {
     absl::MutexLock lock(&mutex_);
     if (deleted_) return Deleted();
+    if (const auto it = state_.agents.find(request.agent); it != state_.agents.end()) {
+      RETURN_IF_ERROR(CheckNotHeld(name_, it->second, request));
+    }
     for (const LocalMapId& id : request.local_maps) {
       const LocalMapState* local_map = state_.FindLocalMap(id);
       if (local_map != nullptr && local_map->agent != request.agent) {
@@ -81,6 +100,9 @@ absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
     }
     AgentState& agent = state_.agents[request.agent];
     fenced = std::exchange(agent.session, session_id);
+    agent.instance = request.instance;
+    agent.session_begin = environment_.clock();
+    agent.peer = request.peer;
     Told& told = told_[request.agent];
     absl::MutexLock telling(&told.mutex);
     ResumeSharing(request.last_revision, told.share);

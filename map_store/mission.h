@@ -65,7 +65,7 @@ class Mission {
   absl::Status KeepSnapshot(const std::function<bool()>& goes_on)
       ABSL_LOCKS_EXCLUDED(snapshot_mutex_, writer_mutex_, mutex_);
 
-  // Fences an older session of the agent.
+  // Fences an older session of the agent, unless another process holds that.
   absl::StatusOr<SessionGrant> OpenSession(uint64_t session_id, const SessionRequest& request);
   absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const std::string& agent,
                                         const MapUpdateBatch& batch, const BatchTransfer* measured);

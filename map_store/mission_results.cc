@@ -138,7 +138,10 @@ void Mission::NoteFailure(const FusionJob& job, const absl::Status& status) {
   ++state_.statistics.failed_requests;
   const int max_attempts = environment_.options->max_attempts;
   if (std::holds_alternative<QueryJob>(job.work)) {
-    if (++state_.queries.front().attempts >= max_attempts) state_.queries.pop_front();
+    QueryTask& task = state_.queries.front();
+    if (++task.attempts < max_attempts) return;
+    ++state_.failed_queries[{task.query.local_map, task.against}];
+    state_.queries.pop_front();
     return;
   }
   if (const auto* fuse = std::get_if<FuseJob>(&job.work)) {

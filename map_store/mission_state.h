@@ -185,6 +185,10 @@ struct QueryTask {
 struct AgentState {
   std::vector<LocalMapId> local_maps;
   uint64_t session = 0;  // 0: not connected.
+  // Of that session: which process of the agent holds it (0: not known), since when, from where.
+  uint64_t instance = 0;
+  absl::Time session_begin;
+  std::string peer;
 };
 
 struct MissionState {
@@ -194,6 +198,8 @@ struct MissionState {
   std::vector<LocalMapId> order;  // Local maps as they arrived.
   GlobalLayer global;
   std::deque<QueryTask> queries;
+  // How many of them were given up, by the local maps of query and candidates. Not recorded.
+  std::map<std::pair<LocalMapId, LocalMapId>, uint64_t> failed_queries;
   uint64_t next_overlap = 1;
   // Grows with every change of either layer.
   uint64_t version = 0;

@@ -39,6 +39,7 @@ void ForgetGlobalLayer(MissionState& state) {
   }
   state.global = std::move(fresh);
   state.queries.clear();
+  state.failed_queries.clear();
   // Of two keyframes the one that comes later asks.
   std::vector<LocalMapId> against;
   for (const auto& [id, local_map] : state.local_maps) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+
 namespace corbslam {
 namespace {
 
@@ -135,7 +137,11 @@ absl::Status MemoryManager::Finish(absl::Duration timeout) {
     return IsDone() || session_ == Session::kRefused;
   };
   if (!mutex_.AwaitWithTimeout(absl::Condition(&finished), timeout)) {
-    return absl::DeadlineExceededError("the map store has not acknowledged everything yet");
+    return absl::DeadlineExceededError(
+        absl::StrCat("the map store has not acknowledged everything yet",
+                     session_ == Session::kOpen || closed_.ok()
+                         ? ""
+                         : absl::StrCat(", and no session stands: ", closed_.ToString())));
   }
   if (session_ == Session::kRefused) return refusal_;
   return needs_new_local_map_ ? queue_.status().loss : absl::OkStatus();
@@ -340,6 +346,7 @@ void MemoryManager::OnSessionClosed(const absl::Status& reason) {
                              queue_.GiveUpEarlier(reason));
   session_ = passes ? Session::kNone : Session::kRefused;
   if (!passes) refusal_ = reason;
+  closed_ = reason;
   // A store that lets everybody in and throws them out again is no reason to come back at once.
   if (options_.clock() - opened_ > options_.max_backoff) attempts_ = 0;
   opened_ = absl::InfiniteFuture();

@@ -140,6 +140,7 @@ class MemoryManager : private UplinkListener {
   enum class Session { kNone, kOpening, kOpen, kRefused };
   Session session_ ABSL_GUARDED_BY(mutex_) = Session::kNone;
   absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
+  absl::Status closed_ ABSL_GUARDED_BY(mutex_);  // Why the last session or attempt ended.
   absl::Time next_attempt_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   absl::Time last_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   // Since something was acknowledged, or a session lasted.

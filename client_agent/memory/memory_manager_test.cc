@@ -88,6 +88,21 @@ TEST_F(MemoryManagerTest, FencedAgentDoesNotTryAgain) {
   EXPECT_TRUE(absl::IsAborted(manager_->Finish(absl::Seconds(1))));
 }
 
+// Another process has its name: that may end.
+TEST_F(MemoryManagerTest, ARobotWhoseNameIsTakenTriesAgain) {
+  uplink_.reachable = false;
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  uplink_.Break(absl::AlreadyExistsError("connected already, as another process"));
+  manager_->Step();
+  const absl::Status unfinished = manager_->Finish(absl::Milliseconds(10));
+  EXPECT_TRUE(absl::IsDeadlineExceeded(unfinished)) << unfinished;
+  uplink_.reachable = true;
+  manager_->Step();
+  manager_->Step();
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+}
+
 TEST_F(MemoryManagerTest, FinishSaysWhenTheStoreIsNotReached) {
   uplink_.reachable = false;
   AddKeyframe({kOwn, 0});

@@ -3,12 +3,14 @@
 #define CORBSLAM_SERVICES_AGENT_SERVICE_AGENT_SERVICE_H_
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/agent/agent.h"
 #include "corbslam/v1/agent_service.grpc.pb.h"
@@ -25,6 +27,8 @@ struct AgentServiceOptions {
   std::string agent;
   // What recorded the agent's pictures; nullopt: its own camera did.
   std::optional<RecordedCamera> recorded_camera = std::nullopt;
+  // OK while a session with the store stands, else why there is none; null: not known.
+  std::function<absl::Status()> session = nullptr;
 };
 
 // Thread-safe. `agent` and `uplink` (null: no map store) are not owned and must outlive it; the

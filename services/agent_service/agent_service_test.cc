@@ -77,8 +77,12 @@ class AgentServiceTest : public ::testing::Test {
     return recorded;
   }
 
-  AgentService service_{
-      &agent_, nullptr, {.mission = "m", .agent = "alpha", .recorded_camera = MakeRecorded()}};
+  AgentService service_{&agent_,
+                        nullptr,
+                        {.mission = "m",
+                         .agent = "alpha",
+                         .recorded_camera = MakeRecorded(),
+                         .session = [] { return absl::AlreadyExistsError("another alpha"); }}};
   std::unique_ptr<Server> server_;
   std::unique_ptr<v1::Agent::Stub> stub_;
 };
@@ -101,6 +105,9 @@ TEST_F(AgentServiceTest, TellsHowItIs) {
   EXPECT_EQ(status.outbox_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(status.loss_code(), grpc::StatusCode::DATA_LOSS);
   EXPECT_EQ(status.lost_local_maps(), 2u);
+  EXPECT_FALSE(status.connected());
+  EXPECT_EQ(status.session_code(), grpc::StatusCode::ALREADY_EXISTS);
+  EXPECT_EQ(status.session_message(), "another alpha");
 }
 
 TEST_F(AgentServiceTest, RefusesWhoeverExpectsAnotherMission) {

@@ -17,6 +17,12 @@ void WriteUpload(const UploadStatus& upload, v1::AgentStatus* response) {
   response->set_loss_code(upload.loss.raw_code());
 }
 
+void WriteSession(const absl::Status& session, v1::AgentStatus* response) {
+  response->set_connected(session.ok());
+  response->set_session_code(session.raw_code());
+  response->set_session_message(std::string(session.message()));
+}
+
 }  // namespace
 
 v1::TrackingState ToProto(TrackingState state) {
@@ -56,6 +62,7 @@ grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* c
     if (uplink_ != nullptr) response->set_bytes_up(uplink_->bytes_up());
     if (uplink_ != nullptr) response->set_bytes_down(uplink_->bytes_down());
     WriteUpload(status.upload, response);
+    if (options_.session != nullptr) WriteSession(options_.session(), response);
     if (status.global_from_local) {
       ToProto(*status.global_from_local, response->mutable_global_from_local());
     }

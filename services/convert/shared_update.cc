@@ -264,6 +264,8 @@ void ToProto(const SessionRequest& request, v1::OpenSession* proto) {
   proto->set_agent(request.agent);
   proto->set_last_revision(request.last_revision);
   for (const LocalMapId id : request.local_maps) proto->add_local_maps(id.value);
+  proto->set_instance(request.instance);
+  proto->set_take_over(request.take_over);
 }
 
 absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
@@ -279,6 +281,8 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
     if (value == 0) return absl::InvalidArgumentError("local_maps names 0");
     request.local_maps.push_back({value});
   }
+  request.instance = proto.instance();
+  request.take_over = proto.take_over();
   return request;
 }
 

@@ -108,7 +108,8 @@ TEST(SharedUpdateTest, AnOwnPlaceWithoutItsLocalPoseIsRefusedByName) {
 }
 
 TEST(SessionTest, RequestAndGrantPassTheWire) {
-  const SessionRequest request{"m", "alpha", 5, {test_data::kMap, test_data::kOtherMap}};
+  const SessionRequest request{
+      "m", "alpha", 5, {test_data::kMap, test_data::kOtherMap}, 0xfeed, /*take_over=*/true};
   v1::OpenSession proto;
   ToProto(request, &proto);
   EXPECT_EQ(proto.mission(), "missions/m");
@@ -118,6 +119,8 @@ TEST(SessionTest, RequestAndGrantPassTheWire) {
   EXPECT_EQ(read->agent, "alpha");
   EXPECT_EQ(read->last_revision, 5u);
   EXPECT_EQ(read->local_maps, request.local_maps);
+  EXPECT_EQ(read->instance, request.instance);
+  EXPECT_TRUE(read->take_over);
   proto.set_agent("a/b");
   EXPECT_FALSE(FromProto(proto).ok());
 }

@@ -8,6 +8,7 @@
 #include "services/doctor/local_checks.h"
 #include "services/doctor/server_checks.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/reachability/cause.h"
 #include "services/security/flags.h"
 
 namespace corbslam {
@@ -38,12 +39,11 @@ Findings Examine(const DoctorArguments& arguments) {
   if (!arguments.source.empty()) Add(CheckSource(arguments.source, arguments.strict), findings);
   Add(CheckSecurityFiles(arguments.security, now), findings);
   if (!arguments.server.empty()) {
-    Add(CheckServer("store", arguments.server, "corbslam.v1.MapStore", arguments.security, now),
+    Add(CheckServer("store", arguments.server, kMapStoreService, arguments.security, now),
         findings);
   }
   for (const std::string& worker : arguments.workers) {
-    Add(CheckServer("worker", worker, "corbslam.v1.FusionWorker", arguments.security, now),
-        findings);
+    Add(CheckServer("worker", worker, kFusionWorkerService, arguments.security, now), findings);
   }
   return findings;
 }

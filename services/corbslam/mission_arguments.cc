@@ -7,13 +7,11 @@
 #include "absl/strings/str_format.h"
 #include "services/corbslam/store_reader.h"
 #include "services/security/flags.h"
-#include "slam/util/status_macros.h"
 
 namespace corbslam {
 
 absl::StatusOr<std::shared_ptr<grpc::Channel>> Connect(const MissionArguments& arguments) {
-  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(arguments.security));
-  return ConnectToStore(arguments.server, credentials);
+  return ConnectToStore(arguments.server, arguments.security);
 }
 
 std::function<void(uint64_t bytes)> ShowBytes(const char* what, uint64_t total) {

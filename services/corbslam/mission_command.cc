@@ -9,6 +9,7 @@
 #include "services/corbslam/mission_admin.h"
 #include "services/corbslam/mission_arguments.h"
 #include "services/corbslam/mission_json.h"
+#include "services/corbslam/mission_summary.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -27,11 +28,11 @@ absl::Status ListMissions(const MissionArguments& arguments) {
   std::printf("%-40s %6s %6s %7s %9s %9s %8s %s\n", "mission", "agents", "maps", "islands",
               "keyframes", "points", "revision", "fusion");
   for (const v1::Mission& mission : missions) {
-    std::printf(
-        "%-40s %6u %6u %7u %9lu %9lu %8lu %s\n", mission.name().c_str(), mission.agents(),
-        mission.local_maps(), mission.islands(), static_cast<unsigned long>(mission.keyframes()),
-        static_cast<unsigned long>(mission.map_points()),
-        static_cast<unsigned long>(mission.revision()), mission.fusion_idle() ? "idle" : "busy");
+    std::printf("%-40s %6u %6u %7u %9lu %9lu %8lu %s\n", mission.name().c_str(), mission.agents(),
+                mission.local_maps(), mission.islands(),
+                static_cast<unsigned long>(mission.keyframes()),
+                static_cast<unsigned long>(mission.map_points()),
+                static_cast<unsigned long>(mission.revision()), DescribeFusion(mission).c_str());
   }
   return absl::OkStatus();
 }

@@ -1,5 +1,7 @@
 #include "services/corbslam/mission_summary.h"
 
+#include <utility>
+
 #include "services/convert/resource_names.h"
 #include "services/corbslam/call_status.h"
 #include "slam/util/status_macros.h"
@@ -66,6 +68,14 @@ absl::StatusOr<MissionSummary> ReadSummary(const std::shared_ptr<grpc::Channel>&
         summary.overlaps.insert(summary.overlaps.end(), page.overlaps().begin(),
                                 page.overlaps().end());
       })));
+  grpc::ClientContext statistics_context;
+  SetDeadline(statistics_context);
+  v1::GetStatisticsRequest statistics_request;
+  statistics_request.set_mission(name);
+  v1::GetStatisticsResponse statistics;
+  RETURN_IF_ERROR(ToStatus(
+      stub->GetStatistics(&statistics_context, statistics_request, &statistics), "GetStatistics"));
+  summary.statistics = std::move(*statistics.mutable_mission());
   return summary;
 }
 

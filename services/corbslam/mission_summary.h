@@ -20,6 +20,8 @@ struct MissionSummary {
   std::vector<v1::MissionAgent> agents;
   std::vector<v1::LocalMap> local_maps;
   std::vector<v1::Overlap> overlaps;
+  // failed_requests, and which local maps are not compared in whole.
+  v1::MissionStatistics statistics;
 };
 
 // Of a resource's name: "alpha" of "missions/lab/agents/alpha".
@@ -35,9 +37,13 @@ absl::StatusOr<MissionSummary> ReadSummary(const std::shared_ptr<grpc::Channel>&
                                            const std::string& mission);
 
 // Tables and sentences. Robots by name; local maps as ROBOT/N, the robot's N-th; for every two
-// local maps of different robots what became of the overlaps between them, or that there was none.
+// local maps of different robots what became of the overlaps between them, that there was none, or
+// that nobody has looked yet, and why.
 std::string FormatSummary(const MissionSummary& summary);
 nlohmann::ordered_json ToJson(const MissionSummary& summary);
+
+// "idle", "busy", "waits for a worker" or "has no worker".
+std::string DescribeFusion(const v1::Mission& mission);
 
 // As words, "too few keypoints look alike".
 std::string DescribeVerdict(v1::OverlapVerdict verdict);

@@ -35,6 +35,8 @@ Json ToJson(const std::pair<std::string, std::string>& names, const PairOverlaps
           {"same_island", pair.same_island},
           {"accepted", pair.accepted},
           {"refused", pair.refused},
+          {"waiting", pair.waiting},
+          {"failed", pair.failed},
           {"verdicts", verdicts}};
 }
 
@@ -48,7 +50,11 @@ nlohmann::ordered_json ToJson(const v1::Mission& mission) {
           {"islands", mission.islands()},
           {"keyframes", mission.keyframes()},
           {"map_points", mission.map_points()},
-          {"fusion_idle", mission.fusion_idle()}};
+          {"fusion_idle", mission.fusion_idle()},
+          {"waiting_queries", mission.waiting_queries()},
+          {"lacks_fusion_worker", mission.lacks_fusion_worker()},
+          {"worker_away_since_ns", mission.worker_away_since_ns()},
+          {"worker_error", mission.worker_error()}};
 }
 
 nlohmann::ordered_json ToJson(const MissionSummary& summary) {

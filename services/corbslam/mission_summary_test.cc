@@ -20,6 +20,7 @@ void AddLocalMap(int id, const std::string& agent, int island, MissionSummary& s
   local_map.set_island(MapName(island));
   local_map.set_in_global_frame(island == 1);
   local_map.set_keyframes(10);
+  local_map.set_settled_keyframes(7);
   local_map.set_map_points(100);
   local_map.set_tracked_frames(50);
 }
@@ -72,6 +73,58 @@ TEST(MissionSummaryTest, SaysWhatWasFusedAndWhyTheRestWasNot) {
             HasSubstr("  alpha/1, loops: 1 accepted (up to 60 inliers)\n"),
             HasSubstr("  bravo/1 and alpha/2, apart: no two keyframes share enough words to be "
                       "compared\n")));
+}
+
+constexpr char kNoWords[] = "no two keyframes share enough words";
+
+void AddUncompared(int query, int against, uint64_t waiting, uint64_t failed,
+                   MissionSummary& summary) {
+  v1::UncomparedPair& pair = *summary.statistics.add_uncompared();
+  pair.set_query(MapName(query));
+  pair.set_against(MapName(against));
+  pair.set_waiting(waiting);
+  pair.set_failed(failed);
+}
+
+// Bravo's first local map and alpha's second one: nothing was found, because nobody looked.
+TEST(MissionSummaryTest, NeverSpeaksOfWordsWhereNobodyLooked) {
+  MissionSummary summary = MakeSummary();
+  summary.mission.set_waiting_queries(12);
+  summary.mission.set_worker_away_since_ns(1'700'000'000'000'000'000);
+  summary.mission.set_worker_error("no fusion worker answers at w:1: Connection refused");
+  AddUncompared(3, 2, 5, 0, summary);
+  AddUncompared(2, 3, 7, 1, summary);
+  AddUncompared(1, 1, 4, 0, summary);
+  const std::string text = FormatSummary(summary);
+  EXPECT_THAT(
+      text, AllOf(HasSubstr("fusion waits for a worker"),
+                  HasSubstr("12 look-ups waiting: no fusion worker takes requests since 2023-11-1"),
+                  HasSubstr("(no fusion worker answers at w:1: Connection refused)"),
+                  HasSubstr("bravo/1 and alpha/2, apart: 12 look-ups waiting for a fusion "
+                            "worker; 1 look-up given up because fusion workers failed\n")));
+  EXPECT_EQ(text.find(kNoWords), std::string::npos) << text;
+  const nlohmann::ordered_json json = ToJson(summary);
+  EXPECT_EQ(json["mission"]["waiting_queries"], 12);
+  for (const auto& pair : json["pairs"]) {
+    if (pair["local_maps"].dump() == R"(["bravo/1","alpha/2"])") EXPECT_EQ(pair["waiting"], 12);
+  }
+}
+
+TEST(MissionSummaryTest, NeverSpeaksOfWordsWhereNothingCouldBeLookedAt) {
+  MissionSummary none = MakeSummary();
+  none.mission.set_lacks_fusion_worker(true);
+  none.mission.set_waiting_queries(3);
+  AddUncompared(3, 2, 3, 0, none);
+  EXPECT_THAT(FormatSummary(none), AllOf(HasSubstr("3 look-ups waiting: the store has no fusion"),
+                                         ::testing::Not(HasSubstr(kNoWords))));
+  MissionSummary early = MakeSummary();
+  early.local_maps[2].set_settled_keyframes(0);
+  EXPECT_THAT(FormatSummary(early), AllOf(HasSubstr("too few keyframes to be compared yet"),
+                                          ::testing::Not(HasSubstr(kNoWords))));
+  MissionSummary failed = MakeSummary();
+  failed.statistics.set_failed_requests(9);
+  EXPECT_THAT(FormatSummary(failed), AllOf(HasSubstr("9 requests of this mission failed"),
+                                           ::testing::Not(HasSubstr(kNoWords))));
 }
 
 TEST(MissionSummaryTest, HasTheSameAsJson) {

@@ -1,7 +1,10 @@
+#include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "absl/time/time.h"
 #include "services/corbslam/mission_summary.h"
 #include "services/corbslam/summary_pairs.h"
 
@@ -12,13 +15,30 @@ std::string Count(uint64_t count, const std::string& what) {
   return absl::StrCat(count, " ", what, count == 1 ? "" : "s");
 }
 
+// Empty where fusion goes on.
+std::string FormatWorkers(const v1::Mission& mission) {
+  const std::string waiting = Count(mission.waiting_queries(), "look-up") + " waiting";
+  if (mission.lacks_fusion_worker()) {
+    if (mission.waiting_queries() == 0) return "";
+    return waiting +
+           ": the store has no fusion worker (map_store --worker or "
+           "--in-process-worker)\n";
+  }
+  if (mission.worker_away_since_ns() == 0) return "";
+  return absl::StrCat(
+      waiting, ": no fusion worker takes requests since ",
+      absl::FormatTime("%Y-%m-%d %H:%M:%S", absl::FromUnixNanos(mission.worker_away_since_ns()),
+                       absl::LocalTimeZone()),
+      " (", mission.worker_error(), ")\n");
+}
+
 std::string FormatMission(const v1::Mission& mission) {
   return absl::StrCat(
       "Mission ", LastSegment(mission.name()), ": ", Count(mission.agents(), "robot"), ", ",
       Count(mission.local_maps(), "local map"), " in ", Count(mission.islands(), "island"), ", ",
       Count(mission.keyframes(), "keyframe"), ", ", Count(mission.map_points(), "map point"),
-      "; revision ", mission.revision(), ", fusion ", mission.fusion_idle() ? "idle" : "busy",
-      "\n");
+      "; revision ", mission.revision(), ", fusion ", DescribeFusion(mission), "\n",
+      FormatWorkers(mission));
 }
 
 // One line a robot, its local maps added up.
@@ -57,7 +77,28 @@ std::string FormatLocalMaps(const MissionSummary& summary) {
   return text;
 }
 
-std::string FormatPair(const PairOverlaps& pair) {
+// What was never looked at says nothing of the places.
+std::string DescribeUncompared(const PairOverlaps& pair) {
+  std::vector<std::string> parts;
+  if (pair.waiting > 0) {
+    parts.push_back(Count(pair.waiting, "look-up") + " waiting for a fusion worker");
+  }
+  if (pair.failed > 0) {
+    parts.push_back(Count(pair.failed, "look-up") + " given up because fusion workers failed");
+  }
+  return absl::StrJoin(parts, "; ");
+}
+
+std::string DescribeNoOverlap(const PairOverlaps& pair, const MissionSummary& summary) {
+  if (pair.is_too_early) return "too few keyframes to be compared yet";
+  if (summary.statistics.failed_requests() > 0) {
+    return absl::StrCat("no overlap found, but ", summary.statistics.failed_requests(),
+                        " requests of this mission failed");
+  }
+  return "no two keyframes share enough words to be compared";
+}
+
+std::string FormatPair(const PairOverlaps& pair, const MissionSummary& summary) {
   std::vector<std::string> parts;
   if (pair.accepted > 0) {
     parts.push_back(
@@ -67,7 +108,10 @@ std::string FormatPair(const PairOverlaps& pair) {
     if (verdict == v1::OVERLAP_VERDICT_ACCEPTED) continue;
     parts.push_back(absl::StrCat(count, " refused: ", DescribeVerdict(verdict)));
   }
-  if (parts.empty()) parts.push_back("no two keyframes share enough words to be compared");
+  if (const std::string uncompared = DescribeUncompared(pair); !uncompared.empty()) {
+    parts.push_back(uncompared);
+  }
+  if (parts.empty()) parts.push_back(DescribeNoOverlap(pair, summary));
   return absl::StrJoin(parts, "; ");
 }
 
@@ -82,12 +126,18 @@ std::string FormatOverlaps(const MissionSummary& summary) {
     if (names.first != names.second) {
       absl::StrAppend(&text, " and ", names.second, pair.same_island ? ", fused" : ", apart");
     }
-    absl::StrAppend(&text, ": ", FormatPair(pair), "\n");
+    absl::StrAppend(&text, ": ", FormatPair(pair, summary), "\n");
   }
   return text;
 }
 
 }  // namespace
+
+std::string DescribeFusion(const v1::Mission& mission) {
+  if (mission.lacks_fusion_worker()) return "has no worker";
+  if (mission.worker_away_since_ns() != 0) return "waits for a worker";
+  return mission.fusion_idle() ? "idle" : "busy";
+}
 
 std::string DescribeVerdict(v1::OverlapVerdict verdict) {
   switch (verdict) {

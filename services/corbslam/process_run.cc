@@ -98,9 +98,8 @@ absl::StatusOr<std::string> ProcessRun::StartServer(const std::string& program,
 absl::Status ProcessRun::StartServers() {
   store_address_ = options_.server;
   if (!store_address_.empty()) {
-    ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(options_.security));
     ASSIGN_OR_RETURN(std::shared_ptr<grpc::Channel> channel,
-                     ConnectToStore(store_address_, credentials));
+                     ConnectToStore(store_address_, options_.security));
     store_ = std::make_unique<StoreReader>(std::move(channel), options_.mission);
     return absl::OkStatus();
   }

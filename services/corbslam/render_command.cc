@@ -48,9 +48,8 @@ absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<s
 
 absl::Status Render(const RenderArguments& arguments) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
-  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(arguments.security));
   ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel,
-                   ConnectToStore(arguments.server, credentials));
+                   ConnectToStore(arguments.server, arguments.security));
   StoreReader store(channel, arguments.mission);
   // A mission without keyframes has no map that could be waited for.
   ASSIGN_OR_RETURN(const v1::GetStatisticsResponse statistics, store.Statistics());

@@ -12,7 +12,6 @@
 #include "services/convert/resource_names.h"
 #include "services/corbslam/call_status.h"
 #include "services/corbslam/mission_summary.h"
-#include "services/remote/channel.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -76,14 +75,6 @@ TransferReport FromProto(const v1::TransferCount& proto) {
 }
 
 }  // namespace
-
-absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(
-    const std::string& address, const std::shared_ptr<grpc::ChannelCredentials>& credentials,
-    absl::Duration patience) {
-  std::shared_ptr<grpc::Channel> channel = MakeChannel(address, credentials);
-  if (channel->WaitForConnected(absl::ToChronoTime(absl::Now() + patience))) return channel;
-  return absl::UnavailableError(absl::StrCat("no map store answers at ", address));
-}
 
 StoreReader::StoreReader(std::shared_ptr<grpc::Channel> channel, std::string mission)
     : mission_(std::move(mission)), stub_(v1::MapStore::NewStub(channel)) {}

@@ -3,7 +3,6 @@
 #define CORBSLAM_SERVICES_CORBSLAM_STORE_READER_H_
 
 #include <grpcpp/channel.h>
-#include <grpcpp/security/credentials.h>
 
 #include <map>
 #include <memory>
@@ -15,13 +14,17 @@
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "services/corbslam/report.h"
 #include "services/corbslam/served_mission.h"
+#include "services/security/security_options.h"
 #include "slam/camera/recorded_camera.h"
 
 namespace corbslam {
 
-// A channel to the map store at HOST:PORT, connected. UNAVAILABLE where none answers in time.
+// A channel to the map store at HOST:PORT, connected. INVALID_ARGUMENT for what is no address.
+// UNAVAILABLE where no map store answers, with the cause: within a second or so where it is certain
+// (nobody listens, TLS on one side, another server); where the network may be slow that is logged,
+// and the error comes after `patience`.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(
-    const std::string& address, const std::shared_ptr<grpc::ChannelCredentials>& credentials,
+    const std::string& address, const SecurityOptions& security,
     absl::Duration patience = absl::Seconds(10));
 
 // Thread-safe. Each call has a deadline of its own. Errors are those of the store, with the call

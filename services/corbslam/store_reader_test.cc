@@ -43,7 +43,7 @@ class StoreReaderTest : public ::testing::Test {
 TEST(ConnectToStoreTest, SaysSoonThatNobodyAnswers) {
   const absl::Time start = absl::Now();
   const absl::Status status =
-      ConnectToStore(kNobody, grpc::InsecureChannelCredentials(), absl::Milliseconds(500)).status();
+      ConnectToStore(kNobody, WithoutTls(), absl::Milliseconds(500)).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(status.message()), HasSubstr(kNobody));
   EXPECT_LT(absl::Now() - start, absl::Seconds(20));
@@ -56,7 +56,7 @@ TEST_F(StoreReaderTest, ReadsTheGlobalMap) {
   request.agent = "alpha";
   const auto session = store_->OpenSession(request);
   ASSERT_TRUE(session.ok()) << session.status();
-  const auto channel = ConnectToStore(server_->address(), grpc::InsecureChannelCredentials());
+  const auto channel = ConnectToStore(server_->address(), WithoutTls());
   ASSERT_TRUE(channel.ok()) << channel.status();
   StoreReader reader(*channel, "m");
   ASSERT_TRUE(
@@ -68,7 +68,7 @@ TEST_F(StoreReaderTest, ReadsTheGlobalMap) {
 }
 
 TEST_F(StoreReaderTest, HandsOnThatThereIsNoSuchMission) {
-  const auto channel = ConnectToStore(server_->address(), grpc::InsecureChannelCredentials());
+  const auto channel = ConnectToStore(server_->address(), WithoutTls());
   ASSERT_TRUE(channel.ok()) << channel.status();
   StoreReader reader(*channel, "nowhere");
   for (const absl::Status& status :

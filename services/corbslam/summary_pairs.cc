@@ -1,6 +1,7 @@
 #include "services/corbslam/summary_pairs.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -24,35 +25,78 @@ std::map<std::string, std::string> ShortNames(const MissionSummary& summary) {
   return names;
 }
 
-std::map<std::pair<std::string, std::string>, PairOverlaps> CountPairs(
-    const MissionSummary& summary) {
-  const std::map<std::string, std::string> names = ShortNames(summary);
-  std::map<std::string, size_t> order;
+namespace {
+
+using Pairs = std::map<std::pair<std::string, std::string>, PairOverlaps>;
+
+// Finds the pair of two local maps by the names of their resources. Null: one came after the local
+// maps were listed.
+class PairFinder {
+ public:
+  PairFinder(const MissionSummary& summary, Pairs& pairs)
+      : names_(ShortNames(summary)), pairs_(pairs) {
+    for (const v1::LocalMap& local_map : summary.local_maps) {
+      order_.emplace(local_map.name(), order_.size());
+    }
+  }
+
+  PairOverlaps* Find(std::string first, std::string second) {
+    if (!order_.contains(first) || !order_.contains(second)) return nullptr;
+    if (order_.at(first) > order_.at(second)) std::swap(first, second);
+    return &pairs_[{names_.at(first), names_.at(second)}];
+  }
+
+ private:
+  const std::map<std::string, std::string> names_;
+  std::map<std::string, size_t> order_;
+  Pairs& pairs_;
+};
+
+// What waits or failed, of pairs that are listed.
+void AddUncompared(const MissionSummary& summary, Pairs& pairs) {
+  Pairs all = pairs;
+  PairFinder finder(summary, all);
+  for (const v1::UncomparedPair& uncompared : summary.statistics.uncompared()) {
+    PairOverlaps* pair = finder.Find(uncompared.query(), uncompared.against());
+    if (pair == nullptr) continue;
+    pair->waiting += uncompared.waiting();
+    pair->failed += uncompared.failed();
+  }
+  for (auto& [names, pair] : pairs) pair = all.at(names);
+}
+
+void AddVerdict(const v1::Overlap& overlap, PairOverlaps& pair) {
+  ++pair.verdicts[overlap.verdict()];
+  const bool accepted = overlap.verdict() == v1::OVERLAP_VERDICT_ACCEPTED;
+  ++(accepted ? pair.accepted : pair.refused);
+  if (accepted) pair.most_inliers = std::max(pair.most_inliers, overlap.inliers());
+}
+
+}  // namespace
+
+Pairs CountPairs(const MissionSummary& summary) {
+  Pairs pairs;
+  PairFinder finder(summary, pairs);
   std::map<std::string, std::string> islands;
-  std::map<std::pair<std::string, std::string>, PairOverlaps> pairs;
   for (const v1::LocalMap& second : summary.local_maps) {
     for (const v1::LocalMap& first : summary.local_maps) {
       if (first.name() == second.name()) break;
       if (first.agent() == second.agent()) continue;
-      pairs[{names.at(first.name()), names.at(second.name())}].same_island =
-          first.island() == second.island();
+      PairOverlaps& pair = *finder.Find(first.name(), second.name());
+      pair.same_island = first.island() == second.island();
+      pair.is_too_early = std::min(first.settled_keyframes(), second.settled_keyframes()) == 0;
     }
-    order.emplace(second.name(), order.size());
     islands[second.name()] = second.island();
   }
   for (const v1::Overlap& overlap : summary.overlaps) {
-    std::string first = LocalMapOf(overlap.query());
-    std::string second = LocalMapOf(overlap.candidate());
-    // One that came after the local maps were listed.
-    if (!order.contains(first) || !order.contains(second)) continue;
-    if (order.at(first) > order.at(second)) std::swap(first, second);
-    PairOverlaps& pair = pairs[{names.at(first), names.at(second)}];
-    pair.same_island = islands.at(first) == islands.at(second);
-    ++pair.verdicts[overlap.verdict()];
-    const bool accepted = overlap.verdict() == v1::OVERLAP_VERDICT_ACCEPTED;
-    ++(accepted ? pair.accepted : pair.refused);
-    if (accepted) pair.most_inliers = std::max(pair.most_inliers, overlap.inliers());
+    const std::string first = LocalMapOf(overlap.query());
+    const std::string second = LocalMapOf(overlap.candidate());
+    PairOverlaps* pair = finder.Find(first, second);
+    if (pair == nullptr) continue;
+    pair->same_island = islands.at(first) == islands.at(second);
+    AddVerdict(overlap, *pair);
   }
+  AddUncompared(summary, pairs);
   return pairs;
 }
 

@@ -20,6 +20,12 @@ struct PairOverlaps {
   std::map<v1::OverlapVerdict, int> verdicts;
   int accepted = 0;
   int refused = 0;
+  // Keyframes of one that were not looked up in the other: those that wait for a fusion worker, and
+  // those that were given up because workers failed.
+  uint64_t waiting = 0;
+  uint64_t failed = 0;
+  // One of the two has no settled keyframe: there is nothing to compare yet.
+  bool is_too_early = false;
 };
 
 // By the short names of two local maps, the one that came first first: those of different robots,

@@ -8,9 +8,9 @@
 #include "absl/time/clock.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/doctor/certificate_checks.h"
+#include "services/doctor/fusion_check.h"
 #include "services/doctor/local_checks.h"
 #include "services/doctor/server_checks.h"
-#include "services/doctor/tls_probe.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/security/testing/test_certificates.h"
@@ -100,8 +100,6 @@ TEST(DoctorTest, LooksIntoCertificates) {
 }
 
 TEST(DoctorTest, KnowsHosts) {
-  EXPECT_EQ(HostOf("store.lan:50051"), "store.lan");
-  EXPECT_EQ(HostOf("[::1]:50051"), "::1");
   const TestCertificates certificates("lab", "store.lan");
   std::ifstream file(certificates.Path("store.pem"));
   const std::string pem{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -187,6 +185,33 @@ TEST_F(ServerChecksTest, CantCompareWithoutReflection) {
   silent.reflection = false;
   Start(silent);
   EXPECT_EQ(LevelOf(Check(insecure_), "does not say what it offers"), Level::kWarn);
+}
+
+TEST(DoctorTest, NoticesThatNobodyFuses) {
+  EXPECT_TRUE(CheckFusionOf("store", {}).empty());
+  std::vector<v1::Mission> missions(2);
+  EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "take its requests"), Level::kOk);
+  for (v1::Mission& mission : missions) {
+    mission.set_waiting_queries(6);
+    mission.set_worker_away_since_ns(1'700'000'000'000'000'000);
+    mission.set_worker_error("Connection refused");
+  }
+  EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "look-ups waiting: 12 (Connection refused)"),
+            Level::kFail);
+  missions[0].set_lacks_fusion_worker(true);
+  EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "never fused"), Level::kWarn);
+}
+
+TEST_F(ServerChecksTest, SaysWhatIsWrongWithAnAddress) {
+  EXPECT_EQ(LevelOf(CheckServer("store", "http://127.0.0.1:1", kWorker, insecure_, absl::Now()),
+                    "give 127.0.0.1:1"),
+            Level::kFail);
+}
+
+TEST_F(ServerChecksTest, SaysThatTheOtherSideSpeaksTls) {
+  const TestCertificates certificates("lab");
+  Start(certificates.Options("worker"));
+  EXPECT_EQ(LevelOf(Check(insecure_), "speaks TLS"), Level::kFail);
 }
 
 TEST(DoctorTest, NoticesAnotherVersion) {

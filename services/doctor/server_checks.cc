@@ -2,7 +2,6 @@
 
 #include <google/protobuf/descriptor.h>
 
-#include <algorithm>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -11,7 +10,11 @@
 #include "corbslam/v1/fusion_worker_service.pb.h"
 #include "corbslam/v1/map_store_service.pb.h"
 #include "services/doctor/certificate_checks.h"
-#include "services/doctor/tls_probe.h"
+#include "services/doctor/fusion_check.h"
+#include "services/reachability/address.h"
+#include "services/reachability/cause.h"
+#include "services/reachability/proxy.h"
+#include "services/reachability/tls_probe.h"
 #include "services/reflection/generic_client.h"
 #include "services/remote/channel.h"
 #include "services/remote/health_client.h"
@@ -36,16 +39,40 @@ std::set<std::string> OwnMethods(const std::string& service) {
   return methods;
 }
 
-Findings CheckCertificate(const std::string& name, const std::string& address,
-                          const SecurityOptions& options, absl::Time now) {
+// The way is free: what the server shows of itself, or why nothing comes of it.
+Findings CheckCertificate(const std::string& name, const ServerTarget& target,
+                          const HostPort& address, absl::Time now) {
   const auto pem = FetchCertificates(address, kPatience);
   if (!pem.ok()) {
-    return {{Level::kFail, name, std::string(pem.status().message()),
-             "start it with a certificate, or say --insecure here, too"}};
+    const Cause cause = FindCauseOfTransport(target, kPatience)
+                            .value_or(Cause{std::string(pem.status().message()), ""});
+    return {{Level::kFail, name, cause.text, cause.advice}};
   }
-  Findings findings = {CheckExpiry(name, *pem, now), CheckHost(name, *pem, HostOf(address))};
-  const auto authorities = ReadAuthorities(options.ca_file);
+  Findings findings = {CheckExpiry(name, *pem, now), CheckHost(name, *pem, address.host)};
+  const auto authorities = ReadAuthorities(target.security.ca_file);
   if (authorities.ok()) findings.push_back(CheckChain(name, *pem, *authorities));
+  return findings;
+}
+
+// Whether the server is where the address says, and speaks as this side does.
+Findings CheckWay(const std::string& name, const ServerTarget& target, absl::Time now) {
+  if (const auto cause = FindCauseOfWay(target, kPatience); cause.has_value()) {
+    return {{Level::kFail, name, "is not reached: " + cause->text, cause->advice}};
+  }
+  const HostPort address = *ParseServerAddress(target.address);
+  if (const auto proxy = FindProxy(address.host); proxy.has_value()) {
+    return {
+        {Level::kWarn, name,
+         absl::StrCat("is reached through ", proxy->url, ", because ", proxy->variable, " is set"),
+         "add its host to no_proxy, unless a proxy is wanted"}};
+  }
+  Findings findings = {{Level::kOk, name, "is reached", ""}};
+  if (!target.security.insecure) {
+    const Findings certificate = CheckCertificate(name, target, address, now);
+    findings.insert(findings.end(), certificate.begin(), certificate.end());
+  } else if (const auto cause = FindCauseOfTransport(target, kPatience); cause.has_value()) {
+    findings.push_back({Level::kFail, name, cause->text, cause->advice});
+  }
   return findings;
 }
 
@@ -60,7 +87,7 @@ Finding CheckReady(const std::string& name, const std::shared_ptr<grpc::Channel>
           "its log says why; a full disk is the usual reason"};
 }
 
-Finding CheckInterface(const std::string& name, const std::string& service,
+Finding CheckInterface(const std::string& name, const ServerTarget& target,
                        const std::shared_ptr<grpc::Channel>& channel) {
   GenericClient client(channel);
   const auto services = client.ListServices();
@@ -69,13 +96,12 @@ Finding CheckInterface(const std::string& name, const std::string& service,
             absl::StrCat("does not say what it offers: ", services.status().message()),
             "with --reflection=on, and with an identity, versions can be compared"};
   }
-  if (std::find(services->begin(), services->end(), service) == services->end()) {
-    return {Level::kFail, name, absl::StrCat("does not offer ", service),
-            "--server is for a map store, --worker for a fusion worker"};
+  if (const auto cause = FindCauseOfService(target, channel, kPatience); cause.has_value()) {
+    return {Level::kFail, name, "is another server: " + cause->text, cause->advice};
   }
-  const auto methods = client.ListMethods(service);
+  const auto methods = client.ListMethods(target.service);
   if (!methods.ok()) return {Level::kWarn, name, std::string(methods.status().message()), ""};
-  return CompareMethods(name, OwnMethods(service), {methods->begin(), methods->end()});
+  return CompareMethods(name, OwnMethods(target.service), {methods->begin(), methods->end()});
 }
 
 }  // namespace
@@ -100,16 +126,8 @@ Finding CompareMethods(const std::string& name, const std::set<std::string>& own
 Findings CheckServer(const std::string& name, const std::string& address,
                      const std::string& service, const SecurityOptions& options, absl::Time now) {
   const std::string check = absl::StrCat(name, " ", address);
-  const absl::Status reached = ProbeTcp(address, kPatience);
-  if (!reached.ok()) {
-    return {{Level::kFail, check, absl::StrCat("is not reached: ", reached.message()),
-             "is it running, does it listen on this address, and does a firewall let it through?"}};
-  }
-  Findings findings = {{Level::kOk, check, "is reached", ""}};
-  if (!options.insecure) {
-    const Findings certificate = CheckCertificate(check, address, options, now);
-    findings.insert(findings.end(), certificate.begin(), certificate.end());
-  }
+  const ServerTarget target = {address, service, options};
+  Findings findings = CheckWay(check, target, now);
   const auto credentials = MakeChannelCredentials(options);
   if (!credentials.ok()) {
     findings.push_back({Level::kFail, check, std::string(credentials.status().message()),
@@ -118,12 +136,15 @@ Findings CheckServer(const std::string& name, const std::string& address,
   if (AnyFailed(findings)) return findings;
   const auto channel = MakeChannel(address, *credentials);
   if (!channel->WaitForConnected(absl::ToChronoTime(absl::Now() + kPatience))) {
-    findings.push_back({Level::kFail, check, "is reached, but no connection stands",
-                        "does one side use TLS and the other not, or does it want a certificate?"});
+    const Cause cause = FindCause(target).value_or(Cause{"no connection stands", ""});
+    findings.push_back({Level::kFail, check, cause.text, cause.advice});
     return findings;
   }
   findings.push_back(CheckReady(check, channel));
-  findings.push_back(CheckInterface(check, service, channel));
+  findings.push_back(CheckInterface(check, target, channel));
+  if (AnyFailed(findings) || service != kMapStoreService) return findings;
+  const Findings fusion = CheckFusion(check, channel, kPatience);
+  findings.insert(findings.end(), fusion.begin(), fusion.end());
   return findings;
 }
 

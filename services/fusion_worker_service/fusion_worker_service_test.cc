@@ -227,6 +227,23 @@ TEST_F(FusionWorkerServiceTest, ADeadWorkerIsReplacedByAnother) {
             absl::StatusCode::kUnavailable);
 }
 
+// An address of another server in the list costs nothing but a try.
+TEST_F(FusionWorkerServiceTest, AServerThatIsNoWorkerIsPassedOver) {
+  const auto other = Server::Start("127.0.0.1:0", {});
+  ASSERT_TRUE(other.ok()) << other.status();
+  const auto pool = MakeRemoteFusionWorker({MakeChannel((*other)->address()), channel_});
+  EXPECT_TRUE(pool->VerifyOverlap(MakeVerification(), GoOn).ok());
+  RemoteFusionWorkerOptions options;
+  options.explain = [](size_t worker, const absl::Status& seen) {
+    EXPECT_EQ(worker, 0u);
+    EXPECT_TRUE(absl::IsUnimplemented(seen)) << seen;
+    return absl::UnavailableError("it is no fusion worker");
+  };
+  const auto none = MakeRemoteFusionWorker({MakeChannel((*other)->address())}, options);
+  EXPECT_EQ(none->VerifyOverlap(MakeVerification(), GoOn).status(),
+            absl::UnavailableError("it is no fusion worker"));
+}
+
 // Its server ends in the orderly way, but not so late that the request is done.
 TEST_F(FusionWorkerServiceTest, AWorkerThatIsStoppedInTheMiddleIsReplaced) {
   class QuickWorker : public FakeFusionWorker {

@@ -4,11 +4,14 @@
 
 #include <string>
 
+#include "absl/time/clock.h"
 #include "services/logging/log_fields.h"
 #include "services/tracing/keyframe_events.h"
 
 namespace corbslam {
 namespace {
+
+constexpr size_t kMaxRefused = 1000;
 
 LogFields Fields(const SessionAgent& agent) {
   return {.mission = agent.mission, .agent = agent.agent};
@@ -21,12 +24,32 @@ std::string TraceOf(const MapUpdateBatch& batch) {
 
 }  // namespace
 
+bool SyncLog::IsWorthALine(const SessionAgent& agent) {
+  absl::MutexLock lock(&mutex_);
+  // Whoever makes up names fills it.
+  if (refused_.size() >= kMaxRefused && !refused_.contains(agent)) refused_.clear();
+  return refused_[agent].IsDue(absl::Now());
+}
+
 void SyncLog::OnOpened(const SessionAgent& agent) {
+  {
+    absl::MutexLock lock(&mutex_);
+    refused_.erase(agent);
+  }
   LOG(INFO) << Fields(agent) << "session opened";
 }
 
+void SyncLog::OnRefused(const SessionAgent& agent, const absl::Status& status) {
+  if (!IsWorthALine(agent)) return;
+  LOG(WARNING) << Fields(agent) << "session refused, and again when it is asked for: " << status;
+}
+
 void SyncLog::OnClosed(const SessionAgent& agent, const absl::Status& status) {
-  LOG(INFO) << Fields(agent) << "session ended: " << status;
+  if (status.ok()) {
+    LOG(INFO) << Fields(agent) << "session ended by the robot";
+  } else {
+    LOG(INFO) << Fields(agent) << "session ended: " << status;
+  }
 }
 
 void SyncLog::OnApplied(const SessionAgent& agent, const MapUpdateBatch& batch, absl::Duration,

@@ -43,6 +43,11 @@ void ToProto(const MissionInfo& info, v1::Mission* proto) {
   proto->set_keyframes(info.keyframes);
   proto->set_map_points(info.map_points);
   proto->set_fusion_idle(info.fusion_idle);
+  proto->set_waiting_queries(info.waiting_queries);
+  proto->set_lacks_fusion_worker(!info.has_worker);
+  if (!info.worker_outage.has_value()) return;
+  proto->set_worker_away_since_ns(absl::ToUnixNanos(info.worker_outage->begin));
+  proto->set_worker_error(info.worker_outage->cause);
 }
 
 void ToProto(absl::string_view mission, const AgentInfo& info, v1::MissionAgent* proto) {
@@ -125,6 +130,13 @@ void ToProto(absl::string_view mission, const MissionStatistics& statistics,
   ToProto(statistics.light_keyframes, transfer->mutable_light_keyframes());
   ToProto(statistics.light_map_points, transfer->mutable_light_map_points());
   proto->set_failed_requests(statistics.failed_requests);
+  for (const UncomparedPair& pair : statistics.uncompared) {
+    v1::UncomparedPair* added = proto->add_uncompared();
+    added->set_query(LocalMapName(mission, pair.query));
+    added->set_against(LocalMapName(mission, pair.against));
+    added->set_waiting(pair.waiting);
+    added->set_failed(pair.failed);
+  }
 }
 
 void AddIslands(absl::string_view mission, const std::vector<LocalMapInfo>& local_maps,

@@ -17,6 +17,7 @@
 #include "services/convert/test_data.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/reflection/generic_client.h"
+#include "services/remote/channel.h"
 #include "services/remote/remote_uplink.h"
 #include "services/server/server.h"
 #include "services/testing/uplink_notes.h"
@@ -27,6 +28,7 @@ namespace {
 using test_data::kMap;
 using test_data::kOtherMap;
 using test_data::MakeBatch;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -122,6 +124,93 @@ TEST_F(MapStoreServiceTest, ASecondSessionOfAnAgentFencesTheFirst) {
   ASSERT_TRUE(first_listener.IsClosed());
   EXPECT_EQ(reason.code(), absl::StatusCode::kAborted) << reason;
   EXPECT_FALSE(second_listener.IsClosed());
+}
+
+// As another process of this name would.
+std::unique_ptr<Uplink> MakeOthersUplink(std::shared_ptr<grpc::Channel> channel, bool take_over) {
+  RemoteUplinkOptions options;
+  options.instance = ProcessInstance() + 1;
+  options.take_over = take_over;
+  return MakeRemoteUplink(std::move(channel), options);
+}
+
+TEST_F(MapStoreServiceTest, ASecondProcessOfAnAgentIsToldSoAndTheFirstGoesOn) {
+  const auto first = MakeRemoteUplink(channel_);
+  Listener first_listener;
+  first->Open(Session("alpha"), &first_listener);
+  ASSERT_TRUE(first_listener.WaitForGrant().has_value());
+  const auto second = MakeOthersUplink(channel_, /*take_over=*/false);
+  Listener refused;
+  second->Open(Session("alpha"), &refused);
+  const absl::Status reason = refused.WaitForClose();
+  EXPECT_EQ(reason.code(), absl::StatusCode::kAlreadyExists) << reason;
+  EXPECT_THAT(std::string(reason.message()),
+              AllOf(HasSubstr("alpha"), HasSubstr("--take-over"), HasSubstr("from ")));
+  EXPECT_FALSE(first_listener.IsClosed());
+  // Its turn comes with the other's end.
+  first->Close();
+  Listener granted;
+  second->Open(Session("alpha"), &granted);
+  EXPECT_TRUE(granted.WaitForGrant().has_value());
+}
+
+TEST_F(MapStoreServiceTest, AProcessTakesOverOnceIfItIsToldTo) {
+  const auto first = MakeRemoteUplink(channel_);
+  Listener first_listener;
+  first->Open(Session("alpha"), &first_listener);
+  ASSERT_TRUE(first_listener.WaitForGrant().has_value());
+  const auto second = MakeOthersUplink(channel_, /*take_over=*/true);
+  Listener second_listener;
+  second->Open(Session("alpha"), &second_listener);
+  ASSERT_TRUE(second_listener.WaitForGrant().has_value());
+  EXPECT_TRUE(absl::IsAborted(first_listener.WaitForClose()));
+  second->Close();
+  Listener again;
+  first->Open(Session("alpha"), &again);
+  ASSERT_TRUE(again.WaitForGrant().has_value());
+  Listener late;
+  second->Open(Session("alpha"), &late);
+  EXPECT_EQ(late.WaitForClose().code(), absl::StatusCode::kAlreadyExists);
+}
+
+// What the store's log says of an end.
+class Ends : public SyncObserver {
+ public:
+  void OnClosed(const SessionAgent&, const absl::Status& status) override {
+    absl::MutexLock lock(&mutex_);
+    ends_.push_back(status);
+  }
+  absl::Status WaitForOne() {
+    absl::MutexLock lock(&mutex_);
+    const auto come = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return !ends_.empty(); };
+    mutex_.AwaitWithTimeout(absl::Condition(&come), absl::Seconds(20));
+    return ends_.empty() ? absl::DeadlineExceededError("no end") : ends_.front();
+  }
+
+ private:
+  absl::Mutex mutex_;
+  std::vector<absl::Status> ends_ ABSL_GUARDED_BY(mutex_);
+};
+
+TEST_F(MapStoreServiceTest, ARobotThatLeavesDoesNotLookLikeABrokenStream) {
+  Ends ends;
+  MapStoreServiceOptions options;
+  options.observers = {&ends};
+  MapStoreService service(store_.get(), options);
+  const auto server = Server::Start("127.0.0.1:0", {&service});
+  ASSERT_TRUE(server.ok()) << server.status();
+  {
+    const auto uplink = MakeRemoteUplink(MakeChannel((*server)->address()));
+    Listener listener;
+    uplink->Open(Session("alpha"), &listener);
+    ASSERT_TRUE(listener.WaitForGrant().has_value());
+    std::mt19937 random(3);
+    ASSERT_TRUE(uplink->Send(MakeBatch(random, kMap, 1)));
+    EXPECT_EQ(listener.WaitForAcknowledgements(1), 1u);
+    uplink->Close();
+    EXPECT_FALSE(listener.IsClosed());
+  }
+  EXPECT_EQ(ends.WaitForOne(), absl::OkStatus());
 }
 
 TEST_F(MapStoreServiceTest, AMalformedBatchEndsItsStreamAndNoOther) {

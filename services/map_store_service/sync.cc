@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "services/convert/limits.h"
@@ -17,6 +18,8 @@ namespace {
 // An agent that does not read its acknowledgements is not read either.
 constexpr size_t kMaxReplies = 64;
 
+constexpr char kBroken[] = "the stream broke: the robot's process or its link is gone";
+
 }  // namespace
 
 SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
@@ -27,6 +30,7 @@ SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
       shared_bytes_(options.shared_bytes),
       observers_(options.observers),
       may_open_(std::move(may_open)),
+      peer_(absl::StrReplaceAll(peer, {{"%5B", "["}, {"%5D", "]"}})),
       link_(std::make_shared<Link>()),
       limits_(limits.options()) {
   {
@@ -178,8 +182,7 @@ absl::Status SyncReactor::Leave() {
   absl::Status status;
   {
     absl::MutexLock lock(&mutex_);
-    status =
-        end_.value_or(cancelled_ ? absl::CancelledError("the stream broke") : absl::OkStatus());
+    status = end_.value_or(cancelled_ ? absl::CancelledError(kBroken) : absl::OkStatus());
   }
   if (session_id_) {
     for (SyncObserver* observer : observers_) observer->OnClosed(who_, status);
@@ -225,12 +228,18 @@ absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
 
 absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   if (session_id_) return absl::InvalidArgumentError("the session is open already");
-  ASSIGN_OR_RETURN(const SessionRequest request, FromProto(open));
+  ASSIGN_OR_RETURN(SessionRequest request, FromProto(open));
   RETURN_IF_ERROR(may_open_(request));
   RETURN_IF_ERROR(ticket_->Name(AgentName(request.mission, request.agent)));
-  ASSIGN_OR_RETURN(const MapStore::OpenedSession opened, store_.OpenSession(request));
-  session_id_ = opened.session_id;
+  request.peer = peer_;
   who_ = {request.mission, request.agent};
+  const absl::StatusOr<MapStore::OpenedSession> session = store_.OpenSession(request);
+  if (!session.ok()) {
+    for (SyncObserver* observer : observers_) observer->OnRefused(who_, session.status());
+    return session.status();
+  }
+  const MapStore::OpenedSession& opened = *session;
+  session_id_ = opened.session_id;
   for (SyncObserver* observer : observers_) observer->OnOpened(who_);
   timer_.Disarm();
   v1::SyncResponse response;

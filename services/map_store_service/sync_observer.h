@@ -25,6 +25,8 @@ class SyncObserver {
  public:
   virtual ~SyncObserver() = default;
   virtual void OnOpened(const SessionAgent&) {}
+  // The store lets no session begin.
+  virtual void OnRefused(const SessionAgent&, const absl::Status&) {}
   // Once for each OnOpened.
   virtual void OnClosed(const SessionAgent&, const absl::Status&) {}
   // Of each message of an open session.

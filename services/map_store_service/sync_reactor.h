@@ -80,6 +80,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   const size_t shared_bytes_;
   const std::vector<SyncObserver*>& observers_;
   const OpenCheck may_open_;
+  const std::string peer_;
   const std::shared_ptr<Link> link_;
 
   const StreamLimitOptions& limits_;

@@ -60,6 +60,11 @@ std::vector<prometheus::MetricFamily> MissionCollector::Collect() const {
   std::set<std::string> missions;
   const std::vector<MissionLoad> loads = store_.ListLoads();
   families.Gauge("corbslam_missions", "Missions in the store.", Number(loads.size()));
+  if (store_.has_worker()) {
+    families.Gauge("corbslam_fusion_workers_answer",
+                   "0 while no fusion worker takes the store's requests.",
+                   store_.worker_outage().has_value() ? 0 : 1);
+  }
   for (const MissionLoad& load : loads) {
     AddContents(load, families);
     AddFusion(load, families);

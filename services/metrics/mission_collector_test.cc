@@ -62,6 +62,20 @@ TEST_F(MissionCollectorTest, SaysWhatTheStoresStatisticsSay) {
   }
 }
 
+TEST_F(MissionCollectorTest, SaysThatNoWorkerAnswers) {
+  const auto answer = [this] {
+    return ValueOf(collector_.Collect(), "corbslam_fusion_workers_answer", {});
+  };
+  EXPECT_EQ(answer(), 1);
+  TestAgent a(store_, "lab", "a", map_a_);
+  TestAgent b(store_, "lab", "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  worker_.verify_failures.assign(1000, absl::UnavailableError("gone"));
+  ASSERT_TRUE(store_.RunFusionUntilIdle("lab").ok());
+  EXPECT_EQ(answer(), 0);
+}
+
 TEST_F(MissionCollectorTest, WhatAWorkerHasTakenWaitsNoMore) {
   TestAgent a(store_, "lab", "a", map_a_);
   TestAgent b(store_, "lab", "b", map_b_);

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "services/metrics/metrics_endpoint.h"
-#include "services/server/server.h"
+#include "services/reachability/address.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -16,10 +16,21 @@ namespace corbslam {
 
 namespace fs = std::filesystem;
 
-absl::Status CheckFlagAddress(absl::string_view flag, const std::string& address) {
-  const absl::Status status = CheckAddress(address);
+namespace {
+
+absl::Status OfFlag(absl::string_view flag, const absl::Status& status) {
   return status.ok() ? status
                      : absl::InvalidArgumentError(absl::StrCat(flag, ": ", status.message()));
+}
+
+}  // namespace
+
+absl::Status CheckFlagAddress(absl::string_view flag, const std::string& address) {
+  return OfFlag(flag, ParseListenAddress(address).status());
+}
+
+absl::Status CheckFlagServer(absl::string_view flag, const std::string& address) {
+  return OfFlag(flag, ParseServerAddress(address).status());
 }
 
 absl::Status CheckFolder(absl::string_view flag, const std::string& path) {
@@ -49,10 +60,7 @@ absl::Status CheckFolderOf(const std::string& file) {
 std::vector<absl::Status> CheckObserving(const ObserveFlags& flags) {
   std::vector<absl::Status> found;
   if (!flags.metrics_listen.empty()) {
-    const absl::Status status = CheckMetricsAddress(flags.metrics_listen);
-    found.push_back(status.ok() ? status
-                                : absl::InvalidArgumentError(
-                                      absl::StrCat("--metrics-listen: ", status.message())));
+    found.push_back(OfFlag("--metrics-listen", CheckMetricsAddress(flags.metrics_listen)));
   }
   if (!flags.trace_file.empty()) found.push_back(CheckFolderOf(flags.trace_file));
   return found;

@@ -11,8 +11,10 @@
 
 namespace corbslam {
 
-// HOST:PORT.
+// HOST:PORT to listen on.
 absl::Status CheckFlagAddress(absl::string_view flag, const std::string& address);
+// HOST:PORT of a server to connect to.
+absl::Status CheckFlagServer(absl::string_view flag, const std::string& address);
 // A folder that can be written to, or that can be made.
 absl::Status CheckFolder(absl::string_view flag, const std::string& path);
 // The folder of a file that is going to be written.

@@ -33,7 +33,10 @@ TEST_F(ChecksTest, AddressesNeedAPort) {
   EXPECT_TRUE(CheckFlagAddress("--listen", "[::1]:0").ok());
   for (const char* address : {"", "localhost", "localhost:", "localhost:65536", "localhost:http"}) {
     EXPECT_THAT(CheckFlagAddress("--worker", address).message(), HasSubstr("--worker: address is"));
+    EXPECT_THAT(CheckFlagServer("--worker", address).message(), HasSubstr("--worker: address is"));
   }
+  EXPECT_TRUE(CheckFlagServer("--server", "store.lan:50051").ok());
+  EXPECT_THAT(CheckFlagServer("--server", "store.lan:0").message(), HasSubstr("listening on"));
 }
 
 TEST_F(ChecksTest, FoldersCanBeThereOrBeMade) {

@@ -54,6 +54,7 @@ struct Flags {
   uint64_t outbox_mb = 64;
   bool stay = false;
   bool strict = false;
+  bool take_over = false;
   SecurityOptions security;
   ObserveFlags observe;
   bool listen_insecure = false;
@@ -129,7 +130,9 @@ absl::Status WriteResults(const Flags& flags, const Agent& agent,
 absl::StatusOr<std::unique_ptr<Uplink>> MakeUplink(const Flags& flags) {
   if (flags.server.empty()) return nullptr;
   ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
-  return MakeRemoteUplink(MakeChannel(flags.server, credentials));
+  RemoteUplinkOptions options;
+  options.take_over = flags.take_over;
+  return MakeRemoteUplink(MakeChannel(flags.server, credentials), options);
 }
 
 // How other programs on the robot reach it.
@@ -155,7 +158,7 @@ absl::Status CheckTracked(const RunStatistics& run) {
 
 std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   std::vector<absl::Status> found;
-  if (!flags.server.empty()) found.push_back(CheckFlagAddress("--server", flags.server));
+  if (!flags.server.empty()) found.push_back(CheckFlagServer("--server", flags.server));
   if (!flags.listen.empty()) found.push_back(CheckFlagAddress("--listen", flags.listen));
   if (!flags.spool_dir.empty()) found.push_back(CheckFolder("--spool-dir", flags.spool_dir));
   if (!flags.spool_dir.empty() && flags.server.empty()) found.push_back(SpoolNeedsServer());
@@ -191,6 +194,9 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(const std::unique_ptr<Uplink> uplink, MakeUplink(flags));
   ASSIGN_OR_RETURN(const auto observers,
                    RobotObservers::Make(flags.observe, flags.mission, flags.agent));
+  if (uplink != nullptr) {
+    observers->LogSessions({flags.server, kMapStoreService, flags.security});
+  }
   ASSIGN_OR_RETURN(ServerSecurity security, MakeListenSecurity(flags));
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
@@ -206,7 +212,8 @@ absl::Status Run(const Flags& flags) {
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "",
                         .agent = flags.agent,
-                        .recorded_camera = recorded});
+                         .recorded_camera = recorded,
+                         .session = observers->OfSessions()});
   ASSIGN_OR_RETURN(const auto metrics, observers->Serve(agent.get(), uplink.get()));
   security.server.rpc_observer = observers->OfCalls();
   std::unique_ptr<Server> server;
@@ -292,6 +299,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   app.add_flag("--strict", flags.strict,
                "Refuse a source in which something looks wrong, instead of warning");
+  app.add_flag("--take-over", flags.take_over,
+               "Take the place of another process of this name that is connected; without, it is "
+               "waited for");
   app.add_flag("--stay", flags.stay,
                "At the end say \"finished\" and stay connected until SIGTERM");
   AddTlsFlags(app, flags.security);

@@ -9,9 +9,11 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
+#include "services/reachability/address.h"
 #include "services/remote/channel.h"
 #include "services/remote/health_client.h"
 #include "services/server/server.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
@@ -44,6 +46,7 @@ std::shared_ptr<grpc::ChannelCredentials> MakeCredentials(const Flags& flags) {
 }
 
 absl::Status Ask(const Flags& flags) {
+  RETURN_IF_ERROR(ParseServerAddress(flags.address).status());
   return CheckHealth(MakeChannel(flags.address, MakeCredentials(flags)), flags.service, kTimeout);
 }
 

@@ -17,8 +17,7 @@
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
 #include "services/programs/store_observers.h"
-#include "services/remote/channel.h"
-#include "services/remote/remote_fusion_worker.h"
+#include "services/programs/store_workers.h"
 #include "services/security/flags.h"
 #include "services/security/guarded_map_store.h"
 #include "services/server/readiness_watch.h"
@@ -53,12 +52,7 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> MakeWorker(const Flags& flags) {
     LOG(WARNING) << "no --worker and no --in-process-worker: maps are collected but never fused";
     return nullptr;
   }
-  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
-  std::vector<std::shared_ptr<grpc::Channel>> channels;
-  for (const std::string& address : flags.workers) {
-    channels.push_back(MakeChannel(address, credentials));
-  }
-  return MakeRemoteFusionWorker(channels);
+  return ConnectWorkers(flags.workers, flags.security);
 }
 
 absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const Flags& flags) {
@@ -72,6 +66,14 @@ absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const Flags& flags) {
   return RocksJournal::Open(options);
 }
 
+std::vector<absl::Status> CheckWorkers(const Flags& flags) {
+  std::vector<absl::Status> found;
+  for (const std::string& worker : flags.workers) {
+    found.push_back(CheckFlagServer("--worker", worker));
+  }
+  return found;
+}
+
 std::vector<absl::Status> Check(const Flags& flags) {
   std::vector<absl::Status> found = {
       flags.store.Validate(),
@@ -81,9 +83,8 @@ std::vector<absl::Status> Check(const Flags& flags) {
       MakeWorker(flags).status(),
       CheckVocabulary(flags.vocabulary),
   };
-  for (const std::string& worker : flags.workers) {
-    found.push_back(CheckFlagAddress("--worker", worker));
-  }
+  const std::vector<absl::Status> workers = CheckWorkers(flags);
+  found.insert(found.end(), workers.begin(), workers.end());
   if (!flags.data_dir.empty()) found.push_back(CheckFolder("--data-dir", flags.data_dir));
   const std::vector<absl::Status> observing = CheckObserving(flags.observe);
   found.insert(found.end(), observing.begin(), observing.end());
@@ -94,6 +95,7 @@ absl::Status Run(Flags flags) {
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
+  for (const absl::Status& worker : CheckWorkers(flags)) RETURN_IF_ERROR(worker);
   ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
   ASSIGN_OR_RETURN(const std::unique_ptr<StoreObservers> observers,
                    StoreObservers::Make(flags.observe));

@@ -23,8 +23,20 @@ absl::StatusOr<std::unique_ptr<RobotObservers>> RobotObservers::Make(const Obser
   return observers;
 }
 
+void RobotObservers::LogSessions(const ServerTarget& store) {
+  sessions_ = std::make_unique<UplinkLog>(
+      LogFields{.mission = mission_, .agent = name_},
+      [store](const absl::Status& seen) { return ExplainFailure(store, seen); });
+}
+
+std::function<absl::Status()> RobotObservers::OfSessions() const {
+  if (sessions_ == nullptr) return nullptr;
+  return [this] { return sessions_->status(); };
+}
+
 Uplink* RobotObservers::Watch(Uplink* uplink) {
   std::vector<UplinkObserver*> observers;
+  if (sessions_ != nullptr) observers.push_back(sessions_.get());
   if (metrics_ != nullptr) observers.push_back(&metrics_->robot);
   if (trace_ != nullptr) observers.push_back(trace_.get());
   if (observers.empty() || uplink == nullptr) return uplink;

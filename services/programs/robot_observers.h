@@ -1,19 +1,22 @@
-// Who watches a robot at work, as the flags say: metrics and a trace.
+// Who watches a robot at work: its log, and as the flags say metrics and a trace.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_OBSERVERS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_OBSERVERS_H_
 
 #include <prometheus/registry.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "absl/status/statusor.h"
 #include "client_agent/agent/agent.h"
+#include "services/logging/uplink_log.h"
 #include "services/metrics/metrics_endpoint.h"
 #include "services/metrics/robot_metrics.h"
 #include "services/metrics/rpc_metrics.h"
 #include "services/programs/observe_flags.h"
+#include "services/reachability/cause.h"
 #include "services/tracing/robot_trace.h"
 
 namespace corbslam {
@@ -25,6 +28,11 @@ class RobotObservers {
   static absl::StatusOr<std::unique_ptr<RobotObservers>> Make(const ObserveFlags& flags,
                                                               const std::string& mission,
                                                               const std::string& agent);
+
+  // Before the uplink is watched: its sessions with this store are logged.
+  void LogSessions(const ServerTarget& store);
+  // Why no session stands, OK while one does; null without LogSessions.
+  std::function<absl::Status()> OfSessions() const;
 
   // What they are given (null too), or the same watched, which then is owned here.
   Uplink* Watch(Uplink* uplink);
@@ -52,6 +60,7 @@ class RobotObservers {
   std::unique_ptr<Metrics> metrics_;
   std::unique_ptr<TraceFile> trace_file_;
   std::unique_ptr<RobotTrace> trace_;
+  std::unique_ptr<UplinkLog> sessions_;
   std::unique_ptr<Uplink> uplink_;
   std::unique_ptr<Agent> agent_;
 };

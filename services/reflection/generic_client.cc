@@ -77,11 +77,12 @@ absl::StatusOr<std::vector<std::string>> CallBytes(const std::shared_ptr<grpc::C
 }
 
 absl::StatusOr<reflection::ReflectionResponse> AskReflection(
-    const std::shared_ptr<grpc::Channel>& channel, const reflection::ReflectionRequest& request) {
+    const std::shared_ptr<grpc::Channel>& channel, const reflection::ReflectionRequest& request,
+    const GenericCallOptions& options = {}) {
   ASSIGN_OR_RETURN(
       const std::vector<std::string> answers,
       CallBytes(channel, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
-                request.SerializeAsString()));
+                request.SerializeAsString(), options));
   reflection::ReflectionResponse response;
   if (answers.empty() || !response.ParseFromString(answers[0])) {
     return absl::DataLossError("the server's reflection gave no answer");
@@ -133,10 +134,13 @@ GenericClient::GenericClient(std::shared_ptr<grpc::Channel> channel)
 
 GenericClient::~GenericClient() = default;
 
-absl::StatusOr<std::vector<std::string>> GenericClient::ListServices() {
+absl::StatusOr<std::vector<std::string>> GenericClient::ListServices(absl::Duration max_time) {
   reflection::ReflectionRequest request;
   request.set_list_services("*");
-  ASSIGN_OR_RETURN(const reflection::ReflectionResponse response, AskReflection(channel_, request));
+  GenericCallOptions options;
+  options.max_time = max_time;
+  ASSIGN_OR_RETURN(const reflection::ReflectionResponse response,
+                   AskReflection(channel_, request, options));
   std::vector<std::string> names;
   for (const auto& service : response.services().services()) names.push_back(service.name());
   return names;

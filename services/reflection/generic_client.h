@@ -31,7 +31,8 @@ class GenericClient {
   ~GenericClient();
 
   // Full names.
-  absl::StatusOr<std::vector<std::string>> ListServices();
+  absl::StatusOr<std::vector<std::string>> ListServices(
+      absl::Duration max_time = GenericCallOptions().max_time);
   // Of one service, "corbslam.v1.MapStore"; their names alone. NOT_FOUND: the server has none such.
   absl::StatusOr<std::vector<std::string>> ListMethods(const std::string& service);
   // `method` as "corbslam.v1.MapStore/GetMission"; the request and each response as JSON.

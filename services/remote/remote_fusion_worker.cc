@@ -68,6 +68,12 @@ class CallWatch {
   std::thread thread_;
 };
 
+// The work was not looked at: another worker, or this one once it is set up right, may take it.
+bool IsNotTaken(const absl::Status& status) {
+  return absl::IsUnavailable(status) || absl::IsUnimplemented(status) ||
+         absl::IsUnauthenticated(status) || absl::IsPermissionDenied(status);
+}
+
 // Reads progress and the result.
 template <typename Result, typename Stream, typename Response>
 absl::StatusOr<Result> ReadResult(Stream& stream, grpc::ClientContext& context, CallWatch& watch) {
@@ -123,7 +129,9 @@ class RemoteFusionWorker : public FusionWorker {
             typename Method>
   absl::StatusOr<Result> Run(const Request& request, const ProgressCallback& progress,
                              Method method) {
-    absl::Status last = absl::UnavailableError("there are no workers");
+    if (stubs_.empty()) return absl::UnavailableError("there are no workers");
+    absl::Status last;
+    size_t last_worker = 0;
     std::vector<bool> tried(stubs_.size(), false);
     for (size_t attempt = 0; attempt < stubs_.size(); ++attempt) {
       if (progress != nullptr && !progress(0)) return Cancelled();
@@ -132,10 +140,20 @@ class RemoteFusionWorker : public FusionWorker {
       absl::StatusOr<Result> result = RunOn<Result, RequestMessage, ResponseMessage>(
           *stubs_[worker], request, progress, method);
       Release(worker);
-      if (!absl::IsUnavailable(result.status())) return result;
+      if (!IsNotTaken(result.status())) return result;
       last = result.status();
+      last_worker = worker;
     }
-    return last;
+    return Explain(last_worker, last);
+  }
+
+  // UNAVAILABLE, whatever it was.
+  absl::Status Explain(size_t worker, const absl::Status& seen) const {
+    const absl::Status explained =
+        options_.explain == nullptr ? seen : options_.explain(worker, seen);
+    const bool has_words = absl::IsUnavailable(explained);
+    return absl::UnavailableError(has_words ? std::string(explained.message())
+                                            : explained.ToString());
   }
 
   template <typename Result, typename RequestMessage, typename ResponseMessage, typename Request,

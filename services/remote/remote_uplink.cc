@@ -1,14 +1,18 @@
 #include "services/remote/remote_uplink.h"
 
 #include <memory>
+#include <random>
 #include <utility>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
 #include "services/remote/sync_session.h"
 
 namespace corbslam {
 namespace {
+
+constexpr absl::Duration kGoodbye = absl::Seconds(1);
 
 // Outlives the uplink where a session's last reaction is still running.
 struct Sessions {
@@ -36,8 +40,11 @@ class RemoteUplink : public Uplink {
   ~RemoteUplink() override { Close(); }
 
   void Open(const SessionRequest& request, UplinkListener* listener) override {
+    SessionRequest own = request;
+    own.instance = options_.instance;
+    own.take_over = options_.take_over && !transport_->was_granted;
     auto session = std::make_shared<SyncSession>(
-        transport_, request, listener, options_.max_queued_bytes,
+        transport_, own, listener, options_.max_queued_bytes,
         [sessions = sessions_](const SyncSession* done) { sessions->OnDone(done); });
     const std::shared_ptr<SyncSession> previous = Replace(session);
     if (previous != nullptr) previous->Cancel();
@@ -54,11 +61,9 @@ class RemoteUplink : public Uplink {
   }
 
   void Close() override {
-    std::shared_ptr<SyncSession> session = Replace(nullptr);
-    if (session != nullptr) session->Cancel();
-    session.reset();
-    absl::MutexLock lock(&sessions_->mutex);
-    sessions_->mutex.Await(absl::Condition(sessions_.get(), &Sessions::HaveEnded));
+    const std::shared_ptr<SyncSession> session = Replace(nullptr);
+    if (session != nullptr && !(session->Leave() && HaveEndedWithin(kGoodbye))) session->Cancel();
+    HaveEndedWithin(absl::InfiniteDuration());
   }
 
   uint64_t bytes_up() const override { return transport_->bytes_up; }
@@ -72,12 +77,29 @@ class RemoteUplink : public Uplink {
     return std::exchange(sessions_->current, std::move(session));
   }
 
+  bool HaveEndedWithin(absl::Duration patience) {
+    absl::MutexLock lock(&sessions_->mutex);
+    return sessions_->mutex.AwaitWithTimeout(absl::Condition(sessions_.get(), &Sessions::HaveEnded),
+                                             patience);
+  }
+
   const RemoteUplinkOptions options_;
   const std::shared_ptr<SyncTransport> transport_;
   const std::shared_ptr<Sessions> sessions_;
 };
 
+uint64_t DrawInstance() {
+  std::random_device random;
+  const uint64_t drawn = (uint64_t{random()} << 32) | random();
+  return drawn == 0 ? 1 : drawn;
+}
+
 }  // namespace
+
+uint64_t ProcessInstance() {
+  static const uint64_t instance = DrawInstance();
+  return instance;
+}
 
 std::unique_ptr<Uplink> MakeRemoteUplink(std::shared_ptr<grpc::Channel> channel,
                                          const RemoteUplinkOptions& options) {

@@ -1,7 +1,5 @@
 #include "services/remote/sync_session.h"
 
-#include <glog/logging.h>
-
 #include <utility>
 
 #include "services/convert/limits.h"
@@ -19,8 +17,7 @@ constexpr size_t kFrameBytes = 5;
 
 SyncSession::SyncSession(std::shared_ptr<SyncTransport> transport, const SessionRequest& request,
                          UplinkListener* listener, size_t max_queued_bytes, DoneCallback on_done)
-    : who_{.mission = request.mission, .agent = request.agent},
-      transport_(std::move(transport)),
+    : transport_(std::move(transport)),
       listener_(listener),
       max_queued_bytes_(max_queued_bytes),
       on_done_(std::move(on_done)) {
@@ -42,7 +39,7 @@ void SyncSession::Start(std::shared_ptr<SyncSession> self) {
 bool SyncSession::Send(const MapUpdateBatch& batch) {
   {
     absl::MutexLock lock(&mutex_);
-    if (!granted_ || broken_ || queued_bytes_ > max_queued_bytes_) return false;
+    if (!granted_ || broken_ || leaving_ || queued_bytes_ > max_queued_bytes_) return false;
     for (v1::MapUpdateBatch& part : ToProto(batch, sent_cameras_, kPartBytes)) {
       v1::SyncRequest request;
       *request.mutable_batch() = std::move(part);
@@ -51,6 +48,28 @@ bool SyncSession::Send(const MapUpdateBatch& batch) {
   }
   WriteNext();
   return true;
+}
+
+bool SyncSession::Leave() {
+  {
+    absl::MutexLock lock(&mutex_);
+    silenced_ = true;
+    if (!granted_ || broken_ || writing_ || !queue_.empty()) return false;
+    // Keeps the call alive until OnWritesDoneDone.
+    writing_ = leaving_ = true;
+  }
+  StartWritesDone();
+  return true;
+}
+
+void SyncSession::OnWritesDoneDone(bool) {
+  bool release = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    writing_ = false;
+    release = TakeHold();
+  }
+  if (release) RemoveHold();
 }
 
 void SyncSession::Cancel() {
@@ -67,7 +86,7 @@ void SyncSession::Push(v1::SyncRequest request) {
 }
 
 const v1::SyncRequest* SyncSession::NextWrite() {
-  if (writing_ || broken_ || queue_.empty()) return nullptr;
+  if (writing_ || broken_ || leaving_ || queue_.empty()) return nullptr;
   writing_ = true;
   // Counted before the store can answer.
   transport_->bytes_up += queue_.front().ByteSizeLong() + kFrameBytes;
@@ -128,6 +147,7 @@ absl::Status SyncSession::Handle(const v1::SyncResponse& response) {
         absl::MutexLock lock(&mutex_);
         granted_ = true;
       }
+      transport_->was_granted = true;
       listener_->OnSessionOpened(grant);
       return absl::OkStatus();
     }
@@ -157,7 +177,6 @@ void SyncSession::OnDone(const grpc::Status& status) {
     if (reason.ok()) reason = absl::UnavailableError("the map store closed the stream");
     // What the store sent was wrong, not what was sent to it: trying again may help.
     if (!failure_.ok()) reason = absl::InternalError(failure_.message());
-    LOG(WARNING) << who_ << "the session with the map store ended: " << reason;
     listener_->OnSessionClosed(reason);
   }
   // Destroys this session at the end, unless somebody else holds it.

@@ -15,7 +15,6 @@
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "services/convert/features.h"
 #include "services/convert/shared_update.h"
-#include "services/logging/log_fields.h"
 #include "slam/exchange/uplink.h"
 
 namespace corbslam {
@@ -26,6 +25,8 @@ struct SyncTransport {
   // Bytes on the wire.
   std::atomic<uint64_t> bytes_up{0};
   std::atomic<uint64_t> bytes_down{0};
+  // A session stood.
+  std::atomic<bool> was_granted{false};
 };
 
 // Thread-safe. Started, it keeps itself alive until its call has ended.
@@ -41,12 +42,17 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   void Start(std::shared_ptr<SyncSession> self);
   // As Uplink::Send.
   bool Send(const MapUpdateBatch& batch);
-  // Ends the call soon. The listener hears nothing more, though a call of it may still run.
+  // Closes the sending side, so that the store ends the call in good order. The listener hears
+  // nothing more, though a call of it may still run. False: no session stands, or something is
+  // unsent; then only Cancel ends it.
+  bool Leave();
+  // Ends the call soon; the listener as above.
   void Cancel();
 
  private:
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
+  void OnWritesDoneDone(bool ok) override;
   void OnDone(const grpc::Status& status) override;
 
   absl::Status Handle(const v1::SyncResponse& response);
@@ -59,7 +65,6 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   // Whether the hold that keeps the call alive for Send is to be given up now.
   bool TakeHold() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  const LogFields who_;
   const std::shared_ptr<SyncTransport> transport_;
   UplinkListener* const listener_;
   const size_t max_queued_bytes_;
@@ -78,8 +83,9 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   size_t queued_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   CameraBook sent_cameras_ ABSL_GUARDED_BY(mutex_);
   bool granted_ ABSL_GUARDED_BY(mutex_) = false;
-  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
-  bool broken_ ABSL_GUARDED_BY(mutex_) = false;  // No more reads or writes.
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;  // A message, or that there are no more.
+  bool leaving_ ABSL_GUARDED_BY(mutex_) = false;  // No more writes.
+  bool broken_ ABSL_GUARDED_BY(mutex_) = false;   // No more reads or writes.
   bool held_ ABSL_GUARDED_BY(mutex_) = true;
   bool silenced_ ABSL_GUARDED_BY(mutex_) = false;
 };

@@ -32,6 +32,13 @@ struct SecurityOptions {
   bool health_is_open = true;
 };
 
+// What --insecure means.
+inline SecurityOptions WithoutTls() {
+  SecurityOptions options;
+  options.insecure = true;
+  return options;
+}
+
 struct ServerSecurity {
   // Null: everybody may do everything.
   std::shared_ptr<const AccessControl> access;

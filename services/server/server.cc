@@ -11,8 +11,8 @@
 #include <chrono>
 #include <iostream>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "services/reachability/address.h"
 #include "services/runtime/callback_threads.h"
 #include "services/runtime/listen_errors.h"
 #include "slam/util/status_macros.h"
@@ -81,22 +81,10 @@ void Configure(const ServerOptions& options, grpc::ServerBuilder& builder) {
 
 }  // namespace
 
-// gRPC takes ports modulo 65536.
-absl::Status CheckAddress(const std::string& address) {
-  const size_t colon = address.rfind(':');
-  int port = 0;
-  if (colon != std::string::npos && absl::SimpleAtoi(address.substr(colon + 1), &port) &&
-      port >= 0 && port <= 65535) {
-    return absl::OkStatus();
-  }
-  return absl::InvalidArgumentError(
-      absl::StrCat("address is \"", address, "\", must be HOST:PORT with a port of 0 to 65535"));
-}
-
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const std::string& address,
                                                       const std::vector<grpc::Service*>& services,
                                                       const ServerOptions& options) {
-  if (!address.empty()) RETURN_IF_ERROR(CheckAddress(address));
+  if (!address.empty()) RETURN_IF_ERROR(ParseListenAddress(address).status());
   RegisterPlugins();
   KeepCallbackThreads();
   grpc::ServerBuilder builder;

@@ -26,9 +26,6 @@ inline constexpr int kMaxMessageBytes = 4 << 20;
 inline constexpr char kLiveness[] = "liveness";
 inline constexpr char kReadiness[] = "readiness";
 
-// INVALID_ARGUMENT for what is not "HOST:PORT" with a port that there is.
-absl::Status CheckAddress(const std::string& address);
-
 struct ServerOptions {
   // Programs take theirs from services/security.
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();

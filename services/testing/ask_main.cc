@@ -6,6 +6,7 @@
 #include <iostream>
 #include <string>
 
+#include "services/reachability/address.h"
 #include "services/reflection/generic_client.h"
 #include "services/remote/channel.h"
 #include "services/security/flags.h"
@@ -24,6 +25,7 @@ struct Flags {
 };
 
 absl::Status Ask(const Flags& flags) {
+  RETURN_IF_ERROR(ParseServerAddress(flags.address).status());
   ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
   GenericClient client(MakeChannel(flags.address, credentials));
   GenericCallOptions options;

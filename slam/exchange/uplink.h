@@ -21,6 +21,12 @@ struct SessionRequest {
   uint64_t last_revision = 0;
   // Local maps of which unacknowledged batches are held.
   std::vector<LocalMapId> local_maps;
+  // Drawn at random by the agent's process, the same in all its sessions; 0: not known.
+  uint64_t instance = 0;
+  // Whether a session that another process holds gives way.
+  bool take_over = false;
+  // Where the request came from, for people. The store's transport says it, not the agent.
+  std::string peer = "";
 };
 
 // Up to which batch of a local map everything is durably stored.
@@ -43,7 +49,8 @@ class UplinkListener {
   virtual void OnAcknowledged(const Acknowledgement& acknowledgement) = 0;
   virtual void OnShared(SharedUpdate update) = 0;
   // The session is gone. ABORTED: fenced by a newer session of the same agent, or
-  // INVALID_ARGUMENT / PERMISSION_DENIED: don't try again. Anything else: open again later.
+  // INVALID_ARGUMENT / PERMISSION_DENIED: don't try again. Anything else: open again later;
+  // ALREADY_EXISTS among it: another process holds a session of this agent.
   virtual void OnSessionClosed(const absl::Status& reason) = 0;
 };
 

@@ -46,7 +46,7 @@ class FullDiskTest : public FaultTest {
     StartWith({});
     address_ = AddressOf(store_.get());
     ASSERT_FALSE(address_.empty());
-    const auto channel = ConnectToStore(address_, grpc::InsecureChannelCredentials());
+    const auto channel = ConnectToStore(address_, WithoutTls());
     ASSERT_TRUE(channel.ok()) << channel.status();
     channel_ = *channel;
     reader_ = std::make_unique<StoreReader>(channel_, kMission);

@@ -88,7 +88,7 @@ TEST_F(KilledStoreTest, EveryKeyframeIsThereOnce) {
     EXPECT_TRUE(process->EndStatus().ok()) << process->EndStatus();
   }
 
-  const auto channel = ConnectToStore(address_, grpc::InsecureChannelCredentials());
+  const auto channel = ConnectToStore(address_, WithoutTls());
   ASSERT_TRUE(channel.ok()) << channel.status();
   StoreReader reader(*channel, kMission);
   ASSERT_TRUE(reader.WaitUntilFused(absl::Seconds(300)).ok());

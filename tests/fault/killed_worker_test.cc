@@ -183,7 +183,7 @@ TEST_F(KilledWorkerTest, RealRobotsAreFusedAllTheSame) {
     ASSERT_TRUE(own.is_object());
     keyframes += own["keyframes"].get<uint64_t>();
   }
-  const auto channel = ConnectToStore(address, grpc::InsecureChannelCredentials());
+  const auto channel = ConnectToStore(address, WithoutTls());
   ASSERT_TRUE(channel.ok()) << channel.status();
   StoreReader reader(*channel, kMission);
   ASSERT_TRUE(reader.WaitUntilFused(absl::Seconds(300)).ok());

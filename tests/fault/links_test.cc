@@ -155,7 +155,7 @@ class LinksTest : public FaultTest {
   std::vector<std::string> SecurityOf(const LinkCase& link_case, const std::string& name) const {
     return link_case.tls ? certificates_.Flags(name) : std::vector<std::string>{"--insecure"};
   }
-  std::shared_ptr<grpc::ChannelCredentials> OperatorOf(const LinkCase& link_case) const;
+  SecurityOptions OperatorOf(const LinkCase& link_case) const;
   // The robot's network is 10.77.NETWORK.x.
   Robot StartRobot(const LinkCase& link_case, const std::string& name, int network,
                    const LinkShape& shape, int port);
@@ -167,11 +167,8 @@ class LinksTest : public FaultTest {
   const test_data::TestCertificates certificates_{kMission, HostsOfStores()};
 };
 
-std::shared_ptr<grpc::ChannelCredentials> LinksTest::OperatorOf(const LinkCase& link_case) const {
-  if (!link_case.tls) return grpc::InsecureChannelCredentials();
-  const auto credentials = MakeChannelCredentials(certificates_.Options("operator"));
-  EXPECT_TRUE(credentials.ok()) << credentials.status();
-  return credentials.value_or(nullptr);
+SecurityOptions LinksTest::OperatorOf(const LinkCase& link_case) const {
+  return link_case.tls ? certificates_.Options("operator") : WithoutTls();
 }
 
 Robot LinksTest::StartRobot(const LinkCase& link_case, const std::string& name, int network,

@@ -28,7 +28,7 @@ class ExportTest : public ::testing::Test {
     RunMission({"--source", DemoSource(), "--robots", "2", "--server", servers_.store_address(),
                 "--insecure", "--mission", "lab"});
     if (HasFailure()) return;
-    auto channel = ConnectToStore(servers_.store_address(), grpc::InsecureChannelCredentials());
+    auto channel = ConnectToStore(servers_.store_address(), WithoutTls());
     ASSERT_TRUE(channel.ok()) << channel.status();
     reader_ = std::make_unique<StoreReader>(*channel, "lab");
   }
