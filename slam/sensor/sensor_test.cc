@@ -73,6 +73,31 @@ TEST(StereoSensorTest, MeasuresDisparitiesBelowAPixel) {
   }
 }
 
+// The right camera's principal point lies further right, or left: its picture is moved by as much.
+TEST(StereoSensorTest, HonoursAnotherPrincipalColumnOfTheRightCamera) {
+  constexpr double kTruth_px = 12.5;
+  for (const double offset_px : {10.0, -7.0, 40.0, 3.25, -0.5}) {
+    const auto sensor =
+        MakeSensor(StereoCalibration{.camera = kCamera, .raw = {}, .right_cx_offset_px = offset_px},
+                   {.orb = {.features = 1000}, .parallel = true});
+    ASSERT_TRUE(sensor.ok()) << sensor.status();
+    const auto features =
+        (*sensor)->Process({.grey = Scene(0), .right = Scene(kTruth_px - offset_px)});
+    ASSERT_TRUE(features.ok()) << features.status();
+    const std::vector<double> errors = DisparityErrors(*features, kTruth_px);
+    ASSERT_GT(errors.size(), features->keypoints.size() / 2) << offset_px;
+    EXPECT_LT(errors[errors.size() / 2], 0.08) << offset_px;
+  }
+}
+
+TEST(StereoSensorTest, RefusesAPrincipalColumnOutsideThePicture) {
+  for (const double offset_px : {640.0, -1000.0, std::numeric_limits<double>::quiet_NaN()}) {
+    const auto sensor = MakeSensor(
+        StereoCalibration{.camera = kCamera, .raw = {}, .right_cx_offset_px = offset_px}, {});
+    EXPECT_THAT(std::string(sensor.status().message()), HasSubstr("right_cx_offset_px"));
+  }
+}
+
 TEST(StereoSensorTest, ExchangedCamerasGiveNoDisparities) {
   const auto features = Stereo()->Process({.grey = Scene(20), .right = Scene(0)});
   ASSERT_TRUE(features.ok());
