@@ -27,7 +27,6 @@ constexpr double kLate_frames = 1;
 constexpr double kLateMotion_px = 6;
 constexpr double kClearlyBetter = 1.08;
 constexpr double kLeastParallaxGain = 0.1;
-constexpr size_t kLeastParallax = 40;
 constexpr size_t kFewestAligned = 5;
 
 using Statistics = std::vector<DepthStatistics>;
@@ -129,27 +128,6 @@ void CheckUnits(const RgbdCalibration& calibration, const Sample& sample, const 
                        kLeastMedian_m, kMostFar_m)});
 }
 
-// Of all matches that one depth for all leaves unexplained, the share that their depths explain;
-// 1 where there is too little parallax to judge.
-double ParallaxGain(const RgbdCalibration& calibration, const Sample& sample) {
-  ParallaxEvidence sum;
-  size_t first = 0;
-  for (size_t i = 1; i <= sample.size(); ++i) {
-    if (i < sample.size() && sample[i].number == sample[i - 1].number + 1) continue;
-    if (i - 1 > first) {
-      const ParallaxEvidence evidence =
-          CompareParallax(calibration, sample[first].images, sample[i - 1].images);
-      sum.rigid += evidence.rigid;
-      sum.with_depths += evidence.with_depths;
-      sum.with_one_depth += evidence.with_one_depth;
-    }
-    first = i;
-  }
-  if (sum.rigid < sum.with_one_depth + kLeastParallax) return 1;
-  return (static_cast<double>(sum.with_depths) - static_cast<double>(sum.with_one_depth)) /
-         static_cast<double>(sum.rigid - sum.with_one_depth);
-}
-
 SourceFinding TellUnrelated(const DepthAlignment& best, double gain, const Sample& sample) {
   return {FindingLevel::kWarning, "depth-unrelated",
           absl::StrFormat("depth images seem to have nothing to do with their pictures: grey edges "
@@ -191,7 +169,7 @@ void CheckAlignment(const RgbdCalibration& calibration, const Sample& sample,
   if (evidence.frames < kFewestAligned) return;
   const double late = std::abs(evidence.best.late_frames);
   if (evidence.best.agreement < kLeastAgreement) {
-    const double gain = ParallaxGain(calibration, sample);
+    const double gain = MeasureParallaxGain(calibration, sample);
     if (gain < kLeastParallaxGain) {
       findings.push_back(TellUnrelated(evidence.best, gain, sample));
     }

@@ -15,6 +15,7 @@ constexpr double kMaxEpipolarError_px = 1.5;
 constexpr double kMaxReprojectionError_px = 3;
 constexpr int kTrials = 200;
 constexpr double kConfidence = 0.99;
+constexpr size_t kLeastParallax = 40;  // Matches that one depth for all leaves unexplained.
 
 // Undistorted pixels of both pictures, and the depth in the first.
 struct DepthMatches {
@@ -95,6 +96,25 @@ ParallaxEvidence CompareParallax(const RgbdCalibration& calibration, const Senso
   const std::vector<double> one_depth(rigid.depths_m.size(), Median(rigid.depths_m));
   evidence.with_one_depth = CountExplained(calibration.camera, rigid, one_depth);
   return evidence;
+}
+
+double MeasureParallaxGain(const RgbdCalibration& calibration, const Sample& sample) {
+  ParallaxEvidence sum;
+  size_t first = 0;
+  for (size_t i = 1; i <= sample.size(); ++i) {
+    if (i < sample.size() && sample[i].number == sample[i - 1].number + 1) continue;
+    if (i - 1 > first) {
+      const ParallaxEvidence evidence =
+          CompareParallax(calibration, sample[first].images, sample[i - 1].images);
+      sum.rigid += evidence.rigid;
+      sum.with_depths += evidence.with_depths;
+      sum.with_one_depth += evidence.with_one_depth;
+    }
+    first = i;
+  }
+  if (sum.rigid < sum.with_one_depth + kLeastParallax) return 1;
+  return (static_cast<double>(sum.with_depths) - static_cast<double>(sum.with_one_depth)) /
+         static_cast<double>(sum.rigid - sum.with_one_depth);
 }
 
 }  // namespace corbslam

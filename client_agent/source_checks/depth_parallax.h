@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "client_agent/source_checks/sample.h"
 #include "slam/sensor/sensor.h"
 
 namespace corbslam {
@@ -20,6 +21,11 @@ struct ParallaxEvidence {
 // `first` has the depth image. Their scale is not judged: poses take it as it is.
 ParallaxEvidence CompareParallax(const RgbdCalibration& calibration, const SensorImages& first,
                                  const SensorImages& second);
+
+// Of the matches between the first and the last of consecutive frames that one depth for all leaves
+// unexplained, the share that their depths explain; below 0 where they explain less. 1 where there
+// is too little parallax to judge.
+double MeasureParallaxGain(const RgbdCalibration& calibration, const Sample& sample);
 
 }  // namespace corbslam
 

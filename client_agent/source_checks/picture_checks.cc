@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source_checks/picture_statistics.h"
+#include "slam/util/median.h"
 
 namespace corbslam {
 namespace {
@@ -73,12 +75,13 @@ std::string InFrames(size_t count, const CameraPictures& camera) {
   return absl::StrCat("in ", count, " of ", camera.pictures.size(), " frames of the sample");
 }
 
-int MedianOf(const CameraPictures& camera, const std::function<int(const PictureStatistics&)>& of) {
+int Bright(const PictureStatistics& s) { return s.bright; }
+int Contrast(const PictureStatistics& s) { return s.Contrast(); }
+
+int MedianOf(const CameraPictures& camera, int (*of)(const PictureStatistics&)) {
   std::vector<int> values;
   for (const PictureStatistics& statistics : camera.statistics) values.push_back(of(statistics));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
+  return Median(std::move(values));
 }
 
 // How many pictures are so, 0 unless they are more than half of enough.
@@ -89,40 +92,56 @@ size_t CountMost(const CameraPictures& camera,
   return 2 * count > camera.statistics.size() ? count : 0;
 }
 
+SourceFinding TellConstant(const CameraPictures& camera, size_t count) {
+  const bool always = count == camera.pictures.size();
+  return {always ? FindingLevel::kError : FindingLevel::kWarning, "pictures-constant",
+          absl::StrFormat("%s pictures have one grey level, %d, all over %s: there is nothing to "
+                          "see. Look at the files, and at the camera",
+                          camera.name, MedianOf(camera, Bright), InFrames(count, camera))};
+}
+
+SourceFinding TellBlack(const CameraPictures& camera, size_t count) {
+  return {
+      FindingLevel::kWarning, "pictures-nearly-black",
+      absl::StrFormat("%s pictures are nearly black %s: 99 %% of their pixels are below %d of "
+                      "255 (median over the frames; less than %d is nearly black). Are they "
+                      "of another bit depth, or under-exposed? Scale their grey levels",
+                      camera.name, InFrames(count, camera), MedianOf(camera, Bright) + 1, kBlack)};
+}
+
+SourceFinding TellWhite(const CameraPictures& camera, size_t count) {
+  return {FindingLevel::kWarning, "pictures-overexposed",
+          absl::StrFormat("%s pictures are overexposed %s: more than %.0f %% of their pixels are "
+                          "at 255. Shorten the exposure, or scale pictures of more bits down "
+                          "before they are cut to 8",
+                          camera.name, InFrames(count, camera), 100 * kMostWhite)};
+}
+
+SourceFinding TellFlat(const CameraPictures& camera, size_t count) {
+  return {FindingLevel::kWarning, "pictures-without-contrast",
+          absl::StrFormat("%s pictures have hardly any contrast %s: 98 %% of their pixels lie "
+                          "within %d grey levels (median over the frames; less than %d is too "
+                          "little). Is the lens covered, or out of focus?",
+                          camera.name, InFrames(count, camera), MedianOf(camera, Contrast),
+                          kLeastContrast)};
+}
+
+// The first of these that holds for most pictures says enough.
 void CheckLight(const CameraPictures& camera, SourceFindings& findings) {
-  const auto is_constant = [](const PictureStatistics& s) { return s.IsConstant(); };
-  const auto is_black = [](const PictureStatistics& s) { return s.bright < kBlack; };
-  const auto is_white = [](const PictureStatistics& s) { return s.white_share > kMostWhite; };
-  const auto is_flat = [](const PictureStatistics& s) { return s.Contrast() < kLeastContrast; };
-  const int bright = MedianOf(camera, [](const PictureStatistics& s) { return s.bright; });
-  if (const size_t count = CountMost(camera, is_constant); count > 0) {
-    const bool all = count == camera.pictures.size();
-    findings.push_back({all ? FindingLevel::kError : FindingLevel::kWarning, "pictures-constant",
-                        absl::StrFormat("%s pictures have one grey level, %d, all over %s: there "
-                                        "is nothing to see. Look at the files, and at the camera",
-                                        camera.name, bright, InFrames(count, camera))});
-  } else if (const size_t black = CountMost(camera, is_black); black > 0) {
-    findings.push_back({FindingLevel::kWarning, "pictures-nearly-black",
-                        absl::StrFormat("%s pictures are nearly black %s: 99 %% of their pixels "
-                                        "are below %d of 255 (median over the frames; less than "
-                                        "%d is nearly black). Are they of another bit depth, or "
-                                        "under-exposed? Scale their grey levels",
-                                        camera.name, InFrames(black, camera), bright + 1, kBlack)});
-  } else if (const size_t white = CountMost(camera, is_white); white > 0) {
-    findings.push_back({FindingLevel::kWarning, "pictures-overexposed",
-                        absl::StrFormat("%s pictures are overexposed %s: more than %.0f %% of "
-                                        "their pixels are at 255. Shorten the exposure, or scale "
-                                        "pictures of more bits down before they are cut to 8",
-                                        camera.name, InFrames(white, camera), 100 * kMostWhite)});
-  } else if (const size_t flat = CountMost(camera, is_flat); flat > 0) {
-    findings.push_back(
-        {FindingLevel::kWarning, "pictures-without-contrast",
-         absl::StrFormat("%s pictures have hardly any contrast %s: 98 %% of their pixels lie "
-                         "within %d grey levels (median over the frames; less than %d is too "
-                         "little). Is the lens covered, or out of focus?",
-                         camera.name, InFrames(flat, camera),
-                         MedianOf(camera, [](const PictureStatistics& s) { return s.Contrast(); }),
-                         kLeastContrast)});
+  struct Kind {
+    bool (*is_so)(const PictureStatistics&);
+    SourceFinding (*tell)(const CameraPictures&, size_t);
+  };
+  const Kind kinds[] = {
+      {[](const PictureStatistics& s) { return s.IsConstant(); }, TellConstant},
+      {[](const PictureStatistics& s) { return s.bright < kBlack; }, TellBlack},
+      {[](const PictureStatistics& s) { return s.white_share > kMostWhite; }, TellWhite},
+      {[](const PictureStatistics& s) { return s.Contrast() < kLeastContrast; }, TellFlat}};
+  for (const Kind& kind : kinds) {
+    const size_t count = CountMost(camera, kind.is_so);
+    if (count == 0) continue;
+    findings.push_back(kind.tell(camera, count));
+    return;
   }
 }
 

@@ -56,6 +56,13 @@ TEST(CornerDepthTest, WhereNothingIsSeenThereIsNoDepth) {
   EXPECT_EQ(CornerDepth(depth, At(30), kUnitsPerM), 0);
 }
 
+TEST(CornerDepthTest, TheLargestValueOf16BitsIsNoDepth) {
+  cv::Mat depth = ThingBeforeAWall();
+  depth.colRange(kEdge_px, 100).setTo(65535);
+  EXPECT_EQ(CornerDepth(depth, At(kEdge_px + 10), kUnitsPerM), 0);
+  EXPECT_EQ(CornerDepth(depth, At(kEdge_px - 1), kUnitsPerM), 2);
+}
+
 TEST(CornerDepthTest, ASlantedSurfaceHasNoStep) {
   cv::Mat depth(80, 100, CV_16UC1);
   for (int x = 0; x < depth.cols; ++x) depth.col(x).setTo(2000 + 80 * x);  // 2 to 4 % a pixel
