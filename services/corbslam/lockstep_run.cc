@@ -31,10 +31,11 @@ constexpr uint64_t kSeed = 1;
 
 struct LockstepRobot {
   RobotPlan plan;
+  absl::Status failure;  // What ended its drive early, or kept it from beginning.
   InspectedSource opened;
   std::optional<int> drive;  // Of the last frame.
   std::unique_ptr<DirectUplink> uplink;
-  std::unique_ptr<Agent> agent;  // Before the uplink goes.
+  std::unique_ptr<Agent> agent;  // Before the uplink goes. Null: it could not begin.
   size_t frames = 0;
   bool has_ended = false;
 };
@@ -49,7 +50,9 @@ class Lockstep {
 
  private:
   absl::Status StartStore();
-  absl::Status AddRobot(const RobotPlan& plan);
+  // One whose source can't be opened is there too, without an agent.
+  void AddRobot(const RobotPlan& plan);
+  absl::Status OpenRobot(LockstepRobot& robot);
   // Plays robots [first, end) to their ends.
   absl::Status Play(size_t first, size_t end);
   absl::Status TakeFrame(LockstepRobot& robot);
@@ -79,22 +82,27 @@ absl::Status Lockstep::StartStore() {
   return absl::OkStatus();
 }
 
-absl::Status Lockstep::AddRobot(const RobotPlan& plan) {
+void Lockstep::AddRobot(const RobotPlan& plan) {
   LockstepRobot robot;
   robot.plan = plan;
-  ASSIGN_OR_RETURN(robot.opened, OpenInspectedSource(plan.source, options_.strict));
+  robot.failure = OpenRobot(robot);
+  robot.has_ended = !robot.failure.ok();
+  robots_.push_back(std::move(robot));
+}
+
+absl::Status Lockstep::OpenRobot(LockstepRobot& robot) {
+  ASSIGN_OR_RETURN(robot.opened, OpenInspectedSource(robot.plan.source, options_.strict));
   const SensorCalibration& calibration = robot.opened.source->calibration();
   robot.uplink = std::make_unique<DirectUplink>(store_.get());
   AgentOptions options;
   options.mission = options_.mission;
-  options.name = plan.name;
+  options.name = robot.plan.name;
   options.seed = options_.seed.value_or(kSeed);
   options.deterministic = true;
   const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = is_stereo ? kStereoFeatures : kRgbdFeatures;
   ASSIGN_OR_RETURN(robot.agent,
                    Agent::Create(options, calibration, vocabulary_, robot.uplink.get()));
-  robots_.push_back(std::move(robot));
   return absl::OkStatus();
 }
 
@@ -115,8 +123,11 @@ absl::Status Lockstep::TakeFrame(LockstepRobot& robot) {
 
 // The store fuses until idle, then hands out what is new.
 absl::Status Lockstep::Settle() {
-  RETURN_IF_ERROR(store_->RunFusionUntilIdle(options_.mission));
+  // There is no mission where no robot could begin.
+  const absl::Status fused = store_->RunFusionUntilIdle(options_.mission);
+  if (!absl::IsNotFound(fused)) RETURN_IF_ERROR(fused);
   for (LockstepRobot& robot : robots_) {
+    if (robot.agent == nullptr) continue;
     robot.uplink->DeliverShared();
     robot.agent->Step();
   }
@@ -127,15 +138,20 @@ absl::Status Lockstep::Play(size_t first, size_t end) {
   for (size_t step = 0, playing = end - first; playing > 0; ++step) {
     playing = 0;
     for (size_t i = first; i < end; ++i) {
-      RETURN_IF_ERROR(TakeFrame(robots_[i]));
-      if (!robots_[i].has_ended) ++playing;
+      LockstepRobot& robot = robots_[i];
+      // What is wrong with one robot's pictures ends its drive alone.
+      if (const absl::Status taken = TakeFrame(robot); !taken.ok()) {
+        robot.failure = taken;
+        robot.has_ended = true;
+      }
+      if (!robot.has_ended) ++playing;
     }
     RETURN_IF_ERROR(Settle());
     if (step % kProgressEvery == 0) ShowProgress("mapping");
   }
   ShowProgress("fusing");
   for (size_t i = first; i < end; ++i) {
-    RETURN_IF_ERROR(robots_[i].agent->Finish(kFinishTimeout));
+    if (robots_[i].agent != nullptr) RETURN_IF_ERROR(robots_[i].agent->Finish(kFinishTimeout));
   }
   return Settle();
 }
@@ -145,6 +161,7 @@ void Lockstep::ShowProgress(const std::string& stage) const {
   Progress progress;
   progress.stage = stage;
   for (const LockstepRobot& robot : robots_) {
+    if (robot.agent == nullptr) continue;
     progress.robots.push_back(
         {robot.plan.name, absl::StrCat(robot.frames, "/", robot.opened.source->size())});
   }
@@ -161,6 +178,22 @@ void DescribeSource(const LockstepRobot& robot, RobotReport& report) {
       ToReportWarnings(CollectWarnings(robot.opened.warnings, *robot.agent, source, played));
 }
 
+RobotReport Report(const LockstepRobot& robot) {
+  RobotReport report;
+  if (robot.agent != nullptr) {
+    report = MakeRobotReport(*robot.agent);
+    DescribeSource(robot, report);
+    report.bytes_up = robot.uplink->bytes_up();
+    report.bytes_down = robot.uplink->bytes_down();
+  }
+  if (!robot.failure.ok()) {
+    report.warnings.push_back({"", "robot-failed", std::string(robot.failure.message())});
+  }
+  report.name = robot.plan.name;
+  report.source = FormatSourceSpec(robot.plan.source);
+  return report;
+}
+
 absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {
   MapStoreService service(store_.get());
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server, Server::Start("", {&service}));
@@ -168,13 +201,11 @@ absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {
   MissionOutcome outcome;
   RETURN_IF_ERROR(ReadOutcome(reader, options_.robots, outcome));
   for (const LockstepRobot& robot : robots_) {
-    RobotReport report = MakeRobotReport(*robot.agent);
-    report.name = robot.plan.name;
-    report.source = FormatSourceSpec(robot.plan.source);
-    DescribeSource(robot, report);
-    report.bytes_up = robot.uplink->bytes_up();
-    report.bytes_down = robot.uplink->bytes_down();
-    outcome.report.robots.push_back(std::move(report));
+    outcome.report.robots.push_back(Report(robot));
+    for (const ReportWarning& warning : outcome.report.robots.back().warnings) {
+      if (warning.code != "robot-failed" && warning.code != "nothing-tracked") continue;
+      outcome.failures.push_back(absl::StrCat(robot.plan.name, ": ", warning.text));
+    }
   }
   const ProcessUsage usage = GetProcessUsage();
   outcome.report.servers["corbslam"] = {static_cast<double>(usage.peak_rss_bytes) / (1 << 20),
@@ -186,7 +217,7 @@ absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {
 absl::StatusOr<MissionOutcome> Lockstep::Run() {
   RETURN_IF_ERROR(StartStore());
   for (size_t i = 0; i < options_.robots.size(); ++i) {
-    RETURN_IF_ERROR(AddRobot(options_.robots[i]));
+    AddRobot(options_.robots[i]);
     if (options_.sequential) RETURN_IF_ERROR(Play(i, i + 1));
   }
   if (!options_.sequential) RETURN_IF_ERROR(Play(0, robots_.size()));
