@@ -13,7 +13,8 @@ int main() {
   for (const NewcomerMistake& mistake :
        NewcomerMistakes(std::string(CORBSLAM_SOURCE_DIR) + "/tests/data/tum_fr1_xyz")) {
     const std::string source = mistake.make(absl::StrCat("newcomer_", number++));
-    const std::string folder = source.substr(source.find(':') + 1, source.find('?'));
+    const size_t begin = source.find(':') + 1;
+    const std::string folder = source.substr(begin, source.find('?', begin) - begin);
     const Said said = WhatDoctorSays(source);
     const std::string text = said.level == Level::kOk ? "nothing: it is right" : said.text;
     std::printf("| %s | %s | %s: %s |\n", mistake.dataset.c_str(), mistake.mistake.c_str(),
