@@ -4,7 +4,9 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -130,6 +132,9 @@ void CheckGeometry(const PairPreparation& preparation, const Sample& sample, con
     // Noise on a bare wall has no counterpart either, and tells nothing about the pair.
     if (preparation.MatchShareInTime(sample) < kLeastInTime) return;
     findings.push_back(TellUnrelated(pairs));
+  } else if (std::optional<SourceFinding> late = CheckLateCamera(pairs); late.has_value()) {
+    // Before signs are looked at: while a camera turns, those of a late pair may all be negative.
+    findings.push_back(*std::move(late));
   } else if (!preparation.rectifies() && negative > kExchangedNegative) {
     findings.push_back(TellExchanged(
         pairs, absl::StrFormat("%.0f %% of the matches lie farther right in the right picture than "
@@ -141,8 +146,6 @@ void CheckGeometry(const PairPreparation& preparation, const Sample& sample, con
         pairs, absl::StrFormat("rectified as they are, rows are %.1f px apart, and exchanged they "
                                "agree",
                                MedianOf(pairs, RowError))));
-  } else if (std::optional<SourceFinding> late = CheckLateCamera(pairs); late.has_value()) {
-    findings.push_back(*std::move(late));
   } else if (rows_apart) {
     findings.push_back(TellRows(pairs));
   } else if (negative > kMostNegative) {

@@ -15,6 +15,9 @@ constexpr double kBaseline_m = 0.1;
 constexpr double kUnitsPerM = 5000;
 constexpr int kCards = 24;
 constexpr size_t kFrames = 60;
+constexpr double kPanX_px = 40;
+constexpr double kPanY_px = 28;
+constexpr double kMove_baselines = 0.3;
 
 struct Card {
   cv::Mat texture;
@@ -22,14 +25,15 @@ struct Card {
   int disparity_px = 0;
 };
 
+// Weaker than the steps of brightness from card to card, so that outlines are edges.
 cv::Mat MakeTexture(const cv::Size& size, double contrast, cv::RNG& random) {
-  cv::Mat coarse(size / 5 + cv::Size(2, 2), CV_8UC1);
+  cv::Mat coarse(size / 7 + cv::Size(2, 2), CV_8UC1);
   random.fill(coarse, cv::RNG::UNIFORM, 0, 256);
   cv::Mat texture;
   cv::resize(coarse, texture, size, 0, 0, cv::INTER_CUBIC);
-  const double brightness = random.uniform(70, 190);
-  texture.convertTo(texture, CV_8U, 0.5 * contrast,
-                    brightness * contrast + 128 * (1 - contrast) - 0.25 * 255 * contrast);
+  const double amplitude = 0.35 * contrast;
+  const double brightness = 128 + contrast * random.uniform(-80.0, 80.0);
+  texture.convertTo(texture, CV_8U, amplitude, brightness - 128 * amplitude);
   return texture;
 }
 
@@ -74,10 +78,14 @@ class LayeredScene {
  private:
   cv::Point Corner(const Card& card, size_t frame, int baselines) const {
     const auto time = static_cast<double>(frame);
-    const double right = 1.6 * options_.moving * std::sin(0.45 * time) + baselines;
-    const double down = 1.1 * options_.moving * std::sin(0.37 * time + 1);
-    return card.corner - cv::Point(static_cast<int>(std::lround(right * card.disparity_px)),
-                                   static_cast<int>(std::lround(down * card.disparity_px)));
+    const double swing_x = options_.moving * std::sin(0.45 * time);
+    const double swing_y = options_.moving * std::sin(0.37 * time + 1);
+    // It turns to and fro, which moves all cards alike, and moves, which moves the near ones more.
+    const double right = kPanX_px * swing_x + card.disparity_px * (kMove_baselines * swing_x);
+    const double down = kPanY_px * swing_y + card.disparity_px * (kMove_baselines * swing_y);
+    return card.corner -
+           cv::Point(static_cast<int>(std::lround(right)) + baselines * card.disparity_px,
+                     static_cast<int>(std::lround(down)));
   }
 
   cv::Rect Place(const Card& card, size_t frame, int baselines) const {
