@@ -10,6 +10,7 @@
 #include <system_error>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -37,10 +38,16 @@ std::string WordsOf(const T& bytes) {
   return words;
 }
 
+// gRPC's servers listen on IPv4's addresses by sockets of IPv6: ::ffff:127.0.0.1.
+std::string WithoutMapping(const std::string& ip) {
+  const std::string prefix = absl::StrCat("0000000000000000", WordsOf(htonl(0xffff)));
+  return absl::StartsWith(ip, prefix) ? ip.substr(prefix.size()) : ip;
+}
+
 LocalAddress AddressOf(const sockaddr_storage& address) {
   if (address.ss_family == AF_INET6) {
     const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address);
-    return {WordsOf(v6.sin6_addr), absl::StrFormat("%04X", ntohs(v6.sin6_port))};
+    return {WithoutMapping(WordsOf(v6.sin6_addr)), absl::StrFormat("%04X", ntohs(v6.sin6_port))};
   }
   const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
   return {WordsOf(v4.sin_addr), absl::StrFormat("%04X", ntohs(v4.sin_port))};
@@ -68,7 +75,9 @@ void ReadHolders(const char* table, const LocalAddress& wanted, Holders& holders
     const std::vector<std::string> words = absl::StrSplit(line, ' ', absl::SkipEmpty());
     if (words.size() <= kInode || words[kInode] == "0") continue;
     const std::vector<std::string> local = absl::StrSplit(words[kAddress], ':');
-    if (local.size() != 2 || !ExcludeEachOther({local[0], local[1]}, wanted)) continue;
+    if (local.size() != 2 || !ExcludeEachOther({WithoutMapping(local[0]), local[1]}, wanted)) {
+      continue;
+    }
     (words[kState] == "0A" ? holders.listening : holders.connected).insert(words[kInode]);
   }
 }
