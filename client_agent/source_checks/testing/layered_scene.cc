@@ -59,6 +59,7 @@ class LayeredScene {
     cv::Mat picture(kHeight_px, kWidth_px, CV_8UC1);
     for (const Card& card : cards_) {
       const cv::Rect inside = Place(card, frame, baselines);
+      if (inside.empty()) continue;
       const cv::Point corner = Corner(card, frame, baselines);
       card.texture(inside - corner).copyTo(picture(inside));
     }
@@ -68,8 +69,10 @@ class LayeredScene {
   cv::Mat Depth(size_t frame) const {
     cv::Mat depth(kHeight_px, kWidth_px, CV_16UC1);
     for (const Card& card : cards_) {
+      const cv::Rect inside = Place(card, frame, 0);
+      if (inside.empty()) continue;
       const double depth_m = kFocal_px * kBaseline_m / card.disparity_px;
-      depth(Place(card, frame, 0)) = cv::Scalar::all(kUnitsPerM * depth_m);
+      depth(inside) = cv::Scalar::all(kUnitsPerM * depth_m);
     }
     depth(cv::Rect(0, 0, 20, kHeight_px)) = cv::Scalar::all(0);  // As a depth camera's blind side.
     return depth;
