@@ -45,7 +45,8 @@ TEST(ProtocolProbeTest, KnowsAServerWithTls) {
   const auto server = Server::Start("127.0.0.1:0", {}, security->server);
   ASSERT_TRUE(server.ok()) << server.status();
   const auto protocol = ProbeProtocol(AddressOf(**server), kPatience);
-  EXPECT_TRUE(protocol == Protocol::kTls || protocol == Protocol::kClosed);
+  ASSERT_TRUE(protocol.ok()) << protocol.status();
+  EXPECT_TRUE(*protocol == Protocol::kTls || *protocol == Protocol::kClosed);
   EXPECT_THAT(*FetchCertificates(AddressOf(**server), kPatience), HasSubstr("BEGIN CERTIFICATE"));
 }
 
