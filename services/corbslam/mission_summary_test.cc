@@ -106,7 +106,9 @@ TEST(MissionSummaryTest, NeverSpeaksOfWordsWhereNobodyLooked) {
   const nlohmann::ordered_json json = ToJson(summary);
   EXPECT_EQ(json["mission"]["waiting_queries"], 12);
   for (const auto& pair : json["pairs"]) {
-    if (pair["local_maps"].dump() == R"(["bravo/1","alpha/2"])") EXPECT_EQ(pair["waiting"], 12);
+    if (pair["local_maps"].dump() == R"(["bravo/1","alpha/2"])") {
+      EXPECT_EQ(pair["waiting"], 12);
+    }
   }
 }
 
