@@ -114,7 +114,7 @@ void ExpectSameBatch(const MapUpdateBatch& a, const MapUpdateBatch& b) {
 MapUpdateBatch MakeFullBatch(std::mt19937& random) {
   MapUpdateBatch batch = MakeBatch(random, kMap, 1);
   batch.recorded_cameras = {{{700, 701, 600, 180, {-0.3, 0.1, 0.001, -0.002, 0.01}},
-                             {test_data::MakeMotion(random).rotation, {}},
+                             {test_data::MakeMotion(random).rotation, Eigen::Vector3d::Zero()},
                              test_data::MakeMotion(random)}};
   batch.replacements = {{{kMap, 1}, {kOtherMap, 17}}, {{kMap, 2}, {kMap, 3}}};
   batch.observations.push_back({ObservationChange::Kind::kAdded, {kOtherMap, 4000}, {kMap, 10}, 7});
