@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/text_file.h"
 
@@ -34,9 +35,17 @@ StampedPose TruthAt(int i) {
 SourceSpec MakeSequence(const std::string& name) {
   const fs::path directory = fs::path(::testing::TempDir()) / ("accuracy_" + name);
   fs::create_directories(directory / "image_0");
+  fs::create_directories(directory / "image_1");
   std::ofstream(directory / "calib.txt")
       << "P0: 50 0 20 0 0 50 15 0 0 0 1 0\nP1: 50 0 20 -25 0 50 15 0 0 0 1 0\n";
-  cv::imwrite((directory / "image_0/000000.png").string(), cv::Mat::zeros(30, 40, CV_8UC1));
+  const std::string picture = (directory / "image_0/000000.png").string();
+  cv::imwrite(picture, cv::Mat::zeros(30, 40, CV_8UC1));
+  for (int i = 0; i < kFrames; ++i) {
+    for (const int camera : {0, 1}) {
+      fs::copy_file(picture, directory / absl::StrFormat("image_%d/%06d.png", camera, i),
+                    fs::copy_options::skip_existing);
+    }
+  }
   std::ofstream times(directory / "times.txt");
   Trajectory truth;
   for (int i = 0; i < kFrames; ++i) {

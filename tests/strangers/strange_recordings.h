@@ -25,7 +25,7 @@ void ReplaceInFile(const std::string& path, const std::string& from, const std::
 // calibration.yaml with Freiburg 1's values, links to the pictures.
 std::string CopyRgbd(const std::string& recording, const std::string& name, size_t frames = 30);
 
-// A drive of 30 m through the simulated town as a recording; drawn once for each layout, then
+// A drive of 40 m through the simulated town as a recording; drawn once for each layout, then
 // copied (pictures as links).
 std::string CopyStereo(SourceLayout layout, const std::string& name);
 

@@ -15,9 +15,8 @@ constexpr double kBaseline_m = 0.1;
 constexpr double kUnitsPerM = 5000;
 constexpr int kCards = 24;
 constexpr size_t kFrames = 60;
-constexpr double kPanX_px = 40;
-constexpr double kPanY_px = 28;
-constexpr double kMove_baselines = 0.3;
+constexpr double kMoveX_baselines = 1.6;
+constexpr double kMoveY_baselines = 1.1;
 
 struct Card {
   cv::Mat texture;
@@ -81,14 +80,10 @@ class LayeredScene {
  private:
   cv::Point Corner(const Card& card, size_t frame, int baselines) const {
     const auto time = static_cast<double>(frame);
-    const double swing_x = options_.moving * std::sin(0.45 * time);
-    const double swing_y = options_.moving * std::sin(0.37 * time + 1);
-    // It turns to and fro, which moves all cards alike, and moves, which moves the near ones more.
-    const double right = kPanX_px * swing_x + card.disparity_px * (kMove_baselines * swing_x);
-    const double down = kPanY_px * swing_y + card.disparity_px * (kMove_baselines * swing_y);
-    return card.corner -
-           cv::Point(static_cast<int>(std::lround(right)) + baselines * card.disparity_px,
-                     static_cast<int>(std::lround(down)));
+    const double right = kMoveX_baselines * options_.moving * std::sin(0.45 * time) + baselines;
+    const double down = kMoveY_baselines * options_.moving * std::sin(0.37 * time + 1);
+    return card.corner - cv::Point(static_cast<int>(std::lround(right * card.disparity_px)),
+                                   static_cast<int>(std::lround(down * card.disparity_px)));
   }
 
   cv::Rect Place(const Card& card, size_t frame, int baselines) const {
