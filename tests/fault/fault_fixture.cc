@@ -1,5 +1,6 @@
 #include "tests/fault/fault_fixture.h"
 
+#include <string_view>
 #include <utility>
 
 #include "absl/strings/numbers.h"
@@ -64,7 +65,7 @@ std::string FaultTest::AddressOf(ChildProcess* process) {
 
 std::string FaultTest::MetricsAddressOf(const std::string& name) const {
   const std::string log = ReadText(LogOf(name));
-  constexpr absl::string_view kWords = "metrics on ";
+  constexpr std::string_view kWords = "metrics on ";
   const size_t at = log.find(kWords);
   EXPECT_NE(at, std::string::npos) << name << " says nowhere where its metrics are";
   if (at == std::string::npos) return "";
