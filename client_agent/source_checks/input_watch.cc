@@ -54,8 +54,10 @@ std::optional<SourceFinding> InputWatch::Add(const Features& features) {
 
 std::optional<SourceFinding> InputWatch::Judge() const {
   const double with_depth = Share(sum_.with_depth, sum_.features);
-  const double least = is_stereo_ ? (is_start_ ? kLeastStereoAtStart : kLeastStereo)
-                                  : (is_start_ ? kLeastDepthAtStart : kLeastDepth);
+  // What was told is over when it would not be told at the start either.
+  const bool strict = is_start_ || told_;
+  const double least = is_stereo_ ? (strict ? kLeastStereoAtStart : kLeastStereo)
+                                  : (strict ? kLeastDepthAtStart : kLeastDepth);
   if (with_depth < least) {
     return SourceFinding{
         FindingLevel::kWarning, is_stereo_ ? "stereo-points-few" : "depth-points-few",

@@ -15,9 +15,8 @@ constexpr double kBaseline_m = 0.1;
 constexpr double kUnitsPerM = 5000;
 constexpr int kCards = 24;
 constexpr size_t kFrames = 60;
-constexpr double kPanX_px = 40;
-constexpr double kPanY_px = 28;
-constexpr double kMove_baselines = 0.3;
+constexpr double kMoveX_baselines = 1.2;
+constexpr double kMoveY_baselines = 1.0;
 
 struct Card {
   cv::Mat texture;
@@ -27,11 +26,11 @@ struct Card {
 
 // Weaker than the steps of brightness from card to card, so that outlines are edges.
 cv::Mat MakeTexture(const cv::Size& size, double contrast, cv::RNG& random) {
-  cv::Mat coarse(size / 7 + cv::Size(2, 2), CV_8UC1);
+  cv::Mat coarse(size / 9 + cv::Size(2, 2), CV_8UC1);
   random.fill(coarse, cv::RNG::UNIFORM, 0, 256);
   cv::Mat texture;
   cv::resize(coarse, texture, size, 0, 0, cv::INTER_CUBIC);
-  const double amplitude = 0.35 * contrast;
+  const double amplitude = 0.22 * contrast;
   const double brightness = 128 + contrast * random.uniform(-80.0, 80.0);
   texture.convertTo(texture, CV_8U, amplitude, brightness - 128 * amplitude);
   return texture;
@@ -59,6 +58,7 @@ class LayeredScene {
     cv::Mat picture(kHeight_px, kWidth_px, CV_8UC1);
     for (const Card& card : cards_) {
       const cv::Rect inside = Place(card, frame, baselines);
+      if (inside.empty()) continue;
       const cv::Point corner = Corner(card, frame, baselines);
       card.texture(inside - corner).copyTo(picture(inside));
     }
@@ -80,9 +80,8 @@ class LayeredScene {
     const auto time = static_cast<double>(frame);
     const double swing_x = options_.moving * std::sin(0.45 * time);
     const double swing_y = options_.moving * std::sin(0.37 * time + 1);
-    // It turns to and fro, which moves all cards alike, and moves, which moves the near ones more.
-    const double right = kPanX_px * swing_x + card.disparity_px * (kMove_baselines * swing_x);
-    const double down = kPanY_px * swing_y + card.disparity_px * (kMove_baselines * swing_y);
+    const double right = kMoveX_baselines * swing_x * card.disparity_px;
+    const double down = kMoveY_baselines * swing_y * card.disparity_px;
     return card.corner -
            cv::Point(static_cast<int>(std::lround(right)) + baselines * card.disparity_px,
                      static_cast<int>(std::lround(down)));
