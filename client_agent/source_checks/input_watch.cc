@@ -54,17 +54,17 @@ std::optional<SourceFinding> InputWatch::Add(const Features& features) {
 
 std::optional<SourceFinding> InputWatch::Judge() const {
   const double with_depth = Share(sum_.with_depth, sum_.features);
-  // What was told is right again only when it would have been at the start.
-  const bool is_strict = is_start_ || told_;
-  const double least = is_stereo_ ? (is_strict ? kLeastStereoAtStart : kLeastStereo)
-                                  : (is_strict ? kLeastDepthAtStart : kLeastDepth);
+  // What was told is over when it would not be told at the start either.
+  const bool strict = is_start_ || told_;
+  const double least = is_stereo_ ? (strict ? kLeastStereoAtStart : kLeastStereo)
+                                  : (strict ? kLeastDepthAtStart : kLeastDepth);
   if (with_depth < least) {
     return SourceFinding{
         FindingLevel::kWarning, is_stereo_ ? "stereo-points-few" : "depth-points-few",
         absl::StrFormat("%s %.1f %% of the features in the last %d frames: less than %.0f %% is no "
                         "basis for a map. %s",
                         is_stereo_ ? "stereo points are" : "depth was found for", 100 * with_depth,
-                        kFrames, 100 * least,
+                        kFrames, 100 * (is_stereo_ ? kLeastStereo : kLeastDepth),
                         is_stereo_ ? "Are left and right pictures of one time and rectified, and "
                                      "is neither covered?"
                                    : "Is the scene out of the sensor's range, or the depth "

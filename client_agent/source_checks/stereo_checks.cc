@@ -29,6 +29,7 @@ constexpr double kMostRowError_px = 0.75;
 constexpr double kHopelessRowError_px = 4;  // The tracker looks two pixels up and down.
 constexpr double kLeastBaseline_m = 0.01;
 constexpr double kMostBaseline_m = 5;
+constexpr double kSteadyOffset_px = 0.5;
 constexpr double kNotableRoll_deg = 0.15;
 constexpr size_t kFewestPairs = 3;  // To say that something holds for a source.
 
@@ -122,6 +123,16 @@ bool IsGoodExchanged(const PairPreparation& preparation, const Sample& sample) {
          MedianOf(pairs, Negative) <= kMostNegative;
 }
 
+// Whether rows are apart by the same in all frames, as those of a camera that is mounted askew are.
+// A late camera's differ with the motion.
+bool IsOffsetSteady(const Pairs& pairs) {
+  const auto offset_px = [](const PairEvidence& e) { return e.fit.offset_px; };
+  const double median_px = MedianOf(pairs, offset_px);
+  return MedianOf(pairs, [&](const PairEvidence& e) {
+           return std::abs(offset_px(e) - median_px);
+         }) < kSteadyOffset_px;
+}
+
 // What is wrong with the geometry of the pairs: the most telling finding alone, for the others
 // follow from it.
 void CheckGeometry(const PairPreparation& preparation, const Sample& sample, const Pairs& pairs,
@@ -132,7 +143,8 @@ void CheckGeometry(const PairPreparation& preparation, const Sample& sample, con
     // Noise on a bare wall has no counterpart either, and tells nothing about the pair.
     if (preparation.MatchShareInTime(sample) < kLeastInTime) return;
     findings.push_back(TellUnrelated(pairs));
-  } else if (std::optional<SourceFinding> late = CheckLateCamera(pairs); late.has_value()) {
+  } else if (std::optional<SourceFinding> late = CheckLateCamera(pairs);
+             late.has_value() && !(rows_apart && IsOffsetSteady(pairs))) {
     // Before signs are looked at: while a camera turns, those of a late pair may all be negative.
     findings.push_back(*std::move(late));
   } else if (!preparation.rectifies() && negative > kExchangedNegative) {

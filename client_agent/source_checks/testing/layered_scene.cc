@@ -15,8 +15,8 @@ constexpr double kBaseline_m = 0.1;
 constexpr double kUnitsPerM = 5000;
 constexpr int kCards = 24;
 constexpr size_t kFrames = 60;
-constexpr double kMoveX_baselines = 1.6;
-constexpr double kMoveY_baselines = 1.1;
+constexpr double kMoveX_baselines = 1.2;
+constexpr double kMoveY_baselines = 1.0;
 
 struct Card {
   cv::Mat texture;
@@ -26,11 +26,11 @@ struct Card {
 
 // Weaker than the steps of brightness from card to card, so that outlines are edges.
 cv::Mat MakeTexture(const cv::Size& size, double contrast, cv::RNG& random) {
-  cv::Mat coarse(size / 7 + cv::Size(2, 2), CV_8UC1);
+  cv::Mat coarse(size / 9 + cv::Size(2, 2), CV_8UC1);
   random.fill(coarse, cv::RNG::UNIFORM, 0, 256);
   cv::Mat texture;
   cv::resize(coarse, texture, size, 0, 0, cv::INTER_CUBIC);
-  const double amplitude = 0.35 * contrast;
+  const double amplitude = 0.22 * contrast;
   const double brightness = 128 + contrast * random.uniform(-80.0, 80.0);
   texture.convertTo(texture, CV_8U, amplitude, brightness - 128 * amplitude);
   return texture;
@@ -68,10 +68,8 @@ class LayeredScene {
   cv::Mat Depth(size_t frame) const {
     cv::Mat depth(kHeight_px, kWidth_px, CV_16UC1);
     for (const Card& card : cards_) {
-      const cv::Rect inside = Place(card, frame, 0);
-      if (inside.empty()) continue;
       const double depth_m = kFocal_px * kBaseline_m / card.disparity_px;
-      depth(inside) = cv::Scalar::all(kUnitsPerM * depth_m);
+      depth(Place(card, frame, 0)) = cv::Scalar::all(kUnitsPerM * depth_m);
     }
     depth(cv::Rect(0, 0, 20, kHeight_px)) = cv::Scalar::all(0);  // As a depth camera's blind side.
     return depth;
@@ -80,10 +78,13 @@ class LayeredScene {
  private:
   cv::Point Corner(const Card& card, size_t frame, int baselines) const {
     const auto time = static_cast<double>(frame);
-    const double right = kMoveX_baselines * options_.moving * std::sin(0.45 * time) + baselines;
-    const double down = kMoveY_baselines * options_.moving * std::sin(0.37 * time + 1);
-    return card.corner - cv::Point(static_cast<int>(std::lround(right * card.disparity_px)),
-                                   static_cast<int>(std::lround(down * card.disparity_px)));
+    const double swing_x = options_.moving * std::sin(0.45 * time);
+    const double swing_y = options_.moving * std::sin(0.37 * time + 1);
+    const double right = kMoveX_baselines * swing_x * card.disparity_px;
+    const double down = kMoveY_baselines * swing_y * card.disparity_px;
+    return card.corner -
+           cv::Point(static_cast<int>(std::lround(right)) + baselines * card.disparity_px,
+                     static_cast<int>(std::lround(down)));
   }
 
   cv::Rect Place(const Card& card, size_t frame, int baselines) const {

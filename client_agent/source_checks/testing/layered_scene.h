@@ -22,9 +22,9 @@ struct LayeredSceneOptions {
 };
 
 // 60 frames of 640 x 360 pixels; a rectified pair of baseline 0.1 m, or grey and depth in units of
-// 0.2 mm. The camera moves and turns to and fro, sideways and up and down.
+// 0.2 mm. The camera moves to and fro, sideways and up and down, without turning.
 SampleSource LayeredStereo(const LayeredSceneOptions& options = {});
-SampleSource LayeredRgbd(const LayeredSceneOptions& options = {});
+SampleSource LayeredRgbd(const LayeredSceneOptions& options = {.farthest_px = 20});
 
 }  // namespace corbslam
 
