@@ -38,12 +38,12 @@ SourceSpec MakeSequence(const std::string& name) {
   fs::create_directories(directory / "image_1");
   std::ofstream(directory / "calib.txt")
       << "P0: 50 0 20 0 0 50 15 0 0 0 1 0\nP1: 50 0 20 -25 0 50 15 0 0 0 1 0\n";
-  const std::string picture = (directory / "image_0/000000.png").string();
+  const std::string picture = (directory / "picture.png").string();
   cv::imwrite(picture, cv::Mat::zeros(30, 40, CV_8UC1));
   for (int i = 0; i < kFrames; ++i) {
     for (const int camera : {0, 1}) {
       fs::copy_file(picture, directory / absl::StrFormat("image_%d/%06d.png", camera, i),
-                    fs::copy_options::skip_existing);
+                    fs::copy_options::overwrite_existing);
     }
   }
   std::ofstream times(directory / "times.txt");

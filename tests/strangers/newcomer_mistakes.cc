@@ -179,7 +179,7 @@ void AddKitti(std::vector<NewcomerMistake>& list) {
   list.push_back(
       {d, "the left folder copied as the right one", Kitti([](const std::string& folder) {
          fs::remove_all(folder + "/image_1");
-         fs::copy(folder + "/image_0", folder + "/image_1", fs::copy_options::copy_symlinks);
+         fs::copy(folder + "/image_0", folder + "/image_1", fs::copy_options::recursive | fs::copy_options::copy_symlinks);
        }),
        Level::kFail, "same"});
   list.push_back({d, "another layout's name", Kitti(none, "?camera=freiburg1"), Level::kFail,

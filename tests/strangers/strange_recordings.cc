@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Rows and columns enough for the checks, few enough to be drawn in seconds.
-constexpr char kDrawn[] = "sim:city?seed=7&length=40&picture_scale=0.5&rig=kitti";
+constexpr char kDrawn[] = "sim:city?seed=7&length=40&picture_scale=0.4&rig=kitti";
 
 std::string ReadBytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);

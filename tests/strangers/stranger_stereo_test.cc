@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(
         Stranger{"same_picture",
                  [](const std::string& f) {
                    fs::remove_all(f + "/image_1");
-                   fs::copy(f + "/image_0", f + "/image_1", fs::copy_options::copy_symlinks);
+                   fs::copy(f + "/image_0", f + "/image_1", fs::copy_options::recursive | fs::copy_options::copy_symlinks);
                  },
                  Level::kFail, "pair-same-picture"},
         Stranger{"rows_apart", ChangeRight([](const cv::Mat& image) { return Moved(image, 0, 6); }),
