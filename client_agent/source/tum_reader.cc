@@ -18,10 +18,9 @@ struct Listed {
 };
 
 absl::Status NoLists(const std::string& directory) {
-  return absl::NotFoundError(absl::StrCat(
-      directory,
-      ": neither associated.txt nor associations.txt nor rgb.txt with depth.txt, which "
-      "say which picture goes with which depth image"));
+  return absl::NotFoundError(
+      absl::StrCat(directory, ": neither associated.txt nor associations.txt nor ", directory,
+                   "/rgb.txt with depth.txt, which say which picture goes with which depth image"));
 }
 
 absl::StatusOr<Listed> ReadLists(const std::string& directory, SourceRemarks& remarks) {

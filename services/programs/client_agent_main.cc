@@ -212,8 +212,8 @@ absl::Status Run(const Flags& flags) {
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "",
                         .agent = flags.agent,
-                         .recorded_camera = recorded,
-                         .session = observers->OfSessions()});
+                        .recorded_camera = recorded,
+                        .session = observers->OfSessions()});
   ASSIGN_OR_RETURN(const auto metrics, observers->Serve(agent.get(), uplink.get()));
   security.server.rpc_observer = observers->OfCalls();
   std::unique_ptr<Server> server;
@@ -263,8 +263,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
       "File to write the trajectory to in the local map's frame, as TUM; those of further "
       "local maps, begun when tracking was lost, to FILE.2 and so on");
   app.add_option("--poses-of", flags.poses_of,
-                 "What --trajectory is of: camera (as recorded; of a stereo pair the left one), "
-                 "rectified (the rectified camera) or body (where the calibration knows it)")
+                 "Of --trajectory: the (left) camera as recorded, the rectified one, or the body")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, PosesOf>{{"camera", PosesOf::kRecordedCamera},
                                          {"rectified", PosesOf::kRectifiedCamera},
@@ -300,8 +299,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_flag("--strict", flags.strict,
                "Refuse a source in which something looks wrong, instead of warning");
   app.add_flag("--take-over", flags.take_over,
-               "Take the place of another process of this name that is connected; without, it is "
-               "waited for");
+               "Take the place of another process of this name that is connected");
   app.add_flag("--stay", flags.stay,
                "At the end say \"finished\" and stay connected until SIGTERM");
   AddTlsFlags(app, flags.security);

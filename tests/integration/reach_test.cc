@@ -121,7 +121,7 @@ TEST(ReachTest, ARobotSaysWhileItMapsThatItsStoreIsNotReached) {
   EXPECT_EQ(robot.End(), kUnfinished);
   EXPECT_THAT(robot.Log(),
               AllOf(HasSubstr("no session with the map store"), HasSubstr("Connection refused"),
-                    HasSubstr("maps on"), HasSubstr("\"tracked\": 9")));
+                    HasSubstr("maps on"), HasSubstr("\"tracked\": 10")));
 }
 
 TEST(ReachTest, TlsOnOneSideAndAnotherServersPortAreNamed) {
@@ -157,7 +157,7 @@ TEST(ReachTest, TwoRobotsOfOneNameAreToldApart) {
   Program second("client_agent", Robot(address, "0:9", {"--finish", "0.5"}), "second");
   EXPECT_EQ(second.End(), kUnfinished);
   EXPECT_THAT(second.Log(), AllOf(HasSubstr("agent agent of mission default is connected already"),
-                                  HasSubstr("--take-over"), HasSubstr("\"tracked\": 9")));
+                                  HasSubstr("--take-over"), HasSubstr("\"tracked\": 10")));
   EXPECT_THAT(store.Log(), HasSubstr("session refused"));
   EXPECT_THAT(first.Log(), Not(HasSubstr("no session")));
   Program third("client_agent", Robot(address, "0:9", {"--take-over"}), "third");

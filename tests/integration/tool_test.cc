@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
 #include "services/corbslam/child_process.h"
 #include "services/testing/test_path.h"
@@ -19,6 +21,7 @@ namespace {
 
 using ::nlohmann::json;
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
 using ::testing::Not;
@@ -84,13 +87,21 @@ TEST(ToolTest, SaysThatThereIsNoSuchMission) {
               AllOf(HasSubstr("NOT_FOUND"), HasSubstr("there is no mission nowhere")));
 }
 
-TEST(ToolTest, SaysInTwoLinesWhatItDoesWhereNobodyWatches) {
+// Lines that say what a source is: its name, and what is known of it, indented.
+bool IsOfSource(const std::string& line) {
+  return absl::StartsWith(line, "  ") || absl::StartsWith(line, "tum:");
+}
+
+TEST(ToolTest, SaysWhatItsSourceIsAndInTwoLinesWhatItDoesWhereNobodyWatches) {
   const std::string folder = ::testing::TempDir() + "/corbslam_tool_run";
   const std::string text = RunTool({"run", "--source", DemoSource() + "?frames=0:19", "--robots",
                                     "1", "--pace", "step", "--out", folder});
   EXPECT_THAT(text, AllOf(HasSubstr("alpha map tum:"), HasSubstr("results go to " + folder),
                           HasSubstr(folder + "/report.md"), Not(HasSubstr("\r"))));
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << text;
+  std::vector<std::string> lines = absl::StrSplit(text, '\n', absl::SkipEmpty());
+  EXPECT_THAT(lines, Contains(HasSubstr("groundtruth.txt says that it is of rgbd_dataset")));
+  EXPECT_EQ(std::erase_if(lines, IsOfSource), 8u) << text;
+  EXPECT_EQ(lines.size(), 2u) << text;
 }
 
 TEST(ToolTest, ShowsWhatItIsGoodFor) {

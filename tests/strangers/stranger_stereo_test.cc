@@ -162,11 +162,12 @@ INSTANTIATE_TEST_SUITE_P(
         Stranger{"same_picture",
                  [](const std::string& f) {
                    fs::remove_all(f + "/image_1");
-                   fs::copy(f + "/image_0", f + "/image_1", fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+                   fs::copy(f + "/image_0", f + "/image_1",
+                            fs::copy_options::recursive | fs::copy_options::copy_symlinks);
                  },
                  Level::kFail, "pair-same-picture"},
         Stranger{"rows_apart", ChangeRight([](const cv::Mat& image) { return Moved(image, 0, 6); }),
-                 Level::kWarn, "pair-rows-apart"},
+                 Level::kFail, "pair-rows-apart"},
         Stranger{"right_late", MakeRightLate, Level::kWarn, "pair-late"},
         Stranger{"right_of_another_size", ChangeRight([](const cv::Mat& image) {
                    return cv::Mat(image, cv::Rect(0, 0, image.cols - 8, image.rows)).clone();
