@@ -285,9 +285,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "Seconds to wait after the last frame until the map store has everything")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
-  app.add_option(
-         "--spool-dir", flags.spool_dir,
-         "Folder for what is not acknowledged and too much for memory; outlives the program")
+  app.add_option("--spool-dir", flags.spool_dir,
+                 "Folder for what is not acknowledged and too much for memory")
       ->capture_default_str();
   app.add_option("--spool-mb", flags.spool_mb, "MiB in it at most")
       ->check(CLI::Range(1, 1 << 20))

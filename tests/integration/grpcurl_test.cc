@@ -55,7 +55,7 @@ class GrpcurlTest : public ::testing::Test {
   void SetUp() override {
     ASSERT_FALSE(servers_.store_address().empty());
     alpha_ = StartRobot("alpha", "0:85", "1", servers_.store_address(),
-                        {"--stay", "--listen", "127.0.0.1:0"});
+                        {"--stay", "--pace", "sensor", "--listen", "127.0.0.1:0"});
     ASSERT_NE(alpha_, nullptr);
     const auto address = alpha_->WaitForAddress(absl::Seconds(60));
     ASSERT_TRUE(address.ok()) << address.status();

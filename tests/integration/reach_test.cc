@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -35,6 +36,7 @@ class Program {
           const std::string& log = "program")
       : log_(TestPath(log + ".txt")) {
     arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", name));
+    std::filesystem::remove(log_);  // An earlier run's words are not this one's.
     auto process = ChildProcess::Start(name, arguments, log_);
     EXPECT_TRUE(process.ok()) << process.status();
     if (process.ok()) process_ = *std::move(process);
