@@ -55,7 +55,7 @@ CommandLine::CommandLine(CLI::App* app, const std::string& program)
       ->configurable(false);
   app_->set_help_flag("-h,--help", "Print this and exit")->configurable(false);
   if (HasRareFlags(*app_)) {
-    app_->set_help_all_flag("--help-all", "With the limits, too")->configurable(false);
+    app_->set_help_all_flag("--help-all", "With what is rarely needed, too")->configurable(false);
   }
   app_->footer(absl::StrCat("\nFlags count before environment variables (", prefix_,
                             "FLAG for --flag, dashes as\nunderscores), those before the file of "

@@ -12,6 +12,7 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/image_source.h"
 #include "services/agent_service/agent_service.h"
+#include "services/command_line/help_formatter.h"
 #include "services/convert/batch_bytes.h"
 #include "services/convert/resource_names.h"
 #include "services/logging/log_fields.h"
@@ -277,14 +278,16 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->check(CLI::Range(0, 20000))
       ->capture_default_str();
   app.add_option("--seed", flags.seed, "Of ids and random samples; 0: another one each time")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->group(kRareGroup);
   app.add_option("--threads", flags.solver_threads, "Solver threads")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   app.add_option("--finish", flags.finish_s,
                  "Seconds to wait after the last frame until the map store has everything")
       ->check(CLI::Range(0.0, 86400.0))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->group(kRareGroup);
   app.add_option("--spool-dir", flags.spool_dir,
                  "Folder for what is not acknowledged and too much for memory")
       ->capture_default_str();
@@ -294,7 +297,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--outbox-mb", flags.outbox_mb,
                  "MiB that wait in memory before they go to --spool-dir; 0: everything does")
       ->check(CLI::Range(0, 1 << 20))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->group(kRareGroup);
   app.add_flag("--strict", flags.strict,
                "Refuse a source in which something looks wrong, instead of warning");
   app.add_flag("--take-over", flags.take_over,
