@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/layout_hints.h"
 #include "client_agent/source/perturb.h"
 #include "client_agent/source/read_ahead.h"
 #include "slam/util/status_macros.h"
@@ -68,6 +69,22 @@ absl::StatusOr<std::optional<SensorImages>> RecordedSource::Next() {
   return std::nullopt;
 }
 
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenLayout(const SourceSpec& spec) {
+  switch (spec.layout) {
+    case SourceLayout::kKitti:
+      return OpenKitti(spec);
+    case SourceLayout::kEuroc:
+      return OpenEuroc(spec);
+    case SourceLayout::kTum:
+      return OpenTum(spec);
+    case SourceLayout::kSevenScenes:
+      return OpenSevenScenes(spec);
+    case SourceLayout::kSim:
+      return OpenSimulation(spec.simulation);
+  }
+  return absl::InvalidArgumentError("unknown source layout");
+}
+
 }  // namespace
 
 absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t frame,
@@ -83,19 +100,9 @@ absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t fra
 }
 
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) {
-  switch (spec.layout) {
-    case SourceLayout::kKitti:
-      return OpenKitti(spec);
-    case SourceLayout::kEuroc:
-      return OpenEuroc(spec);
-    case SourceLayout::kTum:
-      return OpenTum(spec);
-    case SourceLayout::kSevenScenes:
-      return OpenSevenScenes(spec);
-    case SourceLayout::kSim:
-      return OpenSimulation(spec.simulation);
-  }
-  return absl::InvalidArgumentError("unknown source layout");
+  absl::StatusOr<std::unique_ptr<FrameReader>> reader = OpenLayout(spec);
+  if (reader.ok() || spec.layout == SourceLayout::kSim) return reader;
+  return WithLayoutHint(reader.status(), spec);
 }
 
 absl::StatusOr<std::unique_ptr<ImageSource>> OpenSource(const SourceSpec& spec) {

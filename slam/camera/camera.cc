@@ -15,11 +15,19 @@ absl::Status CheckRange(absl::string_view field, double value, double low, doubl
       absl::StrCat("camera.", field, " is ", value, ", must be in [", low, ", ", high, "]"));
 }
 
+// Some publish a negative one for pictures whose y axis points up.
+absl::Status CheckFocalLength(absl::string_view field, double value) {
+  const absl::Status status = CheckRange(field, value, 1, 1e5);
+  if (status.ok() || !(value < 0)) return status;
+  return absl::InvalidArgumentError(absl::StrCat(
+      status.message(), " (rows are counted downwards here: without the sign, if that is why)"));
+}
+
 }  // namespace
 
 absl::Status Validate(const Camera& camera) {
-  absl::Status status = CheckRange("fx_px", camera.fx_px, 1, 1e5);
-  status.Update(CheckRange("fy_px", camera.fy_px, 1, 1e5));
+  absl::Status status = CheckFocalLength("fx_px", camera.fx_px);
+  status.Update(CheckFocalLength("fy_px", camera.fy_px));
   status.Update(CheckRange("cx_px", camera.cx_px, -1e5, 1e5));
   status.Update(CheckRange("cy_px", camera.cy_px, -1e5, 1e5));
   status.Update(CheckRange("width_px", camera.width_px, 16, kMaxImageSide_px));

@@ -155,10 +155,10 @@ void AddKitti(std::vector<NewcomerMistake>& list) {
                     return "kitti:" +
                            fs::path(CopyStereo(SourceLayout::kKitti, name)).parent_path().string();
                   },
-                  Level::kFail, "no pictures of a stereo pair"});
+                  Level::kFail, ". Is kitti:"});
   list.push_back({d, "a folder that is not there",
                   [](const std::string&) { return "kitti:/data/kitti/00"; }, Level::kFail,
-                  "/data/kitti/00"});
+                  "/data/kitti/00: there is no such folder"});
   list.push_back(
       {d, "calib.txt forgotten", Kitti(RemoveFile("calib.txt")), Level::kFail, "calib.txt"});
   list.push_back(
@@ -194,7 +194,7 @@ void AddEuroc(std::vector<NewcomerMistake>& list) {
                     return "euroc:" +
                            fs::path(CopyStereo(SourceLayout::kEuroc, name)).parent_path().string();
                   },
-                  Level::kFail, "cam0/sensor.yaml"});
+                  Level::kFail, ". Is euroc:"});
   list.push_back(
       {d, "only cam0 unpacked", Euroc(RemoveFile("mav0/cam1")), Level::kFail, "cam1/sensor.yaml"});
   list.push_back({d, "sensor.yaml of another set-up: fisheye",
@@ -251,7 +251,7 @@ void AddEuroc(std::vector<NewcomerMistake>& list) {
   list.push_back(
       {d, "a KITTI folder called euroc:",
        [](const std::string& name) { return "euroc:" + CopyStereo(SourceLayout::kKitti, name); },
-       Level::kFail, "cam0/sensor.yaml"});
+       Level::kFail, "It looks like a folder for kitti:"});
 }
 
 void AddTum(const Recordings& r, std::vector<NewcomerMistake>& list) {
@@ -263,8 +263,8 @@ void AddTum(const Recordings& r, std::vector<NewcomerMistake>& list) {
                   Level::kFail, "no calibration. Put calibration.yaml there"});
   list.push_back({d, "no associated.txt and no rgb.txt", r.Tum(RemoveFile("associated.txt")),
                   Level::kFail, "neither associated.txt nor"});
-  list.push_back({d, "rgb.txt without depth.txt", r.Tum(Rename("associated.txt", "rgb.txt")),
-                  Level::kFail, ""});
+  list.push_back({d, "the list of pairs called rgb.txt", r.Tum(Rename("associated.txt", "rgb.txt")),
+                  Level::kFail, "a list of pairs is called associated.txt"});
   list.push_back({d, "calibration.yaml in ORB-SLAM's words",
                   r.Tum(WriteFile("calibration.yaml", {"Camera.fx: 517.3", "Camera.fy: 516.5"})),
                   Level::kFail, "unknown field Camera.fx: known are fx, fy, cx, cy"});
@@ -325,7 +325,7 @@ void AddEth3d(const Recordings& r, std::vector<NewcomerMistake>& list) {
                   [make = r.Eth3d(none)](const std::string& name) {
                     return absl::StrCat("kitti:", make(name).substr(4));
                   },
-                  Level::kFail, "no pictures of a stereo pair"});
+                  Level::kFail, "It looks like a folder for tum:"});
   list.push_back({d, "depth/ not unpacked", r.Eth3d(RemoveFile("depth")), Level::kFail,
                   "a picture is not there"});
   list.push_back({d, "associated.txt cut in a line", r.Eth3d([](const std::string& folder) {
@@ -350,7 +350,7 @@ void AddIcl(const Recordings& r, std::vector<NewcomerMistake>& list) {
       {d, "fy: -480, as published",
        r.Icl(WriteFile("calibration.yaml", {"fx: 481.2", "fy: -480", "cx: 319.5", "cy: 239.5"}),
              ""),
-       Level::kFail, "fy_px is -480"});
+       Level::kFail, "rows are counted downwards here: without the sign"});
   list.push_back({d, "the .depth files of text instead of depth/*.png",
                   r.Icl([](const std::string& folder) {
                     ChangeBytes(folder, "depth", [](const std::string&) { return "1.0 2.0\n"; });
@@ -409,7 +409,7 @@ void AddSevenScenes(const Recordings& r, std::vector<NewcomerMistake>& list) {
                   [make = r.SevenScenes(none, "")](const std::string& name) {
                     return absl::StrCat("tum:", make(name).substr(8), "?camera=7-scenes");
                   },
-                  Level::kFail, "neither associated.txt nor"});
+                  Level::kFail, "It looks like a folder for 7scenes:"});
   list.push_back({d, "a rate of 0", r.SevenScenes(none, "?fps=0&camera=7-scenes"), Level::kFail,
                   "fps=0: wants a number from 0.1 to 1000"});
   list.push_back({d, "Freiburg's camera", r.SevenScenes(none, "?fps=30&camera=freiburg1"),

@@ -21,7 +21,11 @@ absl::StatusOr<std::vector<TimedFile>> ParseFields(const std::string& directory,
                                                    const std::vector<absl::string_view>& fields,
                                                    size_t per_line) {
   if (fields.size() != 2 * per_line) {
-    return LineError(path, line, absl::StrCat(fields.size(), " fields instead of ", 2 * per_line));
+    return LineError(path, line,
+                     absl::StrCat(fields.size(), " fields instead of ", 2 * per_line,
+                                  per_line == 1 && fields.size() == 4
+                                      ? ": a list of pairs is called associated.txt"
+                                      : ""));
   }
   std::vector<TimedFile> files;
   for (size_t i = 0; i < fields.size(); i += 2) {

@@ -1,0 +1,80 @@
+#include "client_agent/source/layout_hints.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct LayoutLook {
+  SourceLayout layout;
+  const char* scheme;
+  // Any of these, seen from the sequence's folder, gives it away.
+  std::vector<const char*> signs;
+};
+
+const std::array<LayoutLook, 4>& Looks() {
+  static const auto& looks = *new std::array<LayoutLook, 4>{
+      LayoutLook{SourceLayout::kKitti,
+                 "kitti",
+                 {"image_0", "image_2", "image_00/data", "image_02/data"}},
+      LayoutLook{SourceLayout::kEuroc, "euroc", {"mav0/cam0", "cam0/data.csv"}},
+      LayoutLook{SourceLayout::kTum, "tum", {"associated.txt", "associations.txt", "rgb.txt"}},
+      LayoutLook{SourceLayout::kSevenScenes, "7scenes", {"frame-000000.color.png"}}};
+  return looks;
+}
+
+bool IsLike(const fs::path& folder, const LayoutLook& look) {
+  return std::ranges::any_of(look.signs, [&](const char* sign) {
+    std::error_code ignored;
+    return fs::exists(folder / sign, ignored);
+  });
+}
+
+// The first folder in it, by name, that looks like it.
+std::optional<std::string> FolderWithin(const std::string& folder, const LayoutLook& look) {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (IsLike(entry->path(), look)) found.push_back(entry->path().string());
+  }
+  if (found.empty()) return std::nullopt;
+  return *std::ranges::min_element(found);
+}
+
+std::string Hint(const SourceSpec& spec) {
+  const auto asked = std::ranges::find(Looks(), spec.layout, &LayoutLook::layout);
+  if (asked == Looks().end() || IsLike(spec.directory, *asked)) return "";
+  for (const LayoutLook& look : Looks()) {
+    if (!IsLike(spec.directory, look)) continue;
+    return absl::StrCat(". It looks like a folder for ", look.scheme, ":", spec.directory);
+  }
+  const std::optional<std::string> within = FolderWithin(spec.directory, *asked);
+  if (!within.has_value()) return "";
+  return absl::StrCat(". Is ", asked->scheme, ":", *within, " meant?");
+}
+
+}  // namespace
+
+absl::Status WithLayoutHint(const absl::Status& error, const SourceSpec& spec) {
+  std::error_code ignored;
+  if (!fs::exists(spec.directory, ignored)) {
+    return absl::NotFoundError(absl::StrCat(spec.directory, ": there is no such folder"));
+  }
+  if (!fs::is_directory(spec.directory, ignored)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(spec.directory, ": a file; wanted is the folder of the sequence"));
+  }
+  return {error.code(), absl::StrCat(error.message(), Hint(spec))};
+}
+
+}  // namespace corbslam
