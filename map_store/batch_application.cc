@@ -63,7 +63,7 @@ void AddPoint(const FullMapPoint& full, LocalMapState& local_map) {
   point.normal_in_map = full.normal_in_local;
   point.min_distance = full.min_distance;
   point.max_distance = full.max_distance;
-  local_map.map.AddPoint(std::move(point));
+  if (local_map.map.AddPoint(std::move(point))) local_map.followers.Add(full.reference, full.id);
 }
 
 void AddFullItems(const MapUpdateBatch& batch, const BatchWords& words, MissionState& state,
@@ -83,10 +83,23 @@ void AddFullItems(const MapUpdateBatch& batch, const BatchWords& words, MissionS
   if (!batch.full_keyframes.empty() || !batch.full_points.empty()) RetryParked(state, local_map);
 }
 
+// Points keep their place in the camera of the keyframe that they follow.
+void MoveFollowers(KeyframeId id, const Rigid3d& local_from_before, LocalMapState& local_map) {
+  const auto follows = [&](MapPointId point) { return local_map.map.FindPoint(point) != nullptr; };
+  for (const MapPointId point : local_map.followers.Of(id, follows)) {
+    local_map.map.SetPosition(point,
+                              local_from_before * local_map.map.FindPoint(point)->position_in_map);
+  }
+}
+
 void MoveLightItems(const MapUpdateBatch& batch, LocalMapState& local_map) {
   for (const LightKeyframe& light : batch.light_keyframes) {
-    if (local_map.map.FindKeyframe(light.id) == nullptr) continue;
-    local_map.map.SetPose(light.id, Normalised(light.camera_from_local));
+    const Keyframe* keyframe = local_map.map.FindKeyframe(light.id);
+    if (keyframe == nullptr) continue;
+    const Rigid3d before = keyframe->camera_from_map;
+    const Rigid3d now = Normalised(light.camera_from_local);
+    local_map.map.SetPose(light.id, now);
+    if (batch.points_follow) MoveFollowers(light.id, now.Inverse() * before, local_map);
     TakeParent(light.id, light.parent, local_map);
   }
   for (const LightMapPoint& light : batch.light_points) {

@@ -211,6 +211,7 @@ void ApplyKeyframeRemoval(const KeyframeRemoval& removal, MissionState& state,
   if (!is_new) return;
   local_map.database.Remove(removal.id);
   local_map.map.RemoveKeyframe(removal.id);
+  local_map.followers.Forget(removal.id);
   local_map.foreign_observations.erase(removal.id);
   state.global.keyframes.erase(removal.id);
   state.global.culled.erase(removal.id);

@@ -20,6 +20,7 @@
 #include "map_store/lookups.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
+#include "slam/exchange/point_followers.h"
 #include "slam/map/map.h"
 #include "slam/place/keyframe_database.h"
 
@@ -55,6 +56,8 @@ struct LocalMapState {
   // Its own keyframes and points in its own frame. What its keyframes see of other local maps'
   // points stands beside it: keyframe -> keypoint -> point.
   Map map;
+  // What of it moves with a keyframe; derived from it.
+  PointFollowers followers;
   std::map<KeyframeId, std::map<uint32_t, MapPointId>> foreign_observations;
   std::vector<LoopEdge> foreign_loop_edges;
 

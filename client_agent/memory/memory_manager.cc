@@ -239,6 +239,9 @@ bool MemoryManager::TakeBatchOf(Recording& recording) {
     absl::MutexLock lock(&mutex_);
     if (recording.closed || !queue_.HasRoom()) return false;
     closing = recording.closing;
+    if (closing && !std::exchange(recording.asked_for_exact_places, true)) {
+      recording.recorder->AskForExactPlaces();
+    }
   }
   MapUpdateBatch batch;
   if (recording.recorder->HasChanges()) {

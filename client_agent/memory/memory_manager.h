@@ -103,6 +103,7 @@ class MemoryManager : private UplinkListener {
     MapAccess access;
     std::unique_ptr<UpdateRecorder> recorder;
     bool closing = false;
+    bool asked_for_exact_places = false;
     bool closed = false;  // Its last batch is in the outbox.
   };
   // Shared updates on their way to the mapping thread.

@@ -44,12 +44,9 @@ void ObservationMirror::ReplacePoint(MapPointId replaced, MapPointId survivor) {
   }
 }
 
-std::vector<KeyframeId> ObservationMirror::Observers(MapPointId id) const {
-  std::vector<KeyframeId> observers;
+std::map<KeyframeId, uint32_t> ObservationMirror::Observations(MapPointId id) const {
   const auto it = observers_.find(id);
-  if (it == observers_.end()) return observers;
-  for (const auto& [keyframe, keypoint] : it->second) observers.push_back(keyframe);
-  return observers;
+  return it == observers_.end() ? std::map<KeyframeId, uint32_t>() : it->second;
 }
 
 bool ObservationMirror::AppendChanges(const Keyframe& keyframe,

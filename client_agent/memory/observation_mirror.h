@@ -19,8 +19,8 @@ class ObservationMirror {
   void RemovePoint(MapPointId id);
   void ReplacePoint(MapPointId replaced, MapPointId survivor);
 
-  // The keyframes known to observe the point.
-  std::vector<KeyframeId> Observers(MapPointId id) const;
+  // The keyframes known to observe the point, with their keypoints.
+  std::map<KeyframeId, uint32_t> Observations(MapPointId id) const;
 
   // Appends what turns the mirrored observations of `keyframe` into those it has now, removals
   // first, and takes it over. Where a keypoint sees nothing in place of another local map's point,

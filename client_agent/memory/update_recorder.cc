@@ -11,6 +11,11 @@ constexpr size_t kMaxFullPoints = 8000;
 constexpr size_t kMaxLightPoints = 30000;
 constexpr size_t kMaxFrames = 30000;
 
+// What a keyframe's picture doesn't tell: an observation's noise is a pixel at its finest.
+constexpr double kSameLook_px = 0.5;
+// Of what travels as 32-bit numbers, relative to its size.
+constexpr double kRounding = 1e-6;
+
 }  // namespace
 
 void UpdateRecorder::OnKeyframeAdded(KeyframeId id) {
@@ -61,7 +66,7 @@ void UpdateRecorder::OnPointMoved(MapPointId id) {
 void UpdateRecorder::OnObservationAdded(MapPointId point, KeyframeId keyframe, uint32_t keypoint) {
   if (!IsOwn(keyframe)) return;
   absl::MutexLock lock(&mutex_);
-  if (IsOwn(point) && !sent_points_.contains(point)) added_points_.insert(point);
+  if (IsOwn(point)) (sent_points_.contains(point) ? moved_points_ : added_points_).insert(point);
   const auto withdrawn = withdrawn_.find({keyframe, keypoint});
   if (withdrawn != withdrawn_.end() && withdrawn->second == point) withdrawn_.erase(withdrawn);
   reobserved_keyframes_.insert(keyframe);
@@ -77,7 +82,9 @@ void UpdateRecorder::OnObservationRemoved(MapPointId point, KeyframeId keyframe,
 
 void UpdateRecorder::OnPointReplaced(MapPointId replaced, MapPointId survivor) {
   absl::MutexLock lock(&mutex_);
-  if (IsOwn(survivor) && !sent_points_.contains(survivor)) added_points_.insert(survivor);
+  if (IsOwn(survivor)) {
+    (sent_points_.contains(survivor) ? moved_points_ : added_points_).insert(survivor);
+  }
   replaced_points_[replaced] = survivor;
 }
 
@@ -97,8 +104,18 @@ void UpdateRecorder::AddLostFrame(int64_t timestamp_ns) {
   lost_frames_ns_.push_back(timestamp_ns);
 }
 
+void UpdateRecorder::AskForExactPlaces() {
+  absl::MutexLock lock(&mutex_);
+  exactly_ = true;
+  moved_points_.insert(sent_points_.begin(), sent_points_.end());
+}
+
 bool UpdateRecorder::HasChanges() const {
   absl::MutexLock lock(&mutex_);
+  return HasMore();
+}
+
+bool UpdateRecorder::HasMore() const {
   return !(added_keyframes_.empty() && changed_keyframes_.empty() &&
            reobserved_keyframes_.empty() && added_points_.empty() && moved_points_.empty() &&
            replaced_points_.empty() && removed_points_.empty() && removed_keyframes_.empty() &&
@@ -114,14 +131,17 @@ MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, size_t max_keyframes) {
   absl::MutexLock lock(&mutex_);
   MapUpdateBatch batch;
   batch.local_map = local_map_;
+  batch.points_follow = true;
   TakeFullKeyframes(map, max_keyframes, batch);
   TakeFullPoints(map, batch);
-  TakeLight(map, batch);
+  TakeLightKeyframes(map, batch);
+  TakeLightPoints(map, batch);
   TakeReplacements(map, batch);
   TakeObservations(map, batch);
   TakeRemovals(batch);
   TakeLoopEdges(map, batch);
   TakeFrames(batch);
+  exactly_ = exactly_ && HasMore();
   return batch;
 }
 
@@ -158,6 +178,7 @@ void UpdateRecorder::TakeFullKeyframes(const Map& map, size_t max_keyframes,
     TakeCameras(full, batch);
     sent_keyframes_.insert(id);
     mirror_.AddKeyframe(id, keyframe->points.size());
+    believed_.PlaceKeyframe(id, keyframe->camera_from_map);
     batch.full_keyframes.push_back(std::move(full));
   }
 }
@@ -187,13 +208,14 @@ void UpdateRecorder::TakeFullPoints(const Map& map, MapUpdateBatch& batch) {
     }
     moved_points_.erase(id);
     sent_points_.insert(id);
+    believed_.AddPoint(id, point->position_in_map, reference);
     batch.full_points.push_back({id, point->position_in_map, reference, point->descriptor,
                                  point->normal_in_map, point->min_distance, point->max_distance});
   }
   added_points_ = std::move(waiting);
 }
 
-void UpdateRecorder::TakeLight(const Map& map, MapUpdateBatch& batch) {
+void UpdateRecorder::TakeLightKeyframes(const Map& map, MapUpdateBatch& batch) {
   // Root first, so that no step of the new tree makes a cycle with what is left of the old one.
   std::vector<std::pair<size_t, KeyframeId>> by_depth;
   for (const KeyframeId& id : changed_keyframes_) {
@@ -211,12 +233,29 @@ void UpdateRecorder::TakeLight(const Map& map, MapUpdateBatch& batch) {
     const KeyframeId parent = KnownAncestor(map, id);
     if (parent != keyframe.parent && IsOwn(keyframe.parent)) changed_keyframes_.insert(id);
     batch.light_keyframes.push_back({id, keyframe.camera_from_map, parent});
+    believed_.PlaceKeyframe(id, keyframe.camera_from_map);
+    // Where it sees points, and where it took those that follow it.
+    for (const MapPointId point : keyframe.points) {
+      if (point.IsValid() && IsOwn(point)) moved_points_.insert(point);
+    }
+    for (const MapPointId point : believed_.Followers(id)) moved_points_.insert(point);
   }
+}
+
+bool UpdateRecorder::IsToldWell(const Map& map, const MapPoint& point) const {
+  const std::optional<Eigen::Vector3d> told = believed_.Position(point.id);
+  if (!told.has_value()) return false;
+  if (!exactly_) return LooksTheSame(map, point, *told, kSameLook_px);
+  return (*told - point.position_in_map).norm() <= kRounding * (1 + point.position_in_map.norm());
+}
+
+void UpdateRecorder::TakeLightPoints(const Map& map, MapUpdateBatch& batch) {
   while (!moved_points_.empty() && batch.light_points.size() < kMaxLightPoints) {
     const MapPointId id = *moved_points_.begin();
     moved_points_.erase(moved_points_.begin());
     const MapPoint* point = map.FindPoint(id);
-    if (point == nullptr || !sent_points_.contains(id)) continue;
+    if (point == nullptr || !sent_points_.contains(id) || IsToldWell(map, *point)) continue;
+    believed_.MovePoint(id, point->position_in_map);
     batch.light_points.push_back({id, point->position_in_map});
   }
 }
@@ -228,6 +267,16 @@ MapPointId UpdateRecorder::ResolveSurvivor(const Map& map, MapPointId replaced) 
     survivor = it->second;
   }
   return map.FindPoint(survivor) == nullptr ? MapPointId() : survivor;
+}
+
+// Keypoints that the store takes to see the survivor since it stands for the replaced point, but
+// that don't: where they saw it already with another one, or do no more.
+void UpdateRecorder::NoteWithdrawn(const Map& map, const std::map<KeyframeId, uint32_t>& replaced,
+                                   MapPointId survivor) {
+  const MapPoint& point = *map.FindPoint(survivor);
+  for (const auto& [id, keypoint] : replaced) {
+    if (!point.observations.contains(id)) withdrawn_[{id, keypoint}] = survivor;
+  }
 }
 
 void UpdateRecorder::TakeReplacements(const Map& map, MapUpdateBatch& batch) {
@@ -243,9 +292,12 @@ void UpdateRecorder::TakeReplacements(const Map& map, MapUpdateBatch& batch) {
       waiting.emplace(replaced, survivor);
       continue;
     }
-    for (const KeyframeId& id : mirror_.Observers(replaced)) reobserved_keyframes_.insert(id);
+    const std::map<KeyframeId, uint32_t> observations = mirror_.Observations(replaced);
+    for (const auto& [id, keypoint] : observations) reobserved_keyframes_.insert(id);
     mirror_.ReplacePoint(replaced, survivor);
+    if (!IsOwn(survivor)) NoteWithdrawn(map, observations, survivor);
     sent_points_.erase(replaced);
+    believed_.RemovePoint(replaced);
     batch.replacements.push_back({replaced, survivor});
   }
   for (const auto& [replaced, last_survivor] : replaced_points_) {
@@ -284,12 +336,14 @@ void UpdateRecorder::TakeRemovals(MapUpdateBatch& batch) {
   for (const MapPointId& id : removed_points_) {
     if (sent_points_.erase(id) == 0) continue;
     mirror_.RemovePoint(id);
+    believed_.RemovePoint(id);
     batch.removed_points.push_back(id);
   }
   removed_points_.clear();
   for (const KeyframeRemoval& removal : removed_keyframes_) {
     sent_keyframes_.erase(removal.id);
     mirror_.RemoveKeyframe(removal.id);
+    believed_.RemoveKeyframe(removal.id);
     batch.removed_keyframes.push_back(removal);
   }
   removed_keyframes_.clear();

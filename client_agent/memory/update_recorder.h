@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_MEMORY_UPDATE_RECORDER_H_
 #define CORBSLAM_CLIENT_AGENT_MEMORY_UPDATE_RECORDER_H_
 
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "absl/container/btree_map.h"
 #include "absl/container/btree_set.h"
 #include "absl/synchronization/mutex.h"
+#include "client_agent/memory/believed_places.h"
 #include "client_agent/memory/observation_mirror.h"
 #include "slam/exchange/map_update.h"
 #include "slam/map/map.h"
@@ -16,7 +18,8 @@
 namespace corbslam {
 
 // Of one local map. Only that map's own items are recorded: what others made is theirs to tell.
-// Changes of one item between two batches coalesce to its state when the batch is made. Nothing
+// Changes of one item between two batches coalesce to its state when the batch is made; a point
+// that the store sees where it is, as far as half a pixel tells, isn't told again. Nothing
 // is dropped while no batch is taken, and what is held is bounded by the map's size and the number
 // of frames. Thread-safe.
 class UpdateRecorder : public MapObserver {
@@ -42,6 +45,10 @@ class UpdateRecorder : public MapObserver {
   void AddTrackedFrame(const TrackedFrame& frame);
   void AddLostFrame(int64_t timestamp_ns);
 
+  // From now on, until all is told, the places of points are told exactly and not only where they
+  // would look different by half a pixel.
+  void AskForExactPlaces();
+
   bool HasChanges() const;
   // Keyframes that no batch has carried yet.
   size_t pending_keyframes() const;
@@ -54,6 +61,7 @@ class UpdateRecorder : public MapObserver {
  private:
   bool IsOwn(KeyframeId id) const { return id.local_map == local_map_; }
   bool IsOwn(MapPointId id) const { return id.local_map == local_map_; }
+  bool HasMore() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   MapPointId ResolveSurvivor(const Map& map, MapPointId replaced) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -62,7 +70,13 @@ class UpdateRecorder : public MapObserver {
   void TakeFullKeyframes(const Map& map, size_t max_keyframes, MapUpdateBatch& batch)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeFullPoints(const Map& map, MapUpdateBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void TakeLight(const Map& map, MapUpdateBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeLightKeyframes(const Map& map, MapUpdateBatch& batch)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeLightPoints(const Map& map, MapUpdateBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsToldWell(const Map& map, const MapPoint& point) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void NoteWithdrawn(const Map& map, const std::map<KeyframeId, uint32_t>& replaced,
+                     MapPointId survivor) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeReplacements(const Map& map, MapUpdateBatch& batch)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeObservations(const Map& map, MapUpdateBatch& batch)
@@ -83,6 +97,7 @@ class UpdateRecorder : public MapObserver {
   absl::btree_set<MapPointId> sent_points_ ABSL_GUARDED_BY(mutex_);
   uint32_t sent_cameras_ ABSL_GUARDED_BY(mutex_) = 0;
   ObservationMirror mirror_ ABSL_GUARDED_BY(mutex_);
+  BelievedPlaces believed_ ABSL_GUARDED_BY(mutex_);
   // What it has not been told.
   absl::btree_set<KeyframeId> added_keyframes_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<KeyframeId> changed_keyframes_ ABSL_GUARDED_BY(mutex_);
@@ -90,7 +105,9 @@ class UpdateRecorder : public MapObserver {
   // Keypoints from which others' points were taken, told apart from points that were only unloaded.
   absl::btree_map<std::pair<KeyframeId, uint32_t>, MapPointId> withdrawn_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> added_points_ ABSL_GUARDED_BY(mutex_);
+  // They, or what they follow at the store.
   absl::btree_set<MapPointId> moved_points_ ABSL_GUARDED_BY(mutex_);
+  bool exactly_ ABSL_GUARDED_BY(mutex_) = false;
   absl::btree_map<MapPointId, MapPointId> replaced_points_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> removed_points_ ABSL_GUARDED_BY(mutex_);
   std::vector<KeyframeRemoval> removed_keyframes_ ABSL_GUARDED_BY(mutex_);

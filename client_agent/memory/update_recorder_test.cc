@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -26,8 +27,22 @@ Keyframe MakeKeyframe(KeyframeId id, KeyframeId parent) {
   return keyframe;
 }
 
+void MoveWithFollowers(KeyframeId id, const Rigid3d& camera_from_map, Map& replica) {
+  const Rigid3d now_from_before =
+      camera_from_map.Inverse() * replica.FindKeyframe(id)->camera_from_map;
+  std::vector<std::pair<MapPointId, Eigen::Vector3d>> moved;
+  for (const auto& [point_id, point] : replica.points()) {
+    if (point.reference != id) continue;
+    moved.emplace_back(point_id, now_from_before * point.position_in_map);
+  }
+  for (const auto& [point_id, position] : moved) replica.SetPosition(point_id, position);
+  replica.SetPose(id, camera_from_map);
+}
+
 // What a map store does with a batch.
 void Apply(const MapUpdateBatch& batch, Map& replica) {
+  EXPECT_TRUE(batch.points_follow);
+  std::vector<std::pair<KeyframeId, KeyframeId>> parked;
   for (const FullKeyframe& full : batch.full_keyframes) {
     Keyframe keyframe;
     keyframe.payload = full.payload;
@@ -39,13 +54,14 @@ void Apply(const MapUpdateBatch& batch, Map& replica) {
     MapPoint point;
     point.id = full.id;
     point.position_in_map = full.position_in_local;
+    point.reference = full.reference;
     EXPECT_NE(replica.FindKeyframe(full.reference), nullptr);
     EXPECT_TRUE(replica.AddPoint(point));
   }
   for (const LightKeyframe& light : batch.light_keyframes) {
-    replica.SetPose(light.id, light.camera_from_local);
-    if (light.parent.IsValid()) {
-      EXPECT_TRUE(replica.SetParent(light.id, light.parent));
+    MoveWithFollowers(light.id, light.camera_from_local, replica);
+    if (light.parent.IsValid() && !replica.SetParent(light.id, light.parent)) {
+      parked.emplace_back(light.id, light.parent);
     }
   }
   for (const LightMapPoint& light : batch.light_points) {
@@ -62,6 +78,8 @@ void Apply(const MapUpdateBatch& batch, Map& replica) {
   }
   for (const MapPointId& id : batch.removed_points) EXPECT_TRUE(replica.RemovePoint(id));
   for (const KeyframeRemoval& removal : batch.removed_keyframes) replica.RemoveKeyframe(removal.id);
+  // Those that would have made a cycle with what was there before.
+  for (const auto& [id, parent] : parked) EXPECT_TRUE(replica.SetParent(id, parent));
 }
 
 class Scenario {
@@ -106,6 +124,35 @@ class Scenario {
   void Flush(size_t max_keyframes) { Apply(recorder_.TakeBatch(map_, max_keyframes), replica_); }
   bool HasChanges() const { return recorder_.HasChanges(); }
 
+  // Where nobody can tell the difference from the pictures.
+  void ExpectPlacesThatLookTheSame() const {
+    for (const auto& [id, point] : map_.points()) {
+      const MapPoint* told = replica_.FindPoint(id);
+      if (told == nullptr) continue;
+      for (const auto& [keyframe_id, keypoint] : point.observations) {
+        const Keyframe& keyframe = *map_.FindKeyframe(keyframe_id);
+        const Eigen::Vector3d is = keyframe.camera_from_map * point.position_in_map;
+        const Eigen::Vector3d believed = keyframe.camera_from_map * told->position_in_map;
+        if (is == believed) continue;
+        ASSERT_GT(is.z(), 0) << ToString(id);
+        ASSERT_GT(believed.z(), 0) << ToString(id);
+        const Eigen::Vector3d apart_px =
+            500 * (is / is.z() - believed / believed.z());  // Of the focal length above.
+        EXPECT_LE(apart_px.norm(), 0.5 + 1e-6) << ToString(id) << " in " << ToString(keyframe_id);
+      }
+    }
+  }
+  // Tells exactly; there is nothing left afterwards.
+  void ExpectExactPlaces() {
+    recorder_.AskForExactPlaces();
+    for (int i = 0; i < 20 && HasChanges(); ++i) Flush(1000);
+    EXPECT_FALSE(HasChanges());
+    for (const auto& [id, point] : replica_.points()) {
+      const Eigen::Vector3d& is = map_.FindPoint(id)->position_in_map;
+      EXPECT_LT((point.position_in_map - is).norm(), 2e-6 * (1 + is.norm())) << ToString(id);
+    }
+  }
+
   void ExpectEqual() const {
     ASSERT_EQ(map_.keyframes().size(), replica_.keyframes().size());
     for (const auto& [id, keyframe] : map_.keyframes()) {
@@ -121,9 +168,10 @@ class Scenario {
     }
     for (const auto& [id, point] : map_.points()) {
       // What nobody sees need not be told.
-      if (point.observations.empty() && replica_.FindPoint(id) == nullptr) continue;
-      EXPECT_EQ(point.position_in_map, replica_.FindPoint(id)->position_in_map);
+      if (point.observations.empty()) continue;
+      EXPECT_NE(replica_.FindPoint(id), nullptr) << ToString(id);
     }
+    ExpectPlacesThatLookTheSame();
   }
 
  private:
@@ -135,17 +183,22 @@ class Scenario {
     MapPoint point;
     point.id = {kOwn, next_point_++};
     point.reference = AnyKeyframe();
-    point.position_in_map.x() = static_cast<double>(random_() % 100);
+    point.position_in_map = {static_cast<double>(random_() % 100), 0, 500};
     map_.AddPoint(point);
     map_.AddObservation(point.id, point.reference, static_cast<uint32_t>(random_()) % kKeypoints);
   }
   void Move() {
-    const double value = static_cast<double>(random_() % 100);
     if (const MapPointId id = AnyPoint(); id.local_map == kOwn) {
-      map_.SetPosition(id, Eigen::Vector3d::Constant(value));
+      map_.SetPosition(id, map_.FindPoint(id)->position_in_map + AnyStep());
     }
     const KeyframeId id = AnyKeyframe();
-    map_.SetPose(id, {Eigen::Quaterniond::Identity(), Eigen::Vector3d::Constant(value)});
+    if (!id.IsValid()) return;
+    Rigid3d pose = map_.FindKeyframe(id)->camera_from_map;
+    pose.rotation =
+        (Eigen::AngleAxisd(1e-3 * AnyStep().x(), Eigen::Vector3d::UnitY()) * pose.rotation)
+            .normalized();
+    pose.translation += AnyStep();
+    map_.SetPose(id, pose);
     map_.SetParent(id, AnyKeyframe());
   }
   void Remove() {
@@ -156,6 +209,14 @@ class Scenario {
     } else {
       map_.RemoveObservation(AnyPoint(), AnyKeyframe());
     }
+  }
+  // Half of them too small to be seen from where the points are.
+  Eigen::Vector3d AnyStep() {
+    const double size_m = random_() % 2 == 0 ? 0.1 : 10;
+    const auto any = [&] { return size_m * (static_cast<double>(random_() % 1000) / 500 - 1); };
+    const double x = any();
+    const double y = any();
+    return {x, y, any()};
   }
   ptrdiff_t Below(size_t count) { return static_cast<ptrdiff_t>(random_() % count); }
   KeyframeId AnyKeyframe() {
@@ -187,6 +248,8 @@ TEST(UpdateRecorderTest, ReplicaFollowsRandomChanges) {
         ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed << " step " << step;
       }
     }
+    scenario.ExpectExactPlaces();
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
   }
 }
 
@@ -201,6 +264,7 @@ TEST(UpdateRecorderTest, BatchesLimitedInKeyframesConvergeToTheSame) {
     for (int i = 0; i < 200 && scenario.HasChanges(); ++i) scenario.Flush(2);
     EXPECT_FALSE(scenario.HasChanges());
     scenario.ExpectEqual();
+    scenario.ExpectExactPlaces();
     ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
   }
 }
@@ -276,6 +340,65 @@ TEST_F(RecordedMapTest, APointThatComesBackStandsForItselfAgain) {
   ASSERT_EQ(batch.replacements.size(), 1U);
   EXPECT_EQ(batch.replacements[0].replaced, own.id);
   EXPECT_EQ(batch.replacements[0].survivor, foreign.id);
+}
+
+// Ten points before a keyframe, 10 m away: half a pixel is a centimetre there.
+class RecordedPlacesTest : public RecordedMapTest {
+ protected:
+  RecordedPlacesTest() {
+    map_.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+    for (uint32_t i = 0; i < 10; ++i) {
+      MapPoint point = Point({kOwn, i});
+      point.reference = {kOwn, 0};
+      point.position_in_map = {i * 0.1, 0, 10};
+      map_.AddPoint(point);
+      map_.AddObservation(point.id, {kOwn, 0}, i);
+    }
+    EXPECT_EQ(recorder_.TakeBatch(map_, 10).full_points.size(), 10u);
+  }
+
+  void Shift(uint32_t point, double x_m) {
+    const Eigen::Vector3d before = map_.FindPoint({kOwn, point})->position_in_map;
+    map_.SetPosition({kOwn, point}, before + Eigen::Vector3d(x_m, 0, 0));
+  }
+};
+
+TEST_F(RecordedPlacesTest, WhatNobodySeesMoveIsNotTold) {
+  Shift(3, 0.009);
+  Shift(4, 0.011);
+  const MapUpdateBatch batch = recorder_.TakeBatch(map_, 10);
+  ASSERT_EQ(batch.light_points.size(), 1u);
+  EXPECT_EQ(batch.light_points[0].id, (MapPointId{kOwn, 4}));
+  // Small motions add up.
+  Shift(3, 0.009);
+  EXPECT_EQ(recorder_.TakeBatch(map_, 10).light_points.size(), 1u);
+}
+
+TEST_F(RecordedPlacesTest, ACorrectionIsToldInPosesAlone) {
+  const Rigid3d correction = {Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())),
+                              {3, 0.2, -1}};
+  map_.SetPose({kOwn, 0}, map_.FindKeyframe({kOwn, 0})->camera_from_map * correction.Inverse());
+  for (uint32_t i = 0; i < 10; ++i) {
+    map_.SetPosition({kOwn, i}, correction * map_.FindPoint({kOwn, i})->position_in_map);
+  }
+  const MapUpdateBatch batch = recorder_.TakeBatch(map_, 10);
+  EXPECT_EQ(batch.light_keyframes.size(), 1u);
+  EXPECT_TRUE(batch.light_points.empty());
+}
+
+TEST_F(RecordedPlacesTest, PointsThatStayWhileTheirKeyframeMovesAreTold) {
+  map_.SetPose({kOwn, 0}, {Eigen::Quaterniond::Identity(), {0.1, 0, 0}});
+  EXPECT_EQ(recorder_.TakeBatch(map_, 10).light_points.size(), 10u);
+}
+
+TEST_F(RecordedPlacesTest, WhoAsksGetsExactPlaces) {
+  Shift(3, 0.001);
+  recorder_.AskForExactPlaces();
+  ASSERT_TRUE(recorder_.HasChanges());
+  EXPECT_EQ(recorder_.TakeBatch(map_, 10).light_points.size(), 1u);
+  EXPECT_FALSE(recorder_.HasChanges());
+  Shift(3, 0.001);
+  EXPECT_TRUE(recorder_.TakeBatch(map_, 10).light_points.empty());
 }
 
 TEST_F(RecordedMapTest, FramesBeyondABatchGoIntoTheNext) {

@@ -23,9 +23,8 @@ struct LayoutLook {
 
 const std::array<LayoutLook, 4>& Looks() {
   static const auto& looks = *new std::array<LayoutLook, 4>{
-      LayoutLook{SourceLayout::kKitti,
-                 "kitti",
-                 {"image_0", "image_2", "image_00/data", "image_02/data"}},
+      LayoutLook{
+          SourceLayout::kKitti, "kitti", {"image_0", "image_2", "image_00/data", "image_02/data"}},
       LayoutLook{SourceLayout::kEuroc, "euroc", {"mav0/cam0", "cam0/data.csv"}},
       LayoutLook{SourceLayout::kTum, "tum", {"associated.txt", "associations.txt", "rgb.txt"}},
       LayoutLook{SourceLayout::kSevenScenes, "7scenes", {"frame-000000.color.png"}}};

@@ -7,8 +7,8 @@
 
 namespace corbslam {
 
-// `error`, met when the recorded sequence `spec` was opened, with what its folder looks like: that it
-// is not there, that it looks like another layout's, or that a folder in it looks like this
+// `error`, met when the recorded sequence `spec` was opened, with what its folder looks like: that
+// it is not there, that it looks like another layout's, or that a folder in it looks like this
 // layout's. As it was if the folder looks as it should, or like nothing known.
 absl::Status WithLayoutHint(const absl::Status& error, const SourceSpec& spec);
 

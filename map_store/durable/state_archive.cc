@@ -186,7 +186,11 @@ absl::Status BuildMap(const StoredMap& stored, const FeatureLoader& load,
   if (!AddEdges(stored.keyframes, &local_map->map)) {
     return Unreadable(absl::StrCat("local map ", ToString(local_map->id)));
   }
-  return AddPoints(stored.points, &local_map->map);
+  RETURN_IF_ERROR(AddPoints(stored.points, &local_map->map));
+  for (const auto& [id, point] : local_map->map.points()) {
+    local_map->followers.Add(point.reference, id);
+  }
+  return absl::OkStatus();
 }
 
 std::vector<uint32_t> CountKeypoints(const std::vector<FullKeyframe>& keyframes) {
@@ -252,6 +256,8 @@ std::string EncodeRecord(const JournalRecord& record) {
     writer(CountKeypoints(update->batch->full_keyframes));
     // Records of journals before format 6 end here.
     writer(update->batch->recorded_cameras);
+    // Of those before format 7, here.
+    writer(update->batch->points_follow);
   }
   return writer.Take();
 }
@@ -265,11 +271,14 @@ absl::StatusOr<JournalRecord> DecodeRecord(std::string_view bytes, const Feature
   std::vector<RecordedCamera> recorded_cameras;
   if (update != nullptr && reader.ok()) reader(keypoints);
   if (update != nullptr && reader.left() > 0) reader(recorded_cameras);
+  bool points_follow = false;
+  if (update != nullptr && reader.left() > 0) reader(points_follow);
   if (!reader.done()) return Unreadable("a journal record");
   if (update == nullptr) return record;
   auto batch = std::make_shared<MapUpdateBatch>(*update->batch);
   if (keypoints.size() != batch->full_keyframes.size()) return Unreadable("a journal record");
   batch->recorded_cameras = std::move(recorded_cameras);
+  batch->points_follow = points_follow;
   for (size_t i = 0; i < keypoints.size(); ++i) {
     auto payload = std::make_shared<KeyframePayload>(*batch->full_keyframes[i].payload);
     ASSIGN_OR_RETURN(payload->features, LoadOrBlank(load, payload->id, keypoints[i]));

@@ -288,6 +288,7 @@ void Append(MapUpdateBatch& batch, MapUpdateBatch& part) {
   AppendAll(batch.loop_edges, part.loop_edges);
   AppendAll(batch.tracked_frames, part.tracked_frames);
   AppendAll(batch.lost_frames_ns, part.lost_frames_ns);
+  batch.points_follow |= part.points_follow;
   batch.closes_local_map |= part.closes_local_map;
 }
 
@@ -298,6 +299,7 @@ std::vector<v1::MapUpdateBatch> ToProto(const MapUpdateBatch& batch, CameraBook&
   Writer writer(part_bytes, [&](v1::MapUpdateBatch& part) {
     part.set_local_map(batch.local_map.value);
     part.set_number(batch.number);
+    part.set_points_follow(batch.points_follow);
     part.set_continues(true);
     return SlotWriter(part.mutable_other_local_maps(), batch.local_map);
   });
@@ -330,6 +332,7 @@ absl::StatusOr<MapUpdateBatch> FromProto(const v1::MapUpdateBatch& proto, Camera
   };
   RETURN_IF_ERROR(Locate(
       read(), absl::StrCat("batch ", batch.number, " of local map ", ToString(batch.local_map))));
+  batch.points_follow = proto.points_follow();
   batch.closes_local_map = proto.closes_local_map();
   return batch;
 }

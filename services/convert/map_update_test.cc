@@ -95,6 +95,7 @@ void ExpectSameFrames(const MapUpdateBatch& a, const MapUpdateBatch& b) {
                1e-6);
   }
   EXPECT_EQ(a.lost_frames_ns, b.lost_frames_ns);
+  EXPECT_EQ(a.points_follow, b.points_follow);
   EXPECT_EQ(a.closes_local_map, b.closes_local_map);
 }
 
@@ -122,6 +123,7 @@ MapUpdateBatch MakeFullBatch(std::mt19937& random) {
   batch.removed_keyframes = {{{kMap, 11}, {kMap, 10}, test_data::MakeMotion(random)},
                              {{kMap, 12}, KeyframeId(), Rigid3d::Identity()}};
   batch.loop_edges = {{{kMap, 10}, {kOtherMap, 3}, test_data::MakeSimilarity(random)}};
+  batch.points_follow = true;
   batch.closes_local_map = true;
   return batch;
 }

@@ -17,7 +17,6 @@ namespace {
 // One sequence: its truth and the time from which errors count again.
 struct Sequence {
   std::optional<Trajectory> truth;
-  std::vector<std::string> truth_notes;
   std::optional<int64_t> from_ns;  // None: it is shorter than that.
 };
 
@@ -43,10 +42,7 @@ std::string WorldOf(const SourceSpec& source) {
 absl::StatusOr<Sequence> ReadSequence(const SourceSpec& source, size_t from_frame) {
   Sequence sequence;
   ASSIGN_OR_RETURN(std::optional<GroundTruth> truth, ReadGroundTruth(source));
-  if (truth.has_value()) {
-    sequence.truth = std::move(truth->trajectory);
-    sequence.truth_notes = std::move(truth->notes);
-  }
+  if (truth.has_value()) sequence.truth = std::move(truth->trajectory);
   ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(source));
   if (from_frame < reader->frame_count()) sequence.from_ns = reader->timestamp_ns(from_frame);
   return sequence;
@@ -183,10 +179,6 @@ absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, 
                                          Alignment alignment) {
   ASSIGN_OR_RETURN(const Sequences sequences, ReadSequences(robots, from_frame));
   Accuracy accuracy;
-  for (const auto& [key, sequence] : sequences) {
-    accuracy.truth_notes.insert(accuracy.truth_notes.end(), sequence.truth_notes.begin(),
-                                sequence.truth_notes.end());
-  }
   for (const RobotPaths& robot : robots) {
     accuracy.robots.push_back(
         ComputeRobotAccuracy(robot, sequences.at(KeyOf(robot.source)), alignment));

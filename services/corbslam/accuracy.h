@@ -52,8 +52,6 @@ struct FusedAccuracy {
 struct Accuracy {
   std::vector<RobotAccuracy> robots;  // In the order of the paths.
   FusedAccuracy fused;
-  // What was left out of the truths, a sentence each (GroundTruth::notes).
-  std::vector<std::string> truth_notes;
 };
 
 // `from_frame` is a frame's number in its sequence.

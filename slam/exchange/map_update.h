@@ -95,6 +95,9 @@ struct MapUpdateBatch {
   std::vector<FullMapPoint> full_points;
   std::vector<LightKeyframe> light_keyframes;
   std::vector<LightMapPoint> light_points;
+  // A point of the sender moves with its reference keyframe wherever `light_keyframes` says that
+  // this moved, before `light_points` say where points are. Else points stay.
+  bool points_follow = false;
   std::vector<PointReplacement> replacements;
   std::vector<ObservationChange> observations;
   std::vector<MapPointId> removed_points;

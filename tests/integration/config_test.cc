@@ -96,7 +96,7 @@ TEST(ConfigTest, InvalidConfigurationsEndWithTwoAndSayAllThatIsWrong) {
                        "--spool-dir", TempFile("spool"), "--stats", "/nowhere/stats.json"});
   EXPECT_EQ(agent.exit_code, 2);
   EXPECT_THAT(agent.text,
-              AllOf(HasSubstr("/nowhere/rgb.txt"), HasSubstr("--agent is \"a b\""),
+              AllOf(HasSubstr("/nowhere: there is no such folder"), HasSubstr("--agent is \"a b\""),
                     HasSubstr("--spool-dir needs --server"), HasSubstr("/nowhere/stats.json")));
   // What can't even be parsed.
   const Ended flag = RunToEnd("fusion_worker", {"--validate-config", "--threads", "none"});
