@@ -39,6 +39,7 @@ class BatchMaker {
     });
     Fill(batch.tracked_frames, [this] { return TrackedFrame{Time(), Any(), Pose()}; });
     Fill(batch.lost_frames_ns, [this] { return Time(); });
+    batch.points_follow = input_.ConsumeBool();
     batch.closes_local_map = Rarely();
     return batch;
   }
