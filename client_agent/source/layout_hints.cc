@@ -65,15 +65,19 @@ std::string Hint(const SourceSpec& spec) {
 }  // namespace
 
 absl::Status WithLayoutHint(const absl::Status& error, const SourceSpec& spec) {
-  std::error_code ignored;
-  if (!fs::exists(spec.directory, ignored)) {
-    return absl::NotFoundError(absl::StrCat(spec.directory, ": there is no such folder"));
+  std::error_code unreachable;
+  const fs::file_type type = fs::status(spec.directory, unreachable).type();
+  switch (type) {
+    case fs::file_type::directory:
+      return {error.code(), absl::StrCat(error.message(), Hint(spec))};
+    case fs::file_type::not_found:
+      return absl::NotFoundError(absl::StrCat(spec.directory, ": there is no such folder"));
+    case fs::file_type::none:
+      return absl::PermissionDeniedError(absl::StrCat(spec.directory, ": ", unreachable.message()));
+    default:
+      return absl::InvalidArgumentError(
+          absl::StrCat(spec.directory, ": a file; wanted is the folder of the sequence"));
   }
-  if (!fs::is_directory(spec.directory, ignored)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(spec.directory, ": a file; wanted is the folder of the sequence"));
-  }
-  return {error.code(), absl::StrCat(error.message(), Hint(spec))};
 }
 
 }  // namespace corbslam
