@@ -1,7 +1,7 @@
 // Prints the statistics that the checks judge by, of a source as it is or damaged, what they find
 // and how long they take: docs/sources_checks.md is made of its answers.
 //
-//   measure_source_checks SOURCE [PLACES [DAMAGE AMOUNT [OTHER_SOURCE]]]
+//   measure_source_checks SOURCE [PLACES|watch [DAMAGE AMOUNT [OTHER_SOURCE]]]
 //
 // Damage "other" takes right pictures and depths from OTHER_SOURCE. "-" is no damage.
 #include <algorithm>
@@ -140,6 +140,11 @@ void MeasureWatch(const SensorCalibration& calibration, const ReadFrame& read, s
 }
 
 int Run(int argc, char** argv) {
+  const absl::StatusOr<SourceSpec> spec = ParseSourceSpec(argv[1]);
+  if (!spec.ok()) {
+    std::cerr << spec.status().message() << "\n";
+    return 2;
+  }
   const std::unique_ptr<FrameReader> reader = Open(argv[1]);
   SampleOptions options;
   if (argc > 2) options.places = static_cast<size_t>(std::atoi(argv[2]));
@@ -157,7 +162,7 @@ int Run(int argc, char** argv) {
   } else if (argc > 4 && std::string(argv[3]) != "-") {
     read = Damage(read, argv[3], std::atof(argv[4]));
   }
-  if (std::string(argv[2]) == "watch") {
+  if (argc > 2 && std::string(argv[2]) == "watch") {
     MeasureWatch(reader->calibration(), read, std::min<size_t>(reader->frame_count(), 70));
     return 0;
   }
@@ -208,7 +213,7 @@ int Run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::cerr << "usage: measure_source_checks SOURCE [PLACES [DAMAGE AMOUNT [OTHER_SOURCE]]]\n";
+    std::cerr << "usage: measure_source_checks SOURCE [PLACES|watch [DAMAGE AMOUNT [OTHER_SOURCE]]]\n";
     return 2;
   }
   return corbslam::Run(argc, argv);
