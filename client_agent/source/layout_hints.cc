@@ -16,18 +16,16 @@ namespace fs = std::filesystem;
 
 struct LayoutLook {
   SourceLayout layout;
-  const char* scheme;
   // Any of these, seen from the sequence's folder, gives it away.
   std::vector<const char*> signs;
 };
 
 const std::array<LayoutLook, 4>& Looks() {
   static const auto& looks = *new std::array<LayoutLook, 4>{
-      LayoutLook{
-          SourceLayout::kKitti, "kitti", {"image_0", "image_2", "image_00/data", "image_02/data"}},
-      LayoutLook{SourceLayout::kEuroc, "euroc", {"mav0/cam0", "cam0/data.csv"}},
-      LayoutLook{SourceLayout::kTum, "tum", {"associated.txt", "associations.txt", "rgb.txt"}},
-      LayoutLook{SourceLayout::kSevenScenes, "7scenes", {"frame-000000.color.png"}}};
+      LayoutLook{SourceLayout::kKitti, {"image_0", "image_2", "image_00/data", "image_02/data"}},
+      LayoutLook{SourceLayout::kEuroc, {"mav0/cam0", "cam0/data.csv"}},
+      LayoutLook{SourceLayout::kTum, {"associated.txt", "associations.txt", "rgb.txt"}},
+      LayoutLook{SourceLayout::kSevenScenes, {"frame-000000.color.png"}}};
   return looks;
 }
 
@@ -50,16 +48,24 @@ std::optional<std::string> FolderWithin(const std::string& folder, const LayoutL
   return *std::ranges::min_element(found);
 }
 
+// As it is to be typed.
+std::string Spec(const LayoutLook& look, const std::string& folder) {
+  SourceSpec spec;
+  spec.layout = look.layout;
+  spec.directory = folder;
+  return FormatSourceSpec(spec);
+}
+
 std::string Hint(const SourceSpec& spec) {
   const auto asked = std::ranges::find(Looks(), spec.layout, &LayoutLook::layout);
   if (asked == Looks().end() || IsLike(spec.directory, *asked)) return "";
   for (const LayoutLook& look : Looks()) {
     if (!IsLike(spec.directory, look)) continue;
-    return absl::StrCat(". It looks like a folder for ", look.scheme, ":", spec.directory);
+    return absl::StrCat(". It looks like a folder for ", Spec(look, spec.directory));
   }
   const std::optional<std::string> within = FolderWithin(spec.directory, *asked);
   if (!within.has_value()) return "";
-  return absl::StrCat(". Is ", asked->scheme, ":", *within, " meant?");
+  return absl::StrCat(". Is ", Spec(*asked, *within), " meant?");
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 namespace corbslam::map_store {
 
 // Of the whole journal. Older ones from kOldestJournalFormat on are read and become of this format
-// when they are opened, others are refused. 5: without recorded cameras; 6: in
-// which no points follow keyframes.
+// when they are opened, others are refused. 5: without recorded cameras;
+// 6: in which no points follow keyframes.
 inline constexpr uint32_t kOldestJournalFormat = 5;
 inline constexpr uint32_t kJournalFormat = 7;
 

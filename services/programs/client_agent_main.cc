@@ -288,8 +288,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str()
       ->group(kRareGroup);
-  app.add_option("--spool-dir", flags.spool_dir,
-                 "Folder for what is not acknowledged and too much for memory")
+  app.add_option(
+         "--spool-dir", flags.spool_dir,
+         "Folder for what is not acknowledged and too much for memory; outlives the program")
       ->capture_default_str();
   app.add_option("--spool-mb", flags.spool_mb, "MiB in it at most")
       ->check(CLI::Range(1, 1 << 20))

@@ -155,7 +155,7 @@ void AddKitti(std::vector<NewcomerMistake>& list) {
                     return "kitti:" +
                            fs::path(CopyStereo(SourceLayout::kKitti, name)).parent_path().string();
                   },
-                  Level::kFail, ". Is kitti:"});
+                  Level::kFail, "KITTI raw has image_00/data and image_01/data. Is kitti:"});
   list.push_back({d, "a folder that is not there",
                   [](const std::string&) { return "kitti:/data/kitti/00"; }, Level::kFail,
                   "/data/kitti/00: there is no such folder"});
@@ -194,7 +194,7 @@ void AddEuroc(std::vector<NewcomerMistake>& list) {
                     return "euroc:" +
                            fs::path(CopyStereo(SourceLayout::kEuroc, name)).parent_path().string();
                   },
-                  Level::kFail, ". Is euroc:"});
+                  Level::kFail, "cam0/sensor.yaml. Is euroc:"});
   list.push_back(
       {d, "only cam0 unpacked", Euroc(RemoveFile("mav0/cam1")), Level::kFail, "cam1/sensor.yaml"});
   list.push_back({d, "sensor.yaml of another set-up: fisheye",
@@ -251,7 +251,7 @@ void AddEuroc(std::vector<NewcomerMistake>& list) {
   list.push_back(
       {d, "a KITTI folder called euroc:",
        [](const std::string& name) { return "euroc:" + CopyStereo(SourceLayout::kKitti, name); },
-       Level::kFail, "It looks like a folder for kitti:"});
+       Level::kFail, "cam0/sensor.yaml. It looks like a folder for kitti:"});
 }
 
 void AddTum(const Recordings& r, std::vector<NewcomerMistake>& list) {
@@ -325,7 +325,8 @@ void AddEth3d(const Recordings& r, std::vector<NewcomerMistake>& list) {
                   [make = r.Eth3d(none)](const std::string& name) {
                     return absl::StrCat("kitti:", make(name).substr(4));
                   },
-                  Level::kFail, "It looks like a folder for tum:"});
+                  Level::kFail,
+                  "image_00/data and image_01/data. It looks like a folder for tum:"});
   list.push_back({d, "depth/ not unpacked", r.Eth3d(RemoveFile("depth")), Level::kFail,
                   "a picture is not there"});
   list.push_back({d, "associated.txt cut in a line", r.Eth3d([](const std::string& folder) {
@@ -350,7 +351,8 @@ void AddIcl(const Recordings& r, std::vector<NewcomerMistake>& list) {
       {d, "fy: -480, as published",
        r.Icl(WriteFile("calibration.yaml", {"fx: 481.2", "fy: -480", "cx: 319.5", "cy: 239.5"}),
              ""),
-       Level::kFail, "rows are counted downwards here: without the sign"});
+       Level::kFail,
+       "fy_px is -480, must be in [1, 100000] (rows are counted downwards here: without the sign"});
   list.push_back({d, "the .depth files of text instead of depth/*.png",
                   r.Icl([](const std::string& folder) {
                     ChangeBytes(folder, "depth", [](const std::string&) { return "1.0 2.0\n"; });
@@ -409,7 +411,8 @@ void AddSevenScenes(const Recordings& r, std::vector<NewcomerMistake>& list) {
                   [make = r.SevenScenes(none, "")](const std::string& name) {
                     return absl::StrCat("tum:", make(name).substr(8), "?camera=7-scenes");
                   },
-                  Level::kFail, "It looks like a folder for 7scenes:"});
+                  Level::kFail,
+                  "goes with which depth image. It looks like a folder for 7scenes:"});
   list.push_back({d, "a rate of 0", r.SevenScenes(none, "?fps=0&camera=7-scenes"), Level::kFail,
                   "fps=0: wants a number from 0.1 to 1000"});
   list.push_back({d, "Freiburg's camera", r.SevenScenes(none, "?fps=30&camera=freiburg1"),
