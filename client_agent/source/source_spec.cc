@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -203,6 +204,11 @@ KeyAndValue SplitOffOptions(absl::string_view text) {
 }  // namespace
 
 absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text) {
+  // To the file system a path would end there, and name something else than what is written.
+  if (const size_t zero = text.find('\0'); zero != absl::string_view::npos) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("source '", absl::CHexEscape(text), "' holds a zero byte at ", zero));
+  }
   if (!absl::StrContains(text, ':')) {
     return absl::InvalidArgumentError(
         absl::StrCat("source '", text, "' is not LAYOUT:DIR, for example kitti:DIR"));

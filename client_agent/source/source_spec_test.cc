@@ -83,6 +83,14 @@ TEST(SourceSpecTest, SimulationsHaveASeedOfTheirPictures) {
   EXPECT_EQ(spec.perturbation.gamma, 0.9);
 }
 
+TEST(SourceSpecTest, ZeroBytesAreRefused) {
+  // The file system would read no further, and find the folder ".".
+  const absl::StatusOr<SourceSpec> spec =
+      ParseSourceSpec(absl::string_view("tum:.\0frame=A?stride=4", 23));
+  EXPECT_EQ(spec.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(spec.status().message(), HasSubstr("tum:.\\x00frame=A?stride=4"));
+}
+
 TEST(TakePartTest, SharesAsThePaperDoes) {
   const auto part = [](size_t robot, size_t robots, size_t overlap, FrameRange all) {
     const FrameRange range = TakePart(all, {robot, robots, overlap});

@@ -13,6 +13,14 @@
 
 namespace corbslam {
 
+// What one side may send because the other has said that it understands it.
+struct Capabilities {
+  // A store: MapUpdateBatch::points_follow.
+  bool points_follow = false;
+  // Coded columns of features and of descriptors (docs/wire.md).
+  bool coded_features = false;
+};
+
 // The first message of a session: opens or resumes.
 struct SessionRequest {
   std::string mission;
@@ -25,6 +33,10 @@ struct SessionRequest {
   uint64_t instance = 0;
   // Whether a session that another process holds gives way.
   bool take_over = false;
+  // What the agent understands.
+  Capabilities capabilities = {};
+  // At most about so many bytes of shared updates a second; 0: no bound.
+  uint64_t downlink_bytes_per_second = 0;
   // Where the request came from, for people. The store's transport says it, not the agent.
   std::string peer = "";
 };
@@ -37,6 +49,8 @@ struct Acknowledgement {
 
 struct SessionGrant {
   std::vector<Acknowledgement> acknowledged;
+  // What the store understands.
+  Capabilities capabilities = {};
 };
 
 // Hears what comes from the store. Called from one thread at a time, never while a call of Uplink
