@@ -122,6 +122,16 @@ absl::StatusOr<std::optional<SharedUpdate>> MapStore::NextShared(uint64_t sessio
   return session.mission->NextShared(session_id, session.agent, byte_budget);
 }
 
+absl::Status MapStore::AskForExactPlaces(absl::string_view mission_name, const std::string& agent) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->AskForExactPlaces(agent);
+}
+
+bool MapStore::TakeExactPlacesWanted(uint64_t session_id) {
+  const absl::StatusOr<Session> session = FindSession(session_id);
+  return session.ok() && session->mission->TakeExactPlacesWanted(session->agent);
+}
+
 void MapStore::SetSharedListener(uint64_t session_id, std::function<void()> listener) {
   const absl::StatusOr<Session> session = FindSession(session_id);
   if (session.ok()) session->mission->SetSharedListener(session_id, std::move(listener));

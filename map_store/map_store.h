@@ -97,7 +97,13 @@ class MapStore {
   // The next step of what the agent lacks, or none when it has all. At most about `byte_budget`
   // bytes (at least one item). ABORTED when fenced.
   absl::StatusOr<std::optional<SharedUpdate>> NextShared(uint64_t session_id, size_t byte_budget);
-  // Called when NextShared may have something, or the session was fenced. Null removes it.
+  // Has the agent tell where its points are, exactly (MapUpdateBatch::points_follow). NOT_FOUND;
+  // FAILED_PRECONDITION: it is not connected.
+  absl::Status AskForExactPlaces(absl::string_view mission, const std::string& agent);
+  // Whether somebody has asked for that and the session's agent is to be told so; once.
+  bool TakeExactPlacesWanted(uint64_t session_id);
+  // Called when NextShared or TakeExactPlacesWanted may have something, or the session was fenced.
+  // Null removes it.
   void SetSharedListener(uint64_t session_id, std::function<void()> listener);
 
   // Fusion. All answer NOT_FOUND for an unknown mission.

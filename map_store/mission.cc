@@ -74,6 +74,7 @@ Mission::Mission(std::string name, Environment environment)
 absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
                                                   const SessionRequest& request) {
   SessionGrant grant;
+  grant.capabilities.points_follow = true;
   uint64_t fenced = 0;
   {
     absl::MutexLock lock(&mutex_);
@@ -256,6 +257,36 @@ absl::StatusOr<std::optional<SharedUpdate>> Mission::NextShared(uint64_t session
                           told.share);
 }
 
+absl::Status Mission::AskForExactPlaces(const std::string& agent_name) {
+  uint64_t session = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (deleted_) return Deleted();
+    const auto agent = state_.agents.find(agent_name);
+    if (agent == state_.agents.end()) {
+      return absl::NotFoundError(absl::StrCat("mission ", name_, " has no agent ", agent_name));
+    }
+    session = agent->second.session;
+    if (session == 0) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("agent ", agent_name, " is not connected, and can't be asked"));
+    }
+    Told& told = told_.at(agent_name);
+    absl::MutexLock telling(&told.mutex);
+    told.exact_places_wanted = true;
+  }
+  if (const std::function<void()> listener = SharedListener(session)) listener();
+  return absl::OkStatus();
+}
+
+bool Mission::TakeExactPlacesWanted(const std::string& agent) {
+  absl::ReaderMutexLock lock(&mutex_);
+  const auto told = told_.find(agent);
+  if (told == told_.end()) return false;
+  absl::MutexLock telling(&told->second.mutex);
+  return std::exchange(told->second.exact_places_wanted, false);
+}
+
 void Mission::SetSharedListener(uint64_t session_id, std::function<void()> listener) {
   absl::MutexLock lock(&listener_mutex_);
   if (listener == nullptr) {
@@ -276,6 +307,12 @@ uint64_t Mission::AddMapListener(std::function<void()> listener) {
 void Mission::RemoveMapListener(uint64_t token) {
   absl::MutexLock lock(&listener_mutex_);
   map_listeners_.erase(token);
+}
+
+std::function<void()> Mission::SharedListener(uint64_t session_id) const {
+  absl::MutexLock lock(&listener_mutex_);
+  const auto it = shared_listeners_.find(session_id);
+  return it == shared_listeners_.end() ? nullptr : it->second;
 }
 
 std::vector<std::function<void()>> Mission::ListenersExcept(uint64_t session_id) const {

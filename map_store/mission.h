@@ -73,6 +73,9 @@ class Mission {
   absl::StatusOr<std::optional<SharedUpdate>> NextShared(uint64_t session_id,
                                                          const std::string& agent,
                                                          size_t byte_budget);
+  // MapStore::AskForExactPlaces, MapStore::TakeExactPlacesWanted.
+  absl::Status AskForExactPlaces(const std::string& agent);
+  bool TakeExactPlacesWanted(const std::string& agent);
   void SetSharedListener(uint64_t session_id, std::function<void()> listener);
   // The token is no other mission's: another one may have got the name when it is removed.
   uint64_t AddMapListener(std::function<void()> listener);
@@ -125,6 +128,8 @@ class Mission {
   struct Told {
     absl::Mutex mutex;
     ShareState share ABSL_GUARDED_BY(mutex);
+    // By somebody, and the agent has not been asked.
+    bool exact_places_wanted ABSL_GUARDED_BY(mutex) = false;
   };
   class PausingRead;
 
@@ -187,6 +192,8 @@ class Mission {
   void CancelAdjustment(const FusionAction& overtaken_by) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ReleaseLane(FusionLane lane);
 
+  std::function<void()> SharedListener(uint64_t session_id) const
+      ABSL_LOCKS_EXCLUDED(listener_mutex_);
   std::vector<std::function<void()>> ListenersExcept(uint64_t session_id) const
       ABSL_LOCKS_EXCLUDED(listener_mutex_);
 

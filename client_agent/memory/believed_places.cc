@@ -26,8 +26,17 @@ bool LooksTheSameFrom(const Keyframe& keyframe, const Eigen::Vector3d& a, const 
 
 }  // namespace
 
-void BelievedPlaces::PlaceKeyframe(KeyframeId id, const Rigid3d& camera_from_local) {
-  camera_from_local_[id] = camera_from_local;
+void BelievedPlaces::PlaceKeyframe(KeyframeId id, const Rigid3d& camera_from_local,
+                                   bool points_follow) {
+  const auto [it, added] = camera_from_local_.try_emplace(id, camera_from_local);
+  if (added) return;
+  const Rigid3d now_from_before = camera_from_local * it->second.Inverse();
+  it->second = camera_from_local;
+  if (points_follow) return;
+  for (const MapPointId point : Followers(id)) {
+    std::optional<Eigen::Vector3d>& position = points_.at(point).position_in_reference;
+    if (position.has_value()) position = now_from_before * *position;
+  }
 }
 
 void BelievedPlaces::AddPoint(MapPointId id, const Eigen::Vector3d& position_in_local,
@@ -43,11 +52,15 @@ void BelievedPlaces::MovePoint(MapPointId id, const Eigen::Vector3d& position_in
       camera_from_local_.at(it->second.reference) * position_in_local;
 }
 
+void BelievedPlaces::ForgetPlaces() {
+  for (auto& [id, point] : points_) point.position_in_reference.reset();
+}
+
 std::optional<Eigen::Vector3d> BelievedPlaces::Position(MapPointId id) const {
   const auto it = points_.find(id);
-  if (it == points_.end()) return std::nullopt;
+  if (it == points_.end() || !it->second.position_in_reference.has_value()) return std::nullopt;
   const Rigid3d& camera_from_local = camera_from_local_.at(it->second.reference);
-  return camera_from_local.Inverse() * it->second.position_in_reference;
+  return camera_from_local.Inverse() * *it->second.position_in_reference;
 }
 
 const std::vector<MapPointId>& BelievedPlaces::Followers(KeyframeId reference) {

@@ -20,16 +20,19 @@ namespace corbslam {
 // local map's frame. Not thread-safe.
 class BelievedPlaces {
  public:
-  // A keyframe is told, for the first time or anew; its points move with it.
-  void PlaceKeyframe(KeyframeId id, const Rigid3d& camera_from_local);
+  // A keyframe is told, for the first time or anew; its points move with it, unless the store
+  // leaves them where they are.
+  void PlaceKeyframe(KeyframeId id, const Rigid3d& camera_from_local, bool points_follow = true);
   // What followed it stays where it is.
   void RemoveKeyframe(KeyframeId id) { followers_.Forget(id); }
   // `reference` was told before.
   void AddPoint(MapPointId id, const Eigen::Vector3d& position_in_local, KeyframeId reference);
   void MovePoint(MapPointId id, const Eigen::Vector3d& position_in_local);
   void RemovePoint(MapPointId id) { points_.erase(id); }
+  // It isn't known any more where the store has the points.
+  void ForgetPlaces();
 
-  // Nullopt: never told.
+  // Nullopt: never told, or forgotten.
   std::optional<Eigen::Vector3d> Position(MapPointId id) const;
   // Told points that move with the keyframe.
   const std::vector<MapPointId>& Followers(KeyframeId reference);
@@ -37,7 +40,7 @@ class BelievedPlaces {
  private:
   struct ToldPoint {
     KeyframeId reference;
-    Eigen::Vector3d position_in_reference;
+    std::optional<Eigen::Vector3d> position_in_reference;
   };
 
   // Removed ones, too.

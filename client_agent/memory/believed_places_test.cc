@@ -42,6 +42,23 @@ TEST_F(BelievedPlacesTest, APointIsWhereItWasToldUntilItsReferenceMoves) {
   EXPECT_LT(DistanceTo({0, 0, 3}), 1e-12);
 }
 
+TEST_F(BelievedPlacesTest, WhereTheStoreMovesNoPointsTheyStay) {
+  places_.PlaceKeyframe(kReference, Turned(1, 1), /*points_follow=*/false);
+  EXPECT_LT(DistanceTo(position_), 1e-12);
+  // And move again at one that does.
+  places_.PlaceKeyframe(kReference, Turned(0.4, 3));
+  EXPECT_LT(DistanceTo(Turned(0.4, 3).Inverse() * (Turned(1, 1) * position_)), 1e-12);
+}
+
+TEST_F(BelievedPlacesTest, ForgottenPlacesAreUnknownUntilToldAgain) {
+  places_.ForgetPlaces();
+  EXPECT_FALSE(places_.Position(kPoint).has_value());
+  places_.PlaceKeyframe(kReference, Turned(1, 1), /*points_follow=*/false);
+  EXPECT_FALSE(places_.Position(kPoint).has_value());
+  places_.MovePoint(kPoint, position_);
+  EXPECT_LT(DistanceTo(position_), 1e-12);
+}
+
 TEST_F(BelievedPlacesTest, APointWhoseReferenceIsGoneStays) {
   places_.RemoveKeyframe(kReference);
   EXPECT_TRUE(places_.Followers(kReference).empty());

@@ -1,5 +1,7 @@
 #include "client_agent/memory/memory_manager.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -80,6 +82,7 @@ MapObserver* MemoryManager::BeginLocalMap(MapAccess access) {
   auto recording = std::make_unique<Recording>();
   recording->recorder =
       std::make_unique<UpdateRecorder>(access.local_map, options_.recorded_camera);
+  recording->recorder->SetPointsFollow(store_moves_points_);
   recording->access = std::move(access);
   needs_new_local_map_ = recording->closed = !queue_.Begin(recording->access.local_map);
   recordings_.push_back(std::move(recording));
@@ -296,9 +299,27 @@ bool MemoryManager::NeedsNewLocalMap() const {
 
 void MemoryManager::OnSessionOpened(const SessionGrant& grant) {
   absl::MutexLock lock(&mutex_);
+  NoteCapabilities(grant.capabilities);
   GiveUp(queue_.Resume(grant));
   session_ = Session::kOpen;
   opened_ = options_.clock();
+  wake_ = true;
+}
+
+void MemoryManager::NoteCapabilities(const Capabilities& store) {
+  for (const auto& recording : recordings_) {
+    if (!recording->closed) recording->recorder->SetPointsFollow(store.points_follow);
+  }
+  if (std::exchange(store_moves_points_, store.points_follow) && !store.points_follow) {
+    LOG(WARNING) << "the map store is of an older version, which leaves points where they are when "
+                    "their keyframes move: every place is told, which takes more bytes; in local "
+                    "maps that ended before, points may stand where they were first told";
+  }
+}
+
+void MemoryManager::OnExactPlacesWanted() {
+  absl::MutexLock lock(&mutex_);
+  if (!recordings_.empty()) recordings_.back()->recorder->AskForExactPlaces();
   wake_ = true;
 }
 

@@ -112,11 +112,13 @@ class MemoryManager : private UplinkListener {
   void OnSessionOpened(const SessionGrant& grant) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
   void OnShared(SharedUpdate update) override;
+  void OnExactPlacesWanted() override;
   void OnSessionClosed(const absl::Status& reason) override;
 
   ArrivedUpdate Prepare(SharedUpdate update) const;
   void Run();
   bool WaitForWork();
+  void NoteCapabilities(const Capabilities& store) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ConnectIfDue();
   void TakeBatches(bool all);
   bool TakeBatchOf(Recording& recording);
@@ -149,6 +151,8 @@ class MemoryManager : private UplinkListener {
   absl::Time opened_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
   bool needs_new_local_map_ ABSL_GUARDED_BY(mutex_) = false;
   uint64_t last_revision_ ABSL_GUARDED_BY(mutex_) = 0;
+  // Of the last session's store.
+  bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
   bool wake_ ABSL_GUARDED_BY(mutex_) = false;
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;

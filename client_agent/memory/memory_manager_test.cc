@@ -182,6 +182,51 @@ TEST_F(MemoryManagerTest, WhatIsPlacedGoesWithACorrectionOfItsOwnLocalMapAlone) 
   EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -7, 1e-12);
 }
 
+TEST_F(MemoryManagerTest, AStoreThatMovesNoPointsIsNotToldThatItShall) {
+  uplink_.capabilities = {};
+  AddKeyframe({kOwn, 0});
+  // Made before a session stands.
+  uplink_.reachable = false;
+  manager_->Step();
+  uplink_.reachable = true;
+  manager_->Step();
+  AddKeyframe({kOwn, 1});
+  manager_->Step();
+  ASSERT_EQ(uplink_.stored[kOwn].size(), 2u);
+  EXPECT_FALSE(uplink_.stored[kOwn].back().points_follow);
+  const LocalMapId second{2};
+  Begin(second);
+  AddKeyframe({second, 0});
+  manager_->Step();
+  EXPECT_FALSE(uplink_.stored[second].back().points_follow);
+  // Replaced by a newer one.
+  uplink_.capabilities.points_follow = true;
+  uplink_.Break(absl::UnavailableError("restarted"));
+  manager_->Step();
+  AddKeyframe({second, 1});
+  manager_->Step();
+  EXPECT_TRUE(uplink_.stored[second].back().points_follow);
+}
+
+TEST_F(MemoryManagerTest, TellsExactPlacesWhenAsked) {
+  AddKeyframe({kOwn, 0});
+  MapPoint point;
+  point.id = {kOwn, 0};
+  point.reference = {kOwn, 0};
+  point.position_in_map = {0, 0, 10};
+  map_.AddPoint(point);
+  manager_->Step();
+  // Nobody sees it: nobody can tell the difference.
+  map_.SetPosition(point.id, {0, 0, 11});
+  manager_->Step();
+  ASSERT_EQ(uplink_.stored[kOwn].size(), 1u);
+  uplink_.AskForExactPlaces();
+  manager_->Step();
+  ASSERT_EQ(uplink_.stored[kOwn].size(), 2u);
+  ASSERT_EQ(uplink_.stored[kOwn].back().light_points.size(), 1u);
+  EXPECT_EQ(uplink_.stored[kOwn].back().light_points[0].position_in_local.z(), 11);
+}
+
 TEST_F(MemoryManagerTest, ThreadedModeSendsAndStops) {
   AddKeyframe({kOwn, 0});
   manager_->Start();

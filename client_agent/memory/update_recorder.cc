@@ -94,6 +94,13 @@ void UpdateRecorder::OnPointRemoved(MapPointId id) {
   removed_points_.insert(id);
 }
 
+void UpdateRecorder::SetPointsFollow(bool points_follow) {
+  absl::MutexLock lock(&mutex_);
+  if (points_follow == std::exchange(points_follow_, points_follow) || points_follow) return;
+  believed_.ForgetPlaces();
+  moved_points_.insert(sent_points_.begin(), sent_points_.end());
+}
+
 void UpdateRecorder::AddTrackedFrame(const TrackedFrame& frame) {
   absl::MutexLock lock(&mutex_);
   tracked_frames_.push_back(frame);
@@ -131,7 +138,7 @@ MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, size_t max_keyframes) {
   absl::MutexLock lock(&mutex_);
   MapUpdateBatch batch;
   batch.local_map = local_map_;
-  batch.points_follow = true;
+  batch.points_follow = points_follow_;
   TakeFullKeyframes(map, max_keyframes, batch);
   TakeFullPoints(map, batch);
   TakeLightKeyframes(map, batch);
@@ -233,7 +240,7 @@ void UpdateRecorder::TakeLightKeyframes(const Map& map, MapUpdateBatch& batch) {
     const KeyframeId parent = KnownAncestor(map, id);
     if (parent != keyframe.parent && IsOwn(keyframe.parent)) changed_keyframes_.insert(id);
     batch.light_keyframes.push_back({id, keyframe.camera_from_map, parent});
-    believed_.PlaceKeyframe(id, keyframe.camera_from_map);
+    believed_.PlaceKeyframe(id, keyframe.camera_from_map, points_follow_);
     // Where it sees points, and where it took those that follow it.
     for (const MapPointId point : keyframe.points) {
       if (point.IsValid() && IsOwn(point)) moved_points_.insert(point);

@@ -42,6 +42,10 @@ class UpdateRecorder : public MapObserver {
   void OnPointReplaced(MapPointId replaced, MapPointId survivor) override;
   void OnPointRemoved(MapPointId id) override;
 
+  // Whether the store moves points with their keyframes, as every batch says it shall. Where it
+  // turns out not to, all points are told again: it left them where it had them.
+  void SetPointsFollow(bool points_follow);
+
   void AddTrackedFrame(const TrackedFrame& frame);
   void AddLostFrame(int64_t timestamp_ns);
 
@@ -108,6 +112,7 @@ class UpdateRecorder : public MapObserver {
   // They, or what they follow at the store.
   absl::btree_set<MapPointId> moved_points_ ABSL_GUARDED_BY(mutex_);
   bool exactly_ ABSL_GUARDED_BY(mutex_) = false;
+  bool points_follow_ ABSL_GUARDED_BY(mutex_) = true;
   absl::btree_map<MapPointId, MapPointId> replaced_points_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> removed_points_ ABSL_GUARDED_BY(mutex_);
   std::vector<KeyframeRemoval> removed_keyframes_ ABSL_GUARDED_BY(mutex_);

@@ -39,9 +39,8 @@ void MoveWithFollowers(KeyframeId id, const Rigid3d& camera_from_map, Map& repli
   replica.SetPose(id, camera_from_map);
 }
 
-// What a map store does with a batch.
-void Apply(const MapUpdateBatch& batch, Map& replica) {
-  EXPECT_TRUE(batch.points_follow);
+// What a map store does with a batch; one of an older version moves no points with their keyframes.
+void Apply(const MapUpdateBatch& batch, bool is_old, Map& replica) {
   std::vector<std::pair<KeyframeId, KeyframeId>> parked;
   for (const FullKeyframe& full : batch.full_keyframes) {
     Keyframe keyframe;
@@ -59,7 +58,11 @@ void Apply(const MapUpdateBatch& batch, Map& replica) {
     EXPECT_TRUE(replica.AddPoint(point));
   }
   for (const LightKeyframe& light : batch.light_keyframes) {
-    MoveWithFollowers(light.id, light.camera_from_local, replica);
+    if (batch.points_follow && !is_old) {
+      MoveWithFollowers(light.id, light.camera_from_local, replica);
+    } else {
+      replica.SetPose(light.id, light.camera_from_local);
+    }
     if (light.parent.IsValid() && !replica.SetParent(light.id, light.parent)) {
       parked.emplace_back(light.id, light.parent);
     }
@@ -121,7 +124,12 @@ class Scenario {
     }
   }
 
-  void Flush(size_t max_keyframes) { Apply(recorder_.TakeBatch(map_, max_keyframes), replica_); }
+  void Flush(size_t max_keyframes) {
+    Apply(recorder_.TakeBatch(map_, max_keyframes), store_is_old_, replica_);
+  }
+  // The robot hears of it only when a session opens.
+  void ReplaceStore(bool is_old) { store_is_old_ = is_old; }
+  void OpenSession() { recorder_.SetPointsFollow(!store_is_old_); }
   bool HasChanges() const { return recorder_.HasChanges(); }
 
   // Where nobody can tell the difference from the pictures.
@@ -231,6 +239,7 @@ class Scenario {
   UpdateRecorder recorder_{kOwn};
   Map map_;
   Map replica_;
+  bool store_is_old_ = false;
   uint32_t next_keyframe_ = 0;
   uint32_t next_point_ = 0;
 };
@@ -264,6 +273,27 @@ TEST(UpdateRecorderTest, BatchesLimitedInKeyframesConvergeToTheSame) {
     for (int i = 0; i < 200 && scenario.HasChanges(); ++i) scenario.Flush(2);
     EXPECT_FALSE(scenario.HasChanges());
     scenario.ExpectEqual();
+    scenario.ExpectExactPlaces();
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+}
+
+TEST(UpdateRecorderTest, AStoreThatMovesNoPointsIsToldThemAll) {
+  for (uint32_t seed = 1; seed <= 40; ++seed) {
+    Scenario scenario(seed);
+    std::mt19937 random(seed);
+    for (int step = 0; step < 400; ++step) {
+      scenario.Step();
+      if (random() % 15 == 0) scenario.Flush(1000);
+      if (random() % 40 != 0) continue;
+      scenario.ReplaceStore(random() % 2 == 0);
+      // A batch that was made before the session says what the store can.
+      scenario.Flush(1000);
+      scenario.OpenSession();
+      scenario.Flush(1000);
+      scenario.ExpectEqual();
+      ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed << " step " << step;
+    }
     scenario.ExpectExactPlaces();
     ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
   }

@@ -24,6 +24,9 @@ inline constexpr size_t kMaxUpdateBytes = 64u << 20;
 inline constexpr size_t kMaxUpdateItems = 1'000'000;
 // That one side of a stream names.
 inline constexpr size_t kMaxCamerasOfStream = 10'000;
+// What a robot may bound its shared updates to.
+inline constexpr uint64_t kMinDownlink_Bps = 1'000;
+inline constexpr uint64_t kMaxDownlink_Bps = uint64_t{1} << 40;
 // Where our own writers begin another part of a batch or shared update.
 inline constexpr size_t kPartBytes = 2u << 20;
 // A chunk to or from a worker at most, and where our own writers end one.

@@ -259,6 +259,27 @@ absl::StatusOr<std::optional<SharedUpdate>> SharedUpdateAssembler::Add(const v1:
   return std::exchange(started_, std::nullopt);
 }
 
+namespace {
+
+template <typename Message>
+void AddCapabilities(const Capabilities& capabilities, Message* proto) {
+  if (capabilities.points_follow) proto->add_capabilities(v1::CAPABILITY_POINTS_FOLLOW);
+  if (capabilities.coded_features) proto->add_capabilities(v1::CAPABILITY_CODED_FEATURES);
+}
+
+// What isn't known is of a newer version: it is not used.
+template <typename Message>
+Capabilities ReadCapabilities(const Message& proto) {
+  Capabilities capabilities;
+  for (const int capability : proto.capabilities()) {
+    capabilities.points_follow |= capability == v1::CAPABILITY_POINTS_FOLLOW;
+    capabilities.coded_features |= capability == v1::CAPABILITY_CODED_FEATURES;
+  }
+  return capabilities;
+}
+
+}  // namespace
+
 void ToProto(const SessionRequest& request, v1::OpenSession* proto) {
   proto->set_mission(MissionName(request.mission));
   proto->set_agent(request.agent);
@@ -266,6 +287,8 @@ void ToProto(const SessionRequest& request, v1::OpenSession* proto) {
   for (const LocalMapId id : request.local_maps) proto->add_local_maps(id.value);
   proto->set_instance(request.instance);
   proto->set_take_over(request.take_over);
+  AddCapabilities(request.capabilities, proto);
+  proto->set_downlink_bytes_per_second(request.downlink_bytes_per_second);
 }
 
 absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
@@ -283,6 +306,12 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
   }
   request.instance = proto.instance();
   request.take_over = proto.take_over();
+  request.capabilities = ReadCapabilities(proto);
+  request.downlink_bytes_per_second = proto.downlink_bytes_per_second();
+  if (const uint64_t bound = request.downlink_bytes_per_second;
+      bound != 0 && (bound < kMinDownlink_Bps || bound > kMaxDownlink_Bps)) {
+    return OutOfRange("downlink_bytes_per_second", bound, kMinDownlink_Bps, kMaxDownlink_Bps);
+  }
   return request;
 }
 
@@ -300,6 +329,7 @@ void ToProto(const SessionGrant& grant, v1::SessionGrant* proto) {
   for (const Acknowledgement& entry : grant.acknowledged) {
     ToProto(entry, proto->add_acknowledged());
   }
+  AddCapabilities(grant.capabilities, proto);
 }
 
 absl::StatusOr<SessionGrant> FromProto(const v1::SessionGrant& proto) {
@@ -308,6 +338,7 @@ absl::StatusOr<SessionGrant> FromProto(const v1::SessionGrant& proto) {
     ASSIGN_OR_RETURN(const Acknowledgement acknowledgement, FromProto(entry));
     grant.acknowledged.push_back(acknowledgement);
   }
+  grant.capabilities = ReadCapabilities(proto);
   return grant;
 }
 

@@ -108,8 +108,10 @@ TEST(SharedUpdateTest, AnOwnPlaceWithoutItsLocalPoseIsRefusedByName) {
 }
 
 TEST(SessionTest, RequestAndGrantPassTheWire) {
-  const SessionRequest request{
-      "m", "alpha", 5, {test_data::kMap, test_data::kOtherMap}, 0xfeed, /*take_over=*/true};
+  SessionRequest request{"m",    "alpha",           5, {test_data::kMap, test_data::kOtherMap},
+                         0xfeed, /*take_over=*/true};
+  request.capabilities.coded_features = true;
+  request.downlink_bytes_per_second = 32000;
   v1::OpenSession proto;
   ToProto(request, &proto);
   EXPECT_EQ(proto.mission(), "missions/m");
@@ -121,8 +123,41 @@ TEST(SessionTest, RequestAndGrantPassTheWire) {
   EXPECT_EQ(read->local_maps, request.local_maps);
   EXPECT_EQ(read->instance, request.instance);
   EXPECT_TRUE(read->take_over);
+  EXPECT_TRUE(read->capabilities.coded_features);
+  EXPECT_FALSE(read->capabilities.points_follow);
+  EXPECT_EQ(read->downlink_bytes_per_second, 32000u);
   proto.set_agent("a/b");
   EXPECT_FALSE(FromProto(proto).ok());
+}
+
+TEST(SessionTest, WhatIsUnderstoodPassesTheWire) {
+  SessionGrant grant;
+  grant.capabilities.points_follow = true;
+  v1::SessionGrant proto;
+  ToProto(grant, &proto);
+  // Of a newer store.
+  proto.add_capabilities(static_cast<v1::Capability>(77));
+  const auto read = FromProto(proto);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_TRUE(read->capabilities.points_follow);
+  EXPECT_FALSE(read->capabilities.coded_features);
+  // Of an older one.
+  EXPECT_FALSE(FromProto(v1::SessionGrant())->capabilities.points_follow);
+}
+
+TEST(SessionTest, ADownlinkThatNothingPassesIsRefused) {
+  SessionRequest request;
+  request.mission = "m";
+  request.agent = "alpha";
+  v1::OpenSession proto;
+  ToProto(request, &proto);
+  ASSERT_TRUE(FromProto(proto).ok());
+  for (const uint64_t bound : {uint64_t{1}, uint64_t{999}, (uint64_t{1} << 40) + 1}) {
+    proto.set_downlink_bytes_per_second(bound);
+    const absl::Status status = FromProto(proto).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(status.message()), HasSubstr("downlink_bytes_per_second"));
+  }
 }
 
 }  // namespace

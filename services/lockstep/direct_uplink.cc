@@ -43,6 +43,9 @@ bool DirectUplink::Send(const MapUpdateBatch& batch) {
 }
 
 void DirectUplink::DeliverShared() {
+  if (session_.has_value() && store_->TakeExactPlacesWanted(*session_)) {
+    listener_->OnExactPlacesWanted();
+  }
   while (session_.has_value()) {
     absl::StatusOr<std::optional<SharedUpdate>> update =
         store_->NextShared(*session_, kSharedBudget_bytes);

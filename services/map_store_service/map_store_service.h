@@ -36,7 +36,9 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<
                                                         v1::MapStore::
                                                             WithCallbackMethod_RederiveGlobalLayer<
                                                                 v1::MapStore::
-                                                                    Service>>>>>>>>>>>>>>>>>;
+                                                                    WithCallbackMethod_AskForExactPlaces<
+                                                                        v1::MapStore::
+                                                                            Service>>>>>>>>>>>>>>>>>>;
 
 // Whether a caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -118,6 +120,9 @@ class MapStoreService : public MapStoreMethods {
   grpc::ServerUnaryReactor* ListOverlaps(grpc::CallbackServerContext* context,
                                          const v1::ListOverlapsRequest* request,
                                          v1::ListOverlapsResponse* response) override;
+  grpc::ServerUnaryReactor* AskForExactPlaces(grpc::CallbackServerContext* context,
+                                              const v1::AskForExactPlacesRequest* request,
+                                              v1::AskForExactPlacesResponse* response) override;
   grpc::ServerUnaryReactor* RetractOverlap(grpc::CallbackServerContext* context,
                                            const v1::RetractOverlapRequest* request,
                                            v1::RetractOverlapResponse* response) override;

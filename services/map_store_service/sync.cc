@@ -303,6 +303,11 @@ void SyncReactor::Share() {
     absl::MutexLock lock(&mutex_);
     shareable_ = false;
   }
+  if (store_.TakeExactPlacesWanted(*session_id_)) {
+    v1::SyncResponse response;
+    response.mutable_exact_places();
+    Reply(response);
+  }
   const absl::StatusOr<std::optional<SharedUpdate>> update =
       store_.NextShared(*session_id_, shared_bytes_);
   if (!update.ok()) return End(update.status());

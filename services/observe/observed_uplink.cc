@@ -46,6 +46,7 @@ class ObservedUplink : public Uplink, private UplinkListener {
     for (UplinkObserver* observer : observers_) observer->OnShared(update);
     listener_.load()->OnShared(std::move(update));
   }
+  void OnExactPlacesWanted() override { listener_.load()->OnExactPlacesWanted(); }
   void OnSessionClosed(const absl::Status& reason) override {
     for (UplinkObserver* observer : observers_) observer->OnClosed(reason);
     listener_.load()->OnSessionClosed(reason);

@@ -35,6 +35,7 @@ class Listener : public UplinkListener {
  public:
   explicit Listener(std::vector<std::string>* notes) : notes_(*notes) {}
   void OnSessionOpened(const SessionGrant&) override { notes_.push_back("agent opened"); }
+  void OnExactPlacesWanted() override { notes_.push_back("agent is asked for exact places"); }
   void OnAcknowledged(const Acknowledgement& up_to) override {
     notes_.push_back(absl::StrCat("agent acknowledged ", up_to.number));
   }

@@ -158,6 +158,9 @@ absl::Status SyncSession::Handle(const v1::SyncResponse& response) {
     }
     case v1::SyncResponse::kShared:
       return HandleShared(response.shared());
+    case v1::SyncResponse::kExactPlaces:
+      listener_->OnExactPlacesWanted();
+      return absl::OkStatus();
     case v1::SyncResponse::PART_NOT_SET:
       break;
   }

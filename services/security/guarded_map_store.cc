@@ -146,6 +146,14 @@ grpc::ServerUnaryReactor* GuardedMapStore::GetStatistics(grpc::CallbackServerCon
   return status.ok() ? service_.GetStatistics(context, request, response) : Refuse(context, status);
 }
 
+grpc::ServerUnaryReactor* GuardedMapStore::AskForExactPlaces(
+    grpc::CallbackServerContext* context, const v1::AskForExactPlacesRequest* request,
+    v1::AskForExactPlacesResponse* response) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->name());
+  return status.ok() ? service_.AskForExactPlaces(context, request, response)
+                     : Refuse(context, status);
+}
+
 grpc::ServerUnaryReactor* GuardedMapStore::RetractOverlap(grpc::CallbackServerContext* context,
                                                           const v1::RetractOverlapRequest* request,
                                                           v1::RetractOverlapResponse* response) {

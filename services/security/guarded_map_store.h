@@ -64,6 +64,9 @@ class GuardedMapStore : public MapStoreMethods {
   grpc::ServerUnaryReactor* ListOverlaps(grpc::CallbackServerContext* context,
                                          const v1::ListOverlapsRequest* request,
                                          v1::ListOverlapsResponse* response) override;
+  grpc::ServerUnaryReactor* AskForExactPlaces(grpc::CallbackServerContext* context,
+                                              const v1::AskForExactPlacesRequest* request,
+                                              v1::AskForExactPlacesResponse* response) override;
   grpc::ServerUnaryReactor* RetractOverlap(grpc::CallbackServerContext* context,
                                            const v1::RetractOverlapRequest* request,
                                            v1::RetractOverlapResponse* response) override;

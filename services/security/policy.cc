@@ -96,6 +96,7 @@ const std::map<absl::string_view, Action>& OwnMethods() {
       {"/corbslam.v1.MapStore/GetStatistics", Action::kLook},
       {"/corbslam.v1.MapStore/GetTrajectory", Action::kLook},
       {"/corbslam.v1.MapStore/ListOverlaps", Action::kLook},
+      {"/corbslam.v1.MapStore/AskForExactPlaces", Action::kAdminister},
       {"/corbslam.v1.MapStore/RetractOverlap", Action::kAdminister},
       {"/corbslam.v1.MapStore/RederiveGlobalLayer", Action::kAdminister},
       {"/corbslam.v1.FusionWorker/VerifyOverlap", Action::kCompute},

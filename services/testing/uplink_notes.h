@@ -26,6 +26,10 @@ class UplinkNotes : public UplinkListener {
     acknowledged_.push_back(acknowledgement);
   }
   void OnShared(SharedUpdate) override {}
+  void OnExactPlacesWanted() override {
+    absl::MutexLock lock(&mutex_);
+    ++exact_places_wanted_;
+  }
   void OnSessionClosed(const absl::Status& reason) override {
     absl::MutexLock lock(&mutex_);
     closed_ = reason;
@@ -49,6 +53,13 @@ class UplinkNotes : public UplinkListener {
     return mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience) ? acknowledged_.back().number
                                                                       : 0;
   }
+  // False when nobody asked.
+  bool WaitUntilExactPlacesAreWanted() {
+    absl::MutexLock lock(&mutex_);
+    const auto come = [this]()
+                          ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return exact_places_wanted_ > 0; };
+    return mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
+  }
   // Why the session was closed; DEADLINE_EXCEEDED when it wasn't.
   absl::Status WaitForClose() {
     absl::MutexLock lock(&mutex_);
@@ -67,6 +78,7 @@ class UplinkNotes : public UplinkListener {
   absl::Mutex mutex_;
   std::optional<SessionGrant> grant_ ABSL_GUARDED_BY(mutex_);
   std::vector<Acknowledgement> acknowledged_ ABSL_GUARDED_BY(mutex_);
+  int exact_places_wanted_ ABSL_GUARDED_BY(mutex_) = 0;
   std::optional<absl::Status> closed_ ABSL_GUARDED_BY(mutex_);
 };
 

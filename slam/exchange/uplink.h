@@ -62,6 +62,8 @@ class UplinkListener {
   virtual void OnSessionOpened(const SessionGrant& grant) = 0;
   virtual void OnAcknowledged(const Acknowledgement& acknowledgement) = 0;
   virtual void OnShared(SharedUpdate update) = 0;
+  // Tell where the points of the newest local map are, exactly.
+  virtual void OnExactPlacesWanted() = 0;
   // The session is gone. ABORTED: fenced by a newer session of the same agent, or
   // INVALID_ARGUMENT / PERMISSION_DENIED: don't try again. Anything else: open again later;
   // ALREADY_EXISTS among it: another process holds a session of this agent.

@@ -22,6 +22,7 @@ class RecordingUplink : public Uplink {
   void Open(const SessionRequest& request, UplinkListener* listener) override {
     listener_ = listener;
     SessionGrant grant;
+    grant.capabilities.points_follow = true;
     for (const LocalMapId& id : request.local_maps) grant.acknowledged.push_back({id, LastOf(id)});
     listener_->OnSessionOpened(grant);
   }

@@ -85,6 +85,7 @@ class ReplayingAgent : private UplinkListener {
   void OnSessionOpened(const SessionGrant& grant) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
   void OnShared(SharedUpdate update) override;
+  void OnExactPlacesWanted() override {}
   void OnSessionClosed(const absl::Status& reason) override;
 
   void Run();

@@ -22,6 +22,7 @@ class FakeUplink : public Uplink {
     if (!reachable) return listener->OnSessionClosed(absl::UnavailableError("no route"));
     open = true;
     SessionGrant grant;
+    grant.capabilities = capabilities;
     for (const LocalMapId& id : request.local_maps) {
       grant.acknowledged.push_back({id, stored[id].size()});
     }
@@ -40,12 +41,14 @@ class FakeUplink : public Uplink {
     listener_->OnSessionClosed(reason);
   }
   void Share(SharedUpdate update) { listener_->OnShared(std::move(update)); }
+  void AskForExactPlaces() { listener_->OnExactPlacesWanted(); }
   void Close() override { open = false; }
   uint64_t bytes_up() const override { return 0; }
   uint64_t bytes_down() const override { return 0; }
 
   std::atomic<bool> reachable = true;
   bool acknowledge = true;
+  Capabilities capabilities = {.points_follow = true};
   bool open = false;
   std::vector<SessionRequest> requests;
   std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;
