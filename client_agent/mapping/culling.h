@@ -44,12 +44,18 @@ std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre
 // True if the keyframe is redundant now (an earlier removal may have changed that).
 bool IsRedundant(const Map& map, const Keyframe& keyframe);
 
-// Removes the keyframe, and those of its points that too few see then.
-void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map);
+// Which points go when one of their observations has gone.
+enum class WeakPoints {
+  kSeenOnce,           // Those that one keyframe sees at most.
+  kThoseWithoutDepth,  // Of these, those that it sees without depth.
+};
 
-// Removes those of the own points that are seen only once or not at all, of which an observation
-// was dropped.
-void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map& map);
+// Removes the keyframe, and those of its points that are weak then.
+void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map, WeakPoints weak = WeakPoints::kSeenOnce);
+
+// Removes those of the own points that are weak, of which an observation was dropped.
+void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map& map,
+                      WeakPoints weak = WeakPoints::kSeenOnce);
 
 }  // namespace corbslam
 

@@ -68,6 +68,10 @@ MemoryManager::~MemoryManager() {
   uplink_->Close();
   if (!queue_.has_spool()) return;
   // For the next process.
+  {
+    absl::MutexLock lock(&mutex_);
+    for (auto& recording : recordings_) recording->recorder->StopHoldingBack();
+  }
   TakeBatches(/*all=*/true);
   queue_.SpillAll();
 }
@@ -80,8 +84,10 @@ MapObserver* MemoryManager::BeginLocalMap(MapAccess access) {
   reopen_ = !recordings_.empty();
   placing_ = std::make_shared<Placing>(access);
   auto recording = std::make_unique<Recording>();
-  recording->recorder =
-      std::make_unique<UpdateRecorder>(access.local_map, options_.recorded_camera);
+  RecorderOptions recorder_options;
+  recorder_options.recorded_camera = options_.recorded_camera;
+  recorder_options.hold_newest = options_.hold_newest_keyframes;
+  recording->recorder = std::make_unique<UpdateRecorder>(access.local_map, recorder_options);
   recording->recorder->SetPointsFollow(store_moves_points_);
   recording->access = std::move(access);
   needs_new_local_map_ = recording->closed = !queue_.Begin(recording->access.local_map);
@@ -103,6 +109,7 @@ void MemoryManager::OnCorrected(LocalMapId local_map, const OwnCorrection& corre
 
 void MemoryManager::AddTrackedFrame(const TrackedFrame& frame) {
   absl::MutexLock lock(&mutex_);
+  last_frame_ = options_.clock();
   for (auto& recording : recordings_) {
     if (recording->access.local_map != frame.reference.local_map) continue;
     recording->recorder->AddTrackedFrame(frame);
@@ -111,6 +118,7 @@ void MemoryManager::AddTrackedFrame(const TrackedFrame& frame) {
 
 void MemoryManager::AddLostFrame(int64_t timestamp_ns) {
   absl::MutexLock lock(&mutex_);
+  last_frame_ = options_.clock();
   if (!recordings_.empty()) recordings_.back()->recorder->AddLostFrame(timestamp_ns);
 }
 
@@ -226,8 +234,11 @@ void MemoryManager::TakeBatches(bool all) {
     absl::MutexLock lock(&mutex_);
     if (!all && !FlushIsDue()) return;
     last_flush_ = options_.clock();
+    const bool no_frames_come = !all && last_flush_ - last_frame_ > options_.max_hold;
     for (auto& recording : recordings_) {
-      if (!recording->closed) open.push_back(recording.get());
+      if (recording->closed) continue;
+      if (no_frames_come) recording->recorder->StopHoldingBack();
+      open.push_back(recording.get());
     }
   }
   for (Recording* recording : open) {

@@ -28,6 +28,10 @@ struct MemoryOptions {
   std::string agent;
   // What recorded the pictures of every local map; told to the store. Nullopt: not said.
   std::optional<RecordedCamera> recorded_camera;
+  // As RecorderOptions::hold_newest.
+  size_t hold_newest_keyframes = RecorderOptions().hold_newest;
+  // Where no frame has come for so long, nothing is held back.
+  absl::Duration max_hold = absl::Seconds(2);
   // What changes results: nothing. What changes speed:
   // In memory; with a spool, what is over goes to the disk.
   size_t max_outbox_bytes = 64 << 20;
@@ -146,6 +150,7 @@ class MemoryManager : private UplinkListener {
   absl::Status closed_ ABSL_GUARDED_BY(mutex_);  // Why the last session or attempt ended.
   absl::Time next_attempt_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   absl::Time last_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+  absl::Time last_frame_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   // Since something was acknowledged, or a session lasted.
   int attempts_ ABSL_GUARDED_BY(mutex_) = 0;
   absl::Time opened_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();

@@ -18,6 +18,7 @@ class MemoryManagerTest : public testing::Test {
     options.agent = "alpha";
     options.min_backoff = absl::ZeroDuration();
     options.max_backoff = absl::ZeroDuration();
+    options.hold_newest_keyframes = 0;
     manager_ = std::make_unique<MemoryManager>(
         options, &uplink_, [](const auto&) { return std::make_shared<Words>(); });
     Begin(kOwn);

@@ -1,6 +1,7 @@
 #include "client_agent/memory/update_recorder.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 namespace corbslam {
@@ -104,17 +105,26 @@ void UpdateRecorder::SetPointsFollow(bool points_follow) {
 void UpdateRecorder::AddTrackedFrame(const TrackedFrame& frame) {
   absl::MutexLock lock(&mutex_);
   tracked_frames_.push_back(frame);
+  newest_frame_ns_ = frame.timestamp_ns;
+  holds_back_ = true;
 }
 
 void UpdateRecorder::AddLostFrame(int64_t timestamp_ns) {
   absl::MutexLock lock(&mutex_);
   lost_frames_ns_.push_back(timestamp_ns);
+  newest_frame_ns_ = timestamp_ns;
+  holds_back_ = true;
 }
 
 void UpdateRecorder::AskForExactPlaces() {
   absl::MutexLock lock(&mutex_);
   exactly_ = true;
   moved_points_.insert(sent_points_.begin(), sent_points_.end());
+}
+
+void UpdateRecorder::StopHoldingBack() {
+  absl::MutexLock lock(&mutex_);
+  holds_back_ = false;
 }
 
 bool UpdateRecorder::HasChanges() const {
@@ -131,7 +141,7 @@ bool UpdateRecorder::HasMore() const {
 
 size_t UpdateRecorder::pending_keyframes() const {
   absl::MutexLock lock(&mutex_);
-  return added_keyframes_.size();
+  return added_keyframes_.size() - std::min(added_keyframes_.size(), options_.hold_newest);
 }
 
 MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, size_t max_keyframes) {
@@ -157,7 +167,9 @@ void UpdateRecorder::TakeCameras(const FullKeyframe& keyframe, MapUpdateBatch& b
   if (keyframe.payload->camera_index != sent_cameras_) return;
   if (batch.cameras.empty()) batch.first_camera_index = sent_cameras_;
   batch.cameras.push_back(keyframe.payload->camera);
-  if (recorded_camera_.has_value()) batch.recorded_cameras.push_back(*recorded_camera_);
+  if (options_.recorded_camera.has_value()) {
+    batch.recorded_cameras.push_back(*options_.recorded_camera);
+  }
   ++sent_cameras_;
 }
 
@@ -171,10 +183,28 @@ KeyframeId UpdateRecorder::KnownAncestor(const Map& map, KeyframeId id) const {
   return KeyframeId();
 }
 
+KeyframeId UpdateRecorder::FirstHeld(const Map& map) const {
+  if (options_.hold_newest == 0 || !holds_back_ || exactly_) return KeyframeId();
+  const KeyframeId last_free = NewestBut(map, local_map_, options_.hold_newest);
+  if (last_free.IsValid()) return {local_map_, last_free.index + 1};
+  // The first is never taken out.
+  const auto first = map.keyframes().lower_bound({local_map_, 0});
+  return {local_map_, first == map.keyframes().end() ? 0 : first->first.index + 1};
+}
+
+bool UpdateRecorder::IsOverdue(const Map& map, KeyframeId id) const {
+  const Keyframe* keyframe = map.FindKeyframe(id);
+  // Sequences may be played backwards.
+  return keyframe == nullptr ||
+         std::abs(newest_frame_ns_ - keyframe->payload->timestamp_ns) > options_.hold_at_most_ns;
+}
+
 void UpdateRecorder::TakeFullKeyframes(const Map& map, size_t max_keyframes,
                                        MapUpdateBatch& batch) {
+  const KeyframeId first_held = FirstHeld(map);
   while (!added_keyframes_.empty() && batch.full_keyframes.size() < max_keyframes) {
     const KeyframeId id = *added_keyframes_.begin();
+    if (first_held.IsValid() && id >= first_held && !IsOverdue(map, id)) break;
     added_keyframes_.erase(added_keyframes_.begin());
     const Keyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr) continue;

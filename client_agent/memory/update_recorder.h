@@ -10,12 +10,23 @@
 #include "absl/container/btree_map.h"
 #include "absl/container/btree_set.h"
 #include "absl/synchronization/mutex.h"
+#include "client_agent/map/provisional_keyframes.h"
 #include "client_agent/memory/believed_places.h"
 #include "client_agent/memory/observation_mirror.h"
 #include "slam/exchange/map_update.h"
 #include "slam/map/map.h"
 
 namespace corbslam {
+
+struct RecorderOptions {
+  // What recorded the pictures of the map's cameras; nullopt: not said.
+  std::optional<RecordedCamera> recorded_camera;
+  // The newest so many keyframes are held back, what hangs on them with them: mapping may yet take
+  // them out. One more than those that it has not judged, since it judges after it has mapped.
+  // Never the first, and none for longer than `hold_at_most_ns` by the frames' own times.
+  size_t hold_newest = kProvisionalKeyframes + 1;
+  int64_t hold_at_most_ns = 3'000'000'000;
+};
 
 // Of one local map. Only that map's own items are recorded: what others made is theirs to tell.
 // Changes of one item between two batches coalesce to its state when the batch is made; a point
@@ -24,10 +35,8 @@ namespace corbslam {
 // of frames. Thread-safe.
 class UpdateRecorder : public MapObserver {
  public:
-  // `recorded_camera`: what recorded the pictures of the map's cameras; nullopt: not said.
-  explicit UpdateRecorder(LocalMapId local_map,
-                          const std::optional<RecordedCamera>& recorded_camera = std::nullopt)
-      : local_map_(local_map), recorded_camera_(recorded_camera) {}
+  explicit UpdateRecorder(LocalMapId local_map, const RecorderOptions& options = {})
+      : local_map_(local_map), options_(options) {}
 
   void OnKeyframeAdded(KeyframeId id) override;
   void OnKeyframeMoved(KeyframeId id) override;
@@ -49,12 +58,14 @@ class UpdateRecorder : public MapObserver {
   void AddTrackedFrame(const TrackedFrame& frame);
   void AddLostFrame(int64_t timestamp_ns);
 
-  // From now on, until all is told, the places of points are told exactly and not only where they
-  // would look different by half a pixel.
+  // From now on, until all is told, nothing is held back, and the places of points are told exactly
+  // and not only where they would look different by half a pixel.
   void AskForExactPlaces();
+  // Nothing is held back until the next frame comes.
+  void StopHoldingBack();
 
   bool HasChanges() const;
-  // Keyframes that no batch has carried yet.
+  // About how many keyframes a batch is yet to carry that are not held back.
   size_t pending_keyframes() const;
 
   // The changes since the last call, as a batch without a number. At most `max_keyframes` full
@@ -69,6 +80,9 @@ class UpdateRecorder : public MapObserver {
   MapPointId ResolveSurvivor(const Map& map, MapPointId replaced) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  // What is held back from here on; invalid: nothing.
+  KeyframeId FirstHeld(const Map& map) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsOverdue(const Map& map, KeyframeId id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeCameras(const FullKeyframe& keyframe, MapUpdateBatch& batch)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeFullKeyframes(const Map& map, size_t max_keyframes, MapUpdateBatch& batch)
@@ -93,7 +107,7 @@ class UpdateRecorder : public MapObserver {
   KeyframeId KnownReference(const MapPoint& point) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const LocalMapId local_map_;
-  const std::optional<RecordedCamera> recorded_camera_;
+  const RecorderOptions options_;
 
   mutable absl::Mutex mutex_;
   // What the store has been told.
@@ -112,6 +126,8 @@ class UpdateRecorder : public MapObserver {
   // They, or what they follow at the store.
   absl::btree_set<MapPointId> moved_points_ ABSL_GUARDED_BY(mutex_);
   bool exactly_ ABSL_GUARDED_BY(mutex_) = false;
+  bool holds_back_ ABSL_GUARDED_BY(mutex_) = true;
+  int64_t newest_frame_ns_ ABSL_GUARDED_BY(mutex_) = 0;
   bool points_follow_ ABSL_GUARDED_BY(mutex_) = true;
   absl::btree_map<MapPointId, MapPointId> replaced_points_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> removed_points_ ABSL_GUARDED_BY(mutex_);

@@ -6,10 +6,14 @@
 #include <utility>
 #include <vector>
 
+#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
 namespace corbslam {
 namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 constexpr LocalMapId kOwn{1};
 constexpr LocalMapId kForeign{2};
@@ -87,7 +91,8 @@ void Apply(const MapUpdateBatch& batch, bool is_old, Map& replica) {
 
 class Scenario {
  public:
-  explicit Scenario(uint32_t seed) : random_(seed) {
+  explicit Scenario(uint32_t seed, size_t hold_newest = 0)
+      : random_(seed), recorder_(kOwn, RecorderOptions{.hold_newest = hold_newest}) {
     map_.SetObserver(&recorder_);
     // A few foreign points that both sides hold, as after sharing.
     for (uint32_t i = 0; i < 10; ++i) {
@@ -236,7 +241,7 @@ class Scenario {
   }
 
   std::mt19937 random_;
-  UpdateRecorder recorder_{kOwn};
+  UpdateRecorder recorder_;
   Map map_;
   Map replica_;
   bool store_is_old_ = false;
@@ -278,6 +283,20 @@ TEST(UpdateRecorderTest, BatchesLimitedInKeyframesConvergeToTheSame) {
   }
 }
 
+TEST(UpdateRecorderTest, WhatIsHeldBackIsAllToldAtTheEnd) {
+  for (uint32_t seed = 1; seed <= 40; ++seed) {
+    Scenario scenario(seed, /*hold_newest=*/6);
+    std::mt19937 random(seed);
+    for (int step = 0; step < 400; ++step) {
+      scenario.Step();
+      if (random() % 15 == 0) scenario.Flush(random() % 10);
+    }
+    scenario.ExpectExactPlaces();
+    scenario.ExpectEqual();
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+}
+
 TEST(UpdateRecorderTest, AStoreThatMovesNoPointsIsToldThemAll) {
   for (uint32_t seed = 1; seed <= 40; ++seed) {
     Scenario scenario(seed);
@@ -309,7 +328,7 @@ class RecordedMapTest : public ::testing::Test {
     return point;
   }
 
-  UpdateRecorder recorder_{kOwn};
+  UpdateRecorder recorder_{kOwn, RecorderOptions{.hold_newest = 0}};
   Map map_;
 };
 
@@ -465,16 +484,88 @@ TEST_F(RecordedMapTest, CameraGoesOnceBeforeItsFirstKeyframe) {
   EXPECT_EQ(recorder_.TakeBatch(map_, 9).cameras.size(), 0U);
 }
 
+class HoldingRecorderTest : public ::testing::Test {
+ protected:
+  HoldingRecorderTest() { map_.SetObserver(&recorder_); }
+
+  // One a tenth of a second; frames come as fast.
+  void AddKeyframe(uint32_t index) {
+    Keyframe keyframe =
+        MakeKeyframe({kOwn, index}, index == 0 ? KeyframeId() : KeyframeId{kOwn, 0});
+    keyframe.payload = MakeKeyframePayload({kOwn, index}, TimeOf(index), 0,
+                                           keyframe.payload->camera, keyframe.payload->features);
+    map_.AddKeyframe(keyframe);
+    recorder_.AddTrackedFrame({TimeOf(index), {kOwn, index}, {}});
+  }
+  static int64_t TimeOf(uint32_t index) { return int64_t{index} * 100'000'000; }
+  std::vector<uint32_t> TakeKeyframes() {
+    std::vector<uint32_t> taken;
+    const MapUpdateBatch batch = recorder_.TakeBatch(map_, 100);
+    for (const FullKeyframe& full : batch.full_keyframes) taken.push_back(full.payload->id.index);
+    frames_ += batch.tracked_frames.size();
+    return taken;
+  }
+
+  UpdateRecorder recorder_{kOwn,
+                           RecorderOptions{.hold_newest = 3, .hold_at_most_ns = 3'000'000'000}};
+  Map map_;
+  size_t frames_ = 0;
+};
+
+TEST_F(HoldingRecorderTest, TheFirstGoesAtOnceTheNewestWait) {
+  AddKeyframe(0);
+  EXPECT_THAT(TakeKeyframes(), ElementsAre(0));
+  for (uint32_t i = 1; i < 4; ++i) AddKeyframe(i);
+  EXPECT_THAT(TakeKeyframes(), IsEmpty());
+  EXPECT_EQ(frames_, 1u) << "frames wait with their keyframes";
+  AddKeyframe(4);
+  EXPECT_THAT(TakeKeyframes(), ElementsAre(1));
+  EXPECT_EQ(frames_, 2u);
+}
+
+TEST_F(HoldingRecorderTest, WhatIsTakenOutMeanwhileIsNeverTold) {
+  for (uint32_t i = 0; i < 4; ++i) AddKeyframe(i);
+  EXPECT_THAT(TakeKeyframes(), ElementsAre(0));
+  map_.RemoveKeyframe({kOwn, 2});
+  AddKeyframe(4);
+  EXPECT_THAT(TakeKeyframes(), IsEmpty()) << "1, 3 and 4 are the newest";
+  AddKeyframe(5);
+  AddKeyframe(6);
+  EXPECT_THAT(TakeKeyframes(), ElementsAre(1, 3));
+}
+
+TEST_F(HoldingRecorderTest, NoneWaitsForLong) {
+  for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
+  recorder_.AddTrackedFrame({TimeOf(31), {kOwn, 2}, {}});
+  EXPECT_THAT(TakeKeyframes(), ElementsAre(0));
+  recorder_.AddLostFrame(TimeOf(32));
+  EXPECT_THAT(TakeKeyframes(), ElementsAre(1));
+}
+
+TEST_F(HoldingRecorderTest, NothingWaitsWhereNoFramesCome) {
+  for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
+  recorder_.StopHoldingBack();
+  EXPECT_THAT(TakeKeyframes(), ElementsAre(0, 1, 2));
+  AddKeyframe(3);
+  EXPECT_THAT(TakeKeyframes(), IsEmpty());
+}
+
+TEST_F(HoldingRecorderTest, WhoAsksForExactPlacesIsToldAll) {
+  for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
+  recorder_.AskForExactPlaces();
+  EXPECT_THAT(TakeKeyframes(), ElementsAre(0, 1, 2));
+}
+
 TEST(RecordedCameraTest, GoesUpOnceWithItsCamera) {
   RecordedCamera recorded;
   recorded.lens.fx_px = 400;
   recorded.lens.fy_px = 400;
-  UpdateRecorder recorder(kOwn, recorded);
+  UpdateRecorder recorder(kOwn, RecorderOptions{.recorded_camera = recorded});
   Map map;
   map.SetObserver(&recorder);
   map.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
   const MapUpdateBatch first = recorder.TakeBatch(map, 10);
-  EXPECT_EQ(first.cameras.size(), 1u);
+  ASSERT_EQ(first.cameras.size(), 1u);
   EXPECT_EQ(first.recorded_cameras, std::vector<RecordedCamera>{recorded});
   map.AddKeyframe(MakeKeyframe({kOwn, 1}, {kOwn, 0}));
   EXPECT_TRUE(recorder.TakeBatch(map, 10).recorded_cameras.empty());

@@ -16,8 +16,11 @@ bool ShouldMakeKeyframe(const KeyframeEvidence& evidence, const KeyframePolicyOp
   if (!evidence.queue_has_room || evidence.inliers <= options.min_inliers) return false;
   const bool lacks_close = evidence.close_tracked < options.min_close_tracked &&
                            evidence.close_untracked > options.min_close_untracked;
+  const double ratio_now = evidence.since_last_keyframe_s >= options.later_s
+                               ? options.max_tracked_ratio_later
+                               : options.max_tracked_ratio;
   const double max_ratio =
-      evidence.map_keyframes < 2 ? options.max_tracked_ratio_at_start : options.max_tracked_ratio;
+      evidence.map_keyframes < 2 ? options.max_tracked_ratio_at_start : ratio_now;
   const bool sees_new = evidence.inliers < max_ratio * evidence.reference_points;
   const bool leaves_reference = evidence.share_of_reference < options.min_share_of_reference;
   if (!sees_new && !lacks_close && !leaves_reference) return false;

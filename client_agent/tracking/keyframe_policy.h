@@ -8,8 +8,11 @@ namespace corbslam {
 
 struct KeyframePolicyOptions {
   // Of the reference keyframe's points, how many may be tracked at most for a new keyframe.
-  // docs/adr/0012-more-keyframes.md
-  double max_tracked_ratio = 0.9;
+  double max_tracked_ratio = 0.75;
+  // And once the last keyframe is this old: what little is new may be what a turning camera comes
+  // back to. docs/adr/0012-provisional-keyframes.md
+  double max_tracked_ratio_later = 0.9;
+  double later_s = 0.4;
   // While the map has one keyframe.
   double max_tracked_ratio_at_start = 0.4;
   // Below it the mapper's being busy is no reason to wait.
@@ -43,8 +46,8 @@ struct KeyframeEvidence {
 // Counts the frame's close keypoints that do and don't see a map point.
 void CountClosePoints(const Frame& frame, KeyframeEvidence& evidence);
 
-// The rule of ORB-SLAM2 for sensors with depth (T-RO 2017, III.E), with another max_tracked_ratio,
-// and min_share_of_reference.
+// The rule of ORB-SLAM2 for sensors with depth (T-RO 2017, III.E), with max_tracked_ratio_later and
+// min_share_of_reference.
 // Pure.
 bool ShouldMakeKeyframe(const KeyframeEvidence& evidence,
                         const KeyframePolicyOptions& options = {});

@@ -12,7 +12,7 @@ KeyframeEvidence Content() {
           .map_keyframes = 10,
           .close_tracked = 150,
           .close_untracked = 50,
-          .since_last_keyframe_s = 0.5,
+          .since_last_keyframe_s = 0.2,
           .mapper_idle = true,
           .queue_has_room = true};
 }
@@ -28,6 +28,16 @@ TEST(KeyframePolicyTest, AFrameThatLostAQuarterOfItsReferenceIsKept) {
   KeyframeEvidence evidence = Content();
   evidence.inliers = 160;
   EXPECT_TRUE(ShouldMakeKeyframe(evidence));
+}
+
+TEST(KeyframePolicyTest, LittleThatIsNewIsKeptWhenNothingWasForAWhile) {
+  KeyframeEvidence evidence = Content();
+  evidence.inliers = 180;
+  EXPECT_FALSE(ShouldMakeKeyframe(evidence));
+  evidence.since_last_keyframe_s = 0.45;
+  EXPECT_TRUE(ShouldMakeKeyframe(evidence));
+  evidence.inliers = 200;
+  EXPECT_FALSE(ShouldMakeKeyframe(evidence));
 }
 
 TEST(KeyframePolicyTest, AFrameThatOthersKeepTrackedIsKeptBeforeItLosesItsReference) {

@@ -1,0 +1,21 @@
+// Keyframes that live for tracking and mapping before it is known whether they are worth keeping.
+#ifndef CORBSLAM_CLIENT_AGENT_MAP_PROVISIONAL_KEYFRAMES_H_
+#define CORBSLAM_CLIENT_AGENT_MAP_PROVISIONAL_KEYFRAMES_H_
+
+#include <cstddef>
+
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+// The newest so many of a local map's own keyframes are provisional: mapping judges them as they
+// leave this window, when the camera has gone on (docs/adr/0012-provisional-keyframes.md).
+inline constexpr size_t kProvisionalKeyframes = 5;
+
+// The newest of `local_map`'s keyframes for which `count` newer ones of its are in the map; invalid
+// if there is none.
+KeyframeId NewestBut(const Map& map, LocalMapId local_map, size_t count);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MAP_PROVISIONAL_KEYFRAMES_H_
