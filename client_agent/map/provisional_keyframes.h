@@ -1,4 +1,4 @@
-// Keyframes that live for tracking and mapping before it is known whether they are worth keeping.
+// Keyframes that live for tracking and mapping while it isn't known whether they are worth keeping.
 #ifndef CORBSLAM_CLIENT_AGENT_MAP_PROVISIONAL_KEYFRAMES_H_
 #define CORBSLAM_CLIENT_AGENT_MAP_PROVISIONAL_KEYFRAMES_H_
 
@@ -8,9 +8,10 @@
 
 namespace corbslam {
 
-// The newest so many of a local map's own keyframes are provisional: mapping judges them as they
-// leave this window, when the camera has gone on (docs/adr/0012-provisional-keyframes.md).
-inline constexpr size_t kProvisionalKeyframes = 5;
+// The newest so many of a local map's own keyframes are provisional: most of those that mapping
+// takes out as redundant it takes out while this few are newer
+// (docs/adr/0012-provisional-keyframes.md).
+inline constexpr size_t kProvisionalKeyframes = 6;
 
 // The newest of `local_map`'s keyframes for which `count` newer ones of its are in the map; invalid
 // if there is none.

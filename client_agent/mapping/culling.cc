@@ -11,10 +11,9 @@ constexpr double kMinFoundRatio = 0.25;
 // Observations with depth count twice: one keyframe, or one with and one without depth.
 constexpr int kTooFewObservations = 3;
 constexpr int kWeakObservations = 2;
-constexpr int kWeakWithoutDepth = 1;
 constexpr uint32_t kAgeToBeSeen = 2;
 constexpr uint32_t kAgeToBeKept = 3;
-constexpr double kRedundantShare = 0.9;
+constexpr double kRedundantShare = 0.85;
 constexpr int kEnoughOthers = 3;
 
 }  // namespace
@@ -94,7 +93,7 @@ std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre
   return redundant;
 }
 
-void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map, WeakPoints weak) {
+void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map) {
   const Keyframe* keyframe = map.FindKeyframe(id);
   if (keyframe == nullptr) return;
   std::vector<MapPointId> seen;
@@ -102,19 +101,17 @@ void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map, WeakPoints weak) {
     if (point.IsValid()) seen.push_back(point);
   }
   map.RemoveKeyframe(id);
-  RemoveWeakPoints(seen, id.local_map, map, weak);
+  RemoveWeakPoints(seen, id.local_map, map);
   for (const MapPointId point : seen) {
     if (point.local_map == id.local_map) map.UpdatePointGeometry(point);
   }
 }
 
-void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map& map,
-                      WeakPoints weak) {
-  const int most = weak == WeakPoints::kSeenOnce ? kWeakObservations : kWeakWithoutDepth;
+void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map& map) {
   for (const MapPointId id : points) {
     const MapPoint* point = map.FindPoint(id);
     if (point == nullptr || id.local_map != own) continue;
-    if (CountObservations(map, *point) <= most) map.RemovePoint(id);
+    if (CountObservations(map, *point) <= kWeakObservations) map.RemovePoint(id);
   }
 }
 

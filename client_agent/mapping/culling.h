@@ -34,8 +34,9 @@ class RecentPoints {
   std::vector<Recent> recent_;
 };
 
-// Own keyframes covisible with `centre` of whose close points 90 % are seen at the same or a finer
-// scale by at least three other own ones (ORB-SLAM, VI.E; ORB-SLAM2: close points only). Not the
+// Own keyframes covisible with `centre` of whose close points 85 % are seen at the same or a finer
+// scale by at least three other own ones (ORB-SLAM, VI.E, with 90 %; ORB-SLAM2: close points only;
+// docs/adr/0012-provisional-keyframes.md). Not the
 // root, not `centre`, none that holds a loop edge. Other robots' keyframes make none redundant: the
 // own map must hold together without them, for they may go, and no adjustment of it has them all.
 // Pure.
@@ -44,18 +45,12 @@ std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre
 // True if the keyframe is redundant now (an earlier removal may have changed that).
 bool IsRedundant(const Map& map, const Keyframe& keyframe);
 
-// Which points go when one of their observations has gone.
-enum class WeakPoints {
-  kSeenOnce,           // Those that one keyframe sees at most.
-  kThoseWithoutDepth,  // Of these, those that it sees without depth.
-};
+// Removes the keyframe, and those of its points that too few see then.
+void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map);
 
-// Removes the keyframe, and those of its points that are weak then.
-void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map, WeakPoints weak = WeakPoints::kSeenOnce);
-
-// Removes those of the own points that are weak, of which an observation was dropped.
-void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map& map,
-                      WeakPoints weak = WeakPoints::kSeenOnce);
+// Removes those of the own points that are seen only once or not at all, of which an observation
+// was dropped.
+void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map& map);
 
 }  // namespace corbslam
 

@@ -21,6 +21,7 @@ class MemoryManagerSpoolTest : public ::testing::Test {
     manager_.reset();
     options_.mission = "m";
     options_.agent = "alpha";
+    options_.hold_newest_keyframes = 0;
     options_.max_outbox_bytes = max_outbox_bytes;
     if (!in_real_time_) options_.clock = [this] { return now_; };
     manager_ = std::make_unique<MemoryManager>(

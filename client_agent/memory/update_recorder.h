@@ -20,11 +20,10 @@ namespace corbslam {
 
 struct RecorderOptions {
   // What recorded the pictures of the map's cameras; nullopt: not said.
-  std::optional<RecordedCamera> recorded_camera;
+  std::optional<RecordedCamera> recorded_camera = std::nullopt;
   // The newest so many keyframes are held back, what hangs on them with them: mapping may yet take
-  // them out. One more than those that it has not judged, since it judges after it has mapped.
-  // Never the first, and none for longer than `hold_at_most_ns` by the frames' own times.
-  size_t hold_newest = kProvisionalKeyframes + 1;
+  // them out. Never the first, and none for longer than `hold_at_most_ns` by the frames' own times.
+  size_t hold_newest = kProvisionalKeyframes;
   int64_t hold_at_most_ns = 3'000'000'000;
 };
 
