@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "client_agent/memory/feature_selection.h"
 #include "client_agent/memory/spool.h"
 #include "client_agent/memory/upload_queue.h"
 #include "client_agent/source/source_finding.h"
@@ -32,6 +33,8 @@ struct AgentOptions {
   bool deterministic = false;
   SensorOptions sensor;
   int solver_threads = 1;
+  // What goes up of a keyframe.
+  FeatureSelection upload_features;
   // Of what the map store has not acknowledged, in memory.
   size_t max_outbox_bytes = 64 << 20;
 

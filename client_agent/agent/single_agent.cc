@@ -26,6 +26,7 @@ MemoryOptions MakeMemoryOptions(const AgentOptions& options,
   memory.recorded_camera = recorded_camera;
   memory.seed = SeedOf(options);
   memory.max_outbox_bytes = options.max_outbox_bytes;
+  memory.features = options.upload_features;
   return memory;
 }
 

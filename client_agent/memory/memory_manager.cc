@@ -86,6 +86,7 @@ MapObserver* MemoryManager::BeginLocalMap(MapAccess access) {
   auto recording = std::make_unique<Recording>();
   RecorderOptions recorder_options;
   recorder_options.recorded_camera = options_.recorded_camera;
+  recorder_options.features = options_.features;
   recorder_options.hold_newest = options_.hold_newest_keyframes;
   recording->recorder = std::make_unique<UpdateRecorder>(access.local_map, recorder_options);
   recording->recorder->SetPointsFollow(store_moves_points_);

@@ -28,6 +28,8 @@ struct MemoryOptions {
   std::string agent;
   // What recorded the pictures of every local map; told to the store. Nullopt: not said.
   std::optional<RecordedCamera> recorded_camera;
+  // What goes up of a keyframe.
+  FeatureSelection features = {};
   // As RecorderOptions::hold_newest.
   size_t hold_newest_keyframes = RecorderOptions().hold_newest;
   // Where no frame has come for so long, nothing is held back.

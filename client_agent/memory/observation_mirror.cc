@@ -49,16 +49,14 @@ std::map<KeyframeId, uint32_t> ObservationMirror::Observations(MapPointId id) co
   return it == observers_.end() ? std::map<KeyframeId, uint32_t>() : it->second;
 }
 
-bool ObservationMirror::AppendChanges(const Keyframe& keyframe,
-                                      const std::function<bool(MapPointId)>& can_tell,
-                                      const std::function<bool(uint32_t)>& is_withdrawn,
+bool ObservationMirror::AppendChanges(const Keyframe& keyframe, const Rules& rules,
                                       std::vector<ObservationChange>& changes) {
   const KeyframeId id = keyframe.id();
   std::vector<MapPointId>& told = points_.at(id);
   for (uint32_t k = 0; k < told.size(); ++k) {
     const MapPointId now = keyframe.points[k];
     if (!told[k].IsValid() || told[k] == now) continue;
-    if (!now.IsValid() && told[k].local_map != id.local_map && !is_withdrawn(k) &&
+    if (!now.IsValid() && told[k].local_map != id.local_map && !rules.is_withdrawn(k) &&
         std::ranges::find(keyframe.points, told[k]) == keyframe.points.end()) {
       continue;
     }
@@ -68,8 +66,8 @@ bool ObservationMirror::AppendChanges(const Keyframe& keyframe,
   bool complete = true;
   for (uint32_t k = 0; k < told.size(); ++k) {
     const MapPointId now = keyframe.points[k];
-    if (!now.IsValid() || told[k].IsValid()) continue;
-    if (!can_tell(now)) {
+    if (!now.IsValid() || told[k].IsValid() || !rules.is_sent(k)) continue;
+    if (!rules.can_tell(now)) {
       complete = false;
       continue;
     }

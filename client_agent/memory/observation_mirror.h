@@ -22,12 +22,19 @@ class ObservationMirror {
   // The keyframes known to observe the point, with their keypoints.
   std::map<KeyframeId, uint32_t> Observations(MapPointId id) const;
 
+  // What is to be told of a keyframe's observations.
+  struct Rules {
+    // Points for which it is false wait.
+    std::function<bool(MapPointId)> can_tell;
+    // Where a keypoint sees nothing in place of another local map's point, that has only been
+    // unloaded, unless this holds for the keypoint.
+    std::function<bool(uint32_t)> is_withdrawn;
+    // Keypoints for which it is false see nothing that is told.
+    std::function<bool(uint32_t)> is_sent = [](uint32_t) { return true; };
+  };
   // Appends what turns the mirrored observations of `keyframe` into those it has now, removals
-  // first, and takes it over. Where a keypoint sees nothing in place of another local map's point,
-  // that has only been unloaded, unless the keypoint `is_withdrawn`: no change. Points for which
-  // `can_tell` is false wait: then returns false, and is to be called again later.
-  bool AppendChanges(const Keyframe& keyframe, const std::function<bool(MapPointId)>& can_tell,
-                     const std::function<bool(uint32_t)>& is_withdrawn,
+  // first, and takes it over. False: some wait, and it is to be called again later.
+  bool AppendChanges(const Keyframe& keyframe, const Rules& rules,
                      std::vector<ObservationChange>& changes);
 
  private:

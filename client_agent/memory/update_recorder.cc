@@ -208,7 +208,9 @@ void UpdateRecorder::TakeFullKeyframes(const Map& map, size_t max_keyframes,
     added_keyframes_.erase(added_keyframes_.begin());
     const Keyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr) continue;
-    FullKeyframe full = {keyframe->payload, keyframe->camera_from_map, KnownAncestor(map, id)};
+    SelectedFeatures selected = SelectFeatures(*keyframe, options_.features);
+    if (!selected.numbers.empty()) numbers_[id] = std::move(selected.numbers);
+    FullKeyframe full = {selected.payload, keyframe->camera_from_map, KnownAncestor(map, id)};
     changed_keyframes_.erase(id);
     if (full.parent != keyframe->parent) changed_keyframes_.insert(id);
     reobserved_keyframes_.insert(id);
@@ -220,7 +222,33 @@ void UpdateRecorder::TakeFullKeyframes(const Map& map, size_t max_keyframes,
   }
 }
 
+uint32_t UpdateRecorder::NumberAtStore(KeyframeId id, uint32_t keypoint) const {
+  const auto numbers = numbers_.find(id);
+  return numbers == numbers_.end() ? keypoint : numbers->second[keypoint];
+}
+
+bool UpdateRecorder::IsSeenAtStore(const MapPoint& point) const {
+  return std::ranges::any_of(point.observations,
+                             [this](const auto& seen) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+                               return sent_keyframes_.contains(seen.first) &&
+                                      NumberAtStore(seen.first, seen.second) != kLeftOut;
+                             });
+}
+
+// Where nobody sees it there is nothing to tell until somebody does, and nor where all that do have
+// been told without the feature.
+bool UpdateRecorder::MayBeSeenLater(const Map& map, const MapPoint& point) const {
+  if (options_.features.IsAll()) {
+    return !point.observations.empty() || map.FindKeyframe(point.reference) != nullptr;
+  }
+  return std::ranges::any_of(point.observations,
+                             [this](const auto& seen) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+                               return added_keyframes_.contains(seen.first);
+                             });
+}
+
 KeyframeId UpdateRecorder::KnownReference(const MapPoint& point) const {
+  if (!options_.features.IsAll() && !IsSeenAtStore(point)) return KeyframeId();
   if (sent_keyframes_.contains(point.reference)) return point.reference;
   for (const auto& [keyframe, keypoint] : point.observations) {
     if (sent_keyframes_.contains(keyframe)) return keyframe;
@@ -239,8 +267,7 @@ void UpdateRecorder::TakeFullPoints(const Map& map, MapUpdateBatch& batch) {
     }
     const KeyframeId reference = KnownReference(*point);
     if (!reference.IsValid()) {
-      // Nobody sees it: there is nothing to tell until somebody does.
-      if (!point->observations.empty() || map.FindKeyframe(point->reference)) waiting.insert(id);
+      if (MayBeSeenLater(map, *point)) waiting.insert(id);
       continue;
     }
     moved_points_.erase(id);
@@ -358,10 +385,16 @@ void UpdateRecorder::TakeObservations(const Map& map, MapUpdateBatch& batch) {
     const auto is_withdrawn = [&](uint32_t keypoint) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
       return withdrawn_.contains({id, keypoint});
     };
+    const auto is_sent = [&](uint32_t keypoint) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      return NumberAtStore(id, keypoint) != kLeftOut;
+    };
     if (!sent_keyframes_.contains(id) ||
-        !mirror_.AppendChanges(*keyframe, can_tell, is_withdrawn, batch.observations)) {
+        !mirror_.AppendChanges(*keyframe, {can_tell, is_withdrawn, is_sent}, batch.observations)) {
       waiting.insert(id);
     }
+  }
+  for (ObservationChange& change : batch.observations) {
+    change.keypoint = NumberAtStore(change.keyframe, change.keypoint);
   }
   absl::erase_if(withdrawn_, [&waiting](const auto& withdrawn) {
     return !waiting.contains(withdrawn.first.first);
@@ -379,6 +412,7 @@ void UpdateRecorder::TakeRemovals(MapUpdateBatch& batch) {
   removed_points_.clear();
   for (const KeyframeRemoval& removal : removed_keyframes_) {
     sent_keyframes_.erase(removal.id);
+    numbers_.erase(removal.id);
     mirror_.RemoveKeyframe(removal.id);
     believed_.RemoveKeyframe(removal.id);
     batch.removed_keyframes.push_back(removal);

@@ -9,9 +9,11 @@
 
 #include "absl/container/btree_map.h"
 #include "absl/container/btree_set.h"
+#include "absl/container/flat_hash_map.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/map/provisional_keyframes.h"
 #include "client_agent/memory/believed_places.h"
+#include "client_agent/memory/feature_selection.h"
 #include "client_agent/memory/observation_mirror.h"
 #include "slam/exchange/map_update.h"
 #include "slam/map/map.h"
@@ -21,6 +23,7 @@ namespace corbslam {
 struct RecorderOptions {
   // What recorded the pictures of the map's cameras; nullopt: not said.
   std::optional<RecordedCamera> recorded_camera = std::nullopt;
+  FeatureSelection features = {};
   // The newest so many keyframes are held back, what hangs on them with them: mapping may yet take
   // them out. Never the first, and none for longer than `hold_at_most_ns` by the frames' own times.
   size_t hold_newest = kProvisionalKeyframes;
@@ -104,6 +107,12 @@ class UpdateRecorder : public MapObserver {
   KeyframeId KnownAncestor(const Map& map, KeyframeId id) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   KeyframeId KnownReference(const MapPoint& point) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // The keypoint's number at the store, or kLeftOut.
+  uint32_t NumberAtStore(KeyframeId id, uint32_t keypoint) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsSeenAtStore(const MapPoint& point) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool MayBeSeenLater(const Map& map, const MapPoint& point) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const LocalMapId local_map_;
   const RecorderOptions options_;
@@ -112,6 +121,8 @@ class UpdateRecorder : public MapObserver {
   // What the store has been told.
   absl::btree_set<KeyframeId> sent_keyframes_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> sent_points_ ABSL_GUARDED_BY(mutex_);
+  // Of keyframes of which features were left out, as SelectedFeatures::numbers.
+  absl::flat_hash_map<KeyframeId, std::vector<uint32_t>> numbers_ ABSL_GUARDED_BY(mutex_);
   uint32_t sent_cameras_ ABSL_GUARDED_BY(mutex_) = 0;
   ObservationMirror mirror_ ABSL_GUARDED_BY(mutex_);
   BelievedPlaces believed_ ABSL_GUARDED_BY(mutex_);

@@ -9,11 +9,13 @@
 #include <variant>
 #include <vector>
 
+#include "absl/strings/strip.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/image_source.h"
 #include "services/agent_service/agent_service.h"
 #include "services/command_line/help_formatter.h"
 #include "services/convert/batch_bytes.h"
+#include "services/convert/errors.h"
 #include "services/convert/resource_names.h"
 #include "services/logging/log_fields.h"
 #include "services/programs/agent_run.h"
@@ -53,6 +55,7 @@ struct Flags {
   std::string spool_dir;
   uint64_t spool_mb = 1024;
   uint64_t outbox_mb = 64;
+  std::string upload = "features=all";
   bool stay = false;
   bool strict = false;
   bool take_over = false;
@@ -80,7 +83,19 @@ absl::StatusOr<std::unique_ptr<Spool>> OpenFlaggedSpool(const Flags& flags) {
   return Spool::Open(options, std::move(files), {&EncodeBatch, &DecodeBatch});
 }
 
-AgentOptions MakeAgentOptions(const Flags& flags, const SensorCalibration& calibration) {
+absl::StatusOr<FeatureSelection> ParseUpload(const Flags& flags) {
+  absl::string_view text = flags.upload;
+  if (!absl::ConsumePrefix(&text, "features=")) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--upload is ", flags.upload, ", must be features=all, features=mapped or features=N"));
+  }
+  const absl::StatusOr<FeatureSelection> selection = ParseFeatureSelection(text);
+  if (selection.ok()) return selection;
+  return Locate(selection.status(), "--upload");
+}
+
+AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload,
+                              const SensorCalibration& calibration) {
   AgentOptions options;
   options.mission = flags.mission;
   options.name = flags.agent;
@@ -90,6 +105,7 @@ AgentOptions MakeAgentOptions(const Flags& flags, const SensorCalibration& calib
                      : (uint64_t{std::random_device()()} << 32) | std::random_device()();
   options.solver_threads = flags.solver_threads;
   options.max_outbox_bytes = flags.outbox_mb << 20;
+  options.upload_features = upload;
   const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
   return options;
@@ -178,6 +194,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
       MakeUplink(flags).status(),
       MakeListenSecurity(flags).status(),
       CheckVocabulary(flags.vocabulary),
+      ParseUpload(flags).status(),
       OpenFlaggedSource(flags).status(),
   };
   const std::vector<absl::Status> places = CheckPlaces(flags);
@@ -190,6 +207,7 @@ absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(CheckNameSegment("--agent", flags.agent));
   // Hours of mapping are not lost because of a folder that isn't there.
   for (const absl::Status& place : CheckPlaces(flags)) RETURN_IF_ERROR(place);
+  ASSIGN_OR_RETURN(const FeatureSelection upload, ParseUpload(flags));
   ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool, OpenFlaggedSpool(flags));
   // Outlives the agent, which closes it.
   ASSIGN_OR_RETURN(const std::unique_ptr<Uplink> uplink, MakeUplink(flags));
@@ -207,8 +225,8 @@ absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(CheckPosesOf(calibration, flags.poses_of));
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
   ASSIGN_OR_RETURN(const auto agent,
-                   Agent::Create(MakeAgentOptions(flags, calibration), calibration, vocabulary,
-                                 observers->Watch(uplink.get()), std::move(spool)));
+                   Agent::Create(MakeAgentOptions(flags, upload, calibration), calibration,
+                                 vocabulary, observers->Watch(uplink.get()), std::move(spool)));
   Agent* const watched = observers->Watch(agent.get());
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "",
@@ -300,6 +318,10 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str()
       ->group(kRareGroup);
+  app.add_option("--upload", flags.upload,
+                 "What goes up of a keyframe: features=all, features=mapped (those that see a map "
+                 "point) or features=N (those and others, N together)")
+      ->capture_default_str();
   app.add_flag("--strict", flags.strict,
                "Refuse a source in which something looks wrong, instead of warning");
   app.add_flag("--take-over", flags.take_over,
