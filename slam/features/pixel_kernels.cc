@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdlib>
 
 // Every kernel is written once, as a plain loop that compilers turn into vector code, and inlined
 // into a function for each instruction set.
@@ -143,13 +142,47 @@ CORBSLAM_KERNEL PatchMoments DiscMoments(const uint8_t* centre, int64_t stride) 
   return moments;
 }
 
-CORBSLAM_KERNEL int Sad11x11(const uint8_t* a, int64_t stride_a, const uint8_t* b,
-                             int64_t stride_b) {
-  int sum = 0;
-  for (int y = 0; y < kSadSide_px; ++y, a += stride_a, b += stride_b) {
-    for (int x = 0; x < kSadSide_px; ++x) sum += std::abs(a[x] - b[x]);
+// To the nearest; a half cannot be, since the divisor is odd.
+CORBSLAM_KERNEL int MeanOfPatch(int sum) {
+  constexpr int kArea = kGreySide_px * kGreySide_px;
+  return sum >= 0 ? (sum + kArea / 2) / kArea : -((kArea / 2 - sum) / kArea);
+}
+
+template <size_t Stride>
+CORBSLAM_KERNEL void SumColumns(const std::array<std::array<int16_t, Stride>, kGreySide_px>& rows,
+                                int16_t (&sums)[Stride]) {
+  for (size_t i = 0; i < Stride; ++i) sums[i] = 0;
+  for (const auto& row : rows) {
+    for (size_t i = 0; i < Stride; ++i) sums[i] = static_cast<int16_t>(sums[i] + row[i]);
   }
+}
+
+CORBSLAM_KERNEL int SumOfPatch(const int16_t* columns) {
+  int sum = 0;
+  for (int i = 0; i < kGreySide_px; ++i) sum += columns[i];
   return sum;
+}
+
+CORBSLAM_KERNEL void StripDifferences(const GreyPatch& patch, const GreyStrip& strip,
+                                      std::array<int, kStripShifts>& differences) {
+  int16_t patch_columns[kGreyStride];
+  int16_t strip_columns[kStripStride];
+  SumColumns(patch, patch_columns);
+  SumColumns(strip, strip_columns);
+  const int patch_sum = SumOfPatch(patch_columns);
+  for (size_t shift = 0; shift < kStripShifts; ++shift) {
+    const int sum = SumOfPatch(strip_columns + shift) - patch_sum;
+    const int16_t bias = static_cast<int16_t>(MeanOfPatch(sum));
+    int16_t columns[kGreyStride] = {};  // At most 11 * 510.
+    for (size_t v = 0; v < kGreySide_px; ++v) {
+      const int16_t* const row = &strip[v][shift];
+      for (size_t i = 0; i < kGreyStride; ++i) {
+        const int16_t off = static_cast<int16_t>(row[i] - patch[v][i] - bias);
+        columns[i] = static_cast<int16_t>(columns[i] + (off < 0 ? -off : off));
+      }
+    }
+    differences[shift] = SumOfPatch(columns);
+  }
 }
 
 struct Portable {
@@ -170,8 +203,9 @@ struct Portable {
   static PatchMoments Moments(const uint8_t* centre, int64_t stride) {
     return DiscMoments(centre, stride);
   }
-  static int Sad(const uint8_t* a, int64_t stride_a, const uint8_t* b, int64_t stride_b) {
-    return Sad11x11(a, stride_a, b, stride_b);
+  static void Strip(const GreyPatch& patch, const GreyStrip& strip,
+                    std::array<int, kStripShifts>& differences) {
+    StripDifferences(patch, strip, differences);
   }
 };
 
@@ -196,9 +230,9 @@ struct Avx2 {
   [[gnu::target("avx2")]] static PatchMoments Moments(const uint8_t* centre, int64_t stride) {
     return DiscMoments(centre, stride);
   }
-  [[gnu::target("avx2")]] static int Sad(const uint8_t* a, int64_t stride_a, const uint8_t* b,
-                                         int64_t stride_b) {
-    return Sad11x11(a, stride_a, b, stride_b);
+  [[gnu::target("avx2")]] static void Strip(const GreyPatch& patch, const GreyStrip& strip,
+                                            std::array<int, kStripShifts>& differences) {
+    StripDifferences(patch, strip, differences);
   }
 };
 #endif
@@ -210,7 +244,7 @@ constexpr PixelKernels MakeKernels() {
           .blur_vertical = Target::Vertical,
           .blur_horizontal = Target::Horizontal,
           .patch_moments = Target::Moments,
-          .sad_11x11 = Target::Sad};
+          .strip_differences = Target::Strip};
 }
 
 }  // namespace
