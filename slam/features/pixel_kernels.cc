@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstring>
 
 // Every kernel is written once, as a plain loop that compilers turn into vector code, and inlined
 // into a function for each instruction set.
@@ -148,16 +149,20 @@ CORBSLAM_KERNEL int MeanOfPatch(int sum) {
   return sum >= 0 ? (sum + kArea / 2) / kArea : -((kArea / 2 - sum) / kArea);
 }
 
-template <size_t Stride>
-CORBSLAM_KERNEL void SumColumns(const std::array<std::array<int16_t, Stride>, kGreySide_px>& rows,
-                                int16_t (&sums)[Stride]) {
-  for (size_t i = 0; i < Stride; ++i) sums[i] = 0;
-  for (const auto& row : rows) {
-    for (size_t i = 0; i < Stride; ++i) sums[i] = static_cast<int16_t>(sums[i] + row[i]);
-  }
+// Compilers leave loops of so fixed a length in scalar code.
+using GreyRow [[gnu::vector_size(kGreyStride * sizeof(int16_t))]] = int16_t;
+
+// Of the strip's part at a shift, minus the patch. A vector is never returned: without AVX that has
+// no calling convention.
+CORBSLAM_KERNEL void Subtract(const GreyPatch& patch, const GreyStrip& strip, size_t shift,
+                              size_t row, GreyRow& difference) {
+  GreyRow of_patch;
+  std::memcpy(&difference, &strip[row][shift], sizeof(difference));
+  std::memcpy(&of_patch, &patch[row], sizeof(of_patch));
+  difference -= of_patch;
 }
 
-CORBSLAM_KERNEL int SumOfPatch(const int16_t* columns) {
+CORBSLAM_KERNEL int SumOfPatch(const GreyRow& columns) {
   int sum = 0;
   for (int i = 0; i < kGreySide_px; ++i) sum += columns[i];
   return sum;
@@ -165,21 +170,19 @@ CORBSLAM_KERNEL int SumOfPatch(const int16_t* columns) {
 
 CORBSLAM_KERNEL void StripDifferences(const GreyPatch& patch, const GreyStrip& strip,
                                       std::array<int, kStripShifts>& differences) {
-  int16_t patch_columns[kGreyStride];
-  int16_t strip_columns[kStripStride];
-  SumColumns(patch, patch_columns);
-  SumColumns(strip, strip_columns);
-  const int patch_sum = SumOfPatch(patch_columns);
   for (size_t shift = 0; shift < kStripShifts; ++shift) {
-    const int sum = SumOfPatch(strip_columns + shift) - patch_sum;
-    const int16_t bias = static_cast<int16_t>(MeanOfPatch(sum));
-    int16_t columns[kGreyStride] = {};  // At most 11 * 510.
-    for (size_t v = 0; v < kGreySide_px; ++v) {
-      const int16_t* const row = &strip[v][shift];
-      for (size_t i = 0; i < kGreyStride; ++i) {
-        const int16_t off = static_cast<int16_t>(row[i] - patch[v][i] - bias);
-        columns[i] = static_cast<int16_t>(columns[i] + (off < 0 ? -off : off));
-      }
+    GreyRow sums = {};  // At most 11 * 255 either way.
+    GreyRow off;
+    for (size_t row = 0; row < kGreySide_px; ++row) {
+      Subtract(patch, strip, shift, row, off);
+      sums += off;
+    }
+    const int16_t bias = static_cast<int16_t>(MeanOfPatch(SumOfPatch(sums)));
+    GreyRow columns = {};  // At most 11 * 510.
+    for (size_t row = 0; row < kGreySide_px; ++row) {
+      Subtract(patch, strip, shift, row, off);
+      off -= bias;
+      columns += off > -off ? off : -off;
     }
     differences[shift] = SumOfPatch(columns);
   }

@@ -15,13 +15,18 @@ constexpr int kRadius_px = kPatchRadius_px;
 constexpr int kReach_px = (kStripShifts - 1) / 2;
 static_assert(kGreySide_px == kPatchSide_px);
 
-// Of so many columns; what fills the window up is 0.
+// What lies beyond the picture is 0; a window's first row and column are inside it.
 template <typename Window>
-Window CopyWindow(const cv::Mat& image, int first_x, int y, size_t columns) {
+Window CopyWindow(const cv::Mat& image, int first_x, int first_y) {
   Window window = {};
+  const size_t columns = std::min(window[0].size(), static_cast<size_t>(image.cols - first_x));
   for (size_t v = 0; v < window.size(); ++v) {
-    const uint8_t* const row = image.ptr<uint8_t>(y - kRadius_px + static_cast<int>(v)) + first_x;
-    for (size_t u = 0; u < columns; ++u) window[v][u] = row[u];
+    const uint8_t* const row = image.ptr<uint8_t>(first_y + static_cast<int>(v)) + first_x;
+    if (columns == window[v].size()) {
+      std::copy_n(row, window[v].size(), window[v].begin());
+    } else {
+      std::copy_n(row, columns, window[v].begin());
+    }
   }
   return window;
 }
@@ -38,9 +43,8 @@ std::optional<PatchAlignment> AlignPatch(const cv::Mat& left, const cv::Mat& rig
   if (!Inside(left, left_x, y, kRadius_px) || !Inside(right, right_x, y, kRadius_px + kReach_px)) {
     return std::nullopt;
   }
-  const auto patch = CopyWindow<GreyPatch>(left, left_x - kRadius_px, y, kGreySide_px);
-  const auto strip = CopyWindow<GreyStrip>(right, right_x - kRadius_px - kReach_px, y,
-                                           kGreySide_px + kStripShifts - 1);
+  const auto patch = CopyWindow<GreyPatch>(left, left_x - kRadius_px, y - kRadius_px);
+  const auto strip = CopyWindow<GreyStrip>(right, right_x - kRadius_px - kReach_px, y - kRadius_px);
   std::array<int, kStripShifts> differences;
   BestPixelKernels().strip_differences(patch, strip, differences);
   const auto least = std::min_element(differences.begin(), differences.end());
