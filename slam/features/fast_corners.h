@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_SLAM_FEATURES_FAST_CORNERS_H_
 #define CORBSLAM_SLAM_FEATURES_FAST_CORNERS_H_
 
+#include <array>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <vector>
@@ -35,12 +36,17 @@ class FastDetector {
   void Detect(const cv::Mat& image, const FastOptions& options, std::vector<Corner>& corners);
 
  private:
-  void ComputeScores(const cv::Mat& image, const FastOptions& options);
+  // Rows of scores, three at a time: a row's maxima need those beside it.
   void CollectMaxima(const cv::Mat& image, const FastOptions& options,
                      std::vector<Corner>& corners);
+  void DropWeakCorners(const cv::Mat& image, const FastOptions& options,
+                       std::vector<Corner>& corners);
 
-  std::vector<uint8_t> scores_;  // of every pixel, row by row
+  std::array<std::vector<uint8_t>, 3> scores_;
   std::vector<uint8_t> maxima_;  // of one row
+  // Which column, and which row, of cells a pixel's column and row belong to.
+  std::vector<int> cell_of_column_;
+  std::vector<int> cell_of_row_;
   std::vector<uint8_t> cell_has_strong_;
 };
 

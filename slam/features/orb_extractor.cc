@@ -9,6 +9,7 @@
 #include "slam/features/gaussian_blur.h"
 #include "slam/features/pixel_kernels.h"
 #include "slam/features/steered_brief.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
@@ -37,6 +38,10 @@ std::array<int, ScalePyramid::kLevels> SplitOverLevels(int features) {
   }
   wanted[0] = std::max(0, features - given);
   return wanted;
+}
+
+absl::Status OpenCvError(const cv::Exception& error) {
+  return absl::InternalError(absl::StrCat("ORB extraction: OpenCV: ", error.what()));
 }
 
 const SteeredBrief& SystemBrief() {
@@ -89,58 +94,85 @@ void BuildImagePyramid(const cv::Mat& grey, ImagePyramid& pyramid) {
   }
 }
 
-OrbExtractor::OrbExtractor(const OrbOptions& options)
-    : options_(options), wanted_(SplitOverLevels(options.features)) {}
+OrbExtractor::OrbExtractor(const OrbOptions& options) : options_(options) {
+  const auto wanted = SplitOverLevels(options.features);
+  for (size_t i = 0; i < levels_.size(); ++i) levels_[i].wanted = wanted[i];
+}
 
 absl::Status OrbExtractor::Extract(const cv::Mat& grey, Features& features, ImagePyramid& pyramid) {
+  RETURN_IF_ERROR(Begin(grey, pyramid));
+  for (int octave = 0; octave < ScalePyramid::kLevels; ++octave) ExtractLevel(pyramid, octave);
+  return Gather(features);
+}
+
+absl::Status OrbExtractor::Begin(const cv::Mat& grey, ImagePyramid& pyramid) {
   if (grey.type() != CV_8UC1 || std::min(grey.cols, grey.rows) < kMinImageSide_px) {
     return absl::InvalidArgumentError(
         absl::StrCat("ORB extraction needs a grey image of 8 bits and at least ", kMinImageSide_px,
                      "x", kMinImageSide_px, " pixels, given ", grey.cols, "x", grey.rows, " of ",
                      grey.channels(), " channels and OpenCV depth ", grey.depth()));
   }
-  features.keypoints.clear();
-  features.descriptors.clear();
   try {
     BuildImagePyramid(grey, pyramid);
-    for (int octave = 0; octave < ScalePyramid::kLevels; ++octave) {
-      const cv::Mat& level = pyramid.levels[static_cast<size_t>(octave)];
-      if (level.empty()) break;
-      DetectLevel(level, wanted_[static_cast<size_t>(octave)]);
-      AppendFeatures(pyramid, octave, features);
-    }
   } catch (const cv::Exception& error) {
-    return absl::InternalError(absl::StrCat("ORB extraction: OpenCV: ", error.what()));
+    return OpenCvError(error);
   }
   return absl::OkStatus();
 }
 
-void OrbExtractor::DetectLevel(const cv::Mat& level, int wanted) {
+void OrbExtractor::ExtractLevel(const ImagePyramid& pyramid, int octave) {
+  Level& level = levels_[static_cast<size_t>(octave)];
+  level.features.keypoints.clear();
+  level.features.descriptors.clear();
+  level.status = absl::OkStatus();
+  const cv::Mat& image = pyramid.levels[static_cast<size_t>(octave)];
+  if (image.empty()) return;
+  try {
+    Detect(image, level);
+    Describe(pyramid, octave, level);
+  } catch (const cv::Exception& error) {
+    level.status = OpenCvError(error);
+  }
+}
+
+absl::Status OrbExtractor::Gather(Features& features) const {
+  features.keypoints.clear();
+  features.descriptors.clear();
+  for (const Level& level : levels_) {
+    RETURN_IF_ERROR(level.status);
+    const auto& [keypoints, descriptors] = level.features;
+    features.keypoints.insert(features.keypoints.end(), keypoints.begin(), keypoints.end());
+    features.descriptors.insert(features.descriptors.end(), descriptors.begin(), descriptors.end());
+  }
+  return absl::OkStatus();
+}
+
+void OrbExtractor::Detect(const cv::Mat& image, Level& level) const {
   const FastOptions options = {.threshold = options_.fast_threshold,
                                .min_threshold = options_.min_fast_threshold,
                                .cell_px = options_.cell_px,
                                .margin_px = kMargin_px};
-  detector_.Detect(level, options, corners_);
-  SpreadCorners(level.cols, level.rows, wanted, corners_);
+  level.detector.Detect(image, options, level.corners);
+  SpreadCorners(image.cols, image.rows, level.wanted, level.corners);
 }
 
-void OrbExtractor::AppendFeatures(const ImagePyramid& pyramid, int octave, Features& features) {
-  const cv::Mat& level = pyramid.levels[static_cast<size_t>(octave)];
+void OrbExtractor::Describe(const ImagePyramid& pyramid, int octave, Level& level) {
+  const cv::Mat& image = pyramid.levels[static_cast<size_t>(octave)];
   const PixelKernels& kernels = BestPixelKernels();
   const SteeredBrief& brief = SystemBrief();
-  BlurGaussian7x7(level, blurred_);
-  for (const Corner& corner : corners_) {
+  BlurGaussian7x7(image, level.blurred);
+  for (const Corner& corner : level.corners) {
     const PatchMoments moments = kernels.patch_moments(
-        level.ptr<uint8_t>(corner.y_px) + corner.x_px, static_cast<int64_t>(level.step[0]));
+        image.ptr<uint8_t>(corner.y_px) + corner.x_px, static_cast<int64_t>(image.step[0]));
     Keypoint keypoint;
     keypoint.x_px = pyramid.ToLevel0X(corner.x_px, octave);
     keypoint.y_px = pyramid.ToLevel0Y(corner.y_px, octave);
     keypoint.angle_rad =
         std::atan2(static_cast<float>(moments.m01), static_cast<float>(moments.m10));
     keypoint.octave = static_cast<uint8_t>(octave);
-    features.keypoints.push_back(keypoint);
-    features.descriptors.push_back(
-        brief.Describe(blurred_, corner.x_px, corner.y_px, keypoint.angle_rad));
+    level.features.keypoints.push_back(keypoint);
+    level.features.descriptors.push_back(
+        brief.Describe(level.blurred, corner.x_px, corner.y_px, keypoint.angle_rad));
   }
 }
 

@@ -48,7 +48,8 @@ struct ImagePyramid {
 // Resamples `grey` (CV_8UC1, level 0, shared not copied) into `pyramid`, reusing its buffers.
 void BuildImagePyramid(const cv::Mat& grey, ImagePyramid& pyramid);
 
-// One per camera; keeps buffers between images. Thread-compatible: one thread at a time.
+// One per camera; keeps buffers between images. Thread-compatible: one thread at a time, but for
+// ExtractLevel.
 class OrbExtractor {
  public:
   // `options` must be valid.
@@ -60,19 +61,31 @@ class OrbExtractor {
   // pixels and options alone.
   absl::Status Extract(const cv::Mat& grey, Features& features, ImagePyramid& pyramid);
 
+  // The same in parts, for threads that share the work: first Begin; then ExtractLevel of each
+  // octave, of different ones at the same time if wanted; then Gather, which does not change the
+  // pyramid.
+  absl::Status Begin(const cv::Mat& grey, ImagePyramid& pyramid);
+  void ExtractLevel(const ImagePyramid& pyramid, int octave);
+  absl::Status Gather(Features& features) const;
+
   const OrbOptions& options() const { return options_; }
 
  private:
-  void DetectLevel(const cv::Mat& level, int wanted);
-  void AppendFeatures(const ImagePyramid& pyramid, int octave, Features& features);
+  // What a level yields, and its buffers.
+  struct Level {
+    int wanted = 0;  // So many features it should give.
+    FastDetector detector;
+    std::vector<Corner> corners;
+    cv::Mat blurred;
+    Features features;
+    absl::Status status;
+  };
+
+  void Detect(const cv::Mat& image, Level& level) const;
+  static void Describe(const ImagePyramid& pyramid, int octave, Level& level);
 
   OrbOptions options_;
-  // How many features each level should give.
-  std::array<int, ScalePyramid::kLevels> wanted_ = {};
-  // Buffers of one level, reused.
-  FastDetector detector_;
-  std::vector<Corner> corners_;
-  cv::Mat blurred_;
+  std::array<Level, ScalePyramid::kLevels> levels_;
 };
 
 }  // namespace corbslam

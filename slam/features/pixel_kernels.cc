@@ -2,7 +2,7 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdlib>
+#include <cstring>
 
 // Every kernel is written once, as a plain loop that compilers turn into vector code, and inlined
 // into a function for each instruction set.
@@ -143,13 +143,49 @@ CORBSLAM_KERNEL PatchMoments DiscMoments(const uint8_t* centre, int64_t stride) 
   return moments;
 }
 
-CORBSLAM_KERNEL int Sad11x11(const uint8_t* a, int64_t stride_a, const uint8_t* b,
-                             int64_t stride_b) {
+// To the nearest; a half cannot be, since the divisor is odd.
+CORBSLAM_KERNEL int MeanOfPatch(int sum) {
+  constexpr int kArea = kGreySide_px * kGreySide_px;
+  return sum >= 0 ? (sum + kArea / 2) / kArea : -((kArea / 2 - sum) / kArea);
+}
+
+// Compilers leave loops of so fixed a length in scalar code.
+using GreyRow [[gnu::vector_size(kGreyStride * sizeof(int16_t))]] = int16_t;
+
+// Of the strip's part at a shift, minus the patch. A vector is never returned: without AVX that has
+// no calling convention.
+CORBSLAM_KERNEL void Subtract(const GreyPatch& patch, const GreyStrip& strip, size_t shift,
+                              size_t row, GreyRow& difference) {
+  GreyRow of_patch;
+  std::memcpy(&difference, &strip[row][shift], sizeof(difference));
+  std::memcpy(&of_patch, &patch[row], sizeof(of_patch));
+  difference -= of_patch;
+}
+
+CORBSLAM_KERNEL int SumOfPatch(const GreyRow& columns) {
   int sum = 0;
-  for (int y = 0; y < kSadSide_px; ++y, a += stride_a, b += stride_b) {
-    for (int x = 0; x < kSadSide_px; ++x) sum += std::abs(a[x] - b[x]);
-  }
+  for (int i = 0; i < kGreySide_px; ++i) sum += columns[i];
   return sum;
+}
+
+CORBSLAM_KERNEL void StripDifferences(const GreyPatch& patch, const GreyStrip& strip,
+                                      std::array<int, kStripShifts>& differences) {
+  for (size_t shift = 0; shift < kStripShifts; ++shift) {
+    GreyRow sums = {};  // At most 11 * 255 either way.
+    GreyRow off;
+    for (size_t row = 0; row < kGreySide_px; ++row) {
+      Subtract(patch, strip, shift, row, off);
+      sums += off;
+    }
+    const int16_t bias = static_cast<int16_t>(MeanOfPatch(SumOfPatch(sums)));
+    GreyRow columns = {};  // At most 11 * 510.
+    for (size_t row = 0; row < kGreySide_px; ++row) {
+      Subtract(patch, strip, shift, row, off);
+      off -= bias;
+      columns += off > -off ? off : -off;
+    }
+    differences[shift] = SumOfPatch(columns);
+  }
 }
 
 struct Portable {
@@ -170,8 +206,9 @@ struct Portable {
   static PatchMoments Moments(const uint8_t* centre, int64_t stride) {
     return DiscMoments(centre, stride);
   }
-  static int Sad(const uint8_t* a, int64_t stride_a, const uint8_t* b, int64_t stride_b) {
-    return Sad11x11(a, stride_a, b, stride_b);
+  static void Strip(const GreyPatch& patch, const GreyStrip& strip,
+                    std::array<int, kStripShifts>& differences) {
+    StripDifferences(patch, strip, differences);
   }
 };
 
@@ -196,9 +233,9 @@ struct Avx2 {
   [[gnu::target("avx2")]] static PatchMoments Moments(const uint8_t* centre, int64_t stride) {
     return DiscMoments(centre, stride);
   }
-  [[gnu::target("avx2")]] static int Sad(const uint8_t* a, int64_t stride_a, const uint8_t* b,
-                                         int64_t stride_b) {
-    return Sad11x11(a, stride_a, b, stride_b);
+  [[gnu::target("avx2")]] static void Strip(const GreyPatch& patch, const GreyStrip& strip,
+                                            std::array<int, kStripShifts>& differences) {
+    StripDifferences(patch, strip, differences);
   }
 };
 #endif
@@ -210,7 +247,7 @@ constexpr PixelKernels MakeKernels() {
           .blur_vertical = Target::Vertical,
           .blur_horizontal = Target::Horizontal,
           .patch_moments = Target::Moments,
-          .sad_11x11 = Target::Sad};
+          .strip_differences = Target::Strip};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #ifndef CORBSLAM_SLAM_FEATURES_PIXEL_KERNELS_H_
 #define CORBSLAM_SLAM_FEATURES_PIXEL_KERNELS_H_
 
+#include <array>
 #include <cstdint>
 
 namespace corbslam {
@@ -12,6 +13,17 @@ struct PatchMoments {
   int m10 = 0;  // sum of x * grey
   int m01 = 0;  // sum of y * grey
 };
+
+inline constexpr int kMomentRadius_px = 15;
+
+// A square of kGreySide_px, and one as high with kStripShifts - 1 columns more; both filled up on
+// the right, to lengths that suit vectors. What is there does not count.
+inline constexpr int kGreySide_px = 11;
+inline constexpr int kStripShifts = 11;
+inline constexpr int kGreyStride = 16;
+inline constexpr int kStripStride = 32;
+using GreyPatch = std::array<std::array<int16_t, kGreyStride>, kGreySide_px>;
+using GreyStrip = std::array<std::array<int16_t, kStripStride>, kGreySide_px>;
 
 struct PixelKernels {
   // FAST-9 scores of columns [begin, end) of the row rows[3]; rows[0..6] are the seven rows around
@@ -33,12 +45,12 @@ struct PixelKernels {
   // (-15, -15) to (16, 15).
   PatchMoments (*patch_moments)(const uint8_t* centre, int64_t stride);
 
-  // Sum of absolute differences of two patches of 11 x 11 pixels, given their first pixels.
-  int (*sad_11x11)(const uint8_t* a, int64_t stride_a, const uint8_t* b, int64_t stride_b);
+  // For each whole shift, how far the patch is from the strip's part of its size there: the sum of
+  // absolute differences of grey values, the mean of the parts' difference (to a whole grey value)
+  // taken off.
+  void (*strip_differences)(const GreyPatch& patch, const GreyStrip& strip,
+                            std::array<int, kStripShifts>& differences);
 };
-
-inline constexpr int kMomentRadius_px = 15;
-inline constexpr int kSadSide_px = 11;
 
 const PixelKernels& PortablePixelKernels();
 

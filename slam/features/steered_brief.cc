@@ -1,5 +1,6 @@
 #include "slam/features/steered_brief.h"
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -13,6 +14,15 @@ uint16_t TurnedPosition(int x, int y, double angle, int stride) {
   const int turned_x = static_cast<int>(std::lround(cosine * x - sine * y));
   const int turned_y = static_cast<int>(std::lround(sine * x + cosine * y));
   return static_cast<uint16_t>((turned_y + kBriefRadius_px) * stride + turned_x + kBriefRadius_px);
+}
+
+// Of eight bytes of 0 or 1, the first one lowest: the factor moves each to its place in the top
+// byte, and no two to one place.
+uint64_t EightBits(const uint8_t* bytes) {
+  static_assert(std::endian::native == std::endian::little);
+  uint64_t eight = 0;
+  std::memcpy(&eight, bytes, sizeof(eight));
+  return (eight * 0x0102040810204080) >> 56;
 }
 
 }  // namespace
@@ -40,14 +50,13 @@ Descriptor SteeredBrief::Describe(const cv::Mat& smoothed, int x_px, int y_px,
   constexpr float kStepsPerRad = kAngles / (2 * std::numbers::pi_v<float>);
   const auto step = static_cast<unsigned>(std::lround(angle_rad * kStepsPerRad)) % kAngles;
   const auto& pairs = pairs_of_angle_[step];
+  std::array<uint8_t, kBriefTests> is_darker;
+  for (size_t t = 0; t < kBriefTests; ++t) {
+    is_darker[t] = patch[pairs[t].first] < patch[pairs[t].second];
+  }
   Descriptor descriptor;
-  for (size_t w = 0; w < descriptor.words.size(); ++w) {
-    uint64_t word = 0;
-    for (size_t b = 0; b < 64; ++b) {
-      const Pair pair = pairs[w * 64 + b];
-      word |= static_cast<uint64_t>(patch[pair.first] < patch[pair.second]) << b;
-    }
-    descriptor.words[w] = word;
+  for (size_t t = 0; t < kBriefTests; t += 8) {
+    descriptor.words[t / 64] |= EightBits(&is_darker[t]) << (t % 64);
   }
   return descriptor;
 }

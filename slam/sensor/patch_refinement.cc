@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 namespace corbslam {
 namespace {
@@ -36,11 +37,13 @@ using Around = Eigen::Array<float, kAroundRow, kAroundRows>;
 template <typename Window>
 Window CopyWindow(const cv::Mat& image, int first_x, int first_y) {
   Window window;
+  const bool is_inside = first_x >= 0 && first_x + window.rows() <= image.cols;
   for (Eigen::Index v = 0; v < window.cols(); ++v) {
     const int y = std::clamp(first_y + static_cast<int>(v), 0, image.rows - 1);
     const uint8_t* const row = image.ptr<uint8_t>(y);
     for (Eigen::Index u = 0; u < window.rows(); ++u) {
-      window(u, v) = row[std::clamp(first_x + static_cast<int>(u), 0, image.cols - 1)];
+      const int x = first_x + static_cast<int>(u);
+      window(u, v) = row[is_inside ? x : std::clamp(x, 0, image.cols - 1)];
     }
   }
   return window;
@@ -101,40 +104,98 @@ void Interpolate(const Around& around, const Shift& shift, Sample& sample) {
   }
 }
 
-// One Gauss-Newton step of columns, rows and grey offset, reweighted; infinite where the patch
-// cannot tell columns apart. Plain steps leave the rows alone, and count all pixels.
-Shift Step(const Patch& patch, const Around& around, const Shift& at, bool robust) {
-  Sample sample;
-  Interpolate(around, at, sample);
-  const Patch residual = patch - sample.grey;
-  Patch weights = Weights();
-  if (robust) {
-    weights /= (1 + ((residual - at.grey) / kRobustGrey).square()).square();
-  }
-  const Patch weighted_x = weights * sample.slope_x;
-  const Patch weighted_y = weights * sample.slope_y;
+// A sum over a patch's pixels that takes eight at a time: one pass over the patch makes all sums.
+class GroupedSum {
+ public:
+  void Add(const Eigen::Array<float, 8, 1>& group) { sums_ += group; }
+  // What is left.
+  void Add(const Eigen::Array4f& group) { last_ = group; }
+  float Total() const { return (sums_.head<4>() + sums_.tail<4>() + last_).sum(); }
+
+ private:
+  Eigen::Array<float, 8, 1> sums_ = Eigen::Array<float, 8, 1>::Zero();
+  Eigen::Array4f last_ = Eigen::Array4f::Zero();
+};
+
+// Calls visit(first pixel, number) for each group of eight pixels, and of the four that are left.
+template <typename Visit>
+void ForEachGroup(Visit visit) {
+  static_assert(Patch::SizeAtCompileTime % 8 == 4);
+  constexpr Eigen::Index kGrouped = Patch::SizeAtCompileTime - 4;
+  for (Eigen::Index i = 0; i < kGrouped; i += 8) visit(i, std::integral_constant<int, 8>());
+  visit(kGrouped, std::integral_constant<int, 4>());
+}
+
+// One Gauss-Newton step of columns and grey offset; infinite where the patch cannot tell columns
+// apart. Leaves the rows alone, and counts all pixels.
+Shift PlainStep(const Patch& patch, const Sample& sample, const Shift& at) {
+  const Patch& weights = Weights();
+  static const float w = weights.sum();
+  Patch weighted_x;
+  GroupedSum sum_r, sum_xx, sum_xr;
+  ForEachGroup([&](Eigen::Index i, auto size) {
+    using Group = Eigen::Array<float, decltype(size)::value, 1>;
+    const auto of = [i](const Patch& values) { return Eigen::Map<const Group>(&values(i)); };
+    const Group slope_x = of(sample.slope_x);
+    const Group residual = of(patch) - of(sample.grey);
+    const Group x = of(weights) * slope_x;
+    Eigen::Map<Group>(&weighted_x(i)) = x;
+    sum_r.Add(Group(of(weights) * residual));
+    sum_xx.Add(Group(x * slope_x));
+    sum_xr.Add(Group(x * residual));
+  });
+  // Of deviations from the means: the grey offset is eliminated.
+  const float x = weighted_x.sum() / w;
+  const float r = sum_r.Total() / w;
+  const float xx = sum_xx.Total() - w * x * x;
+  if (!(xx > kLeastInformation)) return {.x_px = INFINITY};
+  Shift step;
+  step.x_px = (sum_xr.Total() - w * x * r) / xx;
+  step.grey = r - x * step.x_px - at.grey;
+  return step;
+}
+
+// The same of columns, rows and grey offset, reweighted.
+Shift RobustStep(const Patch& patch, const Sample& sample, const Shift& at) {
+  Patch weights, weighted_x, weighted_y;
+  GroupedSum sum_r, sum_rr, sum_xx, sum_xy, sum_yy, sum_xr, sum_yr;
+  ForEachGroup([&](Eigen::Index i, auto size) {
+    using Group = Eigen::Array<float, decltype(size)::value, 1>;
+    const auto of = [i](const Patch& values) { return Eigen::Map<const Group>(&values(i)); };
+    const Group slope_x = of(sample.slope_x);
+    const Group slope_y = of(sample.slope_y);
+    const Group residual = of(patch) - of(sample.grey);
+    const Group weight =
+        of(Weights()) / (1 + ((residual - at.grey) / kRobustGrey).square()).square();
+    const Group x = weight * slope_x;
+    const Group y = weight * slope_y;
+    Eigen::Map<Group>(&weights(i)) = weight;
+    Eigen::Map<Group>(&weighted_x(i)) = x;
+    Eigen::Map<Group>(&weighted_y(i)) = y;
+    sum_r.Add(Group(weight * residual));
+    sum_rr.Add(Group(weight * residual.square()));
+    sum_xx.Add(Group(x * slope_x));
+    sum_xy.Add(Group(x * slope_y));
+    sum_yy.Add(Group(y * slope_y));
+    sum_xr.Add(Group(x * residual));
+    sum_yr.Add(Group(y * residual));
+  });
   const float w = weights.sum();
   const float x = weighted_x.sum() / w;
   const float y = weighted_y.sum() / w;
-  const float r = (weights * residual).sum() / w;
-  // Of deviations from the means: the grey offset is eliminated.
-  const float xx = (weighted_x * sample.slope_x).sum() - w * x * x;
-  const float xr = (weighted_x * residual).sum() - w * x * r;
+  const float r = sum_r.Total() / w;
+  const float xx = sum_xx.Total() - w * x * x;
+  const float xr = sum_xr.Total() - w * x * r;
+  const float variance = sum_rr.Total() / w - r * r;
+  const float belief = std::max(variance, kLeastGreyVariance) / (kRowSigma_px * kRowSigma_px);
+  const float xy = sum_xy.Total() - w * x * y;
+  const float yy = sum_yy.Total() - w * y * y + belief;
+  const float yr = sum_yr.Total() - w * y * r - belief * at.y_px;
+  const float information = xx - xy * xy / yy;
+  if (!(information > kLeastInformation)) return {.x_px = INFINITY};
   Shift step;
-  if (robust) {
-    const float variance = (weights * residual.square()).sum() / w - r * r;
-    const float belief = std::max(variance, kLeastGreyVariance) / (kRowSigma_px * kRowSigma_px);
-    const float xy = (weighted_x * sample.slope_y).sum() - w * x * y;
-    const float yy = (weighted_y * sample.slope_y).sum() - w * y * y + belief;
-    const float yr = (weighted_y * residual).sum() - w * y * r - belief * at.y_px;
-    const float information = xx - xy * xy / yy;
-    if (!(information > kLeastInformation)) return {.x_px = INFINITY};
-    step.x_px = (xr - xy * yr / yy) / information;
-    step.y_px = (yr - xy * step.x_px) / yy;
-  } else {
-    if (!(xx > kLeastInformation)) return {.x_px = INFINITY};
-    step.x_px = xr / xx;
-  }
+  step.x_px = (xr - xy * yr / yy) / information;
+  step.y_px = (yr - xy * step.x_px) / yy;
   step.grey = r - x * step.x_px - y * step.y_px - at.grey;
   return step;
 }
@@ -142,7 +203,9 @@ Shift Step(const Patch& patch, const Around& around, const Shift& at, bool robus
 // Takes up to `steps`; false where the patch strays.
 bool Descend(const Patch& patch, const Around& around, int steps, bool robust, Shift& shift) {
   for (int i = 0; i < steps; ++i) {
-    const Shift step = Step(patch, around, shift, robust);
+    Sample sample;
+    Interpolate(around, shift, sample);
+    const Shift step = robust ? RobustStep(patch, sample, shift) : PlainStep(patch, sample, shift);
     shift = {shift.x_px + step.x_px, shift.y_px + step.y_px, shift.grey + step.grey};
     if (!(std::abs(shift.x_px) <= kMaxStray_px && std::abs(shift.y_px) <= kMaxStray_px)) {
       return false;

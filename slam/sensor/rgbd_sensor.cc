@@ -1,5 +1,8 @@
 #include "slam/sensor/rgbd_sensor.h"
 
+#include <algorithm>
+#include <vector>
+
 #include "absl/strings/str_cat.h"
 #include "slam/sensor/corner_depth.h"
 #include "slam/sensor/image_check.h"
@@ -25,18 +28,28 @@ absl::StatusOr<Features> RgbdSensor::Process(const SensorImages& images) {
   const Camera& camera = calibration_.camera;
   RETURN_IF_ERROR(CheckGreyImage("grey", images.grey, camera));
   RETURN_IF_ERROR(CheckDepthImage(images.depth, camera));
+  RETURN_IF_ERROR(extractor_.Begin(images.grey, pyramid_));
+  threads_.Run(ScalePyramid::kLevels, [this](size_t octave) {
+    extractor_.ExtractLevel(pyramid_, static_cast<int>(octave));
+  });
   Features features;
-  RETURN_IF_ERROR(extractor_.Extract(images.grey, features, pyramid_));
-  for (Keypoint& keypoint : features.keypoints) {
-    const double depth_m = CornerDepth(images.depth, keypoint, calibration_.depth_units_per_m);
-    if (depth_m > 0) {
-      keypoint.disparity_px = static_cast<float>(DisparityFromDepth(camera, depth_m));
-    }
-    const Eigen::Vector2d ideal = UndistortPixel(camera, calibration_.distortion, keypoint.Pixel());
-    keypoint.x_px = static_cast<float>(ideal.x());
-    keypoint.y_px = static_cast<float>(ideal.y());
-  }
+  RETURN_IF_ERROR(extractor_.Gather(features));
+  constexpr size_t kTask = 100;  // Keypoints.
+  std::vector<Keypoint>& keypoints = features.keypoints;
+  threads_.Run((keypoints.size() + kTask - 1) / kTask, [&](size_t task) {
+    const size_t end = std::min((task + 1) * kTask, keypoints.size());
+    for (size_t i = task * kTask; i < end; ++i) Complete(images.depth, keypoints[i]);
+  });
   return features;
+}
+
+void RgbdSensor::Complete(const cv::Mat& depth, Keypoint& keypoint) const {
+  const Camera& camera = calibration_.camera;
+  const double depth_m = CornerDepth(depth, keypoint, calibration_.depth_units_per_m);
+  if (depth_m > 0) keypoint.disparity_px = static_cast<float>(DisparityFromDepth(camera, depth_m));
+  const Eigen::Vector2d ideal = UndistortPixel(camera, calibration_.distortion, keypoint.Pixel());
+  keypoint.x_px = static_cast<float>(ideal.x());
+  keypoint.y_px = static_cast<float>(ideal.y());
 }
 
 }  // namespace corbslam

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "slam/sensor/sensor.h"
+#include "slam/sensor/thread_pair.h"
 
 namespace corbslam {
 
@@ -18,11 +19,14 @@ class RgbdSensor : public Sensor {
 
  private:
   RgbdSensor(const RgbdCalibration& calibration, const SensorOptions& options)
-      : calibration_(calibration), extractor_(options.orb) {}
+      : calibration_(calibration), extractor_(options.orb), threads_(options.parallel) {}
+  // Gives a keypoint of the recorded picture its depth and its undistorted place.
+  void Complete(const cv::Mat& depth, Keypoint& keypoint) const;
 
   RgbdCalibration calibration_;
   OrbExtractor extractor_;
   ImagePyramid pyramid_;
+  ThreadPair threads_;
 };
 
 }  // namespace corbslam

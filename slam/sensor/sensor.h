@@ -58,7 +58,7 @@ using SensorCalibration = std::variant<StereoCalibration, RgbdCalibration>;
 
 struct SensorOptions {
   OrbOptions orb = {};
-  // Changes speed only: the right image has a thread of its own.
+  // Changes speed only: a second thread shares the work.
   bool parallel = true;
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/types/span.h"
 #include "slam/sensor/patch_alignment.h"
 #include "slam/util/median.h"
 
@@ -19,19 +20,35 @@ constexpr double kBand_px = 2.0;
 constexpr float kLeastMeasured_px = -0.5F;
 constexpr float kLeastDisparity_px = 0.01F;
 
-// For each row, the right keypoints that may lie on it, in order of their index.
+// What the search reads of a right keypoint.
+struct Candidate {
+  float x_px = 0;
+  uint32_t id = 0;
+  Descriptor descriptor;
+};
+
+// For each row and octave, the right keypoints that may lie there, in order of their index.
 class RowIndex {
  public:
-  RowIndex(const Features& features, int rows) : begin_(static_cast<size_t>(rows) + 1, 0) {
-    ForEach(features, rows, [&](size_t row, uint32_t) { ++begin_[row + 1]; });
-    for (size_t row = 0; row + 1 < begin_.size(); ++row) begin_[row + 1] += begin_[row];
-    ids_.resize(begin_.back());
-    std::vector<size_t> next(begin_.begin(), begin_.end() - 1);
-    ForEach(features, rows, [&](size_t row, uint32_t id) { ids_[next[row]++] = id; });
+  RowIndex(const Features& features, int rows)
+      : begin_(static_cast<size_t>(rows * ScalePyramid::kLevels) + 1, 0) {
+    ForEach(features, rows, [&](size_t list, uint32_t) { ++begin_[list + 1]; });
+    for (size_t list = 0; list + 1 < begin_.size(); ++list) begin_[list + 1] += begin_[list];
+    candidates_.resize(begin_.back());
+    std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
+    ForEach(features, rows, [&](size_t list, uint32_t id) {
+      candidates_[next[list]++] = {features.keypoints[id].x_px, id, features.descriptors[id]};
+    });
   }
 
-  const uint32_t* begin(int row) const { return &ids_[0] + begin_[static_cast<size_t>(row)]; }
-  const uint32_t* end(int row) const { return &ids_[0] + begin_[static_cast<size_t>(row) + 1]; }
+  // Those of the row whose octave is at most one away.
+  absl::Span<const Candidate> Near(int row, int octave) const {
+    const int first = row * ScalePyramid::kLevels + std::max(0, octave - 1);
+    const int last = row * ScalePyramid::kLevels + std::min(ScalePyramid::kLevels - 1, octave + 1);
+    const size_t begin = begin_[static_cast<size_t>(first)];
+    return absl::MakeConstSpan(candidates_)
+        .subspan(begin, begin_[static_cast<size_t>(last) + 1] - begin);
+  }
 
  private:
   template <typename Visit>
@@ -41,31 +58,30 @@ class RowIndex {
       const double band = kBand_px * ScalePyramid::Scale(keypoint.octave);
       const int first = std::max(0, static_cast<int>(std::floor(keypoint.y_px - band)));
       const int last = std::min(rows - 1, static_cast<int>(std::ceil(keypoint.y_px + band)));
-      for (int row = first; row <= last; ++row) visit(static_cast<size_t>(row), i);
+      for (int row = first; row <= last; ++row) {
+        visit(static_cast<size_t>(row * ScalePyramid::kLevels + keypoint.octave), i);
+      }
     }
   }
 
-  std::vector<size_t> begin_;
-  std::vector<uint32_t> ids_;
+  std::vector<uint32_t> begin_;
+  std::vector<Candidate> candidates_;
 };
 
-std::optional<uint32_t> FindMostSimilar(const Features& left, size_t id, const Features& right,
+std::optional<uint32_t> FindMostSimilar(const Keypoint& keypoint, const Descriptor& descriptor,
                                         const RowIndex& rows, int row,
                                         const StereoMatchingOptions& options) {
-  const Keypoint& keypoint = left.keypoints[id];
   int least = options.max_hamming + 1;
   std::optional<uint32_t> best;
   // Right columns that differ by less than a pixel of the octave may stand for infinity.
   const double slack = ScalePyramid::Scale(keypoint.octave);
-  for (const uint32_t* it = rows.begin(row); it != rows.end(row); ++it) {
-    const Keypoint& other = right.keypoints[*it];
-    const float disparity = keypoint.x_px - other.x_px;
+  for (const Candidate& candidate : rows.Near(row, keypoint.octave)) {
+    const float disparity = keypoint.x_px - candidate.x_px;
     if (disparity < -slack || disparity > options.max_disparity_px) continue;
-    if (std::abs(other.octave - keypoint.octave) > 1) continue;
-    const int distance = HammingDistance(left.descriptors[id], right.descriptors[*it]);
+    const int distance = HammingDistance(descriptor, candidate.descriptor);
     if (distance < least) {
       least = distance;
-      best = *it;
+      best = candidate.id;
     }
   }
   return best;
@@ -99,30 +115,69 @@ int MedianDifference(const std::vector<Measured>& measured) {
   return Median(std::move(differences));
 }
 
+// Measures the disparity of one left keypoint at a time.
+class Matcher {
+ public:
+  Matcher(const Features& right, const ImagePyramid& left_pyramid,
+          const ImagePyramid& right_pyramid, const StereoMatchingOptions& options)
+      : right_(right),
+        left_pyramid_(left_pyramid),
+        right_pyramid_(right_pyramid),
+        options_(options),
+        height_px_(left_pyramid.levels[0].rows),
+        rows_(right, height_px_) {}
+
+  std::optional<Measured> Match(const Features& left, size_t id) const {
+    const Keypoint& keypoint = left.keypoints[id];
+    const int row = std::clamp(static_cast<int>(std::lround(keypoint.y_px)), 0, height_px_ - 1);
+    const std::optional<uint32_t> best =
+        FindMostSimilar(keypoint, left.descriptors[id], rows_, row, options_);
+    if (!best.has_value()) return std::nullopt;
+    std::optional<Measured> m =
+        Measure(keypoint, id, right_.keypoints[*best], left_pyramid_, right_pyramid_);
+    if (m.has_value()) m->disparity_px += static_cast<float>(options_.disparity_offset_px);
+    if (!m.has_value() || m->disparity_px < kLeastMeasured_px ||
+        m->disparity_px > options_.max_disparity_px) {
+      return std::nullopt;
+    }
+    return m;
+  }
+
+ private:
+  const Features& right_;
+  const ImagePyramid& left_pyramid_;
+  const ImagePyramid& right_pyramid_;
+  const StereoMatchingOptions& options_;
+  const int height_px_;
+  const RowIndex rows_;
+};
+
+// In order of the keypoints.
+std::vector<Measured> MatchAll(const Matcher& matcher, const Features& left, ThreadPair& threads) {
+  constexpr size_t kTask = 100;  // Keypoints.
+  const size_t count = left.keypoints.size();
+  std::vector<std::optional<Measured>> found(count);
+  threads.Run((count + kTask - 1) / kTask, [&](size_t task) {
+    const size_t end = std::min((task + 1) * kTask, count);
+    for (size_t i = task * kTask; i < end; ++i) found[i] = matcher.Match(left, i);
+  });
+  std::vector<Measured> measured;
+  measured.reserve(count);
+  for (const std::optional<Measured>& m : found) {
+    if (m.has_value()) measured.push_back(*m);
+  }
+  return measured;
+}
+
 }  // namespace
 
 void MatchStereo(const Features& right, const ImagePyramid& left_pyramid,
                  const ImagePyramid& right_pyramid, const StereoMatchingOptions& options,
-                 Features& left) {
+                 ThreadPair& threads, Features& left) {
   for (Keypoint& keypoint : left.keypoints) keypoint.disparity_px = 0;
   if (right.keypoints.empty()) return;
-  const int height = left_pyramid.levels[0].rows;
-  const RowIndex rows(right, height);
-  std::vector<Measured> measured;
-  for (size_t i = 0; i < left.keypoints.size(); ++i) {
-    const Keypoint& keypoint = left.keypoints[i];
-    const int row = std::clamp(static_cast<int>(std::lround(keypoint.y_px)), 0, height - 1);
-    const std::optional<uint32_t> best = FindMostSimilar(left, i, right, rows, row, options);
-    if (!best.has_value()) continue;
-    std::optional<Measured> m =
-        Measure(keypoint, i, right.keypoints[*best], left_pyramid, right_pyramid);
-    if (m.has_value()) m->disparity_px += static_cast<float>(options.disparity_offset_px);
-    if (!m.has_value() || m->disparity_px < kLeastMeasured_px ||
-        m->disparity_px > options.max_disparity_px) {
-      continue;
-    }
-    measured.push_back(*m);
-  }
+  const Matcher matcher(right, left_pyramid, right_pyramid, options);
+  const std::vector<Measured> measured = MatchAll(matcher, left, threads);
   if (measured.empty()) return;
   const double limit = options.max_median_ratio * MedianDifference(measured);
   for (const Measured& m : measured) {

@@ -4,6 +4,7 @@
 
 #include "slam/features/keypoint.h"
 #include "slam/features/orb_extractor.h"
+#include "slam/sensor/thread_pair.h"
 
 namespace corbslam {
 
@@ -23,10 +24,11 @@ struct StereoMatchingOptions {
 // Sets disparity_px of `left` where a counterpart is found, 0 elsewhere: the most similar
 // descriptor in the band of rows that the octave allows, then the shift of least absolute
 // differences of 11 x 11 pixels, refined below a pixel by least squares. The pyramids are those
-// the features were extracted from. After ORB-SLAM2 (Mur-Artal and Tardos, T-RO 2017, III.A).
+// the features were extracted from; `threads` share the work, with the same result. After ORB-SLAM2
+// (Mur-Artal and Tardos, T-RO 2017, III.A).
 void MatchStereo(const Features& right, const ImagePyramid& left_pyramid,
                  const ImagePyramid& right_pyramid, const StereoMatchingOptions& options,
-                 Features& left);
+                 ThreadPair& threads, Features& left);
 
 }  // namespace corbslam
 

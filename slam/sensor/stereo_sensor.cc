@@ -70,43 +70,47 @@ StereoSensor::StereoSensor(const Camera& camera, std::optional<StereoRectifier> 
       right_rest_px_(right_cx_offset_px - right_columns_),
       left_(options.orb),
       right_(OptionsOfRight(options.orb)),
-      worker_(options.parallel ? std::make_unique<WorkerThread>() : nullptr) {}
+      threads_(options.parallel) {}
 
 absl::StatusOr<Features> StereoSensor::Process(const SensorImages& images) {
   RETURN_IF_ERROR(CheckGreyImage("left", images.grey, camera_));
   RETURN_IF_ERROR(CheckGreyImage("right", images.right, camera_));
-  const auto process_right = [&] { right_.status = ProcessRight(images.right); };
-  if (worker_ != nullptr) {
-    worker_->Start(process_right);
-  } else {
-    process_right();
-  }
-  left_.status = ProcessLeft(images.grey);
-  if (worker_ != nullptr) worker_->Wait();
+  threads_.Run(2, [&](size_t side) {
+    if (side == 0) {
+      right_.status = BeginRight(images.right);
+    } else {
+      left_.status = BeginLeft(images.grey);
+    }
+  });
   RETURN_IF_ERROR(left_.status);
   RETURN_IF_ERROR(right_.status);
+  // The large levels first, so that both threads end at about the same time.
+  threads_.Run(2 * ScalePyramid::kLevels, [this](size_t i) {
+    Side& side = i % 2 == 0 ? right_ : left_;
+    side.extractor.ExtractLevel(side.pyramid, static_cast<int>(i / 2));
+  });
+  RETURN_IF_ERROR(right_.extractor.Gather(right_.features));
+  Features features;
+  RETURN_IF_ERROR(left_.extractor.Gather(features));
   MatchStereo(right_.features, left_.pyramid, right_.pyramid,
-              {.max_disparity_px = camera_.fx_px, .disparity_offset_px = right_rest_px_},
-              left_.features);
-  return left_.features;
+              {.max_disparity_px = camera_.fx_px, .disparity_offset_px = right_rest_px_}, threads_,
+              features);
+  return features;
 }
 
-absl::Status StereoSensor::ProcessLeft(const cv::Mat& image) {
-  if (!rectifier_.has_value()) {
-    return left_.extractor.Extract(image, left_.features, left_.pyramid);
-  }
+absl::Status StereoSensor::BeginLeft(const cv::Mat& image) {
+  if (!rectifier_.has_value()) return left_.extractor.Begin(image, left_.pyramid);
   RETURN_IF_ERROR(rectifier_->RectifyLeft(image, left_.rectified));
-  return left_.extractor.Extract(left_.rectified, left_.features, left_.pyramid);
+  return left_.extractor.Begin(left_.rectified, left_.pyramid);
 }
 
-absl::Status StereoSensor::ProcessRight(const cv::Mat& image) {
+absl::Status StereoSensor::BeginRight(const cv::Mat& image) {
   if (!rectifier_.has_value()) {
-    return right_.extractor.Extract(
-        right_columns_ == 0 ? image : DropColumns(image, right_columns_), right_.features,
-        right_.pyramid);
+    return right_.extractor.Begin(right_columns_ == 0 ? image : DropColumns(image, right_columns_),
+                                  right_.pyramid);
   }
   RETURN_IF_ERROR(rectifier_->RectifyRight(image, right_.rectified));
-  return right_.extractor.Extract(right_.rectified, right_.features, right_.pyramid);
+  return right_.extractor.Begin(right_.rectified, right_.pyramid);
 }
 
 }  // namespace corbslam

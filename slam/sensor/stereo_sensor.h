@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "slam/sensor/sensor.h"
-#include "slam/sensor/worker_thread.h"
+#include "slam/sensor/thread_pair.h"
 
 namespace corbslam {
 
@@ -31,8 +31,8 @@ class StereoSensor : public Sensor {
 
   StereoSensor(const Camera& camera, std::optional<StereoRectifier> rectifier,
                double right_cx_offset_px, const SensorOptions& options);
-  absl::Status ProcessLeft(const cv::Mat& image);
-  absl::Status ProcessRight(const cv::Mat& image);
+  absl::Status BeginLeft(const cv::Mat& image);
+  absl::Status BeginRight(const cv::Mat& image);
 
   Camera camera_;
   std::optional<StereoRectifier> rectifier_;
@@ -42,8 +42,7 @@ class StereoSensor : public Sensor {
   double right_rest_px_ = 0;
   Side left_;
   Side right_;
-  // For the right image; null: one thread does both. Last, so that it ends first.
-  std::unique_ptr<WorkerThread> worker_;
+  ThreadPair threads_;
 };
 
 }  // namespace corbslam

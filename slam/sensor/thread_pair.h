@@ -1,0 +1,46 @@
+// A caller and one thread beside it that share what there is to do.
+#ifndef CORBSLAM_SLAM_SENSOR_THREAD_PAIR_H_
+#define CORBSLAM_SLAM_SENSOR_THREAD_PAIR_H_
+
+#include <cstddef>
+#include <thread>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/functional/function_ref.h"
+#include "absl/synchronization/mutex.h"
+
+namespace corbslam {
+
+// Run is called by one thread.
+class ThreadPair {
+ public:
+  using Task = absl::FunctionRef<void(size_t)>;
+
+  // Without a thread beside it the caller does everything, in order.
+  explicit ThreadPair(bool parallel);
+  ~ThreadPair();
+  ThreadPair(const ThreadPair&) = delete;
+  ThreadPair& operator=(const ThreadPair&) = delete;
+
+  // Runs task(0) to task(count - 1), each once, and returns when all are done. Whoever is free
+  // takes the next one: a thread that the machine does not let run delays nothing that it has not
+  // begun. Tasks must not throw.
+  void Run(size_t count, Task task);
+
+ private:
+  // False: none is left to begin.
+  bool RunOne();
+  void Loop();
+
+  absl::Mutex mutex_;
+  const Task* task_ ABSL_GUARDED_BY(mutex_) = nullptr;
+  size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
+  size_t begun_ ABSL_GUARDED_BY(mutex_) = 0;
+  size_t done_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;  // May be none.
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_SENSOR_THREAD_PAIR_H_
