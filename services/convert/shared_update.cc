@@ -266,6 +266,7 @@ void ToProto(const SessionRequest& request, v1::OpenSession* proto) {
   for (const LocalMapId id : request.local_maps) proto->add_local_maps(id.value);
   proto->set_instance(request.instance);
   proto->set_take_over(request.take_over);
+  proto->set_downlink_bytes_per_second(request.downlink_bytes_per_second);
 }
 
 absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
@@ -283,6 +284,13 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
   }
   request.instance = proto.instance();
   request.take_over = proto.take_over();
+  request.downlink_bytes_per_second = proto.downlink_bytes_per_second();
+  if (request.downlink_bytes_per_second != 0 &&
+      (request.downlink_bytes_per_second < 1000 || request.downlink_bytes_per_second > uint64_t{1}
+                                                                                           << 40)) {
+    return OutOfRange("downlink_bytes_per_second", request.downlink_bytes_per_second, 1000,
+                      uint64_t{1} << 40);
+  }
   return request;
 }
 
