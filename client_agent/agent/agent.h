@@ -37,6 +37,9 @@ struct AgentOptions {
   FeatureSelection upload_features;
   // Of what the map store has not acknowledged, in memory.
   size_t max_outbox_bytes = 64 << 20;
+  // Of the link to the map store, each way; 0: no bound (docs/adr/0019-link-budgets.md).
+  uint64_t uplink_bytes_per_second = 0;
+  uint64_t downlink_bytes_per_second = 0;
 
   absl::Status Validate() const;
 };

@@ -27,6 +27,8 @@ MemoryOptions MakeMemoryOptions(const AgentOptions& options,
   memory.seed = SeedOf(options);
   memory.max_outbox_bytes = options.max_outbox_bytes;
   memory.features = options.upload_features;
+  memory.uplink_bytes_per_second = options.uplink_bytes_per_second;
+  memory.downlink_bytes_per_second = options.downlink_bytes_per_second;
   return memory;
 }
 

@@ -56,6 +56,7 @@ MemoryManager::MemoryManager(const MemoryOptions& options, Uplink* uplink,
       uplink_(uplink),
       compute_words_(std::move(compute_words)),
       queue_(options.max_outbox_bytes, std::move(spool)),
+      budget_(options.uplink_bytes_per_second),
       random_(options.seed) {}
 
 MemoryManager::~MemoryManager() {
@@ -67,7 +68,8 @@ MemoryManager::~MemoryManager() {
   if (uplink_ == nullptr) return;
   uplink_->Close();
   if (!queue_.has_spool()) return;
-  // For the next process.
+  // For the next process; nothing is sent any more.
+  budget_.Lift();
   {
     absl::MutexLock lock(&mutex_);
     for (auto& recording : recordings_) recording->recorder->StopHoldingBack();
@@ -150,13 +152,21 @@ absl::Status MemoryManager::Finish(absl::Duration timeout) {
   };
   if (!mutex_.AwaitWithTimeout(absl::Condition(&finished), timeout)) {
     return absl::DeadlineExceededError(
-        absl::StrCat("the map store has not acknowledged everything yet",
+        absl::StrCat("the map store has not acknowledged everything yet", DescribeWhatIsLeft(),
                      session_ == Session::kOpen || closed_.ok()
                          ? ""
                          : absl::StrCat(", and no session stands: ", closed_.ToString())));
   }
   if (session_ == Session::kRefused) return refusal_;
   return needs_new_local_map_ ? queue_.status().loss : absl::OkStatus();
+}
+
+std::string MemoryManager::DescribeWhatIsLeft() const {
+  if (!budget_.is_bounded()) return "";
+  return absl::StrCat(" (", queue_.status().batches, " batches; held back by a budget of ",
+                      options_.uplink_bytes_per_second,
+                      " bytes a second: ", ToString(held_back_.status(options_.clock()).items),
+                      ")");
 }
 
 bool MemoryManager::IsDone() const {
@@ -214,6 +224,7 @@ void MemoryManager::ConnectIfDue() {
     if (session_ != Session::kNone || options_.clock() < next_attempt_) return;
     session_ = Session::kOpening;
     request = {options_.mission, options_.agent, last_revision_, queue_.local_maps()};
+    request.downlink_bytes_per_second = options_.downlink_bytes_per_second;
   }
   if (close_first) uplink_->Close();
   uplink_->Open(request, this);
@@ -241,18 +252,59 @@ void MemoryManager::TakeBatches(bool all) {
       if (no_frames_come) recording->recorder->StopHoldingBack();
       open.push_back(recording.get());
     }
+    // Under a budget the first one may leave nothing: they take turns.
+    if (IsBudgeted() && open.size() > 1) {
+      std::rotate(open.begin(), open.begin() + static_cast<ptrdiff_t>(turn_++ % open.size()),
+                  open.end());
+    }
   }
+  NoteTransport();
   for (Recording* recording : open) {
     while (TakeBatchOf(*recording)) queue_.Spill();
   }
+  absl::MutexLock lock(&mutex_);
+  NoteHeldBack();
 }
 
-// One batch from the recorder to the outbox; false when there is none, or no room.
+bool MemoryManager::IsBudgeted() const {
+  return budget_.is_bounded() && (session_ == Session::kOpen || !queue_.has_spool());
+}
+
+void MemoryManager::NoteTransport() {
+  // What moves on between the two looks counts twice until the next one, not never.
+  const uint64_t waiting = uplink_->bytes_waiting();
+  budget_.NoteTransport(uplink_->bytes_up(), waiting, options_.clock());
+}
+
+void MemoryManager::NoteHeldBack() {
+  UpdateCounts waiting = {};
+  for (const auto& recording : recordings_) {
+    if (recording->closed) continue;
+    const UpdateCounts untold = recording->recorder->CountUntold();
+    for (size_t kind = 0; kind < kUpdateKinds; ++kind) waiting[kind] += untold[kind];
+  }
+  held_back_.NoteWaiting(waiting, options_.clock());
+}
+
+UploadStatus MemoryManager::upload() const {
+  UploadStatus status = queue_.status();
+  absl::MutexLock lock(&mutex_);
+  status.held_back = held_back_.status(options_.clock());
+  return status;
+}
+
+// One batch from the recorder to the outbox; false when there is none, no room, or no budget.
 bool MemoryManager::TakeBatchOf(Recording& recording) {
   bool closing = false;
+  BatchAllowance allowance(options_.max_keyframes_per_batch);
   {
     absl::MutexLock lock(&mutex_);
     if (recording.closed || !queue_.HasRoom()) return false;
+    if (IsBudgeted()) {
+      // What is late already is not made later: changes wait where they coalesce.
+      if (queue_.HasUnsent() || !budget_.MayTake(options_.clock())) return false;
+      allowance = budget_.Allow(options_.max_keyframes_per_batch, options_.clock());
+    }
     closing = recording.closing;
     if (closing && !std::exchange(recording.asked_for_exact_places, true)) {
       recording.recorder->AskForExactPlaces();
@@ -260,9 +312,8 @@ bool MemoryManager::TakeBatchOf(Recording& recording) {
   }
   MapUpdateBatch batch;
   if (recording.recorder->HasChanges()) {
-    recording.access.read([&](const Map& map) {
-      batch = recording.recorder->TakeBatch(map, options_.max_keyframes_per_batch);
-    });
+    recording.access.read(
+        [&](const Map& map) { batch = recording.recorder->TakeBatch(map, allowance); });
   }
   const bool last = IsEmpty(batch);
   if (last && !closing) return false;
@@ -271,6 +322,7 @@ bool MemoryManager::TakeBatchOf(Recording& recording) {
   batch.local_map = recording.access.local_map;
   batch.closes_local_map = last;
   recording.closed = last;
+  held_back_.NoteTaken(CountUpdates(batch));
   queue_.Push(std::move(batch));
   return !last;
 }
@@ -281,6 +333,9 @@ void MemoryManager::SendUnsent() {
       absl::MutexLock lock(&mutex_);
       if (session_ != Session::kOpen) return;
     }
+    NoteTransport();
+    if (!budget_.MaySend(options_.clock())) return;
+    const uint64_t before = uplink_->bytes_up() + uplink_->bytes_waiting();
     std::vector<LostLocalMap> lost;
     const std::shared_ptr<const MapUpdateBatch> batch = queue_.TakeUnsent(lost);
     if (!lost.empty()) {
@@ -288,9 +343,12 @@ void MemoryManager::SendUnsent() {
       GiveUp(lost);
     }
     if (batch == nullptr) return;
-    if (uplink_->Send(*batch)) continue;
-    queue_.MarkUnsent();
-    return;
+    if (!uplink_->Send(*batch)) {
+      queue_.MarkUnsent();
+      return;
+    }
+    const uint64_t after = uplink_->bytes_up() + uplink_->bytes_waiting();
+    budget_.NoteSent(*batch, after - std::min(after, before));
   }
 }
 

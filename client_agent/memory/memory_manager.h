@@ -15,6 +15,8 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "client_agent/memory/held_back.h"
+#include "client_agent/memory/link_budget.h"
 #include "client_agent/memory/shared_map.h"
 #include "client_agent/memory/spool.h"
 #include "client_agent/memory/update_recorder.h"
@@ -44,6 +46,10 @@ struct MemoryOptions {
   absl::Duration backlog_flush_interval = absl::Seconds(5);
   absl::Duration min_backoff = absl::Milliseconds(200);
   absl::Duration max_backoff = absl::Seconds(10);
+  // Of the link to the store, 0: no bound. Upwards what the budget does not have waits in the map
+  // and coalesces there; downwards the store is asked to keep to it.
+  uint64_t uplink_bytes_per_second = 0;
+  uint64_t downlink_bytes_per_second = 0;
   uint64_t seed = 1;  // Of the back-off's jitter.
   std::function<absl::Time()> clock = &absl::Now;
 };
@@ -87,9 +93,10 @@ class MemoryManager : private UplinkListener {
   void AddLostFrame(int64_t timestamp_ns);
 
   void Start();
-  // Sends all there is, now.
+  // Sends all there is, now; with a budget, what it has.
   void Step();
-  // Closes the local map, and returns when everything is acknowledged. DEADLINE_EXCEEDED, or the
+  // Closes the local map, and returns when everything is acknowledged, however long a budget makes
+  // that. DEADLINE_EXCEEDED, which says what is left, or the
   // reason for which the store refuses this agent for good, or for which the local map in use could
   // not go on (DATA_LOSS, ALREADY_EXISTS).
   absl::Status Finish(absl::Duration timeout);
@@ -101,7 +108,7 @@ class MemoryManager : private UplinkListener {
   // True: the local map can't go on at the store (it lost what it had acknowledged, or the id is
   // taken). What is new in it is told to nobody; the agent should begin another one.
   bool NeedsNewLocalMap() const;
-  UploadStatus upload() const { return queue_.status(); }
+  UploadStatus upload() const;
   size_t shared_keyframes() const;
 
  private:
@@ -128,6 +135,12 @@ class MemoryManager : private UplinkListener {
   void ConnectIfDue();
   void TakeBatches(bool all);
   bool TakeBatchOf(Recording& recording);
+  // Whether the budget holds now. While no session stands, a spool takes what comes: it is there
+  // for what a process that dies would lose.
+  bool IsBudgeted() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void NoteTransport();
+  void NoteHeldBack() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendUnsent();
   // Those of this process get no more batches.
   void GiveUp(const std::vector<LostLocalMap>& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -142,6 +155,7 @@ class MemoryManager : private UplinkListener {
   const ComputeWords compute_words_;
   // May be called with mutex_ held, but for what waits for the disk.
   UploadQueue queue_;
+  LinkBudget budget_;
 
   mutable absl::Mutex mutex_;
   std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);
@@ -161,6 +175,9 @@ class MemoryManager : private UplinkListener {
   // Of the last session's store.
   bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
+  HeldBackWatch held_back_ ABSL_GUARDED_BY(mutex_);
+  // Of the local maps that are told, under a budget.
+  size_t turn_ ABSL_GUARDED_BY(mutex_) = 0;
   bool wake_ ABSL_GUARDED_BY(mutex_) = false;
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);

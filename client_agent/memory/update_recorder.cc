@@ -144,15 +144,22 @@ size_t UpdateRecorder::pending_keyframes() const {
   return added_keyframes_.size() - std::min(added_keyframes_.size(), options_.hold_newest);
 }
 
-MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, size_t max_keyframes) {
+UpdateCounts UpdateRecorder::CountUntold() const {
+  absl::MutexLock lock(&mutex_);
+  return {changed_keyframes_.size() + tracked_frames_.size() + lost_frames_ns_.size(),
+          added_keyframes_.size(), added_points_.size(), moved_points_.size()};
+}
+
+MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, BatchAllowance allowance) {
   absl::MutexLock lock(&mutex_);
   MapUpdateBatch batch;
   batch.local_map = local_map_;
   batch.points_follow = points_follow_;
-  TakeFullKeyframes(map, max_keyframes, batch);
-  TakeFullPoints(map, batch);
+  SpendPoses(map, allowance);
+  TakeFullKeyframes(map, allowance, batch);
+  TakeFullPoints(map, allowance, batch);
   TakeLightKeyframes(map, batch);
-  TakeLightPoints(map, batch);
+  TakeLightPoints(map, allowance, batch);
   TakeReplacements(map, batch);
   TakeObservations(map, batch);
   TakeRemovals(batch);
@@ -199,10 +206,25 @@ bool UpdateRecorder::IsOverdue(const Map& map, KeyframeId id) const {
          std::abs(newest_frame_ns_ - keyframe->payload->timestamp_ns) > options_.hold_at_most_ns;
 }
 
-void UpdateRecorder::TakeFullKeyframes(const Map& map, size_t max_keyframes,
+void UpdateRecorder::SpendPoses(const Map& map, BatchAllowance& allowance) const {
+  const auto keyframes =
+      std::count_if(changed_keyframes_.begin(), changed_keyframes_.end(),
+                    [&](KeyframeId id) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+                      return sent_keyframes_.contains(id) && map.FindKeyframe(id) != nullptr;
+                    });
+  const auto frames =
+      std::count_if(tracked_frames_.begin(), tracked_frames_.end(),
+                    [&](const TrackedFrame& frame) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+                      return !added_keyframes_.contains(frame.reference);
+                    });
+  allowance.SpendPoses(static_cast<size_t>(keyframes), static_cast<size_t>(frames));
+}
+
+void UpdateRecorder::TakeFullKeyframes(const Map& map, BatchAllowance& allowance,
                                        MapUpdateBatch& batch) {
   const KeyframeId first_held = FirstHeld(map);
-  while (!added_keyframes_.empty() && batch.full_keyframes.size() < max_keyframes) {
+  while (!added_keyframes_.empty() && batch.full_keyframes.size() < allowance.max_keyframes() &&
+         (batch.full_keyframes.empty() || !allowance.is_spent())) {
     const KeyframeId id = *added_keyframes_.begin();
     if (first_held.IsValid() && id >= first_held && !IsOverdue(map, id)) break;
     added_keyframes_.erase(added_keyframes_.begin());
@@ -215,6 +237,7 @@ void UpdateRecorder::TakeFullKeyframes(const Map& map, size_t max_keyframes,
     if (full.parent != keyframe->parent) changed_keyframes_.insert(id);
     reobserved_keyframes_.insert(id);
     TakeCameras(full, batch);
+    allowance.SpendKeyframe(full.payload->features.keypoints.size());
     sent_keyframes_.insert(id);
     mirror_.AddKeyframe(id, keyframe->points.size());
     believed_.PlaceKeyframe(id, keyframe->camera_from_map);
@@ -256,12 +279,13 @@ KeyframeId UpdateRecorder::KnownReference(const MapPoint& point) const {
   return KeyframeId();
 }
 
-void UpdateRecorder::TakeFullPoints(const Map& map, MapUpdateBatch& batch) {
+void UpdateRecorder::TakeFullPoints(const Map& map, BatchAllowance& allowance,
+                                    MapUpdateBatch& batch) {
   absl::btree_set<MapPointId> waiting;
   for (const MapPointId& id : added_points_) {
     const MapPoint* point = map.FindPoint(id);
     if (point == nullptr) continue;
-    if (batch.full_points.size() == kMaxFullPoints) {
+    if (batch.full_points.size() == kMaxFullPoints || allowance.is_spent()) {
       waiting.insert(id);
       continue;
     }
@@ -270,6 +294,7 @@ void UpdateRecorder::TakeFullPoints(const Map& map, MapUpdateBatch& batch) {
       if (MayBeSeenLater(map, *point)) waiting.insert(id);
       continue;
     }
+    allowance.SpendPoint(point->observations.size());
     moved_points_.erase(id);
     sent_points_.insert(id);
     believed_.AddPoint(id, point->position_in_map, reference);
@@ -313,12 +338,15 @@ bool UpdateRecorder::IsToldWell(const Map& map, const MapPoint& point) const {
   return (*told - point.position_in_map).norm() <= kRounding * (1 + point.position_in_map.norm());
 }
 
-void UpdateRecorder::TakeLightPoints(const Map& map, MapUpdateBatch& batch) {
-  while (!moved_points_.empty() && batch.light_points.size() < kMaxLightPoints) {
+void UpdateRecorder::TakeLightPoints(const Map& map, BatchAllowance& allowance,
+                                     MapUpdateBatch& batch) {
+  while (!moved_points_.empty() && batch.light_points.size() < kMaxLightPoints &&
+         !allowance.is_spent()) {
     const MapPointId id = *moved_points_.begin();
     moved_points_.erase(moved_points_.begin());
     const MapPoint* point = map.FindPoint(id);
     if (point == nullptr || !sent_points_.contains(id) || IsToldWell(map, *point)) continue;
+    allowance.SpendLightPoint();
     believed_.MovePoint(id, point->position_in_map);
     batch.light_points.push_back({id, point->position_in_map});
   }

@@ -12,8 +12,10 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/map/provisional_keyframes.h"
+#include "client_agent/memory/batch_allowance.h"
 #include "client_agent/memory/believed_places.h"
 #include "client_agent/memory/feature_selection.h"
+#include "client_agent/memory/held_back.h"
 #include "client_agent/memory/observation_mirror.h"
 #include "slam/exchange/map_update.h"
 #include "slam/map/map.h"
@@ -69,11 +71,18 @@ class UpdateRecorder : public MapObserver {
   bool HasChanges() const;
   // About how many keyframes a batch is yet to carry that are not held back.
   size_t pending_keyframes() const;
+  // What no batch has carried yet.
+  UpdateCounts CountUntold() const;
 
-  // The changes since the last call, as a batch without a number. At most `max_keyframes` full
-  // keyframes (the rest, and what hangs on them, waits for the next call). `map` is the observed
-  // one; the caller keeps it from changing.
-  MapUpdateBatch TakeBatch(const Map& map, size_t max_keyframes);
+  // The changes since the last call, as a batch without a number, as far as `allowance` goes (the
+  // rest, and what hangs on it, waits for the next call): all poses, at least one full keyframe,
+  // and points once no full keyframe waits. Never empty where something can be told. `map` is the
+  // observed one; the caller keeps it from changing.
+  MapUpdateBatch TakeBatch(const Map& map, BatchAllowance allowance);
+  // As far as at most so many full keyframes go.
+  MapUpdateBatch TakeBatch(const Map& map, size_t max_keyframes) {
+    return TakeBatch(map, BatchAllowance(max_keyframes));
+  }
 
  private:
   bool IsOwn(KeyframeId id) const { return id.local_map == local_map_; }
@@ -87,12 +96,17 @@ class UpdateRecorder : public MapObserver {
   bool IsOverdue(const Map& map, KeyframeId id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeCameras(const FullKeyframe& keyframe, MapUpdateBatch& batch)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void TakeFullKeyframes(const Map& map, size_t max_keyframes, MapUpdateBatch& batch)
+  // The poses that go up now.
+  void SpendPoses(const Map& map, BatchAllowance& allowance) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void TakeFullPoints(const Map& map, MapUpdateBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeFullKeyframes(const Map& map, BatchAllowance& allowance, MapUpdateBatch& batch)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeFullPoints(const Map& map, BatchAllowance& allowance, MapUpdateBatch& batch)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeLightKeyframes(const Map& map, MapUpdateBatch& batch)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void TakeLightPoints(const Map& map, MapUpdateBatch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeLightPoints(const Map& map, BatchAllowance& allowance, MapUpdateBatch& batch)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool IsToldWell(const Map& map, const MapPoint& point) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteWithdrawn(const Map& map, const std::map<KeyframeId, uint32_t>& replaced,

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "client_agent/memory/outbox.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -137,6 +138,13 @@ class Scenario {
   // The robot hears of it only when a session opens.
   void ReplaceStore(bool is_old) { store_is_old_ = is_old; }
   void OpenSession() { recorder_.SetPointsFollow(!store_is_old_); }
+  // With so many bytes; returns what was told.
+  MapUpdateBatch FlushBytes(double bytes) {
+    const MapUpdateBatch batch = recorder_.TakeBatch(map_, BatchAllowance(1000, bytes, 1));
+    Apply(batch, store_is_old_, replica_);
+    return batch;
+  }
+  UpdateCounts CountUntold() const { return recorder_.CountUntold(); }
   bool HasChanges() const { return recorder_.HasChanges(); }
 
   // Where nobody can tell the difference from the pictures.
@@ -349,6 +357,37 @@ TEST(UpdateRecorderTest, AStoreThatMovesNoPointsIsToldThemAll) {
   }
 }
 
+// Whatever is held back, and however long: no item is lost, none comes before what it refers to
+// (Apply says so), points wait while a full keyframe does, and every batch tells something.
+TEST(UpdateRecorderTest, BatchesLimitedInBytesConvergeToTheSame) {
+  for (uint32_t seed = 1; seed <= 40; ++seed) {
+    Scenario scenario(seed);
+    std::mt19937 random(seed);
+    const auto flush = [&] {
+      const MapUpdateBatch batch = scenario.FlushBytes(1 + static_cast<double>(random() % 4000));
+      if (scenario.CountUntold()[static_cast<size_t>(UpdateKind::kKeyframes)] == 0) return batch;
+      EXPECT_FALSE(batch.full_keyframes.empty());
+      EXPECT_TRUE(batch.full_points.empty());
+      EXPECT_TRUE(batch.light_points.empty());
+      return batch;
+    };
+    for (int step = 0; step < 300; ++step) {
+      scenario.Step();
+      if (random() % 10 == 0) flush();
+    }
+    int batches = 0;
+    for (; batches < 5000 && scenario.HasChanges(); ++batches) {
+      // An empty one would close the local map.
+      EXPECT_TRUE(!IsEmpty(flush()) || !scenario.HasChanges());
+    }
+    EXPECT_GT(batches, 1);
+    EXPECT_FALSE(scenario.HasChanges());
+    scenario.ExpectEqual();
+    scenario.ExpectExactPlaces();
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+}
+
 class RecordedMapTest : public ::testing::Test {
  protected:
   RecordedMapTest() { map_.SetObserver(&recorder_); }
@@ -479,6 +518,46 @@ TEST_F(RecordedPlacesTest, WhoAsksGetsExactPlaces) {
   EXPECT_FALSE(recorder_.HasChanges());
   Shift(3, 0.001);
   EXPECT_TRUE(recorder_.TakeBatch(map_, 10).light_points.empty());
+}
+
+// A byte is left: one of what matters most goes.
+TEST_F(RecordedPlacesTest, WhatMattersMostGoesFirst) {
+  const auto take = [this](double bytes) {
+    return CountUpdates(recorder_.TakeBatch(map_, BatchAllowance(10, bytes, 1)));
+  };
+  for (uint32_t k = 1; k <= 3; ++k) map_.AddKeyframe(MakeKeyframe({kOwn, k}, {kOwn, 0}));
+  for (uint32_t i = 20; i < 23; ++i) {
+    MapPoint point = Point({kOwn, i});
+    point.reference = {kOwn, 0};
+    map_.AddPoint(point);
+  }
+  for (uint32_t i = 0; i < 3; ++i) Shift(i, 5);
+  for (int i = 0; i < 100; ++i) recorder_.AddTrackedFrame({i, {kOwn, 0}, {}});
+  recorder_.AddLostFrame(100);
+  // All poses; a keyframe even then.
+  EXPECT_EQ(take(1), (UpdateCounts{101, 1, 0, 0}));
+  EXPECT_EQ(recorder_.CountUntold(), (UpdateCounts{0, 2, 3, 3}));
+  recorder_.AddTrackedFrame({101, {kOwn, 1}, {}});
+  recorder_.AddTrackedFrame({102, {kOwn, 3}, {}});
+  EXPECT_EQ(take(1), (UpdateCounts{1, 1, 0, 0})) << "a frame waits for its keyframe";
+  EXPECT_EQ(take(1), (UpdateCounts{1, 1, 0, 0}));
+  EXPECT_EQ(take(100), (UpdateCounts{0, 0, 2, 0}));
+  EXPECT_EQ(take(100), (UpdateCounts{0, 0, 1, 3}));
+  EXPECT_FALSE(recorder_.HasChanges());
+}
+
+// The store hears where it is in the end, once.
+TEST_F(RecordedPlacesTest, WhatIsHeldBackIsToldOnce) {
+  map_.AddKeyframe(MakeKeyframe({kOwn, 1}, {kOwn, 0}));
+  map_.AddKeyframe(MakeKeyframe({kOwn, 2}, {kOwn, 0}));
+  for (int i = 0; i < 10; ++i) Shift(4, 1);
+  EXPECT_TRUE(recorder_.TakeBatch(map_, BatchAllowance(10, 1, 1)).light_points.empty());
+  for (int i = 0; i < 10; ++i) Shift(4, 1);
+  EXPECT_TRUE(recorder_.TakeBatch(map_, BatchAllowance(10, 1, 1)).light_points.empty());
+  const MapUpdateBatch batch = recorder_.TakeBatch(map_, BatchAllowance(10, 1, 1));
+  ASSERT_EQ(batch.light_points.size(), 1u);
+  EXPECT_NEAR(batch.light_points[0].position_in_local.x(), 20.4, 1e-9);
+  EXPECT_FALSE(recorder_.HasChanges());
 }
 
 TEST_F(RecordedMapTest, FramesBeyondABatchGoIntoTheNext) {

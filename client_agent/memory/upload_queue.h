@@ -11,6 +11,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
+#include "client_agent/memory/held_back.h"
 #include "client_agent/memory/outbox.h"
 #include "client_agent/memory/spool.h"
 #include "slam/exchange/map_update.h"
@@ -28,6 +29,8 @@ struct UploadStatus {
   // DATA_LOSS, ALREADY_EXISTS: why the last local map was given up that had to be.
   absl::Status loss;
   int lost_local_maps = 0;
+  // Not in a batch yet; the queue doesn't know, the manager says it.
+  HeldBack held_back;
 };
 
 // Thread-safe; the calls of the second group may wait for the disk and are to be made by one

@@ -35,6 +35,8 @@ class FakeAgent : public Agent {
     status.upload.room = absl::ResourceExhaustedError("full");
     status.upload.loss = absl::DataLossError("gone");
     status.upload.lost_local_maps = 2;
+    status.upload.held_back.items = {1, 20, 300, 4000};
+    status.upload.held_back.waited[1] = absl::Seconds(2.5);
     return status;
   }
   std::optional<Similarity3d> GlobalFromLocal() const override { return Similarity3d::Identity(); }
@@ -105,6 +107,15 @@ TEST_F(AgentServiceTest, TellsHowItIs) {
   EXPECT_EQ(status.outbox_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(status.loss_code(), grpc::StatusCode::DATA_LOSS);
   EXPECT_EQ(status.lost_local_maps(), 2u);
+  ASSERT_EQ(status.held_back_size(), 4);
+  EXPECT_EQ(status.held_back(0).kind(), v1::UPDATE_KIND_POSES);
+  EXPECT_EQ(status.held_back(0).items(), 1u);
+  EXPECT_EQ(status.held_back(1).kind(), v1::UPDATE_KIND_KEYFRAMES);
+  EXPECT_EQ(status.held_back(1).items(), 20u);
+  EXPECT_EQ(status.held_back(1).waited_s(), 2.5);
+  EXPECT_EQ(status.held_back(2).kind(), v1::UPDATE_KIND_POINTS);
+  EXPECT_EQ(status.held_back(3).kind(), v1::UPDATE_KIND_LIGHT_POINTS);
+  EXPECT_EQ(status.held_back(3).items(), 4000u);
   EXPECT_FALSE(status.connected());
   EXPECT_EQ(status.session_code(), grpc::StatusCode::ALREADY_EXISTS);
   EXPECT_EQ(status.session_message(), "another alpha");

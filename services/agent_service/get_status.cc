@@ -17,6 +17,15 @@ void WriteUpload(const UploadStatus& upload, v1::AgentStatus* response) {
   response->set_loss_code(upload.loss.raw_code());
 }
 
+void WriteHeldBack(const HeldBack& held, v1::AgentStatus* response) {
+  for (size_t i = 0; i < kUpdateKinds; ++i) {
+    v1::HeldBack* kind = response->add_held_back();
+    kind->set_kind(static_cast<v1::UpdateKind>(i + 1));
+    kind->set_items(held.items[i]);
+    kind->set_waited_s(absl::ToDoubleSeconds(held.waited[i]));
+  }
+}
+
 void WriteSession(const absl::Status& session, v1::AgentStatus* response) {
   response->set_connected(session.ok());
   response->set_session_code(session.raw_code());
@@ -62,6 +71,7 @@ grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* c
     if (uplink_ != nullptr) response->set_bytes_up(uplink_->bytes_up());
     if (uplink_ != nullptr) response->set_bytes_down(uplink_->bytes_down());
     WriteUpload(status.upload, response);
+    WriteHeldBack(status.upload.held_back, response);
     if (options_.session != nullptr) WriteSession(options_.session(), response);
     if (status.global_from_local) {
       ToProto(*status.global_from_local, response->mutable_global_from_local());

@@ -134,7 +134,7 @@ SyncReactor::Job SyncReactor::NextJob() const {
   if (end_) return writing_ ? Job::kNone : Job::kFinish;
   if (has_request_ && replies_.size() < kMaxReplies) return Job::kRequest;
   if (read_to_end_ && !has_request_) return writing_ ? Job::kNone : Job::kFinish;
-  if (shareable_ && replies_.empty()) return Job::kShare;
+  if (shareable_ && !paced_ && replies_.empty()) return Job::kShare;
   return Job::kNone;
 }
 
@@ -240,6 +240,7 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   }
   const MapStore::OpenedSession& opened = *session;
   session_id_ = opened.session_id;
+  pacer_ = SharePacer(request.downlink_bytes_per_second);
   for (SyncObserver* observer : observers_) observer->OnOpened(who_);
   timer_.Disarm();
   v1::SyncResponse response;
@@ -297,7 +298,28 @@ absl::StatusOr<Acknowledgement> SyncReactor::ApplyWhole(const MapUpdateBatch& ba
   return stored;
 }
 
+bool SyncReactor::MayShare() {
+  const absl::Duration wait = pacer_.Wait(absl::Now());
+  if (wait <= absl::ZeroDuration()) return true;
+  {
+    // Before the timer can ring.
+    absl::MutexLock lock(&mutex_);
+    paced_ = true;
+  }
+  budget_timer_.Arm(wait, [this] { OnBudget(); });
+  return false;
+}
+
+void SyncReactor::OnBudget() {
+  {
+    absl::MutexLock lock(&mutex_);
+    paced_ = false;
+  }
+  Kick();
+}
+
 void SyncReactor::Share() {
+  if (!MayShare()) return;
   {
     // Before asking: what comes meanwhile is asked for again.
     absl::MutexLock lock(&mutex_);
@@ -309,18 +331,30 @@ void SyncReactor::Share() {
     Reply(response);
   }
   const absl::StatusOr<std::optional<SharedUpdate>> update =
-      store_.NextShared(*session_id_, shared_bytes_);
+      store_.NextShared(*session_id_, pacer_.Allow(shared_bytes_, absl::Now()));
   if (!update.ok()) return End(update.status());
-  if (!update->has_value()) return;
+  if (!update->has_value()) {
+    pacer_.NoteSent(0, absl::Now());
+    return;
+  }
   for (SyncObserver* observer : observers_) observer->OnShared(who_, **update);
-  for (v1::SharedUpdate& part : ToProto(**update, sent_cameras_, kPartBytes)) {
+  SendShared(**update);
+  // There may be more.
+  absl::MutexLock lock(&mutex_);
+  shareable_ = true;
+}
+
+void SyncReactor::SendShared(const SharedUpdate& update) {
+  size_t bytes = 0;
+  for (v1::SharedUpdate& part : ToProto(update, sent_cameras_, kPartBytes)) {
+    bytes += part.ByteSizeLong();
     v1::SyncResponse response;
     *response.mutable_shared() = std::move(part);
     Reply(response);
   }
-  // There may be more.
-  absl::MutexLock lock(&mutex_);
-  shareable_ = true;
+  const absl::Duration waited = pacer_.NoteSent(bytes, absl::Now());
+  if (waited == absl::ZeroDuration()) return;
+  for (SyncObserver* observer : observers_) observer->OnShareDelayed(who_, bytes, waited);
 }
 
 void SyncReactor::Reply(const v1::SyncResponse& response) {

@@ -40,6 +40,8 @@ class SyncObserver {
                          const absl::Status&) {}
   // It will be sent next.
   virtual void OnShared(const SessionAgent&, const SharedUpdate&) {}
+  // A shared update of so many bytes has waited so long for the budget of the agent's link.
+  virtual void OnShareDelayed(const SessionAgent&, size_t, absl::Duration) {}
 };
 
 }  // namespace corbslam

@@ -23,15 +23,18 @@
 #include "services/convert/map_update.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/map_store_service/read_timer.h"
+#include "services/map_store_service/share_pacer.h"
 #include "services/map_store_service/stream_limits.h"
 #include "services/map_store_service/sync_observer.h"
+#include "services/map_store_service/wake_timer.h"
 #include "services/server/task_pool.h"
 
 namespace corbslam {
 
 // gRPC's reactions only note what happened; all work is done by Work, which the pool runs once at a
 // time. Back-pressure: the next message is read when the one before was applied, and the next
-// shared update is asked for when the one before was written. Owns itself.
+// shared update is asked for when the one before was written and the budget of the agent's link has
+// paid for it. Owns itself.
 class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
   // Whether the caller may open this session.
@@ -70,6 +73,10 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   absl::Status Apply(const v1::MapUpdateBatch& part);
   absl::StatusOr<Acknowledgement> ApplyWhole(const MapUpdateBatch& batch);
   void Share();
+  // False: the link's budget is spent, and a timer wakes the stream when it is not.
+  bool MayShare();
+  void OnBudget();
+  void SendShared(const SharedUpdate& update);
   void Reply(const v1::SyncResponse& response);
   // Leaves the store and says how the stream ends.
   absl::Status Leave();
@@ -96,12 +103,14 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   CameraBook sent_cameras_;
   BatchAssembler assembler_;
   BatchTransfer transfer_;
+  SharePacer pacer_;
 
   absl::Mutex mutex_;
   bool working_ ABSL_GUARDED_BY(mutex_) = false;
   bool has_request_ ABSL_GUARDED_BY(mutex_) = false;
   absl::Time read_at_ ABSL_GUARDED_BY(mutex_);
   bool shareable_ ABSL_GUARDED_BY(mutex_) = false;
+  bool paced_ ABSL_GUARDED_BY(mutex_) = false;  // No shared update until the timer rings.
   bool read_to_end_ ABSL_GUARDED_BY(mutex_) = false;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
@@ -109,7 +118,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   std::deque<grpc::ByteBuffer> replies_ ABSL_GUARDED_BY(mutex_);
 
-  // Last: ends while the rest is there.
+  // Last: they end while the rest is there.
+  WakeTimer budget_timer_;
   ReadTimer timer_{[this](const absl::Status& overdue) { OnOverdue(overdue); }};
 };
 

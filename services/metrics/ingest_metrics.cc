@@ -78,6 +78,13 @@ void IngestMetrics::OnApplied(const SessionAgent& agent, const MapUpdateBatch& b
   counts.keyframes += batch.full_keyframes.size();
 }
 
+void IngestMetrics::OnShareDelayed(const SessionAgent& agent, size_t bytes, absl::Duration waited) {
+  absl::MutexLock lock(&mutex_);
+  AgentCounts& counts = agents_[agent];
+  counts.delayed_bytes += bytes;
+  counts.delay += waited;
+}
+
 void IngestMetrics::DropGone(const std::set<std::string>& missions) {
   const absl::Time now = clock_();
   std::erase_if(agents_, [&](const auto& entry) {
@@ -104,6 +111,11 @@ void IngestMetrics::AddAgents(const std::set<std::string>& missions, Families& f
     families.Counter("corbslam_agent_keyframes_total",
                      "Keyframes in the agent's acknowledged batches.",
                      static_cast<double>(counts.keyframes), labels);
+    families.Counter("corbslam_agent_delayed_bytes_total",
+                     "Bytes of shared updates that waited for the budget of the agent's link.",
+                     static_cast<double>(counts.delayed_bytes), labels);
+    families.Counter("corbslam_agent_delay_seconds_total", "For how long they waited, together.",
+                     absl::ToDoubleSeconds(counts.delay), labels);
   }
 }
 

@@ -42,6 +42,8 @@ class IngestMetrics : public SyncObserver {
   void OnApplied(const SessionAgent& agent, const MapUpdateBatch& batch, absl::Duration took,
                  const absl::Status& status) override;
 
+  void OnShareDelayed(const SessionAgent& agent, size_t bytes, absl::Duration waited) override;
+
   // Adds the agents' series. `missions` are those that there are.
   void AddAgents(const std::set<std::string>& missions, Families& families);
 
@@ -53,6 +55,8 @@ class IngestMetrics : public SyncObserver {
     uint64_t sent_bytes = 0;
     uint64_t batches = 0;
     uint64_t keyframes = 0;
+    uint64_t delayed_bytes = 0;
+    absl::Duration delay;
   };
   void DropGone(const std::set<std::string>& missions) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 

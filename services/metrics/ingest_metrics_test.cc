@@ -61,6 +61,16 @@ TEST_F(IngestMetricsTest, BytesAreCountedForEachAgent) {
             0);
 }
 
+TEST_F(IngestMetricsTest, CountsWhatWaitedForALinksBudget) {
+  metrics_.OnOpened(kAlpha);
+  EXPECT_EQ(ValueOf(Agents({"lab"}), "corbslam_agent_delayed_bytes_total", kAlphaLabels), 0);
+  metrics_.OnShareDelayed(kAlpha, 700, absl::Milliseconds(250));
+  metrics_.OnShareDelayed(kAlpha, 300, absl::Seconds(1));
+  const auto families = Agents({"lab"});
+  EXPECT_EQ(ValueOf(families, "corbslam_agent_delayed_bytes_total", kAlphaLabels), 1000);
+  EXPECT_EQ(ValueOf(families, "corbslam_agent_delay_seconds_total", kAlphaLabels), 1.25);
+}
+
 TEST_F(IngestMetricsTest, AnAgentsSeriesGoAWhileAfterItsLastSession) {
   metrics_.OnOpened(kAlpha);
   // It comes again before its first session is gone.

@@ -33,6 +33,18 @@ void AddOutbox(const UploadStatus& upload, Families& families) {
                    "Local maps that could not go on at the store.", upload.lost_local_maps);
 }
 
+void AddHeldBack(const HeldBack& held, Families& families) {
+  for (size_t kind = 0; kind < kUpdateKinds; ++kind) {
+    families.Gauge("corbslam_robot_held_back_items",
+                   "What waits in the map to be told to the store.", Number(held.items[kind]),
+                   {{"kind", kUpdateKindNames[kind]}});
+  }
+  for (size_t kind = 0; kind < kUpdateKinds; ++kind) {
+    families.Gauge("corbslam_robot_held_back_seconds", "For how long the oldest of it has waited.",
+                   absl::ToDoubleSeconds(held.waited[kind]), {{"kind", kUpdateKindNames[kind]}});
+  }
+}
+
 }  // namespace
 
 std::vector<prometheus::MetricFamily> RobotCollector::Collect() const {
@@ -42,6 +54,7 @@ std::vector<prometheus::MetricFamily> RobotCollector::Collect() const {
                  {{"mission", mission_}, {"agent", name_}});
   AddMap(status, families);
   AddOutbox(status.upload, families);
+  AddHeldBack(status.upload.held_back, families);
   families.Counter("corbslam_robot_sent_bytes_total", "Bytes sent to the map store.",
                    uplink_ != nullptr ? Number(uplink_->bytes_up()) : 0);
   families.Counter("corbslam_robot_received_bytes_total", "Bytes received from the map store.",

@@ -30,6 +30,7 @@ class ObservedUplink : public Uplink, private UplinkListener {
 
   void Close() override { uplink_.Close(); }
   uint64_t bytes_up() const override { return uplink_.bytes_up(); }
+  uint64_t bytes_waiting() const override { return uplink_.bytes_waiting(); }
   uint64_t bytes_down() const override { return uplink_.bytes_down(); }
 
  private:

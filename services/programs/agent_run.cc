@@ -51,6 +51,14 @@ nlohmann::ordered_json Spread(std::vector<double> values) {
           {"p99", values[p99]}};
 }
 
+nlohmann::ordered_json ToJson(const HeldBack& held) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (size_t kind = 0; kind < kUpdateKinds; ++kind) {
+    json[kUpdateKindNames[kind]] = held.items[kind];
+  }
+  return json;
+}
+
 }  // namespace
 
 namespace {
@@ -162,6 +170,7 @@ std::string StatisticsJson(const RunStatistics& run, const Agent& agent) {
         {"memory_bytes", status.upload.memory_bytes},
         {"spool_bytes", status.upload.spool_bytes},
         {"lost_local_maps", status.upload.lost_local_maps}}},
+      {"held_back", ToJson(status.upload.held_back)},
       {"bytes_up", run.bytes_up},
       {"bytes_down", run.bytes_down},
       {"source_description", ToJson(run.source)},

@@ -23,6 +23,7 @@
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/inspected_source.h"
+#include "services/programs/link_flags.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
 #include "services/programs/robot_observers.h"
@@ -56,6 +57,7 @@ struct Flags {
   uint64_t spool_mb = 1024;
   uint64_t outbox_mb = 64;
   std::string upload = "features=all";
+  LinkFlags link;
   bool stay = false;
   bool strict = false;
   bool take_over = false;
@@ -106,6 +108,8 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.solver_threads = flags.solver_threads;
   options.max_outbox_bytes = flags.outbox_mb << 20;
   options.upload_features = upload;
+  options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
+  options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
   const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
   return options;
@@ -179,6 +183,7 @@ std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   if (!flags.listen.empty()) found.push_back(CheckFlagAddress("--listen", flags.listen));
   if (!flags.spool_dir.empty()) found.push_back(CheckFolder("--spool-dir", flags.spool_dir));
   if (!flags.spool_dir.empty() && flags.server.empty()) found.push_back(SpoolNeedsServer());
+  if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
   for (const std::string& file : {flags.stats, flags.trajectory}) {
     if (!file.empty()) found.push_back(CheckFolderOf(file));
   }
@@ -322,6 +327,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "What goes up of a keyframe: features=all, features=mapped (those that see a map "
                  "point) or features=N (those and others, N together)")
       ->capture_default_str();
+  AddLinkFlags(app, flags.link);
   app.add_flag("--strict", flags.strict,
                "Refuse a source in which something looks wrong, instead of warning");
   app.add_flag("--take-over", flags.take_over,

@@ -52,11 +52,7 @@ class RemoteUplink : public Uplink {
   }
 
   bool Send(const MapUpdateBatch& batch) override {
-    std::shared_ptr<SyncSession> session;
-    {
-      absl::MutexLock lock(&sessions_->mutex);
-      session = sessions_->current;
-    }
+    const std::shared_ptr<SyncSession> session = Current();
     return session != nullptr && session->Send(batch);
   }
 
@@ -67,9 +63,17 @@ class RemoteUplink : public Uplink {
   }
 
   uint64_t bytes_up() const override { return transport_->bytes_up; }
+  uint64_t bytes_waiting() const override {
+    const std::shared_ptr<SyncSession> session = Current();
+    return session != nullptr ? session->bytes_waiting() : 0;
+  }
   uint64_t bytes_down() const override { return transport_->bytes_down; }
 
  private:
+  std::shared_ptr<SyncSession> Current() const {
+    absl::MutexLock lock(&sessions_->mutex);
+    return sessions_->current;
+  }
   // Returns the one before.
   std::shared_ptr<SyncSession> Replace(std::shared_ptr<SyncSession> session) {
     absl::MutexLock lock(&sessions_->mutex);

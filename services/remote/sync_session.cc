@@ -50,6 +50,13 @@ bool SyncSession::Send(const MapUpdateBatch& batch) {
   return true;
 }
 
+uint64_t SyncSession::bytes_waiting() const {
+  absl::MutexLock lock(&mutex_);
+  if (broken_ || queue_.empty()) return 0;
+  // What is being written is on the wire.
+  return writing_ ? queued_bytes_ - (queue_.front().ByteSizeLong() + kFrameBytes) : queued_bytes_;
+}
+
 bool SyncSession::Leave() {
   {
     absl::MutexLock lock(&mutex_);

@@ -42,6 +42,8 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   void Start(std::shared_ptr<SyncSession> self);
   // As Uplink::Send.
   bool Send(const MapUpdateBatch& batch);
+  // As Uplink::bytes_waiting; nothing once the call has broken.
+  uint64_t bytes_waiting() const;
   // Closes the sending side, so that the store ends the call in good order. The listener hears
   // nothing more, though a call of it may still run. False: no session stands, or something is
   // unsent; then only Cancel ends it.

@@ -82,6 +82,9 @@ class Uplink {
   virtual void Close() = 0;
   // Bytes on the wire since construction.
   virtual uint64_t bytes_up() const = 0;
+  // Bytes that Send has taken and that are not on the wire yet; they never will be if the session
+  // ends first. By default there is no such queue.
+  virtual uint64_t bytes_waiting() const { return 0; }
   virtual uint64_t bytes_down() const = 0;
 };
 

@@ -102,6 +102,9 @@ class MetricsTest : public ObservedMissionTest {
     EXPECT_GT(robot.Value("corbslam_robot_keyframes"), 1);
     EXPECT_EQ(robot.Sum("corbslam_robot_outbox_bytes"), 0) << "all is acknowledged";
     EXPECT_EQ(robot.Value("corbslam_robot_outbox_batches"), 0);
+    EXPECT_EQ(robot.Count("corbslam_robot_held_back_items"), 4u);
+    EXPECT_EQ(robot.Sum("corbslam_robot_held_back_items"), 0);
+    EXPECT_EQ(robot.Sum("corbslam_robot_held_back_seconds"), 0);
     EXPECT_EQ(robot.Value("corbslam_robot_connected"), 1);
     EXPECT_EQ(robot.Value("corbslam_robot_reconnects_total"), 0);
     EXPECT_EQ(robot.Value("corbslam_robot_local_maps_lost_total"), 0);

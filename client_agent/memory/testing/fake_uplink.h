@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "client_agent/memory/batch_allowance.h"
 #include "slam/exchange/uplink.h"
 
 namespace corbslam {
@@ -30,6 +31,7 @@ class FakeUplink : public Uplink {
   }
   bool Send(const MapUpdateBatch& batch) override {
     if (!open) return false;
+    bytes += static_cast<uint64_t>(wire_factor * static_cast<double>(EstimateWireBytes(batch)));
     auto& batches = stored[batch.local_map];
     if (batch.number == batches.size() + 1) batches.push_back(batch);
     EXPECT_LE(batch.number, batches.size()) << "a batch is missing";
@@ -43,12 +45,17 @@ class FakeUplink : public Uplink {
   void Share(SharedUpdate update) { listener_->OnShared(std::move(update)); }
   void AskForExactPlaces() { listener_->OnExactPlacesWanted(); }
   void Close() override { open = false; }
-  uint64_t bytes_up() const override { return 0; }
+  uint64_t bytes_up() const override { return bytes; }
+  uint64_t bytes_waiting() const override { return waiting; }
   uint64_t bytes_down() const override { return 0; }
 
   std::atomic<bool> reachable = true;
   bool acknowledge = true;
   Capabilities capabilities = {.points_follow = true};
+  // Of what a batch is estimated to take, what it takes.
+  double wire_factor = 1;
+  std::atomic<uint64_t> bytes = 0;
+  std::atomic<uint64_t> waiting = 0;
   bool open = false;
   std::vector<SessionRequest> requests;
   std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;

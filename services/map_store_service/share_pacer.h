@@ -1,0 +1,36 @@
+// Spaces the shared updates of one stream, so that they take no more of the robot's link than it
+// has asked for.
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_SHARE_PACER_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_SHARE_PACER_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "absl/time/time.h"
+#include "slam/util/byte_bucket.h"
+
+namespace corbslam {
+
+// Waiting costs nothing: the next update is made when it may go, of what is the case then. Not
+// thread-safe.
+class SharePacer {
+ public:
+  // 0: no bound.
+  explicit SharePacer(uint64_t bytes_per_second = 0) : bucket_(bytes_per_second) {}
+
+  // How long the next update has to wait.
+  absl::Duration Wait(absl::Time now);
+  // Bytes of it at most, of those that the store would send; when it has to wait no more.
+  size_t Allow(size_t most, absl::Time now);
+  // One of so many bytes goes, 0: there was none. Returns for how long it has waited.
+  absl::Duration NoteSent(size_t bytes, absl::Time now);
+
+ private:
+  ByteBucket bucket_;
+  std::optional<absl::Time> waiting_since_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_SHARE_PACER_H_

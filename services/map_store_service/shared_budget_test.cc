@@ -1,0 +1,171 @@
+// What others mapped comes to a robot at the pace that it asked for, and its acknowledgements at
+// once.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
+#include "map_store/testing/sharing_mission.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/remote/remote_uplink.h"
+#include "services/server/server.h"
+
+namespace corbslam {
+namespace {
+
+using testing::kMission;
+using testing::SharedMirror;
+using testing::TestAgent;
+
+// Holds what comes down, and waits for it for 60 s at most.
+class SharedNotes : public UplinkListener {
+ public:
+  void OnSessionOpened(const SessionGrant&) override {
+    absl::MutexLock lock(&mutex_);
+    open_ = true;
+  }
+  void OnAcknowledged(const Acknowledgement&) override {
+    absl::MutexLock lock(&mutex_);
+    ++acknowledged_;
+  }
+  void OnShared(SharedUpdate update) override {
+    absl::MutexLock lock(&mutex_);
+    mirror_.Apply(update);
+  }
+  void OnSessionClosed(const absl::Status&) override {}
+
+  bool WaitForSession() {
+    absl::MutexLock lock(&mutex_);
+    return mutex_.AwaitWithTimeout(absl::Condition(&open_), kPatience);
+  }
+  bool WaitForAcknowledgement() {
+    absl::MutexLock lock(&mutex_);
+    const auto come = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return acknowledged_ > 0; };
+    return mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
+  }
+  bool WaitForKeyframes(size_t count) {
+    absl::MutexLock lock(&mutex_);
+    const auto come = [this, count]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+      return mirror_.keyframes.size() >= count;
+    };
+    return mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
+  }
+  SharedMirror mirror() {
+    absl::MutexLock lock(&mutex_);
+    return mirror_;
+  }
+
+ private:
+  static constexpr absl::Duration kPatience = absl::Seconds(60);
+
+  absl::Mutex mutex_;
+  bool open_ ABSL_GUARDED_BY(mutex_) = false;
+  int acknowledged_ ABSL_GUARDED_BY(mutex_) = 0;
+  SharedMirror mirror_ ABSL_GUARDED_BY(mutex_);
+};
+
+class DelayNotes : public SyncObserver {
+ public:
+  void OnShareDelayed(const SessionAgent& agent, size_t bytes, absl::Duration waited) override {
+    absl::MutexLock lock(&mutex_);
+    EXPECT_EQ(agent.agent, "b");
+    EXPECT_GT(waited, absl::ZeroDuration());
+    bytes_ += bytes;
+  }
+  size_t bytes() {
+    absl::MutexLock lock(&mutex_);
+    return bytes_;
+  }
+
+ private:
+  absl::Mutex mutex_;
+  size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
+// Agents a and b have mapped, and their maps are one.
+class SharedBudgetTest : public testing::SharingMission {
+ protected:
+  void SetUp() override {
+    for (TestAgent* agent : {&a_, &b_}) {
+      ASSERT_TRUE(agent->Stream().ok());
+      store_.CloseSession(agent->session());
+    }
+    Fuse();
+    MapStoreServiceOptions options;
+    options.observers = {&delays_};
+    service_ = std::make_unique<MapStoreService>(&store_, options);
+    auto server = Server::Start("", {service_.get()});
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+  }
+  void TearDown() override { server_->Shutdown(absl::ZeroDuration()); }
+
+  std::unique_ptr<Uplink> Open(uint64_t bytes_per_second, UplinkListener* listener) {
+    auto uplink = MakeRemoteUplink(server_->InProcessChannel());
+    SessionRequest request;
+    request.mission = kMission;
+    request.agent = "b";
+    request.local_maps = {b_.local_map()};
+    request.downlink_bytes_per_second = bytes_per_second;
+    uplink->Open(request, listener);
+    return uplink;
+  }
+
+  TestAgent a_{store_, kMission, "a", map_a_};
+  TestAgent b_{store_, kMission, "b", map_b_};
+  DelayNotes delays_;
+  std::unique_ptr<MapStoreService> service_;
+  std::unique_ptr<Server> server_;
+};
+
+TEST_F(SharedBudgetTest, ComesWithinTheBudgetToTheSameEnd) {
+  SharedNotes fast;
+  auto uplink = Open(0, &fast);
+  ASSERT_TRUE(fast.WaitForKeyframes(11));
+  const auto bytes = static_cast<double>(uplink->bytes_down());
+  uplink->Close();
+  EXPECT_EQ(delays_.bytes(), 0u);
+
+  SharedNotes slow;
+  // Three seconds, of which the first one's bytes are there at once.
+  const double rate = bytes / 4;
+  const absl::Time start = absl::Now();
+  uplink = Open(static_cast<uint64_t>(rate), &slow);
+  ASSERT_TRUE(slow.WaitForKeyframes(11));
+  const double took_s = absl::ToDoubleSeconds(absl::Now() - start);
+  // But for the last update, which is paid for afterwards.
+  EXPECT_LT(static_cast<double>(uplink->bytes_down()), rate * (1 + took_s) + bytes / 8);
+  EXPECT_GT(delays_.bytes(), 0u);
+  uplink->Close();
+  const SharedMirror all = fast.mirror();
+  const SharedMirror paced = slow.mirror();
+  EXPECT_GT(paced.updates, all.updates);
+  EXPECT_EQ(paced.own.size(), all.own.size());
+  EXPECT_EQ(paced.points.size(), all.points.size());
+  EXPECT_EQ(paced.landmarks, all.landmarks);
+  for (const auto& [id, keyframe] : all.keyframes) {
+    ASSERT_TRUE(paced.keyframes.contains(id));
+    EXPECT_EQ(paced.keyframes.at(id).points, keyframe.points);
+  }
+}
+
+TEST_F(SharedBudgetTest, AcknowledgementsDoNotWaitForIt) {
+  SharedNotes notes;
+  // The whole would take minutes.
+  const auto uplink = Open(1000, &notes);
+  ASSERT_TRUE(notes.WaitForSession());
+  MapUpdateBatch batch = b_.EmptyBatch();
+  ASSERT_TRUE(uplink->Send(batch));
+  EXPECT_TRUE(notes.WaitForAcknowledgement());
+  EXPECT_LT(notes.mirror().keyframes.size(), 11u);
+  // The stream ends although its timer is set.
+  uplink->Close();
+  SharedNotes again;
+  const auto next = Open(0, &again);
+  EXPECT_TRUE(again.WaitForKeyframes(11));
+}
+
+}  // namespace
+}  // namespace corbslam

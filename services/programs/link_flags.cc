@@ -1,0 +1,44 @@
+#include "services/programs/link_flags.h"
+
+#include <string>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+
+namespace corbslam {
+namespace {
+
+// Empty: the value is good.
+std::string CheckKbps(const std::string& text) {
+  uint64_t kbps = 0;
+  const bool good =
+      absl::SimpleAtoi(text, &kbps) && (kbps == 0 || (kbps >= kLeastKbps && kbps <= kMostKbps));
+  if (good) return "";
+  return absl::StrCat("\"", text, "\" is neither 0 (no bound) nor a whole number of kbit/s from ",
+                      kLeastKbps, " to ", kMostKbps);
+}
+
+void Add(CLI::App& app, const char* flag, uint64_t& kbps, const char* what) {
+  app.add_option(flag, kbps, what)
+      ->check(CLI::Validator(&CheckKbps, ""))
+      ->type_name("KBPS")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void AddLinkFlags(CLI::App& app, LinkFlags& flags) {
+  Add(app, "--uplink-kbps", flags.uplink_kbps,
+      "kbit/s to the map store at most, 8 to 10,000,000: poses go first, then keyframes, points, "
+      "points that moved; what is over waits. 0: no bound");
+  Add(app, "--downlink-kbps", flags.downlink_kbps,
+      "kbit/s of what others mapped that the map store is to send at most; 0: no bound");
+}
+
+absl::Status CheckNoLinkFlags(const LinkFlags& flags) {
+  if (flags.uplink_kbps > 0) return absl::InvalidArgumentError("--uplink-kbps needs --server");
+  if (flags.downlink_kbps > 0) return absl::InvalidArgumentError("--downlink-kbps needs --server");
+  return absl::OkStatus();
+}
+
+}  // namespace corbslam
