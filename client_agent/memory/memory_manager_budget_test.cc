@@ -28,6 +28,7 @@ class MemoryManagerBudgetTest : public ::testing::Test {
   void StartRobot(std::unique_ptr<Spool> spool = nullptr) {
     options_.mission = "m";
     options_.agent = "alpha";
+    options_.hold_newest_keyframes = 0;
     options_.uplink_bytes_per_second = kBytesPerSecond;
     options_.downlink_bytes_per_second = 77;
     options_.max_outbox_bytes = spool == nullptr ? 64 << 20 : 0;

@@ -38,6 +38,7 @@ class BudgetedUploadTest : public ::testing::Test {
     MemoryOptions options;
     options.mission = "m";
     options.agent = "alpha";
+    options.hold_newest_keyframes = 0;
     options.flush_interval = absl::Milliseconds(10);
     options.uplink_bytes_per_second = bytes_per_second;
     options.downlink_bytes_per_second = 1000;

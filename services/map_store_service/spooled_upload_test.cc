@@ -42,6 +42,7 @@ class Robot {
     MemoryOptions options;
     options.mission = "m";
     options.agent = "alpha";
+    options.hold_newest_keyframes = 0;
     options.max_outbox_bytes = 0;
     options.flush_interval = options.min_backoff = absl::Milliseconds(10);
     options.max_backoff = absl::Milliseconds(50);
