@@ -172,6 +172,45 @@ TEST_F(FusionFlowTest, LocalLoopBringsAnIslandUpToDate) {
   EXPECT_GT(Statistics().global_adjustments.size(), adjustments);
 }
 
+// Both robots stream keyframe by keyframe, and fusion takes its turn after each; then they end.
+size_t CountAdjustments(const MapStoreOptions& options, TruthfulWorker& worker,
+                        const SyntheticMap& map_a, const SyntheticMap& map_b,
+                        size_t* before_the_end = nullptr) {
+  MapStore store(options, TheWorld().vocabulary, std::make_unique<InMemoryJournal>(), &worker);
+  TestAgent a(store, "m", "a", map_a);
+  TestAgent b(store, "m", "b", map_b);
+  for (size_t k = 0; k < map_a.map.keyframes().size(); ++k) {
+    EXPECT_TRUE(a.Stream(1).ok());
+    EXPECT_TRUE(b.Stream(1).ok());
+    EXPECT_TRUE(store.RunFusionUntilIdle("m").ok());
+  }
+  EXPECT_EQ(store.GetStatistics("m")->islands, 1u);
+  if (before_the_end != nullptr) {
+    *before_the_end = store.GetStatistics("m")->global_adjustments.size();
+  }
+  EXPECT_TRUE(a.Close().ok());
+  EXPECT_TRUE(b.Close().ok());
+  EXPECT_TRUE(store.RunFusionUntilIdle("m").ok());
+  return store.GetStatistics("m")->global_adjustments.size();
+}
+
+TEST_F(FusionFlowTest, AdjustmentsAreSpacedByWhatChanged) {
+  MapStoreOptions options = DeterministicOptions();
+  // Asked about everything, so that overlaps come all the time.
+  options.overlap_spacing = 0;
+  options.min_shared_landmarks = 100000;
+  options.adjust_min_keyframes = 1000;
+  size_t before_the_end = 0;
+  EXPECT_EQ(CountAdjustments(options, worker_, map_a_, map_b_, &before_the_end), 2u)
+      << "after the merge and after the streams";
+  EXPECT_EQ(before_the_end, 1u);
+  options.adjust_min_keyframes = 1;
+  const size_t spaced = CountAdjustments(options, worker_, map_a_, map_b_);
+  EXPECT_GT(spaced, 2u);
+  options.adjust_share = 1e-6;
+  EXPECT_GT(CountAdjustments(options, worker_, map_a_, map_b_), spaced);
+}
+
 TEST_F(FusionFlowTest, RunsTwiceTheSame) {
   const auto run = [this] {
     MapStore store(DeterministicOptions(), TheWorld().vocabulary,

@@ -88,6 +88,15 @@ bool IsAboutToChange(const FusionSummary& summary, const IslandSummary& island) 
       });
 }
 
+// Enough has changed since the last adjustment. New keyframes alone follow the ones before them as
+// well as an adjustment could have it; with overlaps since there is something to adjust them to.
+bool HasChangedEnough(const IslandSummary& island, const PolicyLimits& limits) {
+  size_t changed = island.displaced + island.moved;
+  if (island.overlaps_since_adjustment > 0) changed += island.new_keyframes;
+  const double share = limits.adjust_share * static_cast<double>(island.keyframes);
+  return changed >= limits.adjust_min_keyframes && static_cast<double>(changed) >= share;
+}
+
 std::optional<FusionAction> DecideAdjust(const FusionSummary& summary, const PolicyLimits& limits) {
   for (const IslandSummary& island : summary.islands) {
     if (!island.fused || IsAboutToChange(summary, island)) continue;
@@ -95,8 +104,7 @@ std::optional<FusionAction> DecideAdjust(const FusionSummary& summary, const Pol
         summary.waiting.begin(), summary.waiting.end(),
         [&island](const OverlapSummary& o) { return o.a == island.id || o.b == island.id; });
     const bool last = island.quiet && island.dirty && summary.queries == 0 && !waits;
-    if (last || island.needs_adjustment || island.displaced >= limits.refresh_every ||
-        island.overlaps_since_adjustment >= limits.adjust_every) {
+    if (last || island.needs_adjustment || HasChangedEnough(island, limits)) {
       return FusionAction{FusionAction::Kind::kAdjust, island.id, {}, {}};
     }
   }

@@ -21,8 +21,12 @@ struct FusionSummary {
     bool quiet = false;
     bool dirty = false;
     bool needs_adjustment = false;
+    // Since the last adjustment: overlaps that joined its graph, keyframes that came, those that
+    // their owners moved relative to their parents, and those that overlaps moved.
     size_t overlaps_since_adjustment = 0;
+    size_t new_keyframes = 0;
     size_t displaced = 0;
+    size_t moved = 0;
     size_t relaxed = 0;
     // One is with a worker, and is not cancelled.
     bool adjusting = false;
@@ -47,12 +51,13 @@ struct FusionSummary {
 
 struct PolicyLimits {
   size_t weld_every = 3;
-  size_t adjust_every = 5;
+  // An adjustment of an island pays when so large a share of its keyframes, and at least so many,
+  // has changed: that of n keyframes costs as n, and so does the sum of all until then.
+  double adjust_share = 0.2;
+  size_t adjust_min_keyframes = 20;
   // So many adjustments in a row are cancelled by welding; then it waits until one has ended, or an
   // island into which overlaps come quickly would never be adjusted.
   size_t max_cancelled_adjustments = 2;
-  // Displaced keyframes that call for an adjustment while the streams still run.
-  size_t refresh_every = 20;
 };
 
 struct FusionAction {

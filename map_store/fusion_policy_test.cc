@@ -173,32 +173,99 @@ TEST(FusionPolicyTest, LoneMapsAreNotAdjusted) {
 }
 
 struct AdjustCase {
+  size_t keyframes;
   size_t overlaps;
+  size_t new_keyframes;
   size_t displaced;
+  size_t moved;
+  bool adjusts;
+};
+
+TEST(FusionPolicyTest, AnAdjustmentIsDueWhenEnoughHasChanged) {
+  const std::vector<AdjustCase> cases = {
+      // Of a small island at least so many keyframes.
+      {50, 0, 0, 19, 0, false},
+      {50, 0, 0, 20, 0, true},
+      {50, 0, 0, 0, 20, true},
+      {50, 0, 0, 10, 10, true},
+      // Of a large one so large a share.
+      {1000, 0, 0, 199, 0, false},
+      {1000, 0, 0, 200, 0, true},
+      {1000, 0, 0, 0, 199, false},
+      {1000, 0, 0, 0, 200, true},
+      {1000, 1, 100, 50, 50, true},
+      // Overlaps that confirm what is known move nothing.
+      {50, 100, 0, 0, 0, false},
+      // New keyframes follow the ones before them until an overlap says more.
+      {1000, 0, 900, 0, 0, false},
+      {1000, 1, 199, 0, 0, false},
+      {1000, 1, 200, 0, 0, true},
+      {50, 3, 19, 0, 0, false},
+      {50, 3, 20, 0, 0, true},
+      {0, 0, 0, 0, 0, false},
+  };
+  for (const AdjustCase& one : cases) {
+    FusionSummary summary = MakeSummary();
+    FusionSummary::IslandSummary& island = summary.islands[0];
+    island.fused = true;
+    island.dirty = true;
+    island.keyframes = one.keyframes;
+    island.overlaps_since_adjustment = one.overlaps;
+    island.new_keyframes = one.new_keyframes;
+    island.displaced = one.displaced;
+    island.moved = one.moved;
+    summary.graph_lane_busy = true;
+    const auto actions = DecideActions(summary, {.adjust_share = 0.2, .adjust_min_keyframes = 20});
+    EXPECT_EQ(actions.size(), one.adjusts ? 1u : 0u)
+        << one.keyframes << " " << one.overlaps << " " << one.new_keyframes << " " << one.displaced
+        << " " << one.moved;
+  }
+}
+
+// A mission that only grows: the keyframes of all its adjustments are a bounded number for each.
+TEST(FusionPolicyTest, AllAdjustmentsOfAGrowingIslandCostAsItsKeyframes) {
+  const PolicyLimits limits = {.adjust_share = 0.2, .adjust_min_keyframes = 20};
+  FusionSummary summary = MakeSummary();
+  FusionSummary::IslandSummary& island = summary.islands[0];
+  island.fused = true;
+  summary.graph_lane_busy = true;
+  size_t adjusted = 0;
+  size_t adjustments = 0;
+  size_t cost = 0;
+  constexpr size_t kKeyframes = 20000;
+  for (island.keyframes = 1; island.keyframes <= kKeyframes; ++island.keyframes) {
+    island.overlaps_since_adjustment = 5;
+    island.new_keyframes = island.keyframes - adjusted;
+    if (DecideActions(summary, limits).empty()) continue;
+    adjusted = island.keyframes;
+    cost += adjusted;
+    ++adjustments;
+  }
+  EXPECT_GT(adjustments, 10u);
+  EXPECT_LE(cost, kKeyframes * 5);
+}
+
+struct QuietCase {
   bool dirty;
   bool quiet;
   size_t queries;
   bool adjusts;
 };
 
-TEST(FusionPolicyTest, AdjustmentIsDebounced) {
-  const std::vector<AdjustCase> cases = {
-      {4, 0, true, false, 0, false}, {5, 0, true, false, 0, true}, {0, 19, true, false, 0, false},
-      {0, 20, true, false, 0, true}, {0, 0, true, true, 0, true},  {0, 0, false, true, 0, false},
-      {0, 0, true, true, 1, false},
-  };
-  for (const AdjustCase& one : cases) {
+TEST(FusionPolicyTest, TheLastAdjustmentComesWhenNobodyStreamsAndNothingIsLeftToAsk) {
+  const std::vector<QuietCase> cases = {{true, true, 0, true},
+                                        {false, true, 0, false},
+                                        {true, false, 0, false},
+                                        {true, true, 1, false}};
+  for (const QuietCase& one : cases) {
     FusionSummary summary = MakeSummary();
     summary.islands[0].fused = true;
-    summary.islands[0].overlaps_since_adjustment = one.overlaps;
-    summary.islands[0].displaced = one.displaced;
     summary.islands[0].dirty = one.dirty;
     summary.islands[0].quiet = one.quiet;
     summary.queries = one.queries;
     summary.graph_lane_busy = true;
-    const auto actions = DecideActions(summary, {.adjust_every = 5, .refresh_every = 20});
-    EXPECT_EQ(actions.size(), one.adjusts ? 1u : 0u)
-        << one.overlaps << one.displaced << one.dirty << one.quiet << one.queries;
+    EXPECT_EQ(DecideActions(summary, {}).size(), one.adjusts ? 1u : 0u)
+        << one.dirty << one.quiet << one.queries;
   }
 }
 

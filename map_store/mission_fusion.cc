@@ -27,15 +27,15 @@ FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Is
   FusionSummary::IslandSummary summary;
   summary.id = island.id;
   summary.order = state.FindLocalMap(island.local_maps.front())->order;
-  for (const LocalMapId& id : island.local_maps) {
-    summary.keyframes += state.FindLocalMap(id)->map.keyframes().size();
-  }
+  summary.keyframes = CountKeyframes(state, island);
   summary.fused = island.fused;
   summary.quiet = IsQuiet(state, island);
   summary.dirty = island.dirty;
   summary.needs_adjustment = island.needs_adjustment;
   summary.overlaps_since_adjustment = island.overlaps_since_adjustment;
+  summary.new_keyframes = summary.keyframes - std::min(island.adjusted, summary.keyframes);
   summary.displaced = island.displaced.size();
+  summary.moved = island.moved.size();
   summary.relaxed = island.relaxed.size();
   return summary;
 }
@@ -92,7 +92,8 @@ FusionSummary Mission::Summarise() const {
 PolicyLimits Mission::Limits() const {
   PolicyLimits limits;
   limits.weld_every = environment_.options->weld_every;
-  limits.adjust_every = environment_.options->adjust_every;
+  limits.adjust_share = environment_.options->adjust_share;
+  limits.adjust_min_keyframes = environment_.options->adjust_min_keyframes;
   return limits;
 }
 

@@ -27,7 +27,7 @@ void TakeAsDone(const FusionAction& action, FusionSummary& summary) {
     if (action.kind == Kind::kWeld) island.relaxed = 0;
     if (action.kind != Kind::kAdjust) continue;
     island.needs_adjustment = island.dirty = false;
-    island.displaced = island.overlaps_since_adjustment = 0;
+    island.displaced = island.moved = island.overlaps_since_adjustment = 0;
   }
 }
 

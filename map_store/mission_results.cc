@@ -17,11 +17,13 @@ bool WasPlacedSince(uint64_t revision, const RevisionPlan& plan, const GlobalLay
   });
 }
 
-void GiveUpAdjustment(Island& island) {
+void GiveUpAdjustment(const MissionState& state, Island& island) {
   island.needs_adjustment = false;
   island.dirty = false;
   island.overlaps_since_adjustment = 0;
+  island.adjusted = CountKeyframes(state, island);
   island.displaced.clear();
+  island.moved.clear();
 }
 
 }  // namespace
@@ -33,7 +35,7 @@ void Mission::SkipAction(const FusionAction& action) {
   }
   if (action.kind == FusionAction::Kind::kAdjust) {
     const auto island = state_.global.islands.find(action.target);
-    if (island != state_.global.islands.end()) GiveUpAdjustment(island->second);
+    if (island != state_.global.islands.end()) GiveUpAdjustment(state_, island->second);
     return;
   }
   for (const uint64_t id : action.overlaps) {
@@ -159,7 +161,7 @@ void Mission::NoteFailure(const FusionJob& job, const absl::Status& status) {
     return;
   }
   adjustment_trouble_.erase(id);
-  GiveUpAdjustment(island->second);
+  GiveUpAdjustment(state_, island->second);
 }
 
 }  // namespace corbslam::map_store

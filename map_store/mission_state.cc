@@ -46,6 +46,14 @@ void CloseChangeLogs(const Island& island, MissionState& state) {
 
 }  // namespace
 
+size_t CountKeyframes(const MissionState& state, const Island& island) {
+  size_t count = 0;
+  for (const LocalMapId& id : island.local_maps) {
+    count += state.FindLocalMap(id)->map.keyframes().size();
+  }
+  return count;
+}
+
 LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string& agent) {
   LocalMapState& local_map = state.local_maps[id];
   local_map.id = id;

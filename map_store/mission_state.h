@@ -126,6 +126,10 @@ struct Island {
   size_t overlaps_since_adjustment = 0;
   // Placed keyframes whose owner has moved them since, relative to their parents.
   std::set<KeyframeId> displaced;
+  // Keyframes that it had then, and those that overlaps have moved since. Not recorded: after a
+  // backup is restored all are new.
+  size_t adjusted = 0;
+  std::set<KeyframeId> moved;
   // Local maps whose owner closed a loop after they had been placed.
   std::set<LocalMapId> relaxed;
   uint64_t version = 0;            // Of the last change.
@@ -246,6 +250,9 @@ MapPointId ResolvePoint(const MissionState& state, MapPointId point);
 // What the owner says keypoint `keypoint` of a keyframe sees, its own point or another's; invalid
 // for none.
 MapPointId RawObservation(const LocalMapState& local_map, KeyframeId keyframe, uint32_t keypoint);
+
+// Of all its local maps.
+size_t CountKeyframes(const MissionState& state, const Island& island);
 
 // Adds a local map of an agent, as an island of its own.
 LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string& agent);

@@ -25,7 +25,7 @@ struct MapStoreOptions {
   double min_shared_words_ratio = 0.6;
   // Groups of covisible candidates that are verified per query and local map.
   size_t max_candidate_groups = 3;
-  // Keyframes around the query, and around each candidate, that a worker is sent.
+  // Keyframes around the ends of a new overlap whose points a worker is sent for fusing.
   int neighbourhood = 10;
   // Within this many keyframes of one that has an accepted overlap with the same local map, no
   // further overlap is looked for.
@@ -39,9 +39,11 @@ struct MapStoreOptions {
   // together with others, `weld_every` at a time, or when nothing else is left to do.
   double loop_residual_px = 5.0;
   size_t weld_every = 3;
-  // Global bundle adjustment: at once after two islands were fused, after this many further
-  // overlaps, and at the end of all streams.
-  size_t adjust_every = 5;
+  // Global bundle adjustment of an island: at once after two were fused or an owner closed a loop,
+  // when so large a share of its keyframes, and at least so many, is new or was moved since the
+  // last one, and at the end of all streams (docs/adr/0020-adjust-when-it-pays.md).
+  double adjust_share = 0.2;
+  size_t adjust_min_keyframes = 20;
   // At most, while streams run: robots want the cores, and an urgent fusing cancels it.
   int adjust_iterations = 20;
   // After all streams have ended: maps that drifted far want more.

@@ -11,6 +11,7 @@
 #include "slam/place/candidate_groups.h"
 #include "slam/place/keyframe_database.h"
 #include "slam/util/status_macros.h"
+#include "slam/verification/place_verification.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -70,12 +71,16 @@ bool IsComplete(const VerifyOverlapRequest& request) {
          });
 }
 
+// The keyframe and its most covisible ones, until there are so many beside those in `except`: what
+// a worker leaves out of a neighbourhood because it is in the other one does not make that smaller.
 void AddWithNeighbours(const MissionState& state, KeyframeId id, int neighbours,
-                       std::set<KeyframeId>& keyframes) {
+                       const std::set<KeyframeId>& except, std::set<KeyframeId>& keyframes) {
   keyframes.insert(id);
-  const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
-  for (const CovisibleKeyframe& other : local_map.map.BestCovisible(id, neighbours)) {
+  const Map& map = state.FindLocalMap(id.local_map)->map;
+  for (const CovisibleKeyframe& other : map.Covisible(id, 1)) {
+    if (neighbours == 0) return;
     keyframes.insert(other.id);
+    if (!except.contains(other.id)) --neighbours;
   }
 }
 
@@ -121,11 +126,18 @@ absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
   request.query = task.query;
   request.fix_scale =
       BothMetric(*state.FindLocalMap(task.query.local_map), *state.FindLocalMap(task.against));
-  std::set<KeyframeId> around_query;
-  AddWithNeighbours(state, task.query, options.neighbourhood, around_query);
-  std::set<KeyframeId> around_candidates;
+  // No more than verification looks at: each keyframe is a hundred kilobytes to make, send and
+  // read.
+  const int neighbours = PlaceVerificationOptions().neighbours;
+  std::set<KeyframeId> candidates;
   for (const VerifyOverlapRequest::Candidate& candidate : request.candidates) {
-    AddWithNeighbours(state, candidate.id, options.neighbourhood, around_candidates);
+    candidates.insert(candidate.id);
+  }
+  std::set<KeyframeId> around_query;
+  AddWithNeighbours(state, task.query, neighbours, candidates, around_query);
+  std::set<KeyframeId> around_candidates;
+  for (const KeyframeId& candidate : candidates) {
+    AddWithNeighbours(state, candidate, neighbours, around_query, around_candidates);
   }
   RETURN_IF_ERROR(read.Pause());
   ASSIGN_OR_RETURN(request.query_view, BuildPartialView(state, around_query, read));

@@ -22,8 +22,7 @@ bool IsSound(const Overlap& overlap, const QueryTask& task) {
   return overlap.query == task.query && overlap.candidate.local_map == task.against &&
          overlap.candidate_from_query.scale > 0 &&
          overlap.candidate_from_query.rotation.coeffs().allFinite() &&
-         overlap.candidate_from_query.translation.allFinite() &&
-         IsCovariance(overlap.covariance);
+         overlap.candidate_from_query.translation.allFinite() && IsCovariance(overlap.covariance);
 }
 
 // Those before it in the queue needed no answer.
@@ -32,6 +31,35 @@ void TakeQuery(const QueryTask& task, std::deque<QueryTask>& queries) {
     return other.query == task.query && other.against == task.against;
   });
   if (asked != queries.end()) queries.erase(queries.begin(), asked + 1);
+}
+
+// What the welding of a plan that is not yet written moves: keyframes that stand by more than
+// `threshold_px` elsewhere than they did, and those that their owners had displaced.
+void NoteMoved(const RevisionPlan& plan, double threshold_px, MissionState& state) {
+  Island& island = state.global.islands.at(plan.target);
+  island.moved.insert(island.displaced.begin(), island.displaced.end());
+  for (const auto& [id, planned] : plan.keyframes) {
+    const auto placed = state.global.keyframes.find(id);
+    const Keyframe* keyframe = state.FindKeyframe(id);
+    if (placed == state.global.keyframes.end() || keyframe == nullptr) continue;
+    const Similarity3d motion =
+        planned.camera_from_island * placed->second.camera_from_island.Inverse();
+    const double motion_px =
+        PixelMotion(motion.ToRigid(), MedianDepth(*state.FindLocalMap(id.local_map), *keyframe),
+                    keyframe->camera().fx_px);
+    if (motion_px > threshold_px) island.moved.insert(id);
+  }
+}
+
+// By the adjustment that was just written: others came while the worker was busy.
+size_t CountAdjusted(const MissionState& state, const Island& island) {
+  size_t count = 0;
+  for (const LocalMapId& local_map : island.local_maps) {
+    for (const auto& [id, keyframe] : state.FindLocalMap(local_map)->map.keyframes()) {
+      count += state.global.keyframes.contains(id) || state.global.culled.contains(id);
+    }
+  }
+  return count;
 }
 
 }  // namespace
@@ -90,6 +118,7 @@ bool IsUrgent(const FuseRecord& record, const MissionState& state) {
 bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionState& state) {
   const RevisionPlan& plan = record.plan;
   const bool merged = plan.source.IsValid();
+  if (!merged) NoteMoved(plan, options.loop_residual_px, state);
   CommitRevision(plan, options, state);
   Island& island = state.global.islands.at(plan.target);
   const bool urgent = IsUrgent(record, state);
@@ -99,7 +128,7 @@ bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionStat
   if (!urgent) return false;
   // What is being adjusted now is not this graph any more.
   ++island.generation;
-  island.needs_adjustment = true;
+  if (merged || !record.relaxed.empty()) island.needs_adjustment = true;
   return true;
 }
 
@@ -124,6 +153,8 @@ void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionSt
   island.needs_adjustment = false;
   island.dirty = record.dirty;
   island.overlaps_since_adjustment = 0;
+  island.adjusted = CountAdjusted(state, island);
+  island.moved.clear();
   state.statistics.global_adjustments.push_back(record.statistics);
 }
 

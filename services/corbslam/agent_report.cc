@@ -59,6 +59,7 @@ absl::StatusOr<RobotReport> ParseRobotReport(const nlohmann::json& json) {
     json.at("dropped").get_to(report.dropped);
     json.at("lost").get_to(report.lost);
     json.at("left_out").get_to(report.left_out);
+    json.at("pictures_s").get_to(report.pictures_s);
     report.source_description = json.at("source_description");
     report.warnings = ParseWarnings(json.at("warnings"));
     json.at("local_maps").get_to(report.local_maps);

@@ -14,6 +14,7 @@
 #include "services/programs/agent_run.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/inspected_source.h"
+#include "services/programs/pictures_time.h"
 #include "services/programs/source_json.h"
 #include "services/server/process_usage.h"
 #include "services/server/server.h"
@@ -172,6 +173,7 @@ void DescribeSource(const LockstepRobot& robot, RobotReport& report) {
   const ImageSource& source = *robot.opened.source;
   PlayedFrames played;
   played.played = robot.frames;
+  report.pictures_s = PicturesTime_s(source, robot.frames);
   report.left_out = static_cast<int>(source.left_out().count);
   report.source_description = ToJson(robot.opened.description);
   report.warnings =

@@ -37,7 +37,8 @@ struct RobotReport {
   int tracked = 0;
   int dropped = 0;
   int lost = 0;
-  int left_out = 0;  // Frames that could not be read.
+  int left_out = 0;       // Frames that could not be read.
+  double pictures_s = 0;  // That its camera took for `frames`.
   int local_maps = 0;
   std::optional<double> first_upload_s;
   int keyframes_held = 0;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "services/corbslam/report.h"
+#include "services/corbslam/report_cost.h"
 
 namespace corbslam {
 namespace {
@@ -34,6 +35,7 @@ Json ToJson(const RobotReport& robot) {
           {"dropped", robot.dropped},
           {"lost", robot.lost},
           {"left_out", robot.left_out},
+          {"pictures_s", robot.pictures_s},
           {"local_maps", robot.local_maps},
           {"first_upload_s", OrNull(robot.first_upload_s)},
           {"shared",
@@ -82,6 +84,14 @@ Json ToJson(const AdjustmentReport& adjustment) {
 
 Json ToJson(const TransferReport& transfer) {
   return {{"count", transfer.count}, {"bytes", transfer.bytes}, {"ms", transfer.ms}};
+}
+
+Json ToJson(const std::optional<RobotMinuteCost>& cost) {
+  if (!cost.has_value()) return nullptr;
+  return {{"pictures_s", cost->pictures_s},
+          {"robot_cpu_s", OrNull(cost->robot_cpu_s)},
+          {"servers_cpu_s", Json(cost->servers_cpu_s)},
+          {"global_adjustments", cost->global_adjustments}};
 }
 
 template <typename T>
@@ -138,6 +148,7 @@ nlohmann::ordered_json ToJson(const RunReport& report) {
             {"light_keyframes", ToJson(report.light_keyframes)},
             {"light_map_points", ToJson(report.light_map_points)}}},
           {"servers", servers},
+          {"per_robot_minute", ToJson(ComputeRobotMinuteCost(report))},
           {"wall_s", report.wall_s},
           {"version", report.version},
           {"command", report.command}};

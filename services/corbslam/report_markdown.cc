@@ -4,6 +4,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "services/corbslam/report.h"
+#include "services/corbslam/report_cost.h"
 
 namespace corbslam {
 namespace {
@@ -97,6 +98,21 @@ std::string ServerTable(const RunReport& report) {
   return table;
 }
 
+// Nothing where no time is known.
+std::string CostLine(const RunReport& report) {
+  const std::optional<RobotMinuteCost> cost = ComputeRobotMinuteCost(report);
+  if (!cost.has_value()) return "";
+  std::vector<std::string> parts;
+  if (cost->robot_cpu_s.has_value()) {
+    parts.push_back(absl::StrFormat("robot %.1f s of processor", *cost->robot_cpu_s));
+  }
+  for (const auto& [name, cpu_s] : cost->servers_cpu_s) {
+    parts.push_back(absl::StrFormat("%s %.1f s of processor", name, cpu_s));
+  }
+  parts.push_back(absl::StrFormat("%.1f global adjustments", cost->global_adjustments));
+  return absl::StrCat("\nA minute of one robot's pictures: ", absl::StrJoin(parts, ", "), "\n");
+}
+
 // A line for each; nothing where nothing looks wrong.
 std::string WarningList(const RunReport& report) {
   const std::vector<ReportWarning> warnings = AllWarnings(report);
@@ -116,7 +132,7 @@ std::string ToMarkdown(const RunReport& report) {
   return absl::StrCat(
       "# Several robots, one map\n\n", RobotTable(report), WarningList(report),
       "\nThe fused map:\n\n", FusedTable(report), "\n", FusionList(report), "\n",
-      TransferTable(report), ServerTable(report),
+      TransferTable(report), ServerTable(report), CostLine(report),
       absl::StrFormat("\nMission %s, pace %s, %.1f s, corbslam %s\n\n    %s\n", report.mission,
                       report.pace, report.wall_s, report.version, report.command));
 }

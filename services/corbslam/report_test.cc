@@ -7,6 +7,7 @@ namespace corbslam {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 RunReport MakeReport() {
   RunReport report;
@@ -17,7 +18,9 @@ RunReport MakeReport() {
   report.robots[0].r_rel_deg_per_100m = 0.125;
   report.robots[0].cpu_s = 12.5;
   report.robots[0].tracking_ms = {20, 22, 40};
+  report.robots[0].pictures_s = 20;
   report.robots[1].name = "bravo";
+  report.robots[1].pictures_s = 10;
   report.fused.islands = 1;
   report.fused.ate_m = 0.3;
   report.fused.ate_without_scale_m = 0.125;
@@ -58,7 +61,7 @@ TEST(ToJsonTest, KeepsTheInterface) {
   EXPECT_EQ(json["global_ba_ms"][0]["map_points"], 10000);
   EXPECT_EQ(json["servers"]["map_store"]["cpu_s"], 3);
   for (const char* key : {"robots", "fused", "overlaps", "merge_ms", "global_ba_ms", "transfer",
-                          "servers", "wall_s", "version", "command"}) {
+                          "servers", "per_robot_minute", "wall_s", "version", "command"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   for (const char* key : {"name", "frames", "tracked", "dropped", "lost", "local_maps",
@@ -79,6 +82,38 @@ TEST(ToJsonTest, KeepsTheInterface) {
       EXPECT_TRUE(json["transfer"][key].contains(part)) << key << part;
     }
   }
+}
+
+TEST(ToJsonTest, SaysWhatAMinuteOfOneRobotCosts) {
+  RunReport report = MakeReport();
+  nlohmann::ordered_json cost = ToJson(report)["per_robot_minute"];
+  EXPECT_DOUBLE_EQ(cost["pictures_s"], 30);
+  EXPECT_TRUE(cost["robot_cpu_s"].is_null()) << "bravo's is not known";
+  EXPECT_DOUBLE_EQ(cost["servers_cpu_s"]["map_store"], 6);
+  EXPECT_DOUBLE_EQ(cost["global_adjustments"], 2);
+  report.robots[1].cpu_s = 2.5;
+  EXPECT_DOUBLE_EQ(ToJson(report)["per_robot_minute"]["robot_cpu_s"], 30);
+  report.servers.clear();
+  report.global_ba_ms.clear();
+  cost = ToJson(report)["per_robot_minute"];
+  EXPECT_TRUE(cost["servers_cpu_s"].is_object());
+  EXPECT_TRUE(cost["servers_cpu_s"].empty());
+  EXPECT_DOUBLE_EQ(cost["global_adjustments"], 0);
+  // Nobody saw anything.
+  for (RobotReport& robot : report.robots) robot.pictures_s = 0;
+  EXPECT_TRUE(ToJson(report)["per_robot_minute"].is_null());
+  report.robots.clear();
+  EXPECT_TRUE(ToJson(report)["per_robot_minute"].is_null());
+}
+
+TEST(ToMarkdownTest, SaysWhatAMinuteOfOneRobotCosts) {
+  RunReport report = MakeReport();
+  EXPECT_THAT(ToMarkdown(report), HasSubstr("A minute of one robot's pictures: map_store 6.0 s of "
+                                            "processor, 2.0 global adjustments\n"));
+  report.robots[1].cpu_s = 2.5;
+  EXPECT_THAT(ToMarkdown(report), HasSubstr("pictures: robot 30.0 s of processor, map_store"));
+  report.robots.clear();
+  EXPECT_THAT(ToMarkdown(report), Not(HasSubstr("A minute of")));
 }
 
 TEST(ToMarkdownTest, ShowsTheFigures) {

@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "services/programs/pictures_time.h"
 #include "services/programs/source_json.h"
 #include "services/server/process_usage.h"
 #include "slam/util/status_macros.h"
@@ -148,6 +149,7 @@ std::string StatisticsJson(const RunStatistics& run, const Agent& agent) {
       {"tracked", status.tracked},
       {"dropped", run.played.dropped},
       {"left_out", run.played.left_out},
+      {"pictures_s", run.played.time_s},
       {"lost", status.lost},
       {"local_maps", status.local_maps},
       {"first_upload_s", status.first_upload_s ? Json(*status.first_upload_s) : Json(nullptr)},

@@ -22,6 +22,7 @@ struct PlayedFrames {
   uint64_t played = 0;
   uint64_t dropped = 0;
   uint64_t left_out = 0;  // They could not be read.
+  double time_s = 0;      // That the camera took for those played and dropped.
 };
 
 // Until the last frame, or until `stop`. `on_frame` hears each result and the frames dropped so

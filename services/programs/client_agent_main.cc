@@ -25,6 +25,7 @@
 #include "services/programs/inspected_source.h"
 #include "services/programs/link_flags.h"
 #include "services/programs/observe_flags.h"
+#include "services/programs/pictures_time.h"
 #include "services/programs/program.h"
 #include "services/programs/robot_observers.h"
 #include "services/remote/channel.h"
@@ -128,6 +129,7 @@ RunStatistics MakeStatistics(const Flags& flags, const Agent& agent, const Inspe
   RunStatistics run;
   run.name = flags.agent;
   run.played = played;
+  run.played.time_s = PicturesTime_s(*source.source, played.played + played.dropped);
   if (uplink != nullptr) {
     run.bytes_up = uplink->bytes_up();
     run.bytes_down = uplink->bytes_down();

@@ -28,7 +28,7 @@ void ExpectFields(const json& object, const std::vector<std::string>& fields) {
 
 void ExpectWholeReport(const json& report) {
   ExpectFields(report, {"robots", "fused", "overlaps", "merge_ms", "global_ba_ms", "transfer",
-                        "servers", "wall_s", "version", "command"});
+                        "servers", "per_robot_minute", "wall_s", "version", "command"});
   for (const json& robot : report["robots"]) {
     ExpectFields(
         robot, {"name", "frames", "tracked", "dropped", "lost", "local_maps", "first_upload_s",
@@ -86,6 +86,12 @@ TEST(MissionTest, TwoRobotsMakeOneMap) {
   EXPECT_GE(report["transfer"]["full_keyframes"]["count"], kept);
   EXPECT_LE(report["transfer"]["full_keyframes"]["count"], kept + 3);
   ExpectFields(report["servers"], {"map_store", "fusion_worker"});
+  const json& cost = report["per_robot_minute"];
+  EXPECT_GT(cost["pictures_s"], 0);
+  EXPECT_GT(cost["robot_cpu_s"], 0);
+  EXPECT_GT(cost["servers_cpu_s"]["map_store"], 0);
+  EXPECT_GT(cost["servers_cpu_s"]["fusion_worker"], 0);
+  EXPECT_GT(cost["global_adjustments"], 0);
   EXPECT_GT(std::filesystem::file_size(mission.folder + "/map.png"), 5'000u);
   EXPECT_THAT(ReadText(mission.folder + "/report.md"), ::testing::HasSubstr("| alpha |"));
 }
