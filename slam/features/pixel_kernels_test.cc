@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <random>
 #include <vector>
@@ -116,6 +118,54 @@ TEST(PixelKernelsTest, MomentsFollowTheDefinition) {
       BestPixelKernels().patch_moments(pixels.data() + 18 * kWidth_px + 60, kWidth_px);
   EXPECT_EQ(moments.m10, m10);
   EXPECT_EQ(moments.m01, m01);
+}
+
+struct PatchAndStrip {
+  GreyPatch patch;
+  GreyStrip strip;
+};
+
+// Grey values up to `most`; also where it must not count.
+PatchAndStrip RandomPatchAndStrip(uint64_t seed, uint64_t most_patch, uint64_t most_strip) {
+  std::mt19937_64 random(seed);
+  PatchAndStrip made;
+  for (auto& row : made.patch) {
+    for (int16_t& pixel : row) pixel = static_cast<int16_t>(random() % (most_patch + 1));
+  }
+  for (auto& row : made.strip) {
+    for (int16_t& pixel : row) pixel = static_cast<int16_t>(random() % (most_strip + 1));
+  }
+  return made;
+}
+
+int StripDifferenceByDefinition(const PatchAndStrip& of, size_t shift) {
+  double mean = 0;
+  for (size_t v = 0; v < kGreySide_px; ++v) {
+    for (size_t u = 0; u < kGreySide_px; ++u) mean += of.strip[v][u + shift] - of.patch[v][u];
+  }
+  const auto bias = static_cast<int>(std::lround(mean / (kGreySide_px * kGreySide_px)));
+  int sum = 0;
+  for (size_t v = 0; v < kGreySide_px; ++v) {
+    for (size_t u = 0; u < kGreySide_px; ++u) {
+      sum += std::abs(of.strip[v][u + shift] - of.patch[v][u] - bias);
+    }
+  }
+  return sum;
+}
+
+TEST(PixelKernelsTest, StripDifferencesFollowTheDefinition) {
+  for (uint64_t seed = 0; seed < 50; ++seed) {
+    // Dark against bright pictures, and the other way.
+    const PatchAndStrip given =
+        RandomPatchAndStrip(seed, seed % 3 == 1 ? 5 : 255, seed % 3 == 2 ? 5 : 255);
+    for (const PixelKernels* kernels : {&PortablePixelKernels(), &BestPixelKernels()}) {
+      std::array<int, kStripShifts> differences;
+      kernels->strip_differences(given.patch, given.strip, differences);
+      for (size_t shift = 0; shift < kStripShifts; ++shift) {
+        ASSERT_EQ(differences[shift], StripDifferenceByDefinition(given, shift)) << seed;
+      }
+    }
+  }
 }
 
 TEST(PixelKernelsTest, OfEqualNeighboursOneIsTheMaximum) {
