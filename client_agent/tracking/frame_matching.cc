@@ -90,7 +90,7 @@ int MatchKeyframe(const Map& map, const Keyframe& keyframe, Frame& frame) {
   return count;
 }
 
-int MatchLocalPoints(const std::vector<MatchPoint>& points, double widening, Frame& frame,
+int MatchLocalPoints(const std::vector<PointInView>& points, double widening, Frame& frame,
                      std::vector<MapPointId>& visible) {
   absl::flat_hash_set<MapPointId> seen;
   std::vector<char> taken(frame.associations.size(), 0);
@@ -102,12 +102,10 @@ int MatchLocalPoints(const std::vector<MatchPoint>& points, double widening, Fra
   }
   std::vector<SearchWindow> windows;
   std::vector<const MatchPoint*> sought;
-  for (const MatchPoint& point : points) {
+  for (const auto& [point, view] : points) {
     if (seen.contains(point.id)) continue;
-    const auto view = PredictView(point, frame.camera(), frame.camera_from_map);
-    if (!view.has_value()) continue;
     visible.push_back(point.id);
-    windows.push_back(MakeSearchWindow(point, *view, widening));
+    windows.push_back(MakeSearchWindow(point, view, widening));
     sought.push_back(&point);
   }
   const std::vector<uint32_t> matches =

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "client_agent/tracking/frame.h"
-#include "slam/matching/match_point.h"
+#include "client_agent/tracking/local_map_view.h"
 
 namespace corbslam {
 
@@ -18,9 +18,9 @@ int MatchPreviousFrame(const Frame& previous, const Rigid3d& predicted_camera_fr
 // What `keyframe` sees, by words; both need them.
 int MatchKeyframe(const Map& map, const Keyframe& keyframe, Frame& frame);
 
-// Adds points of the local map that the frame's pose predicts and that it does not see yet.
-// `widening` is of the search radius. `visible` gets the ids of the points in view.
-int MatchLocalPoints(const std::vector<MatchPoint>& points, double widening, Frame& frame,
+// Adds points of the local map in view of the frame's pose that it does not see yet. `widening` is
+// of the search radius. `visible` gets the ids of the points in view.
+int MatchLocalPoints(const std::vector<PointInView>& points, double widening, Frame& frame,
                      std::vector<MapPointId>& visible);
 
 }  // namespace corbslam

@@ -1,9 +1,11 @@
 #include "client_agent/tracking/local_map_view.h"
 
 #include <algorithm>
+#include <tuple>
 
-#include "absl/container/btree_map.h"
+#include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "client_agent/tracking/point_set.h"
 
 namespace corbslam {
 namespace {
@@ -18,7 +20,7 @@ struct Vote {
 
 // Most points first.
 std::vector<Vote> CountVotes(const Map& map, const std::vector<MapPointId>& seen) {
-  absl::btree_map<KeyframeId, int> points_of;
+  absl::flat_hash_map<KeyframeId, int> points_of;
   for (const MapPointId id : seen) {
     const MapPoint* point = map.FindPoint(id);
     if (point == nullptr) continue;
@@ -26,8 +28,9 @@ std::vector<Vote> CountVotes(const Map& map, const std::vector<MapPointId>& seen
   }
   std::vector<Vote> votes;
   for (const auto& [id, points] : points_of) votes.push_back({id, points});
-  std::stable_sort(votes.begin(), votes.end(),
-                   [](const Vote& a, const Vote& b) { return a.points > b.points; });
+  std::sort(votes.begin(), votes.end(), [](const Vote& a, const Vote& b) {
+    return std::tuple(-a.points, a.id) < std::tuple(-b.points, b.id);
+  });
   return votes;
 }
 
@@ -64,31 +67,37 @@ void AddNeighbours(const Map& map, KeyframeList& list) {
   }
 }
 
-int CountObservations(const Map& map, const MapPoint& point) {
+// An observation with depth counts twice.
+bool IsSeenBy(const Map& map, const MapPoint& point, int enough) {
   int count = 0;
   for (const auto& [id, keypoint] : point.observations) {
     count += map.FindKeyframe(id)->keypoints()[keypoint].HasDepth() ? 2 : 1;
+    if (count >= enough) return true;
   }
-  return count;
+  return false;
 }
 
 int CountReferencePoints(const Map& map, const Keyframe& reference) {
   const int enough = map.keyframes().size() <= 2 ? 2 : 3;
   int count = 0;
   for (const MapPointId id : reference.points) {
-    if (const MapPoint* point = map.FindPoint(id))
-      count += CountObservations(map, *point) >= enough;
+    if (const MapPoint* point = map.FindPoint(id)) count += IsSeenBy(map, *point, enough);
   }
   return count;
 }
 
-std::vector<MatchPoint> CollectPoints(const Map& map, const std::vector<KeyframeId>& keyframes) {
-  std::vector<MatchPoint> points;
-  absl::flat_hash_set<MapPointId> known;
+// Of thousands most are out of view: they are not copied.
+std::vector<PointInView> CollectPoints(const Map& map, LocalMapId own,
+                                       const std::vector<KeyframeId>& keyframes,
+                                       const Camera& camera, const Rigid3d& camera_from_map) {
+  std::vector<PointInView> points;
+  PointSet known(own);
   for (const KeyframeId keyframe : keyframes) {
     for (const MapPointId id : map.FindKeyframe(keyframe)->points) {
-      if (!id.IsValid() || !known.insert(id).second) continue;
-      points.push_back(MakeMatchPoint(*map.FindPoint(id)));
+      if (!id.IsValid() || !known.Insert(id)) continue;
+      const MapPoint& point = *map.FindPoint(id);
+      const auto view = PredictView(point, camera, camera_from_map);
+      if (view.has_value()) points.push_back({MakeMatchPoint(point), *view});
     }
   }
   return points;
@@ -97,7 +106,8 @@ std::vector<MatchPoint> CollectPoints(const Map& map, const std::vector<Keyframe
 }  // namespace
 
 LocalMapView GatherLocalMap(const Map& map, LocalMapId own, const std::vector<MapPointId>& seen,
-                            KeyframeId fallback) {
+                            KeyframeId fallback, const Camera& camera,
+                            const Rigid3d& camera_from_map) {
   LocalMapView view;
   view.map_keyframes = static_cast<int>(map.keyframes().size());
   KeyframeList list(map);
@@ -110,7 +120,7 @@ LocalMapView GatherLocalMap(const Map& map, LocalMapId own, const std::vector<Ma
   if (list.ids().empty()) list.Add(fallback);
   if (!view.reference.IsValid() && map.FindKeyframe(fallback) != nullptr) view.reference = fallback;
   AddNeighbours(map, list);
-  view.points = CollectPoints(map, list.ids());
+  view.points = CollectPoints(map, own, list.ids(), camera, camera_from_map);
   if (const Keyframe* reference = map.FindKeyframe(view.reference)) {
     view.reference_from_map = reference->camera_from_map;
     view.reference_points = CountReferencePoints(map, *reference);

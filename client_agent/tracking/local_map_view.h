@@ -9,9 +9,14 @@
 
 namespace corbslam {
 
+struct PointInView {
+  MatchPoint point;
+  PredictedView view;
+};
+
 struct LocalMapView {
-  // Everybody's.
-  std::vector<MatchPoint> points;
+  // Everybody's, as far as the frame's pose has them in view.
+  std::vector<PointInView> points;
   // The own keyframe that shares most points with the frame; invalid when there is none.
   KeyframeId reference;
   Rigid3d reference_from_map;
@@ -26,7 +31,8 @@ struct LocalMapView {
 // and for each of them one neighbour, the children and the parent, 80 in all (ORB-SLAM, T-RO 2015,
 // V.D). When nobody sees them, `fallback` and its neighbours.
 LocalMapView GatherLocalMap(const Map& map, LocalMapId own, const std::vector<MapPointId>& seen,
-                            KeyframeId fallback);
+                            KeyframeId fallback, const Camera& camera,
+                            const Rigid3d& camera_from_map);
 
 }  // namespace corbslam
 

@@ -47,7 +47,8 @@ bool TryCandidate(const GuardedMap& guarded, KeyframeId candidate, uint64_t seed
   InlierCount inliers = OptimiseFramePose(frame.camera_from_map, guarded.local_map(), frame);
   for (const double widening : kWidenings) {
     const LocalMapView local = guarded.Read([&](const Map& map) {
-      return GatherLocalMap(map, guarded.local_map(), SeenPoints(frame), candidate);
+      return GatherLocalMap(map, guarded.local_map(), SeenPoints(frame), candidate, frame.camera(),
+                            frame.camera_from_map);
     });
     std::vector<MapPointId> visible;
     MatchLocalPoints(local.points, widening, frame, visible);

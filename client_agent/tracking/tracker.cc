@@ -175,8 +175,10 @@ bool Tracker::TrackLocalMap(Solution& solution) const {
   const LocalMapId own = parts_.map->local_map();
   Frame& frame = solution.frame;
   const std::vector<MapPointId> seen = SeenPoints(frame);
-  solution.local_map = parts_.map->Read(
-      [&](const Map& map) { return GatherLocalMap(map, own, seen, previous_->reference); });
+  solution.local_map = parts_.map->Read([&](const Map& map) {
+    return GatherLocalMap(map, own, seen, previous_->reference, frame.camera(),
+                          frame.camera_from_map);
+  });
   const bool is_lost = state_ == TrackingState::kLost;
   const bool is_fresh = is_lost || frames_since_relocalisation_ < 2;
   const bool on_probation = is_lost || frames_since_relocalisation_ < kProbation;

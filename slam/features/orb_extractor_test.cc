@@ -12,6 +12,7 @@
 
 #include "slam/features/corner_spread.h"
 #include "slam/features/gaussian_blur.h"
+#include "slam/features/steered_brief.h"
 
 namespace corbslam {
 namespace {
@@ -121,6 +122,26 @@ TEST(OrbExtractorTest, DescriptorsOfUnrelatedCornersDiffer) {
     sum += HammingDistance(features.descriptors[i], features.descriptors[i + 7]);
   }
   EXPECT_GT(sum / 993, 95);
+}
+
+TEST(SteeredBriefTest, DescribesByTheDefinition) {
+  cv::Mat image = TexturedImage(64, 64, 9);
+  const BriefPattern& pattern = LearnedBriefPattern();
+  const SteeredBrief brief(pattern);
+  for (int step = -100; step < 100; step += 7) {
+    const double angle = 2 * std::numbers::pi * step / SteeredBrief::kAngles;
+    const auto grey = [&](int x, int y) {
+      return image.at<uint8_t>(
+          32 + static_cast<int>(std::lround(std::sin(angle) * x + std::cos(angle) * y)),
+          31 + static_cast<int>(std::lround(std::cos(angle) * x - std::sin(angle) * y)));
+    };
+    const Descriptor descriptor = brief.Describe(image, 31, 32, static_cast<float>(angle));
+    for (size_t t = 0; t < pattern.size(); ++t) {
+      const bool is_set = (descriptor.words[t / 64] >> (t % 64) & 1) != 0;
+      ASSERT_EQ(is_set, grey(pattern[t].x1, pattern[t].y1) < grey(pattern[t].x2, pattern[t].y2))
+          << step << " " << t;
+    }
+  }
 }
 
 TEST(ImagePyramidTest, PositionsOfAllOctavesAreThoseOfTheImage) {

@@ -7,15 +7,10 @@ constexpr double kMinViewCosine = 0.5;
 constexpr double kNearTolerance = 0.8;
 constexpr double kFarTolerance = 1.2;
 
-}  // namespace
-
-MatchPoint MakeMatchPoint(const MapPoint& point) {
-  return {point.id,           point.position_in_map, point.normal_in_map,
-          point.min_distance, point.max_distance,    point.descriptor};
-}
-
-std::optional<PredictedView> PredictView(const MatchPoint& point, const Camera& camera,
-                                         const Rigid3d& camera_from_map) {
+// Of a MatchPoint or a MapPoint.
+template <typename Point>
+std::optional<PredictedView> Predict(const Point& point, const Camera& camera,
+                                     const Rigid3d& camera_from_map) {
   const Eigen::Vector3d x_in_camera = camera_from_map * point.position_in_map;
   if (x_in_camera.z() <= 0) return std::nullopt;
   PredictedView view;
@@ -30,6 +25,23 @@ std::optional<PredictedView> PredictView(const MatchPoint& point, const Camera& 
   view.octave = ScalePyramid::PredictOctave(point.max_distance, distance);
   if (camera.IsMetric()) view.disparity_px = DisparityFromDepth(camera, x_in_camera.z());
   return view;
+}
+
+}  // namespace
+
+MatchPoint MakeMatchPoint(const MapPoint& point) {
+  return {point.id,           point.position_in_map, point.normal_in_map,
+          point.min_distance, point.max_distance,    point.descriptor};
+}
+
+std::optional<PredictedView> PredictView(const MatchPoint& point, const Camera& camera,
+                                         const Rigid3d& camera_from_map) {
+  return Predict(point, camera, camera_from_map);
+}
+
+std::optional<PredictedView> PredictView(const MapPoint& point, const Camera& camera,
+                                         const Rigid3d& camera_from_map) {
+  return Predict(point, camera, camera_from_map);
 }
 
 }  // namespace corbslam

@@ -37,6 +37,8 @@ struct PredictedView {
 // (ORB-SLAM, Mur-Artal et al., T-RO 2015, V.D).
 std::optional<PredictedView> PredictView(const MatchPoint& point, const Camera& camera,
                                          const Rigid3d& camera_from_map);
+std::optional<PredictedView> PredictView(const MapPoint& point, const Camera& camera,
+                                         const Rigid3d& camera_from_map);
 
 }  // namespace corbslam
 

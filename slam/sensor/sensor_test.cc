@@ -191,6 +191,21 @@ TEST(RgbdSensorTest, UndistortsKeypointsAndReadsDepthWhereTheyWereSeen) {
   }
 }
 
+TEST(RgbdSensorTest, ThreadsDoNotChangeTheResult) {
+  const RgbdCalibration calibration = {.camera = kCamera, .distortion = {.k1 = -0.3, .k2 = 0.1}};
+  cv::Mat depth(480, 640, CV_16UC1);
+  for (int x = 0; x < 640; ++x) depth.col(x).setTo(5000 + 20 * x);
+  const SensorImages images = {.grey = Scene(0), .depth = depth};
+  const auto one = MakeSensor(calibration, {.parallel = false}).value()->Process(images);
+  const auto sensor = MakeSensor(calibration, {.parallel = true}).value();
+  for (int i = 0; i < 3; ++i) {
+    const auto two = sensor->Process(images);
+    ASSERT_TRUE(one.ok() && two.ok());
+    EXPECT_EQ(one->keypoints, two->keypoints);
+    EXPECT_EQ(one->descriptors, two->descriptors);
+  }
+}
+
 TEST(RgbdSensorTest, RefusesWrongDepthImages) {
   const auto sensor = MakeSensor(RgbdCalibration{.camera = kCamera, .distortion = {}}, {});
   ASSERT_TRUE(sensor.ok());
