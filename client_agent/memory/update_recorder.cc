@@ -381,7 +381,12 @@ void UpdateRecorder::TakeReplacements(const Map& map, MapUpdateBatch& batch) {
       continue;
     }
     if (IsOwn(survivor) && !sent_points_.contains(survivor)) {
-      waiting.emplace(replaced, survivor);
+      // Seen by nobody any more it is not told, and what it replaced is not there either.
+      if (added_points_.contains(survivor)) {
+        waiting.emplace(replaced, survivor);
+      } else {
+        removed_points_.insert(replaced);
+      }
       continue;
     }
     const std::map<KeyframeId, uint32_t> observations = mirror_.Observations(replaced);
