@@ -74,7 +74,7 @@ Mission::Mission(std::string name, Environment environment)
 absl::StatusOr<SessionGrant> Mission::OpenSession(uint64_t session_id,
                                                   const SessionRequest& request) {
   SessionGrant grant;
-  grant.capabilities.points_follow = true;
+  grant.capabilities = {.points_follow = true, .coded_features = true};
   uint64_t fenced = 0;
   {
     absl::MutexLock lock(&mutex_);

@@ -12,10 +12,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
+#include "map_store/durable/archive.h"
 #include "map_store/durable/state_archive.h"
+#include "map_store/durable/value_fields.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/small_mission.h"
+#include "slam/coding/testing/plausible_features.h"
 
 namespace corbslam {
 namespace {
@@ -304,10 +307,56 @@ TEST(RecoveryTest, EveryCutIsRefused) {
 
 TEST(RecoveryTest, FeaturesThatCannotBeAreRefused) {
   auto bytes = WriteSnapshot();
-  Features features = testing::MakeSmallFeatures();
-  features.keypoints[3].x_px = std::numeric_limits<float>::infinity();
-  bytes->features[{kSmallMapA, 1}] = map_store::EncodeFeatures(features);
+  KeyframePayload payload;
+  payload.features = testing::MakeSmallFeatures();
+  payload.features.keypoints[3].x_px = std::numeric_limits<float>::infinity();
+  bytes->features[{kSmallMapA, 1}] = map_store::EncodeFeatures(payload);
   EXPECT_EQ(Open(bytes).status().code(), absl::StatusCode::kDataLoss);
+}
+
+KeyframePayload PlausiblePayload() {
+  KeyframePayload payload;
+  payload.camera = std::make_shared<const Camera>(
+      Camera{.fx_px = 700, .fy_px = 700, .width_px = 1241, .height_px = 376});
+  payload.features = testing::MakePlausibleFeatures(1, 2000, {1241, 376});
+  return payload;
+}
+
+TEST(CodedFeaturesTest, AreKeptToTheBitInHalfTheBytes) {
+  const KeyframePayload payload = PlausiblePayload();
+  const std::string bytes = map_store::EncodeFeatures(payload);
+  const auto read = map_store::DecodeFeatures(bytes);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->keypoints, payload.features.keypoints);
+  EXPECT_EQ(read->descriptors, payload.features.descriptors);
+  EXPECT_LT(bytes.size(), 45'000u);
+}
+
+TEST(CodedFeaturesTest, WhatNeverPassedTheWireIsKeptToTheBitAsWell) {
+  KeyframePayload payload = PlausiblePayload();
+  payload.features.keypoints[7].x_px += 0.001f;
+  const auto read = map_store::DecodeFeatures(map_store::EncodeFeatures(payload));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->keypoints, payload.features.keypoints);
+}
+
+TEST(CodedFeaturesTest, OfOlderJournalsAreRead) {
+  const KeyframePayload payload = PlausiblePayload();
+  map_store::ArchiveWriter plain;
+  plain(payload.features);
+  const auto read = map_store::DecodeFeatures(plain.Take());
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->keypoints, payload.features.keypoints);
+}
+
+TEST(CodedFeaturesTest, DamageIsDataLoss) {
+  const std::string bytes = map_store::EncodeFeatures(PlausiblePayload());
+  for (size_t at = 8; at < bytes.size(); at += 997) {
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ 4);
+    EXPECT_TRUE(absl::IsDataLoss(map_store::DecodeFeatures(damaged).status())) << at;
+    EXPECT_TRUE(absl::IsDataLoss(map_store::DecodeFeatures(bytes.substr(0, at)).status())) << at;
+  }
 }
 
 }  // namespace

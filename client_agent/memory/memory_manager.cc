@@ -224,6 +224,7 @@ void MemoryManager::ConnectIfDue() {
     if (session_ != Session::kNone || options_.clock() < next_attempt_) return;
     session_ = Session::kOpening;
     request = {options_.mission, options_.agent, last_revision_, queue_.local_maps()};
+    request.capabilities.coded_features = true;
     request.downlink_bytes_per_second = options_.downlink_bytes_per_second;
   }
   if (close_first) uplink_->Close();

@@ -15,7 +15,9 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
 
 constexpr absl::string_view kMagic = "CORBSPL";
-constexpr char kVersion = '1';
+// '1': of batches whose features are not coded.
+constexpr char kOldestVersion = '1';
+constexpr char kVersion = '2';
 constexpr size_t kFixedHeaderBytes = 16;
 constexpr size_t kMaxOwnerBytes = 1024;
 constexpr uint32_t kClosesFlag = 1;
@@ -49,9 +51,11 @@ absl::StatusOr<std::optional<uint64_t>> CheckHeader(SpoolFiles& files, const std
   if (header.substr(0, magic_bytes) != kMagic.substr(0, magic_bytes)) {
     return Foreign(name, "is no spool file");
   }
-  if (header.size() > kMagic.size() && header[kMagic.size()] != kVersion) {
+  if (header.size() > kMagic.size() &&
+      (header[kMagic.size()] < kOldestVersion || header[kMagic.size()] > kVersion)) {
     return Foreign(name, absl::StrCat("is of version '", header.substr(kMagic.size(), 1),
-                                      "'; this program reads '", std::string(1, kVersion), "'"));
+                                      "'; this program reads '", std::string(1, kOldestVersion),
+                                      "' to '", std::string(1, kVersion), "'"));
   }
   if (header.size() < kFixedHeaderBytes) return std::nullopt;
   const auto owner_bytes = ReadNumber<uint32_t>(header, 8);

@@ -1,10 +1,10 @@
 // One file of the spool: who it belongs to, then batches, each with its length and checksum.
 //
-//   header: "CORBSPL" and the version '1', u32 bytes of the owner, u32 CRC-32C of the owner, owner
+//   header: "CORBSPL" and the version '2', u32 bytes of the owner, u32 CRC-32C of the owner, owner
 //   record: u32 CRC-32C of all that follows in the record, u32 bytes of the payload, u32 flags
 //           (1: closes its local map), u64 local map, u64 number, payload
 //
-// All numbers are little-endian.
+// All numbers are little-endian. Version '1', in which no features are coded, is read, too.
 #ifndef CORBSLAM_CLIENT_AGENT_MEMORY_SPOOL_SEGMENT_H_
 #define CORBSLAM_CLIENT_AGENT_MEMORY_SPOOL_SEGMENT_H_
 

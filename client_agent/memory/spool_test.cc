@@ -168,10 +168,20 @@ TEST_F(SpoolTest, SomebodyElsesFolderIsRefusedByName) {
 
 TEST_F(SpoolTest, ANewerVersionIsRefusedByName) {
   Write(1);
-  OnlyFile()[7] = '2';
+  OnlyFile()[7] = '3';
   const absl::Status status = OpenFakeSpool(&disk_, options_).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(status));
-  EXPECT_THAT(std::string(status.message()), HasSubstr("version '2'"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("version '3'"));
+}
+
+TEST_F(SpoolTest, AnOlderVersionIsRead) {
+  Write(2);
+  ASSERT_EQ(OnlyFile()[7], '2');
+  OnlyFile()[7] = '1';
+  const auto spool = Open();
+  const std::vector<SpooledBatch> found = spool->TakeFound();
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_TRUE(spool->Read(found[1]).ok());
 }
 
 TEST_F(SpoolTest, WhatWasFoundIsNeverWrittenOn) {

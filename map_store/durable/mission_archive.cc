@@ -20,9 +20,9 @@ using map_store::MissionState;
 namespace {
 
 constexpr std::string_view kMagic = "CORBMISN";
-// 4: states of format 3, otherwise the same.
+// 4: states of format 3; 5: no features are coded. Otherwise the same.
 constexpr uint32_t kOldestFormat = 4;
-constexpr uint32_t kFormat = 5;
+constexpr uint32_t kFormat = 6;
 constexpr size_t kHeaderBytes = kMagic.size() + sizeof(kFormat);
 constexpr size_t kSectionHeadBytes = 1 + sizeof(uint64_t);
 constexpr size_t kChecksumBytes = sizeof(uint32_t);
@@ -82,8 +82,7 @@ std::string MissionBackup::Section() {
       const auto keyframe = std::exchange(keyframes_[next_keyframe_++], nullptr);
       ArchiveWriter id;
       id(keyframe->id);
-      return MakeSection(kFeatures,
-                         absl::StrCat(id.Take(), map_store::EncodeFeatures(keyframe->features)));
+      return MakeSection(kFeatures, absl::StrCat(id.Take(), map_store::EncodeFeatures(*keyframe)));
     }
     stage_ = Stage::kState;
   }

@@ -12,9 +12,9 @@ namespace corbslam::map_store {
 
 // Of the whole journal. Older ones from kOldestJournalFormat on are read and become of this format
 // when they are opened, others are refused. 5: without recorded cameras;
-// 6: in which no points follow keyframes.
+// 6: in which no points follow keyframes; 7: in which no features are coded.
 inline constexpr uint32_t kOldestJournalFormat = 5;
-inline constexpr uint32_t kJournalFormat = 7;
+inline constexpr uint32_t kJournalFormat = 8;
 
 // The position in the header of a mission that is being created: what is there of it is not whole.
 inline constexpr uint64_t kNotWhole = ~uint64_t{0};

@@ -156,7 +156,7 @@ absl::StatusOr<Journal::Position> RocksJournal::Append(absl::string_view mission
   if (const auto* update = std::get_if<BatchRecord>(&record)) {
     for (const FullKeyframe& keyframe : update->batch->full_keyframes) {
       const KeyframePayload& payload = *keyframe.payload;
-      batch.Put(FeaturesKey(name, payload.id), map_store::EncodeFeatures(payload.features));
+      batch.Put(FeaturesKey(name, payload.id), map_store::EncodeFeatures(payload));
       keyframes.push_back(payload.id);
     }
   }
@@ -284,8 +284,7 @@ absl::Status RocksJournal::WriteFeatures(const std::string& mission, const Missi
     RETURN_IF_ERROR(CheckRoom(local_map.stored_bytes));
     for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
       rocksdb::WriteBatch batch;
-      batch.Put(FeaturesKey(mission, keyframe_id),
-                map_store::EncodeFeatures(keyframe.payload->features));
+      batch.Put(FeaturesKey(mission, keyframe_id), map_store::EncodeFeatures(*keyframe.payload));
       RETURN_IF_ERROR(ToStatus(database_->Write(batch, false)));
       absl::MutexLock lock(&mutex_);
       FilesOf(mission).features[keyframe_id] = position;

@@ -473,11 +473,11 @@ TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   rocksdb::DB* raw = nullptr;
   ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
   const std::unique_ptr<rocksdb::DB> closing(raw);
-  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x08\0\0\0", 4)).ok());
+  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x09\0\0\0", 4)).ok());
   ASSERT_TRUE(raw->Close().ok());
   const auto newer = RocksJournal::Open(options);
   EXPECT_EQ(newer.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 8"));
+  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 9"));
 
   const auto nowhere = RocksJournal::Open({.directory = "/proc/version/journal"});
   EXPECT_EQ(nowhere.status().code(), absl::StatusCode::kFailedPrecondition);

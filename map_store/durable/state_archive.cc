@@ -1,5 +1,9 @@
 #include "map_store/durable/state_archive.h"
 
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,6 +15,8 @@
 #include "map_store/durable/state_fields.h"
 #include "map_store/item_validation.h"
 #include "map_store/state_validation.h"
+#include "slam/coding/feature_coding.h"
+#include "slam/coding/feature_columns.h"
 #include "slam/map/map.h"
 #include "slam/util/status_macros.h"
 
@@ -220,6 +226,39 @@ absl::Status CheckRecordedCameras(const LocalMapState& local_map) {
   return absl::OkStatus();
 }
 
+// In the place of the number of keypoints, which is never so large: coded features follow.
+constexpr uint64_t kCodedMark = ~uint64_t{0};
+
+bool SameBits(const Features& a, const Features& b) {
+  const auto same = [](float x, float y) {
+    return std::bit_cast<uint32_t>(x) == std::bit_cast<uint32_t>(y);
+  };
+  return a.descriptors == b.descriptors &&
+         std::ranges::equal(a.keypoints, b.keypoints, [&](const Keypoint& k, const Keypoint& l) {
+           return same(k.x_px, l.x_px) && same(k.y_px, l.y_px) &&
+                  same(k.disparity_px, l.disparity_px) && same(k.angle_rad, l.angle_rad) &&
+                  k.octave == l.octave;
+         });
+}
+
+// None where it would not keep every bit: features that never passed the wire are not rounded.
+std::optional<std::string> CodeExactly(const KeyframePayload& payload) {
+  FeatureColumns columns = ToColumns(payload.features);
+  if (payload.camera == nullptr || !SameBits(FromColumns(columns), payload.features)) {
+    return std::nullopt;
+  }
+  return corbslam::EncodeFeatures(columns, {static_cast<uint32_t>(payload.camera->width_px),
+                                            static_cast<uint32_t>(payload.camera->height_px)});
+}
+
+absl::StatusOr<Features> DecodeCoded(std::string_view bytes) {
+  absl::StatusOr<FeatureColumns> columns =
+      corbslam::DecodeFeatures(bytes, std::numeric_limits<size_t>::max());
+  if (columns.ok()) return FromColumns(*std::move(columns));
+  return absl::DataLossError(
+      absl::StrCat("a keyframe's features can't be read: ", columns.status().message()));
+}
+
 // What DecodeState's order of reading is; the same both ways.
 template <typename Archive, typename State>
 void GlobalFields(Archive& archive, State& state) {
@@ -232,14 +271,23 @@ void GlobalFields(Archive& archive, State& state) {
 
 }  // namespace
 
-std::string EncodeFeatures(const Features& features) {
+std::string EncodeFeatures(const KeyframePayload& payload) {
   ArchiveWriter writer;
-  writer(features);
+  if (const std::optional<std::string> coded = CodeExactly(payload)) {
+    writer(kCodedMark);
+    writer.Raw(coded->data(), coded->size());
+  } else {
+    writer(payload.features);
+  }
   return writer.Take();
 }
 
 absl::StatusOr<Features> DecodeFeatures(std::string_view bytes) {
   ArchiveReader reader(bytes);
+  if (uint64_t mark = 0; bytes.size() >= sizeof(mark)) {
+    std::memcpy(&mark, bytes.data(), sizeof(mark));
+    if (mark == kCodedMark) return DecodeCoded(bytes.substr(sizeof(mark)));
+  }
   Features features;
   reader(features);
   if (!reader.done() ||

@@ -19,7 +19,9 @@ namespace corbslam::map_store {
 // NOT_FOUND or DATA_LOSS, naming the keyframe.
 using FeatureLoader = std::function<absl::StatusOr<Features>(KeyframeId)>;
 
-std::string EncodeFeatures(const Features& features);
+// Coded (slam/coding/feature_coding.h) where that keeps them to the bit and is shorter, else as plain
+// numbers, as journals before format 8 have them all. Each keyframe's can be read alone.
+std::string EncodeFeatures(const KeyframePayload& payload);
 // All Decode functions: DATA_LOSS where the bytes are not what the Encode function made. Those that
 // load features go without when `load` is null (Journal::Replay::with_features), and then believe
 // that the bytes are a sound mission's.

@@ -36,7 +36,7 @@ class ByteJournal : public Journal {
     if (const auto* update = std::get_if<map_store::BatchRecord>(&record)) {
       for (const FullKeyframe& keyframe : update->batch->full_keyframes) {
         const KeyframePayload& payload = *keyframe.payload;
-        bytes_->features[payload.id] = map_store::EncodeFeatures(payload.features);
+        bytes_->features[payload.id] = map_store::EncodeFeatures(payload);
       }
     }
     bytes_->records.push_back(map_store::EncodeRecord(record));
@@ -58,7 +58,7 @@ class ByteJournal : public Journal {
     bytes_->snapshot = map_store::EncodeState(state);
     for (const auto& [id, local_map] : state.local_maps) {
       for (const auto& [keyframe, item] : local_map.map.keyframes()) {
-        bytes_->features[keyframe] = map_store::EncodeFeatures(item.payload->features);
+        bytes_->features[keyframe] = map_store::EncodeFeatures(*item.payload);
       }
     }
     return absl::OkStatus();

@@ -13,7 +13,7 @@ std::string EncodeBatch(const MapUpdateBatch& batch) {
   CameraBook none_sent;
   // Never split: a file has no limit of a message.
   const std::vector<v1::MapUpdateBatch> whole =
-      ToProto(batch, none_sent, std::numeric_limits<size_t>::max());
+      ToProto(batch, none_sent, std::numeric_limits<size_t>::max(), FeatureForm::kCoded);
   return whole.front().SerializeAsString();
 }
 
@@ -26,6 +26,10 @@ absl::StatusOr<MapUpdateBatch> DecodeBatch(absl::string_view bytes) {
   if (!proto.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
     return absl::InvalidArgumentError(
         absl::StrCat(bytes.size(), " bytes that are no MapUpdateBatch"));
+  }
+  if (const size_t uncoded = UncodedBytes(proto); uncoded > kMaxUpdateBytes) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a batch of ", uncoded, " bytes, uncoded; the limit is ", kMaxUpdateBytes));
   }
   CameraBook cameras;
   return FromProto(proto, cameras);

@@ -1,11 +1,14 @@
 #include "services/convert/columns.h"
 
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "services/convert/errors.h"
 #include "services/convert/features.h"
 #include "services/convert/geometry.h"
 #include "services/convert/limits.h"
+#include "slam/coding/sourced_descriptors.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -75,7 +78,10 @@ absl::Status CheckFullLengths(const v1::FullMapPoints& proto) {
     return BadLength("references", proto.references().index_deltas_size(), count);
   }
   const auto descriptor_bytes = static_cast<int64_t>(proto.descriptors().size());
-  if (descriptor_bytes != 32 * count) return BadLength("descriptors", descriptor_bytes, 32 * count);
+  const int64_t expected_bytes = proto.coded_descriptors().empty() ? 32 * count : 0;
+  if (descriptor_bytes != expected_bytes) {
+    return BadLength("descriptors", descriptor_bytes, expected_bytes);
+  }
   if (proto.normals_8191_size() != 3 * count) {
     return BadLength("normals_8191", proto.normals_8191_size(), 3 * count);
   }
@@ -104,23 +110,65 @@ absl::Status ReadLooks(const v1::FullMapPoints& proto, int i, Point& point) {
                               proto.normals_8191(3 * i + 2));
   ASSIGN_OR_RETURN(const Eigen::Vector3d normal, CheckNormal(steps / kNormalSteps));
   SetPlace(point, position, normal);
-  point.descriptor = DescriptorFromBytes(proto.descriptors(), static_cast<size_t>(i));
   point.min_distance = proto.min_distances(i);
   point.max_distance = proto.max_distances(i);
   return CheckDistances(point.min_distance, point.max_distance);
 }
 
+// What each point may be a copy of: its reference keyframe's, where that is in the message.
+std::vector<std::span<const Descriptor>> SourcesOf(std::span<const KeyframeId> references,
+                                                   const KeyframeLooks& looks) {
+  std::vector<std::span<const Descriptor>> sources;
+  sources.reserve(references.size());
+  for (const KeyframeId& reference : references) {
+    const auto it = looks.find(reference);
+    sources.push_back(it == looks.end() ? std::span<const Descriptor>() : it->second);
+  }
+  return sources;
+}
+
 template <typename Point>
-absl::StatusOr<std::vector<Point>> ReadFull(const v1::FullMapPoints& proto,
-                                            const SlotReader& slots) {
+void CodeLooks(std::span<const Point> points, const KeyframeLooks& looks,
+               v1::FullMapPoints* proto) {
+  std::vector<Descriptor> descriptors;
+  std::vector<KeyframeId> references;
+  for (const Point& point : points) {
+    descriptors.push_back(point.descriptor);
+    references.push_back(point.reference);
+  }
+  std::string coded = EncodeSourced(descriptors, SourcesOf(references, looks));
+  if (coded.size() >= proto->descriptors().size()) return;
+  proto->set_coded_descriptors(std::move(coded));
+  proto->clear_descriptors();
+}
+
+absl::StatusOr<std::vector<Descriptor>> ReadDescriptors(const v1::FullMapPoints& proto,
+                                                        std::span<const KeyframeId> references,
+                                                        const KeyframeLooks& looks) {
+  if (!proto.coded_descriptors().empty()) {
+    return DecodeSourced(proto.coded_descriptors(), SourcesOf(references, looks));
+  }
+  std::vector<Descriptor> descriptors(references.size());
+  for (size_t i = 0; i < descriptors.size(); ++i) {
+    descriptors[i] = DescriptorFromBytes(proto.descriptors(), i);
+  }
+  return descriptors;
+}
+
+template <typename Point>
+absl::StatusOr<std::vector<Point>> ReadFull(const v1::FullMapPoints& proto, const SlotReader& slots,
+                                            const KeyframeLooks& looks) {
   RETURN_IF_ERROR(CheckFullLengths(proto));
   ASSIGN_OR_RETURN(const std::vector<MapPointId> ids, slots.Points(proto.ids(), "ids"));
   ASSIGN_OR_RETURN(const std::vector<KeyframeId> references,
                    slots.Keyframes(proto.references(), "references", /*may_be_none=*/true));
+  ASSIGN_OR_RETURN(const std::vector<Descriptor> descriptors,
+                   ReadDescriptors(proto, references, looks));
   std::vector<Point> points(ids.size());
   for (size_t i = 0; i < ids.size(); ++i) {
     points[i].id = ids[i];
     points[i].reference = references[i];
+    points[i].descriptor = descriptors[i];
     RETURN_IF_ERROR(Locate(ReadLooks(proto, static_cast<int>(i), points[i]),
                            absl::StrCat("map point ", ToString(ids[i]))));
   }
@@ -164,6 +212,15 @@ absl::StatusOr<Eigen::Vector3d> CheckNormal(const Eigen::Vector3d& normal) {
     return OutOfRange("length of the normal", length, 1 - kNormalTolerance, 1 + kNormalTolerance);
   }
   return Eigen::Vector3d(normal / length);
+}
+
+void CodeDescriptors(std::span<const FullMapPoint> points, const KeyframeLooks& looks,
+                     v1::FullMapPoints* proto) {
+  CodeLooks(points, looks, proto);
+}
+void CodeDescriptors(std::span<const SharedMapPoint> points, const KeyframeLooks& looks,
+                     v1::FullMapPoints* proto) {
+  CodeLooks(points, looks, proto);
 }
 
 void WritePoints(std::span<const FullMapPoint> points, SlotWriter& slots,
@@ -230,12 +287,14 @@ void WriteTimes(std::span<const int64_t> times_ns, TimeColumn* proto) {
 }
 
 absl::StatusOr<std::vector<FullMapPoint>> ReadFullPoints(const v1::FullMapPoints& proto,
-                                                         const SlotReader& slots) {
-  return ReadFull<FullMapPoint>(proto, slots);
+                                                         const SlotReader& slots,
+                                                         const KeyframeLooks& looks) {
+  return ReadFull<FullMapPoint>(proto, slots, looks);
 }
 absl::StatusOr<std::vector<SharedMapPoint>> ReadSharedPoints(const v1::FullMapPoints& proto,
-                                                             const SlotReader& slots) {
-  return ReadFull<SharedMapPoint>(proto, slots);
+                                                             const SlotReader& slots,
+                                                             const KeyframeLooks& looks) {
+  return ReadFull<SharedMapPoint>(proto, slots, looks);
 }
 absl::StatusOr<std::vector<LightMapPoint>> ReadLightPoints(const v1::LightMapPoints& proto,
                                                            const SlotReader& slots) {

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "corbslam/v1/items.pb.h"
@@ -26,6 +27,15 @@ void WriteIds(std::span<const Id> ids, SlotWriter& slots, v1::ItemIds* proto) {
   for (const Id& id : ids) column.Add(id);
 }
 
+// The keyframes of the same message: what its map points may look like.
+using KeyframeLooks = absl::flat_hash_map<KeyframeId, std::span<const Descriptor>>;
+
+// What WritePoints has written, with the descriptors coded (docs/wire.md).
+void CodeDescriptors(std::span<const FullMapPoint> points, const KeyframeLooks& looks,
+                     v1::FullMapPoints* proto);
+void CodeDescriptors(std::span<const SharedMapPoint> points, const KeyframeLooks& looks,
+                     v1::FullMapPoints* proto);
+
 void WritePoints(std::span<const FullMapPoint> points, SlotWriter& slots, v1::FullMapPoints* proto);
 void WritePoints(std::span<const SharedMapPoint> points, SlotWriter& slots,
                  v1::FullMapPoints* proto);
@@ -39,9 +49,11 @@ void WriteFrames(std::span<const TrackedFrame> frames, SlotWriter& slots, v1::Tr
 void WriteTimes(std::span<const int64_t> times_ns, TimeColumn* proto);
 
 absl::StatusOr<std::vector<FullMapPoint>> ReadFullPoints(const v1::FullMapPoints& proto,
-                                                         const SlotReader& slots);
+                                                         const SlotReader& slots,
+                                                         const KeyframeLooks& looks);
 absl::StatusOr<std::vector<SharedMapPoint>> ReadSharedPoints(const v1::FullMapPoints& proto,
-                                                             const SlotReader& slots);
+                                                             const SlotReader& slots,
+                                                             const KeyframeLooks& looks);
 absl::StatusOr<std::vector<LightMapPoint>> ReadLightPoints(const v1::LightMapPoints& proto,
                                                            const SlotReader& slots);
 absl::StatusOr<std::vector<SharedMapPointMove>> ReadMovedPoints(const v1::LightMapPoints& proto,

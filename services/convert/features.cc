@@ -1,13 +1,13 @@
 #include "services/convert/features.h"
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
-#include <numbers>
+#include <optional>
 
 #include "services/convert/errors.h"
 #include "services/convert/limits.h"
+#include "slam/coding/feature_coding.h"
+#include "slam/coding/feature_columns.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -15,36 +15,13 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "descriptors are copied as they lie");
 
-constexpr double kPositionSteps = 64;
-constexpr double kDisparitySteps = 128;
-constexpr uint32_t kMaxDisparity = 1u << 21;
-constexpr int kTurnSteps = 1 << 14;
-constexpr double kStepsPerRadian = kTurnSteps / (2 * std::numbers::pi);
-
-int32_t EncodePosition(float position_px) {
-  return static_cast<int32_t>(std::lround(position_px * kPositionSteps));
+template <typename Column>
+absl::Status CheckLength(absl::string_view field, const Column& column, size_t count) {
+  if (column.size() == count) return absl::OkStatus();
+  return BadLength(field, static_cast<int64_t>(column.size()), static_cast<int64_t>(count));
 }
 
-uint32_t EncodeDisparity(float disparity_px) {
-  if (!(disparity_px > 0)) return 0;
-  const double steps = std::round(disparity_px * kDisparitySteps);
-  // A known disparity stays known.
-  return static_cast<uint32_t>(std::clamp(steps, 1.0, double{kMaxDisparity}));
-}
-
-uint32_t EncodeAngle(float angle_rad) {
-  const long steps = std::lround(angle_rad * kStepsPerRadian);
-  return static_cast<uint32_t>(steps) & (kTurnSteps - 1);
-}
-
-float DecodeAngle(uint32_t steps) {
-  // (-pi, pi].
-  const int centred =
-      steps > kTurnSteps / 2 ? static_cast<int>(steps) - kTurnSteps : static_cast<int>(steps);
-  return static_cast<float>(centred / kStepsPerRadian);
-}
-
-absl::Status CheckLengths(const v1::Features& proto, bool descriptors_optional) {
+absl::Status CheckLengths(const v1::Features& proto) {
   const int count = proto.x_px64_size();
   if (count > kMaxKeypoints) return OutOfRange("number of keypoints", count, 0, kMaxKeypoints);
   if (proto.y_px64_size() != count) return BadLength("y_px64", proto.y_px64_size(), count);
@@ -54,52 +31,83 @@ absl::Status CheckLengths(const v1::Features& proto, bool descriptors_optional) 
   if (proto.angle_turn14_size() != count) {
     return BadLength("angle_turn14", proto.angle_turn14_size(), count);
   }
-  if (proto.nodes_plus_one_size() != 0 && proto.nodes_plus_one_size() != count) {
-    return BadLength("nodes_plus_one", proto.nodes_plus_one_size(), count);
+  RETURN_IF_ERROR(CheckLength("octaves", proto.octaves(), static_cast<size_t>(count)));
+  if (proto.descriptors().empty()) return absl::OkStatus();
+  return CheckLength("descriptors", proto.descriptors(),
+                     static_cast<size_t>(count) * sizeof(Descriptor));
+}
+
+absl::StatusOr<FeatureColumns> ReadPlainColumns(const v1::Features& proto) {
+  RETURN_IF_ERROR(CheckLengths(proto));
+  FeatureColumns columns;
+  columns.x_px64.assign(proto.x_px64().begin(), proto.x_px64().end());
+  columns.y_px64.assign(proto.y_px64().begin(), proto.y_px64().end());
+  columns.disparity_px128.assign(proto.disparity_px128().begin(), proto.disparity_px128().end());
+  columns.angle_turn14.assign(proto.angle_turn14().begin(), proto.angle_turn14().end());
+  columns.octaves = proto.octaves();
+  columns.descriptors.resize(proto.descriptors().size() / sizeof(Descriptor));
+  if (!columns.descriptors.empty()) {
+    std::memcpy(columns.descriptors.data(), proto.descriptors().data(), proto.descriptors().size());
   }
-  const auto bytes = static_cast<size_t>(count);
-  if (proto.octaves().size() != bytes) {
-    return BadLength("octaves", static_cast<int64_t>(proto.octaves().size()), count);
-  }
-  if (proto.descriptors().empty() && descriptors_optional) return absl::OkStatus();
-  if (proto.descriptors().size() != bytes * sizeof(Descriptor)) {
-    return BadLength("descriptors", static_cast<int64_t>(proto.descriptors().size()),
-                     int64_t{count} * static_cast<int64_t>(sizeof(Descriptor)));
+  return columns;
+}
+
+// Columns that are coded may not come beside the code.
+absl::Status CheckPlainIsEmpty(const v1::Features& proto) {
+  const std::pair<absl::string_view, size_t> fields[] = {
+      {"x_px64", proto.x_px64().size()},
+      {"y_px64", proto.y_px64().size()},
+      {"disparity_px128", proto.disparity_px128().size()},
+      {"angle_turn14", proto.angle_turn14().size()},
+      {"octaves", proto.octaves().size()},
+      {"descriptors", proto.descriptors().size()}};
+  for (const auto& [field, size] : fields) {
+    if (size == 0) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat(field, " has ", size, " entries beside coded, must have none"));
   }
   return absl::OkStatus();
 }
 
-absl::Status CheckPosition(absl::string_view field, int i, int32_t steps, int side_px) {
+absl::StatusOr<FeatureColumns> ReadColumns(const v1::Features& proto) {
+  if (proto.coded().empty()) return ReadPlainColumns(proto);
+  RETURN_IF_ERROR(CheckPlainIsEmpty(proto));
+  return DecodeFeatures(proto.coded(), kMaxKeypoints);
+}
+
+absl::Status CheckPosition(absl::string_view field, size_t i, int32_t steps, int side_px) {
   // Undistorted keypoints may lie outside of the image, but not far.
-  const double position_px = steps / kPositionSteps;
+  const double position_px = steps / kPositionSteps_px;
   if (position_px >= -side_px && position_px <= 2 * side_px) return absl::OkStatus();
   return OutOfRange(absl::StrCat(field, "[", i, "] in pixels"), position_px, -side_px, 2 * side_px);
 }
 
-absl::StatusOr<Keypoint> ReadKeypoint(const v1::Features& proto, int i, const Camera& camera) {
-  Keypoint keypoint;
-  RETURN_IF_ERROR(CheckPosition("x_px64", i, proto.x_px64(i), camera.width_px));
-  RETURN_IF_ERROR(CheckPosition("y_px64", i, proto.y_px64(i), camera.height_px));
-  keypoint.x_px = static_cast<float>(proto.x_px64(i) / kPositionSteps);
-  keypoint.y_px = static_cast<float>(proto.y_px64(i) / kPositionSteps);
-  if (proto.disparity_px128_size() != 0) {
-    const uint32_t steps = proto.disparity_px128(i);
-    if (steps > kMaxDisparity) {
-      return OutOfRange(absl::StrCat("disparity_px128[", i, "]"), steps, 0u, kMaxDisparity);
-    }
-    keypoint.disparity_px = static_cast<float>(steps / kDisparitySteps);
+absl::Status CheckKeypoint(const FeatureColumns& columns, size_t i, const Camera& camera) {
+  RETURN_IF_ERROR(CheckPosition("x_px64", i, columns.x_px64[i], camera.width_px));
+  RETURN_IF_ERROR(CheckPosition("y_px64", i, columns.y_px64[i], camera.height_px));
+  const uint32_t disparity = columns.disparity_px128.empty() ? 0 : columns.disparity_px128[i];
+  if (disparity > kMaxDisparity_px128) {
+    return OutOfRange(absl::StrCat("disparity_px128[", i, "]"), disparity, 0u, kMaxDisparity_px128);
   }
-  const uint32_t turn = proto.angle_turn14(i);
+  const uint32_t turn = columns.angle_turn14[i];
   if (turn >= kTurnSteps) {
-    return OutOfRange(absl::StrCat("angle_turn14[", i, "]"), turn, 0, kTurnSteps - 1);
+    return OutOfRange(absl::StrCat("angle_turn14[", i, "]"), turn, 0u, kTurnSteps - 1);
   }
-  keypoint.angle_rad = DecodeAngle(turn);
-  keypoint.octave = static_cast<uint8_t>(proto.octaves()[static_cast<size_t>(i)]);
-  if (keypoint.octave >= ScalePyramid::kLevels) {
-    return OutOfRange(absl::StrCat("octaves[", i, "]"), int{keypoint.octave}, 0,
-                      ScalePyramid::kLevels - 1);
+  const auto octave = static_cast<uint8_t>(columns.octaves[i]);
+  if (octave >= ScalePyramid::kLevels) {
+    return OutOfRange(absl::StrCat("octaves[", i, "]"), int{octave}, 0, ScalePyramid::kLevels - 1);
   }
-  return keypoint;
+  return absl::OkStatus();
+}
+
+void WritePlain(const FeatureColumns& columns, v1::Features* proto) {
+  proto->mutable_x_px64()->Add(columns.x_px64.begin(), columns.x_px64.end());
+  proto->mutable_y_px64()->Add(columns.y_px64.begin(), columns.y_px64.end());
+  proto->mutable_disparity_px128()->Add(columns.disparity_px128.begin(),
+                                        columns.disparity_px128.end());
+  proto->mutable_angle_turn14()->Add(columns.angle_turn14.begin(), columns.angle_turn14.end());
+  proto->set_octaves(columns.octaves);
+  proto->set_descriptors(DescriptorsToBytes(columns.descriptors));
 }
 
 }  // namespace
@@ -149,47 +157,41 @@ absl::Status CheckTimestamp(int64_t timestamp_ns) {
 }
 
 void ToProto(const Features& features, v1::Features* proto) {
-  const auto count = static_cast<int>(features.keypoints.size());
-  proto->mutable_x_px64()->Reserve(count);
-  proto->mutable_y_px64()->Reserve(count);
-  proto->mutable_angle_turn14()->Reserve(count);
-  const bool any_depth =
-      std::ranges::any_of(features.keypoints, [](const Keypoint& k) { return k.HasDepth(); });
-  if (any_depth) proto->mutable_disparity_px128()->Reserve(count);
-  std::string& octaves = *proto->mutable_octaves();
-  octaves.reserve(features.keypoints.size());
-  for (const Keypoint& keypoint : features.keypoints) {
-    proto->add_x_px64(EncodePosition(keypoint.x_px));
-    proto->add_y_px64(EncodePosition(keypoint.y_px));
-    if (any_depth) proto->add_disparity_px128(EncodeDisparity(keypoint.disparity_px));
-    proto->add_angle_turn14(EncodeAngle(keypoint.angle_rad));
-    octaves.push_back(static_cast<char>(keypoint.octave));
-  }
-  proto->set_descriptors(DescriptorsToBytes(features.descriptors));
+  WritePlain(ToColumns(features), proto);
 }
 
-void ToProto(const KeyframePayload& payload, v1::KeyframePayload* proto) {
+void ToProto(const KeyframePayload& payload, v1::KeyframePayload* proto, FeatureForm form) {
   proto->set_timestamp_ns(payload.timestamp_ns);
   proto->set_camera_index(payload.camera_index);
-  ToProto(payload.features, proto->mutable_features());
+  const FeatureColumns columns = ToColumns(payload.features);
+  if (form == FeatureForm::kCoded) {
+    const PictureSize picture = {static_cast<uint32_t>(payload.camera->width_px),
+                                 static_cast<uint32_t>(payload.camera->height_px)};
+    if (std::optional<std::string> coded = EncodeFeatures(columns, picture)) {
+      proto->mutable_features()->set_coded(*std::move(coded));
+      return;
+    }
+  }
+  WritePlain(columns, proto->mutable_features());
 }
 
 absl::StatusOr<Features> FromProto(const v1::Features& proto, const Camera& camera,
                                    bool descriptors_optional) {
-  RETURN_IF_ERROR(CheckLengths(proto, descriptors_optional));
-  Features features;
-  const int count = proto.x_px64_size();
-  features.keypoints.reserve(static_cast<size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    ASSIGN_OR_RETURN(const Keypoint keypoint, ReadKeypoint(proto, i, camera));
-    features.keypoints.push_back(keypoint);
+  ASSIGN_OR_RETURN(FeatureColumns columns, ReadColumns(proto));
+  if (proto.nodes_plus_one_size() != 0) {
+    RETURN_IF_ERROR(CheckLength("nodes_plus_one", proto.nodes_plus_one(), columns.size()));
   }
-  features.descriptors.resize(proto.descriptors().size() / sizeof(Descriptor));
-  if (!features.descriptors.empty()) {
-    std::memcpy(features.descriptors.data(), proto.descriptors().data(),
-                proto.descriptors().size());
+  if (columns.descriptors.empty() && columns.size() > 0 && !descriptors_optional) {
+    return BadLength("descriptors", 0, static_cast<int64_t>(columns.size() * sizeof(Descriptor)));
   }
-  return features;
+  for (size_t i = 0; i < columns.size(); ++i) {
+    RETURN_IF_ERROR(CheckKeypoint(columns, i, camera));
+  }
+  return FromColumns(std::move(columns));
+}
+
+size_t UncodedBytes(const v1::Features& proto) {
+  return proto.ByteSizeLong() + CountCodedKeypoints(proto.coded()) * kUncodedKeypointBytes;
 }
 
 absl::StatusOr<std::shared_ptr<const KeyframePayload>> FromProto(const v1::KeyframePayload& proto,

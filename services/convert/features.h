@@ -31,12 +31,23 @@ class CameraBook {
   std::map<std::pair<LocalMapId, uint32_t>, std::shared_ptr<const Camera>> cameras_;
 };
 
+// As columns, which everybody reads, or coded, which few bytes hold and those read who have said so
+// (Capabilities::coded_features). Both say the same to the bit.
+enum class FeatureForm { kPlain, kCoded };
+
 // The wire keeps positions to 1/64 px, disparities to 1/128 px and angles to 2^-14 turns; what was
 // once on it passes unchanged.
 void ToProto(const Features& features, v1::Features* proto);
-void ToProto(const KeyframePayload& payload, v1::KeyframePayload* proto);
+// Coded where that is shorter.
+void ToProto(const KeyframePayload& payload, v1::KeyframePayload* proto,
+             FeatureForm form = FeatureForm::kPlain);
 
-// INVALID_ARGUMENT, naming the field. Descriptors may be absent if `descriptors_optional`.
+// About what they take as columns, at least what they take as they are: limits of bytes are of
+// this, so that a short code can't stand for more than a long message could.
+size_t UncodedBytes(const v1::Features& proto);
+
+// INVALID_ARGUMENT, naming the field. Either form. Descriptors may be absent if
+// `descriptors_optional`.
 absl::StatusOr<Features> FromProto(const v1::Features& proto, const Camera& camera,
                                    bool descriptors_optional = false);
 // The camera must be in the book.

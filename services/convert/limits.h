@@ -29,6 +29,8 @@ inline constexpr uint64_t kMinDownlink_Bps = 1'000;
 inline constexpr uint64_t kMaxDownlink_Bps = uint64_t{1} << 40;
 // Where our own writers begin another part of a batch or shared update.
 inline constexpr size_t kPartBytes = 2u << 20;
+// About what a keypoint takes as columns.
+inline constexpr size_t kUncodedKeypointBytes = 42;
 // A chunk to or from a worker at most, and where our own writers end one.
 inline constexpr size_t kMaxChunkBytes = 1u << 20;
 inline constexpr size_t kChunkTargetBytes = 768u << 10;

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/container/flat_hash_set.h"
 #include "services/convert/columns.h"
 #include "services/convert/errors.h"
 #include "services/convert/geometry.h"
@@ -45,11 +46,11 @@ void WriteCameras(const MapUpdateBatch& batch, CameraBook& sent, v1::MapUpdateBa
   }
 }
 
-void WriteKeyframes(const MapUpdateBatch& batch, Writer& writer) {
+void WriteKeyframes(const MapUpdateBatch& batch, FeatureForm form, Writer& writer) {
   for (const FullKeyframe& keyframe : batch.full_keyframes) {
     v1::FullKeyframe proto;
     proto.set_index(keyframe.payload->id.index);
-    ToProto(*keyframe.payload, proto.mutable_payload());
+    ToProto(*keyframe.payload, proto.mutable_payload(), form);
     ToProto(keyframe.camera_from_local, proto.mutable_camera_from_local());
     writer.Reserve(proto.ByteSizeLong() + kMotionBytes);
     if (keyframe.parent.IsValid()) writer.slots().Write(keyframe.parent, proto.mutable_parent());
@@ -98,10 +99,27 @@ void WriteRemovalsAndLoops(const MapUpdateBatch& batch, Writer& writer) {
   }
 }
 
-void WriteColumns(const MapUpdateBatch& batch, Writer& writer) {
+// Of the keyframes of `batch` those that are in `part`.
+KeyframeLooks LooksOf(const MapUpdateBatch& batch, const v1::MapUpdateBatch& part) {
+  absl::flat_hash_set<uint32_t> there;
+  for (const v1::FullKeyframe& keyframe : part.full_keyframes()) there.insert(keyframe.index());
+  KeyframeLooks looks;
+  for (const FullKeyframe& keyframe : batch.full_keyframes) {
+    const KeyframePayload& payload = *keyframe.payload;
+    if (there.contains(payload.id.index)) looks[payload.id] = payload.features.descriptors;
+  }
+  return looks;
+}
+
+void WriteFullPoints(const MapUpdateBatch& batch, FeatureForm form, Writer& writer) {
   writer.Spread(batch.full_points, kFullPointBytes, [&](auto points) {
-    WritePoints(points, writer.slots(), writer.part().mutable_full_points());
+    v1::FullMapPoints* proto = writer.part().mutable_full_points();
+    WritePoints(points, writer.slots(), proto);
+    if (form == FeatureForm::kCoded) CodeDescriptors(points, LooksOf(batch, writer.part()), proto);
   });
+}
+
+void WriteColumns(const MapUpdateBatch& batch, Writer& writer) {
   WriteLightKeyframes(batch, writer);
   writer.Spread(batch.light_points, kLightPointBytes, [&](auto points) {
     WritePoints(points, writer.slots(), writer.part().mutable_light_points());
@@ -189,7 +207,9 @@ absl::Status ReadKeyframes(const v1::MapUpdateBatch& proto, const SlotReader& sl
 
 absl::Status ReadPoints(const v1::MapUpdateBatch& proto, const SlotReader& slots,
                         MapUpdateBatch& batch) {
-  ASSIGN_OR_RETURN(batch.full_points, ReadFullPoints(proto.full_points(), slots));
+  auto full_points = ReadFullPoints(proto.full_points(), slots, LooksOf(batch, proto));
+  if (!full_points.ok()) return Locate(full_points.status(), "full_points");
+  batch.full_points = *std::move(full_points);
   ASSIGN_OR_RETURN(batch.light_points, ReadLightPoints(proto.light_points(), slots));
   ASSIGN_OR_RETURN(batch.removed_points, slots.Points(proto.removed_points(), "removed_points"));
   ASSIGN_OR_RETURN(const std::vector<MapPointId> replaced,
@@ -295,7 +315,7 @@ void Append(MapUpdateBatch& batch, MapUpdateBatch& part) {
 }  // namespace
 
 std::vector<v1::MapUpdateBatch> ToProto(const MapUpdateBatch& batch, CameraBook& sent,
-                                        size_t part_bytes) {
+                                        size_t part_bytes, FeatureForm form) {
   Writer writer(part_bytes, [&](v1::MapUpdateBatch& part) {
     part.set_local_map(batch.local_map.value);
     part.set_number(batch.number);
@@ -304,7 +324,8 @@ std::vector<v1::MapUpdateBatch> ToProto(const MapUpdateBatch& batch, CameraBook&
     return SlotWriter(part.mutable_other_local_maps(), batch.local_map);
   });
   WriteCameras(batch, sent, writer.part());
-  WriteKeyframes(batch, writer);
+  WriteKeyframes(batch, form, writer);
+  WriteFullPoints(batch, form, writer);
   WriteColumns(batch, writer);
   writer.part().set_closes_local_map(batch.closes_local_map);
   writer.part().clear_continues();
@@ -337,9 +358,18 @@ absl::StatusOr<MapUpdateBatch> FromProto(const v1::MapUpdateBatch& proto, Camera
   return batch;
 }
 
+size_t UncodedBytes(const v1::MapUpdateBatch& proto) {
+  size_t bytes = proto.ByteSizeLong();
+  for (const v1::FullKeyframe& keyframe : proto.full_keyframes()) {
+    const v1::Features& features = keyframe.payload().features();
+    bytes += UncodedBytes(features) - features.ByteSizeLong();
+  }
+  return bytes;
+}
+
 absl::StatusOr<std::optional<MapUpdateBatch>> BatchAssembler::Add(const v1::MapUpdateBatch& part,
                                                                   CameraBook& cameras) {
-  bytes_ += part.ByteSizeLong();
+  bytes_ += UncodedBytes(part);
   items_ += CountItems(part);
   if (bytes_ > kMaxUpdateBytes || items_ > kMaxUpdateItems) {
     return absl::ResourceExhaustedError(

@@ -34,9 +34,10 @@ void WriteCamera(const KeyframePayload& payload, CameraBook& sent, Writer& write
   sent.Add(local_map, payload.camera_index, payload.camera).IgnoreError();
 }
 
-void WriteKeyframe(const SharedKeyframe& keyframe, CameraBook& sent, Writer& writer) {
+void WriteKeyframe(const SharedKeyframe& keyframe, FeatureForm form, CameraBook& sent,
+                   Writer& writer) {
   v1::SharedKeyframe proto;
-  ToProto(*keyframe.payload, proto.mutable_payload());
+  ToProto(*keyframe.payload, proto.mutable_payload(), form);
   ToProto(keyframe.camera_from_global, proto.mutable_camera_from_global());
   writer.Reserve(proto.ByteSizeLong() + kPoseBytes + keyframe.points.size() * kIdBytes);
   WriteCamera(*keyframe.payload, sent, writer);
@@ -51,6 +52,26 @@ void WriteKeyframe(const SharedKeyframe& keyframe, CameraBook& sent, Writer& wri
     last = i;
   }
   *writer.part().add_keyframes() = std::move(proto);
+}
+
+// Of the last `in_part` of `keyframes`.
+KeyframeLooks LooksOf(const std::vector<SharedKeyframe>& keyframes, int in_part) {
+  KeyframeLooks looks;
+  const auto count = static_cast<size_t>(in_part);
+  for (size_t i = keyframes.size() - count; i < keyframes.size(); ++i) {
+    looks[keyframes[i].payload->id] = keyframes[i].payload->features.descriptors;
+  }
+  return looks;
+}
+
+void WriteFullPoints(const SharedUpdate& update, FeatureForm form, Writer& writer) {
+  writer.Spread(update.points, kFullPointBytes, [&](auto points) {
+    v1::FullMapPoints* proto = writer.part().mutable_points();
+    WritePoints(points, writer.slots(), proto);
+    if (form == FeatureForm::kPlain) return;
+    // Points follow all keyframes: those of this part are the last ones.
+    CodeDescriptors(points, LooksOf(update.keyframes, writer.part().keyframes_size()), proto);
+  });
 }
 
 // What both messages of poses have: which keyframe, and where in the global frame.
@@ -178,7 +199,7 @@ void Append(SharedUpdate& update, SharedUpdate& part) {
 }  // namespace
 
 std::vector<v1::SharedUpdate> ToProto(const SharedUpdate& update, CameraBook& sent,
-                                      size_t part_bytes) {
+                                      size_t part_bytes, FeatureForm form) {
   Writer writer(part_bytes, [&](v1::SharedUpdate& part) {
     part.set_revision(update.revision);
     part.set_continues(true);
@@ -186,10 +207,10 @@ std::vector<v1::SharedUpdate> ToProto(const SharedUpdate& update, CameraBook& se
     return SlotWriter(part.mutable_local_maps());
   });
   writer.part().set_restart(update.restart);
-  for (const SharedKeyframe& keyframe : update.keyframes) WriteKeyframe(keyframe, sent, writer);
-  writer.Spread(update.points, kFullPointBytes, [&](auto points) {
-    WritePoints(points, writer.slots(), writer.part().mutable_points());
-  });
+  for (const SharedKeyframe& keyframe : update.keyframes) {
+    WriteKeyframe(keyframe, form, sent, writer);
+  }
+  WriteFullPoints(update, form, writer);
   WriteMoves(update.moved_keyframes, writer);
   writer.Spread(update.moved_points, kLightPointBytes, [&](auto points) {
     WritePoints(points, writer.slots(), writer.part().mutable_moved_points());
@@ -221,7 +242,10 @@ absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook
     if (!keyframe.ok()) return Locate(keyframe.status(), absl::StrCat("keyframes[", i, "]"));
     update.keyframes.push_back(*std::move(keyframe));
   }
-  ASSIGN_OR_RETURN(update.points, ReadSharedPoints(proto.points(), slots));
+  auto points =
+      ReadSharedPoints(proto.points(), slots, LooksOf(update.keyframes, proto.keyframes_size()));
+  if (!points.ok()) return Locate(points.status(), "points");
+  update.points = *std::move(points);
   for (const v1::SharedKeyframePose& entry : proto.moved_keyframes()) {
     RETURN_IF_ERROR(ReadPose(entry, slots, update.moved_keyframes.emplace_back()));
   }
@@ -243,12 +267,16 @@ absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook
 
 absl::StatusOr<std::optional<SharedUpdate>> SharedUpdateAssembler::Add(const v1::SharedUpdate& part,
                                                                        CameraBook& cameras) {
-  ASSIGN_OR_RETURN(SharedUpdate read, FromProto(part, cameras));
   bytes_ += part.ByteSizeLong();
+  for (const v1::SharedKeyframe& keyframe : part.keyframes()) {
+    const v1::Features& features = keyframe.payload().features();
+    bytes_ += UncodedBytes(features) - features.ByteSizeLong();
+  }
   if (bytes_ > kMaxUpdateBytes) {
     return absl::ResourceExhaustedError(
         absl::StrCat("a shared update is longer than ", kMaxUpdateBytes, " bytes"));
   }
+  ASSIGN_OR_RETURN(SharedUpdate read, FromProto(part, cameras));
   if (started_) {
     Append(*started_, read);
   } else {

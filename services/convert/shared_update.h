@@ -18,14 +18,15 @@ namespace corbslam {
 // One or more messages of about `part_bytes` at most. `sent` are the cameras named on this stream;
 // it learns those of the update.
 std::vector<v1::SharedUpdate> ToProto(const SharedUpdate& update, CameraBook& sent,
-                                      size_t part_bytes);
+                                      size_t part_bytes, FeatureForm form = FeatureForm::kPlain);
 // One message. INVALID_ARGUMENT names the item.
 absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook& cameras);
 
 // Puts the parts of a shared update together. Not thread-safe.
 class SharedUpdateAssembler {
  public:
-  // The update, once its last part is there. RESOURCE_EXHAUSTED: more than kMaxUpdateBytes.
+  // The update, once its last part is there. RESOURCE_EXHAUSTED: more than kMaxUpdateBytes,
+  // uncoded.
   absl::StatusOr<std::optional<SharedUpdate>> Add(const v1::SharedUpdate& part,
                                                   CameraBook& cameras);
 

@@ -12,10 +12,16 @@ constexpr size_t kSharedBudget_bytes = 1 << 20;
 
 // Of the messages that would carry `update`.
 template <typename Update>
-uint64_t WireBytes(const Update& update, CameraBook& sent) {
+uint64_t WireBytes(const Update& update, FeatureForm form, CameraBook& sent) {
   uint64_t bytes = 0;
-  for (const auto& part : ToProto(update, sent, kSharedBudget_bytes)) bytes += part.ByteSizeLong();
+  for (const auto& part : ToProto(update, sent, kSharedBudget_bytes, form)) {
+    bytes += part.ByteSizeLong();
+  }
   return bytes;
+}
+
+FeatureForm FormOf(const Capabilities& understood) {
+  return understood.coded_features ? FeatureForm::kCoded : FeatureForm::kPlain;
 }
 
 }  // namespace
@@ -25,6 +31,8 @@ void DirectUplink::Open(const SessionRequest& request, UplinkListener* listener)
   absl::StatusOr<MapStore::OpenedSession> opened = store_->OpenSession(request);
   if (!opened.ok()) return End(opened.status());
   session_ = opened->session_id;
+  agent_understands_ = request.capabilities;
+  store_understands_ = opened->grant.capabilities;
   sent_up_ = {};
   sent_down_ = {};
   listener_->OnSessionOpened(opened->grant);
@@ -37,7 +45,7 @@ bool DirectUplink::Send(const MapUpdateBatch& batch) {
     End(stored.status());
     return false;
   }
-  bytes_up_ += WireBytes(batch, sent_up_);
+  bytes_up_ += WireBytes(batch, FormOf(store_understands_), sent_up_);
   listener_->OnAcknowledged(*stored);
   return true;
 }
@@ -51,7 +59,7 @@ void DirectUplink::DeliverShared() {
         store_->NextShared(*session_, kSharedBudget_bytes);
     if (!update.ok()) return End(update.status());
     if (!update->has_value()) return;
-    bytes_down_ += WireBytes(**update, sent_down_);
+    bytes_down_ += WireBytes(**update, FormOf(agent_understands_), sent_down_);
     listener_->OnShared(std::move(**update));
   }
 }

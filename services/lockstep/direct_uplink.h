@@ -35,6 +35,8 @@ class DirectUplink : public Uplink {
   MapStore* const store_;
   UplinkListener* listener_ = nullptr;
   std::optional<uint64_t> session_;
+  Capabilities agent_understands_;
+  Capabilities store_understands_;
   // Cameras that a stream would have named already.
   CameraBook sent_up_;
   CameraBook sent_down_;

@@ -232,6 +232,7 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   RETURN_IF_ERROR(may_open_(request));
   RETURN_IF_ERROR(ticket_->Name(AgentName(request.mission, request.agent)));
   request.peer = peer_;
+  if (request.capabilities.coded_features) form_ = FeatureForm::kCoded;
   who_ = {request.mission, request.agent};
   const absl::StatusOr<MapStore::OpenedSession> session = store_.OpenSession(request);
   if (!session.ok()) {
@@ -267,7 +268,8 @@ absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
   if (part.has_light_points()) {
     transfer_.light_map_point_bytes += part.light_points().ByteSizeLong();
   }
-  RETURN_IF_ERROR(ticket_->Hold(part.ByteSizeLong()));
+  // What it takes in memory, however short it came.
+  RETURN_IF_ERROR(ticket_->Hold(UncodedBytes(part)));
   ASSIGN_OR_RETURN(const std::optional<MapUpdateBatch> batch,
                    assembler_.Add(part, received_cameras_));
   if (!batch) {
@@ -346,7 +348,7 @@ void SyncReactor::Share() {
 
 void SyncReactor::SendShared(const SharedUpdate& update) {
   size_t bytes = 0;
-  for (v1::SharedUpdate& part : ToProto(update, sent_cameras_, kPartBytes)) {
+  for (v1::SharedUpdate& part : ToProto(update, sent_cameras_, kPartBytes, form_)) {
     bytes += part.ByteSizeLong();
     v1::SyncResponse response;
     *response.mutable_shared() = std::move(part);

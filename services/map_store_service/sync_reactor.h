@@ -98,7 +98,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   grpc::ByteBuffer request_;
   // Of Work.
   std::optional<uint64_t> session_id_;
-  SessionAgent who_;  // Once the session is open.
+  SessionAgent who_;                        // Once the session is open.
+  FeatureForm form_ = FeatureForm::kPlain;  // Of what is sent.
   CameraBook received_cameras_;
   CameraBook sent_cameras_;
   BatchAssembler assembler_;

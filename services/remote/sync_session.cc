@@ -40,7 +40,7 @@ bool SyncSession::Send(const MapUpdateBatch& batch) {
   {
     absl::MutexLock lock(&mutex_);
     if (!granted_ || broken_ || leaving_ || queued_bytes_ > max_queued_bytes_) return false;
-    for (v1::MapUpdateBatch& part : ToProto(batch, sent_cameras_, kPartBytes)) {
+    for (v1::MapUpdateBatch& part : ToProto(batch, sent_cameras_, kPartBytes, form_)) {
       v1::SyncRequest request;
       *request.mutable_batch() = std::move(part);
       Push(std::move(request));
@@ -153,6 +153,7 @@ absl::Status SyncSession::Handle(const v1::SyncResponse& response) {
       {
         absl::MutexLock lock(&mutex_);
         granted_ = true;
+        if (grant.capabilities.coded_features) form_ = FeatureForm::kCoded;
       }
       transport_->was_granted = true;
       listener_->OnSessionOpened(grant);

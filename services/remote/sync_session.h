@@ -84,6 +84,7 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   std::deque<v1::SyncRequest> queue_ ABSL_GUARDED_BY(mutex_);
   size_t queued_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   CameraBook sent_cameras_ ABSL_GUARDED_BY(mutex_);
+  FeatureForm form_ ABSL_GUARDED_BY(mutex_) = FeatureForm::kPlain;
   bool granted_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;  // A message, or that there are no more.
   bool leaving_ ABSL_GUARDED_BY(mutex_) = false;  // No more writes.

@@ -213,7 +213,9 @@ void WriteJournals() {
   for (const auto& record : testing::MakeSmallMission()) {
     journal.Append(bytes->mission, record).IgnoreError();
   }
-  const std::string features = map_store::EncodeFeatures(testing::MakeSmallFeatures());
+  KeyframePayload payload;
+  payload.features = testing::MakeSmallFeatures();
+  const std::string features = map_store::EncodeFeatures(payload);
   std::string records = Messages({features});
   for (const std::string& record : bytes->records) AppendMessage(record, &records);
   Write("journal_fuzzer", "records", std::string("\0", 1) + records);

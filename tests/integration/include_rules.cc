@@ -29,11 +29,11 @@ const std::map<absl::string_view, Folders>& TopRules() {
 // Height of each folder of slam/: it may include itself and what lies lower.
 const std::map<absl::string_view, int>& SlamHeights() {
   static const auto& heights = *new std::map<absl::string_view, int>{
-      {"util", 0},      {"geometry", 1}, {"camera", 2},     {"evaluation", 3},
-      {"rendering", 3}, {"features", 3}, {"sensor", 4},     {"vocabulary", 4},
-      {"map", 5},       {"place", 6},    {"matching", 6},   {"optimisation", 6},
-      {"solvers", 7},   {"exchange", 7}, {"simulation", 5}, {"verification", 8},
-      {"fusing", 9}};
+      {"util", 0},         {"geometry", 1}, {"camera", 2},   {"evaluation", 3},
+      {"rendering", 3},    {"features", 3}, {"coding", 4},   {"sensor", 4},
+      {"vocabulary", 4},   {"map", 5},      {"place", 6},    {"matching", 6},
+      {"optimisation", 6}, {"solvers", 7},  {"exchange", 7}, {"simulation", 5},
+      {"verification", 8}, {"fusing", 9}};
   return heights;
 }
 

@@ -1,0 +1,98 @@
+// Arithmetic coding of bits whose probabilities both sides know (Witten, Neal, Cleary, CACM 1987),
+// with 64-bit bounds that move on by 32 bits. Models are written once, as templates over the two
+// classes: Bit(probability, bit) takes the bit where it writes, and says it where it reads.
+#ifndef CORBSLAM_SLAM_CODING_BINARY_CODER_H_
+#define CORBSLAM_SLAM_CODING_BINARY_CODER_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace corbslam {
+
+// Probabilities that a bit is 1 are in 65536ths, 1 to 65535.
+inline constexpr uint32_t kEvenChance = 1u << 15;
+
+class BitWriter {
+ public:
+  static constexpr bool kReads = false;
+
+  bool Bit(uint32_t one_in_65536, bool bit) {
+    const uint64_t middle = low_ + ((high_ - low_) >> 16) * one_in_65536;
+    low_ = bit ? low_ : middle + 1;
+    high_ = bit ? middle : high_;
+    while ((low_ ^ high_) >> 32 == 0) {
+      Put(static_cast<uint32_t>(high_ >> 32));
+      low_ <<= 32;
+      high_ = high_ << 32 | 0xffffffffu;
+    }
+    return bit;
+  }
+
+  // All that was written; the writer is done with.
+  std::string Finish() {
+    // Whatever follows, this lies between the bounds, whose upper halves differ.
+    Put(static_cast<uint32_t>(low_ >> 32) + 1);
+    return std::move(bytes_);
+  }
+
+ private:
+  void Put(uint32_t word) {
+    for (int shift = 24; shift >= 0; shift -= 8) {
+      bytes_.push_back(static_cast<char>(word >> shift & 0xff));
+    }
+  }
+
+  uint64_t low_ = 0;
+  uint64_t high_ = ~uint64_t{0};
+  std::string bytes_;
+};
+
+// Reads any bytes as some bits, never beyond their end: what is missing there is taken as 0.
+class BitReader {
+ public:
+  static constexpr bool kReads = true;
+
+  explicit BitReader(std::string_view bytes) : bytes_(bytes) {
+    value_ = Take();
+    value_ = value_ << 32 | Take();
+  }
+
+  bool Bit(uint32_t one_in_65536, bool = false) {
+    const uint64_t middle = low_ + ((high_ - low_) >> 16) * one_in_65536;
+    const bool bit = value_ <= middle;
+    low_ = bit ? low_ : middle + 1;
+    high_ = bit ? middle : high_;
+    while ((low_ ^ high_) >> 32 == 0) {
+      low_ <<= 32;
+      high_ = high_ << 32 | 0xffffffffu;
+      value_ = value_ << 32 | Take();
+    }
+    return bit;
+  }
+
+  // More was read than a writer of these bits would have written.
+  bool exhausted() const { return words_ > bytes_.size() / 4 + 1; }
+  // Exactly what a writer of these bits has written was read.
+  bool done() const { return bytes_.size() % 4 == 0 && words_ == bytes_.size() / 4 + 1; }
+
+ private:
+  uint32_t Take() {
+    const size_t begin = 4 * words_++;
+    if (begin + 4 > bytes_.size()) return 0;
+    uint32_t word = 0;
+    for (size_t i = begin; i < begin + 4; ++i) word = word << 8 | static_cast<uint8_t>(bytes_[i]);
+    return word;
+  }
+
+  std::string_view bytes_;
+  size_t words_ = 0;
+  uint64_t low_ = 0;
+  uint64_t high_ = ~uint64_t{0};
+  uint64_t value_ = 0;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_CODING_BINARY_CODER_H_

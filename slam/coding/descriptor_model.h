@@ -1,0 +1,69 @@
+// How likely each bit of a descriptor is, given those before it. The binary tests compare pixels of
+// one smoothed patch, so that many say nearly the same: a logistic regression of each bit on all
+// bits before it, learned from pictures (learn_bit_weights.cc), leaves about half of the 256 bits
+// (docs/adr/0018-coded-features.md). Whole numbers throughout: all machines agree.
+#ifndef CORBSLAM_SLAM_CODING_DESCRIPTOR_MODEL_H_
+#define CORBSLAM_SLAM_CODING_DESCRIPTOR_MODEL_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "slam/features/keypoint.h"
+
+namespace corbslam {
+
+inline constexpr int kDescriptorBits = 256;
+
+// Log-odds in 64ths of a nat.
+inline constexpr int kLogOddsSteps = 64;
+
+struct BitWeights {
+  // Log-odds that bit k is 1, before any other is known.
+  std::array<int16_t, kDescriptorBits> bias;
+  // after[j][k], k > j: what a bit j that is 1 adds to those of bit k; one that is 0 takes it away.
+  // 0 for k <= j.
+  std::array<std::array<int16_t, kDescriptorBits>, kDescriptorBits> after;
+};
+
+// Those that ship. Another set of them is another version of the format (feature_coding.h).
+const BitWeights& LearnedBitWeights();
+
+// The columns after[0], after[1], ... one after the other, each from after[j][j + 1] on.
+// learned_bit_weights.cc is of this form.
+inline constexpr size_t kLearnedWeights = kDescriptorBits * (kDescriptorBits - 1) / 2;
+extern const std::array<int8_t, kDescriptorBits> kLearnedBitBias;
+extern const std::array<int8_t, kLearnedWeights> kLearnedBitWeights;
+
+// 65536 / (1 + exp(-i / 4)) for i = 0 to 40; by exp() two machines could differ in the last digit.
+inline constexpr std::array<uint16_t, 41> kProbabilityOfQuarters = {
+    32768, 36843, 40793, 44511, 47911, 50941, 53581, 55834, 57724, 59287, 60565,
+    61598, 62428, 63090, 63615, 64030, 64357, 64614, 64816, 64974, 65097, 65194,
+    65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489, 65500, 65508, 65514,
+    65519, 65523, 65526, 65528, 65530, 65531, 65532, 65533};
+
+// From -10 to 10 nats; between the quarters on a straight line.
+inline constexpr int kMostLogOdds = 40 * kLogOddsSteps / 4;
+inline constexpr auto kProbabilityOfLogOdds = [] {
+  constexpr int kQuarter = kLogOddsSteps / 4;
+  std::array<uint16_t, 2 * kMostLogOdds + 1> made = {};
+  for (int i = 0; i <= kMostLogOdds; ++i) {
+    const int below = kProbabilityOfQuarters[static_cast<size_t>(i / kQuarter)];
+    const int above = kProbabilityOfQuarters[static_cast<size_t>((i + kQuarter - 1) / kQuarter)];
+    const int likelier = below + (above - below) * (i % kQuarter) / kQuarter;
+    made[static_cast<size_t>(kMostLogOdds + i)] = static_cast<uint16_t>(likelier);
+    made[static_cast<size_t>(kMostLogOdds - i)] = static_cast<uint16_t>(65536 - likelier);
+  }
+  return made;
+}();
+
+// The probability in 65536ths that a bit with these log-odds is 1.
+inline uint32_t ProbabilityOf(int log_odds) {
+  const int within = std::clamp(log_odds, -kMostLogOdds, kMostLogOdds);
+  return kProbabilityOfLogOdds[static_cast<size_t>(kMostLogOdds + within)];
+}
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_CODING_DESCRIPTOR_MODEL_H_
