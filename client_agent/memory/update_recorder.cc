@@ -234,7 +234,7 @@ void UpdateRecorder::TakeFullKeyframes(const Map& map, BatchAllowance& allowance
     if (!selected.numbers.empty()) numbers_[id] = std::move(selected.numbers);
     FullKeyframe full = {selected.payload, keyframe->camera_from_map, KnownAncestor(map, id)};
     changed_keyframes_.erase(id);
-    if (full.parent != keyframe->parent) changed_keyframes_.insert(id);
+    NoteParent(*keyframe, full.parent);
     reobserved_keyframes_.insert(id);
     TakeCameras(full, batch);
     allowance.SpendKeyframe(full.payload->features.keypoints.size());
@@ -304,7 +304,18 @@ void UpdateRecorder::TakeFullPoints(const Map& map, BatchAllowance& allowance,
   added_points_ = std::move(waiting);
 }
 
+void UpdateRecorder::NoteParent(const Keyframe& keyframe, KeyframeId told) {
+  if (told != keyframe.parent && IsOwn(keyframe.parent)) {
+    stand_ins_[keyframe.id()] = told;
+  } else {
+    stand_ins_.erase(keyframe.id());
+  }
+}
+
 void UpdateRecorder::TakeLightKeyframes(const Map& map, MapUpdateBatch& batch) {
+  for (const auto& [id, told] : stand_ins_) {
+    if (KnownAncestor(map, id) != told) changed_keyframes_.insert(id);
+  }
   // Root first, so that no step of the new tree makes a cycle with what is left of the old one.
   std::vector<std::pair<size_t, KeyframeId>> by_depth;
   for (const KeyframeId& id : changed_keyframes_) {
@@ -320,7 +331,7 @@ void UpdateRecorder::TakeLightKeyframes(const Map& map, MapUpdateBatch& batch) {
   for (const auto& [depth, id] : by_depth) {
     const Keyframe& keyframe = *map.FindKeyframe(id);
     const KeyframeId parent = KnownAncestor(map, id);
-    if (parent != keyframe.parent && IsOwn(keyframe.parent)) changed_keyframes_.insert(id);
+    NoteParent(keyframe, parent);
     batch.light_keyframes.push_back({id, keyframe.camera_from_map, parent});
     believed_.PlaceKeyframe(id, keyframe.camera_from_map, points_follow_);
     // Where it sees points, and where it took those that follow it.
@@ -446,6 +457,7 @@ void UpdateRecorder::TakeRemovals(MapUpdateBatch& batch) {
   for (const KeyframeRemoval& removal : removed_keyframes_) {
     sent_keyframes_.erase(removal.id);
     numbers_.erase(removal.id);
+    stand_ins_.erase(removal.id);
     mirror_.RemoveKeyframe(removal.id);
     believed_.RemoveKeyframe(removal.id);
     batch.removed_keyframes.push_back(removal);

@@ -103,6 +103,7 @@ class UpdateRecorder : public MapObserver {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeFullPoints(const Map& map, BatchAllowance& allowance, MapUpdateBatch& batch)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void NoteParent(const Keyframe& keyframe, KeyframeId told) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeLightKeyframes(const Map& map, MapUpdateBatch& batch)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeLightPoints(const Map& map, BatchAllowance& allowance, MapUpdateBatch& batch)
@@ -135,6 +136,8 @@ class UpdateRecorder : public MapObserver {
   // What the store has been told.
   absl::btree_set<KeyframeId> sent_keyframes_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> sent_points_ ABSL_GUARDED_BY(mutex_);
+  // Which ancestors keyframes were told to hang on whose parents the store hasn't been told of.
+  absl::btree_map<KeyframeId, KeyframeId> stand_ins_ ABSL_GUARDED_BY(mutex_);
   // Of keyframes of which features were left out, as SelectedFeatures::numbers.
   absl::flat_hash_map<KeyframeId, std::vector<uint32_t>> numbers_ ABSL_GUARDED_BY(mutex_);
   uint32_t sent_cameras_ ABSL_GUARDED_BY(mutex_) = 0;
