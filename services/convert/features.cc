@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 #include "services/convert/errors.h"
 #include "services/convert/limits.h"
@@ -17,7 +18,7 @@ static_assert(std::endian::native == std::endian::little, "descriptors are copie
 
 template <typename Column>
 absl::Status CheckLength(absl::string_view field, const Column& column, size_t count) {
-  if (column.size() == count) return absl::OkStatus();
+  if (static_cast<size_t>(column.size()) == count) return absl::OkStatus();
   return BadLength(field, static_cast<int64_t>(column.size()), static_cast<int64_t>(count));
 }
 

@@ -9,6 +9,7 @@
 
 #include "services/convert/limits.h"
 #include "services/convert/test_data.h"
+#include "slam/coding/testing/plausible_features.h"
 
 namespace corbslam {
 namespace {
@@ -181,6 +182,80 @@ TEST(MapUpdateTest, AKeyframeOfTwoThousandFeaturesTakesLessThan90Kilobytes) {
   EXPECT_LT(parts[0].full_keyframes(0).ByteSizeLong(), 90'000u);
 }
 
+// Keyframes such as a camera's, and points that look as one of them or as nothing that is there.
+MapUpdateBatch MakeCodableBatch() {
+  std::mt19937 random(6);
+  MapUpdateBatch batch = MakeFullBatch(random);
+  for (FullKeyframe& keyframe : batch.full_keyframes) {
+    const KeyframePayload& payload = *keyframe.payload;
+    keyframe.payload =
+        MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index, payload.camera,
+                            testing::MakePlausibleFeatures(payload.id.index, 400, {1241, 376}));
+  }
+  const KeyframePayload& first = *batch.full_keyframes[0].payload;
+  for (size_t i = 0; i < batch.full_points.size(); ++i) {
+    if (i % 4 == 0) continue;
+    batch.full_points[i].reference = first.id;
+    batch.full_points[i].descriptor = first.features.descriptors[7 * i];
+  }
+  return batch;
+}
+
+TEST(CodedMapUpdateTest, SaysTheSameInHalfTheBytes) {
+  const MapUpdateBatch batch = MakeCodableBatch();
+  CameraBook sent;
+  CameraBook sent_coded;
+  const auto plain = ToProto(batch, sent, kPartBytes);
+  const auto coded = ToProto(batch, sent_coded, kPartBytes, FeatureForm::kCoded);
+  ASSERT_EQ(coded.size(), 1u);
+  const v1::FullKeyframe& keyframe = coded[0].full_keyframes(0);
+  EXPECT_EQ(keyframe.payload().features().x_px64_size(), 0);
+  EXPECT_TRUE(keyframe.payload().features().descriptors().empty());
+  EXPECT_LT(keyframe.ByteSizeLong(), plain[0].full_keyframes(0).ByteSizeLong() * 6 / 10);
+  EXPECT_TRUE(coded[0].full_points().descriptors().empty());
+  EXPECT_LT(coded[0].full_points().coded_descriptors().size(),
+            plain[0].full_points().descriptors().size());
+  ExpectSameBatch(SendParts(plain), SendParts(coded));
+  ExpectSameBatch(batch, SendParts(coded));
+}
+
+TEST(CodedMapUpdateTest, EachPartIsReadByItself) {
+  const MapUpdateBatch batch = MakeCodableBatch();
+  for (const size_t part_bytes : {size_t{1500}, size_t{9000}, size_t{12'000}, size_t{30'000}}) {
+    CameraBook sent;
+    ExpectSameBatch(batch, SendParts(ToProto(batch, sent, part_bytes, FeatureForm::kCoded)));
+  }
+}
+
+TEST(CodedMapUpdateTest, LimitsCountWhatItTakesUncoded) {
+  const MapUpdateBatch batch = MakeCodableBatch();
+  CameraBook sent;
+  CameraBook sent_coded;
+  const auto plain = ToProto(batch, sent, kPartBytes);
+  const auto coded = ToProto(batch, sent_coded, kPartBytes, FeatureForm::kCoded);
+  EXPECT_EQ(UncodedBytes(plain[0]), plain[0].ByteSizeLong());
+  EXPECT_GE(UncodedBytes(coded[0]), plain[0].ByteSizeLong());
+}
+
+// As MalformedBatchTest, of a batch that is coded.
+struct MalformedCode {
+  const char* name;
+  std::function<void(v1::MapUpdateBatch&)> harm;
+  const char* says;
+};
+
+class MalformedCodeTest : public ::testing::TestWithParam<MalformedCode> {};
+
+TEST_P(MalformedCodeTest, IsRefusedWithTheKeyframeOrField) {
+  CameraBook sent;
+  v1::MapUpdateBatch proto = ToProto(MakeCodableBatch(), sent, kPartBytes, FeatureForm::kCoded)[0];
+  GetParam().harm(proto);
+  CameraBook cameras;
+  const absl::Status status = FromProto(proto, cameras).status();
+  EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr(GetParam().says));
+}
+
 // A good batch that `harm` makes bad.
 struct Malformed {
   const char* name;
@@ -211,6 +286,36 @@ v1::Features& FeaturesOf(Batch& b) {
   return *b.mutable_full_keyframes(0)->mutable_payload()->mutable_features();
 }
 v1::Rigid& PoseOf(Batch& b) { return *b.mutable_full_keyframes(0)->mutable_camera_from_local(); }
+
+std::string& CodeOf(Batch& b) { return *FeaturesOf(b).mutable_coded(); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, MalformedCodeTest,
+    ::testing::Values(
+        MalformedCode{"Version", [](Batch& b) { CodeOf(b)[0] = 3; }, "full keyframe "},
+        MalformedCode{"VersionItself", [](Batch& b) { CodeOf(b)[0] = 3; },
+                      "coded features: version is 3, this program reads 1"},
+        MalformedCode{"CutShort", [](Batch& b) { CodeOf(b).resize(1000); },
+                      "cut short, or a stream is longer"},
+        MalformedCode{"More", [](Batch& b) { CodeOf(b) += "x"; }, "or more follows it"},
+        MalformedCode{"BesideColumns", [](Batch& b) { FeaturesOf(b).add_x_px64(1); },
+                      "x_px64 has 1 entries beside coded, must have none"},
+        MalformedCode{"BesideDescriptors",
+                      [](Batch& b) { FeaturesOf(b).set_descriptors(std::string(32, 'x')); },
+                      "descriptors has 32 entries beside coded, must have none"},
+        MalformedCode{"OutsideOfTheCamera",
+                      [](Batch& b) { b.mutable_cameras(0)->set_width_px(300); }, "in pixels is"},
+        MalformedCode{
+            "PointsVersion",
+            [](Batch& b) { (*b.mutable_full_points()->mutable_coded_descriptors())[0] = 7; },
+            "full_points: coded descriptors: version is 7, this program reads 1"},
+        MalformedCode{"PointsOfAKeyframeThatIsNotThere",
+                      [](Batch& b) { b.mutable_full_keyframes()->DeleteSubrange(0, 1); },
+                      "full_points: coded descriptors: "},
+        MalformedCode{"PointsTwice",
+                      [](Batch& b) { b.mutable_full_points()->set_descriptors("x"); },
+                      "descriptors has 1 entries, must have 0"}),
+    [](const auto& info) { return std::string(info.param.name); });
 
 INSTANTIATE_TEST_SUITE_P(
     All, MalformedBatchTest,

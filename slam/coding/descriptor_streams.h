@@ -18,7 +18,8 @@ inline constexpr size_t kDescriptorStreams = 4;
 std::array<std::string, kDescriptorStreams> EncodeDescriptors(
     std::span<const Descriptor> descriptors);
 
-// Fills `descriptors`. False: the streams are not those of as many descriptors.
+// Fills `descriptors`. False: the streams are not those of as many descriptors. Not all that is
+// wrong shows: whoever must know keeps a checksum beside them.
 bool DecodeDescriptors(const std::array<std::string_view, kDescriptorStreams>& streams,
                        std::span<Descriptor> descriptors);
 

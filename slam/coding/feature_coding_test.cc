@@ -32,7 +32,7 @@ void ExpectPasses(const FeatureColumns& columns, const PictureSize& picture = kP
 }
 
 TEST(FeatureCodingTest, FeaturesPassUnchanged) {
-  for (const size_t count : {10, 11, 500, 2000}) ExpectPasses(Plausible(count));
+  for (const size_t count : {10u, 11u, 500u, 2000u}) ExpectPasses(Plausible(count));
 }
 
 TEST(FeatureCodingTest, TwoThousandTakeLessThan45Kilobytes) {
@@ -43,6 +43,7 @@ TEST(FeatureCodingTest, WithoutDisparitiesOrDescriptors) {
   FeatureColumns columns = Plausible(300);
   columns.disparity_px128.clear();
   ExpectPasses(columns);
+  columns = Plausible(300);
   columns.descriptors.clear();
   ExpectPasses(columns);
 }

@@ -1,5 +1,6 @@
 // make_corpus FOLDER: writes good inputs of every fuzzer into FOLDER/FUZZER/, for the fuzzers to
 // start from. What is there under other names stays.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -8,7 +9,10 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "client_agent/memory/spool_segment.h"
 #include "corbslam/v1/map_store_service.pb.h"
@@ -20,6 +24,9 @@
 #include "services/convert/shared_update.h"
 #include "services/convert/test_data.h"
 #include "services/convert/work.h"
+#include "slam/coding/feature_coding.h"
+#include "slam/coding/sourced_descriptors.h"
+#include "slam/coding/testing/plausible_features.h"
 #include "slam/vocabulary/vocabulary_file.h"
 #include "tests/fuzz/messages.h"
 #include "tests/fuzz/signing_key.h"
@@ -57,6 +64,72 @@ v1::SyncRequest OpenRequest(const std::string& agent, std::vector<LocalMapId> lo
   session.local_maps = std::move(local_maps);
   ToProto(session, request.mutable_open());
   return request;
+}
+
+// Such that they are coded.
+std::shared_ptr<const KeyframePayload> MakeCodablePayload(KeyframeId id) {
+  return MakeKeyframePayload(id, 1'000'000'000'000 + id.index, 0, test_data::MakeCamera(),
+                             testing::MakePlausibleFeatures(id.index, 40, {1241, 376}));
+}
+
+// The first keyframe's features and points' descriptors are coded.
+MapUpdateBatch MakeCodableBatch(std::mt19937& random, LocalMapId local_map) {
+  MapUpdateBatch batch = test_data::MakeBatch(random, local_map, 1, 2, 6);
+  auto& payload = batch.full_keyframes[0].payload;
+  payload = MakeCodablePayload(payload->id);
+  for (size_t i = 0; i < batch.full_points.size(); ++i) {
+    batch.full_points[i].descriptor = payload->features.descriptors[i];
+  }
+  return batch;
+}
+
+void WriteCodedSync() {
+  std::mt19937 random(6);
+  CameraBook sent;
+  std::string input;
+  AppendMessage(OpenRequest("alpha", {kMap}).SerializeAsString(), &input);
+  for (auto& part : ToProto(MakeCodableBatch(random, kMap), sent, 60000, FeatureForm::kCoded)) {
+    v1::SyncRequest request;
+    *request.mutable_batch() = std::move(part);
+    AppendMessage(request.SerializeAsString(), &input);
+  }
+  Write("sync_fuzzer", "coded", input);
+}
+
+void WriteCodedShared() {
+  std::mt19937 random(7);
+  SharedUpdate update = test_data::MakeSharedUpdate(random);
+  SharedKeyframe& keyframe = update.keyframes[0];
+  keyframe.payload = MakeCodablePayload(keyframe.payload->id);
+  keyframe.points.resize(keyframe.payload->features.keypoints.size());
+  for (size_t i = 0; i < update.points.size(); ++i) {
+    update.points[i].reference = keyframe.payload->id;
+    update.points[i].descriptor = keyframe.payload->features.descriptors[i];
+  }
+  CameraBook sent;
+  std::string input;
+  for (auto& part : ToProto(update, sent, 100000, FeatureForm::kCoded)) {
+    v1::SyncResponse response;
+    *response.mutable_shared() = std::move(part);
+    AppendMessage(response.SerializeAsString(), &input);
+  }
+  Write("shared_update_fuzzer", "coded", input);
+}
+
+void WriteFeatureCoding() {
+  const Features features = testing::MakePlausibleFeatures(1, 50, {640, 480});
+  const FeatureColumns columns = ToColumns(features);
+  if (const auto coded = EncodeFeatures(columns, {640, 480})) {
+    Write("feature_coding_fuzzer", "features", std::string("\0", 1) + *coded);
+  }
+  std::vector<Descriptor> descriptors = features.descriptors;
+  std::ranges::copy(testing::MakePlausibleFeatures(2, 10, {640, 480}).descriptors,
+                    descriptors.begin());
+  std::vector<std::span<const Descriptor>> sources(descriptors.size(), features.descriptors);
+  for (size_t i = 0; i < sources.size(); i += 3) sources[i] = {};
+  Write(
+      "feature_coding_fuzzer", "descriptors",
+      std::string("\1") + static_cast<char>(sources.size()) + EncodeSourced(descriptors, sources));
 }
 
 void WriteSync() {
@@ -146,6 +219,9 @@ void WriteSpool() {
   Write("spool_fuzzer", "whole", std::string("\0\0", 2) + Messages({segment}));
   Write("spool_fuzzer", "torn", std::string("\1\0", 2) + Messages({torn, segment}));
   const std::string payload = EncodeBatch(test_data::MakeBatch(random, {1}, 1, 1, 4));
+  Write("spool_fuzzer", "coded",
+        std::string("\0\1", 2) +
+            Messages({std::string("\0\0", 2) + EncodeBatch(MakeCodableBatch(random, {1}))}));
   Write("spool_fuzzer", "checksums_made_right",
         std::string("\0\1", 2) + Messages({std::string("\0\0", 2) + payload}));
 }
@@ -219,6 +295,8 @@ void WriteJournals() {
   std::string records = Messages({features});
   for (const std::string& record : bytes->records) AppendMessage(record, &records);
   Write("journal_fuzzer", "records", std::string("\0", 1) + records);
+  const std::string coded = map_store::EncodeFeatures(*MakeCodablePayload({kMap, 1}));
+  Write("journal_fuzzer", "coded", std::string("\0", 1) + Messages({coded}));
 
   bytes->wants_snapshot = true;
   MapStore store({.deterministic = true}, nullptr, std::make_unique<testing::ByteJournal>(bytes),
@@ -277,6 +355,9 @@ int main(int argc, char** argv) {
   }
   corbslam::root = argv[1];
   corbslam::WriteSync();
+  corbslam::WriteCodedSync();
+  corbslam::WriteCodedShared();
+  corbslam::WriteFeatureCoding();
   corbslam::WriteShared();
   corbslam::WriteWorkers();
   corbslam::WriteSpool();

@@ -47,8 +47,9 @@ Features MakePlausibleFeatures(uint32_t seed, size_t count, const PictureSize& p
         static_cast<int32_t>(LevelGrid(picture.width_px, level).PositionOf(column)));
     columns.y_px64.push_back(
         static_cast<int32_t>(LevelGrid(picture.height_px, level).PositionOf(row)));
-    columns.disparity_px128.push_back(random() % 3 == 0 ? 0 : 1 + random() % 8000);
-    columns.angle_turn14.push_back(random() % kTurnSteps);
+    columns.disparity_px128.push_back(
+        static_cast<uint32_t>(random() % 3 == 0 ? 0 : 1 + random() % 8000));
+    columns.angle_turn14.push_back(static_cast<uint32_t>(random() % kTurnSteps));
     columns.octaves.push_back(static_cast<char>(octave));
   }
   columns.descriptors = DrawDescriptors(random, count);
