@@ -8,9 +8,8 @@
 
 namespace corbslam {
 
-// The newest so many of a local map's own keyframes are provisional: most of those that mapping
-// takes out as redundant it takes out while this few are newer
-// (docs/adr/0012-provisional-keyframes.md).
+// The newest so many of a local map's own keyframes are provisional: mapping judges each as it
+// leaves them (docs/adr/0012-provisional-keyframes.md).
 inline constexpr size_t kProvisionalKeyframes = 6;
 
 // The newest of `local_map`'s keyframes for which `count` newer ones of its are in the map; invalid

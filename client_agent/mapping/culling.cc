@@ -13,7 +13,6 @@ constexpr int kTooFewObservations = 3;
 constexpr int kWeakObservations = 2;
 constexpr uint32_t kAgeToBeSeen = 2;
 constexpr uint32_t kAgeToBeKept = 3;
-constexpr double kRedundantShare = 0.85;
 constexpr int kEnoughOthers = 3;
 
 }  // namespace
@@ -58,7 +57,11 @@ void RecentPoints::Cull(KeyframeId newest, GuardedMap& guarded) {
   });
 }
 
-bool IsRedundant(const Map& map, const Keyframe& keyframe) {
+bool MayGo(const Keyframe& keyframe) {
+  return keyframe.parent.IsValid() && keyframe.loop_edges.empty();
+}
+
+bool IsRedundant(const Map& map, const Keyframe& keyframe, double share) {
   int points = 0;
   int redundant = 0;
   for (size_t i = 0; i < keyframe.points.size(); ++i) {
@@ -79,15 +82,14 @@ bool IsRedundant(const Map& map, const Keyframe& keyframe) {
     }
     redundant += others >= kEnoughOthers;
   }
-  return points > 0 && redundant > kRedundantShare * points;
+  return points > 0 && redundant > share * points;
 }
 
 std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre, LocalMapId own) {
   std::vector<KeyframeId> redundant;
   for (const CovisibleKeyframe& relative : map.Covisible(centre)) {
     const Keyframe& keyframe = *map.FindKeyframe(relative.id);
-    if (relative.id.local_map != own || !keyframe.parent.IsValid()) continue;
-    if (!keyframe.loop_edges.empty()) continue;
+    if (relative.id.local_map != own || !MayGo(keyframe)) continue;
     if (IsRedundant(map, keyframe)) redundant.push_back(relative.id);
   }
   return redundant;

@@ -10,6 +10,8 @@
 
 namespace corbslam {
 
+inline constexpr double kRedundantShare = 0.95;
+
 // Points that must still prove themselves (ORB-SLAM, T-RO 2015, VI.B). Not thread-safe: the mapping
 // thread's.
 class RecentPoints {
@@ -34,16 +36,19 @@ class RecentPoints {
   std::vector<Recent> recent_;
 };
 
-// Own keyframes covisible with `centre` of whose close points 85 % are seen at the same or a finer
-// scale by at least three other own ones (ORB-SLAM, VI.E, with 90 %; ORB-SLAM2: close points only;
-// docs/adr/0012-provisional-keyframes.md). Not the
+// Own keyframes covisible with `centre` of whose close points 95 % are seen at the same or a finer
+// scale by at least three other own ones (ORB-SLAM, VI.E, with 90 %; ORB-SLAM2: close points only).
+// More than is asked of those that nobody has been told of (keyframe_judgement.h). Not the
 // root, not `centre`, none that holds a loop edge. Other robots' keyframes make none redundant: the
 // own map must hold together without them, for they may go, and no adjustment of it has them all.
 // Pure.
 std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre, LocalMapId own);
 
-// True if the keyframe is redundant now (an earlier removal may have changed that).
-bool IsRedundant(const Map& map, const Keyframe& keyframe);
+// Not the root, none that holds a loop edge.
+bool MayGo(const Keyframe& keyframe);
+
+// True if more than `share` of the keyframe's close points are seen as said above now.
+bool IsRedundant(const Map& map, const Keyframe& keyframe, double share = kRedundantShare);
 
 // Removes the keyframe, and those of its points that too few see then.
 void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map);

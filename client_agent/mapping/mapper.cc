@@ -119,6 +119,7 @@ void Mapper::MapKeyframe(KeyframeId id) {
   FuseNeighbours(id, *parts_.map);
   AdjustLocalBundle(id);
   CullKeyframes(id);
+  JudgeKeyframes();
 }
 
 void Mapper::AdjustLocalBundle(KeyframeId centre) {
@@ -169,6 +170,12 @@ void Mapper::CullKeyframes(KeyframeId centre) {
       return true;
     });
     if (removed && parts_.on_removed) parts_.on_removed(id);
+  }
+}
+
+void Mapper::JudgeKeyframes() {
+  for (const KeyframeId id : judge_.Judge(*parts_.map)) {
+    if (parts_.on_removed) parts_.on_removed(id);
   }
 }
 

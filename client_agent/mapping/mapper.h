@@ -11,6 +11,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client_agent/map/guarded_map.h"
 #include "client_agent/mapping/culling.h"
+#include "client_agent/mapping/keyframe_judgement.h"
 #include "client_agent/mapping/mapping_queue.h"
 #include "client_agent/mapping/point_statistics.h"
 #include "slam/optimisation/bundle_adjustment.h"
@@ -55,10 +56,12 @@ class Mapper {
   void AdjustLocalBundle(KeyframeId centre);
   void CommitBundle(const BundleResult& result, const Map& before);
   void CullKeyframes(KeyframeId centre);
+  void JudgeKeyframes();
 
   const MapperOptions options_;
   const MapperParts parts_;
   RecentPoints recent_points_;
+  KeyframeJudge judge_;
   // Inserted, not yet mapped.
   std::deque<KeyframeId> pending_;
   bool is_jobs_turn_ = true;

@@ -27,8 +27,9 @@ struct RecorderOptions {
   std::optional<RecordedCamera> recorded_camera = std::nullopt;
   FeatureSelection features = {};
   // The newest so many keyframes are held back, what hangs on them with them: mapping may yet take
-  // them out. Never the first, and none for longer than `hold_at_most_ns` by the frames' own times.
-  size_t hold_newest = kProvisionalKeyframes;
+  // them out, and judges only after it has mapped the one that makes the oldest of them old enough.
+  // Never the first, and none for longer than `hold_at_most_ns` by the frames' own times.
+  size_t hold_newest = kProvisionalKeyframes + 1;
   int64_t hold_at_most_ns = 3'000'000'000;
 };
 

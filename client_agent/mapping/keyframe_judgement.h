@@ -1,0 +1,29 @@
+// Whether a keyframe was worth making, once the camera has gone on.
+#ifndef CORBSLAM_CLIENT_AGENT_MAPPING_KEYFRAME_JUDGEMENT_H_
+#define CORBSLAM_CLIENT_AGENT_MAPPING_KEYFRAME_JUDGEMENT_H_
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "client_agent/map/guarded_map.h"
+
+namespace corbslam {
+
+// Takes out those own keyframes that turn out to be redundant as they leave the newest
+// kProvisionalKeyframes: nobody has been told of them yet, so that less is asked than of those that
+// stayed (culling.h; docs/adr/0012-provisional-keyframes.md). Not thread-safe: the mapping
+// thread's.
+class KeyframeJudge {
+ public:
+  // Judges what has left since the last call, the oldest first; returns what was taken out.
+  std::vector<KeyframeId> Judge(GuardedMap& map);
+
+ private:
+  // The last one that was judged.
+  std::optional<uint32_t> judged_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_MAPPING_KEYFRAME_JUDGEMENT_H_
