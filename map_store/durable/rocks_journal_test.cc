@@ -444,7 +444,7 @@ TEST_F(RocksJournalTest, AnOlderFormatIsReadAndBecomesTheNewOne) {
     const std::unique_ptr<rocksdb::DB> closing(raw);
     std::string before;
     ASSERT_TRUE(raw->Get({}, map_store::FormatKey(), &before).ok());
-    EXPECT_EQ(before, std::string("\x07\0\0\0", 4));
+    EXPECT_EQ(before, std::string("\x08\0\0\0", 4));
     ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), format).ok());
     ASSERT_TRUE(raw->Close().ok());
   };

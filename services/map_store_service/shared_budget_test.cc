@@ -34,6 +34,7 @@ class SharedNotes : public UplinkListener {
     absl::MutexLock lock(&mutex_);
     mirror_.Apply(update);
   }
+  void OnExactPlacesWanted() override {}
   void OnSessionClosed(const absl::Status&) override {}
 
   bool WaitForSession() {

@@ -34,10 +34,11 @@ std::vector<Descriptor> DrawDescriptors(std::mt19937& random, size_t count) {
 Features MakePlausibleFeatures(uint32_t seed, size_t count, const PictureSize& picture) {
   std::mt19937 random(seed);
   std::vector<std::array<int64_t, 3>> corners(count);
+  const auto below = [&random](int64_t limit) { return static_cast<int64_t>(random()) % limit; };
   for (auto& [octave, row, column] : corners) {
-    octave = random() % ScalePyramid::kLevels;
-    row = random() % LevelGrid(picture.height_px, static_cast<int>(octave)).side_px();
-    column = random() % LevelGrid(picture.width_px, static_cast<int>(octave)).side_px();
+    octave = below(ScalePyramid::kLevels);
+    row = below(LevelGrid(picture.height_px, static_cast<int>(octave)).side_px());
+    column = below(LevelGrid(picture.width_px, static_cast<int>(octave)).side_px());
   }
   std::ranges::sort(corners);
   FeatureColumns columns;
