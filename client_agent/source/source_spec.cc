@@ -207,7 +207,7 @@ absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text) {
   // To the file system a path would end there, and name something else than what is written.
   if (const size_t zero = text.find('\0'); zero != absl::string_view::npos) {
     return absl::InvalidArgumentError(
-        absl::StrCat("source '", absl::CHexEscape(text), "' holds a zero byte at ", zero));
+        absl::StrCat("source '", absl::CEscape(text), "' holds a zero byte at ", zero));
   }
   if (!absl::StrContains(text, ':')) {
     return absl::InvalidArgumentError(
