@@ -313,9 +313,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str()
       ->group(kRareGroup);
-  app.add_option(
-         "--spool-dir", flags.spool_dir,
-         "Folder for what is not acknowledged and too much for memory; outlives the program")
+  app.add_option("--spool-dir", flags.spool_dir,
+                 "Folder for what waits and memory has no room for; outlives the program")
       ->capture_default_str();
   app.add_option("--spool-mb", flags.spool_mb, "MiB in it at most")
       ->check(CLI::Range(1, 1 << 20))
@@ -327,7 +326,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->group(kRareGroup);
   app.add_option("--upload", flags.upload,
                  "What goes up of a keyframe: features=all, features=mapped (those that see a map "
-                 "point) or features=N (those and others, N together)")
+                 "point) or features=N")
       ->capture_default_str();
   AddLinkFlags(app, flags.link);
   app.add_flag("--strict", flags.strict,

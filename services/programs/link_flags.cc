@@ -29,10 +29,9 @@ void Add(CLI::App& app, const char* flag, uint64_t& kbps, const char* what) {
 
 void AddLinkFlags(CLI::App& app, LinkFlags& flags) {
   Add(app, "--uplink-kbps", flags.uplink_kbps,
-      "kbit/s to the map store at most, 8 to 10,000,000: poses go first, then keyframes, points, "
-      "points that moved; what is over waits. 0: no bound");
+      "kbit/s to the map store at most; what is over waits; 0: no bound");
   Add(app, "--downlink-kbps", flags.downlink_kbps,
-      "kbit/s of what others mapped that the map store is to send at most; 0: no bound");
+      "kbit/s of shared updates from it at most; 0: no bound");
 }
 
 absl::Status CheckNoLinkFlags(const LinkFlags& flags) {
