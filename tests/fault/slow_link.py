@@ -40,13 +40,13 @@ class Link:
             for name in (self.robot, self.store):
                 call("ip", "netns", "add", name)
                 call("ip", "-n", name, "link", "set", "lo", "up")
-            call("ip", "-n", self.robot, "link", "add", "link", "type", "veth", "peer", "name", "link",
+            call("ip", "-n", self.robot, "link", "add", "name", "cable", "type", "veth", "peer", "name", "cable",
                  "netns", self.store)
             for name, address in ((self.robot, ROBOT_ADDRESS), (self.store, STORE_ADDRESS)):
-                call("ip", "-n", name, "address", "add", f"{address}/24", "dev", "link")
-                call("ip", "-n", name, "link", "set", "link", "up")
+                call("ip", "-n", name, "address", "add", f"{address}/24", "dev", "cable")
+                call("ip", "-n", name, "link", "set", "cable", "up")
                 if self.kbps:
-                    call("tc", "-n", name, "qdisc", "add", "dev", "link", "root", "tbf", "rate",
+                    call("tc", "-n", name, "qdisc", "add", "dev", "cable", "root", "tbf", "rate",
                          f"{self.kbps}kbit", "burst", "4kb", "limit", "64kb")
         except BaseException:
             self.__exit__()
