@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "client_agent/memory/outbox.h"
+
 namespace corbslam {
 namespace {
 
@@ -165,7 +167,9 @@ MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, BatchAllowance allowanc
   TakeRemovals(batch);
   TakeLoopEdges(map, batch);
   TakeFrames(batch);
-  exactly_ = exactly_ && HasMore();
+  // Of what is left nothing can be told: a point that only others' keyframes see may be so for
+  // good.
+  exactly_ = exactly_ && HasMore() && !IsEmpty(batch);
   return batch;
 }
 

@@ -694,6 +694,23 @@ TEST_F(HoldingRecorderTest, WhoAsksForExactPlacesIsToldAll) {
   EXPECT_THAT(TakeKeyframes(), ElementsAre(0, 1, 2));
 }
 
+TEST_F(HoldingRecorderTest, WhatCanNeverBeToldKeepsNothingExact) {
+  AddKeyframe(0);
+  // Only another's keyframe sees it.
+  map_.AddKeyframe(MakeKeyframe({kForeign, 0}, {}));
+  MapPoint point;
+  point.id = {kOwn, 0};
+  point.reference = {kForeign, 0};
+  map_.AddPoint(point);
+  map_.AddObservation(point.id, {kForeign, 0}, 0);
+  recorder_.AskForExactPlaces();
+  EXPECT_THAT(TakeKeyframes(), ElementsAre(0));
+  EXPECT_TRUE(recorder_.HasChanges());
+  EXPECT_THAT(TakeKeyframes(), IsEmpty());
+  for (uint32_t i = 1; i < 4; ++i) AddKeyframe(i);
+  EXPECT_THAT(TakeKeyframes(), IsEmpty()) << "held back again";
+}
+
 TEST(RecordedCameraTest, GoesUpOnceWithItsCamera) {
   RecordedCamera recorded;
   recorded.lens.fx_px = 400;
