@@ -260,7 +260,7 @@ absl::StatusOr<std::optional<SharedUpdate>> Mission::NextShared(uint64_t session
 absl::Status Mission::AskForExactPlaces(const std::string& agent_name) {
   uint64_t session = 0;
   {
-    absl::MutexLock lock(&mutex_);
+    absl::ReaderMutexLock lock(&mutex_);
     if (deleted_) return Deleted();
     const auto agent = state_.agents.find(agent_name);
     if (agent == state_.agents.end()) {

@@ -44,12 +44,6 @@ absl::StatusOr<FeatureSelection> ParseFeatureSelection(absl::string_view text) {
       "features=", text, ": must be all, mapped, or a number from 1 to ", kMostFeatures));
 }
 
-std::string FormatFeatureSelection(const FeatureSelection& selection) {
-  if (selection.IsAll()) return "all";
-  const size_t up_to = *selection.at_least_mapped_and_up_to;
-  return up_to == 0 ? "mapped" : absl::StrCat(up_to);
-}
-
 SelectedFeatures SelectFeatures(const Keyframe& keyframe, const FeatureSelection& selection) {
   const size_t count = keyframe.points.size();
   if (selection.IsAll() || *selection.at_least_mapped_and_up_to >= count) {

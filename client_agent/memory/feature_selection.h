@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -26,7 +25,6 @@ struct FeatureSelection {
 
 // "all", "mapped" or a number, 1 to 20,000; else INVALID_ARGUMENT.
 absl::StatusOr<FeatureSelection> ParseFeatureSelection(absl::string_view text);
-std::string FormatFeatureSelection(const FeatureSelection& selection);
 
 inline constexpr uint32_t kLeftOut = std::numeric_limits<uint32_t>::max();
 
