@@ -21,7 +21,8 @@ std::shared_ptr<const KeyframePayload> WithCamera(std::shared_ptr<const Keyframe
                                                   const LocalMapState& local_map) {
   if (payload->camera != nullptr) return payload;
   return MakeKeyframePayload(payload->id, payload->timestamp_ns, payload->camera_index,
-                             local_map.cameras[payload->camera_index], payload->features);
+                             local_map.cameras[payload->camera_index], payload->features,
+                             payload->code);
 }
 
 void AddCameras(const MapUpdateBatch& batch, LocalMapState& local_map) {

@@ -332,6 +332,15 @@ TEST(CodedFeaturesTest, AreKeptToTheBitInHalfTheBytes) {
   EXPECT_LT(bytes.size(), 45'000u);
 }
 
+TEST(CodedFeaturesTest, CodeThatIsAtHandIsKeptAsItIs) {
+  KeyframePayload payload = PlausiblePayload();
+  const std::string coded = map_store::EncodeFeatures(payload);
+  // After the mark of 8 bytes.
+  const auto code = std::make_shared<const std::string>(coded.substr(8) + "!");
+  payload.code = code;
+  EXPECT_EQ(map_store::EncodeFeatures(payload), coded + "!");
+}
+
 TEST(CodedFeaturesTest, WhatNeverPassedTheWireIsKeptToTheBitAsWell) {
   KeyframePayload payload = PlausiblePayload();
   payload.features.keypoints[7].x_px += 0.001f;

@@ -353,8 +353,14 @@ bool UpdateRecorder::IsToldWell(const Map& map, const MapPoint& point) const {
   return (*told - point.position_in_map).norm() <= kRounding * (1 + point.position_in_map.norm());
 }
 
+bool UpdateRecorder::AreLightPointsDue() const {
+  if (options_.hold_newest == 0 || !holds_back_ || exactly_ || !points_told_ns_) return true;
+  return std::abs(newest_frame_ns_ - *points_told_ns_) >= options_.light_points_every_ns;
+}
+
 void UpdateRecorder::TakeLightPoints(const Map& map, BatchAllowance& allowance,
                                      MapUpdateBatch& batch) {
+  if (moved_points_.empty() || !AreLightPointsDue()) return;
   while (!moved_points_.empty() && batch.light_points.size() < kMaxLightPoints &&
          !allowance.is_spent()) {
     const MapPointId id = *moved_points_.begin();
@@ -365,6 +371,7 @@ void UpdateRecorder::TakeLightPoints(const Map& map, BatchAllowance& allowance,
     believed_.MovePoint(id, point->position_in_map);
     batch.light_points.push_back({id, point->position_in_map});
   }
+  if (moved_points_.empty()) points_told_ns_ = newest_frame_ns_;
 }
 
 MapPointId UpdateRecorder::ResolveSurvivor(const Map& map, MapPointId replaced) const {

@@ -31,6 +31,9 @@ struct RecorderOptions {
   // Never the first, and none for longer than `hold_at_most_ns` by the frames' own times.
   size_t hold_newest = kProvisionalKeyframes + 1;
   int64_t hold_at_most_ns = 3'000'000'000;
+  // Points that were told are told anew once in so long, by the frames' own times: each adjustment
+  // of the robot's moves them again. 0, or hold_newest 0: with each batch.
+  int64_t light_points_every_ns = 2'000'000'000;
 };
 
 // Of one local map. Only that map's own items are recorded: what others made is theirs to tell.
@@ -109,6 +112,7 @@ class UpdateRecorder : public MapObserver {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeLightPoints(const Map& map, BatchAllowance& allowance, MapUpdateBatch& batch)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool AreLightPointsDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool IsToldWell(const Map& map, const MapPoint& point) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteWithdrawn(const Map& map, const std::map<KeyframeId, uint32_t>& replaced,
@@ -156,6 +160,8 @@ class UpdateRecorder : public MapObserver {
   bool exactly_ ABSL_GUARDED_BY(mutex_) = false;
   bool holds_back_ ABSL_GUARDED_BY(mutex_) = true;
   int64_t newest_frame_ns_ ABSL_GUARDED_BY(mutex_) = 0;
+  // The newest frame's when all points that had moved were told; nullopt: never.
+  std::optional<int64_t> points_told_ns_ ABSL_GUARDED_BY(mutex_);
   bool points_follow_ ABSL_GUARDED_BY(mutex_) = true;
   absl::btree_map<MapPointId, MapPointId> replaced_points_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> removed_points_ ABSL_GUARDED_BY(mutex_);

@@ -688,6 +688,36 @@ TEST_F(HoldingRecorderTest, NothingWaitsWhereNoFramesCome) {
   EXPECT_THAT(TakeKeyframes(), IsEmpty());
 }
 
+TEST_F(HoldingRecorderTest, PointsThatMoveOnAreToldOnceInAWhile) {
+  AddKeyframe(0);
+  MapPoint point;
+  point.id = {kOwn, 0};
+  point.position_in_map = {0, 0, 5};
+  point.reference = {kOwn, 0};
+  map_.AddPoint(point);
+  map_.AddObservation(point.id, {kOwn, 0}, 0);
+  EXPECT_EQ(recorder_.TakeBatch(map_, 9).full_points.size(), 1u);
+  const auto move_and_take = [&](double x, int64_t frame_ns) {
+    map_.SetPosition(point.id, {x, 0, 5});
+    recorder_.AddTrackedFrame({frame_ns, {kOwn, 0}, {}});
+    return recorder_.TakeBatch(map_, 9).light_points;
+  };
+  EXPECT_EQ(move_and_take(0.1, TimeOf(1)).size(), 1u);
+  EXPECT_THAT(move_and_take(0.2, TimeOf(2)), IsEmpty());
+  EXPECT_THAT(move_and_take(0.3, TimeOf(20)), IsEmpty());
+  const std::vector<LightMapPoint> told = move_and_take(0.4, TimeOf(21));
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].position_in_local.x(), 0.4);
+  // A clock that was set back.
+  EXPECT_EQ(move_and_take(0.5, TimeOf(0)).size(), 1u);
+  EXPECT_THAT(move_and_take(0.6, TimeOf(1)), IsEmpty());
+  recorder_.AskForExactPlaces();
+  EXPECT_EQ(recorder_.TakeBatch(map_, 9).light_points.size(), 1u);
+  EXPECT_THAT(move_and_take(0.7, TimeOf(2)), IsEmpty());
+  recorder_.StopHoldingBack();
+  EXPECT_EQ(recorder_.TakeBatch(map_, 9).light_points.size(), 1u);
+}
+
 TEST_F(HoldingRecorderTest, WhoAsksForExactPlacesIsToldAll) {
   for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
   recorder_.AskForExactPlaces();

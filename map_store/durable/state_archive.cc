@@ -243,6 +243,7 @@ bool SameBits(const Features& a, const Features& b) {
 
 // None where it would not keep every bit: features that never passed the wire are not rounded.
 std::optional<std::string> CodeExactly(const KeyframePayload& payload) {
+  if (const auto code = payload.code.lock()) return *code;
   FeatureColumns columns = ToColumns(payload.features);
   if (payload.camera == nullptr || !SameBits(FromColumns(columns), payload.features)) {
     return std::nullopt;

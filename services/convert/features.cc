@@ -164,6 +164,10 @@ void ToProto(const Features& features, v1::Features* proto) {
 void ToProto(const KeyframePayload& payload, v1::KeyframePayload* proto, FeatureForm form) {
   proto->set_timestamp_ns(payload.timestamp_ns);
   proto->set_camera_index(payload.camera_index);
+  if (const auto code = payload.code.lock(); code != nullptr && form == FeatureForm::kCoded) {
+    proto->mutable_features()->set_coded(*code);
+    return;
+  }
   const FeatureColumns columns = ToColumns(payload.features);
   if (form == FeatureForm::kCoded) {
     const PictureSize picture = {static_cast<uint32_t>(payload.camera->width_px),
@@ -195,10 +199,9 @@ size_t UncodedBytes(const v1::Features& proto) {
   return proto.ByteSizeLong() + CountCodedKeypoints(proto.coded()) * kUncodedKeypointBytes;
 }
 
-absl::StatusOr<std::shared_ptr<const KeyframePayload>> FromProto(const v1::KeyframePayload& proto,
-                                                                 KeyframeId id,
-                                                                 const CameraBook& cameras,
-                                                                 bool descriptors_optional) {
+absl::StatusOr<std::shared_ptr<const KeyframePayload>> FromProto(
+    const v1::KeyframePayload& proto, KeyframeId id, const CameraBook& cameras,
+    bool descriptors_optional, std::weak_ptr<const std::string> code) {
   RETURN_IF_ERROR(CheckTimestamp(proto.timestamp_ns()));
   std::shared_ptr<const Camera> camera = cameras.Find(id.local_map, proto.camera_index());
   if (camera == nullptr) {
@@ -208,7 +211,7 @@ absl::StatusOr<std::shared_ptr<const KeyframePayload>> FromProto(const v1::Keyfr
   }
   ASSIGN_OR_RETURN(Features features, FromProto(proto.features(), *camera, descriptors_optional));
   return MakeKeyframePayload(id, proto.timestamp_ns(), proto.camera_index(), std::move(camera),
-                             std::move(features));
+                             std::move(features), std::move(code));
 }
 
 }  // namespace corbslam

@@ -38,7 +38,7 @@ enum class FeatureForm { kPlain, kCoded };
 // The wire keeps positions to 1/64 px, disparities to 1/128 px and angles to 2^-14 turns; what was
 // once on it passes unchanged.
 void ToProto(const Features& features, v1::Features* proto);
-// Coded where that is shorter.
+// Coded where that is shorter; where the payload's code is at hand, as that.
 void ToProto(const KeyframePayload& payload, v1::KeyframePayload* proto,
              FeatureForm form = FeatureForm::kPlain);
 
@@ -50,11 +50,10 @@ size_t UncodedBytes(const v1::Features& proto);
 // `descriptors_optional`.
 absl::StatusOr<Features> FromProto(const v1::Features& proto, const Camera& camera,
                                    bool descriptors_optional = false);
-// The camera must be in the book.
-absl::StatusOr<std::shared_ptr<const KeyframePayload>> FromProto(const v1::KeyframePayload& proto,
-                                                                 KeyframeId id,
-                                                                 const CameraBook& cameras,
-                                                                 bool descriptors_optional = false);
+// The camera must be in the book. `code`: of proto's features, for the payload.
+absl::StatusOr<std::shared_ptr<const KeyframePayload>> FromProto(
+    const v1::KeyframePayload& proto, KeyframeId id, const CameraBook& cameras,
+    bool descriptors_optional = false, std::weak_ptr<const std::string> code = {});
 
 // 32 bytes each, least significant byte first.
 std::string DescriptorsToBytes(const std::vector<Descriptor>& descriptors);

@@ -182,7 +182,10 @@ absl::Status ReadPoseAndParent(const Proto& proto, const SlotReader& slots, Rigi
 
 absl::Status ReadFullKeyframe(const v1::FullKeyframe& proto, KeyframeId id, const SlotReader& slots,
                               const CameraBook& cameras, FullKeyframe& keyframe) {
-  ASSIGN_OR_RETURN(keyframe.payload, FromProto(proto.payload(), id, cameras));
+  const std::string& code = proto.payload().features().coded();
+  if (!code.empty()) keyframe.code = std::make_shared<const std::string>(code);
+  ASSIGN_OR_RETURN(keyframe.payload, FromProto(proto.payload(), id, cameras,
+                                               /*descriptors_optional=*/false, keyframe.code));
   return ReadPoseAndParent(proto, slots, keyframe.camera_from_local, keyframe.parent);
 }
 

@@ -237,6 +237,45 @@ TEST(CodedMapUpdateTest, LimitsCountWhatItTakesUncoded) {
   EXPECT_GE(UncodedBytes(coded[0]), plain[0].ByteSizeLong());
 }
 
+TEST(CodedMapUpdateTest, WhatCameCodedGoesOnAsItCame) {
+  CameraBook sent;
+  const auto parts = ToProto(MakeCodableBatch(), sent, kPartBytes, FeatureForm::kCoded);
+  CameraBook cameras;
+  absl::StatusOr<MapUpdateBatch> batch = FromProto(parts[0], cameras);
+  ASSERT_TRUE(batch.ok()) << batch.status();
+  FullKeyframe& keyframe = batch->full_keyframes[0];
+  const std::string& came = parts[0].full_keyframes(0).payload().features().coded();
+  ASSERT_NE(keyframe.code, nullptr);
+  EXPECT_EQ(*keyframe.code, came);
+
+  // Another string in its place shows that it is sent, and to those alone who read code.
+  const auto marked = std::make_shared<const std::string>("as it came");
+  const KeyframePayload& payload = *keyframe.payload;
+  const auto other = MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index,
+                                         payload.camera, payload.features, marked);
+  v1::KeyframePayload coded;
+  ToProto(*other, &coded, FeatureForm::kCoded);
+  EXPECT_EQ(coded.features().coded(), "as it came");
+  v1::KeyframePayload plain;
+  ToProto(*other, &plain);
+  EXPECT_TRUE(plain.features().coded().empty());
+  EXPECT_EQ(plain.features().x_px64_size(), static_cast<int>(payload.features.keypoints.size()));
+}
+
+TEST(CodedMapUpdateTest, WhatNobodyKeepsIsCodedAnew) {
+  CameraBook sent;
+  const auto parts = ToProto(MakeCodableBatch(), sent, kPartBytes, FeatureForm::kCoded);
+  CameraBook cameras;
+  absl::StatusOr<MapUpdateBatch> batch = FromProto(parts[0], cameras);
+  ASSERT_TRUE(batch.ok()) << batch.status();
+  FullKeyframe& keyframe = batch->full_keyframes[0];
+  keyframe.code.reset();
+  EXPECT_TRUE(keyframe.payload->code.expired());
+  v1::KeyframePayload coded;
+  ToProto(*keyframe.payload, &coded, FeatureForm::kCoded);
+  EXPECT_EQ(coded.features().coded(), parts[0].full_keyframes(0).payload().features().coded());
+}
+
 // As MalformedBatchTest, of a batch that is coded.
 struct MalformedCode {
   const char* name;

@@ -11,6 +11,7 @@
 
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "map_store/map_store.h"
+#include "services/map_store_service/recent_codes.h"
 #include "services/map_store_service/stream_limits.h"
 #include "services/map_store_service/sync_observer.h"
 #include "services/server/task_pool.h"
@@ -68,7 +69,7 @@ class MapStoreService : public MapStoreMethods {
  public:
   explicit MapStoreService(MapStore* store, const MapStoreServiceOptions& options = {})
       : store_(*store),
-        options_(options),
+        options_(Observed(options, &recent_codes_)),
         limits_(options.streams),
         pool_(options.threads, options.streams.max_waiting_calls) {}
 
@@ -131,7 +132,13 @@ class MapStoreService : public MapStoreMethods {
                                                 v1::RederiveGlobalLayerResponse* response) override;
 
  private:
+  static MapStoreServiceOptions Observed(MapStoreServiceOptions options, SyncObserver* observer) {
+    options.observers.push_back(observer);
+    return options;
+  }
+
   MapStore& store_;
+  RecentCodes recent_codes_;
   const MapStoreServiceOptions options_;
   StreamLimits limits_;
   TaskPool pool_;

@@ -286,8 +286,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--stats", flags.stats, "File to write statistics to, as JSON");
   app.add_option(
       "--trajectory", flags.trajectory,
-      "File to write the trajectory to in the local map's frame, as TUM; those of further "
-      "local maps, begun when tracking was lost, to FILE.2 and so on");
+      "File for the trajectory in the local map's frame, as TUM; those of further local maps, "
+      "begun when tracking was lost, to FILE.2 and so on");
   app.add_option("--poses-of", flags.poses_of,
                  "Of --trajectory: the (left) camera as recorded, the rectified one, or the body")
       ->transform(CLI::CheckedTransformer(
@@ -325,8 +325,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str()
       ->group(kRareGroup);
   app.add_option("--upload", flags.upload,
-                 "What goes up of a keyframe: features=all, features=mapped (those that see a map "
-                 "point) or features=N")
+                 "What goes up of a keyframe: features=all, =mapped or =N")
       ->capture_default_str();
   AddLinkFlags(app, flags.link);
   app.add_flag("--strict", flags.strict,

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "slam/camera/camera.h"
@@ -21,6 +22,8 @@ struct FullKeyframe {
   std::shared_ptr<const KeyframePayload> payload;
   Rigid3d camera_from_local;
   KeyframeId parent;  // Invalid: the root of its local map.
+  // What the payload's features were read from; null where they came plain or never travelled.
+  std::shared_ptr<const std::string> code = nullptr;
 };
 
 // Its id and what may change.

@@ -7,7 +7,8 @@ namespace corbslam {
 std::shared_ptr<const KeyframePayload> MakeKeyframePayload(KeyframeId id, int64_t timestamp_ns,
                                                            uint32_t camera_index,
                                                            std::shared_ptr<const Camera> camera,
-                                                           Features features) {
+                                                           Features features,
+                                                           std::weak_ptr<const std::string> code) {
   auto payload = std::make_shared<KeyframePayload>();
   payload->id = id;
   payload->timestamp_ns = timestamp_ns;
@@ -15,6 +16,7 @@ std::shared_ptr<const KeyframePayload> MakeKeyframePayload(KeyframeId id, int64_
   payload->grid = FeatureGrid(*camera, features.keypoints);
   payload->camera = std::move(camera);
   payload->features = std::move(features);
+  payload->code = std::move(code);
   return payload;
 }
 

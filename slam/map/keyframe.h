@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "absl/container/btree_map.h"
@@ -29,12 +30,16 @@ struct KeyframePayload {
   Features features;
   // Finds keypoints by pixel; built from `features` by MakeKeyframePayload.
   FeatureGrid grid;
+  // What `features` were read from (slam/coding/feature_coding.h), while whoever received it keeps
+  // it: then nobody need code them again.
+  std::weak_ptr<const std::string> code;
 };
 
-std::shared_ptr<const KeyframePayload> MakeKeyframePayload(KeyframeId id, int64_t timestamp_ns,
-                                                           uint32_t camera_index,
-                                                           std::shared_ptr<const Camera> camera,
-                                                           Features features);
+// `code`: of these very features.
+std::shared_ptr<const KeyframePayload> MakeKeyframePayload(
+    KeyframeId id, int64_t timestamp_ns, uint32_t camera_index,
+    std::shared_ptr<const Camera> camera, Features features,
+    std::weak_ptr<const std::string> code = {});
 
 struct Keyframe {
   std::shared_ptr<const KeyframePayload> payload;
