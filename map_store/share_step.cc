@@ -27,8 +27,9 @@ constexpr size_t kBytesPerKeypoint = 64;
 // Less is not worth a message.
 constexpr double kMinRotation_rad = 1e-6;
 constexpr double kMinTranslation = 1e-5;
-// Of a point, as a share of the least distance from which it is seen: less than a tenth of a pixel.
-constexpr double kMinPointMotion = 2e-4;
+// Of a point, as a share of the least distance from which it is expected to be found: half a pixel
+// there at a focal length of 700 px, as agents tell their own (client_agent/memory).
+constexpr double kMinPointMotion = 7e-4;
 
 bool HasMoved(const Similarity3d& a, const Similarity3d& b) {
   return std::abs(a.scale - b.scale) > kMinRotation_rad ||
