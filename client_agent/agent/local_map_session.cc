@@ -21,12 +21,12 @@ LocalMapSession::LocalMapSession(const LocalMapSessionOptions& options,
           options.follow_correction),
       mapper_(options.mapper, MakeMapperParts()),
       tracker_(options.tracker, std::move(camera),
-               {&map_, &queue_, &statistics_, vocabulary_.get(), &find_places_}) {}
+               {&map_, &queue_, &statistics_, vocabulary_.get(), &find_places_, &looks_}) {}
 
 LocalMapSession::~LocalMapSession() { Stop(); }
 
 MapperParts LocalMapSession::MakeMapperParts() {
-  MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr};
+  MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr, &looks_};
   parts.on_mapped = [this](KeyframeId id) {
     const auto words = map_.Read([&](const Map& map) {
       const Keyframe* keyframe = map.FindKeyframe(id);

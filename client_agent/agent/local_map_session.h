@@ -59,6 +59,7 @@ class LocalMapSession {
   GuardedMap map_;
   MappingQueue queue_;
   PointStatistics statistics_;
+  LookBook looks_;
   PlaceIndex places_;
   const PlaceFinder find_places_;
   LoopCloser loop_closer_;

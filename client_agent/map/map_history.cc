@@ -73,4 +73,8 @@ void MapHistory::OnPointRemoved(MapPointId id) {
   if (next_) next_->OnPointRemoved(id);
 }
 
+bool MapHistory::MayChangeKeypoints(KeyframeId id) const {
+  return next_ == nullptr || next_->MayChangeKeypoints(id);
+}
+
 }  // namespace corbslam

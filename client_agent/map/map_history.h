@@ -36,6 +36,7 @@ class MapHistory : public MapObserver {
   void OnObservationRemoved(MapPointId point, KeyframeId keyframe, uint32_t keypoint) override;
   void OnPointReplaced(MapPointId replaced, MapPointId survivor) override;
   void OnPointRemoved(MapPointId id) override;
+  bool MayChangeKeypoints(KeyframeId id) const override;
 
  private:
   struct Removal {

@@ -14,7 +14,9 @@ class CountingObserver : public MapObserver {
  public:
   void OnKeyframeRemoved(KeyframeId, KeyframeId, const Rigid3d&) override { ++removed; }
   void OnPointReplaced(MapPointId, MapPointId) override { ++replaced; }
+  bool MayChangeKeypoints(KeyframeId id) const override { return id.index != told; }
   int removed = 0;
+  uint32_t told = 2;
   int replaced = 0;
 };
 
@@ -49,6 +51,21 @@ TEST_F(MapHistoryTest, RemovedKeyframeFollowsItsParent) {
   const auto moved = history_.CameraFromMap(map_, Keyframe(3));
   ASSERT_TRUE(moved.has_value());
   EXPECT_LT((moved->translation - (before * shift).translation).norm(), 1e-9);
+}
+
+TEST_F(MapHistoryTest, KeypointsOfWhatWasToldStay) {
+  const auto moved = [&](uint32_t i) {
+    std::vector<Keypoint> keypoints = map_.FindKeyframe(Keyframe(i))->keypoints();
+    for (Keypoint& keypoint : keypoints) keypoint.x_px += 1;
+    return keypoints;
+  };
+  EXPECT_TRUE(map_.SetKeypoints(Keyframe(2), moved(2))) << "nobody hears of it";
+  CountingObserver observer;
+  history_.SetNext(&observer);
+  const auto before = map_.FindKeyframe(Keyframe(2))->payload;
+  EXPECT_FALSE(map_.SetKeypoints(Keyframe(2), moved(2)));
+  EXPECT_EQ(map_.FindKeyframe(Keyframe(2))->payload, before);
+  EXPECT_TRUE(map_.SetKeypoints(Keyframe(3), moved(3)));
 }
 
 TEST_F(MapHistoryTest, UnknownKeyframeHasNoPose) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "client_agent/map/provisional_keyframes.h"
 #include "client_agent/mapping/keyframe_insertion.h"
 #include "client_agent/mapping/point_creation.h"
 #include "client_agent/mapping/point_fusion.h"
@@ -120,6 +121,7 @@ void Mapper::MapKeyframe(KeyframeId id) {
   AdjustLocalBundle(id);
   CullKeyframes(id);
   JudgeKeyframes();
+  ApplyLooks();
 }
 
 void Mapper::AdjustLocalBundle(KeyframeId centre) {
@@ -176,6 +178,22 @@ void Mapper::CullKeyframes(KeyframeId centre) {
 void Mapper::JudgeKeyframes() {
   for (const KeyframeId id : judge_.Judge(*parts_.map)) {
     if (parts_.on_removed) parts_.on_removed(id);
+  }
+}
+
+// To those that are not provisional any more: soon they are told to others.
+void Mapper::ApplyLooks() {
+  if (parts_.looks == nullptr) return;
+  const KeyframeId last = parts_.map->Read([&](const Map& map) {
+    return NewestBut(map, parts_.map->local_map(), kProvisionalKeyframes);
+  });
+  if (!last.IsValid()) return;
+  for (const auto& [id, looks] : parts_.looks->TakeUpTo(last)) {
+    parts_.map->Write([&, id = id, &looks = looks](Map& map) {
+      const Keyframe* keyframe = map.FindKeyframe(id);
+      if (keyframe == nullptr) return;
+      map.SetKeypoints(id, Averaged(keyframe->keypoints(), looks));
+    });
   }
 }
 

@@ -12,6 +12,7 @@
 #include "client_agent/map/guarded_map.h"
 #include "client_agent/mapping/culling.h"
 #include "client_agent/mapping/keyframe_judgement.h"
+#include "client_agent/mapping/look_book.h"
 #include "client_agent/mapping/mapping_queue.h"
 #include "client_agent/mapping/point_statistics.h"
 #include "slam/optimisation/bundle_adjustment.h"
@@ -31,6 +32,8 @@ struct MapperParts {
   std::function<void(KeyframeId)> on_mapped;
   // Called likewise when one was culled.
   std::function<void(KeyframeId)> on_removed;
+  // What tracking adds to keyframes' measurements; may be null.
+  LookBook* looks = nullptr;
 };
 
 // Step and Run: one thread at a time, the mapping thread.
@@ -57,6 +60,7 @@ class Mapper {
   void CommitBundle(const BundleResult& result, const Map& before);
   void CullKeyframes(KeyframeId centre);
   void JudgeKeyframes();
+  void ApplyLooks();
 
   const MapperOptions options_;
   const MapperParts parts_;

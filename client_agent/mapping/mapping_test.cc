@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include "client_agent/map/provisional_keyframes.h"
 #include "client_agent/mapping/culling.h"
 #include "client_agent/mapping/keyframe_insertion.h"
 #include "client_agent/mapping/mapper.h"
@@ -178,6 +179,34 @@ TEST_F(MappingTest, MapperBuildsTheSceneAndAdjustsItsPoses) {
     int seen_often = 0;
     for (const auto& [id, point] : map.points()) seen_often += point.observations.size() >= 3;
     EXPECT_GT(seen_often, 50);
+  });
+}
+
+TEST_F(MappingTest, LooksMoveKeypointsOnceTheirKeyframeIsSettled) {
+  LookBook looks;
+  MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr};
+  parts.looks = &looks;
+  Mapper mapper({}, parts);
+  for (uint32_t k = 0; k < 8; ++k) {
+    Look look;
+    look.keyframe = {kOwn, k};
+    look.shift_px = {1, 0};
+    // So sure that the keypoint goes all the way.
+    look.variance_px2 = 1e-6;
+    looks.Add({look});
+    NewKeyframe keyframe = Handed(k);
+    SeeMapPoints(keyframe);
+    ASSERT_TRUE(queue_.PushKeyframe(std::move(keyframe)));
+    ASSERT_TRUE(mapper.Step());
+  }
+  map_.Read([&](const Map& map) {
+    ASSERT_EQ(map.keyframes().size(), 8u);
+    for (const auto& [id, keyframe] : map.keyframes()) {
+      const bool is_settled = id.index < 8 - kProvisionalKeyframes;
+      const float before_px = scene_.map.FindKeyframe(id)->keypoints()[0].x_px;
+      EXPECT_NEAR(keyframe.keypoints()[0].x_px, before_px + (is_settled ? 1 : 0), 1e-3)
+          << ToString(id);
+    }
   });
 }
 

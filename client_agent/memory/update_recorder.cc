@@ -118,6 +118,11 @@ void UpdateRecorder::AddLostFrame(int64_t timestamp_ns) {
   holds_back_ = true;
 }
 
+bool UpdateRecorder::MayChangeKeypoints(KeyframeId id) const {
+  absl::MutexLock lock(&mutex_);
+  return !sent_keyframes_.contains(id);
+}
+
 void UpdateRecorder::AskForExactPlaces() {
   absl::MutexLock lock(&mutex_);
   exactly_ = true;

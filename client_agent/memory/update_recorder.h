@@ -58,6 +58,7 @@ class UpdateRecorder : public MapObserver {
   void OnObservationRemoved(MapPointId point, KeyframeId keyframe, uint32_t keypoint) override;
   void OnPointReplaced(MapPointId replaced, MapPointId survivor) override;
   void OnPointRemoved(MapPointId id) override;
+  bool MayChangeKeypoints(KeyframeId id) const override;
 
   // Whether the store moves points with their keyframes, as every batch says it shall. Where it
   // turns out not to, all points are told again: it left them where it had them.

@@ -672,6 +672,21 @@ TEST_F(HoldingRecorderTest, WhoHangsOnOneThatWaitsIsToldOnceNowAndOnceThen) {
   EXPECT_EQ(then.light_keyframes[0].parent, (KeyframeId{kOwn, 4}));
 }
 
+TEST_F(HoldingRecorderTest, KeypointsStayOnceTheyAreTold) {
+  for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
+  EXPECT_TRUE(recorder_.MayChangeKeypoints({kOwn, 0}));
+  EXPECT_THAT(TakeKeyframes(), ElementsAre(0));
+  EXPECT_FALSE(recorder_.MayChangeKeypoints({kOwn, 0}));
+  EXPECT_TRUE(recorder_.MayChangeKeypoints({kOwn, 1}));
+  std::vector<Keypoint> keypoints = map_.FindKeyframe({kOwn, 1})->keypoints();
+  keypoints[4].x_px = 44;
+  EXPECT_TRUE(map_.SetKeypoints({kOwn, 1}, keypoints));
+  recorder_.StopHoldingBack();
+  const MapUpdateBatch batch = recorder_.TakeBatch(map_, 9);
+  ASSERT_EQ(batch.full_keyframes.size(), 2u);
+  EXPECT_EQ(batch.full_keyframes[0].payload->features.keypoints[4].x_px, 44);
+}
+
 TEST_F(HoldingRecorderTest, NoneWaitsForLong) {
   for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
   recorder_.AddTrackedFrame({TimeOf(31), {kOwn, 2}, {}});

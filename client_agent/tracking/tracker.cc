@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "client_agent/tracking/frame_looks.h"
 #include "client_agent/tracking/frame_matching.h"
 
 namespace corbslam {
@@ -242,12 +243,19 @@ void Tracker::EnsureWords(Frame& frame) const {
   frame.words = std::make_shared<const Words>(parts_.vocabulary->Transform(frame.descriptors()));
 }
 
+void Tracker::KeepLooks(const Frame& frame) const {
+  if (parts_.looks == nullptr || frame.keyframe.IsValid()) return;
+  parts_.looks->Add(parts_.map->Read(
+      [&](const Map& map) { return FindLooks(map, parts_.map->local_map(), frame); }));
+}
+
 TrackingResult Tracker::Conclude(Frame frame, bool tracked) {
   TrackingResult result;
   result.timestamp_ns = frame.payload->timestamp_ns;
   result.local_map = parts_.map->local_map();
   if (tracked) {
     DropTemporaryPoints(frame);
+    KeepLooks(frame);
     state_ = TrackingState::kTracking;
     lost_frames_ = 0;
     result.camera_from_local = frame.camera_from_map;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client_agent/map/guarded_map.h"
+#include "client_agent/mapping/look_book.h"
 #include "client_agent/mapping/mapping_queue.h"
 #include "client_agent/mapping/point_statistics.h"
 #include "client_agent/tracking/frame.h"
@@ -32,8 +33,8 @@ struct TrackerOptions {
   // A pose that so small a share of the points in view agree with is doubtful: other ways to it are
   // tried, and the best supported one is taken.
   double doubtful_share = 0.15;
-  // A doubtful pose needs as many inliers as one found by relocalising, and this share of the points
-  // in view. Of thousands in view some dozens agree with a wrong pose by chance.
+  // A doubtful pose needs as many inliers as one found by relocalising, and this share of the
+  // points in view. Of thousands in view some dozens agree with a wrong pose by chance.
   double min_doubtful_share = 0.05;
   // Lost for so many frames: the local map is given up; at once where it is this small.
   int max_lost_frames = 30;
@@ -50,6 +51,8 @@ struct TrackerParts {
   const Vocabulary* vocabulary = nullptr;
   // May be null: then a lost frame is not sought in the map.
   const PlaceFinder* places = nullptr;
+  // Null: what frames measure that become no keyframe is not kept.
+  LookBook* looks = nullptr;
 };
 
 // One thread at a time. Waits for nothing but short locks.
@@ -92,6 +95,7 @@ class Tracker {
   void ConsiderKeyframe(Frame& frame);
   void MakeKeyframe(Frame& frame);
   void EnsureWords(Frame& frame) const;
+  void KeepLooks(const Frame& frame) const;
   TrackingResult Conclude(Frame frame, bool tracked);
 
   const TrackerOptions options_;

@@ -86,6 +86,17 @@ void Map::DropFeatures(KeyframeId id) {
                                           payload.camera, Features());
 }
 
+bool Map::SetKeypoints(KeyframeId id, std::vector<Keypoint> keypoints) {
+  Keyframe* keyframe = keyframes_.Find(id);
+  if (keyframe == nullptr || keypoints.size() != keyframe->keypoints().size()) return false;
+  if (observer_ != nullptr && !observer_->MayChangeKeypoints(id)) return false;
+  const KeyframePayload& payload = *keyframe->payload;
+  keyframe->payload =
+      MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index, payload.camera,
+                          Features{std::move(keypoints), payload.features.descriptors});
+  return true;
+}
+
 bool Map::IsAncestor(KeyframeId ancestor, KeyframeId id) const {
   for (const Keyframe* at = FindKeyframe(id); at != nullptr; at = FindKeyframe(at->parent)) {
     if (at->id() == ancestor) return true;

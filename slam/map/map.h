@@ -60,6 +60,10 @@ class Map {
   void SetWords(KeyframeId id, std::shared_ptr<const Words> words);
   // For whoever needs the graph alone. The payload is not edited: others may have it too.
   void DropFeatures(KeyframeId id);
+  // Where its keypoints are, measured better; what they look like and see stays. The payload is not
+  // edited. False, and no change: the keyframe is unknown, has not as many, or the observer says
+  // no.
+  bool SetKeypoints(KeyframeId id, std::vector<Keypoint> keypoints);
   // False, and no change, if that would make a cycle.
   bool SetParent(KeyframeId child, KeyframeId parent);
   bool AddLoopEdge(KeyframeId a, KeyframeId b);

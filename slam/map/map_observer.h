@@ -30,6 +30,9 @@ class MapObserver {
   // keyframe saw both). Single observation calls are not made for them.
   virtual void OnPointReplaced(MapPointId /*replaced*/, MapPointId /*survivor*/) {}
   virtual void OnPointRemoved(MapPointId) {}
+  // Asked before a keyframe's keypoints change: false where it has been told to others with those
+  // that it has.
+  virtual bool MayChangeKeypoints(KeyframeId) const { return true; }
 };
 
 }  // namespace corbslam

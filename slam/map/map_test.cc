@@ -203,6 +203,24 @@ TEST(MapTest, CopyIsDeepAndHasNoObserver) {
   EXPECT_EQ(counter.removed, 1);
 }
 
+TEST(MapTest, KeypointsAreReplacedInANewPayload) {
+  Map map = MakeChain();
+  const auto before = map.FindKeyframe(K(1))->payload;
+  std::vector<Keypoint> moved = before->features.keypoints;
+  moved[3].y_px = 90;
+  ASSERT_TRUE(map.SetKeypoints(K(1), moved));
+  const Keyframe& keyframe = *map.FindKeyframe(K(1));
+  EXPECT_EQ(keyframe.keypoints(), moved);
+  EXPECT_EQ(keyframe.descriptors(), before->features.descriptors);
+  EXPECT_EQ(keyframe.points[3], P(3));
+  EXPECT_EQ(before->features.keypoints[3].y_px, 50) << "others may have it";
+
+  moved.pop_back();
+  EXPECT_FALSE(map.SetKeypoints(K(1), moved));
+  EXPECT_FALSE(map.SetKeypoints(K(77), moved));
+  EXPECT_EQ(map.FindKeyframe(K(1))->keypoints().size(), 40u);
+}
+
 TEST(MapTest, PartHoldsWhatLiesBetweenItsItems) {
   const Map map = MakeChain();
   const Map part = map.CopyPart({K(1), K(2), K(99)}, {P(4), P(5), P(99)});

@@ -1,0 +1,127 @@
+#include "client_agent/tracking/frame_looks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "client_agent/map/provisional_keyframes.h"
+#include "slam/optimisation/testing/synthetic_scene.h"
+
+namespace corbslam {
+namespace {
+
+// Eight keyframes in a row with noise in their pixels and none in their poses. A frame stands where
+// the last of them but one does, and sees the same points exactly.
+class FrameLooksTest : public ::testing::Test {
+ protected:
+  static constexpr uint32_t kSameView = 6;
+
+  FrameLooksTest() : scene_(testing::MakeSyntheticScene(Options())) {
+    const Keyframe& view = *scene_.map.FindKeyframe(Id(kSameView));
+    Features features = view.payload->features;
+    frame_.associations.resize(features.keypoints.size());
+    for (size_t i = 0; i < features.keypoints.size(); ++i) {
+      const MapPoint* point = scene_.map.FindPoint(view.points[i]);
+      if (point == nullptr) continue;
+      frame_.associations[i] = {Association::Kind::kMapPoint, point->id, point->position_in_map};
+      const Eigen::Vector3d in_camera = view.camera_from_map * point->position_in_map;
+      const Eigen::Vector2d pixel = Project(scene_.camera, in_camera);
+      features.keypoints[i].x_px = static_cast<float>(pixel.x());
+      features.keypoints[i].y_px = static_cast<float>(pixel.y());
+      features.keypoints[i].disparity_px =
+          static_cast<float>(DisparityFromDepth(scene_.camera, in_camera.z()));
+    }
+    frame_.payload = MakeKeyframePayload({}, 0, 0, view.payload->camera, features);
+    frame_.reference = view.id();
+    frame_.camera_from_map = view.camera_from_map;
+  }
+
+  static testing::SyntheticSceneOptions Options() {
+    testing::SyntheticSceneOptions options;
+    options.keyframes = 8;
+    options.points = 600;
+    options.step_m = 0.2;
+    options.pixel_noise_px = 0.5;
+    return options;
+  }
+  static KeyframeId Id(uint32_t index) { return {Options().local_map, index}; }
+
+  std::vector<Look> Find(const Map& map) const {
+    return FindLooks(map, Options().local_map, frame_);
+  }
+
+  // Root mean square of what the keyframe's keypoints differ from the truth.
+  double PixelError(const std::vector<Keypoint>& keypoints, KeyframeId id) const {
+    const Keyframe& keyframe = *scene_.map.FindKeyframe(id);
+    double sum = 0;
+    int count = 0;
+    for (size_t i = 0; i < keypoints.size(); ++i) {
+      const MapPoint* point = scene_.map.FindPoint(keyframe.points[i]);
+      if (point == nullptr) continue;
+      sum += (keypoints[i].Pixel() -
+              Project(scene_.camera, keyframe.camera_from_map * point->position_in_map))
+                 .squaredNorm();
+      ++count;
+    }
+    return std::sqrt(sum / count);
+  }
+
+  testing::SyntheticScene scene_;
+  Frame frame_;
+};
+
+TEST_F(FrameLooksTest, BringTheNewestKeyframesNearerToTheTruth) {
+  const std::vector<Look> looks = Find(scene_.map);
+  ASSERT_GT(looks.size(), 100u);
+  LookBook book;
+  book.Add(looks);
+  for (const auto& [id, of_keyframe] : book.TakeUpTo(Id(7))) {
+    const std::vector<Keypoint>& before = scene_.map.FindKeyframe(id)->keypoints();
+    EXPECT_LT(PixelError(Averaged(before, of_keyframe), id), 0.8 * PixelError(before, id))
+        << ToString(id);
+  }
+}
+
+TEST_F(FrameLooksTest, APointsOwnErrorCancels) {
+  Map displaced = scene_.map;
+  for (const auto& [id, point] : scene_.map.points()) {
+    displaced.SetPosition(id, point.position_in_map + Eigen::Vector3d(0.01, 0, 0));
+  }
+  const std::vector<Look> looks = Find(scene_.map);
+  const std::vector<Look> of_displaced = Find(displaced);
+  ASSERT_EQ(looks.size(), of_displaced.size());
+  for (size_t i = 0; i < looks.size(); ++i) {
+    EXPECT_LT((looks[i].shift_px - of_displaced[i].shift_px).norm(), 0.05);
+  }
+}
+
+TEST_F(FrameLooksTest, AreOfTheNewestThatSeesThePointIfItIsProvisional) {
+  const KeyframeId settled = NewestBut(scene_.map, Options().local_map, kProvisionalKeyframes);
+  ASSERT_EQ(settled, Id(1));
+  for (const Look& look : Find(scene_.map)) {
+    EXPECT_GT(look.keyframe, settled);
+    const MapPointId point = scene_.map.FindKeyframe(look.keyframe)->points[look.keypoint];
+    EXPECT_EQ(scene_.map.FindPoint(point)->observations.rbegin()->first, look.keyframe);
+  }
+}
+
+TEST_F(FrameLooksTest, WhatNoiseDoesNotExplainIsNone) {
+  const size_t all = Find(scene_.map).size();
+  Features features = frame_.payload->features;
+  for (Keypoint& keypoint : features.keypoints) keypoint.x_px += 30;
+  frame_.payload = MakeKeyframePayload({}, 0, 0, frame_.payload->camera, features);
+  EXPECT_LT(Find(scene_.map).size(), all / 100);
+}
+
+TEST_F(FrameLooksTest, WithoutItsReferenceAFrameHasNone) {
+  frame_.reference = Id(99);
+  EXPECT_TRUE(Find(scene_.map).empty());
+}
+
+TEST_F(FrameLooksTest, OthersKeyframesGetNone) {
+  EXPECT_TRUE(FindLooks(scene_.map, LocalMapId{99}, frame_).empty());
+}
+
+}  // namespace
+}  // namespace corbslam
