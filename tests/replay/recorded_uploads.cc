@@ -103,11 +103,13 @@ class Renamer {
 }  // namespace
 
 absl::StatusOr<RecordedUploads> RecordUploads(const std::string& source,
-                                              std::shared_ptr<const Vocabulary> vocabulary) {
+                                              std::shared_ptr<const Vocabulary> vocabulary,
+                                              const FeatureSelection& features) {
   ASSIGN_OR_RETURN(const SourceSpec spec, ParseSourceSpec(source));
   ASSIGN_OR_RETURN(const std::unique_ptr<ImageSource> images, OpenSource(spec));
   AgentOptions options;
   options.deterministic = true;
+  options.upload_features = features;
   const bool is_stereo = std::holds_alternative<StereoCalibration>(images->calibration());
   options.sensor.orb.features = is_stereo ? kStereoFeatures : kRgbdFeatures;
   RecordingUplink uplink;

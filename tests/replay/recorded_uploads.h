@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client_agent/memory/feature_selection.h"
 #include "slam/exchange/map_update.h"
 #include "slam/vocabulary/vocabulary.h"
 
@@ -19,7 +20,8 @@ using RecordedUploads = std::vector<MapUpdateBatch>;
 // Runs an agent on the source (as `client_agent --source`) alone and in lockstep, as fast as it
 // goes. The same every time. FAILED_PRECONDITION: it made more than one local map.
 absl::StatusOr<RecordedUploads> RecordUploads(const std::string& source,
-                                              std::shared_ptr<const Vocabulary> vocabulary);
+                                              std::shared_ptr<const Vocabulary> vocabulary,
+                                              const FeatureSelection& features = {});
 
 // The same batch as another local map's: every id of its own map is renamed.
 MapUpdateBatch AsLocalMap(const MapUpdateBatch& batch, LocalMapId local_map);
