@@ -30,6 +30,7 @@ std::vector<Keypoint> Averaged(std::vector<Keypoint> keypoints, const KeyframeLo
 void LookBook::Add(const std::vector<Look>& looks) {
   absl::MutexLock lock(&mutex_);
   for (const Look& look : looks) {
+    if (taken_.has_value() && look.keyframe <= *taken_) continue;
     KeyframeLooks& sums = looks_[look.keyframe];
     if (sums.size() <= look.keypoint) sums.resize(look.keypoint + 1);
     LookSum& sum = sums[look.keypoint];
@@ -43,6 +44,8 @@ void LookBook::Add(const std::vector<Look>& looks) {
 
 absl::btree_map<KeyframeId, KeyframeLooks> LookBook::TakeUpTo(KeyframeId last) {
   absl::MutexLock lock(&mutex_);
+  // Where keyframes were culled meanwhile, it may be one before the last time's.
+  taken_ = std::max(taken_.value_or(last), last);
   absl::btree_map<KeyframeId, KeyframeLooks> taken;
   while (!looks_.empty() && looks_.begin()->first <= last) {
     taken.insert(looks_.extract(looks_.begin()));

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -41,16 +42,20 @@ using KeyframeLooks = std::vector<LookSum>;
 // The keypoints where they and the looks at them are on the average.
 std::vector<Keypoint> Averaged(std::vector<Keypoint> keypoints, const KeyframeLooks& looks);
 
-// Thread-safe: tracking adds, mapping takes.
+// Of one local map. Thread-safe: tracking adds, mapping takes.
 class LookBook {
  public:
+  // Those of keyframes whose looks were taken come too late, and are passed over: their keypoints
+  // are not those any more that were looked at.
   void Add(const std::vector<Look>& looks);
-  // Those of keyframes up to this one, which are not kept any longer.
+  // Those of keyframes up to this one, once.
   absl::btree_map<KeyframeId, KeyframeLooks> TakeUpTo(KeyframeId last);
 
  private:
   absl::Mutex mutex_;
   absl::btree_map<KeyframeId, KeyframeLooks> looks_ ABSL_GUARDED_BY(mutex_);
+  // Up to here looks were taken; nullopt: none was.
+  std::optional<KeyframeId> taken_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace corbslam

@@ -76,6 +76,17 @@ TEST(LookBookTest, LooksAreTakenOnce) {
   EXPECT_EQ(taken.begin()->first, (KeyframeId{kOwn, 3}));
 }
 
+TEST(LookBookTest, LooksThatComeTooLateAreNone) {
+  LookBook book;
+  EXPECT_THAT(book.TakeUpTo({kOwn, 3}), IsEmpty());
+  book.Add({MakeLook(3, 0, 1, 1)});
+  EXPECT_THAT(book.TakeUpTo({kOwn, 2}), IsEmpty());
+  book.Add({MakeLook(3, 0, 1, 1), MakeLook(4, 0, 1, 1)});
+  const auto taken = book.TakeUpTo({kOwn, 9});
+  ASSERT_THAT(taken, SizeIs(1));
+  EXPECT_EQ(taken.begin()->first, (KeyframeId{kOwn, 4}));
+}
+
 TEST(LookBookTest, LooksBeyondTheKeypointsAreNone) {
   EXPECT_THAT(Averaged({}, KeyframeLooks(3, LookSum{.weight = 1})), IsEmpty());
 }

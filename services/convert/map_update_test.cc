@@ -240,11 +240,9 @@ TEST(CodedMapUpdateTest, LimitsCountWhatItTakesUncoded) {
 TEST(CodedMapUpdateTest, WhatCameCodedGoesOnAsItCame) {
   CameraBook sent;
   const auto parts = ToProto(MakeCodableBatch(), sent, kPartBytes, FeatureForm::kCoded);
-  CameraBook cameras;
-  absl::StatusOr<MapUpdateBatch> batch = FromProto(parts[0], cameras);
-  ASSERT_TRUE(batch.ok()) << batch.status();
-  FullKeyframe& keyframe = batch->full_keyframes[0];
   const std::string& came = parts[0].full_keyframes(0).payload().features().coded();
+  MapUpdateBatch batch = SendParts(parts);
+  FullKeyframe& keyframe = batch.full_keyframes[0];
   ASSERT_NE(keyframe.code, nullptr);
   EXPECT_EQ(*keyframe.code, came);
 
@@ -260,20 +258,13 @@ TEST(CodedMapUpdateTest, WhatCameCodedGoesOnAsItCame) {
   ToProto(*other, &plain);
   EXPECT_TRUE(plain.features().coded().empty());
   EXPECT_EQ(plain.features().x_px64_size(), static_cast<int>(payload.features.keypoints.size()));
-}
 
-TEST(CodedMapUpdateTest, WhatNobodyKeepsIsCodedAnew) {
-  CameraBook sent;
-  const auto parts = ToProto(MakeCodableBatch(), sent, kPartBytes, FeatureForm::kCoded);
-  CameraBook cameras;
-  absl::StatusOr<MapUpdateBatch> batch = FromProto(parts[0], cameras);
-  ASSERT_TRUE(batch.ok()) << batch.status();
-  FullKeyframe& keyframe = batch->full_keyframes[0];
+  // What nobody keeps is coded anew.
   keyframe.code.reset();
   EXPECT_TRUE(keyframe.payload->code.expired());
-  v1::KeyframePayload coded;
-  ToProto(*keyframe.payload, &coded, FeatureForm::kCoded);
-  EXPECT_EQ(coded.features().coded(), parts[0].full_keyframes(0).payload().features().coded());
+  v1::KeyframePayload anew;
+  ToProto(*keyframe.payload, &anew, FeatureForm::kCoded);
+  EXPECT_EQ(anew.features().coded(), came);
 }
 
 // As MalformedBatchTest, of a batch that is coded.
