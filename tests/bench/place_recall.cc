@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <utility>
@@ -18,29 +17,20 @@
 #include "client_agent/source/perturb.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/features/orb_extractor.h"
-#include "slam/place/keyframe_database.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 #include "slam/vocabulary/trainer.h"
 #include "slam/vocabulary/vocabulary.h"
+#include "tests/bench/recognition.h"
 
 namespace corbslam {
 namespace {
 
-constexpr double kSamePlace_m = 5.0;
-constexpr double kSamePlace_rad = 30.0 * std::numbers::pi / 180.0;
 constexpr int kFeatures = 2000;
 
 struct Picture {
   std::string path;
   Rigid3d world_from_camera;
-};
-
-struct Frame {
-  // Poses of different scenes have nothing to do with each other.
-  int scene = 0;
-  Rigid3d world_from_camera;
-  std::shared_ptr<const Words> words;
 };
 
 struct Recordings {
@@ -52,17 +42,10 @@ struct Recordings {
 struct Experiment {
   std::string name;
   double bar_percent = 0;  // 0: none.
-  std::vector<Frame> database;
-  std::vector<Frame> queries;
+  std::vector<SeenPlace> database;
+  std::vector<SeenPlace> queries;
   // Pictures of B that have no place in the database: whatever they find is wrong.
-  std::vector<Frame> elsewhere;
-};
-
-struct Result {
-  size_t queries = 0;
-  size_t right = 0;        // Best one is the same place, whatever the score.
-  size_t found = 0;        // ... and better than all wrong ones.
-  double worst_wrong = 0;  // Highest score of a wrong best.
+  std::vector<SeenPlace> elsewhere;
 };
 
 // Makes words of pictures; each sequence's own scene.
@@ -71,22 +54,23 @@ class FrameMaker {
   explicit FrameMaker(std::shared_ptr<const Vocabulary> vocabulary)
       : vocabulary_(std::move(vocabulary)), extractor_(OrbOptions{.features = kFeatures}) {}
 
-  absl::StatusOr<Frame> Make(const Picture& picture, int scene, const Perturbation& perturbation,
-                             uint64_t stream) {
+  absl::StatusOr<SeenPlace> Make(const Picture& picture, int scene,
+                                 const Perturbation& perturbation, uint64_t stream) {
     cv::Mat grey = cv::imread(picture.path, cv::IMREAD_GRAYSCALE);
     if (grey.empty()) return absl::NotFoundError("no picture " + picture.path);
     grey = Perturb(grey, perturbation, stream);
     Features features;
     RETURN_IF_ERROR(extractor_.Extract(grey, features, pyramid_));
     auto words = std::make_shared<Words>(vocabulary_->Transform(features.descriptors));
-    return Frame{scene, picture.world_from_camera, std::move(words)};
+    return SeenPlace{scene, picture.world_from_camera, std::move(words)};
   }
 
   // Frames first, first + step, ... up to last.
   absl::Status Append(const std::vector<Picture>& pictures, int scene, size_t first, size_t last,
-                      size_t step, const Perturbation& perturbation, std::vector<Frame>& frames) {
+                      size_t step, const Perturbation& perturbation,
+                      std::vector<SeenPlace>& frames) {
     for (size_t i = first; i <= last && i < pictures.size(); i += step) {
-      ASSIGN_OR_RETURN(Frame frame, Make(pictures[i], scene, perturbation, i));
+      ASSIGN_OR_RETURN(SeenPlace frame, Make(pictures[i], scene, perturbation, i));
       frames.push_back(std::move(frame));
     }
     return absl::OkStatus();
@@ -123,47 +107,11 @@ absl::StatusOr<Recordings> FindRecordings(const std::string& folder) {
   return recordings;
 }
 
-bool IsSamePlace(const Frame& a, const Frame& b) {
-  if (a.scene != b.scene) return false;
-  const Rigid3d b_from_a = b.world_from_camera.Inverse() * a.world_from_camera;
-  return b_from_a.translation.norm() < kSamePlace_m &&
-         RotationAngle(b_from_a.rotation) < kSamePlace_rad;
-}
-
-// Best of the database and whether it is the same place.
-std::pair<double, bool> FindBest(const KeyframeDatabase& database, const Experiment& experiment,
-                                 const Frame& query) {
-  const auto found = database.Query(query.words->bag, QueryOptions());
-  if (found.empty()) return {0.0, false};
-  return {found[0].score, IsSamePlace(experiment.database[found[0].id.index], query)};
-}
-
-Result Evaluate(const Experiment& experiment) {
-  KeyframeDatabase database;
-  for (uint32_t i = 0; i < experiment.database.size(); ++i) {
-    database.Add({LocalMapId{1}, i}, experiment.database[i].words);
-  }
-  Result result;
-  result.queries = experiment.queries.size();
-  std::vector<double> right;
-  for (const auto* const frames : {&experiment.queries, &experiment.elsewhere}) {
-    for (const Frame& query : *frames) {
-      const auto [score, is_right] = FindBest(database, experiment, query);
-      if (!is_right) result.worst_wrong = std::max(result.worst_wrong, score);
-      if (is_right && frames == &experiment.queries) right.push_back(score);
-    }
-  }
-  result.right = right.size();
-  result.found = static_cast<size_t>(std::count_if(
-      right.begin(), right.end(), [&](double score) { return score > result.worst_wrong; }));
-  return result;
-}
-
 // Frames that are nobody's place in `database`.
-void KeepElsewhere(const std::vector<Frame>& database, std::vector<Frame>& frames) {
-  std::erase_if(frames, [&database](const Frame& frame) {
+void KeepElsewhere(const std::vector<SeenPlace>& database, std::vector<SeenPlace>& frames) {
+  std::erase_if(frames, [&database](const SeenPlace& frame) {
     return std::any_of(database.begin(), database.end(),
-                       [&frame](const Frame& other) { return IsSamePlace(frame, other); });
+                       [&frame](const SeenPlace& other) { return IsSamePlace(frame, other); });
   });
 }
 
@@ -175,7 +123,7 @@ const Perturbation kNone;
 const Perturbation kOtherCamera = {.gamma = 0.8, .noise_sigma = 4.0, .seed = 2};
 
 absl::StatusOr<Experiment> MakeKitti(FrameMaker& maker, const Recordings& recordings,
-                                     const std::vector<Frame>& others, bool same_pictures) {
+                                     const std::vector<SeenPlace>& others, bool same_pictures) {
   Experiment experiment{same_pictures ? "KITTI plain split" : "KITTI not the same pictures",
                         same_pictures ? 80.0 : 60.0,
                         others,
@@ -194,7 +142,7 @@ absl::StatusOr<Experiment> MakeKitti(FrameMaker& maker, const Recordings& record
 }
 
 absl::StatusOr<Experiment> MakeTum(FrameMaker& maker, const Recordings& recordings,
-                                   const std::vector<Frame>& others, bool same_pictures) {
+                                   const std::vector<SeenPlace>& others, bool same_pictures) {
   Experiment experiment{
       same_pictures ? "TUM halves" : "TUM not the same pictures", 0, others, {}, {}};
   const size_t step = same_pictures ? 1 : 2;
@@ -206,12 +154,12 @@ absl::StatusOr<Experiment> MakeTum(FrameMaker& maker, const Recordings& recordin
 
 absl::StatusOr<std::vector<Experiment>> MakeExperiments(FrameMaker& maker,
                                                         const Recordings& recordings) {
-  std::vector<Frame> training;
+  std::vector<SeenPlace> training;
   RETURN_IF_ERROR(maker.Append(recordings.training, kTraining, 0, recordings.training.size(), 1,
                                kNone, training));
-  std::vector<Frame> with_tum = training;
+  std::vector<SeenPlace> with_tum = training;
   RETURN_IF_ERROR(maker.Append(recordings.tum, kTum, 0, recordings.tum.size(), 4, kNone, with_tum));
-  std::vector<Frame> with_kitti = training;
+  std::vector<SeenPlace> with_kitti = training;
   RETURN_IF_ERROR(
       maker.Append(recordings.kitti, kKitti, 0, recordings.kitti.size(), 4, kNone, with_kitti));
   std::vector<Experiment> experiments;
@@ -234,15 +182,17 @@ absl::Status Run(const std::string& folder, const std::string& vocabulary_path,
   std::printf("%-28s %8s %9s %8s %8s %8s %11s\n", "recall@1, 100 % precision", "queries",
               "database", "right %", "found %", "bar %", "worst wrong");
   for (const Experiment& experiment : experiments) {
-    const Result result = Evaluate(experiment);
-    const double scale = 100.0 / static_cast<double>(result.queries);
+    std::vector<SeenPlace> seen_by_b = experiment.queries;
+    seen_by_b.insert(seen_by_b.end(), experiment.elsewhere.begin(), experiment.elsewhere.end());
+    const Recognition result = Recognise(experiment.database, seen_by_b);
+    const double scale = 100.0 / static_cast<double>(experiment.queries.size());
     const double right = scale * static_cast<double>(result.right);
     const double found = scale * static_cast<double>(result.found);
     std::printf("%-28s %8zu %9zu %8.1f %8.1f %8.0f %11.4f\n", experiment.name.c_str(),
-                result.queries, experiment.database.size(), right, found, experiment.bar_percent,
-                result.worst_wrong);
+                experiment.queries.size(), experiment.database.size(), right, found,
+                experiment.bar_percent, result.worst_wrong);
     report.push_back({{"experiment", experiment.name},
-                      {"queries", result.queries},
+                      {"queries", experiment.queries.size()},
                       {"elsewhere", experiment.elsewhere.size()},
                       {"database", experiment.database.size()},
                       {"right_percent", right},

@@ -1,13 +1,11 @@
 // What leaving features out of the upload costs in recognised places: two robots, alone and in
 // lockstep, upload keyframes with all features, with those that see a map point, and with so many;
 // the second one's keyframes are sought among the first one's by words alone, as the store does.
-// A keyframe is found if the best one is the same place and scores above every wrong best
-// (recall@1 at 100 % precision, as place_recall).
+// recognition.h says what counts.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
@@ -19,16 +17,13 @@
 #include "services/corbslam/ground_truth.h"
 #include "services/programs/default_vocabulary.h"
 #include "slam/evaluation/trajectory.h"
-#include "slam/place/keyframe_database.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
+#include "tests/bench/recognition.h"
 #include "tests/replay/recorded_uploads.h"
 
 namespace corbslam {
 namespace {
-
-constexpr double kSamePlace_m = 5.0;
-constexpr double kSamePlace_rad = 30.0 * std::numbers::pi / 180.0;
 
 struct Flags {
   std::string first;
@@ -36,13 +31,8 @@ struct Flags {
   std::vector<std::string> features = {"all", "mapped", "1500", "1000", "500"};
 };
 
-struct Place {
-  Rigid3d world_from_camera;
-  std::shared_ptr<const Words> words;
-};
-
 struct Upload {
-  std::vector<Place> places;
+  std::vector<SeenPlace> places;
   size_t features = 0;
   size_t bytes = 0;
 };
@@ -69,7 +59,7 @@ absl::StatusOr<Upload> MakeUpload(const std::string& source, const FeatureSelect
       if (removed.contains(payload.id) || pairs.empty()) continue;
       upload.features += payload.features.keypoints.size();
       upload.places.push_back(
-          {pairs[0].truth.world_from_camera,
+          {0, pairs[0].truth.world_from_camera,
            std::make_shared<const Words>(vocabulary->Transform(payload.features.descriptors))});
     }
   }
@@ -77,41 +67,12 @@ absl::StatusOr<Upload> MakeUpload(const std::string& source, const FeatureSelect
   return upload;
 }
 
-bool IsSamePlace(const Place& a, const Place& b) {
-  const Rigid3d b_from_a = b.world_from_camera.Inverse() * a.world_from_camera;
-  return b_from_a.translation.norm() < kSamePlace_m &&
-         RotationAngle(b_from_a.rotation) < kSamePlace_rad;
-}
-
-struct Recall {
-  size_t queries = 0;  // Keyframes of the second robot where the first one was.
-  size_t right = 0;
-  size_t found = 0;
-};
-
-Recall Seek(const Upload& second, const Upload& first) {
-  KeyframeDatabase database;
-  for (uint32_t i = 0; i < first.places.size(); ++i) {
-    database.Add({LocalMapId{1}, i}, first.places[i].words);
-  }
-  Recall recall;
-  double worst_wrong = 0;
-  std::vector<double> right;
-  for (const Place& query : second.places) {
-    recall.queries += std::ranges::any_of(
-        first.places, [&](const Place& place) { return IsSamePlace(place, query); });
-    const auto found = database.Query(query.words->bag, QueryOptions());
-    if (found.empty()) continue;
-    if (IsSamePlace(first.places[found[0].id.index], query)) {
-      right.push_back(found[0].score);
-    } else {
-      worst_wrong = std::max(worst_wrong, found[0].score);
-    }
-  }
-  recall.right = right.size();
-  recall.found = static_cast<size_t>(
-      std::ranges::count_if(right, [&](double score) { return score > worst_wrong; }));
-  return recall;
+// Where the first robot was, too.
+size_t CountPlacesOfBoth(const Upload& second, const Upload& first) {
+  return static_cast<size_t>(std::ranges::count_if(second.places, [&](const SeenPlace& place) {
+    return std::ranges::any_of(first.places,
+                               [&](const SeenPlace& other) { return IsSamePlace(place, other); });
+  }));
 }
 
 double Percent(size_t part, size_t whole) {
@@ -130,11 +91,12 @@ absl::Status Run(const Flags& flags) {
     ASSIGN_OR_RETURN(const Upload first, MakeUpload(flags.first, selection, vocabulary));
     ASSIGN_OR_RETURN(const Upload second, MakeUpload(flags.second, selection, vocabulary));
     const size_t keyframes = first.places.size() + second.places.size();
-    const Recall recall = Seek(second, first);
+    const size_t both = CountPlacesOfBoth(second, first);
+    const Recognition recognition = Recognise(first.places, second.places);
     std::printf("| %s | %zu | %zu | %.2f | %zu | %.1f | %.1f |\n", text.c_str(), keyframes,
                 (first.features + second.features) / keyframes,
-                1e-6 * static_cast<double>(first.bytes + second.bytes), recall.queries,
-                Percent(recall.right, recall.queries), Percent(recall.found, recall.queries));
+                1e-6 * static_cast<double>(first.bytes + second.bytes), both,
+                Percent(recognition.right, both), Percent(recognition.found, both));
     std::fflush(stdout);
   }
   return absl::OkStatus();
