@@ -10,6 +10,7 @@
 #include <exception>
 #include <iostream>
 #include <map>
+#include <opencv2/core/utility.hpp>
 #include <string>
 
 #include "services/command_line/command_line.h"
@@ -75,6 +76,9 @@ int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
   if (validate_only) return Validate(program, app.get_name());
   LOG(INFO) << app.get_name() << " " << ProgramVersion() << " with\n"
             << command_line.DescribeConfiguration();
+  // What there is to do is shared among threads of ours. A pool of OpenCV's beside them waits for a
+  // processor that they are on, and they for it: milliseconds in every frame on two of them.
+  cv::setNumThreads(1);
   const absl::Status status = RunWithoutExceptions(program);
   if (!status.ok()) LOG(ERROR) << status;
   EndLogging();

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SLAM_SENSOR_THREAD_PAIR_H_
 #define CORBSLAM_SLAM_SENSOR_THREAD_PAIR_H_
 
+#include <atomic>
 #include <cstddef>
 #include <thread>
 
@@ -11,7 +12,10 @@
 
 namespace corbslam {
 
-// Run is called by one thread.
+// Run is called by one thread, mostly several times in a row: between two of them, and where one
+// waits for the other's last task, the threads stay awake for a moment. Schedulers put a thread
+// that wakes beside the one that woke it, for milliseconds, while another processor sleeps: virtual
+// machines' mostly do. So the thread beside the caller keeps off the caller's processor.
 class ThreadPair {
  public:
   using Task = absl::FunctionRef<void(size_t)>;
@@ -31,8 +35,13 @@ class ThreadPair {
   // False: none is left to begin.
   bool RunOne();
   void Loop();
+  void KeepApart();
 
   absl::Mutex mutex_;
+  // For threads that are awake: there is something to begin, or everything is done.
+  std::atomic<bool> to_begin_ = false;
+  std::atomic<bool> all_done_ = true;
+  int kept_off_ = -1;  // The processor that the thread must not use; -1: any will do.
   const Task* task_ ABSL_GUARDED_BY(mutex_) = nullptr;
   size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
   size_t begun_ ABSL_GUARDED_BY(mutex_) = 0;

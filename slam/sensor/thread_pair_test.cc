@@ -1,6 +1,7 @@
 #include "slam/sensor/thread_pair.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <atomic>
 #include <thread>
@@ -43,6 +44,27 @@ TEST(ThreadPairTest, ALongTaskDoesNotHoldUpTheOthers) {
     while (others < 9) std::this_thread::yield();
   });
   EXPECT_EQ(others, 9);
+}
+
+TEST(ThreadPairTest, TheOtherThreadKeepsOffTheCallersProcessor) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "there is one processor";
+  ThreadPair threads(true);
+  const std::thread::id caller = std::this_thread::get_id();
+  while (true) {
+    const int here = sched_getcpu();
+    cpu_set_t of_other;
+    CPU_ZERO(&of_other);
+    absl::Notification of_task[2];
+    threads.Run(2, [&](size_t i) {
+      if (std::this_thread::get_id() != caller) sched_getaffinity(0, sizeof(of_other), &of_other);
+      of_task[i].Notify();
+      of_task[1 - i].WaitForNotification();
+    });
+    if (sched_getcpu() != here) continue;  // The caller was moved, perhaps before it ran them.
+    EXPECT_FALSE(CPU_ISSET(here, &of_other));
+    EXPECT_GT(CPU_COUNT(&of_other), 0);
+    return;
+  }
 }
 
 TEST(ThreadPairTest, WithoutAThreadTheCallerDoesAllInOrder) {
