@@ -14,19 +14,22 @@ namespace corbslam {
 // Probabilities that a bit is 1 are in 65536ths, 1 to 65535.
 inline constexpr uint32_t kEvenChance = 1u << 15;
 
+// The bounds after a bit. By a mask: a jump on what is about to be learned is often mispredicted.
+inline void Narrow(bool bit, uint64_t middle, uint64_t& low, uint64_t& high) {
+  const uint64_t is_one = uint64_t{0} - uint64_t{bit};
+  low += (middle + 1 - low) & ~is_one;
+  high -= (high - middle) & is_one;
+}
+
 class BitWriter {
  public:
   static constexpr bool kReads = false;
 
   bool Bit(uint32_t one_in_65536, bool bit) {
     const uint64_t middle = low_ + ((high_ - low_) >> 16) * one_in_65536;
-    low_ = bit ? low_ : middle + 1;
-    high_ = bit ? middle : high_;
-    while ((low_ ^ high_) >> 32 == 0) {
-      Put(static_cast<uint32_t>(high_ >> 32));
-      low_ <<= 32;
-      high_ = high_ << 32 | 0xffffffffu;
-    }
+    Narrow(bit, middle, low_, high_);
+    if ((low_ ^ high_) >> 32 == 0) [[unlikely]]
+      MoveOn();
     return bit;
   }
 
@@ -38,6 +41,14 @@ class BitWriter {
   }
 
  private:
+  // Now and then: out of the way.
+  [[gnu::noinline]] void MoveOn() {
+    do {
+      Put(static_cast<uint32_t>(high_ >> 32));
+      low_ <<= 32;
+      high_ = high_ << 32 | 0xffffffffu;
+    } while ((low_ ^ high_) >> 32 == 0);
+  }
   void Put(uint32_t word) {
     for (int shift = 24; shift >= 0; shift -= 8) {
       bytes_.push_back(static_cast<char>(word >> shift & 0xff));
@@ -62,13 +73,9 @@ class BitReader {
   bool Bit(uint32_t one_in_65536, bool = false) {
     const uint64_t middle = low_ + ((high_ - low_) >> 16) * one_in_65536;
     const bool bit = value_ <= middle;
-    low_ = bit ? low_ : middle + 1;
-    high_ = bit ? middle : high_;
-    while ((low_ ^ high_) >> 32 == 0) {
-      low_ <<= 32;
-      high_ = high_ << 32 | 0xffffffffu;
-      value_ = value_ << 32 | Take();
-    }
+    Narrow(bit, middle, low_, high_);
+    if ((low_ ^ high_) >> 32 == 0) [[unlikely]]
+      MoveOn();
     return bit;
   }
 
@@ -78,6 +85,13 @@ class BitReader {
   bool done() const { return bytes_.size() % 4 == 0 && words_ == bytes_.size() / 4 + 1; }
 
  private:
+  [[gnu::noinline]] void MoveOn() {
+    do {
+      low_ <<= 32;
+      high_ = high_ << 32 | 0xffffffffu;
+      value_ = value_ << 32 | Take();
+    } while ((low_ ^ high_) >> 32 == 0);
+  }
   uint32_t Take() {
     const size_t begin = 4 * words_++;
     if (begin + 4 > bytes_.size()) return 0;

@@ -19,18 +19,20 @@ inline constexpr int kDescriptorBits = 256;
 // Log-odds in 64ths of a nat.
 inline constexpr int kLogOddsSteps = 64;
 
+// Of whole numbers modulo 2^16: the log-odds themselves are within 16 bits, sums on the way to them
+// need not be.
 struct BitWeights {
-  // Log-odds that bit k is 1, before any other is known.
-  std::array<int16_t, kDescriptorBits> bias;
-  // after[j][k], k > j: what a bit j that is 1 adds to those of bit k; one that is 0 takes it away.
-  // 0 for k <= j.
-  std::array<std::array<int16_t, kDescriptorBits>, kDescriptorBits> after;
+  // Log-odds that bit k is 1, if all bits before it are 0.
+  std::array<uint16_t, kDescriptorBits> bias;
+  // after[j][k], k > j: what a bit j that is 1 adds to those of bit k. 0 for k <= j.
+  std::array<std::array<uint16_t, kDescriptorBits>, kDescriptorBits> after;
 };
 
 // Those that ship. Another set of them is another version of the format (feature_coding.h).
 const BitWeights& LearnedBitWeights();
 
-// The columns after[0], after[1], ... one after the other, each from after[j][j + 1] on.
+// As they are learned: the log-odds of bit k before any other is known, and what a bit j that is 1
+// adds to those of bit k > j, and one that is 0 takes away; j after j, each from k = j + 1 on.
 // learned_bit_weights.cc is of this form.
 inline constexpr size_t kLearnedWeights = kDescriptorBits * (kDescriptorBits - 1) / 2;
 extern const std::array<int8_t, kDescriptorBits> kLearnedBitBias;
@@ -43,26 +45,13 @@ inline constexpr std::array<uint16_t, 41> kProbabilityOfQuarters = {
     65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489, 65500, 65508, 65514,
     65519, 65523, 65526, 65528, 65530, 65531, 65532, 65533};
 
-// From -10 to 10 nats; between the quarters on a straight line.
+// From -10 to 10 nats; between the quarters on a straight line; beyond them as at the ends.
 inline constexpr int kMostLogOdds = 40 * kLogOddsSteps / 4;
-inline constexpr auto kProbabilityOfLogOdds = [] {
-  constexpr int kQuarter = kLogOddsSteps / 4;
-  std::array<uint16_t, 2 * kMostLogOdds + 1> made = {};
-  for (int i = 0; i <= kMostLogOdds; ++i) {
-    const int below = kProbabilityOfQuarters[static_cast<size_t>(i / kQuarter)];
-    const int above = kProbabilityOfQuarters[static_cast<size_t>((i + kQuarter - 1) / kQuarter)];
-    const int likelier = below + (above - below) * (i % kQuarter) / kQuarter;
-    made[static_cast<size_t>(kMostLogOdds + i)] = static_cast<uint16_t>(likelier);
-    made[static_cast<size_t>(kMostLogOdds - i)] = static_cast<uint16_t>(65536 - likelier);
-  }
-  return made;
-}();
 
-// The probability in 65536ths that a bit with these log-odds is 1.
-inline uint32_t ProbabilityOf(int log_odds) {
-  const int within = std::clamp(log_odds, -kMostLogOdds, kMostLogOdds);
-  return kProbabilityOfLogOdds[static_cast<size_t>(kMostLogOdds + within)];
-}
+// The probability in 65536ths that a bit is 1, by its log-odds as 16 bits without a sign: a table
+// for each there can be, of which a few kB are in use.
+using ProbabilityTable = std::array<uint16_t, 1 << 16>;
+const ProbabilityTable& ProbabilitiesOfLogOdds();
 
 }  // namespace corbslam
 

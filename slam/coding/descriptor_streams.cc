@@ -23,69 +23,116 @@ template <typename Coder>
 using Coders = std::array<Coder, kDescriptorStreams>;
 
 // Sixteen at once: by two instructions, or by one.
-using Block [[gnu::vector_size(2 * kBlock)]] = int16_t;
+using Block [[gnu::vector_size(2 * kBlock)]] = uint16_t;
+constexpr size_t kBlocks = kBits / kBlock;
 
-// The log-odds of one descriptor on its way through a coder.
+// One descriptor on its way through a coder.
 struct Lane {
-  std::array<Block, kBits / kBlock> log_odds;
-  // Of the block under way: 1 for a bit that is 1, -1 for one that is 0.
-  std::array<int16_t, kBlock> signs;
+  std::array<Block, kBlocks> log_odds;
+  // Of the block under way: all ones for a bit that is 1.
+  std::array<uint16_t, kBlock> masks;
 };
 
-CORBSLAM_KERNEL void Load(const int16_t* from, Block& block) {
-  std::memcpy(&block, from, sizeof(block));
+struct Model {
+  const BitWeights& weights;
+  const ProbabilityTable& probabilities;
+};
+
+CORBSLAM_KERNEL void Load(const BitWeights& weights, size_t bit, size_t block, Block& after) {
+  std::memcpy(&after, &weights.after[bit][block * kBlock], sizeof(after));
 }
 
-// Takes up bit `i` of a block in the rest of the block.
-CORBSLAM_KERNEL void LearnInBlock(const BitWeights& weights, size_t block, size_t i, Lane& lane) {
+// Takes up what bits of a block say of another block.
+CORBSLAM_KERNEL void Learn(const BitWeights& weights, size_t bit, size_t block, uint16_t mask,
+                           Block& sums) {
   Block after;
-  Load(&weights.after[block * kBlock + i][block * kBlock], after);
-  lane.log_odds[block] += after * lane.signs[i];
+  Load(weights, bit, block, after);
+  sums += after & mask;
 }
 
-// Takes up a whole block in all blocks after it.
-CORBSLAM_KERNEL void LearnBlock(const BitWeights& weights, size_t block, Lane& lane) {
-  for (size_t later = block + 1; later < kBits / kBlock; ++later) {
-    Block sums = lane.log_odds[later];
-    for (size_t i = 0; i < kBlock; ++i) {
-      Block after;
-      Load(&weights.after[block * kBlock + i][later * kBlock], after);
-      sums += after * lane.signs[i];
+// Takes up a whole block in the block `later`, and in the three after it.
+CORBSLAM_KERNEL void LearnInOne(const BitWeights& weights, size_t block, size_t later, Lane& lane) {
+  Block sums = lane.log_odds[later];
+  for (size_t i = 0; i < kBlock; ++i) {
+    Learn(weights, block * kBlock + i, later, lane.masks[i], sums);
+  }
+  lane.log_odds[later] = sums;
+}
+CORBSLAM_KERNEL void LearnInFour(const BitWeights& weights, size_t block, size_t later,
+                                 Lane& lane) {
+  // By name: arrays of them would be in memory.
+  Block a = lane.log_odds[later];
+  Block b = lane.log_odds[later + 1];
+  Block c = lane.log_odds[later + 2];
+  Block d = lane.log_odds[later + 3];
+  for (size_t i = 0; i < kBlock; ++i) {
+    const size_t bit = block * kBlock + i;
+    Learn(weights, bit, later, lane.masks[i], a);
+    Learn(weights, bit, later + 1, lane.masks[i], b);
+    Learn(weights, bit, later + 2, lane.masks[i], c);
+    Learn(weights, bit, later + 3, lane.masks[i], d);
+  }
+  lane.log_odds[later] = a;
+  lane.log_odds[later + 1] = b;
+  lane.log_odds[later + 2] = c;
+  lane.log_odds[later + 3] = d;
+}
+
+// Takes up a whole block in all blocks after it, lane by lane while the weights are near.
+template <size_t kLanes>
+CORBSLAM_KERNEL void LearnBlock(const BitWeights& weights, size_t block,
+                                std::array<Lane, kLanes>& lanes) {
+  size_t later = block + 1;
+  for (; later + 4 <= kBlocks; later += 4) {
+    for (Lane& lane : lanes) LearnInFour(weights, block, later, lane);
+  }
+  for (; later < kBlocks; ++later) {
+    for (Lane& lane : lanes) LearnInOne(weights, block, later, lane);
+  }
+}
+
+// Bit after bit of one block, each taken up in the rest of it, in all lanes in turn.
+template <size_t kLanes, typename Coder>
+CORBSLAM_KERNEL void CodeBlock(const Model& model, size_t block, std::array<Lane, kLanes>& lanes,
+                               Coder* coders, Descriptor* descriptors) {
+  const size_t word = block * kBlock / 64;
+  for (size_t i = 0; i < kBlock; ++i) {
+    const size_t shift = (block * kBlock + i) % 64;
+#pragma GCC unroll 4
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      const uint32_t probability = model.probabilities[lanes[lane].log_odds[block][i]];
+      uint64_t& bits = descriptors[lane].words[word];
+      const bool bit = coders[lane].Bit(probability, (bits >> shift & 1) != 0);
+      if constexpr (Coder::kReads) bits |= uint64_t{bit} << shift;
+      const auto mask = static_cast<uint16_t>(-int{bit});
+      lanes[lane].masks[i] = mask;
+      Learn(model.weights, block * kBlock + i, block, mask, lanes[lane].log_odds[block]);
     }
-    lane.log_odds[later] = sums;
   }
 }
 
 // `kLanes` descriptors, the first of which is in the first of `coders`.
 template <size_t kLanes, typename Coder>
-CORBSLAM_KERNEL void CodeSome(const BitWeights& weights, Coder* coders, Descriptor* descriptors) {
+CORBSLAM_KERNEL void CodeSome(const Model& model, Coder* coders, Descriptor* descriptors) {
   std::array<Lane, kLanes> lanes;
-  for (Lane& lane : lanes) std::memcpy(&lane.log_odds, &weights.bias, sizeof(lane.log_odds));
-  for (size_t block = 0; block < kBits / kBlock; ++block) {
-    for (size_t i = 0; i < kBlock; ++i) {
-      const size_t j = block * kBlock + i;
-      for (size_t lane = 0; lane < kLanes; ++lane) {
-        uint64_t& word = descriptors[lane].words[j / 64];
-        const bool known = (word >> (j % 64) & 1) != 0;
-        const bool bit = coders[lane].Bit(ProbabilityOf(lanes[lane].log_odds[block][i]), known);
-        if constexpr (Coder::kReads) word |= uint64_t{bit} << (j % 64);
-        lanes[lane].signs[i] = static_cast<int16_t>(2 * int{bit} - 1);
-        LearnInBlock(weights, block, i, lanes[lane]);
-      }
-    }
-    for (Lane& lane : lanes) LearnBlock(weights, block, lane);
+  for (Lane& lane : lanes) {
+    std::memcpy(&lane.log_odds, &model.weights.bias, sizeof(lane.log_odds));
+  }
+  for (size_t block = 0; block < kBlocks; ++block) {
+    CodeBlock(model, block, lanes, coders, descriptors);
+    LearnBlock(model.weights, block, lanes);
   }
 }
 
 template <typename Coder>
 CORBSLAM_KERNEL void CodeAll(Coders<Coder>& coders, std::span<Descriptor> descriptors) {
-  const BitWeights& weights = LearnedBitWeights();
+  const Model model = {LearnedBitWeights(), ProbabilitiesOfLogOdds()};
   size_t i = 0;
   for (; i + kDescriptorStreams <= descriptors.size(); i += kDescriptorStreams) {
-    CodeSome<kDescriptorStreams>(weights, coders.data(), &descriptors[i]);
+    CodeSome<kDescriptorStreams>(model, coders.data(), &descriptors[i]);
   }
   for (; i < descriptors.size(); ++i) {
-    CodeSome<1>(weights, &coders[i % kDescriptorStreams], &descriptors[i]);
+    CodeSome<1>(model, &coders[i % kDescriptorStreams], &descriptors[i]);
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -34,28 +36,48 @@ std::vector<Descriptor> RandomDescriptors(size_t count) {
   return descriptors;
 }
 
-TEST(DescriptorModelTest, SumsOfWeightsFit) {
-  const BitWeights& weights = LearnedBitWeights();
-  for (size_t k = 0; k < kDescriptorBits; ++k) {
-    int largest = std::abs(weights.bias[k]);
-    for (size_t j = 0; j < kDescriptorBits; ++j) {
-      if (j >= k) {
-        EXPECT_EQ(weights.after[j][k], 0) << j << " " << k;
-      }
-      largest += std::abs(weights.after[j][k]);
+TEST(DescriptorModelTest, LogOddsFit) {
+  std::array<int, kDescriptorBits> largest;
+  for (size_t k = 0; k < kDescriptorBits; ++k) largest[k] = std::abs(kLearnedBitBias[k]);
+  size_t next = 0;
+  for (size_t j = 0; j < kDescriptorBits; ++j) {
+    for (size_t k = j + 1; k < kDescriptorBits; ++k) {
+      largest[k] += std::abs(kLearnedBitWeights[next++]);
     }
-    EXPECT_LE(largest, 32767) << k;
+  }
+  EXPECT_EQ(next, kLearnedWeights);
+  EXPECT_LE(*std::ranges::max_element(largest), INT16_MAX);
+}
+
+TEST(DescriptorModelTest, WeightsAreOfBitsThatAre1) {
+  const BitWeights& weights = LearnedBitWeights();
+  // What a bit 1 says of the others if they are all 0 before it, by both forms.
+  for (const size_t one : {0u, 100u, 254u}) {
+    for (size_t k = one + 1; k < kDescriptorBits; ++k) {
+      int expected = kLearnedBitBias[k];
+      size_t next = 0;
+      for (size_t j = 0; j < k; next += kDescriptorBits - 1 - j, ++j) {
+        const int weight = kLearnedBitWeights[next + k - j - 1];
+        expected += j == one ? weight : -weight;
+      }
+      const auto sum = static_cast<uint16_t>(weights.bias[k] + weights.after[one][k]);
+      ASSERT_EQ(static_cast<int16_t>(sum), expected) << one << " " << k;
+    }
+    for (size_t k = 0; k <= one; ++k) ASSERT_EQ(weights.after[one][k], 0) << one << " " << k;
   }
 }
 
 TEST(DescriptorModelTest, ProbabilitiesGrowWithTheLogOddsAndLeaveBothPossible) {
-  EXPECT_EQ(ProbabilityOf(0), 32768u);
-  EXPECT_NEAR(ProbabilityOf(kLogOddsSteps), 65536 / (1 + std::exp(-1.0)), 2);
-  for (int odds = -2000; odds < 2000; ++odds) {
-    EXPECT_LE(ProbabilityOf(odds), ProbabilityOf(odds + 1));
-    EXPECT_EQ(ProbabilityOf(odds) + ProbabilityOf(-odds), 65536u);
-    EXPECT_GE(ProbabilityOf(odds), 1u);
-    EXPECT_LE(ProbabilityOf(odds), 65535u);
+  const auto probability_of = [](int odds) -> uint32_t {
+    return ProbabilitiesOfLogOdds()[static_cast<uint16_t>(odds)];
+  };
+  EXPECT_EQ(probability_of(0), 32768u);
+  EXPECT_NEAR(probability_of(kLogOddsSteps), 65536 / (1 + std::exp(-1.0)), 2);
+  for (int odds = -INT16_MAX; odds < INT16_MAX; ++odds) {
+    ASSERT_LE(probability_of(odds), probability_of(odds + 1));
+    ASSERT_EQ(probability_of(odds) + probability_of(-odds), 65536u);
+    ASSERT_GE(probability_of(odds), 1u);
+    ASSERT_LE(probability_of(odds), 65535u);
   }
 }
 

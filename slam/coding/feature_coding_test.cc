@@ -8,7 +8,9 @@
 #include <random>
 
 #include "slam/coding/byte_fields.h"
+#include "slam/coding/feature_columns.h"
 #include "slam/coding/testing/plausible_features.h"
+#include "slam/util/checksum.h"
 
 namespace corbslam {
 namespace {
@@ -37,6 +39,18 @@ TEST(FeatureCodingTest, FeaturesPassUnchanged) {
 
 TEST(FeatureCodingTest, TwoThousandTakeLessThan45Kilobytes) {
   EXPECT_LT(EncodeFeatures(Plausible(2000), kPicture)->size(), 45'000u);
+}
+
+// Journals and spools are read for years: whoever changes the bytes makes another version.
+TEST(FeatureCodingTest, BytesOfThisVersionStay) {
+  ASSERT_EQ(kFeatureCodingVersion, 1);
+  const PictureSize picture = {1241, 376};
+  const auto crc_of = [&](uint32_t seed, size_t count) {
+    const FeatureColumns columns = ToColumns(testing::MakePlausibleFeatures(seed, count, picture));
+    return ExtendCrc32c(0, EncodeFeatures(columns, picture).value());
+  };
+  EXPECT_EQ(crc_of(1, 2001), 0xdff5777cu);
+  EXPECT_EQ(crc_of(2, 2002), 0x250abd96u);
 }
 
 TEST(FeatureCodingTest, WithoutDisparitiesOrDescriptors) {
