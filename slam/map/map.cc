@@ -113,8 +113,8 @@ void Map::Attach(Keyframe& child, KeyframeId parent) {
 bool Map::SetParent(KeyframeId child, KeyframeId parent) {
   Keyframe* keyframe = keyframes_.Find(child);
   if (keyframe == nullptr || FindKeyframe(parent) == nullptr) return false;
-  if (IsAncestor(child, parent)) return false;
   if (keyframe->parent == parent) return true;
+  if (IsAncestor(child, parent)) return false;
   Attach(*keyframe, parent);
   (observer_ ? *observer_ : Silent()).OnParentChanged(child);
   return true;

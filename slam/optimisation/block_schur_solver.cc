@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <thread>
 #include <utility>
 
@@ -89,24 +90,52 @@ std::vector<uint32_t> BeginOfPoints(const BundleProblem& problem) {
   return begin;
 }
 
+// The observations of free points by each free pose: those of pose i are those from begin[i] on.
+struct ObservationsOfPoses {
+  std::vector<uint32_t> begin;
+  std::vector<uint32_t> observations;
+};
+
+ObservationsOfPoses GroupByPose(const BundleProblem& problem, uint32_t end) {
+  ObservationsOfPoses group;
+  group.begin.assign(problem.free_poses + 1, 0);
+  for (uint32_t i = 0; i < end; ++i) {
+    if (IsFree(problem, problem.observations[i])) ++group.begin[problem.observations[i].pose + 1];
+  }
+  std::partial_sum(group.begin.begin(), group.begin.end(), group.begin.begin());
+  group.observations.resize(group.begin.back());
+  std::vector<uint32_t> next(group.begin.begin(), group.begin.end() - 1);
+  for (uint32_t i = 0; i < end; ++i) {
+    if (!IsFree(problem, problem.observations[i])) continue;
+    group.observations[next[problem.observations[i].pose]++] = i;
+  }
+  return group;
+}
+
+// The free poses that see a free point together, and each with itself: column by column, of each
+// its rows from the diagonal on. Costs what they see together, not the poses squared.
 std::vector<std::pair<uint32_t, uint32_t>> PosePairs(const BundleProblem& problem,
                                                      const std::vector<uint32_t>& begin) {
-  const size_t n = problem.free_poses;
-  std::vector<std::vector<char>> shares(n, std::vector<char>(n, 0));
-  for (uint32_t p = 0; p < problem.free_points; ++p) {
-    for (uint32_t i = begin[p]; i < begin[p + 1]; ++i) {
-      if (!IsFree(problem, problem.observations[i])) continue;
-      for (uint32_t j = begin[p]; j < i; ++j) {
-        if (!IsFree(problem, problem.observations[j])) continue;
-        shares[problem.observations[j].pose][problem.observations[i].pose] = 1;
+  const auto n = static_cast<uint32_t>(problem.free_poses);
+  const ObservationsOfPoses of_poses = GroupByPose(problem, begin[problem.free_points]);
+  std::vector<std::pair<uint32_t, uint32_t>> pairs;
+  std::vector<char> is_row(n, 0);
+  std::vector<uint32_t> rows;
+  for (uint32_t column = 0; column < n; ++column) {
+    rows.assign(1, column);
+    for (uint32_t k = of_poses.begin[column]; k < of_poses.begin[column + 1]; ++k) {
+      const uint32_t point = problem.observations[of_poses.observations[k]].point;
+      for (uint32_t i = begin[point]; i < begin[point + 1]; ++i) {
+        const BundleObservation& other = problem.observations[i];
+        if (!IsFree(problem, other) || other.pose <= column || is_row[other.pose]) continue;
+        is_row[other.pose] = 1;
+        rows.push_back(other.pose);
       }
     }
-  }
-  std::vector<std::pair<uint32_t, uint32_t>> pairs;
-  for (uint32_t column = 0; column < n; ++column) {
-    shares[column][column] = 1;
-    for (uint32_t row = column; row < n; ++row) {
-      if (shares[column][row]) pairs.emplace_back(column, row);
+    std::ranges::sort(rows);
+    for (const uint32_t row : rows) {
+      pairs.emplace_back(column, row);
+      is_row[row] = 0;
     }
   }
   return pairs;
