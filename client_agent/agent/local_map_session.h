@@ -12,7 +12,7 @@
 #include "client_agent/mapping/mapper.h"
 #include "client_agent/mapping/mapping_queue.h"
 #include "client_agent/mapping/point_statistics.h"
-#include "client_agent/memory/shared_map.h"
+#include "client_agent/shared/shared_map.h"
 #include "client_agent/tracking/tracker.h"
 
 namespace corbslam {

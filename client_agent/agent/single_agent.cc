@@ -18,9 +18,9 @@ uint64_t SeedOf(const AgentOptions& options) {
   return hash;
 }
 
-MemoryOptions MakeMemoryOptions(const AgentOptions& options,
-                                const RecordedCamera& recorded_camera) {
-  MemoryOptions memory;
+StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
+                                      const RecordedCamera& recorded_camera) {
+  StoreLinkOptions memory;
   memory.mission = options.mission;
   memory.agent = options.name;
   memory.recorded_camera = recorded_camera;
@@ -69,8 +69,8 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       camera_(std::make_shared<const Camera>(sensor_->camera())),
       vocabulary_(std::move(vocabulary)),
       random_(SeedOf(options)),
-      memory_(std::make_unique<MemoryManager>(
-          MakeMemoryOptions(options, recorded_camera), uplink,
+      memory_(std::make_unique<StoreLink>(
+          MakeStoreLinkOptions(options, recorded_camera), uplink,
           [vocabulary = vocabulary_](const std::vector<Descriptor>& descriptors) {
             return std::make_shared<const Words>(vocabulary->Transform(descriptors));
           },

@@ -10,7 +10,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/agent/local_map_session.h"
-#include "client_agent/memory/memory_manager.h"
+#include "client_agent/link/store_link.h"
 #include "client_agent/source_checks/input_watch.h"
 
 namespace corbslam {
@@ -59,7 +59,7 @@ class SingleAgent : public Agent {
   int64_t points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t foreign_points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   // Reads the sessions' maps: goes before them.
-  std::unique_ptr<MemoryManager> memory_;
+  std::unique_ptr<StoreLink> memory_;
 };
 
 }  // namespace corbslam

@@ -28,11 +28,12 @@ absl::btree_set<KeyframeId> SurroundingsOf(const Map& map, const Keyframe& query
       surroundings.insert(second.id);
     }
   }
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    if (id.local_map != query.id().local_map) continue;
-    const uint32_t gap =
-        std::max(id.index, query.id().index) - std::min(id.index, query.id().index);
-    if (gap < min_gap) surroundings.insert(id);
+  const KeyframeId id = query.id();
+  const uint32_t first = id.index - std::min(id.index, min_gap - std::min(min_gap, 1u));
+  for (auto near = map.keyframes().lower_bound({id.local_map, first});
+       near != map.keyframes().end() && near->first.local_map == id.local_map; ++near) {
+    if (near->first.index > id.index && near->first.index - id.index >= min_gap) break;
+    surroundings.insert(near->first);
   }
   return surroundings;
 }

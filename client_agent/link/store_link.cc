@@ -1,0 +1,480 @@
+#include "client_agent/link/store_link.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace corbslam {
+namespace {
+
+bool IsRefusal(const absl::Status& status) {
+  return absl::IsAborted(status) || absl::IsInvalidArgument(status) ||
+         absl::IsPermissionDenied(status);
+}
+
+}  // namespace
+
+struct StoreLink::Placing {
+  explicit Placing(MapAccess access) : access(std::move(access)), shared(this->access.local_map) {}
+
+  // On the mapping thread.
+  PlacementPlan TakeArrived(const Map& map) {
+    std::vector<ArrivedUpdate> arrived;
+    {
+      absl::MutexLock lock(&mutex);
+      arrived.swap(updates);
+    }
+    for (const ArrivedUpdate& update : arrived) shared.Apply(update);
+    return shared.Plan(map);
+  }
+
+  // Likewise, on the same map.
+  void Place(const PlacementPlan& plan, Map& map) {
+    const PlacementChange change = shared.Place(plan, map);
+    {
+      absl::MutexLock lock(&mutex);
+      global_from_local = shared.GlobalFromLocal();
+      keyframes = shared.keyframe_count();
+    }
+    if (access.on_placed) access.on_placed(change, map);
+  }
+
+  const MapAccess access;
+  SharedMap shared;  // Of the mapping thread alone.
+  absl::Mutex mutex;
+  std::vector<ArrivedUpdate> updates ABSL_GUARDED_BY(mutex);
+  std::optional<Similarity3d> global_from_local ABSL_GUARDED_BY(mutex);
+  size_t keyframes ABSL_GUARDED_BY(mutex) = 0;
+};
+
+StoreLink::StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWords compute_words,
+                     std::unique_ptr<Spool> spool)
+    : options_(options),
+      uplink_(uplink),
+      compute_words_(std::move(compute_words)),
+      queue_(options.max_outbox_bytes, std::move(spool)),
+      budget_(options.uplink_bytes_per_second),
+      random_(options.seed) {}
+
+StoreLink::~StoreLink() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stop_ = true;
+  }
+  if (thread_.joinable()) thread_.join();
+  if (uplink_ == nullptr) return;
+  uplink_->Close();
+  if (!queue_.has_spool()) return;
+  // For the next process; nothing is sent any more.
+  budget_.Lift();
+  {
+    absl::MutexLock lock(&mutex_);
+    for (auto& recording : recordings_) recording->recorder->StopHoldingBack();
+  }
+  TakeBatches(/*all=*/true);
+  queue_.SpillAll();
+}
+
+MapObserver* StoreLink::BeginLocalMap(MapAccess access) {
+  if (uplink_ == nullptr) return nullptr;
+  absl::MutexLock lock(&mutex_);
+  DeliverFrames();
+  for (auto& recording : recordings_) recording->closing = true;
+  // What was shared was placed in the map that ends: the store must tell it again.
+  reopen_ = !recordings_.empty();
+  placing_ = std::make_shared<Placing>(access);
+  auto recording = std::make_unique<Recording>();
+  RecorderOptions recorder_options;
+  recorder_options.recorded_camera = options_.recorded_camera;
+  recorder_options.features = options_.features;
+  recorder_options.hold_newest = options_.hold_newest_keyframes;
+  recording->recorder = std::make_unique<UpdateRecorder>(access.local_map, recorder_options);
+  recording->recorder->SetPointsFollow(store_moves_points_);
+  recording->access = std::move(access);
+  needs_new_local_map_ = recording->closed = !queue_.Begin(recording->access.local_map);
+  recordings_.push_back(std::move(recording));
+  wake_ = true;
+  return recordings_.back()->recorder.get();
+}
+
+void StoreLink::OnCorrected(LocalMapId local_map, const OwnCorrection& correction, Map& map) {
+  std::shared_ptr<Placing> placing;
+  {
+    absl::MutexLock lock(&mutex_);
+    placing = placing_;
+  }
+  if (placing == nullptr || placing->access.local_map != local_map) return;
+  placing->shared.Correct(correction, map);
+  placing->Place(placing->shared.Plan(map), map);
+}
+
+void StoreLink::AddTrackedFrame(const TrackedFrame& frame) {
+  if (uplink_ != nullptr) frames_.Add(frame, options_.clock());
+}
+
+void StoreLink::AddLostFrame(int64_t timestamp_ns) {
+  if (uplink_ != nullptr) frames_.Add(FrameInbox::LostFrame{timestamp_ns}, options_.clock());
+}
+
+void StoreLink::DeliverFrames() {
+  for (const FrameInbox::Frame& frame : frames_.Take()) {
+    if (const auto* lost = std::get_if<FrameInbox::LostFrame>(&frame)) {
+      if (!recordings_.empty()) recordings_.back()->recorder->AddLostFrame(lost->timestamp_ns);
+      continue;
+    }
+    const auto& tracked = std::get<TrackedFrame>(frame);
+    for (auto& recording : recordings_) {
+      if (recording->access.local_map != tracked.reference.local_map) continue;
+      recording->recorder->AddTrackedFrame(tracked);
+    }
+  }
+}
+
+void StoreLink::Start() {
+  if (uplink_ == nullptr || thread_.joinable()) return;
+  thread_ = std::thread([this] { Run(); });
+}
+
+void StoreLink::Step() {
+  if (uplink_ == nullptr) return;
+  ConnectIfDue();
+  TakeBatches(/*all=*/true);
+  SendUnsent();
+  queue_.Spill();
+}
+
+absl::Status StoreLink::Finish(absl::Duration timeout) {
+  if (uplink_ == nullptr) return absl::OkStatus();
+  {
+    absl::MutexLock lock(&mutex_);
+    for (auto& recording : recordings_) recording->closing = true;
+    wake_ = true;
+  }
+  if (!thread_.joinable()) Step();
+  absl::MutexLock lock(&mutex_);
+  const auto finished = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return IsDone() || session_ == Session::kRefused;
+  };
+  if (!mutex_.AwaitWithTimeout(absl::Condition(&finished), timeout)) {
+    return absl::DeadlineExceededError(
+        absl::StrCat("the map store has not acknowledged everything yet", DescribeWhatIsLeft(),
+                     session_ == Session::kOpen || closed_.ok()
+                         ? ""
+                         : absl::StrCat(", and no session stands: ", closed_.ToString())));
+  }
+  if (session_ == Session::kRefused) return refusal_;
+  return needs_new_local_map_ ? queue_.status().loss : absl::OkStatus();
+}
+
+std::string StoreLink::DescribeWhatIsLeft() const {
+  if (!budget_.is_bounded()) return "";
+  return absl::StrCat(" (", queue_.status().batches, " batches; held back by a budget of ",
+                      options_.uplink_bytes_per_second,
+                      " bytes a second: ", ToString(held_back_.status(options_.clock()).items),
+                      ")");
+}
+
+bool StoreLink::IsDone() const {
+  if (!queue_.IsEmpty()) return false;
+  return std::all_of(recordings_.begin(), recordings_.end(),
+                     [](const auto& recording) { return recording->closed; });
+}
+
+void StoreLink::Run() {
+  while (WaitForWork()) {
+    ConnectIfDue();
+    TakeBatches(/*all=*/false);
+    SendUnsent();
+    // Who ends may be ended before all is acknowledged.
+    IsFinishing() ? queue_.SpillAll() : queue_.Spill();
+  }
+}
+
+bool StoreLink::IsFinishing() const {
+  absl::MutexLock lock(&mutex_);
+  return std::all_of(recordings_.begin(), recordings_.end(),
+                     [](const auto& recording) { return recording->closing; });
+}
+
+// False when it is time to stop.
+bool StoreLink::WaitForWork() {
+  absl::MutexLock lock(&mutex_);
+  const auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return wake_ || stop_; };
+  absl::Duration wait = options_.flush_interval;
+  if (session_ == Session::kNone) wait = std::min(wait, next_attempt_ - options_.clock());
+  mutex_.AwaitWithTimeout(absl::Condition(&has_work), wait);
+  wake_ = false;
+  return !stop_;
+}
+
+absl::Duration StoreLink::NextBackoff() {
+  const double growth = static_cast<double>(uint64_t{1} << std::min(attempts_++, 10));
+  const absl::Duration longest = std::min(options_.min_backoff * growth, options_.max_backoff);
+  std::uniform_real_distribution<double> jitter(0.5, 1.0);
+  return longest * jitter(random_);
+}
+
+void StoreLink::ConnectIfDue() {
+  SessionRequest request;
+  bool close_first = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (reopen_ && (session_ == Session::kOpen || session_ == Session::kOpening)) {
+      close_first = true;
+      session_ = Session::kNone;
+      next_attempt_ = absl::InfinitePast();
+    }
+    if (reopen_) last_revision_ = 0;
+    reopen_ = false;
+    if (session_ != Session::kNone || options_.clock() < next_attempt_) return;
+    session_ = Session::kOpening;
+    request = {options_.mission, options_.agent, last_revision_, queue_.local_maps()};
+    request.capabilities.coded_features = true;
+    request.downlink_bytes_per_second = options_.downlink_bytes_per_second;
+  }
+  if (close_first) uplink_->Close();
+  uplink_->Open(request, this);
+}
+
+bool StoreLink::FlushIsDue() const {
+  const absl::Duration age = options_.clock() - last_flush_;
+  if (!queue_.HasUnsent() && age >= options_.flush_interval) return true;
+  if (age >= options_.backlog_flush_interval) return true;
+  return std::any_of(recordings_.begin(), recordings_.end(), [this](const auto& recording) {
+    return !recording->closed && (recording->closing || recording->recorder->pending_keyframes() >=
+                                                            options_.max_keyframes_per_batch);
+  });
+}
+
+void StoreLink::TakeBatches(bool all) {
+  std::vector<Recording*> open;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!all && !FlushIsDue()) return;
+    last_flush_ = options_.clock();
+    DeliverFrames();
+    const bool no_frames_come = !all && last_flush_ - frames_.last_added() > options_.max_hold;
+    for (auto& recording : recordings_) {
+      if (recording->closed) continue;
+      if (no_frames_come) recording->recorder->StopHoldingBack();
+      open.push_back(recording.get());
+    }
+    // Under a budget the first one may leave nothing: they take turns.
+    if (IsBudgeted() && open.size() > 1) {
+      std::rotate(open.begin(), open.begin() + static_cast<ptrdiff_t>(turn_++ % open.size()),
+                  open.end());
+    }
+  }
+  NoteTransport();
+  for (Recording* recording : open) {
+    while (TakeBatchOf(*recording)) queue_.Spill();
+  }
+  absl::MutexLock lock(&mutex_);
+  NoteHeldBack();
+}
+
+bool StoreLink::IsBudgeted() const {
+  return budget_.is_bounded() && (session_ == Session::kOpen || !queue_.has_spool());
+}
+
+void StoreLink::NoteTransport() {
+  // What moves on between the two looks counts twice until the next one, not never.
+  const uint64_t waiting = uplink_->bytes_waiting();
+  budget_.NoteTransport(uplink_->bytes_up(), waiting, options_.clock());
+}
+
+void StoreLink::NoteHeldBack() {
+  UpdateCounts waiting = {};
+  for (const auto& recording : recordings_) {
+    if (recording->closed) continue;
+    const UpdateCounts untold = recording->recorder->CountUntold();
+    for (size_t kind = 0; kind < kUpdateKinds; ++kind) waiting[kind] += untold[kind];
+  }
+  held_back_.NoteWaiting(waiting, options_.clock());
+}
+
+UploadStatus StoreLink::upload() const {
+  UploadStatus status = queue_.status();
+  absl::MutexLock lock(&mutex_);
+  status.held_back = held_back_.status(options_.clock());
+  return status;
+}
+
+// One batch from the recorder to the outbox; false when there is none, no room, or no budget.
+bool StoreLink::TakeBatchOf(Recording& recording) {
+  bool closing = false;
+  BatchAllowance allowance(options_.max_keyframes_per_batch);
+  {
+    absl::MutexLock lock(&mutex_);
+    if (recording.closed || !queue_.HasRoom()) return false;
+    if (IsBudgeted()) {
+      // What is late already is not made later: changes wait where they coalesce.
+      if (queue_.HasUnsent() || !budget_.MayTake(options_.clock())) return false;
+      allowance = budget_.Allow(options_.max_keyframes_per_batch, options_.clock());
+    }
+    closing = recording.closing;
+    if (closing && !std::exchange(recording.asked_for_exact_places, true)) {
+      recording.recorder->AskForExactPlaces();
+    }
+  }
+  MapUpdateBatch batch;
+  if (recording.recorder->HasChanges()) {
+    recording.access.read(
+        [&](const Map& map) { batch = recording.recorder->TakeBatch(map, allowance); });
+  }
+  const bool last = IsEmpty(batch);
+  if (last && !closing) return false;
+  absl::MutexLock lock(&mutex_);
+  if (recording.closed) return false;
+  batch.local_map = recording.access.local_map;
+  batch.closes_local_map = last;
+  recording.closed = last;
+  held_back_.NoteTaken(CountUpdates(batch));
+  queue_.Push(std::move(batch));
+  return !last;
+}
+
+void StoreLink::SendUnsent() {
+  while (true) {
+    {
+      absl::MutexLock lock(&mutex_);
+      if (session_ != Session::kOpen) return;
+    }
+    NoteTransport();
+    if (!budget_.MaySend(options_.clock())) return;
+    const uint64_t before = uplink_->bytes_up() + uplink_->bytes_waiting();
+    std::vector<LostLocalMap> lost;
+    const std::shared_ptr<const MapUpdateBatch> batch = queue_.TakeUnsent(lost);
+    if (!lost.empty()) {
+      absl::MutexLock lock(&mutex_);
+      GiveUp(lost);
+    }
+    if (batch == nullptr) return;
+    if (!uplink_->Send(*batch)) {
+      queue_.MarkUnsent();
+      return;
+    }
+    const uint64_t after = uplink_->bytes_up() + uplink_->bytes_waiting();
+    budget_.NoteSent(*batch, after - std::min(after, before));
+  }
+}
+
+void StoreLink::GiveUp(const std::vector<LostLocalMap>& lost) {
+  for (const LostLocalMap& local_map : lost) {
+    for (auto& recording : recordings_) {
+      if (recording->access.local_map != local_map.id) continue;
+      recording->closed = true;
+      needs_new_local_map_ |= recording == recordings_.back();
+    }
+  }
+}
+
+bool StoreLink::NeedsNewLocalMap() const {
+  absl::MutexLock lock(&mutex_);
+  return needs_new_local_map_;
+}
+
+void StoreLink::OnSessionOpened(const SessionGrant& grant) {
+  absl::MutexLock lock(&mutex_);
+  NoteCapabilities(grant.capabilities);
+  GiveUp(queue_.Resume(grant));
+  session_ = Session::kOpen;
+  opened_ = options_.clock();
+  wake_ = true;
+}
+
+void StoreLink::NoteCapabilities(const Capabilities& store) {
+  for (const auto& recording : recordings_) {
+    if (!recording->closed) recording->recorder->SetPointsFollow(store.points_follow);
+  }
+  if (std::exchange(store_moves_points_, store.points_follow) && !store.points_follow) {
+    LOG(WARNING) << "the map store is of an older version, which leaves points where they are when "
+                    "their keyframes move: every place is told, which takes more bytes; in local "
+                    "maps that ended before, points may stand where they were first told";
+  }
+}
+
+void StoreLink::OnExactPlacesWanted() {
+  absl::MutexLock lock(&mutex_);
+  if (!recordings_.empty()) recordings_.back()->recorder->AskForExactPlaces();
+  wake_ = true;
+}
+
+void StoreLink::OnAcknowledged(const Acknowledgement& acknowledgement) {
+  absl::MutexLock lock(&mutex_);
+  queue_.Acknowledge(acknowledgement);
+  attempts_ = 0;
+  if (!first_acknowledged_.has_value()) first_acknowledged_ = options_.clock();
+  wake_ = true;
+}
+
+// Words take their time, of which the mapping thread has none: keyframes would wait for it, and
+// tracking in a turn does not.
+ArrivedUpdate StoreLink::Prepare(SharedUpdate update) const {
+  ArrivedUpdate arrived;
+  for (const SharedKeyframe& keyframe : update.keyframes) {
+    arrived.words.push_back(compute_words_(keyframe.payload->features.descriptors));
+  }
+  arrived.update = std::move(update);
+  return arrived;
+}
+
+void StoreLink::OnShared(SharedUpdate update) {
+  ArrivedUpdate arrived = Prepare(std::move(update));
+  std::shared_ptr<Placing> placing;
+  {
+    absl::MutexLock lock(&mutex_);
+    // What is still told of a map that has ended will be told again of the one that goes on.
+    if (session_ != Session::kOpen || reopen_) return;
+    last_revision_ = arrived.update.revision;
+    placing = placing_;
+  }
+  {
+    absl::MutexLock lock(&placing->mutex);
+    placing->updates.push_back(std::move(arrived));
+    // A job posted before takes this one with it.
+    if (placing->updates.size() > 1) return;
+  }
+  placing->access.post([placing](const Map& before) -> MapChange {
+    return [placing, plan = placing->TakeArrived(before)](Map& map) { placing->Place(plan, map); };
+  });
+}
+
+void StoreLink::OnSessionClosed(const absl::Status& reason) {
+  absl::MutexLock lock(&mutex_);
+  const bool passes =
+      !IsRefusal(reason) || (session_ == Session::kOpen && absl::IsInvalidArgument(reason) &&
+                             queue_.GiveUpEarlier(reason));
+  session_ = passes ? Session::kNone : Session::kRefused;
+  if (!passes) refusal_ = reason;
+  closed_ = reason;
+  // A store that lets everybody in and throws them out again is no reason to come back at once.
+  if (options_.clock() - opened_ > options_.max_backoff) attempts_ = 0;
+  opened_ = absl::InfiniteFuture();
+  next_attempt_ = options_.clock() + NextBackoff();
+  wake_ = true;
+}
+
+std::optional<Similarity3d> StoreLink::GlobalFromLocal() const {
+  absl::MutexLock lock(&mutex_);
+  if (placing_ == nullptr) return std::nullopt;
+  absl::MutexLock placing_lock(&placing_->mutex);
+  return placing_->global_from_local;
+}
+
+size_t StoreLink::shared_keyframes() const {
+  absl::MutexLock lock(&mutex_);
+  if (placing_ == nullptr) return 0;
+  absl::MutexLock placing_lock(&placing_->mutex);
+  return placing_->keyframes;
+}
+
+std::optional<absl::Time> StoreLink::first_acknowledged() const {
+  absl::MutexLock lock(&mutex_);
+  return first_acknowledged_;
+}
+
+}  // namespace corbslam

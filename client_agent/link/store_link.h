@@ -1,0 +1,193 @@
+// The robot's memory management (CORB-SLAM, section 2.1): keeps its map and the map store's in
+// step, both ways. Tracking and mapping never wait for it.
+#ifndef CORBSLAM_CLIENT_AGENT_LINK_STORE_LINK_H_
+#define CORBSLAM_CLIENT_AGENT_LINK_STORE_LINK_H_
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "client_agent/shared/shared_map.h"
+#include "client_agent/upload/frame_inbox.h"
+#include "client_agent/upload/held_back.h"
+#include "client_agent/upload/link_budget.h"
+#include "client_agent/upload/spool.h"
+#include "client_agent/upload/update_recorder.h"
+#include "client_agent/upload/upload_queue.h"
+#include "slam/exchange/uplink.h"
+
+namespace corbslam {
+
+struct StoreLinkOptions {
+  std::string mission;
+  std::string agent;
+  // What recorded the pictures of every local map; told to the store. Nullopt: not said.
+  std::optional<RecordedCamera> recorded_camera;
+  // What goes up of a keyframe.
+  FeatureSelection features = {};
+  // As RecorderOptions::hold_newest.
+  size_t hold_newest_keyframes = RecorderOptions().hold_newest;
+  // Where no frame has come for so long, nothing is held back.
+  absl::Duration max_hold = absl::Seconds(2);
+  // What changes results: nothing. What changes speed:
+  // In memory; with a spool, what is over goes to the disk.
+  size_t max_outbox_bytes = 64 << 20;
+  size_t max_keyframes_per_batch = 8;
+  absl::Duration flush_interval = absl::Milliseconds(400);
+  // While batches wait that could not be sent: the next one is made when it is full or when the
+  // last is this old, so that light updates coalesce.
+  absl::Duration backlog_flush_interval = absl::Seconds(5);
+  absl::Duration min_backoff = absl::Milliseconds(200);
+  absl::Duration max_backoff = absl::Seconds(10);
+  // Of the link to the store, 0: no bound. Upwards what the budget does not have waits in the map
+  // and coalesces there; downwards the store is asked to keep to it.
+  uint64_t uplink_bytes_per_second = 0;
+  uint64_t downlink_bytes_per_second = 0;
+  uint64_t seed = 1;  // Of the back-off's jitter.
+  std::function<absl::Time()> clock = &absl::Now;
+};
+
+// Called on the uplink's thread, among others.
+using ComputeWords =
+    std::function<std::shared_ptr<const Words>(const std::vector<Descriptor>& descriptors)>;
+
+using MapChange = std::function<void(Map&)>;
+
+// How the manager reaches a local map.
+struct MapAccess {
+  LocalMapId local_map;
+  // Calls the function with the map, kept from changing meanwhile.
+  std::function<void(const std::function<void(const Map&)>&)> read;
+  // Runs the preparation soon, then the change that it returns, both on the thread that alone
+  // writes the map: the first while others read it, too, the second while nobody does.
+  std::function<void(std::function<MapChange(const Map&)> prepare)> post;
+  // Hears which foreign keyframes came and went; on the writing thread.
+  std::function<void(const PlacementChange&, const Map&)> on_placed;
+};
+
+// Thread-safe. Without Start it has no thread and Step does its work (deterministic runs).
+class StoreLink : private UplinkListener {
+ public:
+  // `uplink` is not owned; null: nothing is sent, and changes are not recorded. `spool` may be
+  // null; what it found goes up first, and what could not be sent is in it at the end.
+  StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWords compute_words,
+            std::unique_ptr<Spool> spool = nullptr);
+  ~StoreLink() override;
+  StoreLink(const StoreLink&) = delete;
+  StoreLink& operator=(const StoreLink&) = delete;
+
+  // A local map begins; one that was there before is told to its end and closed. Returns the
+  // observer to set on the map (null without an uplink); it lives as long as the manager.
+  MapObserver* BeginLocalMap(MapAccess access);
+
+  // What others made is placed anew after the robot moved its own map. On the writing thread.
+  void OnCorrected(LocalMapId local_map, const OwnCorrection& correction, Map& map);
+  void AddTrackedFrame(const TrackedFrame& frame);
+  void AddLostFrame(int64_t timestamp_ns);
+
+  void Start();
+  // Sends all there is, now; with a budget, what it has.
+  void Step();
+  // Closes the local map, and returns when everything is acknowledged, however long a budget makes
+  // that. DEADLINE_EXCEEDED, which says what is left, or the
+  // reason for which the store refuses this agent for good, or for which the local map in use could
+  // not go on (DATA_LOSS, ALREADY_EXISTS).
+  absl::Status Finish(absl::Duration timeout);
+
+  // Where the robot's frame is in the global one; none before fusion.
+  std::optional<Similarity3d> GlobalFromLocal() const;
+  // When the first keyframe was acknowledged.
+  std::optional<absl::Time> first_acknowledged() const;
+  // True: the local map can't go on at the store (it lost what it had acknowledged, or the id is
+  // taken). What is new in it is told to nobody; the agent should begin another one.
+  bool NeedsNewLocalMap() const;
+  UploadStatus upload() const;
+  size_t shared_keyframes() const;
+
+ private:
+  struct Recording {
+    MapAccess access;
+    std::unique_ptr<UpdateRecorder> recorder;
+    bool closing = false;
+    bool asked_for_exact_places = false;
+    bool closed = false;  // Its last batch is in the outbox.
+  };
+  // Shared updates on their way to the mapping thread.
+  struct Placing;
+
+  void OnSessionOpened(const SessionGrant& grant) override;
+  void OnAcknowledged(const Acknowledgement& acknowledgement) override;
+  void OnShared(SharedUpdate update) override;
+  void OnExactPlacesWanted() override;
+  void OnSessionClosed(const absl::Status& reason) override;
+
+  ArrivedUpdate Prepare(SharedUpdate update) const;
+  void Run();
+  bool WaitForWork();
+  void NoteCapabilities(const Capabilities& store) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ConnectIfDue();
+  // Gives the recorders what tracking has added.
+  void DeliverFrames() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void TakeBatches(bool all);
+  bool TakeBatchOf(Recording& recording);
+  // Whether the budget holds now. While no session stands, a spool takes what comes: it is there
+  // for what a process that dies would lose.
+  bool IsBudgeted() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void NoteTransport();
+  void NoteHeldBack() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void SendUnsent();
+  // Those of this process get no more batches.
+  void GiveUp(const std::vector<LostLocalMap>& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // No local map goes on.
+  bool IsFinishing() const;
+  bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool FlushIsDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Duration NextBackoff() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const StoreLinkOptions options_;
+  Uplink* const uplink_;
+  const ComputeWords compute_words_;
+  // May be called with mutex_ held, but for what waits for the disk.
+  UploadQueue queue_;
+  LinkBudget budget_;
+  FrameInbox frames_;
+
+  mutable absl::Mutex mutex_;
+  std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<Placing> placing_ ABSL_GUARDED_BY(mutex_);
+  enum class Session { kNone, kOpening, kOpen, kRefused };
+  Session session_ ABSL_GUARDED_BY(mutex_) = Session::kNone;
+  absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
+  absl::Status closed_ ABSL_GUARDED_BY(mutex_);  // Why the last session or attempt ended.
+  absl::Time next_attempt_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+  absl::Time last_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
+  // Since something was acknowledged, or a session lasted.
+  int attempts_ ABSL_GUARDED_BY(mutex_) = 0;
+  absl::Time opened_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
+  bool needs_new_local_map_ ABSL_GUARDED_BY(mutex_) = false;
+  uint64_t last_revision_ ABSL_GUARDED_BY(mutex_) = 0;
+  // Of the last session's store.
+  bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;
+  bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
+  HeldBackWatch held_back_ ABSL_GUARDED_BY(mutex_);
+  // Of the local maps that are told, under a budget.
+  size_t turn_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool wake_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
+  std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);
+  std::mt19937_64 random_ ABSL_GUARDED_BY(mutex_);
+  std::thread thread_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_LINK_STORE_LINK_H_

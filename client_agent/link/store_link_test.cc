@@ -1,0 +1,240 @@
+#include "client_agent/link/store_link.h"
+
+#include <vector>
+
+#include "client_agent/link/testing/fake_uplink.h"
+#include "gtest/gtest.h"
+
+namespace corbslam {
+namespace {
+
+constexpr LocalMapId kOwn{1};
+
+class StoreLinkTest : public testing::Test {
+ protected:
+  StoreLinkTest() {
+    StoreLinkOptions options;
+    options.mission = "m";
+    options.agent = "alpha";
+    options.min_backoff = absl::ZeroDuration();
+    options.max_backoff = absl::ZeroDuration();
+    options.hold_newest_keyframes = 0;
+    manager_ = std::make_unique<StoreLink>(options, &uplink_,
+                                           [](const auto&) { return std::make_shared<Words>(); });
+    Begin(kOwn);
+  }
+
+  void Begin(LocalMapId id) {
+    map_ = Map();
+    map_.SetObserver(manager_->BeginLocalMap(
+        {id, [this](const auto& reader) { reader(map_); },
+         [this](std::function<MapChange(const Map&)> prepare) {
+           jobs_.push_back([prepare = std::move(prepare)](Map& map) { prepare(map)(map); });
+         },
+         nullptr}));
+  }
+
+  void AddKeyframe(KeyframeId id) {
+    Keyframe keyframe;
+    keyframe.payload = MakeKeyframePayload(id, 0, 0, std::make_shared<Camera>(), {});
+    map_.AddKeyframe(keyframe);
+  }
+
+  FakeUplink uplink_;
+  Map map_;
+  std::vector<MapChange> jobs_;
+  std::unique_ptr<StoreLink> manager_;
+};
+
+TEST_F(StoreLinkTest, SendsEveryKeyframeOnce) {
+  for (uint32_t k = 0; k < 20; ++k) {
+    AddKeyframe({kOwn, k});
+    manager_->Step();
+  }
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+  size_t keyframes = 0;
+  for (const auto& batch : uplink_.stored[kOwn]) keyframes += batch.full_keyframes.size();
+  EXPECT_EQ(keyframes, 20U);
+  EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
+}
+
+TEST_F(StoreLinkTest, ResumesAfterABreakWithoutLossOrRepetition) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  // Stored, but the acknowledgement is lost with the link.
+  uplink_.acknowledge = false;
+  AddKeyframe({kOwn, 1});
+  manager_->Step();
+  uplink_.reachable = false;
+  uplink_.Break(absl::UnavailableError("cut"));
+  AddKeyframe({kOwn, 2});
+  manager_->Step();
+  manager_->Step();
+  EXPECT_GT(manager_->upload().memory_bytes, 0U);
+  uplink_.reachable = true;
+  uplink_.acknowledge = true;
+  manager_->Step();
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+  ASSERT_EQ(uplink_.stored[kOwn].size(), 4U);
+  EXPECT_EQ(uplink_.stored[kOwn][2].full_keyframes.at(0).payload->id, (KeyframeId{kOwn, 2}));
+  EXPECT_EQ(uplink_.requests.back().local_maps, (std::vector<LocalMapId>{kOwn}));
+}
+
+TEST_F(StoreLinkTest, FencedAgentDoesNotTryAgain) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  uplink_.Break(absl::AbortedError("another session of agent alpha"));
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.size(), 1U);
+  EXPECT_TRUE(absl::IsAborted(manager_->Finish(absl::Seconds(1))));
+}
+
+// Another process has its name: that may end.
+TEST_F(StoreLinkTest, ARobotWhoseNameIsTakenTriesAgain) {
+  uplink_.reachable = false;
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  uplink_.Break(absl::AlreadyExistsError("connected already, as another process"));
+  manager_->Step();
+  const absl::Status unfinished = manager_->Finish(absl::Milliseconds(10));
+  EXPECT_TRUE(absl::IsDeadlineExceeded(unfinished)) << unfinished;
+  uplink_.reachable = true;
+  manager_->Step();
+  manager_->Step();
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+}
+
+TEST_F(StoreLinkTest, FinishSaysWhenTheStoreIsNotReached) {
+  uplink_.reachable = false;
+  AddKeyframe({kOwn, 0});
+  EXPECT_TRUE(absl::IsDeadlineExceeded(manager_->Finish(absl::Milliseconds(10))));
+}
+
+TEST_F(StoreLinkTest, ANewLocalMapClosesTheOldOneAndAsksForEverythingAgain) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  SharedUpdate update;
+  update.revision = 9;
+  uplink_.Share(update);
+  const LocalMapId second{2};
+  Begin(second);
+  AddKeyframe({second, 0});
+  manager_->Step();
+  EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
+  EXPECT_EQ(uplink_.stored[second].size(), 1U);
+  EXPECT_EQ(uplink_.requests.back().last_revision, 0U);
+}
+
+TEST_F(StoreLinkTest, WhatIsStillToldOfAMapThatEndedStaysOutOfTheNextOne) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  const LocalMapId second{2};
+  Begin(second);
+  SharedUpdate update;
+  update.revision = 9;
+  uplink_.Share(update);
+  EXPECT_TRUE(jobs_.empty());
+  AddKeyframe({second, 0});
+  manager_->Step();
+  uplink_.Break(absl::UnavailableError("cut"));
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.back().last_revision, 0U);
+  uplink_.Share(update);
+  EXPECT_EQ(jobs_.size(), 1U);
+}
+
+// Fusion has placed it 5 m from where it is in the robot's frame.
+SharedUpdate PlaceOfTheFirstKeyframe() {
+  SharedUpdate update;
+  update.revision = 9;
+  update.own_keyframes.push_back({{kOwn, 0}, {1, Eigen::Quaterniond::Identity(), {5, 0, 0}}, {}});
+  return update;
+}
+
+TEST_F(StoreLinkTest, SharedUpdatesReachTheMapThroughItsWriter) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  const SharedUpdate update = PlaceOfTheFirstKeyframe();
+  uplink_.Share(update);
+  uplink_.Share(update);
+  EXPECT_FALSE(manager_->GlobalFromLocal().has_value());
+  ASSERT_EQ(jobs_.size(), 1U) << "the second update rides along";
+  jobs_[0](map_);
+  EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -5, 1e-12);
+  uplink_.Break(absl::UnavailableError("cut"));
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.back().last_revision, 9U);
+}
+
+TEST_F(StoreLinkTest, WhatIsPlacedGoesWithACorrectionOfItsOwnLocalMapAlone) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  const SharedUpdate update = PlaceOfTheFirstKeyframe();
+  uplink_.Share(update);
+  ASSERT_EQ(jobs_.size(), 1U);
+  jobs_[0](map_);
+  OwnCorrection correction;
+  correction.motions[{kOwn, 0}] = {Rigid3d(), {Eigen::Quaterniond::Identity(), {-2, 0, 0}}};
+  manager_->OnCorrected({kOwn.value + 1}, correction, map_);
+  EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -5, 1e-12);
+  // The keyframe is 2 m further along x in the robot's frame now, and where it was in the global
+  // one.
+  manager_->OnCorrected(kOwn, correction, map_);
+  EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -7, 1e-12);
+}
+
+TEST_F(StoreLinkTest, AStoreThatMovesNoPointsIsNotToldThatItShall) {
+  uplink_.capabilities = {};
+  AddKeyframe({kOwn, 0});
+  // Made before a session stands.
+  uplink_.reachable = false;
+  manager_->Step();
+  uplink_.reachable = true;
+  manager_->Step();
+  AddKeyframe({kOwn, 1});
+  manager_->Step();
+  ASSERT_EQ(uplink_.stored[kOwn].size(), 2u);
+  EXPECT_FALSE(uplink_.stored[kOwn].back().points_follow);
+  const LocalMapId second{2};
+  Begin(second);
+  AddKeyframe({second, 0});
+  manager_->Step();
+  EXPECT_FALSE(uplink_.stored[second].back().points_follow);
+  // Replaced by a newer one.
+  uplink_.capabilities.points_follow = true;
+  uplink_.Break(absl::UnavailableError("restarted"));
+  manager_->Step();
+  AddKeyframe({second, 1});
+  manager_->Step();
+  EXPECT_TRUE(uplink_.stored[second].back().points_follow);
+}
+
+TEST_F(StoreLinkTest, TellsExactPlacesWhenAsked) {
+  AddKeyframe({kOwn, 0});
+  MapPoint point;
+  point.id = {kOwn, 0};
+  point.reference = {kOwn, 0};
+  point.position_in_map = {0, 0, 10};
+  map_.AddPoint(point);
+  manager_->Step();
+  // Nobody sees it: nobody can tell the difference.
+  map_.SetPosition(point.id, {0, 0, 11});
+  manager_->Step();
+  ASSERT_EQ(uplink_.stored[kOwn].size(), 1u);
+  uplink_.AskForExactPlaces();
+  manager_->Step();
+  ASSERT_EQ(uplink_.stored[kOwn].size(), 2u);
+  ASSERT_EQ(uplink_.stored[kOwn].back().light_points.size(), 1u);
+  EXPECT_EQ(uplink_.stored[kOwn].back().light_points[0].position_in_local.z(), 11);
+}
+
+TEST_F(StoreLinkTest, ThreadedModeSendsAndStops) {
+  AddKeyframe({kOwn, 0});
+  manager_->Start();
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(10)).ok());
+  manager_.reset();
+  EXPECT_EQ(uplink_.stored[kOwn].size(), 2U);
+}
+
+}  // namespace
+}  // namespace corbslam

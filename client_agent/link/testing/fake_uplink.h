@@ -1,0 +1,69 @@
+// A map store at the other end of an uplink, for tests of memory management.
+#ifndef CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_UPLINK_H_
+#define CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_UPLINK_H_
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "client_agent/upload/batch_allowance.h"
+#include "slam/exchange/uplink.h"
+
+namespace corbslam {
+
+// A map store that forgets nothing and can be made to fail. Answers from inside the calls.
+class FakeUplink : public Uplink {
+ public:
+  void Open(const SessionRequest& request, UplinkListener* listener) override {
+    requests.push_back(request);
+    listener_ = listener;
+    if (!reachable) return listener->OnSessionClosed(absl::UnavailableError("no route"));
+    open = true;
+    SessionGrant grant;
+    grant.capabilities = capabilities;
+    for (const LocalMapId& id : request.local_maps) {
+      grant.acknowledged.push_back({id, stored[id].size()});
+    }
+    listener->OnSessionOpened(grant);
+  }
+  bool Send(const MapUpdateBatch& batch) override {
+    if (!open) return false;
+    bytes += static_cast<uint64_t>(wire_factor * static_cast<double>(EstimateWireBytes(batch)));
+    auto& batches = stored[batch.local_map];
+    if (batch.number == batches.size() + 1) batches.push_back(batch);
+    EXPECT_LE(batch.number, batches.size()) << "a batch is missing";
+    if (acknowledge) listener_->OnAcknowledged({batch.local_map, batches.size()});
+    return true;
+  }
+  void Break(const absl::Status& reason) {
+    open = false;
+    listener_->OnSessionClosed(reason);
+  }
+  void Share(SharedUpdate update) { listener_->OnShared(std::move(update)); }
+  void AskForExactPlaces() { listener_->OnExactPlacesWanted(); }
+  void Close() override { open = false; }
+  uint64_t bytes_up() const override { return bytes; }
+  uint64_t bytes_waiting() const override { return waiting; }
+  uint64_t bytes_down() const override { return 0; }
+
+  std::atomic<bool> reachable = true;
+  bool acknowledge = true;
+  Capabilities capabilities = {.points_follow = true};
+  // Of what a batch is estimated to take, what it takes.
+  double wire_factor = 1;
+  std::atomic<uint64_t> bytes = 0;
+  std::atomic<uint64_t> waiting = 0;
+  bool open = false;
+  std::vector<SessionRequest> requests;
+  std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;
+
+ private:
+  UplinkListener* listener_ = nullptr;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_UPLINK_H_

@@ -1,0 +1,44 @@
+// Which of others' keyframes the robot's own sight holds where they are in its map.
+#ifndef CORBSLAM_CLIENT_AGENT_SHARED_HELD_KEYFRAMES_H_
+#define CORBSLAM_CLIENT_AGENT_SHARED_HELD_KEYFRAMES_H_
+
+#include <map>
+
+#include "slam/geometry/rigid3.h"
+#include "slam/map/map.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+// A foreign keyframe is held by the own one that shares the most points with it, if both see most
+// of these where they stand in the map. Not thread-safe.
+class HeldKeyframes {
+ public:
+  explicit HeldKeyframes(LocalMapId own) : own_(own) {}
+
+  // Looks at every foreign keyframe of `map`; at its points only where either of the two keyframes
+  // has moved since the last time, or what they share has changed.
+  void Update(const Map& map);
+
+  bool Contains(KeyframeId id) const { return HolderOf(id).IsValid(); }
+  // The own keyframe that holds it, as of the last Update; invalid where none does.
+  KeyframeId HolderOf(KeyframeId id) const;
+
+ private:
+  // What was last seen of a foreign keyframe and the own one that shares the most with it.
+  struct Contact {
+    KeyframeId own;
+    int shared = 0;
+    Rigid3d foreign_from_map;
+    Rigid3d own_from_map;
+    bool agrees = false;
+  };
+  static bool IsAsBefore(const Contact& before, const Contact& now);
+
+  const LocalMapId own_;
+  std::map<KeyframeId, Contact> contacts_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_SHARED_HELD_KEYFRAMES_H_

@@ -1,0 +1,42 @@
+#include "client_agent/shared/own_places.h"
+
+#include <gtest/gtest.h>
+
+namespace corbslam {
+namespace {
+
+constexpr KeyframeId kKeyframe{LocalMapId{1}, 3};
+
+Rigid3d CameraAt(double x) { return {Eigen::Quaterniond::Identity(), {-x, 0, 0}}; }
+
+double XOf(const OwnPlaces& places) {
+  return CameraCentre(places.places().at(kKeyframe).camera_from_local).x();
+}
+
+// The keyframe goes from x = 0 to so many metres, in steps of one.
+void GoTo(int x, OwnPlaces& places) {
+  for (int i = 0; i < x; ++i) {
+    OwnCorrection correction;
+    correction.motions[kKeyframe] = {CameraAt(i), CameraAt(i + 1)};
+    places.Correct(correction);
+  }
+}
+
+TEST(OwnPlacesTest, WhatTheStoreDoesNotKnowYetIsAdded) {
+  OwnPlaces places;
+  GoTo(3, places);
+  places.Tell({kKeyframe, Similarity3d(), CameraAt(1)});
+  EXPECT_NEAR(XOf(places), 3, 1e-9);
+  places.Tell({kKeyframe, Similarity3d(), CameraAt(3)});
+  EXPECT_NEAR(XOf(places), 3, 1e-9);
+}
+
+TEST(OwnPlacesTest, AnythingThatTheStoreWasNotToldForLongIsAdded) {
+  OwnPlaces places;
+  GoTo(50, places);
+  places.Tell({kKeyframe, Similarity3d(), CameraAt(0)});
+  EXPECT_NEAR(XOf(places), 50, 1e-9);
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,44 @@
+// How much one batch may carry, and about what each item of it takes on the wire.
+#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_BATCH_ALLOWANCE_H_
+#define CORBSLAM_CLIENT_AGENT_UPLOAD_BATCH_ALLOWANCE_H_
+
+#include <cstddef>
+#include <limits>
+
+#include "slam/exchange/map_update.h"
+
+namespace corbslam {
+
+// Bytes that a batch takes on the wire, about: what BatchAllowance counts with, at a scale of 1.
+size_t EstimateWireBytes(const MapUpdateBatch& batch);
+
+// Spent in the order of what matters most (docs/adr/0019-link-budgets.md): poses, full keyframes,
+// points, light points. An item goes while anything is left, so that the last one may take more
+// than there was. Not thread-safe.
+class BatchAllowance {
+ public:
+  // No bound but this one.
+  explicit BatchAllowance(size_t max_keyframes) : max_keyframes_(max_keyframes) {}
+  // `scale`: what an item really takes, as a share of the estimate.
+  BatchAllowance(size_t max_keyframes, double bytes, double scale)
+      : max_keyframes_(max_keyframes), left_(bytes / scale) {}
+
+  size_t max_keyframes() const { return max_keyframes_; }
+  bool is_spent() const { return left_ <= 0; }
+
+  // Poses always go, and are spent first.
+  void SpendPoses(size_t light_keyframes, size_t frames);
+  void SpendKeyframe(size_t keypoints);
+  // With the observations that come with it.
+  void SpendPoint(size_t observations);
+  void SpendLightPoint();
+
+ private:
+  size_t max_keyframes_;
+  // At a scale of 1.
+  double left_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_BATCH_ALLOWANCE_H_

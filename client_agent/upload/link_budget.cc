@@ -1,0 +1,60 @@
+#include "client_agent/upload/link_budget.h"
+
+#include <algorithm>
+
+namespace corbslam {
+namespace {
+
+// A batch for less is mostly its own frame.
+constexpr double kLeastBatchBytes = 512;
+// Of what a batch took, in what the next ones are taken to take.
+constexpr double kNewestShare = 0.25;
+constexpr double kLeastScale = 0.1;
+constexpr double kMostScale = 4;
+
+}  // namespace
+
+bool LinkBudget::is_bounded() const {
+  absl::MutexLock lock(&mutex_);
+  return bucket_.is_bounded() && !lifted_;
+}
+
+void LinkBudget::Lift() {
+  absl::MutexLock lock(&mutex_);
+  lifted_ = true;
+}
+
+void LinkBudget::NoteTransport(uint64_t written, uint64_t waiting, absl::Time now) {
+  absl::MutexLock lock(&mutex_);
+  // Less than before: a session broke, and what waited in it was not sent.
+  bucket_.Spend(static_cast<int64_t>(written + waiting - accounted_), now);
+  accounted_ = written + waiting;
+  waiting_ = waiting;
+}
+
+void LinkBudget::NoteSent(const MapUpdateBatch& batch, uint64_t bytes) {
+  if (bytes == 0) return;
+  const double took = static_cast<double>(bytes) / static_cast<double>(EstimateWireBytes(batch));
+  absl::MutexLock lock(&mutex_);
+  scale_ += kNewestShare * (std::clamp(took, kLeastScale, kMostScale) - scale_);
+}
+
+bool LinkBudget::MaySend(absl::Time now) {
+  absl::MutexLock lock(&mutex_);
+  return lifted_ || bucket_.Level(now) > 0;
+}
+
+bool LinkBudget::MayTake(absl::Time now) {
+  absl::MutexLock lock(&mutex_);
+  if (lifted_ || !bucket_.is_bounded()) return true;
+  return waiting_ == 0 && bucket_.Level(now) > 0;
+}
+
+BatchAllowance LinkBudget::Allow(size_t max_keyframes, absl::Time now) {
+  absl::MutexLock lock(&mutex_);
+  if (lifted_ || !bucket_.is_bounded()) return BatchAllowance(max_keyframes);
+  const double level = static_cast<double>(bucket_.Level(now));
+  return BatchAllowance(max_keyframes, std::max(level, kLeastBatchBytes), scale_);
+}
+
+}  // namespace corbslam

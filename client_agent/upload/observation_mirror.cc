@@ -1,0 +1,87 @@
+#include "client_agent/upload/observation_mirror.h"
+
+#include "absl/container/flat_hash_set.h"
+
+namespace corbslam {
+
+void ObservationMirror::AddKeyframe(KeyframeId id, size_t keypoints) {
+  points_.try_emplace(id, keypoints);
+}
+
+void ObservationMirror::Erase(KeyframeId keyframe, uint32_t keypoint) {
+  MapPointId& point = points_.at(keyframe)[keypoint];
+  const auto it = observers_.find(point);
+  it->second.erase(keyframe);
+  if (it->second.empty()) observers_.erase(it);
+  point = MapPointId();
+}
+
+void ObservationMirror::RemoveKeyframe(KeyframeId id) {
+  const auto it = points_.find(id);
+  if (it == points_.end()) return;
+  for (uint32_t k = 0; k < it->second.size(); ++k) {
+    if (it->second[k].IsValid()) Erase(id, k);
+  }
+  points_.erase(it);
+}
+
+void ObservationMirror::RemovePoint(MapPointId id) {
+  const auto it = observers_.find(id);
+  if (it == observers_.end()) return;
+  for (const auto& [keyframe, keypoint] : it->second) points_.at(keyframe)[keypoint] = MapPointId();
+  observers_.erase(it);
+}
+
+void ObservationMirror::ReplacePoint(MapPointId replaced, MapPointId survivor) {
+  const auto it = observers_.find(replaced);
+  if (it == observers_.end()) return;
+  const std::map<KeyframeId, uint32_t> moved = std::move(it->second);
+  observers_.erase(it);
+  auto& to = observers_[survivor];
+  for (const auto& [keyframe, keypoint] : moved) {
+    const bool handed_over = to.emplace(keyframe, keypoint).second;
+    points_.at(keyframe)[keypoint] = handed_over ? survivor : MapPointId();
+  }
+}
+
+std::map<KeyframeId, uint32_t> ObservationMirror::Observations(MapPointId id) const {
+  const auto it = observers_.find(id);
+  return it == observers_.end() ? std::map<KeyframeId, uint32_t>() : it->second;
+}
+
+bool ObservationMirror::AppendChanges(const Keyframe& keyframe, const Rules& rules,
+                                      std::vector<ObservationChange>& changes) {
+  const KeyframeId id = keyframe.id();
+  std::vector<MapPointId>& told = points_.at(id);
+  // What the keyframe sees, made once somebody asks.
+  absl::flat_hash_set<MapPointId> seen;
+  const auto sees = [&](MapPointId point) {
+    if (seen.empty()) seen.insert(keyframe.points.begin(), keyframe.points.end());
+    return seen.contains(point);
+  };
+  for (uint32_t k = 0; k < told.size(); ++k) {
+    const MapPointId now = keyframe.points[k];
+    if (!told[k].IsValid() || told[k] == now) continue;
+    if (!now.IsValid() && told[k].local_map != id.local_map && !rules.is_withdrawn(k) &&
+        !sees(told[k])) {
+      continue;
+    }
+    changes.push_back({ObservationChange::Kind::kRemoved, told[k], id, k});
+    Erase(id, k);
+  }
+  bool complete = true;
+  for (uint32_t k = 0; k < told.size(); ++k) {
+    const MapPointId now = keyframe.points[k];
+    if (!now.IsValid() || told[k].IsValid() || !rules.is_sent(k)) continue;
+    if (!rules.can_tell(now)) {
+      complete = false;
+      continue;
+    }
+    changes.push_back({ObservationChange::Kind::kAdded, now, id, k});
+    told[k] = now;
+    observers_[now].emplace(id, k);
+  }
+  return complete;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,49 @@
+// What the map store has been told of a local map's observations, so that only differences travel.
+#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_OBSERVATION_MIRROR_H_
+#define CORBSLAM_CLIENT_AGENT_UPLOAD_OBSERVATION_MIRROR_H_
+
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "slam/exchange/map_update.h"
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+// Follows the same rules as Map, so that it stays equal to the store's side. Not thread-safe.
+class ObservationMirror {
+ public:
+  void AddKeyframe(KeyframeId id, size_t keypoints);
+  void RemoveKeyframe(KeyframeId id);
+  void RemovePoint(MapPointId id);
+  void ReplacePoint(MapPointId replaced, MapPointId survivor);
+
+  // The keyframes known to observe the point, with their keypoints.
+  std::map<KeyframeId, uint32_t> Observations(MapPointId id) const;
+
+  // What is to be told of a keyframe's observations.
+  struct Rules {
+    // Points for which it is false wait.
+    std::function<bool(MapPointId)> can_tell;
+    // Where a keypoint sees nothing in place of another local map's point, that has only been
+    // unloaded, unless this holds for the keypoint.
+    std::function<bool(uint32_t)> is_withdrawn;
+    // Keypoints for which it is false see nothing that is told.
+    std::function<bool(uint32_t)> is_sent = [](uint32_t) { return true; };
+  };
+  // Appends what turns the mirrored observations of `keyframe` into those it has now, removals
+  // first, and takes it over. False: some wait, and it is to be called again later.
+  bool AppendChanges(const Keyframe& keyframe, const Rules& rules,
+                     std::vector<ObservationChange>& changes);
+
+ private:
+  void Erase(KeyframeId keyframe, uint32_t keypoint);
+
+  std::map<KeyframeId, std::vector<MapPointId>> points_;
+  std::map<MapPointId, std::map<KeyframeId, uint32_t>> observers_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_OBSERVATION_MIRROR_H_

@@ -1,0 +1,114 @@
+// Batches that the map store has not acknowledged yet, in order. The oldest ones may lie in a
+// spool, the others are in memory.
+#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_OUTBOX_H_
+#define CORBSLAM_CLIENT_AGENT_UPLOAD_OUTBOX_H_
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client_agent/upload/spool.h"
+#include "slam/exchange/map_update.h"
+#include "slam/exchange/uplink.h"
+
+namespace corbslam {
+
+// Bytes that a batch takes, about, in memory and on the wire.
+size_t ApproximateBytes(const MapUpdateBatch& batch);
+
+// True if there is nothing in the batch to tell.
+bool IsEmpty(const MapUpdateBatch& batch);
+
+// A local map that can't go on at the store, and why: DATA_LOSS, ALREADY_EXISTS.
+struct LostLocalMap {
+  LocalMapId id;
+  bool of_earlier_process = false;
+  absl::Status reason;
+};
+
+// Only accounts; whoever owns it moves the bytes. Not thread-safe.
+class Outbox {
+ public:
+  struct Entry {
+    LocalMapId local_map;
+    uint64_t number = 0;
+    std::shared_ptr<const MapUpdateBatch> batch;  // Null: in the spool.
+    SpooledBatch spooled;
+    size_t bytes = 0;  // Of memory.
+  };
+
+  explicit Outbox(size_t max_bytes) : max_bytes_(max_bytes) {}
+
+  // Of memory. While false, changes wait (and coalesce) in the recorder. One batch always fits.
+  bool HasRoom() const { return bytes_ == 0 || bytes_ < max_bytes_; }
+  bool IsEmpty() const { return entries_.empty(); }
+  size_t bytes() const { return bytes_; }
+  size_t size() const { return entries_.size(); }
+
+  // The agent begins a local map. False: the id is taken.
+  bool Begin(LocalMapId local_map) { return local_maps_.try_emplace(local_map).second; }
+  // What an earlier process left; before anything else. DATA_LOSS: an earlier batch of the local
+  // map is missing, so that this one can't be applied; it is left out.
+  absl::Status AddFound(const SpooledBatch& spooled);
+  // Gives the batch its number and keeps it until it is acknowledged. A batch of a lost local map
+  // is dropped.
+  void Push(MapUpdateBatch batch);
+  // Drops what is stored. A number never given out is ignored.
+  void Acknowledge(const Acknowledgement& acknowledgement);
+
+  // A new session: everything that is not acknowledged is sent again. An earlier process's local
+  // maps get a last batch that closes them. Local maps of which the store does not have what was
+  // acknowledged before are given up and returned; of this process's also those of which it has
+  // what was never sent: the id is taken.
+  std::vector<LostLocalMap> Resume(const SessionGrant& grant);
+  // Gives up a local map: its batches go, and what is pushed later.
+  void Drop(LocalMapId local_map);
+
+  // The oldest entry not marked sent since the last Resume, or null; valid until the next change.
+  const Entry* NextUnsent() const;
+  void MarkSent();
+  void MarkUnsent() { sent_ -= sent_ > 0 ? 1 : 0; }
+
+  // The oldest batch in memory, or null.
+  std::shared_ptr<const MapUpdateBatch> OldestInMemory() const;
+  // It is in the spool now. False: it was acknowledged or dropped meanwhile.
+  bool MarkSpilled(const SpooledBatch& spooled);
+  // Places in the spool that are not needed any more, since the last call.
+  std::vector<SpooledBatch> TakeReleased() { return std::exchange(released_, {}); }
+
+  // To be named when a session opens: all that are not closed and acknowledged.
+  std::vector<LocalMapId> local_maps() const;
+  // Of the oldest entry; none when empty.
+  std::optional<LocalMapId> OldestLocalMap() const;
+  bool IsOfEarlierProcess(LocalMapId local_map) const;
+
+ private:
+  struct LocalMapNumbers {
+    uint64_t last = 0;          // Given out.
+    uint64_t sent = 0;          // By this process.
+    uint64_t acknowledged = 0;  // At least.
+    bool of_earlier_process = false;
+    bool closed = false;
+    bool lost = false;
+  };
+
+  absl::Status CheckState(LocalMapId id, const LocalMapNumbers& numbers, uint64_t stored) const;
+  void CloseEarlier(LocalMapId id, uint64_t stored, LocalMapNumbers& numbers);
+  template <typename Goes>
+  void DropEntries(const Goes& goes);
+
+  const size_t max_bytes_;
+  std::deque<Entry> entries_;
+  size_t sent_ = 0;
+  size_t bytes_ = 0;
+  std::map<LocalMapId, LocalMapNumbers> local_maps_;
+  std::vector<SpooledBatch> released_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_OUTBOX_H_

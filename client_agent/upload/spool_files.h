@@ -1,0 +1,42 @@
+// The file system as the spool sees it: one folder of its own.
+#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_FILES_H_
+#define CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_FILES_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+
+namespace corbslam {
+
+// Not thread-safe. Errors name the file: RESOURCE_EXHAUSTED for a full disk or quota, UNAVAILABLE
+// for anything else. Names have no folder in them.
+class SpoolFiles {
+ public:
+  virtual ~SpoolFiles() = default;
+  // In alphabetical order.
+  virtual absl::StatusOr<std::vector<std::string>> List() = 0;
+  virtual absl::StatusOr<uint64_t> Size(const std::string& name) = 0;
+  // Fewer bytes where the file ends before.
+  virtual absl::StatusOr<std::string> Read(const std::string& name, uint64_t offset,
+                                           size_t bytes) = 0;
+  // Creates the file where there is none. After an error a part may have been written.
+  virtual absl::Status Append(const std::string& name, absl::string_view bytes) = 0;
+  virtual absl::Status Truncate(const std::string& name, uint64_t size) = 0;
+  // What was written survives a loss of power.
+  virtual absl::Status Sync(const std::string& name) = 0;
+  virtual absl::Status Remove(const std::string& name) = 0;
+};
+
+// A folder, created where it is not, and locked as long as this lives. FAILED_PRECONDITION: another
+// process has it.
+absl::StatusOr<std::unique_ptr<SpoolFiles>> OpenSpoolFolder(const std::string& path);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_FILES_H_

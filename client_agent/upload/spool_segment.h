@@ -1,0 +1,55 @@
+// One file of the spool: who it belongs to, then batches, each with its length and checksum.
+//
+//   header: "CORBSPL" and the version '2', u32 bytes of the owner, u32 CRC-32C of the owner, owner
+//   record: u32 CRC-32C of all that follows in the record, u32 bytes of the payload, u32 flags
+//           (1: closes its local map), u64 local map, u64 number, payload
+//
+// All numbers are little-endian. Version '1', in which no features are coded, is read, too.
+#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_SEGMENT_H_
+#define CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_SEGMENT_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "client_agent/upload/spool_files.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+// Of one record's payload at most; what claims to be longer is torn.
+inline constexpr uint32_t kMaxSpoolPayloadBytes = 128u << 20;
+
+struct SpoolRecord {
+  LocalMapId local_map;
+  uint64_t number = 0;
+  bool closes_local_map = false;
+  // Of the whole record within its segment.
+  uint64_t offset = 0;
+  uint32_t bytes = 0;
+};
+
+struct SegmentContents {
+  std::vector<SpoolRecord> records;
+  // At the end, of no whole record.
+  uint64_t torn_bytes = 0;
+};
+
+std::string EncodeSegmentHeader(absl::string_view owner);
+std::string EncodeSpoolRecord(const SpoolRecord& record, absl::string_view payload);
+
+// All whole records from the beginning to the first that is not. FAILED_PRECONDITION: the segment
+// is somebody else's, of a newer version, or no segment.
+absl::StatusOr<SegmentContents> ScanSegment(SpoolFiles& files, const std::string& name,
+                                            absl::string_view owner);
+
+// The payload of a record. DATA_LOSS: its bytes are not what was written.
+absl::StatusOr<std::string> ReadSpoolPayload(SpoolFiles& files, const std::string& name,
+                                             const SpoolRecord& record);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_SEGMENT_H_

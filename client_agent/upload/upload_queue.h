@@ -1,0 +1,90 @@
+// What waits for the map store: the outbox, bounded in memory, and the spool that takes its oldest
+// batches when the bound is reached.
+#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_UPLOAD_QUEUE_H_
+#define CORBSLAM_CLIENT_AGENT_UPLOAD_UPLOAD_QUEUE_H_
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "client_agent/upload/held_back.h"
+#include "client_agent/upload/outbox.h"
+#include "client_agent/upload/spool.h"
+#include "slam/exchange/map_update.h"
+#include "slam/exchange/uplink.h"
+
+namespace corbslam {
+
+struct UploadStatus {
+  size_t batches = 0;
+  uint64_t memory_bytes = 0;
+  uint64_t spool_bytes = 0;
+  // RESOURCE_EXHAUSTED: neither memory nor disk has room; changes wait in the map. UNAVAILABLE: the
+  // disk fails.
+  absl::Status room;
+  // DATA_LOSS, ALREADY_EXISTS: why the last local map was given up that had to be.
+  absl::Status loss;
+  int lost_local_maps = 0;
+  // Not in a batch yet; the queue doesn't know, the manager says it.
+  HeldBack held_back;
+};
+
+// Thread-safe; the calls of the second group may wait for the disk and are to be made by one
+// thread at a time, the others never do: no lock is held while the disk works.
+class UploadQueue {
+ public:
+  // `spool` may be null. What it found is sent first.
+  UploadQueue(size_t max_memory_bytes, std::unique_ptr<Spool> spool);
+
+  // As Outbox::Begin.
+  bool Begin(LocalMapId local_map);
+  void Push(MapUpdateBatch batch);
+  void Acknowledge(const Acknowledgement& acknowledgement);
+  // As Outbox::Resume; those that are given up are in the log and in the status.
+  std::vector<LostLocalMap> Resume(const SessionGrant& grant);
+  // The store finds the oldest batch to be no good. If an earlier process made it, its local map is
+  // given up, and true returned.
+  bool GiveUpEarlier(const absl::Status& reason);
+
+  bool has_spool() const { return spool_ != nullptr; }
+  bool HasRoom() const;
+  bool IsEmpty() const;
+  bool HasUnsent() const;
+  std::vector<LocalMapId> local_maps() const;
+  UploadStatus status() const;
+
+  void MarkUnsent();
+
+  // Moves the oldest batches to the spool while there are more in memory than allowed, and gives
+  // back room in the spool. An error is in the status.
+  void Spill();
+  // Moves all of them, for the next process.
+  void SpillAll();
+  // The next batch to send, marked as sent; null: none. `lost` hears of local maps that the disk
+  // has not kept.
+  std::shared_ptr<const MapUpdateBatch> TakeUnsent(std::vector<LostLocalMap>& lost);
+
+ private:
+  bool SpillOldest(size_t allowed_bytes);
+  void ReleaseSpooled();
+  void NoteLoss(const LostLocalMap& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void NoteSpool(const absl::Status& room);
+
+  const size_t max_memory_bytes_;
+  const std::unique_ptr<Spool> spool_;  // Of the one thread.
+
+  mutable absl::Mutex mutex_;
+  Outbox outbox_ ABSL_GUARDED_BY(mutex_);
+  uint64_t spool_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  absl::Status room_ ABSL_GUARDED_BY(mutex_);
+  absl::Status loss_ ABSL_GUARDED_BY(mutex_);
+  int lost_local_maps_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_UPLOAD_QUEUE_H_

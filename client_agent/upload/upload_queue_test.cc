@@ -1,0 +1,241 @@
+#include "client_agent/upload/upload_queue.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client_agent/upload/testing/fake_spool.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr LocalMapId kMap{7};
+
+MapUpdateBatch BatchOf(LocalMapId local_map) {
+  MapUpdateBatch batch;
+  batch.local_map = local_map;
+  batch.lost_frames_ns = {1, 2, 3};
+  return batch;
+}
+
+class UploadQueueTest : public ::testing::Test {
+ protected:
+  void Open(size_t max_memory_bytes) {
+    queue_.reset();
+    queue_ = std::make_unique<UploadQueue>(max_memory_bytes, *OpenFakeSpool(&disk_));
+  }
+  void Push(LocalMapId local_map, int count) {
+    for (int i = 0; i < count; ++i) {
+      queue_->Push(BatchOf(local_map));
+      queue_->Spill();
+    }
+  }
+  // "local map/number" of all that is to be sent.
+  std::vector<std::string> SendAll() {
+    std::vector<std::string> sent;
+    while (const auto batch = queue_->TakeUnsent(lost_)) {
+      sent.push_back(absl::StrCat(batch->local_map.value, "/", batch->number,
+                                  batch->closes_local_map ? " closes" : ""));
+    }
+    return sent;
+  }
+
+  FakeDisk disk_;
+  std::unique_ptr<UploadQueue> queue_;
+  std::vector<LostLocalMap> lost_;
+};
+
+TEST_F(UploadQueueTest, TheOldestBatchesGoToTheDisk) {
+  Open(200);
+  Push(kMap, 5);
+  const UploadStatus status = queue_->status();
+  EXPECT_TRUE(status.room.ok()) << status.room;
+  EXPECT_LT(status.memory_bytes, 200u);
+  EXPECT_GT(status.memory_bytes, 0u);
+  EXPECT_EQ(status.spool_bytes, disk_.Used());
+  EXPECT_GT(status.spool_bytes, 0u);
+  EXPECT_EQ(status.batches, 5u);
+  EXPECT_GT(disk_.syncs, 0);
+  EXPECT_THAT(SendAll(), ElementsAre("7/1", "7/2", "7/3", "7/4", "7/5"));
+}
+
+TEST_F(UploadQueueTest, WithoutMemoryEverythingIsOnDiskAtOnce) {
+  Open(0);
+  Push(kMap, 2);
+  EXPECT_EQ(queue_->status().memory_bytes, 0u);
+  EXPECT_THAT(SendAll(), ElementsAre("7/1", "7/2"));
+}
+
+TEST_F(UploadQueueTest, AcknowledgedBatchesGiveTheirRoomBack) {
+  Open(0);
+  Push(kMap, 3);
+  SendAll();
+  queue_->Acknowledge({kMap, 3});
+  queue_->Spill();
+  EXPECT_TRUE(queue_->IsEmpty());
+  EXPECT_TRUE(disk_.files.empty());
+  EXPECT_EQ(queue_->status().spool_bytes, 0u);
+}
+
+TEST_F(UploadQueueTest, AFullDiskIsSaidAndOnlyStopsTheTaking) {
+  Open(200);
+  disk_.capacity = 300;
+  int pushed = 0;
+  while (queue_->HasRoom() && pushed < 100) {
+    Push(kMap, 1);
+    ++pushed;
+  }
+  EXPECT_LT(pushed, 20);
+  EXPECT_TRUE(absl::IsResourceExhausted(queue_->status().room)) << queue_->status().room;
+  // Nothing is lost, and sending goes on.
+  EXPECT_EQ(SendAll().size(), static_cast<size_t>(pushed));
+  queue_->Acknowledge({kMap, static_cast<uint64_t>(pushed)});
+  queue_->Spill();
+  EXPECT_TRUE(queue_->HasRoom());
+  EXPECT_TRUE(queue_->status().room.ok()) << queue_->status().room;
+}
+
+TEST_F(UploadQueueTest, WhatTheDiskDidNotConfirmStaysInMemory) {
+  Open(0);
+  Push(kMap, 1);
+  disk_.sync_fails = true;
+  Push(kMap, 1);
+  EXPECT_GT(queue_->status().memory_bytes, 0u);
+  EXPECT_FALSE(queue_->status().room.ok());
+  disk_.sync_fails = false;
+  queue_->Spill();
+  EXPECT_EQ(disk_.files.size(), 2u) << "nothing goes behind what may be torn";
+  EXPECT_EQ(queue_->status().memory_bytes, 0u);
+  EXPECT_TRUE(queue_->status().room.ok());
+  EXPECT_THAT(SendAll(), ElementsAre("7/1", "7/2"));
+  Open(0);
+  EXPECT_EQ(queue_->status().batches, 2u) << "each once";
+}
+
+TEST_F(UploadQueueTest, TheNextProcessDrainsWhatItFindsAndClosesIt) {
+  Open(0);
+  Push(kMap, 2);
+  Open(1000);
+  const LocalMapId own{8};
+  EXPECT_TRUE(queue_->Begin(own));
+  EXPECT_FALSE(queue_->Begin(kMap)) << "the id is taken";
+  Push(own, 1);
+  EXPECT_THAT(queue_->local_maps(), ElementsAre(kMap, own));
+  EXPECT_TRUE(queue_->Resume({{{kMap, 1}, {own, 0}}}).empty());
+  EXPECT_THAT(SendAll(), ElementsAre("7/2", "8/1", "7/3 closes"));
+  queue_->Acknowledge({kMap, 3});
+  queue_->Spill();
+  EXPECT_TRUE(disk_.files.empty());
+  EXPECT_THAT(queue_->local_maps(), ElementsAre(own));
+}
+
+TEST_F(UploadQueueTest, ClosesAfterWhatTheEarlierProcessSentButDidNotSpill) {
+  Open(0);
+  Push(kMap, 2);
+  Open(0);
+  EXPECT_TRUE(queue_->Resume({{{kMap, 6}}}).empty());
+  EXPECT_THAT(SendAll(), ElementsAre("7/7 closes"));
+}
+
+TEST_F(UploadQueueTest, AClosedLocalMapIsNotClosedAgain) {
+  Open(0);
+  MapUpdateBatch last = BatchOf(kMap);
+  last.closes_local_map = true;
+  queue_->Push(last);
+  queue_->Spill();
+  Open(0);
+  EXPECT_TRUE(queue_->Resume({{{kMap, 0}}}).empty());
+  EXPECT_THAT(SendAll(), ElementsAre("7/1 closes"));
+}
+
+TEST_F(UploadQueueTest, AStoreThatLostAcknowledgedBatchesIsDataLoss) {
+  Open(1000);
+  EXPECT_TRUE(queue_->Begin(kMap));
+  Push(kMap, 3);
+  SendAll();
+  queue_->Acknowledge({kMap, 2});
+  const std::vector<LostLocalMap> lost = queue_->Resume({{{kMap, 1}}});
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].id, kMap);
+  EXPECT_FALSE(lost[0].of_earlier_process);
+  EXPECT_TRUE(absl::IsDataLoss(lost[0].reason));
+  EXPECT_THAT(std::string(lost[0].reason.message()), HasSubstr("only up to batch 1 of 2"));
+  EXPECT_TRUE(absl::IsDataLoss(queue_->status().loss));
+  EXPECT_EQ(queue_->status().lost_local_maps, 1);
+  // Its batches could never be applied.
+  EXPECT_TRUE(queue_->IsEmpty());
+  Push(kMap, 1);
+  EXPECT_TRUE(queue_->IsEmpty());
+  EXPECT_TRUE(queue_->local_maps().empty());
+}
+
+TEST_F(UploadQueueTest, AStoreThatLostWhatItAcknowledgedToAnEarlierProcessIsDataLoss) {
+  {
+    const auto spool = *OpenFakeSpool(&disk_, {.owner = "", .segment_bytes = 1});
+    MapUpdateBatch batch = BatchOf(kMap);
+    // 1 and 2 were acknowledged.
+    for (batch.number = 3; batch.number <= 4; ++batch.number) {
+      ASSERT_TRUE(spool->Append(batch).ok());
+    }
+  }
+  Open(0);
+  const std::vector<LostLocalMap> lost = queue_->Resume({{{kMap, 1}}});
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_TRUE(lost[0].of_earlier_process);
+  EXPECT_TRUE(absl::IsDataLoss(lost[0].reason));
+  EXPECT_TRUE(queue_->IsEmpty());
+}
+
+TEST_F(UploadQueueTest, AnIdThatTheStoreKnowsFromElsewhereIsTaken) {
+  Open(1000);
+  EXPECT_TRUE(queue_->Begin(kMap));
+  Push(kMap, 1);
+  const std::vector<LostLocalMap> lost = queue_->Resume({{{kMap, 9}}});
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_TRUE(absl::IsAlreadyExists(lost[0].reason)) << lost[0].reason;
+}
+
+TEST_F(UploadQueueTest, ABatchThatTheDiskLostGivesItsLocalMapUp) {
+  Open(0);
+  Push(kMap, 2);
+  Push({8}, 1);
+  disk_.files.begin()->second[60] ^= 1;  // In the first batch.
+  EXPECT_THAT(SendAll(), ElementsAre("8/1"));
+  ASSERT_EQ(lost_.size(), 1u);
+  EXPECT_EQ(lost_[0].id, kMap);
+  EXPECT_TRUE(absl::IsDataLoss(queue_->status().loss));
+}
+
+TEST_F(UploadQueueTest, DamageInTheMiddleIsSaidAndTheRestLeftOut) {
+  const auto write = [this] {
+    const auto spool = *OpenFakeSpool(&disk_, {.owner = "", .segment_bytes = 1});
+    for (uint64_t number = 1; number <= 3; ++number) {
+      MapUpdateBatch batch = BatchOf(kMap);
+      batch.number = number;
+      ASSERT_TRUE(spool->Append(batch).ok());
+    }
+  };
+  write();
+  disk_.files["000000000002.spool"].back() ^= 1;
+  Open(0);
+  EXPECT_TRUE(absl::IsDataLoss(queue_->status().loss));
+  EXPECT_TRUE(queue_->Resume({{{kMap, 0}}}).empty());
+  EXPECT_THAT(SendAll(), ElementsAre("7/1", "7/2 closes"));
+}
+
+TEST_F(UploadQueueTest, WhatTheStoreRefusesOfAnEarlierProcessIsSetAside) {
+  Open(0);
+  Push(kMap, 2);
+  Open(0);
+  EXPECT_TRUE(queue_->Begin({8}));
+  Push({8}, 1);
+  EXPECT_TRUE(queue_->GiveUpEarlier(absl::InvalidArgumentError("NaN")));
+  EXPECT_THAT(SendAll(), ElementsAre("8/1"));
+  EXPECT_TRUE(absl::IsDataLoss(queue_->status().loss));
+  EXPECT_FALSE(queue_->GiveUpEarlier(absl::InvalidArgumentError("NaN"))) << "that one is our own";
+}
+
+}  // namespace
+}  // namespace corbslam
