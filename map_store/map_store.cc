@@ -3,10 +3,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/batch_validation.h"
-#include "map_store/fusion_executor.h"
-#include "map_store/mission.h"
-#include "map_store/restored_state.h"
+#include "map_store/ingest/batch_validation.h"
+#include "map_store/mission/fusion_executor.h"
+#include "map_store/mission/mission.h"
+#include "map_store/records/restored_state.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {

@@ -19,10 +19,10 @@
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
-#include "map_store/durable/mission_archive.h"
-#include "map_store/journal.h"
-#include "map_store/lookups.h"
+#include "map_store/archive/mission_archive.h"
 #include "map_store/options.h"
+#include "map_store/records/journal.h"
+#include "map_store/state/lookups.h"
 #include "slam/exchange/fusion_worker.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/shared_update.h"
@@ -37,14 +37,6 @@ namespace map_store {
 class FusionExecutor;
 class Mission;
 }  // namespace map_store
-
-// What the transport measured of one batch, for the statistics; estimated where not given.
-struct BatchTransfer {
-  uint64_t full_keyframe_bytes = 0;
-  uint64_t full_map_point_bytes = 0;
-  uint64_t light_keyframe_bytes = 0;
-  uint64_t light_map_point_bytes = 0;
-};
 
 // Thread-safe. Listeners are called without any lock of the store held, from the thread that made
 // the change; they must return soon and may call the store. Once a listener was removed or

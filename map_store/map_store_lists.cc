@@ -8,10 +8,10 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "map_store/answers.h"
 #include "map_store/map_store.h"
-#include "map_store/mission.h"
-#include "map_store/page_tokens.h"
+#include "map_store/mission/mission.h"
+#include "map_store/view/answers.h"
+#include "map_store/view/page_tokens.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -172,7 +172,7 @@ absl::StatusOr<Page<OverlapInfo>> MapStore::ListOverlaps(absl::string_view missi
   ASSIGN_OR_RETURN(const uint64_t after, ParseKey(start.after));
   return mission->WithState([&](const MissionState& state) {
     Page<OverlapInfo> page;
-    const auto& overlaps = state.global.overlaps;
+    const auto& overlaps = state.global.overlaps.entries();
     for (auto it = overlaps.upper_bound(after);
          it != overlaps.end() && page.items.size() <= start.size; ++it) {
       if (!map_store::Matches(filter, it->second.overlap)) continue;

@@ -3,12 +3,12 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/answers.h"
-#include "map_store/fusion_executor.h"
 #include "map_store/map_store.h"
-#include "map_store/mission.h"
-#include "map_store/mission_load.h"
-#include "map_store/trajectory.h"
+#include "map_store/mission/fusion_executor.h"
+#include "map_store/mission/mission.h"
+#include "map_store/mission/mission_load.h"
+#include "map_store/view/answers.h"
+#include "map_store/view/trajectory.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {

@@ -12,9 +12,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
-#include "map_store/durable/archive.h"
-#include "map_store/durable/state_archive.h"
-#include "map_store/durable/value_fields.h"
+#include "map_store/archive/archive.h"
+#include "map_store/archive/state_archive.h"
+#include "map_store/archive/value_fields.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/small_mission.h"
@@ -251,14 +251,18 @@ std::vector<StateDamage> MakeStateDamages() {
            }},
           {"AnOverlapOfTomorrow", [](auto& state) { state.next_overlap = 1; }},
           {"AnOverlapOfNobody",
-           [](auto& state) { state.global.overlaps.at(1).overlap.query.local_map = kNobody; }},
+           [](auto& state) {
+             state.global.overlaps.Change(
+                 1, [](auto& entry) { entry.overlap.query.local_map = kNobody; });
+           }},
           {"AnOverlapInNoState",
            [](auto& state) {
-             state.global.overlaps.at(1).state = static_cast<map_store::OverlapState>(-1);
+             state.global.overlaps.Change(
+                 1, [](auto& entry) { entry.state = static_cast<map_store::OverlapState>(-1); });
            }},
           {"AQueryOfNobody",
            [](auto& state) {
-             state.queries.push_back({{kNobody, 0}, kNobody, 0});
+             state.queries.Push({kNobody, 0}, {kNobody});
            }},
           {"ARejectedNothing",
            [](auto& state) {

@@ -10,7 +10,7 @@
 
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "map_store/durable/state_archive.h"
+#include "map_store/archive/state_archive.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/shared_world.h"

@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "map_store/durable/state_archive.h"
-#include "map_store/journal.h"
+#include "map_store/archive/state_archive.h"
+#include "map_store/records/journal.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::testing {

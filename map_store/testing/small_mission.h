@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "map_store/journal_records.h"
+#include "map_store/records/journal_records.h"
 
 namespace corbslam::testing {
 

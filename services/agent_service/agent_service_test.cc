@@ -79,12 +79,12 @@ class AgentServiceTest : public ::testing::Test {
     return recorded;
   }
 
-  AgentService service_{&agent_,
-                        nullptr,
-                        {.mission = "m",
-                         .agent = "alpha",
-                         .recorded_camera = MakeRecorded(),
-                         .session = [] { return absl::AlreadyExistsError("another alpha"); }}};
+  AgentService service_{
+      &agent_,
+      nullptr,
+      {.mission = "m", .agent = "alpha", .recorded_camera = MakeRecorded(), .session = [] {
+         return absl::AlreadyExistsError("another alpha");
+       }}};
   std::unique_ptr<Server> server_;
   std::unique_ptr<v1::Agent::Stub> stub_;
 };

@@ -5,9 +5,9 @@
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "services/corbslam/call_status.h"
 #include "services/corbslam/store_reader.h"
-#include "services/reachability/address.h"
 #include "services/reachability/cause.h"
 #include "services/remote/channel.h"
+#include "services/runtime/address.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {

@@ -4,11 +4,11 @@
 #include "absl/time/clock.h"
 #include "services/command_line/command_line.h"
 #include "services/corbslam/commands.h"
-#include "services/doctor/certificate_checks.h"
 #include "services/doctor/local_checks.h"
 #include "services/doctor/server_checks.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/reachability/cause.h"
+#include "services/security/certificate_checks.h"
 #include "services/security/flags.h"
 
 namespace corbslam {

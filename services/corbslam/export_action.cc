@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/durable/mission_archive.h"
+#include "map_store/archive/mission_archive.h"
 #include "services/convert/resource_names.h"
 #include "services/corbslam/export_trajectories.h"
 #include "services/corbslam/mission_admin.h"

@@ -7,12 +7,12 @@
 
 #include "absl/time/clock.h"
 #include "fusion_worker/local_fusion_worker.h"
-#include "services/doctor/certificate_checks.h"
 #include "services/doctor/fusion_check.h"
 #include "services/doctor/local_checks.h"
 #include "services/doctor/server_checks.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/security/certificate_checks.h"
 #include "services/security/testing/test_certificates.h"
 #include "services/testing/test_path.h"
 

@@ -10,7 +10,7 @@
 
 #include "absl/time/time.h"
 #include "corbslam/v1/resources.pb.h"
-#include "services/doctor/finding.h"
+#include "services/security/finding.h"
 
 namespace corbslam {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/time/time.h"
-#include "services/doctor/finding.h"
+#include "services/security/finding.h"
 
 namespace corbslam {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/time/time.h"
-#include "services/doctor/finding.h"
+#include "services/security/finding.h"
 #include "services/security/security_options.h"
 
 namespace corbslam {

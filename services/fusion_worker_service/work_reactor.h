@@ -109,9 +109,8 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
 
   bool Send(ResponseMessage message) {
     if (cancelled_) return false;
-    Advance([this, &message]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-      queue_.push_back(std::move(message));
-    });
+    Advance([this, &message]()
+                ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { queue_.push_back(std::move(message)); });
     return true;
   }
 

@@ -36,8 +36,7 @@ class KeepingFusionWorker : public FusionWorker {
 
  private:
   std::string NextPath() {
-    const std::string time =
-        absl::FormatTime("%Y%m%dT%H%M%E3SZ", absl::Now(), absl::UTCTimeZone());
+    const std::string time = absl::FormatTime("%Y%m%dT%H%M%E3SZ", absl::Now(), absl::UTCTimeZone());
     return absl::StrCat(folder_, "/", time, "_", absl::StrFormat("%06d", ++kept_), ".adjustment");
   }
 

@@ -37,10 +37,10 @@ absl::Status WriteAdjustment(const AdjustBundleRequest& request, const std::stri
   // Whoever lists the folder finds whole ones only.
   const std::string unfinished = path + ".part";
   std::ofstream file(unfinished, std::ios::binary);
-  const bool sent =
-      WriteWork<Message>(request, std::function<bool(Message)>([&file](const Message& message) {
-                           return google::protobuf::util::SerializeDelimitedToOstream(message, &file);
-                         }));
+  const bool sent = WriteWork<Message>(
+      request, std::function<bool(Message)>([&file](const Message& message) {
+        return google::protobuf::util::SerializeDelimitedToOstream(message, &file);
+      }));
   file.close();
   if (sent && file && std::rename(unfinished.c_str(), path.c_str()) == 0) return absl::OkStatus();
   std::remove(unfinished.c_str());

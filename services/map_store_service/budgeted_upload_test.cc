@@ -5,7 +5,7 @@
 #include <memory>
 #include <random>
 
-#include "client_agent/memory/memory_manager.h"
+#include "client_agent/link/store_link.h"
 #include "services/convert/test_data.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/remote/remote_uplink.h"
@@ -35,15 +35,15 @@ class BudgetedUploadTest : public ::testing::Test {
   }
 
   void StartRobot(uint64_t bytes_per_second) {
-    MemoryOptions options;
+    StoreLinkOptions options;
     options.mission = "m";
     options.agent = "alpha";
     options.hold_newest_keyframes = 0;
     options.flush_interval = absl::Milliseconds(10);
     options.uplink_bytes_per_second = bytes_per_second;
     options.downlink_bytes_per_second = 1000;
-    memory_ = std::make_unique<MemoryManager>(
-        options, uplink_.get(), [](const auto&) { return std::make_shared<Words>(); });
+    memory_ = std::make_unique<StoreLink>(options, uplink_.get(),
+                                          [](const auto&) { return std::make_shared<Words>(); });
     memory_->Start();
     absl::MutexLock lock(&mutex_);
     map_.SetObserver(memory_->BeginLocalMap({kMap,
@@ -105,7 +105,7 @@ class BudgetedUploadTest : public ::testing::Test {
   Map map_;
   std::mt19937 random_{1};
   // Reads the map until it is gone.
-  std::unique_ptr<MemoryManager> memory_;
+  std::unique_ptr<StoreLink> memory_;
 };
 
 TEST_F(BudgetedUploadTest, TheMapIsWholeInTheEndAndTheBudgetIsKept) {

@@ -8,7 +8,7 @@
 #include "absl/strings/string_view.h"
 #include "corbslam/v1/overlap.pb.h"
 #include "corbslam/v1/resources.pb.h"
-#include "map_store/lookups.h"
+#include "map_store/state/lookups.h"
 
 namespace corbslam {
 

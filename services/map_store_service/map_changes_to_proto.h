@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "corbslam/v1/map_store_service.pb.h"
-#include "map_store/lookups.h"
+#include "map_store/state/lookups.h"
 
 namespace corbslam {
 

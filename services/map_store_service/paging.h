@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
-#include "map_store/lookups.h"
+#include "map_store/state/lookups.h"
 
 namespace corbslam {
 

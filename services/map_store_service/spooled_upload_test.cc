@@ -7,7 +7,7 @@
 #include <random>
 #include <string>
 
-#include "client_agent/memory/memory_manager.h"
+#include "client_agent/link/store_link.h"
 #include "services/convert/batch_bytes.h"
 #include "services/convert/test_data.h"
 #include "services/map_store_service/map_store_service.h"
@@ -39,7 +39,7 @@ class Robot {
  public:
   Robot(const std::shared_ptr<grpc::Channel>& channel, const std::string& folder)
       : uplink_(MakeRemoteUplink(channel)) {
-    MemoryOptions options;
+    StoreLinkOptions options;
     options.mission = "m";
     options.agent = "alpha";
     options.hold_newest_keyframes = 0;
@@ -49,7 +49,7 @@ class Robot {
     auto spool = Spool::Open({.owner = "missions/m/agents/alpha"}, *OpenSpoolFolder(folder),
                              {&EncodeBatch, &DecodeBatch});
     EXPECT_TRUE(spool.ok()) << spool.status();
-    memory_ = std::make_unique<MemoryManager>(
+    memory_ = std::make_unique<StoreLink>(
         options, uplink_.get(), [](const auto&) { return std::make_shared<Words>(); },
         *std::move(spool));
     memory_->Start();
@@ -78,7 +78,7 @@ class Robot {
     while (!condition(*memory_) && absl::Now() < deadline) absl::SleepFor(absl::Milliseconds(5));
     return condition(*memory_);
   }
-  MemoryManager& memory() { return *memory_; }
+  StoreLink& memory() { return *memory_; }
 
  private:
   const std::unique_ptr<Uplink> uplink_;
@@ -87,7 +87,7 @@ class Robot {
   Map map_;
   std::mt19937 random_{1};
   // Reads the map until it is gone.
-  std::unique_ptr<MemoryManager> memory_;
+  std::unique_ptr<StoreLink> memory_;
 };
 
 class SpooledUploadTest : public ::testing::Test {

@@ -3,7 +3,7 @@
 #include <set>
 #include <string>
 
-#include "map_store/mission_load.h"
+#include "map_store/mission/mission_load.h"
 #include "services/metrics/families.h"
 
 namespace corbslam {

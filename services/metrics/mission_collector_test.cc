@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "map_store/mission_load.h"
+#include "map_store/mission/mission_load.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"

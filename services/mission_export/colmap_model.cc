@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "map_store/island_view.h"
+#include "map_store/view/island_view.h"
 #include "services/mission_export/robot_colours.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/util/folders.h"

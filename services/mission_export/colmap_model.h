@@ -19,7 +19,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "map_store/mission_state.h"
+#include "map_store/state/mission_state.h"
 #include "slam/camera/recorded_camera.h"
 #include "slam/map/map.h"
 #include "slam/util/ids.h"

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
-#include "map_store/journal.h"
+#include "map_store/records/journal.h"
 
 namespace corbslam {
 

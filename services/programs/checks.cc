@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "services/metrics/metrics_endpoint.h"
-#include "services/reachability/address.h"
+#include "services/runtime/address.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"

@@ -9,9 +9,9 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
-#include "services/reachability/address.h"
 #include "services/remote/channel.h"
 #include "services/remote/health_client.h"
+#include "services/runtime/address.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 

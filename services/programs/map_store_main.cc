@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "fusion_worker/local_fusion_worker.h"
-#include "map_store/durable/rocks_journal.h"
 #include "map_store/map_store.h"
+#include "map_store/rocks/rocks_journal.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"

@@ -11,7 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "client_agent/agent/agent.h"
-#include "services/logging/uplink_log.h"
+#include "services/event_log/uplink_log.h"
 #include "services/metrics/metrics_endpoint.h"
 #include "services/metrics/robot_metrics.h"
 #include "services/metrics/rpc_metrics.h"

@@ -9,7 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "map_store/map_store.h"
-#include "services/logging/sync_log.h"
+#include "services/event_log/sync_log.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/metrics/ingest_metrics.h"
 #include "services/metrics/journal_metrics.h"

@@ -7,11 +7,11 @@
 #include "absl/algorithm/container.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
-#include "services/reachability/address.h"
 #include "services/reachability/proxy.h"
 #include "services/reflection/generic_client.h"
 #include "services/remote/channel.h"
 #include "services/remote/health_client.h"
+#include "services/runtime/address.h"
 #include "services/server/server.h"
 
 namespace corbslam {

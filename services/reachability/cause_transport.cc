@@ -1,12 +1,12 @@
 // What a server speaks that is reached: TLS or none, HTTP/2 or something else, and as whom.
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "services/doctor/certificate_checks.h"
-#include "services/reachability/address.h"
 #include "services/reachability/cause.h"
 #include "services/reachability/protocol_probe.h"
 #include "services/reachability/proxy.h"
 #include "services/reachability/tls_probe.h"
+#include "services/runtime/address.h"
+#include "services/security/certificate_checks.h"
 #include "services/security/pem_files.h"
 
 namespace corbslam {

@@ -5,11 +5,11 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "services/reachability/address.h"
 #include "services/reachability/cause.h"
 #include "services/reachability/host_lookup.h"
 #include "services/reachability/proxy.h"
 #include "services/reachability/tcp_probe.h"
+#include "services/runtime/address.h"
 
 namespace corbslam {
 namespace {

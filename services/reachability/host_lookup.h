@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "services/reachability/address.h"
+#include "services/runtime/address.h"
 
 namespace corbslam {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "services/reachability/address.h"
+#include "services/runtime/address.h"
 
 namespace corbslam {
 

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "services/reachability/address.h"
+#include "services/runtime/address.h"
 
 namespace corbslam {
 

@@ -10,7 +10,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
-#include "client_agent/memory/memory_manager.h"
+#include "client_agent/link/store_link.h"
 #include "map_store/map_store.h"
 #include "services/convert/test_data.h"
 #include "services/map_store_service/map_store_service.h"
@@ -73,12 +73,11 @@ class GracefulRestartTest : public ::testing::Test {
 
 TEST_F(GracefulRestartTest, TheRobotResumesWithEachKeyframeOnce) {
   const auto uplink = MakeRemoteUplink(MakeChannel(server_->address()));
-  MemoryOptions options;
+  StoreLinkOptions options;
   options.mission = "m";
   options.agent = "alpha";
   options.flush_interval = absl::Milliseconds(20);
-  MemoryManager manager(options, uplink.get(),
-                        [](const auto&) { return std::make_shared<Words>(); });
+  StoreLink manager(options, uplink.get(), [](const auto&) { return std::make_shared<Words>(); });
   MapObserver* const observer = manager.BeginLocalMap({kOwn,
                                                        [this](const auto& reader) {
                                                          absl::MutexLock lock(&map_mutex_);

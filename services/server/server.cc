@@ -12,7 +12,7 @@
 #include <iostream>
 
 #include "absl/strings/str_cat.h"
-#include "services/reachability/address.h"
+#include "services/runtime/address.h"
 #include "services/runtime/callback_threads.h"
 #include "services/runtime/listen_errors.h"
 #include "slam/util/status_macros.h"

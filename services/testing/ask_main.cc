@@ -6,9 +6,9 @@
 #include <iostream>
 #include <string>
 
-#include "services/reachability/address.h"
 #include "services/reflection/generic_client.h"
 #include "services/remote/channel.h"
+#include "services/runtime/address.h"
 #include "services/security/flags.h"
 #include "slam/util/status_macros.h"
 

@@ -14,7 +14,8 @@ namespace corbslam {
 // In the folder for such files, one that no other test uses: tests run side by side.
 inline std::string TestPath(const std::string& name) {
   const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  std::string own = absl::StrCat("corbslam_", test->test_suite_name(), "_", test->name(), "_", name);
+  std::string own =
+      absl::StrCat("corbslam_", test->test_suite_name(), "_", test->name(), "_", name);
   std::replace(own.begin(), own.end(), '/', '_');
   return ::testing::TempDir() + "/" + own;
 }

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "map_store/durable/archive.h"
-#include "map_store/durable/state_archive.h"
-#include "map_store/durable/value_fields.h"
+#include "map_store/archive/archive.h"
+#include "map_store/archive/state_archive.h"
+#include "map_store/archive/value_fields.h"
 #include "services/convert/limits.h"
 #include "services/convert/map_update.h"
 #include "slam/coding/descriptor_streams.h"

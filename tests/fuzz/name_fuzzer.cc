@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "map_store/page_tokens.h"
+#include "map_store/view/page_tokens.h"
 #include "services/convert/resource_names.h"
 #include "services/security/identity.h"
 #include "tests/fuzz/live_store.h"

@@ -1,7 +1,7 @@
 // What comes down to a robot: SyncResponses, through conversion, into the robot's map.
 #include <memory>
 
-#include "client_agent/memory/shared_map.h"
+#include "client_agent/shared/shared_map.h"
 #include "corbslam/v1/map_store_service.pb.h"
 #include "services/convert/shared_update.h"
 #include "tests/fuzz/messages.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/strings/str_format.h"
-#include "client_agent/memory/upload_queue.h"
+#include "client_agent/upload/upload_queue.h"
 #include "services/convert/batch_bytes.h"
 #include "slam/util/checksum.h"
 #include "tests/fuzz/messages.h"

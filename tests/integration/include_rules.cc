@@ -26,20 +26,93 @@ const std::map<absl::string_view, Folders>& TopRules() {
   return rules;
 }
 
-// Height of each folder of slam/: it may include itself and what lies lower.
-const std::map<absl::string_view, int>& SlamHeights() {
-  static const auto& heights = *new std::map<absl::string_view, int>{
-      {"util", 0},         {"geometry", 1}, {"camera", 2},   {"evaluation", 3},
-      {"rendering", 3},    {"features", 3}, {"coding", 4},   {"sensor", 4},
-      {"vocabulary", 4},   {"map", 5},      {"place", 6},    {"matching", 6},
-      {"optimisation", 6}, {"solvers", 7},  {"exchange", 7}, {"simulation", 5},
-      {"verification", 8}, {"fusing", 9}};
-  return heights;
+using Heights = std::map<absl::string_view, int>;
+
+// Height of each folder of a top folder, or of a file right in it by its name before the dot. Each
+// may include itself and what lies lower.
+const std::map<absl::string_view, Heights>& Ladders() {
+  static const auto& ladders =
+      *new std::map<absl::string_view, Heights>{{"slam",
+                                                 {{"util", 0},
+                                                  {"geometry", 1},
+                                                  {"camera", 2},
+                                                  {"evaluation", 3},
+                                                  {"rendering", 3},
+                                                  {"features", 3},
+                                                  {"coding", 4},
+                                                  {"sensor", 4},
+                                                  {"vocabulary", 4},
+                                                  {"map", 5},
+                                                  {"simulation", 5},
+                                                  {"place", 6},
+                                                  {"matching", 6},
+                                                  {"optimisation", 6},
+                                                  {"solvers", 7},
+                                                  {"exchange", 7},
+                                                  {"verification", 8},
+                                                  {"fusing", 9}}},
+                                                {"client_agent",
+                                                 {{"map", 0},
+                                                  {"source", 0},
+                                                  {"mapping", 1},
+                                                  {"shared", 1},
+                                                  {"upload", 1},
+                                                  {"link", 2},
+                                                  {"source_checks", 1},
+                                                  {"loop_closing", 2},
+                                                  {"tracking", 2},
+                                                  {"agent", 3}}},
+                                                {"map_store",
+                                                 {{"options", 0},
+                                                  {"state", 1},
+                                                  {"ingest", 2},
+                                                  {"view", 2},
+                                                  {"fusion", 3},
+                                                  {"sharing", 3},
+                                                  {"records", 4},
+                                                  {"archive", 5},
+                                                  {"rocks", 6},
+                                                  {"mission", 6},
+                                                  {"map_store", 7},
+                                                  {"map_store_lists", 8},
+                                                  {"map_store_lookups", 8}}},
+                                                {"services",
+                                                 {{"command_line", 0},
+                                                  {"convert", 0},
+                                                  {"logging", 0},
+                                                  {"mission_export", 0},
+                                                  {"observe", 0},
+                                                  {"runtime", 0},
+                                                  {"http", 1},
+                                                  {"kept_work", 1},
+                                                  {"lockstep", 1},
+                                                  {"reflection", 1},
+                                                  {"remote", 1},
+                                                  {"server", 1},
+                                                  {"agent_service", 2},
+                                                  {"fusion_worker_service", 2},
+                                                  {"map_store_service", 2},
+                                                  {"security", 3},
+                                                  {"tracing", 3},
+                                                  {"event_log", 4},
+                                                  {"metrics", 4},
+                                                  {"reachability", 4},
+                                                  {"programs", 5},
+                                                  {"doctor", 6},
+                                                  {"corbslam", 7}}}};
+  return ladders;
 }
 
 absl::string_view Part(absl::string_view path, size_t index) {
   const std::vector<absl::string_view> parts = absl::StrSplit(path, '/');
   return index + 1 < parts.size() ? parts[index] : absl::string_view();
+}
+
+// A folder of the top folder, or the name of a file right in it.
+absl::string_view Room(absl::string_view path) {
+  const std::vector<absl::string_view> parts = absl::StrSplit(path, '/');
+  if (parts.size() < 2) return "";
+  return parts[1].substr(0, parts[1].find('.'));
 }
 
 // The text between quotes or angle brackets of an #include line.
@@ -76,14 +149,15 @@ std::string WhyNot(absl::string_view path, absl::string_view include) {
   if (target != top && !TopRules().at(top).contains(target)) {
     return absl::StrCat(top, "/ may not include ", target, "/");
   }
-  if (top != "slam" || IsTestCode(path)) return "";
-  const auto from = SlamHeights().find(Part(path, 1));
-  const auto to = SlamHeights().find(Part(include, 1));
-  if (from == SlamHeights().end() || to == SlamHeights().end()) {
-    return "a folder of slam/ that include_rules.cc does not know";
+  const auto ladder = Ladders().find(top);
+  if (target != top || ladder == Ladders().end() || IsTestCode(path)) return "";
+  const auto from = ladder->second.find(Room(path));
+  const auto to = ladder->second.find(Room(include));
+  if (from == ladder->second.end() || to == ladder->second.end()) {
+    return absl::StrCat("a part of ", top, "/ that include_rules.cc does not know");
   }
   if (from->first == to->first || to->second < from->second) return "";
-  return absl::StrCat("slam/", to->first, " does not lie below slam/", from->first);
+  return absl::StrCat(top, "/", to->first, " does not lie below ", top, "/", from->first);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client_agent/memory/feature_selection.h"
+#include "client_agent/upload/feature_selection.h"
 #include "slam/exchange/map_update.h"
 #include "slam/vocabulary/vocabulary.h"
 

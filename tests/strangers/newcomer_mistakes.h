@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "services/doctor/finding.h"
+#include "services/security/finding.h"
 
 namespace corbslam {
 

@@ -1,0 +1,147 @@
+// How a mission's state and journal records are archived (archive.h).
+#ifndef CORBSLAM_MAP_STORE_ARCHIVE_STATE_FIELDS_H_
+#define CORBSLAM_MAP_STORE_ARCHIVE_STATE_FIELDS_H_
+
+#include <cstdint>
+#include <limits>
+
+#include "absl/time/time.h"
+#include "map_store/archive/value_fields.h"
+#include "map_store/records/journal_records.h"
+#include "map_store/state/mission_state.h"
+
+namespace corbslam {
+
+template <typename Archive, MayBeConst<FuseMapsResult::Merge> T>
+void Fields(Archive& archive, T& merge) {
+  archive(merge.survivor, merge.member);
+}
+template <typename Archive, MayBeConst<TransferStatistics> T>
+void Fields(Archive& archive, T& statistics) {
+  archive(statistics.count, statistics.bytes, statistics.ms);
+}
+template <typename Archive, MayBeConst<GlobalAdjustmentStatistics> T>
+void Fields(Archive& archive, T& statistics) {
+  archive(statistics.keyframes, statistics.map_points, statistics.iterations, statistics.ms);
+}
+// What is counted; the rest is derived from the state when somebody asks.
+template <typename Archive, MayBeConst<MissionStatistics> T>
+void Fields(Archive& archive, T& statistics) {
+  archive(statistics.full_keyframes, statistics.full_map_points, statistics.light_keyframes,
+          statistics.light_map_points, statistics.overlaps_queried, statistics.overlaps_verified,
+          statistics.overlaps_accepted, statistics.merge_ms, statistics.global_adjustments,
+          statistics.failed_requests);
+}
+
+namespace map_store {
+
+constexpr OverlapState LastValue(OverlapState) { return OverlapState::kFailed; }
+
+template <typename Archive, MayBeConst<absl::Time> T>
+void Time(Archive& archive, T& time) {
+  int64_t unix_ns = absl::ToUnixNanos(time);
+  archive(unix_ns);
+  if constexpr (Archive::kReads) {
+    constexpr int64_t kNever = std::numeric_limits<int64_t>::max();
+    time = unix_ns == kNever ? absl::InfiniteFuture() : absl::FromUnixNanos(unix_ns);
+  }
+}
+
+template <typename Archive, MayBeConst<Tombstone> T>
+void Fields(Archive& archive, T& tombstone) {
+  archive(tombstone.parent, tombstone.parent_from_removed);
+}
+template <typename Archive, MayBeConst<ParkedReference> T>
+void Fields(Archive& archive, T& parked) {
+  archive(parked.reference);
+  Time(archive, parked.since);
+}
+template <typename Archive, MayBeConst<ParkedParent> T>
+void Fields(Archive& archive, T& parked) {
+  archive(parked.parent);
+  Time(archive, parked.since);
+}
+template <typename Archive, MayBeConst<PlacedKeyframe> T>
+void Fields(Archive& archive, T& placed) {
+  archive(placed.camera_from_island, placed.camera_from_local, placed.revision);
+}
+template <typename Archive, MayBeConst<PlacedPoint> T>
+void Fields(Archive& archive, T& placed) {
+  archive(placed.position_in_island, placed.revision);
+}
+template <typename Archive, MayBeConst<Island> T>
+void Fields(Archive& archive, T& island) {
+  archive(island.id, island.local_maps, island.fused, island.generation, island.dirty,
+          island.needs_adjustment, island.overlaps_since_adjustment, island.displaced,
+          island.relaxed, island.version, island.version_of_owners, island.shared_version);
+}
+template <typename Archive, MayBeConst<OverlapEntry> T>
+void Fields(Archive& archive, T& entry) {
+  archive(entry.id, entry.overlap, entry.state, entry.urgent, entry.alone, entry.attempts,
+          entry.revision, entry.note);
+  Time(archive, entry.verified_at);
+}
+template <typename Archive, MayBeConst<QueryTask> T>
+void Fields(Archive& archive, T& task) {
+  archive(task.query, task.against, task.attempts);
+}
+template <typename Archive, MayBeConst<RevisionPlan> T>
+void Fields(Archive& archive, T& plan) {
+  archive(plan.revision, plan.target, plan.source, plan.keyframes, plan.points, plan.merges,
+          plan.rejected_raw, plan.decided_anew, plan.culled, plan.overlaps);
+}
+
+template <typename Archive, MayBeConst<OverlapLedger> T>
+void Fields(Archive& archive, T& ledger) {
+  if constexpr (Archive::kReads) {
+    OverlapLedger::Entries entries;
+    archive(entries);
+    ledger = OverlapLedger(std::move(entries));
+  } else {
+    archive(ledger.entries());
+  }
+}
+template <typename Archive, MayBeConst<QueryQueue> T>
+void Fields(Archive& archive, T& queue) {
+  if constexpr (Archive::kReads) {
+    std::vector<QueryTask> tasks;
+    archive(tasks);
+    queue = QueryQueue(tasks);
+  } else {
+    archive(queue.ToTasks());
+  }
+}
+
+template <typename Archive, MayBeConst<BatchRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.agent);
+  Pointed(archive, record.batch);
+  Time(archive, record.received_at);
+}
+template <typename Archive, MayBeConst<QueryRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.task, record.overlaps);
+  Time(archive, record.verified_at);
+}
+template <typename Archive, MayBeConst<FuseRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.plan, record.relaxed, record.merge_ms);
+}
+template <typename Archive, MayBeConst<FuseRefusedRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.target, record.overlaps, record.relaxed, record.worst_edge_chi2);
+}
+template <typename Archive, MayBeConst<RederiveRecord> T>
+void Fields(Archive&, T&) {}
+template <typename Archive, MayBeConst<RetractRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.overlap, record.keep_apart);
+}
+template <typename Archive, MayBeConst<AdjustRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.plan, record.dirty, record.statistics);
+}
+}  // namespace map_store
+}  // namespace corbslam
+
+#endif  // CORBSLAM_MAP_STORE_ARCHIVE_STATE_FIELDS_H_

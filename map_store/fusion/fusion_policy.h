@@ -1,0 +1,82 @@
+// What fusion should do next: a pure function of a summary of the mission, so that every rule can
+// be tested with a table. Knows nothing of threads, workers or maps.
+#ifndef CORBSLAM_MAP_STORE_FUSION_FUSION_POLICY_H_
+#define CORBSLAM_MAP_STORE_FUSION_FUSION_POLICY_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "map_store/state/lookups.h"
+
+namespace corbslam::map_store {
+
+struct FusionSummary {
+  struct IslandSummary {
+    IslandId id;
+    size_t order = 0;  // Of its first local map's arrival; 0: the reference island.
+    size_t keyframes = 0;
+    bool fused = false;
+    // All its local maps are closed or their agents gone.
+    bool quiet = false;
+    bool dirty = false;
+    bool needs_adjustment = false;
+    // Since the last adjustment: overlaps that joined its graph, keyframes that came, those that
+    // their owners moved relative to their parents, and those that overlaps moved.
+    size_t overlaps_since_adjustment = 0;
+    size_t new_keyframes = 0;
+    size_t displaced = 0;
+    size_t moved = 0;
+    size_t relaxed = 0;
+    // One is with a worker, and is not cancelled.
+    bool adjusting = false;
+    // Adjustments one after the other, since the last one that was committed.
+    size_t cancelled_adjustments = 0;
+  };
+  // Accepted, not yet in the graph.
+  struct OverlapSummary {
+    uint64_t id = 0;
+    IslandId a;
+    IslandId b;  // The same: a loop within the island.
+    bool urgent = false;
+    bool alone = false;  // To be asked about by itself.
+  };
+  std::vector<IslandSummary> islands;   // By order.
+  std::vector<OverlapSummary> waiting;  // By id.
+  size_t queries = 0;
+  // What runs now. Verification and fusing share a lane: verdicts depend on the graph.
+  bool graph_lane_busy = false;
+  bool adjustment_lane_busy = false;
+};
+
+struct PolicyLimits {
+  size_t weld_every = 3;
+  // An adjustment of an island pays when so large a share of its keyframes, and at least so many,
+  // has changed: that of n keyframes costs as n, and so does the sum of all until then.
+  double adjust_share = 0.2;
+  size_t adjust_min_keyframes = 20;
+  // So many adjustments in a row are cancelled by welding; then it waits until one has ended, or an
+  // island into which overlaps come quickly would never be adjusted.
+  size_t max_cancelled_adjustments = 2;
+};
+
+struct FusionAction {
+  enum class Kind {
+    kQuery,   // The first query of the queue.
+    kFuse,    // `source` moves into `target`'s frame.
+    kWeld,    // Overlaps and loop edges inside `target` become part of its graph.
+    kAdjust,  // Global bundle adjustment of `target`.
+  };
+  Kind kind = Kind::kQuery;
+  IslandId target;
+  IslandId source;
+  std::vector<uint64_t> overlaps;
+  friend bool operator==(const FusionAction&, const FusionAction&) = default;
+};
+
+// At most one action for each idle lane.
+std::vector<FusionAction> DecideActions(const FusionSummary& summary, const PolicyLimits& limits);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_FUSION_FUSION_POLICY_H_

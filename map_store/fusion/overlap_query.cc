@@ -1,0 +1,158 @@
+#include "map_store/fusion/overlap_query.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "map_store/ingest/local_motion.h"
+#include "map_store/view/island_view.h"
+#include "map_store/view/landmark_agreement.h"
+#include "map_store/view/placement.h"
+#include "slam/place/candidate_groups.h"
+#include "slam/place/keyframe_database.h"
+#include "slam/util/status_macros.h"
+#include "slam/verification/place_verification.h"
+
+namespace corbslam::map_store {
+namespace {
+
+size_t Gap(const LocalMapState& local_map, KeyframeId a, KeyframeId b) {
+  const size_t first = local_map.arrival.at(a);
+  const size_t second = local_map.arrival.at(b);
+  return first > second ? first - second : second - first;
+}
+
+// An accepted overlap of `query` itself, or of a keyframe next to it, with `against`.
+bool HasOverlapNearby(const MissionState& state, const QueryTask& task, size_t spacing) {
+  const LocalMapState& own = *state.FindLocalMap(task.query.local_map);
+  const auto is_near = [&](KeyframeId near, KeyframeId far) {
+    return near.local_map == own.id && far.local_map == task.against &&
+           Gap(own, near, task.query) < spacing;
+  };
+  const OverlapLedger& overlaps = state.global.overlaps;
+  return std::ranges::any_of(overlaps.LiveBetween(own.id, task.against), [&](uint64_t id) {
+    const Overlap& overlap = overlaps.at(id).overlap;
+    return is_near(overlap.query, overlap.candidate) || is_near(overlap.candidate, overlap.query);
+  });
+}
+
+std::vector<PlaceCandidate> FindSharingWords(const MissionState& state, const QueryTask& task,
+                                             const Keyframe& query,
+                                             const MapStoreOptions& options) {
+  const LocalMapState& against = *state.FindLocalMap(task.against);
+  const bool own = task.against == task.query.local_map;
+  QueryOptions query_options;
+  query_options.min_shared_words = options.min_shared_words;
+  query_options.min_shared_fraction_of_best = options.min_shared_words_ratio;
+  query_options.admit = [&](KeyframeId id) {
+    if (id == task.query || !against.IsSettled(id)) return false;
+    return !own || Gap(against, id, task.query) >= options.min_loop_gap;
+  };
+  return against.database.Query(query.words->bag, query_options);
+}
+
+// Landmarks that both see, which say the same as the graph: where they do not, an overlap is news.
+bool AreLinked(const MissionState& state, KeyframeId query, KeyframeId candidate,
+               const MapStoreOptions& options) {
+  const std::vector<SharedLandmark> shared = FindSharedLandmarks(state, query, candidate);
+  if (shared.empty() || std::cmp_less(shared.size(), options.min_shared_landmarks)) return false;
+  return LandmarkDisagreementPx(state, query, candidate, shared) <= options.loop_residual_px;
+}
+
+bool IsComplete(const VerifyOverlapRequest& request) {
+  return request.query_view.FindKeyframe(request.query) != nullptr &&
+         std::ranges::all_of(request.candidates, [&request](const auto& candidate) {
+           return request.candidate_view.FindKeyframe(candidate.id) != nullptr;
+         });
+}
+
+// The keyframe and its most covisible ones, until there are so many beside those in `except`: what
+// a worker leaves out of a neighbourhood because it is in the other one does not make that smaller.
+void AddWithNeighbours(const MissionState& state, KeyframeId id, int neighbours,
+                       const std::set<KeyframeId>& except, std::set<KeyframeId>& keyframes) {
+  keyframes.insert(id);
+  const Map& map = state.FindLocalMap(id.local_map)->map;
+  for (const CovisibleKeyframe& other : map.Covisible(id, 1)) {
+    if (neighbours == 0) return;
+    keyframes.insert(other.id);
+    if (!except.contains(other.id)) --neighbours;
+  }
+}
+
+}  // namespace
+
+bool BothMetric(const LocalMapState& a, const LocalMapState& b) {
+  const auto is_metric = [](const std::shared_ptr<const Camera>& camera) {
+    return camera->IsMetric();
+  };
+  return std::all_of(a.cameras.begin(), a.cameras.end(), is_metric) &&
+         std::all_of(b.cameras.begin(), b.cameras.end(), is_metric);
+}
+
+std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& state,
+                                                            const QueryTask& task,
+                                                            const MapStoreOptions& options) {
+  const Keyframe* query = state.FindKeyframe(task.query);
+  const LocalMapState* against = state.FindLocalMap(task.against);
+  if (query == nullptr || query->words == nullptr || against == nullptr) return {};
+  if (HasOverlapNearby(state, task, options.overlap_spacing)) return {};
+  const std::vector<PlaceCandidate> found = FindSharingWords(state, task, *query, options);
+  std::vector<VerifyOverlapRequest::Candidate> candidates;
+  for (const CandidateGroup& group :
+       GroupByCovisibility(against->map, found, options.max_candidate_groups)) {
+    const KeyframeId best = group.best.id;
+    if (AreLinked(state, task.query, best, options)) {
+      // The best of all is linked already: there is no news to be had here.
+      if (candidates.empty()) return {};
+      continue;
+    }
+    candidates.push_back({best, group.best.shared_words});
+  }
+  return candidates;
+}
+
+absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
+    const MissionState& state, const QueryTask& task, const MapStoreOptions& options,
+    LongRead& read) {
+  VerifyOverlapRequest request;
+  request.candidates = FindCandidates(state, task, options);
+  if (request.candidates.empty()) return std::nullopt;
+  request.base_revision = state.global.revision;
+  request.query = task.query;
+  request.fix_scale =
+      BothMetric(*state.FindLocalMap(task.query.local_map), *state.FindLocalMap(task.against));
+  // No more than verification looks at: each keyframe is a hundred kilobytes to make, send and
+  // read.
+  const int neighbours = PlaceVerificationOptions().neighbours;
+  std::set<KeyframeId> candidates;
+  for (const VerifyOverlapRequest::Candidate& candidate : request.candidates) {
+    candidates.insert(candidate.id);
+  }
+  std::set<KeyframeId> around_query;
+  AddWithNeighbours(state, task.query, neighbours, candidates, around_query);
+  std::set<KeyframeId> around_candidates;
+  for (const KeyframeId& candidate : candidates) {
+    AddWithNeighbours(state, candidate, neighbours, around_query, around_candidates);
+  }
+  RETURN_IF_ERROR(read.Pause());
+  ASSIGN_OR_RETURN(request.query_view, BuildPartialView(state, around_query, read));
+  RETURN_IF_ERROR(read.Pause());
+  ASSIGN_OR_RETURN(request.candidate_view, BuildPartialView(state, around_candidates, read));
+  if (!IsComplete(request)) return absl::AbortedError("a keyframe has gone");
+  return request;
+}
+
+double GraphResidualPx(const MissionState& state, const Overlap& overlap) {
+  const LocalMapState& query_map = *state.FindLocalMap(overlap.query.local_map);
+  const LocalMapState& candidate_map = *state.FindLocalMap(overlap.candidate.local_map);
+  const Keyframe* query = query_map.map.FindKeyframe(overlap.query);
+  const Keyframe* candidate = candidate_map.map.FindKeyframe(overlap.candidate);
+  if (query == nullptr || candidate == nullptr) return 0;
+  const Similarity3d expected = ComputePoses(candidate_map, state.global).at(overlap.candidate) *
+                                ComputePoses(query_map, state.global).at(overlap.query).Inverse();
+  const Similarity3d difference = overlap.candidate_from_query * expected.Inverse();
+  return PixelMotion(difference.ToRigid(), MedianDepth(candidate_map, *candidate),
+                     candidate->camera().fx_px);
+}
+
+}  // namespace corbslam::map_store

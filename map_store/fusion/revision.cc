@@ -1,0 +1,350 @@
+#include "map_store/fusion/revision.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "map_store/ingest/change_recording.h"
+#include "map_store/ingest/local_motion.h"
+#include "map_store/view/placement.h"
+
+namespace corbslam::map_store {
+namespace {
+
+using NewPoses = std::map<KeyframeId, Similarity3d>;
+
+NewPoses Index(const std::vector<KeyframePose>& poses) {
+  NewPoses indexed;
+  for (const KeyframePose& pose : poses) indexed[pose.id] = pose.camera_from_map;
+  return indexed;
+}
+
+// The worker saw cameras whose units were rescaled to the view's: put the scale back.
+Similarity3d Rescale(const Similarity3d& pose, double scale) {
+  return {pose.scale * scale, pose.rotation, pose.translation * scale};
+}
+
+void PlanKeyframes(const MissionState& state, const IslandSnapshot& snapshot,
+                   const NewPoses& new_poses, const Similarity3d& snapshot_from_target,
+                   RevisionPlan& plan) {
+  for (const auto& [id, pose] : snapshot.poses) {
+    const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
+    if (!local_map.IsSettled(id) || local_map.map.FindKeyframe(id) == nullptr) continue;
+    if (state.global.culled.contains(id)) continue;
+    const auto moved = new_poses.find(id);
+    const Similarity3d placed =
+        moved == new_poses.end() ? pose * snapshot_from_target : Rescale(moved->second, pose.scale);
+    plan.keyframes[id] = {placed, snapshot.local_poses.at(id), plan.revision};
+  }
+}
+
+// Only survivors whose reference keyframe is placed have a position of their own.
+bool IsPlaceable(const MissionState& state, MapPointId id, const RevisionPlan& plan) {
+  const MapPoint* own = state.FindPoint(id);
+  return own != nullptr && plan.keyframes.contains(ReferenceOf(*own, state.global)) &&
+         state.global.landmarks.Survivor(id) == id;
+}
+
+void PlanPositions(const MissionState& state, const std::vector<PointPosition>& positions,
+                   RevisionPlan& plan) {
+  for (const auto& [id, position] : positions) {
+    if (IsPlaceable(state, id, plan)) plan.points[id] = {position, plan.revision};
+  }
+}
+
+// Also those that the adjustment left alone: they move with their reference keyframes.
+void PlanPointsOfView(const MissionState& state, const IslandSnapshot& snapshot, const Map& view,
+                      RevisionPlan& plan) {
+  absl::flat_hash_map<KeyframeId, Similarity3d> motions;
+  for (const auto& [id, point] : view.points()) {
+    if (plan.points.contains(id) || !IsPlaceable(state, id, plan)) continue;
+    const KeyframeId reference = ReferenceOf(*state.FindPoint(id), state.global);
+    const auto [it, added] = motions.try_emplace(reference);
+    if (added) {
+      it->second =
+          plan.keyframes.at(reference).camera_from_island.Inverse() * snapshot.poses.at(reference);
+    }
+    plan.points[id] = {it->second * point.position_in_map, plan.revision};
+  }
+}
+
+// How points follow their reference keyframes into a revision that moves those.
+class Followers {
+ public:
+  Followers(const MissionState& state, const IslandSnapshot& snapshot, const RevisionPlan& plan)
+      : state_(state), snapshot_(snapshot), plan_(plan) {}
+
+  // Where a placed point comes to lie; none where its keyframe is not placed.
+  std::optional<Eigen::Vector3d> Follow(const MapPoint& point, const PlacedPoint& placed) {
+    const KeyframeId reference = ReferenceOf(point, state_.global);
+    const auto [it, added] = motions_.try_emplace(reference);
+    if (added) it->second = MotionOf(reference);
+    if (!it->second.has_value()) return std::nullopt;
+    const Motion& motion = *it->second;
+    return motion.moved * (motion.from_local ? point.position_in_map : placed.position_in_island);
+  }
+
+ private:
+  struct Motion {
+    Similarity3d moved;
+    // The keyframe was derived anew from its owner's poses: so is what it sees.
+    bool from_local = false;
+  };
+
+  std::optional<Motion> MotionOf(KeyframeId id) const {
+    const auto planned = plan_.keyframes.find(id);
+    if (planned == plan_.keyframes.end()) return std::nullopt;
+    const Similarity3d island_from_camera = planned->second.camera_from_island.Inverse();
+    if (snapshot_.unplaced.contains(id)) {
+      const Similarity3d local = Similarity3d::FromRigid(planned->second.camera_from_local);
+      return Motion{island_from_camera * local, true};
+    }
+    if (const auto it = state_.global.keyframes.find(id); it != state_.global.keyframes.end()) {
+      return Motion{island_from_camera * it->second.camera_from_island, false};
+    }
+    const auto derived = snapshot_.poses.find(id);
+    if (derived == snapshot_.poses.end()) return std::nullopt;
+    return Motion{island_from_camera * derived->second, false};
+  }
+
+  const MissionState& state_;
+  const IslandSnapshot& snapshot_;
+  const RevisionPlan& plan_;
+  absl::flat_hash_map<KeyframeId, std::optional<Motion>> motions_;
+};
+
+void PlanFollowers(const MissionState& state, const IslandSnapshot& snapshot, RevisionPlan& plan) {
+  const auto island = state.global.islands.find(snapshot.island);
+  if (island == state.global.islands.end()) return;
+  Followers followers(state, snapshot, plan);
+  for (const LocalMapId& local_map : island->second.local_maps) {
+    const Map& map = state.FindLocalMap(local_map)->map;
+    for (auto it = state.global.points.lower_bound(MapPointId{local_map, 0});
+         it != state.global.points.end() && it->first.local_map == local_map; ++it) {
+      const MapPoint* point = map.FindPoint(it->first);
+      if (point == nullptr) continue;
+      const auto position = followers.Follow(*point, it->second);
+      if (position.has_value()) plan.points[it->first] = {*position, plan.revision};
+    }
+  }
+}
+
+// The points that were merged into each survivor, in the order in which they were.
+using MergedPoints = absl::flat_hash_map<MapPointId, std::vector<MapPointId>>;
+
+MergedPoints GroupBySurvivor(const std::vector<FuseMapsResult::Merge>& merges) {
+  MergedPoints members;
+  for (const FuseMapsResult::Merge& merge : merges) {
+    members[merge.survivor].push_back(merge.member);
+  }
+  return members;
+}
+
+// The keypoint by which the keyframe saw the point, or one of those that were merged into it, in
+// the views.
+std::optional<uint32_t> FindKeypoint(const std::vector<const Map*>& views,
+                                     const MergedPoints& merged,
+                                     const RejectedObservation& rejected) {
+  std::vector<MapPointId> names = {rejected.point};
+  if (const auto it = merged.find(rejected.point); it != merged.end()) {
+    names.insert(names.end(), it->second.begin(), it->second.end());
+  }
+  for (const Map* view : views) {
+    for (const MapPointId& name : names) {
+      const MapPoint* point = view->FindPoint(name);
+      if (point == nullptr) continue;
+      const auto it = point->observations.find(rejected.keyframe);
+      if (it != point->observations.end()) return it->second;
+    }
+  }
+  return std::nullopt;
+}
+
+void PlanRejected(const MissionState& state, const std::vector<const Map*>& views,
+                  const std::vector<RejectedObservation>& rejected, RevisionPlan& plan) {
+  const MergedPoints merged = GroupBySurvivor(plan.merges);
+  for (const RejectedObservation& observation : rejected) {
+    const LocalMapState* local_map = state.FindLocalMap(observation.keyframe.local_map);
+    if (local_map == nullptr) continue;
+    const std::optional<uint32_t> keypoint = FindKeypoint(views, merged, observation);
+    if (!keypoint.has_value()) continue;
+    const MapPointId raw = RawObservation(*local_map, observation.keyframe, *keypoint);
+    if (!raw.IsValid()) continue;
+    plan.rejected_raw[{observation.keyframe, *keypoint}] = raw;
+  }
+}
+
+// What an adjustment placed in the source's own frame after the snapshot was taken.
+void ForgetOldFrame(const RevisionPlan& plan, const Island& source, GlobalLayer& global) {
+  const std::set<LocalMapId> moved(source.local_maps.begin(), source.local_maps.end());
+  const auto is_moved = [&moved](const auto& item) { return moved.contains(item.first.local_map); };
+  std::erase_if(global.keyframes, is_moved);
+  absl::erase_if(global.points, is_moved);
+  for (const LocalMapId& id : source.local_maps) {
+    global.island_of[id] = plan.target;
+    global.island_from_local.erase(id);
+  }
+}
+
+void MergeIslands(const RevisionPlan& plan, MissionState& state) {
+  Island& target = state.global.islands.at(plan.target);
+  const auto it = state.global.islands.find(plan.source);
+  if (it == state.global.islands.end()) return;
+  Island source = std::move(it->second);
+  state.global.islands.erase(it);
+  target.relaxed.merge(source.relaxed);
+  target.version_of_owners = std::max(target.version_of_owners, source.version_of_owners);
+  std::set<LocalMapId> members(target.local_maps.begin(), target.local_maps.end());
+  members.insert(source.local_maps.begin(), source.local_maps.end());
+  target.local_maps.clear();
+  for (const LocalMapId& id : state.order) {
+    if (!members.contains(id)) continue;
+    target.local_maps.push_back(id);
+    // What lies in another island is not seen until now.
+    LocalMapState& local_map = *state.FindLocalMap(id);
+    for (const auto& [keyframe, seen] : local_map.foreign_observations) {
+      local_map.changes.NoteSights(keyframe);
+    }
+  }
+  ForgetOldFrame(plan, source, state.global);
+}
+
+void PlaceItems(const RevisionPlan& plan, GlobalLayer& global) {
+  for (const auto& [id, placed] : plan.keyframes) global.keyframes[id] = placed;
+  for (const auto& [id, placed] : plan.points) global.points[id] = placed;
+}
+
+void RejectObservations(const RevisionPlan& plan, MissionState& state) {
+  RejectedObservations& rejected = state.global.rejected;
+  const auto note = [&state](KeyframeId id) {
+    if (LocalMapState* owner = state.FindLocalMap(id.local_map)) owner->changes.NoteSights(id);
+  };
+  for (const KeyframeId& id : plan.decided_anew) {
+    const auto begin = rejected.lower_bound({id, 0});
+    auto end = begin;
+    while (end != rejected.end() && end->first.first == id) ++end;
+    if (begin != end) note(id);
+    rejected.erase(begin, end);
+  }
+  for (const auto& [observation, raw] : plan.rejected_raw) {
+    rejected[observation] = raw;
+    note(observation.first);
+  }
+}
+
+void CullKeyframes(const RevisionPlan& plan, MissionState& state) {
+  for (const KeyframeId& id : plan.culled) {
+    LocalMapState* owner = state.FindLocalMap(id.local_map);
+    if (owner == nullptr || owner->map.FindKeyframe(id) == nullptr) continue;
+    state.global.culled.insert(id);
+    state.global.keyframes.erase(id);
+    owner->changes.NoteKeyframe(id);
+  }
+}
+
+void MergeLandmarks(const RevisionPlan& plan, MissionState& state) {
+  GlobalLayer& global = state.global;
+  absl::flat_hash_set<MapPointId> renamed;
+  for (const FuseMapsResult::Merge& merge : plan.merges) {
+    renamed.insert({merge.survivor, merge.member});
+  }
+  NoteLandmarkChanges(renamed, state);
+  for (const FuseMapsResult::Merge& merge : plan.merges) {
+    const MapPointId survivor = ResolvePoint(state, merge.survivor);
+    const MapPointId member = ResolvePoint(state, merge.member);
+    if (!survivor.IsValid() || !member.IsValid() || survivor == member) continue;
+    const bool here = global.island_of.at(survivor.local_map) == plan.target &&
+                      global.island_of.at(member.local_map) == plan.target;
+    if (!here) continue;
+    global.landmarks.Merge(survivor, member);
+    const auto lost = global.points.find(member);
+    if (lost == global.points.end()) continue;
+    const PlacedPoint placed = lost->second;
+    global.points.erase(lost);
+    global.points.try_emplace(survivor, placed);
+  }
+}
+
+// What owners moved while the worker was busy counts from here on.
+void NoteMotionSince(const RevisionPlan& plan, double threshold_px, MissionState& state) {
+  state.global.islands.at(plan.target).displaced.clear();
+  for (const auto& [id, placed] : plan.keyframes) {
+    const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
+    NoteLocalMotion(id, threshold_px, state, local_map);
+  }
+}
+
+void RememberIslandFrames(const Island& island, MissionState& state) {
+  for (const LocalMapId& id : island.local_maps) {
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    const IslandPoses poses = ComputePoses(local_map, state.global);
+    if (poses.empty()) continue;
+    state.global.island_from_local[id] =
+        IslandFromLocal(poses.rbegin()->first, local_map, state.global, poses);
+  }
+}
+
+}  // namespace
+
+RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseMapsResult& result) {
+  RevisionPlan plan;
+  plan.revision = state.global.revision + 1;
+  plan.target = job.action.target;
+  plan.source = job.action.source;
+  plan.merges = result.merges;
+  plan.overlaps = job.new_overlaps;
+  const NewPoses poses = Index(result.poses);
+  PlanKeyframes(state, job.target, poses, Similarity3d(), plan);
+  std::vector<const Map*> views = {&job.request.target};
+  if (job.source.has_value()) {
+    PlanKeyframes(state, *job.source, poses, result.target_from_source.Inverse(), plan);
+    PlanFollowers(state, *job.source, plan);
+    views.push_back(&job.request.source);
+  }
+  PlanFollowers(state, job.target, plan);
+  PlanPositions(state, result.positions, plan);
+  PlanRejected(state, views, result.rejected, plan);
+  return plan;
+}
+
+RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
+                        const AdjustBundleResult& result) {
+  RevisionPlan plan;
+  plan.revision = state.global.revision + 1;
+  plan.target = job.snapshot.island;
+  for (const KeyframeId& id : result.redundant) {
+    if (job.snapshot.poses.contains(id)) plan.culled.push_back(id);
+  }
+  PlanKeyframes(state, job.snapshot, Index(result.poses), Similarity3d(), plan);
+  PlanPositions(state, result.positions, plan);
+  PlanPointsOfView(state, job.snapshot, job.request.view, plan);
+  PlanRejected(state, {&job.request.view}, result.rejected, plan);
+  for (const auto& [id, keyframe] : job.request.view.keyframes()) plan.decided_anew.insert(id);
+  return plan;
+}
+
+void CommitRevision(const RevisionPlan& plan, const MapStoreOptions& options, MissionState& state) {
+  state.global.revision = plan.revision;
+  MergeIslands(plan, state);
+  PlaceItems(plan, state.global);
+  RejectObservations(plan, state);
+  CullKeyframes(plan, state);
+  MergeLandmarks(plan, state);
+  Island& island = state.global.islands.at(plan.target);
+  island.fused = true;
+  NoteMotionSince(plan, options.local_motion_px, state);
+  RememberIslandFrames(island, state);
+  for (const uint64_t id : plan.overlaps) {
+    state.global.overlaps.Change(id, [&plan](OverlapEntry& entry) {
+      entry.state = OverlapState::kInGraph;
+      entry.revision = plan.revision;
+      entry.note.clear();
+    });
+  }
+  TouchByFusion(state, plan.target);
+}
+
+}  // namespace corbslam::map_store

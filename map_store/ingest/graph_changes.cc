@@ -1,0 +1,239 @@
+#include "map_store/ingest/graph_changes.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace corbslam::map_store {
+namespace {
+
+void RemoveForeignObservation(KeyframeId keyframe, uint32_t keypoint, MissionState& state,
+                              LocalMapState& local_map) {
+  const auto it = local_map.foreign_observations.find(keyframe);
+  if (it == local_map.foreign_observations.end()) return;
+  local_map.changes.NoteSights(keyframe);
+  const auto seen = it->second.find(keypoint);
+  if (seen == it->second.end()) return;
+  state.points.RemoveViewer(seen->second, keyframe);
+  it->second.erase(seen);
+  if (it->second.empty()) local_map.foreign_observations.erase(it);
+}
+
+void ForgetForeignObservations(KeyframeId keyframe, MissionState& state, LocalMapState& local_map) {
+  const auto it = local_map.foreign_observations.find(keyframe);
+  if (it == local_map.foreign_observations.end()) return;
+  for (const auto& [keypoint, point] : it->second) state.points.RemoveViewer(point, keyframe);
+  local_map.foreign_observations.erase(it);
+}
+
+// The keypoint of `keyframe` that sees one of another local map's points.
+std::optional<uint32_t> FindForeignObservation(const LocalMapState& local_map, KeyframeId keyframe,
+                                               MapPointId point) {
+  const auto it = local_map.foreign_observations.find(keyframe);
+  if (it == local_map.foreign_observations.end()) return std::nullopt;
+  for (const auto& [keypoint, seen] : it->second) {
+    if (seen == point) return keypoint;
+  }
+  return std::nullopt;
+}
+
+void ClearKeypoint(KeyframeId keyframe, uint32_t keypoint, MissionState& state,
+                   LocalMapState& local_map) {
+  const MapPointId own = local_map.map.FindKeyframe(keyframe)->points[keypoint];
+  if (own.IsValid()) local_map.map.RemoveObservation(own, keyframe);
+  RemoveForeignObservation(keyframe, keypoint, state, local_map);
+}
+
+void ObserveForeign(KeyframeId keyframe, uint32_t keypoint, MapPointId point, MissionState& state,
+                    LocalMapState& local_map) {
+  if (const auto old = FindForeignObservation(local_map, keyframe, point)) {
+    RemoveForeignObservation(keyframe, *old, state, local_map);
+  }
+  ClearKeypoint(keyframe, keypoint, state, local_map);
+  local_map.foreign_observations[keyframe][keypoint] = point;
+  state.points.AddViewer(point, keyframe);
+  local_map.changes.NoteSights(keyframe);
+}
+
+// What the owner's own point became through the owner's own replacements: another own point, or
+// somebody else's. Shortens the chain, so that the next one to ask finds the end in a step.
+MapPointId FollowReplacements(LocalMapState& local_map, MapPointId point) {
+  auto& replaced = local_map.replaced_points;
+  MapPointId last = point;
+  size_t steps = 0;
+  for (auto it = replaced.find(last); it != replaced.end(); it = replaced.find(last)) {
+    last = it->second;
+    // Only what was restored from elsewhere can lead in a circle.
+    if (++steps > replaced.size()) return MapPointId();
+  }
+  while (point != last) point = std::exchange(replaced.at(point), last);
+  return last;
+}
+
+// Whether what the owners replaced, one after the other, leads from `point` to `goal`.
+bool LeadsTo(const MissionState& state, MapPointId point, MapPointId goal) {
+  constexpr int kMaxSteps = 1000;
+  for (int step = 0; step < kMaxSteps && point != goal; ++step) {
+    const LocalMapState* owner = state.FindLocalMap(point.local_map);
+    if (owner == nullptr) return false;
+    const auto next = owner->replaced_points.find(point);
+    if (next == owner->replaced_points.end()) return false;
+    point = next->second;
+  }
+  return true;
+}
+
+void RemoveObservation(const ObservationChange& change, MissionState& state,
+                       LocalMapState& local_map) {
+  const MapPointId point = FollowReplacements(local_map, change.point);
+  if (local_map.map.RemoveObservation(point, change.keyframe)) return;
+  if (const auto keypoint = FindForeignObservation(local_map, change.keyframe, point)) {
+    RemoveForeignObservation(change.keyframe, *keypoint, state, local_map);
+  }
+}
+
+// The global position of a landmark goes over to whoever stands for it now.
+void HandOverPosition(MapPointId from, MapPointId to, GlobalLayer& global) {
+  const auto it = global.points.find(from);
+  if (it == global.points.end()) return;
+  const PlacedPoint placed = it->second;
+  global.points.erase(it);
+  if (to.IsValid()) global.points.try_emplace(to, placed);
+}
+
+}  // namespace
+
+bool ApplyObservation(const ObservationChange& change, MissionState& state,
+                      LocalMapState& local_map) {
+  if (local_map.removed_keyframes.contains(change.keyframe)) return true;
+  const Keyframe* keyframe = local_map.map.FindKeyframe(change.keyframe);
+  if (keyframe == nullptr) return false;
+  if (change.kind == ObservationChange::Kind::kRemoved) {
+    RemoveObservation(change, state, local_map);
+    return true;
+  }
+  if (change.keypoint >= keyframe->points.size()) return true;
+  MapPointId point = change.point;
+  const MapPoint* own = local_map.map.FindPoint(point);
+  // A point that is in the map was neither replaced nor removed.
+  if (own == nullptr) {
+    point = FollowReplacements(local_map, change.point);
+    if (!point.IsValid() || local_map.removed_points.contains(point)) return true;
+    if (point.local_map != local_map.id) {
+      ObserveForeign(change.keyframe, change.keypoint, point, state, local_map);
+      return true;
+    }
+    own = local_map.map.FindPoint(point);
+    if (own == nullptr) return false;
+  }
+  if (keyframe->points[change.keypoint] == point) return true;
+  ClearKeypoint(change.keyframe, change.keypoint, state, local_map);
+  if (own->observations.contains(change.keyframe)) {
+    local_map.map.RemoveObservation(point, change.keyframe);
+  }
+  local_map.map.AddObservation(point, change.keyframe, change.keypoint);
+  return true;
+}
+
+bool ApplyParent(KeyframeId child_id, KeyframeId parent, LocalMapState& local_map) {
+  const Keyframe* child = local_map.map.FindKeyframe(child_id);
+  if (child == nullptr || !parent.IsValid()) return true;
+  if (parent.local_map != local_map.id) {
+    // The tree of a local map is its own: hang it on the keyframe before.
+    const size_t order = local_map.arrival.at(child_id);
+    for (size_t before = order; before > 0; --before) {
+      if (local_map.map.SetParent(child_id, local_map.arrived[before - 1])) break;
+    }
+    return true;
+  }
+  // A removed parent's children hang where it hung; how far up that is, is limited.
+  constexpr int kMaxSteps = 1000;
+  int step = 0;
+  for (auto it = local_map.removed_keyframes.find(parent); it != local_map.removed_keyframes.end();
+       it = local_map.removed_keyframes.find(parent)) {
+    if (++step > kMaxSteps) return true;
+    parent = it->second.parent;
+  }
+  if (!parent.IsValid()) return true;
+  if (local_map.map.FindKeyframe(parent) == nullptr) return false;
+  local_map.map.SetParent(child_id, parent);
+  return true;
+}
+
+bool ApplyLoopEdge(const LoopEdge& edge, MissionState& state, LocalMapState& local_map) {
+  if (local_map.removed_keyframes.contains(edge.a)) return true;
+  if (edge.b.local_map != local_map.id) {
+    local_map.foreign_loop_edges.push_back(edge);
+  } else {
+    if (local_map.removed_keyframes.contains(edge.b)) return true;
+    if (!local_map.map.FindKeyframe(edge.a) || !local_map.map.FindKeyframe(edge.b)) return false;
+    if (!local_map.map.AddLoopEdge(edge.a, edge.b)) return true;
+  }
+  Island& island = *state.FindIslandOf(local_map.id);
+  if (island.fused) island.relaxed.insert(local_map.id);
+  return true;
+}
+
+void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
+                      LocalMapState& local_map) {
+  const MapPointId replaced = replacement.replaced;
+  if (local_map.replaced_points.contains(replaced) || local_map.removed_points.contains(replaced)) {
+    return;
+  }
+  const MapPointId survivor = FollowReplacements(local_map, replacement.survivor);
+  if (survivor == replaced || !survivor.IsValid()) return;
+  const bool is_own = survivor.local_map == local_map.id;
+  // Two robots may each have put the other's point in the place of its own: then the point stays,
+  // and stands for both. What fusion merged does not change what an owner says of its own points.
+  const MapPointId stands_for = ResolvePoint(state, survivor);
+  if (!is_own && (stands_for == replaced || LeadsTo(state, survivor, replaced))) return;
+  if (is_own) {
+    if (!local_map.map.ReplacePoint(replaced, survivor)) local_map.map.RemovePoint(replaced);
+  } else if (const MapPoint* point = local_map.map.FindPoint(replaced)) {
+    const auto observations = point->observations;
+    local_map.map.RemovePoint(replaced);
+    for (const auto& [keyframe, keypoint] : observations) {
+      if (FindForeignObservation(local_map, keyframe, survivor).has_value()) continue;
+      ObserveForeign(keyframe, keypoint, survivor, state, local_map);
+    }
+  }
+  local_map.replaced_points[replaced] = survivor;
+  state.points.NoteReplaced(replaced, survivor);
+  // A landmark lies in one island, and its points are there.
+  const bool joins =
+      stands_for.IsValid() && stands_for != replaced &&
+      state.global.island_of.at(stands_for.local_map) == state.global.island_of.at(local_map.id);
+  const MapPointId elected = joins ? state.global.landmarks.Replace(replaced, stands_for)
+                                   : state.global.landmarks.Remove(replaced);
+  HandOverPosition(replaced, elected, state.global);
+}
+
+void ApplyPointRemoval(MapPointId point, MissionState& state, LocalMapState& local_map) {
+  if (local_map.replaced_points.contains(point)) return;
+  if (!local_map.removed_points.insert(point).second) return;
+  local_map.map.RemovePoint(point);
+  const MapPointId elected = state.global.landmarks.Remove(point);
+  HandOverPosition(point, elected, state.global);
+  // Others' keyframes that saw this very point still see the landmark.
+  if (!elected.IsValid()) return;
+  state.global.heirs[point] = elected;
+  state.points.NoteReplaced(point, elected);
+}
+
+void ApplyKeyframeRemoval(const KeyframeRemoval& removal, MissionState& state,
+                          LocalMapState& local_map) {
+  const bool is_new =
+      local_map.removed_keyframes
+          .try_emplace(removal.id, Tombstone{removal.parent, removal.parent_from_removed})
+          .second;
+  if (!is_new) return;
+  local_map.database.Remove(removal.id);
+  local_map.map.RemoveKeyframe(removal.id);
+  local_map.followers.Forget(removal.id);
+  ForgetForeignObservations(removal.id, state, local_map);
+  state.global.keyframes.erase(removal.id);
+  state.global.culled.erase(removal.id);
+  state.FindIslandOf(local_map.id)->displaced.erase(removal.id);
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,26 @@
+// The changes of one local map's graph, one function a kind. Each takes the state of the mission,
+// because landmarks and the global layer follow what owners replace and remove.
+#ifndef CORBSLAM_MAP_STORE_INGEST_GRAPH_CHANGES_H_
+#define CORBSLAM_MAP_STORE_INGEST_GRAPH_CHANGES_H_
+
+#include "map_store/state/mission_state.h"
+#include "slam/exchange/map_update.h"
+
+namespace corbslam::map_store {
+
+// False when it refers to what has not arrived: to be parked. What refers to removed items is
+// dropped, and is no reason to wait. The owner's latest word wins over its earlier ones.
+bool ApplyObservation(const ObservationChange& change, MissionState& state,
+                      LocalMapState& local_map);
+bool ApplyParent(KeyframeId child, KeyframeId parent, LocalMapState& local_map);
+bool ApplyLoopEdge(const LoopEdge& edge, MissionState& state, LocalMapState& local_map);
+
+void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
+                      LocalMapState& local_map);
+void ApplyPointRemoval(MapPointId point, MissionState& state, LocalMapState& local_map);
+void ApplyKeyframeRemoval(const KeyframeRemoval& removal, MissionState& state,
+                          LocalMapState& local_map);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_INGEST_GRAPH_CHANGES_H_

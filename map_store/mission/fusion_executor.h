@@ -1,0 +1,73 @@
+// Runs what the missions' fusion lanes have to do on a FusionWorker: on threads of its own, or
+// synchronously.
+#ifndef CORBSLAM_MAP_STORE_MISSION_FUSION_EXECUTOR_H_
+#define CORBSLAM_MAP_STORE_MISSION_FUSION_EXECUTOR_H_
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "map_store/mission/mission.h"
+#include "map_store/mission/worker_watch.h"
+#include "map_store/state/lookups.h"
+#include "slam/exchange/fusion_worker.h"
+
+namespace corbslam::map_store {
+
+// Thread-safe.
+class FusionExecutor {
+ public:
+  using ListMissions = std::function<std::vector<std::shared_ptr<Mission>>()>;
+
+  // `worker` (not owned, may be null) must outlive it.
+  FusionExecutor(FusionWorker* worker, absl::Duration retry_after,
+                 std::function<absl::Time()> clock)
+      : worker_(worker), retry_after_(retry_after), watch_(std::move(clock)) {}
+  ~FusionExecutor() { Stop(); }
+
+  // Starts `threads_per_lane` threads for each lane, and one that keeps snapshots.
+  void Start(ListMissions missions, int threads_per_lane);
+  // Cancels what runs and joins. The missions must still be there.
+  void Stop();
+  // There may be something to do.
+  void Wake();
+
+  // All that the mission has to do, here and now, in the order of the policy.
+  void RunUntilIdle(Mission& mission);
+
+  bool has_worker() const { return worker_ != nullptr; }
+  // None while workers take requests, and before the first one.
+  std::optional<WorkerOutage> worker_outage() const { return watch_.outage(); }
+
+ private:
+  bool IsStopped() const;
+  // False: nothing was done, or the worker is not there (`unavailable`).
+  bool RunOne(Mission& mission, FusionLane lane, bool& unavailable);
+  void RunLane(FusionLane lane);
+  // Writes the snapshots that the journal wants.
+  void RunKeeper();
+  // Waits for something to do; false: stop.
+  bool WaitForWork(uint64_t& seen, bool unavailable);
+
+  FusionWorker* const worker_;
+  const absl::Duration retry_after_;
+  WorkerWatch watch_;
+  ListMissions missions_;
+  std::vector<std::thread> threads_;
+
+  mutable absl::Mutex mutex_;
+  absl::CondVar changed_;
+  uint64_t wakes_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_MISSION_FUSION_EXECUTOR_H_

@@ -1,0 +1,110 @@
+// Where the map store writes what changes its missions, in order, so that they can be had again
+// after a crash.
+#ifndef CORBSLAM_MAP_STORE_RECORDS_JOURNAL_H_
+#define CORBSLAM_MAP_STORE_RECORDS_JOURNAL_H_
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "absl/synchronization/mutex.h"
+#include "map_store/records/journal_records.h"
+
+namespace corbslam {
+
+// A mission's state after all records up to a position.
+struct JournalSnapshot {
+  uint64_t position = 0;
+  std::string state;                  // EncodeState's.
+  std::vector<KeyframeId> keyframes;  // Of which the features are still needed, by id.
+};
+
+// Thread-safe. Records of one mission are appended one at a time.
+class Journal {
+ public:
+  // Of an append; grows.
+  using Position = uint64_t;
+
+  struct Replay {
+    // Called once at most, before all records: the state that a snapshot held.
+    std::function<absl::Status(map_store::MissionState)> on_snapshot;
+    // Called for each record since, in order.
+    std::function<absl::Status(const map_store::JournalRecord&)> on_record;
+    // Records behind it are left out.
+    Position until = std::numeric_limits<Position>::max();
+    // False: a snapshot's keyframes come with empty features, a record's with as many as there are,
+    // all zero. What features are not needed for costs a fraction.
+    bool with_features = true;
+  };
+
+  virtual ~Journal() = default;
+
+  // Puts the record behind those before it. An error means that nothing was written:
+  // RESOURCE_EXHAUSTED (no room), UNAVAILABLE (the disk refuses), each naming the journal.
+  virtual absl::StatusOr<Position> Append(absl::string_view mission,
+                                          const map_store::JournalRecord& record) = 0;
+  // Returns once all up to the position would survive what this journal promises to survive. An
+  // error means that it is not certain.
+  virtual absl::Status Sync(Position position) = 0;
+
+  // Whether so much was appended to the mission since its last snapshot that one is worth while.
+  virtual bool WantsSnapshot(absl::string_view mission) const = 0;
+  // Takes the place of all the mission's records up to its position.
+  virtual absl::Status WriteSnapshot(absl::string_view mission,
+                                     const JournalSnapshot& snapshot) = 0;
+
+  // Begins a mission with a state that was made elsewhere, as a snapshot and the features of its
+  // keyframes. All of it or nothing is durable. Of one mission once at a time, and of none that has
+  // records.
+  virtual absl::Status CreateMission(absl::string_view mission,
+                                     const map_store::MissionState& state) = 0;
+
+  virtual absl::StatusOr<std::vector<std::string>> ListMissions() const = 0;
+  // Returns the position of the last that was replayed; 0 for a mission without records. DATA_LOSS,
+  // naming the mission and the place, for what can't be read.
+  virtual absl::StatusOr<Position> Recover(absl::string_view mission,
+                                           const Replay& replay) const = 0;
+  // Durable when it returns.
+  virtual absl::Status DeleteMission(absl::string_view mission) = 0;
+
+  // Whether it takes records now; the error that Append would give otherwise. After a failed write
+  // it finds out by trying, so that somebody should ask now and then.
+  virtual absl::Status CheckWritable() = 0;
+};
+
+// Survives nothing; counts.
+class InMemoryJournal : public Journal {
+ public:
+  absl::StatusOr<Position> Append(absl::string_view mission,
+                                  const map_store::JournalRecord& record) override;
+  absl::Status Sync(Position) override { return absl::OkStatus(); }
+  bool WantsSnapshot(absl::string_view) const override { return false; }
+  absl::Status WriteSnapshot(absl::string_view, const JournalSnapshot&) override {
+    return absl::OkStatus();
+  }
+  absl::Status CreateMission(absl::string_view, const map_store::MissionState&) override {
+    return absl::OkStatus();
+  }
+  absl::StatusOr<std::vector<std::string>> ListMissions() const override {
+    return std::vector<std::string>();
+  }
+  absl::StatusOr<Position> Recover(absl::string_view, const Replay&) const override { return 0; }
+  absl::Status DeleteMission(absl::string_view) override { return absl::OkStatus(); }
+  absl::Status CheckWritable() override { return absl::OkStatus(); }
+
+  uint64_t records() const;
+
+ private:
+  mutable absl::Mutex mutex_;
+  uint64_t records_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_MAP_STORE_RECORDS_JOURNAL_H_

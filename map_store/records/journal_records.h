@@ -1,0 +1,72 @@
+// What changes a mission's state, as values: whoever applies a mission's records in their order to
+// an empty state gets its state. Live changes and replays after a crash go through the same
+// functions (record_application.h).
+#ifndef CORBSLAM_MAP_STORE_RECORDS_JOURNAL_RECORDS_H_
+#define CORBSLAM_MAP_STORE_RECORDS_JOURNAL_RECORDS_H_
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "absl/time/time.h"
+#include "map_store/fusion/revision.h"
+#include "map_store/state/mission_state.h"
+#include "slam/exchange/map_update.h"
+#include "slam/exchange/overlap.h"
+
+namespace corbslam::map_store {
+
+// A batch that passed validation.
+struct BatchRecord {
+  std::string agent;
+  std::shared_ptr<const MapUpdateBatch> batch;
+  absl::Time received_at;
+};
+
+// The first query of the queue was answered.
+struct QueryRecord {
+  QueryTask task;
+  std::vector<Overlap> overlaps;
+  absl::Time verified_at;
+};
+
+// Two islands became one, or (no source in the plan) overlaps were welded into one.
+struct FuseRecord {
+  RevisionPlan plan;
+  std::vector<LocalMapId> relaxed;
+  double merge_ms = 0;  // Since the first of its overlaps was verified.
+};
+
+// The worker found that the overlaps bend the graph.
+struct FuseRefusedRecord {
+  IslandId target;
+  std::vector<uint64_t> overlaps;
+  std::vector<LocalMapId> relaxed;
+  double worst_edge_chi2 = 0;
+};
+
+struct AdjustRecord {
+  RevisionPlan plan;
+  bool dirty = false;  // Owners said more while the worker was busy.
+  GlobalAdjustmentStatistics statistics;
+};
+
+// The global layer was forgotten, to be derived again.
+struct RederiveRecord {};
+
+// Somebody took back an overlap; or all between its two local maps, for ever.
+struct RetractRecord {
+  uint64_t overlap = 0;
+  bool keep_apart = false;
+};
+
+// What is not there (queries without candidates, workers' failures) is decided again after a
+// restart.
+using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
+                                   AdjustRecord, RederiveRecord, RetractRecord>;
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_RECORDS_JOURNAL_RECORDS_H_

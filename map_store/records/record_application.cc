@@ -1,0 +1,287 @@
+#include "map_store/records/record_application.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/fusion/fusion_job.h"
+#include "map_store/fusion/overlap_query.h"
+#include "map_store/fusion/rederivation.h"
+#include "map_store/fusion/revision.h"
+#include "map_store/ingest/batch_validation.h"
+#include "map_store/ingest/local_motion.h"
+#include "map_store/ingest/parked_references.h"
+#include "map_store/records/retraction.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+bool IsSound(const Overlap& overlap, const QueryTask& task) {
+  return overlap.query == task.query && overlap.candidate.local_map == task.against &&
+         overlap.candidate_from_query.scale > 0 &&
+         overlap.candidate_from_query.rotation.coeffs().allFinite() &&
+         overlap.candidate_from_query.translation.allFinite() && IsCovariance(overlap.covariance);
+}
+
+// What the welding of a plan that is not yet written moves: keyframes that stand by more than
+// `threshold_px` elsewhere than they did, and those that their owners had displaced.
+void NoteMoved(const RevisionPlan& plan, double threshold_px, MissionState& state) {
+  Island& island = state.global.islands.at(plan.target);
+  island.moved.insert(island.displaced.begin(), island.displaced.end());
+  for (const auto& [id, planned] : plan.keyframes) {
+    const auto placed = state.global.keyframes.find(id);
+    const Keyframe* keyframe = state.FindKeyframe(id);
+    if (placed == state.global.keyframes.end() || keyframe == nullptr) continue;
+    const Similarity3d motion =
+        planned.camera_from_island * placed->second.camera_from_island.Inverse();
+    const double motion_px =
+        PixelMotion(motion.ToRigid(), MedianDepth(*state.FindLocalMap(id.local_map), *keyframe),
+                    keyframe->camera().fx_px);
+    if (motion_px > threshold_px) island.moved.insert(id);
+  }
+}
+
+// By the adjustment that was just written: others came while the worker was busy.
+size_t CountAdjusted(const MissionState& state, const Island& island) {
+  size_t count = 0;
+  for (const LocalMapId& local_map : island.local_maps) {
+    for (const auto& [id, keyframe] : state.FindLocalMap(local_map)->map.keyframes()) {
+      count += state.global.keyframes.contains(id) || state.global.culled.contains(id);
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+BatchWords ComputeWords(const MapUpdateBatch& batch, const Vocabulary* vocabulary) {
+  BatchWords words;
+  if (vocabulary == nullptr) return words;
+  for (const FullKeyframe& keyframe : batch.full_keyframes) {
+    words[keyframe.payload->id] = std::make_shared<const Words>(
+        vocabulary->Transform(keyframe.payload->features.descriptors));
+  }
+  return words;
+}
+
+void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOptions& options,
+           MissionState& state) {
+  LocalMapState* local_map = state.FindLocalMap(record.batch->local_map);
+  if (local_map == nullptr) {
+    local_map = &AddLocalMap(state, record.batch->local_map, record.agent);
+  }
+  // Also before: what expired when the session opened stays so in a replay, which has no sessions.
+  ExpireParked(record.received_at, options, *local_map);
+  ApplyBatch(*record.batch, words, options, state, *local_map);
+  ExpireParked(record.received_at, options, *local_map);
+}
+
+void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionState& state) {
+  state.queries.TakeUntil(record.task);
+  for (const Overlap& overlap : record.overlaps) {
+    if (!IsSound(overlap, record.task)) continue;
+    OverlapEntry entry;
+    entry.id = state.next_overlap++;
+    entry.overlap = overlap;
+    if (overlap.IsAccepted() && IsTakenBack(overlap, state.global)) {
+      entry.overlap.verdict = OverlapVerdict::kTakenBack;
+    }
+    entry.state = entry.overlap.IsAccepted() ? OverlapState::kWaiting : OverlapState::kRefused;
+    entry.verified_at = record.verified_at;
+    ++state.statistics.overlaps_verified;
+    if (entry.overlap.IsAccepted()) {
+      ++state.statistics.overlaps_accepted;
+      const bool inside = state.global.island_of.at(overlap.query.local_map) ==
+                          state.global.island_of.at(overlap.candidate.local_map);
+      entry.urgent = inside && GraphResidualPx(state, overlap) > options.loop_residual_px;
+    }
+    state.global.overlaps.Add(std::move(entry));
+  }
+}
+
+bool IsUrgent(const FuseRecord& record, const MissionState& state) {
+  return record.plan.source.IsValid() || !record.relaxed.empty() ||
+         std::ranges::any_of(record.plan.overlaps,
+                             [&state](uint64_t id) { return state.global.overlaps.at(id).urgent; });
+}
+
+bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionState& state) {
+  const RevisionPlan& plan = record.plan;
+  const bool merged = plan.source.IsValid();
+  if (!merged) NoteMoved(plan, options.loop_residual_px, state);
+  CommitRevision(plan, options, state);
+  Island& island = state.global.islands.at(plan.target);
+  const bool urgent = IsUrgent(record, state);
+  for (const LocalMapId& id : record.relaxed) island.relaxed.erase(id);
+  island.overlaps_since_adjustment += plan.overlaps.size();
+  if (merged) state.statistics.merge_ms.push_back(record.merge_ms);
+  if (!urgent) return false;
+  // What is being adjusted now is not this graph any more.
+  ++island.generation;
+  if (merged || !record.relaxed.empty()) island.needs_adjustment = true;
+  return true;
+}
+
+void Apply(const FuseRefusedRecord& record, MissionState& state) {
+  for (const uint64_t id : record.overlaps) {
+    const bool is_to_blame = record.overlaps.size() == 1;
+    state.global.overlaps.Change(id, [&](OverlapEntry& entry) {
+      entry.alone = entry.alone || !is_to_blame;
+      if (!is_to_blame) return;
+      Refuse(absl::StrCat("bends the graph: worst edge chi2 ", record.worst_edge_chi2),
+             OverlapState::kRefused, entry);
+      entry.overlap.verdict = OverlapVerdict::kBendsGraph;
+    });
+    if (is_to_blame) --state.statistics.overlaps_accepted;
+  }
+  LeaveToAdjustment(record.relaxed, state, state.global.islands.at(record.target));
+}
+
+void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionState& state) {
+  CommitRevision(record.plan, options, state);
+  Island& island = state.global.islands.at(record.plan.target);
+  island.needs_adjustment = false;
+  island.dirty = record.dirty;
+  island.overlaps_since_adjustment = 0;
+  island.adjusted = CountAdjusted(state, island);
+  island.moved.clear();
+  state.statistics.global_adjustments.push_back(record.statistics);
+}
+
+void Apply(const RederiveRecord&, MissionState& state) { ForgetGlobalLayer(state); }
+
+void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionState& state) {
+  Retract(record, options, state);
+}
+
+void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
+                       Island& island) {
+  // One that runs already does not know of it.
+  if (!relaxed.empty()) ++island.generation;
+  for (const LocalMapId& id : relaxed) {
+    island.displaced.merge(FindRelaxedKeyframes(state, island, id));
+    island.relaxed.erase(id);
+    island.needs_adjustment = true;
+  }
+}
+
+void Refuse(const std::string& note, OverlapState to, OverlapEntry& entry) {
+  entry.state = to;
+  entry.note = note;
+}
+
+namespace {
+
+absl::Status Missing(const std::string& what) {
+  return absl::DataLossError(absl::StrCat("the journal lacks what made ", what));
+}
+
+absl::Status CheckOverlaps(const std::vector<uint64_t>& overlaps, const MissionState& state) {
+  for (const uint64_t id : overlaps) {
+    if (!state.global.overlaps.contains(id)) return Missing(absl::StrCat("overlap ", id));
+  }
+  return absl::OkStatus();
+}
+
+// Where a revision puts things: the items of its islands.
+absl::Status CheckPlaces(const RevisionPlan& plan, const MissionState& state) {
+  const auto check = [&](const auto& id) {
+    const Island* island = state.FindIslandOf(id.local_map);
+    if (island != nullptr && (island->id == plan.target || island->id == plan.source)) {
+      return absl::OkStatus();
+    }
+    return Missing(absl::StrCat(ToString(id), " a part of island ", ToString(plan.target)));
+  };
+  for (const auto& [id, placed] : plan.keyframes) RETURN_IF_ERROR(check(id));
+  for (const auto& [id, placed] : plan.points) RETURN_IF_ERROR(check(id));
+  for (const KeyframeId& id : plan.culled) RETURN_IF_ERROR(check(id));
+  return absl::OkStatus();
+}
+
+absl::Status CheckPlan(const RevisionPlan& plan, const MissionState& state) {
+  if (plan.revision != state.global.revision + 1) {
+    return Missing(absl::StrCat("revision ", plan.revision - 1));
+  }
+  for (const IslandId& island : {plan.target, plan.source}) {
+    const bool named = island == plan.target || island.IsValid();
+    if (named && !state.global.islands.contains(island)) {
+      return Missing(absl::StrCat("island ", ToString(island)));
+    }
+  }
+  if (plan.source == plan.target) {
+    return absl::DataLossError(absl::StrCat("revision ", plan.revision, " fuses island ",
+                                            ToString(plan.target), " with itself"));
+  }
+  RETURN_IF_ERROR(CheckPlaces(plan, state));
+  for (const auto& [observation, raw] : plan.rejected_raw) {
+    if (!raw.IsValid()) return absl::DataLossError("a revision rejects what nobody sees");
+  }
+  return CheckOverlaps(plan.overlaps, state);
+}
+
+absl::Status CheckRefusal(const FuseRefusedRecord& record, const MissionState& state) {
+  if (!state.global.islands.contains(record.target)) return Missing(ToString(record.target));
+  for (const LocalMapId& id : record.relaxed) {
+    if (state.FindLocalMap(id) == nullptr) return Missing(ToString(id));
+  }
+  return CheckOverlaps(record.overlaps, state);
+}
+
+absl::Status CheckQuery(const QueryRecord& record, const MissionState& state) {
+  for (const LocalMapId& id : {record.task.query.local_map, record.task.against}) {
+    if (state.FindLocalMap(id) == nullptr) return Missing(ToString(id));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckBatch(const BatchRecord& record, const MissionState& state) {
+  const MapUpdateBatch& batch = *record.batch;
+  const LocalMapState* local_map = state.FindLocalMap(batch.local_map);
+  const uint64_t last = local_map == nullptr ? 0 : local_map->last_batch;
+  if (batch.number != last + 1) {
+    return Missing(absl::StrCat("batch ", last + 1, " of local map ", ToString(batch.local_map)));
+  }
+  absl::Status status = ValidateName("agent", record.agent);
+  if (local_map != nullptr && local_map->agent != record.agent) {
+    status.Update(absl::PermissionDeniedError("its local map is another agent's"));
+  }
+  status.Update(ValidateRecordedBatch(local_map, batch));
+  if (status.ok()) return status;
+  return absl::DataLossError(absl::StrCat("batch ", batch.number, " of local map ",
+                                          ToString(batch.local_map), ": ", status.message()));
+}
+
+}  // namespace
+
+absl::Status CheckReplay(const JournalRecord& record, const MissionState& state) {
+  if (const auto* batch = std::get_if<BatchRecord>(&record)) return CheckBatch(*batch, state);
+  if (const auto* query = std::get_if<QueryRecord>(&record)) return CheckQuery(*query, state);
+  if (const auto* fuse = std::get_if<FuseRecord>(&record)) return CheckPlan(fuse->plan, state);
+  if (const auto* adjust = std::get_if<AdjustRecord>(&record)) {
+    return CheckPlan(adjust->plan, state);
+  }
+  if (std::holds_alternative<RederiveRecord>(record)) return absl::OkStatus();
+  if (const auto* retract = std::get_if<RetractRecord>(&record)) {
+    const absl::Status retractable = CheckRetractable(state, retract->overlap);
+    return retractable.ok() ? retractable : absl::DataLossError(retractable.message());
+  }
+  return CheckRefusal(std::get<FuseRefusedRecord>(record), state);
+}
+
+void RestoreWords(const Vocabulary* vocabulary, MissionState& state) {
+  if (vocabulary == nullptr) return;
+  for (auto& [id, local_map] : state.local_maps) {
+    for (const KeyframeId& keyframe_id : local_map.arrived) {
+      const Keyframe* keyframe = local_map.map.FindKeyframe(keyframe_id);
+      if (keyframe == nullptr) continue;
+      const auto words =
+          std::make_shared<const Words>(vocabulary->Transform(keyframe->descriptors()));
+      local_map.map.SetWords(keyframe_id, words);
+      local_map.database.Add(keyframe_id, words);
+    }
+  }
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,44 @@
+// What journal records do to a mission's state: the same when they are made and when they are
+// replayed.
+#ifndef CORBSLAM_MAP_STORE_RECORDS_RECORD_APPLICATION_H_
+#define CORBSLAM_MAP_STORE_RECORDS_RECORD_APPLICATION_H_
+
+#include "absl/status/status.h"
+#include "map_store/ingest/batch_application.h"
+#include "map_store/options.h"
+#include "map_store/records/journal_records.h"
+#include "map_store/state/mission_state.h"
+#include "slam/vocabulary/vocabulary.h"
+
+namespace corbslam::map_store {
+
+// Of the batch's full keyframes; empty without a vocabulary.
+BatchWords ComputeWords(const MapUpdateBatch& batch, const Vocabulary* vocabulary);
+
+void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOptions& options,
+           MissionState& state);
+void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionState& state);
+// It merges islands, or mends what a loop has shown to be wrong: whether an adjustment of what it
+// touches is due at once.
+bool IsUrgent(const FuseRecord& record, const MissionState& state);
+// The same, of what was applied.
+bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionState& state);
+void Apply(const FuseRefusedRecord& record, MissionState& state);
+void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionState& state);
+void Apply(const RederiveRecord& record, MissionState& state);
+void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionState& state);
+
+// A local loop that could not be welded: bundle adjustment alone has to bring it in.
+void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state, Island& island);
+void Refuse(const std::string& note, OverlapState to, OverlapEntry& entry);
+
+// DATA_LOSS where a record read from a journal names what the state does not have (records before
+// it are missing), or holds what no store would have written.
+absl::Status CheckReplay(const JournalRecord& record, const MissionState& state);
+
+// What a snapshot leaves out: words and keyframe databases.
+void RestoreWords(const Vocabulary* vocabulary, MissionState& state);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_RECORDS_RECORD_APPLICATION_H_

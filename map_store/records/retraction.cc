@@ -1,0 +1,146 @@
+#include "map_store/records/retraction.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/fusion/overlap_query.h"
+#include "map_store/fusion/rederivation.h"
+#include "map_store/records/record_application.h"
+
+namespace corbslam::map_store {
+namespace {
+
+bool IsAcceptedEntry(const OverlapEntry& entry) {
+  return entry.state == OverlapState::kInGraph || entry.state == OverlapState::kWaiting;
+}
+
+std::pair<LocalMapId, LocalMapId> SidesOf(const Overlap& overlap) {
+  return std::minmax(overlap.query.local_map, overlap.candidate.local_map);
+}
+
+std::pair<KeyframeId, KeyframeId> KeyframesOf(const Overlap& overlap) {
+  return std::minmax(overlap.query, overlap.candidate);
+}
+
+std::vector<uint64_t> FindMeant(const RetractRecord& record, const GlobalLayer& global) {
+  if (!record.keep_apart) return {record.overlap};
+  const auto sides = SidesOf(global.overlaps.at(record.overlap).overlap);
+  const OverlapLedger::Ids& live = global.overlaps.LiveBetween(sides.first, sides.second);
+  return {live.begin(), live.end()};
+}
+
+void TakeBack(OverlapEntry& entry) {
+  Refuse("taken back", OverlapState::kRefused, entry);
+  entry.overlap.verdict = OverlapVerdict::kTakenBack;
+  entry.revision = 0;
+}
+
+// Of the members' own: what fusion placed, found wrong and made one.
+void ForgetPlaces(const std::set<LocalMapId>& members, GlobalLayer& global) {
+  const auto is_of_them = [&members](const auto& item) {
+    return members.contains(item.first.local_map);
+  };
+  std::erase_if(global.keyframes, is_of_them);
+  absl::erase_if(global.points, is_of_them);
+  std::erase_if(global.heirs, is_of_them);
+  std::erase_if(global.rejected, [&members](const auto& item) {
+    return members.contains(item.first.first.local_map);
+  });
+  std::erase_if(global.culled,
+                [&members](KeyframeId id) { return members.contains(id.local_map); });
+  global.landmarks.Dissolve(members);
+  for (const LocalMapId& id : members) global.island_from_local.erase(id);
+}
+
+// The overlap was believed, or is now that it bends no graph any more.
+bool IsBelievedAgain(const OverlapEntry& entry, const GlobalLayer& global) {
+  const bool bent_the_graph =
+      entry.state == OverlapState::kRefused && entry.overlap.verdict == OverlapVerdict::kBendsGraph;
+  return IsAcceptedEntry(entry) || (bent_the_graph && !IsTakenBack(entry.overlap, global));
+}
+
+// Overlaps among the members, as if they had just been verified.
+void WaitAgain(const std::set<LocalMapId>& members, const MapStoreOptions& options,
+               MissionState& state) {
+  std::vector<uint64_t> ids;
+  for (const auto& [id, entry] : state.global.overlaps.entries()) {
+    const bool is_among_them = members.contains(entry.overlap.query.local_map) &&
+                               members.contains(entry.overlap.candidate.local_map);
+    if (is_among_them && IsBelievedAgain(entry, state.global)) ids.push_back(id);
+  }
+  for (const uint64_t id : ids) {
+    state.global.overlaps.Change(id, [&](OverlapEntry& entry) {
+      Overlap& overlap = entry.overlap;
+      state.statistics.overlaps_accepted += !IsAcceptedEntry(entry);
+      overlap.verdict = OverlapVerdict::kAccepted;
+      entry.state = OverlapState::kWaiting;
+      entry.attempts = 0;
+      entry.alone = false;
+      entry.revision = 0;
+      entry.note.clear();
+      entry.urgent = overlap.query.local_map == overlap.candidate.local_map &&
+                     GraphResidualPx(state, overlap) > options.loop_residual_px;
+    });
+  }
+}
+
+void DissolveIsland(IslandId island_id, const MapStoreOptions& options, MissionState& state) {
+  const std::vector<LocalMapId> local_maps = state.global.islands.at(island_id).local_maps;
+  const std::set<LocalMapId> members(local_maps.begin(), local_maps.end());
+  std::vector<Island> lone;
+  for (const LocalMapId& id : members) lone.push_back(MakeLoneIsland(state, id));
+  state.global.islands.erase(island_id);
+  for (const LocalMapId& id : members) state.FindLocalMap(id)->changes.Forget(state.version);
+  for (Island& island : lone) {
+    state.global.island_of[island.id] = island.id;
+    state.global.islands[island.id] = std::move(island);
+  }
+  ForgetPlaces(members, state.global);
+  WaitAgain(members, options, state);
+}
+
+}  // namespace
+
+absl::Status CheckRetractable(const MissionState& state, uint64_t overlap) {
+  const OverlapEntry* entry = state.global.overlaps.Find(overlap);
+  if (entry == nullptr) {
+    return absl::NotFoundError(absl::StrCat("mission ", state.name, " has no overlap ", overlap));
+  }
+  if (IsAcceptedEntry(*entry)) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat("overlap ", overlap, " of mission ", state.name,
+                                                    " can't be taken back: it is ",
+                                                    ToString(entry->overlap.verdict)));
+}
+
+std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions& options,
+                              MissionState& state) {
+  GlobalLayer& global = state.global;
+  const std::vector<uint64_t> meant = FindMeant(record, global);
+  const Overlap named = global.overlaps.at(record.overlap).overlap;
+  if (record.keep_apart) global.kept_apart.insert(SidesOf(named));
+  bool held = false;
+  for (const uint64_t id : meant) {
+    const OverlapEntry& entry = global.overlaps.at(id);
+    held = held || entry.state == OverlapState::kInGraph;
+    global.taken_back.insert(KeyframesOf(entry.overlap));
+    --state.statistics.overlaps_accepted;
+    global.overlaps.Change(id, &TakeBack);
+  }
+  ++state.version;
+  ++global.revision;
+  if (!held) return meant;
+  DissolveIsland(global.island_of.at(named.query.local_map), options, state);
+  // While it joined them, it hid what else the two have in common.
+  const auto [earlier, later] = SidesOf(named);
+  if (!record.keep_apart) QueueAgain(*state.FindLocalMap(later), {earlier}, state);
+  return meant;
+}
+
+bool IsTakenBack(const Overlap& overlap, const GlobalLayer& global) {
+  return global.taken_back.contains(KeyframesOf(overlap)) ||
+         global.kept_apart.contains(SidesOf(overlap));
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,33 @@
+// Taking back an accepted overlap, with all that followed from it.
+#ifndef CORBSLAM_MAP_STORE_RECORDS_RETRACTION_H_
+#define CORBSLAM_MAP_STORE_RECORDS_RETRACTION_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "map_store/options.h"
+#include "map_store/records/journal_records.h"
+#include "map_store/state/mission_state.h"
+
+namespace corbslam::map_store {
+
+// NOT_FOUND, or FAILED_PRECONDITION where the overlap was refused or taken back already.
+absl::Status CheckRetractable(const MissionState& state, uint64_t overlap);
+
+// The overlap is in the graph no more, nor are others between the same keyframes ever again (or
+// between the same local maps, where the record says so). If it was in the graph, its island falls
+// into its local maps, fusion's estimates of them, to all of which it may have led, are forgotten,
+// and all other overlaps of the island wait to be fused again, also those that were refused because
+// they contradicted the graph. Unless
+// they are kept apart, the two local maps are looked up in one another again. Returns the numbers
+// of what was taken back.
+std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions& options,
+                              MissionState& state);
+
+// Whether somebody has taken back what the overlap says.
+bool IsTakenBack(const Overlap& overlap, const GlobalLayer& global);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_RECORDS_RETRACTION_H_

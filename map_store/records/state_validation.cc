@@ -1,0 +1,148 @@
+#include "map_store/records/state_validation.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/ingest/batch_validation.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+absl::Status Check(bool sound, absl::string_view what) {
+  return sound ? absl::OkStatus() : absl::DataLossError(absl::StrCat(what, " is damaged"));
+}
+
+bool IsKnown(const MissionState& state, LocalMapId id) { return state.FindLocalMap(id) != nullptr; }
+
+template <typename Id>
+bool IsOf(const LocalMapState& local_map, Id id) {
+  return id.IsValid() && id.local_map == local_map.id;
+}
+
+// Every keyframe has its place in the order of arrival.
+bool IsArrivalSound(const LocalMapState& local_map) {
+  if (local_map.arrival.size() != local_map.arrived.size()) return false;
+  for (size_t i = 0; i < local_map.arrived.size(); ++i) {
+    const auto it = local_map.arrival.find(local_map.arrived[i]);
+    if (it == local_map.arrival.end() || it->second != i) return false;
+  }
+  return local_map.settled <= local_map.arrived.size() &&
+         std::ranges::all_of(local_map.map.keyframes(), [&local_map](const auto& item) {
+           return IsOf(local_map, item.first) && local_map.arrival.contains(item.first);
+         });
+}
+
+bool AreForeignObservationsSound(const LocalMapState& local_map) {
+  return std::ranges::all_of(local_map.foreign_observations, [&local_map](const auto& seen) {
+    const Keyframe* keyframe = local_map.map.FindKeyframe(seen.first);
+    // By keypoint: the last is the largest.
+    return keyframe != nullptr &&
+           (seen.second.empty() || seen.second.rbegin()->first < keyframe->points.size());
+  });
+}
+
+absl::Status ValidateLocalMap(const LocalMapState& local_map) {
+  const std::string what = absl::StrCat("local map ", ToString(local_map.id));
+  RETURN_IF_ERROR(Check(IsArrivalSound(local_map), absl::StrCat(what, ": its order")));
+  RETURN_IF_ERROR(Check(AreForeignObservationsSound(local_map),
+                        absl::StrCat(what, ": what it sees of others' points")));
+  const bool own_points =
+      std::ranges::all_of(local_map.map.points(),
+                          [&local_map](const auto& item) { return IsOf(local_map, item.first); });
+  return Check(own_points, absl::StrCat(what, ": whose points it has"));
+}
+
+// Each local map is one agent's, and each agent's local maps are there.
+absl::Status ValidateAgents(const MissionState& state) {
+  size_t owned = 0;
+  for (const auto& [name, agent] : state.agents) {
+    RETURN_IF_ERROR(Check(ValidateName("agent", name).ok(), "an agent's name"));
+    for (const LocalMapId& id : agent.local_maps) {
+      const LocalMapState* local_map = state.FindLocalMap(id);
+      RETURN_IF_ERROR(Check(local_map != nullptr && local_map->agent == name,
+                            absl::StrCat("agent ", name, ": its list of local maps")));
+    }
+    owned += agent.local_maps.size();
+  }
+  return Check(owned == state.local_maps.size(), "whose local maps are whose");
+}
+
+// Every local map lies in one island.
+absl::Status ValidateIslands(const MissionState& state) {
+  size_t members = 0;
+  for (const auto& [id, island] : state.global.islands) {
+    bool sound = island.id == id && !island.local_maps.empty();
+    for (const LocalMapId& member : island.local_maps) {
+      const auto it = state.global.island_of.find(member);
+      sound =
+          sound && IsKnown(state, member) && it != state.global.island_of.end() && it->second == id;
+    }
+    for (const LocalMapId& relaxed : island.relaxed) sound = sound && IsKnown(state, relaxed);
+    RETURN_IF_ERROR(Check(sound, absl::StrCat("island ", ToString(id))));
+    members += island.local_maps.size();
+  }
+  return Check(members == state.order.size() && state.global.island_of.size() == members,
+               "which island has which local map");
+}
+
+// Landmarks are of living points, all in one island.
+absl::Status ValidateLandmarks(const MissionState& state) {
+  for (const auto& [survivor, points] : state.global.landmarks.sets()) {
+    const Island* island = state.FindIslandOf(survivor.local_map);
+    bool sound = island != nullptr && state.FindPoint(survivor) != nullptr;
+    for (const MapPointId& point : points) {
+      sound = sound && state.FindPoint(point) != nullptr &&
+              state.FindIslandOf(point.local_map) == island;
+    }
+    RETURN_IF_ERROR(Check(sound, absl::StrCat("the landmark of point ", ToString(survivor))));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateOverlaps(const MissionState& state) {
+  for (const auto& [id, entry] : state.global.overlaps.entries()) {
+    const bool sound = entry.id == id && id < state.next_overlap &&
+                       IsKnown(state, entry.overlap.query.local_map) &&
+                       IsKnown(state, entry.overlap.candidate.local_map);
+    RETURN_IF_ERROR(Check(sound, absl::StrCat("overlap ", id)));
+  }
+  const bool queries =
+      std::ranges::all_of(state.queries.ToTasks(), [&state](const QueryTask& task) {
+        return IsKnown(state, task.query.local_map) && IsKnown(state, task.against);
+      });
+  return Check(queries, "the queue of queries");
+}
+
+absl::Status ValidatePlaces(const MissionState& state) {
+  const auto known = [&state](const auto& item) { return IsKnown(state, item.first.local_map); };
+  const bool places = std::ranges::all_of(state.global.keyframes, known) &&
+                      std::ranges::all_of(state.global.points, known);
+  RETURN_IF_ERROR(Check(places, "what fusion placed"));
+  const bool culled = std::ranges::all_of(
+      state.global.culled, [&state](KeyframeId id) { return IsKnown(state, id.local_map); });
+  RETURN_IF_ERROR(Check(culled, "what fusion culled"));
+  const bool rejected = std::ranges::all_of(state.global.rejected,
+                                            [](const auto& item) { return item.second.IsValid(); });
+  return Check(rejected, "what fusion rejected");
+}
+
+}  // namespace
+
+absl::Status ValidateState(const MissionState& state) {
+  bool ordered = state.order.size() == state.local_maps.size();
+  for (size_t i = 0; i < state.order.size(); ++i) {
+    const LocalMapState* local_map = state.FindLocalMap(state.order[i]);
+    ordered = ordered && local_map != nullptr && local_map->order == i;
+  }
+  RETURN_IF_ERROR(Check(ordered, "the order of local maps"));
+  for (const auto& [id, local_map] : state.local_maps) RETURN_IF_ERROR(ValidateLocalMap(local_map));
+  RETURN_IF_ERROR(ValidateAgents(state));
+  RETURN_IF_ERROR(ValidateIslands(state));
+  RETURN_IF_ERROR(ValidateLandmarks(state));
+  RETURN_IF_ERROR(ValidateOverlaps(state));
+  return ValidatePlaces(state);
+}
+
+}  // namespace corbslam::map_store

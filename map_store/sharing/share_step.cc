@@ -1,0 +1,368 @@
+#include "map_store/sharing/share_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "map_store/sharing/share_news.h"
+#include "map_store/sharing/share_order.h"
+#include "map_store/view/placement.h"
+#include "map_store/view/sights.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// About what an item takes on the wire.
+constexpr size_t kLightBytes = 72;
+constexpr size_t kOwnPoseBytes = 136;
+constexpr size_t kPointBytes = 120;
+constexpr size_t kObservationBytes = 32;
+constexpr size_t kIdBytes = 12;
+constexpr size_t kBytesPerKeypoint = 64;
+
+// Less is not worth a message.
+constexpr double kMinRotation_rad = 1e-6;
+constexpr double kMinTranslation = 1e-5;
+// Of a point, as a share of the least distance from which it is expected to be found: half a pixel
+// there at a focal length of 700 px, as agents tell their own (client_agent/memory).
+constexpr double kMinPointMotion = 7e-4;
+
+bool HasMoved(const Similarity3d& a, const Similarity3d& b) {
+  return std::abs(a.scale - b.scale) > kMinRotation_rad ||
+         RotationAngle(a.rotation.conjugate() * b.rotation) > kMinRotation_rad ||
+         (a.translation - b.translation).norm() > kMinTranslation;
+}
+
+bool HasMoved(const OwnKeyframePose& a, const OwnKeyframePose& b) {
+  return HasMoved(a.camera_from_global, b.camera_from_global) ||
+         HasMoved(Similarity3d::FromRigid(a.camera_from_local),
+                  Similarity3d::FromRigid(b.camera_from_local));
+}
+
+class Budget {
+ public:
+  explicit Budget(size_t bytes) : left_(bytes) {}
+  // False, and the update is not complete, when it does not fit; the first item always does.
+  bool Take(size_t bytes) {
+    if (bytes > left_ && !first_) {
+      complete_ = false;
+      left_ = 0;
+      return false;
+    }
+    first_ = false;
+    left_ -= std::min(left_, bytes);
+    return true;
+  }
+  bool complete() const { return complete_; }
+
+ private:
+  size_t left_;
+  bool first_ = true;
+  bool complete_ = true;
+};
+
+// Goes through what may be news, compares it with what was sent, and sends what is.
+class ShareStep {
+ public:
+  ShareStep(const MissionState& state, const Island& island, const MapStoreOptions& options,
+            size_t byte_budget, ShareState& share)
+      : state_(state),
+        island_(island),
+        options_(options),
+        budget_(byte_budget),
+        share_(share),
+        news_(share.news),
+        poses_(state.global, all_placed_) {}
+
+  SharedUpdate Take() {
+    update_.revision = state_.global.revision;
+    update_.restart = std::exchange(share_.restart, false);
+    for (const LocalMapId& id : CollectNews(state_, island_, share_)) {
+      if (id != share_.local_map) FindFollowers(*state_.FindLocalMap(id));
+    }
+    if (news_.own_keyframes) TakeOwnKeyframes();
+    TakeKeyframes();
+    TakePointMoves();
+    update_.more_places = !budget_.complete();
+    TakeLandmarks();
+    TakeSights();
+    TakeNewKeyframes();
+    if (budget_.complete()) share_.complete_at_version = island_.shared_version;
+    return std::move(update_);
+  }
+
+ private:
+  bool IsOwn(MapPointId point) const { return point.local_map == share_.local_map; }
+  bool IsKnown(MapPointId point) const { return IsOwn(point) || share_.points.contains(point); }
+
+  const IslandPoses& PosesOf(const LocalMapState& local_map) { return poses_.Of(local_map); }
+
+  bool IsHere(LocalMapId id) const {
+    const auto it = state_.global.island_of.find(id);
+    return it != state_.global.island_of.end() && it->second == island_.id;
+  }
+
+  Similarity3d GlobalFromLocal(KeyframeId reference, const LocalMapState& local_map) {
+    return IslandFromLocal(reference, local_map, state_.global, PosesOf(local_map));
+  }
+
+  // Keyframes that fusion has not placed follow others of their local map, and points follow them.
+  void FindFollowers(const LocalMapState& local_map) {
+    for (auto it = share_.keyframes.lower_bound(KeyframeId{local_map.id, 0});
+         it != share_.keyframes.end() && it->first.local_map == local_map.id; ++it) {
+      const Keyframe* keyframe = local_map.map.FindKeyframe(it->first);
+      if (keyframe == nullptr || state_.global.keyframes.contains(it->first)) continue;
+      const Similarity3d global_from_local = GlobalFromLocal(it->first, local_map);
+      if (!HasMoved(it->second.global_from_local, global_from_local)) continue;
+      it->second.global_from_local = global_from_local;
+      news_.keyframes.insert(it->first);
+      for (const MapPointId& point : keyframe->points) {
+        if (share_.points.contains(point)) news_.points.insert(point);
+      }
+    }
+  }
+
+  void TakeOwnKeyframes() {
+    const LocalMapState& own = *state_.FindLocalMap(share_.local_map);
+    for (const auto& [id, camera_from_global] : PosesOf(own)) {
+      const auto placed = state_.global.keyframes.find(id);
+      if (placed == state_.global.keyframes.end()) continue;
+      const OwnKeyframePose pose = {id, camera_from_global, placed->second.camera_from_local};
+      const auto sent = share_.own_keyframes.find(id);
+      if (sent != share_.own_keyframes.end() && !HasMoved(sent->second, pose)) continue;
+      if (!budget_.Take(kOwnPoseBytes)) return;
+      update_.own_keyframes.push_back(pose);
+      share_.own_keyframes[id] = pose;
+    }
+    news_.own_keyframes = false;
+  }
+
+  bool IsShared(KeyframeId id) const {
+    return state_.FindLocalMap(id.local_map)->IsFollowedBy(options_.share_after, id) &&
+           !state_.global.culled.contains(id);
+  }
+
+  // Those that went and those that moved; the new ones are set aside.
+  void TakeKeyframes() {
+    for (auto it = news_.keyframes.begin(); it != news_.keyframes.end();) {
+      const LocalMapState& local_map = *state_.FindLocalMap(it->local_map);
+      const Keyframe* keyframe = local_map.map.FindKeyframe(*it);
+      const auto sent = share_.keyframes.find(*it);
+      if (sent == share_.keyframes.end()) {
+        // What is not old enough is news again when it is.
+        const bool is_new = keyframe != nullptr && IsShared(*it);
+        if (is_new) new_keyframes_[*it] = keyframe;
+        it = is_new ? std::next(it) : news_.keyframes.erase(it);
+        continue;
+      }
+      const bool is_there = keyframe != nullptr && IsShared(*it);
+      const bool taken = is_there ? TakeMove(local_map, *sent) : TakeRemoval(sent);
+      if (!taken) return;
+      it = news_.keyframes.erase(it);
+    }
+  }
+
+  // These say false when the budget ends.
+  bool TakeRemoval(std::map<KeyframeId, SentKeyframe>::iterator sent) {
+    if (!budget_.Take(kIdBytes)) return false;
+    update_.removed_keyframes.push_back(sent->first);
+    share_.keyframes.erase(sent);
+    return true;
+  }
+  bool TakeMove(const LocalMapState& local_map, std::pair<const KeyframeId, SentKeyframe>& sent) {
+    const Similarity3d& pose = PosesOf(local_map).at(sent.first);
+    if (!HasMoved(sent.second.camera_from_global, pose)) return true;
+    if (!budget_.Take(kLightBytes)) return false;
+    update_.moved_keyframes.push_back({sent.first, pose});
+    sent.second.camera_from_global = pose;
+    return true;
+  }
+
+  // Points that went, and sets of which the agent holds a point.
+  void TakeLandmarks() {
+    for (auto it = news_.landmarks.begin(); it != news_.landmarks.end();) {
+      if (!TakeLandmarkOf(*it)) return;
+      it = news_.landmarks.erase(it);
+    }
+  }
+
+  bool TakeLandmarkOf(MapPointId id) {
+    const bool is_gone = share_.points.contains(id) && state_.FindPoint(id) == nullptr;
+    if (is_gone) {
+      if (!budget_.Take(kIdBytes)) return false;
+      share_.points.erase(id);
+      TakeReplacement(id);
+    }
+    const Landmarks::Sets& sets = state_.global.landmarks.sets();
+    const auto set = sets.find(ResolvePoint(state_, id));
+    if (set == sets.end()) return true;
+    const auto& [survivor, members] = *set;
+    const bool known = IsKnown(survivor) || std::ranges::any_of(members, [this](MapPointId point) {
+                         return IsKnown(point);
+                       });
+    if (!known) return true;
+    if (!budget_.Take(kIdBytes * (1 + members.size()))) return false;
+    TakeLandmark(survivor, members);
+    return true;
+  }
+
+  // A point whose owner replaced it goes on as the point that stands for it now.
+  void TakeReplacement(MapPointId gone) {
+    const MapPointId survivor = ResolvePoint(state_, gone);
+    if (!survivor.IsValid() || !IsHere(survivor.local_map)) {
+      update_.removed_points.push_back(gone);
+      return;
+    }
+    TakePoint(survivor);
+    update_.landmarks.push_back({survivor, {gone}});
+    // To the robot that was the whole set: what else is in it goes behind.
+    share_.landmarks.erase(survivor);
+  }
+
+  // Goes with what needs it, whatever the budget says.
+  void TakeLandmark(MapPointId survivor, const std::set<MapPointId>& members) {
+    if (state_.FindPoint(survivor) == nullptr) return;
+    std::vector<MapPointId> listed(members.begin(), members.end());
+    const auto sent = share_.landmarks.find(survivor);
+    if (sent != share_.landmarks.end() && sent->second == listed) return;
+    TakePoint(survivor);
+    update_.landmarks.push_back({survivor, listed});
+    // Members are held no more: the survivor stands for them.
+    for (const MapPointId& member : listed) share_.points.erase(member);
+    share_.landmarks[survivor] = std::move(listed);
+  }
+
+  void TakePointMoves() {
+    for (auto it = news_.points.begin(); it != news_.points.end();) {
+      const auto sent = share_.points.find(*it);
+      if (sent != share_.points.end() && !TakePointMove(*it, sent->second)) return;
+      it = news_.points.erase(it);
+    }
+  }
+
+  bool TakePointMove(MapPointId id, Eigen::Vector3d& sent) {
+    const MapPoint* point = state_.FindPoint(id);
+    if (point == nullptr) return true;
+    const Eigen::Vector3d position = PositionOf(id);
+    const double worth_telling = std::max(kMinTranslation, kMinPointMotion * point->min_distance);
+    if ((position - sent).norm() <= worth_telling) return true;
+    if (!budget_.Take(kLightBytes)) return false;
+    update_.moved_points.push_back({id, position});
+    sent = position;
+    return true;
+  }
+
+  void TakeSights() {
+    for (auto it = news_.sights.begin(); it != news_.sights.end();) {
+      const auto sent = share_.keyframes.find(*it);
+      const Keyframe* keyframe = state_.FindKeyframe(*it);
+      if (sent != share_.keyframes.end() && keyframe != nullptr) {
+        Sights sights = SightsOf(state_, *state_.FindLocalMap(it->local_map), *keyframe);
+        if (sights != sent->second.points) {
+          if (!budget_.Take(kObservationBytes)) return;
+          TakeObservationChanges(*it, sent->second.points, sights);
+          sent->second.points = std::move(sights);
+        }
+      }
+      it = news_.sights.erase(it);
+    }
+  }
+
+  void TakeObservationChanges(KeyframeId id, const Sights& before, const Sights& now) {
+    Sights changed;
+    std::ranges::set_difference(before, now, std::back_inserter(changed));
+    for (const auto& [keypoint, point] : changed) {
+      budget_.Take(kObservationBytes);
+      update_.observations.push_back({ObservationChange::Kind::kRemoved, point, id, keypoint});
+    }
+    changed.clear();
+    std::ranges::set_difference(now, before, std::back_inserter(changed));
+    for (const auto& [keypoint, point] : changed) {
+      budget_.Take(kObservationBytes);
+      TakePoint(point);
+      update_.observations.push_back({ObservationChange::Kind::kAdded, point, id, keypoint});
+    }
+  }
+
+  void TakeNewKeyframes() {
+    if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
+    for (const KeyframeId& id : OrderNewKeyframes(state_, new_keyframes_, poses_, share_)) {
+      if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
+      const Keyframe& keyframe = *new_keyframes_.at(id);
+      if (!budget_.Take(kLightBytes + keyframe.keypoints().size() * kBytesPerKeypoint)) return;
+      TakeNewKeyframe(keyframe);
+      news_.keyframes.erase(id);
+    }
+  }
+
+  void TakeNewKeyframe(const Keyframe& keyframe) {
+    const KeyframeId id = keyframe.id();
+    const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
+    SentKeyframe sent;
+    sent.camera_from_global = PosesOf(local_map).at(id);
+    sent.global_from_local = GlobalFromLocal(id, local_map);
+    sent.points = SightsOf(state_, local_map, keyframe);
+    SharedKeyframe shared;
+    shared.payload = keyframe.payload;
+    shared.camera_from_global = sent.camera_from_global;
+    shared.parent = keyframe.parent;
+    shared.points.resize(keyframe.keypoints().size());
+    for (const auto& [keypoint, point] : sent.points) {
+      shared.points[keypoint] = point;
+      TakePoint(point);
+    }
+    update_.keyframes.push_back(std::move(shared));
+    share_.keyframes[id] = std::move(sent);
+  }
+
+  Eigen::Vector3d PositionOf(MapPointId id) {
+    const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
+    return ComputePosition(*owner.map.FindPoint(id), owner, state_.global, PosesOf(owner));
+  }
+
+  // In full, unless the agent has it; with the landmark that it stands for. Goes with what needs
+  // it, whatever the budget says.
+  void TakePoint(MapPointId id) {
+    if (IsOwn(id) || share_.points.contains(id)) return;
+    const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
+    const MapPoint& point = *owner.map.FindPoint(id);
+    const Similarity3d global_from_local = GlobalFromLocal(point.reference, owner);
+    SharedMapPoint shared;
+    shared.id = id;
+    shared.position_in_global = PositionOf(id);
+    shared.reference = point.reference;
+    shared.descriptor = point.descriptor;
+    shared.normal_in_global = global_from_local.rotation * point.normal_in_map;
+    shared.min_distance = point.min_distance * global_from_local.scale;
+    shared.max_distance = point.max_distance * global_from_local.scale;
+    budget_.Take(kPointBytes);
+    share_.points[id] = shared.position_in_global;
+    update_.points.push_back(std::move(shared));
+    const auto& sets = state_.global.landmarks.sets();
+    if (const auto it = sets.find(id); it != sets.end()) TakeLandmark(id, it->second);
+  }
+
+  const MissionState& state_;
+  const Island& island_;
+  const MapStoreOptions& options_;
+  Budget budget_;
+  ShareState& share_;
+  ShareNews& news_;
+  const Unplaced all_placed_;
+  PoseCache poses_;
+  std::map<KeyframeId, const Keyframe*> new_keyframes_;
+  SharedUpdate update_;
+};
+
+}  // namespace
+
+SharedUpdate TakeShareStep(const MissionState& state, const Island& island,
+                           const MapStoreOptions& options, size_t byte_budget, ShareState& share) {
+  return ShareStep(state, island, options, byte_budget, share).Take();
+}
+
+}  // namespace corbslam::map_store

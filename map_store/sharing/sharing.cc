@@ -1,0 +1,76 @@
+#include "map_store/sharing/sharing.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "map_store/sharing/share_step.h"
+
+namespace corbslam::map_store {
+namespace {
+
+bool HasSent(const ShareState& share) {
+  return !share.keyframes.empty() || !share.points.empty() || !share.landmarks.empty() ||
+         !share.own_keyframes.empty();
+}
+
+// A local map that the agent heard of is not in its island any more.
+bool HasLostAny(const ShareState& share, const Island& island) {
+  return std::ranges::any_of(share.seen_local_maps, [&island](LocalMapId id) {
+    return std::ranges::find(island.local_maps, id) == island.local_maps.end();
+  });
+}
+
+// Forgets what was sent; the agent is told to forget it too if it has anything.
+void StartAgain(LocalMapId local_map, IslandId island, ShareState& share) {
+  const bool had_any = share.restart || HasSent(share);
+  share = ShareState();
+  share.local_map = local_map;
+  share.island = island;
+  share.restart = had_any;
+}
+
+void NoteSent(uint64_t revision, ShareState& share) {
+  share.updates_of_last_revision =
+      share.last_revision == revision ? share.updates_of_last_revision + 1 : 1;
+  share.last_revision = revision;
+}
+
+}  // namespace
+
+std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
+                                             const MapStoreOptions& options, size_t byte_budget,
+                                             const AgentState& agent, ShareState& share) {
+  if (agent.local_maps.empty()) return std::nullopt;
+  const LocalMapId own = agent.local_maps.back();
+  const Island& island = *state.FindIslandOf(own);
+  if (share.local_map != own || share.island != island.id || HasLostAny(share, island)) {
+    StartAgain(own, island.id, share);
+  }
+  if (island.local_maps.size() < 2) {
+    // It may have been larger, under the same name.
+    if (HasSent(share)) StartAgain(own, island.id, share);
+    if (!std::exchange(share.restart, false)) return std::nullopt;
+    SharedUpdate forget;
+    forget.revision = state.global.revision;
+    forget.restart = true;
+    NoteSent(forget.revision, share);
+    return forget;
+  }
+  if (share.complete_at_version == island.shared_version && !share.restart) return std::nullopt;
+  SharedUpdate update = TakeShareStep(state, island, options, byte_budget, share);
+  const bool ends_places = std::exchange(share.more_places, update.more_places);
+  if (update.IsEmpty() && !ends_places) return std::nullopt;
+  NoteSent(update.revision, share);
+  return update;
+}
+
+void ResumeSharing(uint64_t last_revision, ShareState& share) {
+  const bool certain = last_revision != 0 && last_revision == share.last_revision &&
+                       share.updates_of_last_revision == 1;
+  if (certain) return;
+  const bool holds_any = last_revision != 0;
+  share = ShareState();
+  share.restart = holds_any;
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,57 @@
+#include "map_store/state/change_log.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace corbslam::map_store {
+namespace {
+
+// Some seconds of a local map that is adjusted all the time.
+constexpr size_t kMaxItems = 100'000;
+
+template <typename Id>
+void Append(const std::vector<Id>& from, std::vector<Id>& to) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+template <typename Id>
+void SortEachOnce(std::vector<Id>& ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+}  // namespace
+
+void ChangeLog::Close(uint64_t version) {
+  if (open_.size() == 0) return;
+  entries_.push_back({version, std::exchange(open_, {})});
+  items_ += entries_.back().changes.size();
+  while (items_ > kMaxItems) {
+    items_ -= entries_.front().changes.size();
+    known_after_ = entries_.front().version;
+    entries_.pop_front();
+  }
+}
+
+void ChangeLog::Forget(uint64_t version) {
+  *this = ChangeLog();
+  known_after_ = version;
+}
+
+std::optional<ItemChanges> ChangeLog::Since(uint64_t version) const {
+  if (version < known_after_) return std::nullopt;
+  ItemChanges changes;
+  for (auto it = entries_.rbegin(); it != entries_.rend() && it->version > version; ++it) {
+    Append(it->changes.keyframes, changes.keyframes);
+    Append(it->changes.sights, changes.sights);
+    Append(it->changes.points, changes.points);
+    Append(it->changes.landmarks, changes.landmarks);
+  }
+  SortEachOnce(changes.keyframes);
+  SortEachOnce(changes.sights);
+  SortEachOnce(changes.points);
+  SortEachOnce(changes.landmarks);
+  return changes;
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,41 @@
+// Which map points are one landmark. A set is named by its survivor.
+#ifndef CORBSLAM_MAP_STORE_STATE_LANDMARKS_H_
+#define CORBSLAM_MAP_STORE_STATE_LANDMARKS_H_
+
+#include <map>
+#include <set>
+
+#include "absl/container/flat_hash_map.h"
+#include "slam/util/ids.h"
+
+namespace corbslam::map_store {
+
+// A value; not thread-safe. Points that belong to no set are their own survivors.
+class Landmarks {
+ public:
+  using Sets = std::map<MapPointId, std::set<MapPointId>>;
+
+  // Survivor -> members (the survivor not among them), never empty ones.
+  const Sets& sets() const { return members_; }
+  MapPointId Survivor(MapPointId point) const;
+
+  // Joins the sets of both; the survivor of `survivor`'s set stays. Returns it.
+  MapPointId Merge(MapPointId survivor, MapPointId member);
+  // The owner deleted the point: where it was the survivor, the member of the least id is elected.
+  // Returns the survivor of what is left of the set; invalid where nothing is.
+  MapPointId Remove(MapPointId point);
+  // The owner replaced the point by another, which takes its place in the set. Returns the
+  // survivor of the set.
+  MapPointId Replace(MapPointId replaced, MapPointId by);
+  // Forgets the sets that have a point of one of the local maps.
+  void Dissolve(const std::set<LocalMapId>& local_maps);
+
+ private:
+  Sets members_;
+  // Of members. Only looked up, never walked through.
+  absl::flat_hash_map<MapPointId, MapPointId> survivor_of_;
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_STATE_LANDMARKS_H_

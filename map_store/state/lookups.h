@@ -1,0 +1,213 @@
+// What people and tools ask the map store: plain answers, lists in pages.
+#ifndef CORBSLAM_MAP_STORE_STATE_LOOKUPS_H_
+#define CORBSLAM_MAP_STORE_STATE_LOOKUPS_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/time/time.h"
+#include "slam/exchange/overlap.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/map/keyframe.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+// An island is named by its first local map; its frame is the island's frame.
+using IslandId = LocalMapId;
+
+struct PageRequest {
+  size_t page_size = 0;    // 0: as many as the store allows.
+  std::string page_token;  // Of the answer before; empty: from the start.
+};
+template <typename T>
+struct Page {
+  std::vector<T> items;
+  std::string next_page_token;  // Empty: that was all.
+};
+
+// Since when no fusion worker takes the store's requests, and what was heard instead.
+struct WorkerOutage {
+  absl::Time begin;
+  std::string cause;
+};
+
+// Keyframes of one local map that were not looked up among those of another.
+struct UncomparedPair {
+  LocalMapId query;
+  LocalMapId against;
+  uint64_t waiting = 0;
+  // Given up, because workers answered with errors. Not known of what was before a restart.
+  uint64_t failed = 0;
+};
+
+struct MissionInfo {
+  std::string name;
+  uint64_t revision = 0;
+  size_t agents = 0;
+  size_t local_maps = 0;
+  size_t islands = 0;
+  size_t keyframes = 0;
+  size_t map_points = 0;
+  bool fusion_idle = true;
+  // Look-ups of a keyframe in a local map that wait for a worker.
+  uint64_t waiting_queries = 0;
+  // The store has fusion workers; they may be away.
+  bool has_worker = false;
+  std::optional<WorkerOutage> worker_outage;
+};
+
+struct AgentInfo {
+  std::string name;
+  bool connected = false;
+  std::vector<LocalMapId> local_maps;  // In the order in which they were opened.
+};
+
+struct LocalMapInfo {
+  LocalMapId id;
+  std::string agent;
+  IslandId island;
+  bool in_reference_island = false;
+  bool closed = false;
+  uint64_t last_batch = 0;
+  size_t keyframes = 0;
+  size_t settled_keyframes = 0;
+  size_t placed_keyframes = 0;
+  size_t map_points = 0;
+  size_t tracked_frames = 0;
+  size_t lost_frames = 0;
+  size_t parked_references = 0;
+};
+
+struct KeyframeInfo {
+  KeyframeId id;
+  std::string agent;
+  int64_t timestamp_ns = 0;
+  Rigid3d camera_from_local;
+  // In the frame of `island`.
+  IslandId island;
+  Similarity3d camera_from_island;
+  bool placed = false;
+  bool settled = false;
+  uint64_t revision = 0;  // That placed it; 0: none.
+  KeyframeId parent;
+  size_t keypoints = 0;
+  size_t observed_points = 0;
+  std::shared_ptr<const KeyframePayload> payload;
+};
+
+// What the transport measured of one batch, for the statistics.
+struct BatchTransfer {
+  uint64_t full_keyframe_bytes = 0;
+  uint64_t full_map_point_bytes = 0;
+  uint64_t light_keyframe_bytes = 0;
+  uint64_t light_map_point_bytes = 0;
+};
+
+struct TransferStatistics {
+  uint64_t count = 0;
+  uint64_t bytes = 0;
+  double ms = 0;
+};
+
+struct GlobalAdjustmentStatistics {
+  int keyframes = 0;
+  int map_points = 0;
+  int iterations = 0;
+  double ms = 0;
+};
+
+struct MissionStatistics {
+  uint64_t revision = 0;
+  size_t islands = 0;
+  // Keyframes and points (each landmark once) now stored.
+  size_t keyframes = 0;
+  size_t map_points = 0;
+  TransferStatistics full_keyframes;
+  TransferStatistics full_map_points;
+  TransferStatistics light_keyframes;
+  TransferStatistics light_map_points;
+  // Keyframes queried; candidates that a worker looked at; overlaps accepted.
+  uint64_t overlaps_queried = 0;
+  uint64_t overlaps_verified = 0;
+  uint64_t overlaps_accepted = 0;
+  // From the verified overlap to the committed revision, one for each two islands fused.
+  std::vector<double> merge_ms;
+  std::vector<GlobalAdjustmentStatistics> global_adjustments;
+  uint64_t failed_requests = 0;
+  std::vector<UncomparedPair> uncompared;  // By ids; none of which all is looked up.
+};
+
+enum class TrajectoryFrame { kLocal, kGlobal };
+
+struct StoredPose {
+  int64_t timestamp_ns = 0;
+  LocalMapId local_map;
+  // x_in_frame = frame_from_camera * x_in_camera, of scale 1: the camera's units are the frame's.
+  Rigid3d frame_from_camera;
+  // Global: the island whose frame that is.
+  IslandId island;
+  // The pose before (in time) is not connected to this one: tracking was lost in between, or
+  // another local map began.
+  bool after_gap = false;
+};
+
+struct AgentTrajectory {
+  std::string agent;
+  std::vector<StoredPose> poses;  // Every tracked frame, by local map, in time.
+};
+
+struct OverlapInfo {
+  uint64_t id = 0;  // Grows in the order of verification.
+  Overlap overlap;
+  // The two are in one island through this or another overlap.
+  bool fused = false;
+  uint64_t revision = 0;  // That took it into the graph; 0: none.
+  // Says what happened beyond the verdict, for people: "waits for fusing", "worker failed: ...".
+  std::string note;
+};
+
+struct OverlapFilter {
+  std::optional<bool> accepted;
+  LocalMapId local_map;  // Invalid: all.
+};
+
+// The global map for viewers and pictures.
+struct IslandView {
+  IslandId id;
+  bool is_reference = false;
+  std::vector<LocalMapId> local_maps;
+  struct KeyframePlace {
+    KeyframeId id;
+    std::string agent;
+    int64_t timestamp_ns = 0;
+    Rigid3d camera_from_island;  // Camera units rescaled to the island's.
+    KeyframeId parent;
+    bool placed = false;
+  };
+  std::vector<KeyframePlace> keyframes;  // By id.
+  struct Point {
+    MapPointId id;
+    Eigen::Vector3d position_in_island = Eigen::Vector3d::Zero();
+    uint32_t observations = 0;
+  };
+  std::vector<Point> points;  // By id; landmarks once.
+};
+
+// What changed in the map since a version that a watcher saw. Versions grow with every change,
+// revisions only with fusion's commits.
+struct MapChanges {
+  uint64_t version = 0;
+  uint64_t revision = 0;
+  // Whole islands in which something moved or came; what is not named is as it was.
+  std::vector<IslandView> islands;
+  // Islands that are no more (fused into others).
+  std::vector<IslandId> removed_islands;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_MAP_STORE_STATE_LOOKUPS_H_

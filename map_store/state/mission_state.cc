@@ -1,0 +1,101 @@
+#include "map_store/state/mission_state.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// Longer chains of replacements than any honest owner makes.
+constexpr int kMaxChain = 1000;
+
+}  // namespace
+
+MapPointId ResolvePoint(const MissionState& state, MapPointId point) {
+  for (int step = 0; step < kMaxChain; ++step) {
+    const LocalMapState* owner = state.FindLocalMap(point.local_map);
+    if (owner == nullptr) return MapPointId();
+    const auto replaced = owner->replaced_points.find(point);
+    if (replaced == owner->replaced_points.end()) {
+      if (owner->map.FindPoint(point) != nullptr) return state.global.landmarks.Survivor(point);
+      const auto heir = state.global.heirs.find(point);
+      if (heir == state.global.heirs.end()) return MapPointId();
+      point = heir->second;
+    } else {
+      point = replaced->second;
+    }
+  }
+  return MapPointId();
+}
+
+MapPointId RawObservation(const LocalMapState& local_map, KeyframeId keyframe_id,
+                          uint32_t keypoint) {
+  const Keyframe* keyframe = local_map.map.FindKeyframe(keyframe_id);
+  if (keyframe == nullptr || keypoint >= keyframe->points.size()) return MapPointId();
+  if (keyframe->points[keypoint].IsValid()) return keyframe->points[keypoint];
+  const auto foreign = local_map.foreign_observations.find(keyframe_id);
+  if (foreign == local_map.foreign_observations.end()) return MapPointId();
+  const auto it = foreign->second.find(keypoint);
+  return it == foreign->second.end() ? MapPointId() : it->second;
+}
+
+namespace {
+
+void CloseChangeLogs(const Island& island, MissionState& state) {
+  for (const LocalMapId& id : island.local_maps) {
+    state.FindLocalMap(id)->changes.Close(state.version);
+  }
+}
+
+}  // namespace
+
+size_t CountKeyframes(const MissionState& state, const Island& island) {
+  size_t count = 0;
+  for (const LocalMapId& id : island.local_maps) {
+    count += state.FindLocalMap(id)->map.keyframes().size();
+  }
+  return count;
+}
+
+void IndexPoints(MissionState& state) {
+  state.points = PointIndex();
+  for (const auto& [id, local_map] : state.local_maps) {
+    for (const auto& [keyframe, seen] : local_map.foreign_observations) {
+      for (const auto& [keypoint, point] : seen) state.points.AddViewer(point, keyframe);
+    }
+    for (const auto& [replaced, by] : local_map.replaced_points) {
+      state.points.NoteReplaced(replaced, by);
+    }
+  }
+  for (const auto& [removed, heir] : state.global.heirs) state.points.NoteReplaced(removed, heir);
+}
+
+LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string& agent) {
+  LocalMapState& local_map = state.local_maps[id];
+  local_map.id = id;
+  local_map.agent = agent;
+  local_map.order = state.order.size();
+  state.order.push_back(id);
+  state.agents[agent].local_maps.push_back(id);
+  state.global.island_of[id] = id;
+  Island& island = state.global.islands[id];
+  island.id = id;
+  island.local_maps = {id};
+  return local_map;
+}
+
+void TouchByOwner(MissionState& state, LocalMapId local_map, bool share) {
+  Island& island = *state.FindIslandOf(local_map);
+  island.version = ++state.version;
+  CloseChangeLogs(island, state);
+  island.version_of_owners = island.version;
+  island.dirty = true;
+  if (share) island.shared_version = island.version;
+}
+
+void TouchByFusion(MissionState& state, IslandId id) {
+  Island& island = state.global.islands.at(id);
+  island.version = ++state.version;
+  CloseChangeLogs(island, state);
+  island.shared_version = island.version;
+  island.dirty = true;
+}
+
+}  // namespace corbslam::map_store

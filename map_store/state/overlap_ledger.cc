@@ -1,0 +1,74 @@
+#include "map_store/state/overlap_ledger.h"
+
+#include <algorithm>
+
+namespace corbslam::map_store {
+namespace {
+
+bool IsLive(OverlapState state) {
+  return state == OverlapState::kWaiting || state == OverlapState::kInGraph;
+}
+
+}  // namespace
+
+OverlapLedger::OverlapLedger(Entries entries) : entries_(std::move(entries)) {
+  for (const auto& [id, entry] : entries_) Index(entry);
+  ForgetOldest();
+}
+
+const OverlapEntry* OverlapLedger::Find(uint64_t id) const {
+  const auto it = entries_.find(id);
+  return it == entries_.end() ? nullptr : &it->second;
+}
+
+OverlapLedger::Pair OverlapLedger::PairOf(const Overlap& overlap) {
+  return std::minmax(overlap.query.local_map, overlap.candidate.local_map);
+}
+
+const OverlapLedger::Ids& OverlapLedger::LiveBetween(LocalMapId a, LocalMapId b) const {
+  static const Ids& none = *new Ids();
+  const auto it = live_between_.find(std::minmax(a, b));
+  return it == live_between_.end() ? none : it->second;
+}
+
+void OverlapLedger::Add(OverlapEntry entry) {
+  const uint64_t id = entry.id;
+  Index(entries_.emplace(id, std::move(entry)).first->second);
+  ForgetOldest();
+}
+
+void OverlapLedger::Change(uint64_t id, absl::FunctionRef<void(OverlapEntry&)> change) {
+  OverlapEntry& entry = entries_.at(id);
+  Unindex(entry);
+  change(entry);
+  Index(entry);
+  ForgetOldest();
+}
+
+void OverlapLedger::Index(const OverlapEntry& entry) {
+  if (!IsLive(entry.state)) {
+    history_.insert(entry.id);
+    return;
+  }
+  (entry.state == OverlapState::kWaiting ? waiting_ : in_graph_).insert(entry.id);
+  live_between_[PairOf(entry.overlap)].insert(entry.id);
+}
+
+void OverlapLedger::Unindex(const OverlapEntry& entry) {
+  waiting_.erase(entry.id);
+  in_graph_.erase(entry.id);
+  history_.erase(entry.id);
+  const auto it = live_between_.find(PairOf(entry.overlap));
+  if (it == live_between_.end()) return;
+  it->second.erase(entry.id);
+  if (it->second.empty()) live_between_.erase(it);
+}
+
+void OverlapLedger::ForgetOldest() {
+  while (history_.size() > kMaxHistory) {
+    entries_.erase(*history_.begin());
+    history_.erase(history_.begin());
+  }
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,84 @@
+// The overlaps of a mission: what was verified, what waits for fusing, what the graph is made of.
+#ifndef CORBSLAM_MAP_STORE_STATE_OVERLAP_LEDGER_H_
+#define CORBSLAM_MAP_STORE_STATE_OVERLAP_LEDGER_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "absl/functional/function_ref.h"
+#include "absl/time/time.h"
+#include "slam/exchange/overlap.h"
+#include "slam/util/ids.h"
+
+namespace corbslam::map_store {
+
+enum class OverlapState {
+  kRefused,
+  kWaiting,  // Accepted, not yet in the graph.
+  kInGraph,
+  kFailed,  // Accepted, but no worker could fuse it.
+};
+
+struct OverlapEntry {
+  uint64_t id = 0;
+  Overlap overlap;
+  OverlapState state = OverlapState::kRefused;
+  bool urgent = false;  // Disagrees with the graph as it is.
+  bool alone = false;   // It was refused among others: one of them may be to blame.
+  int attempts = 0;
+  uint64_t revision = 0;
+  absl::Time verified_at;
+  std::string note;
+};
+
+// Entries by id, with indices of those that matter to fusion: the store asks for these at each
+// piece of work, and a mission refuses a hundred overlaps for each that it accepts. An entry that
+// waits or is in the graph is live. Of the others the newest kMaxHistory are kept.
+class OverlapLedger {
+ public:
+  using Entries = std::map<uint64_t, OverlapEntry>;
+  using Ids = std::set<uint64_t>;
+  static constexpr size_t kMaxHistory = 10'000;
+
+  OverlapLedger() = default;
+  explicit OverlapLedger(Entries entries);
+
+  const Entries& entries() const { return entries_; }
+  bool contains(uint64_t id) const { return entries_.contains(id); }
+  // The entry must be there.
+  const OverlapEntry& at(uint64_t id) const { return entries_.at(id); }
+  // Null: there is none.
+  const OverlapEntry* Find(uint64_t id) const;
+
+  const Ids& waiting() const { return waiting_; }
+  const Ids& in_graph() const { return in_graph_; }
+  // The live ones between keyframes of these two local maps, in either order.
+  const Ids& LiveBetween(LocalMapId a, LocalMapId b) const;
+
+  // The id must be new, and the largest.
+  void Add(OverlapEntry entry);
+  // Changes anything of an entry that is there but its id and its keyframes.
+  void Change(uint64_t id, absl::FunctionRef<void(OverlapEntry&)> change);
+
+ private:
+  using Pair = std::pair<LocalMapId, LocalMapId>;
+
+  static Pair PairOf(const Overlap& overlap);
+  void Index(const OverlapEntry& entry);
+  void Unindex(const OverlapEntry& entry);
+  void ForgetOldest();
+
+  Entries entries_;
+  Ids waiting_;
+  Ids in_graph_;
+  Ids history_;  // The entries that are not live.
+  std::map<Pair, Ids> live_between_;
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_STATE_OVERLAP_LEDGER_H_

@@ -1,0 +1,51 @@
+#include "map_store/state/point_index.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace corbslam::map_store {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+constexpr LocalMapId kA{0xa};
+constexpr LocalMapId kB{0xb};
+constexpr MapPointId Pa(uint32_t index) { return {kA, index}; }
+constexpr KeyframeId Kb(uint32_t index) { return {kB, index}; }
+
+TEST(PointIndexTest, KnowsWhoSeesAPoint) {
+  PointIndex index;
+  index.AddViewer(Pa(1), Kb(1));
+  index.AddViewer(Pa(1), Kb(2));
+  index.AddViewer(Pa(2), Kb(1));
+  EXPECT_THAT(index.ViewersOf(Pa(1)), ElementsAre(Kb(1), Kb(2)));
+  index.RemoveViewer(Pa(1), Kb(1));
+  index.RemoveViewer(Pa(1), Kb(7));
+  index.RemoveViewer(Pa(9), Kb(1));
+  EXPECT_THAT(index.ViewersOf(Pa(1)), ElementsAre(Kb(2)));
+  index.RemoveViewer(Pa(1), Kb(2));
+  EXPECT_THAT(index.ViewersOf(Pa(1)), IsEmpty());
+  EXPECT_THAT(index.ViewersOf(Pa(2)), ElementsAre(Kb(1)));
+}
+
+TEST(PointIndexTest, KnowsAllNamesThatAPointHas) {
+  PointIndex index;
+  index.NoteReplaced(Pa(1), Pa(2));
+  index.NoteReplaced(Pa(2), Pa(3));
+  index.NoteReplaced(Pa(4), Pa(3));
+  EXPECT_THAT(index.NamesOf(Pa(3)), UnorderedElementsAre(Pa(1), Pa(2), Pa(3), Pa(4)));
+  EXPECT_THAT(index.NamesOf(Pa(2)), UnorderedElementsAre(Pa(1), Pa(2)));
+  EXPECT_THAT(index.NamesOf(Pa(9)), ElementsAre(Pa(9)));
+}
+
+TEST(PointIndexTest, NamesInACircleEnd) {
+  PointIndex index;
+  index.NoteReplaced(Pa(1), Pa(2));
+  index.NoteReplaced(Pa(2), Pa(1));
+  EXPECT_THAT(index.NamesOf(Pa(1)), UnorderedElementsAre(Pa(1), Pa(2)));
+}
+
+}  // namespace
+}  // namespace corbslam::map_store

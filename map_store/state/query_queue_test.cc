@@ -1,0 +1,85 @@
+#include "map_store/state/query_queue.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace corbslam::map_store {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+
+constexpr LocalMapId kA{0xa};
+constexpr LocalMapId kB{0xb};
+constexpr KeyframeId Ka(uint32_t index) { return {kA, index}; }
+
+// Query's index, candidates' local map, attempts.
+using Task = std::tuple<uint32_t, uint64_t, int>;
+std::vector<Task> Tasks(const QueryQueue& queue) {
+  std::vector<Task> tasks;
+  for (const QueryTask& task : queue.ToTasks()) {
+    tasks.push_back({task.query.index, task.against.value, task.attempts});
+  }
+  return tasks;
+}
+
+TEST(QueryQueueTest, GivesATaskForEachLocalMapInOrder) {
+  QueryQueue queue;
+  queue.Push(Ka(1), {kA});
+  queue.Push(Ka(2), {kA, kB});
+  queue.Push(Ka(3), {});
+  queue.Push(Ka(4), {kA, kB});
+  EXPECT_EQ(queue.size(), 5u);
+  EXPECT_THAT(Tasks(queue), ElementsAre(Task{1, 0xa, 0}, Task{2, 0xa, 0}, Task{2, 0xb, 0},
+                                        Task{4, 0xa, 0}, Task{4, 0xb, 0}));
+  std::vector<Task> taken;
+  while (!queue.empty()) {
+    taken.push_back({queue.front().query.index, queue.front().against.value, 0});
+    queue.PopFront();
+  }
+  EXPECT_EQ(queue.size(), 0u);
+  EXPECT_THAT(taken, ElementsAre(Task{1, 0xa, 0}, Task{2, 0xa, 0}, Task{2, 0xb, 0}, Task{4, 0xa, 0},
+                                 Task{4, 0xb, 0}));
+}
+
+TEST(QueryQueueTest, CountsTheFirstTasksAttempts) {
+  QueryQueue queue;
+  queue.Push(Ka(1), {kA, kB});
+  EXPECT_EQ(queue.CountFailureOfFront(), 1);
+  EXPECT_EQ(queue.CountFailureOfFront(), 2);
+  EXPECT_THAT(Tasks(queue), ElementsAre(Task{1, 0xa, 2}, Task{1, 0xb, 0}));
+  EXPECT_THAT(Tasks(QueryQueue(queue.ToTasks())), ElementsAre(Task{1, 0xa, 2}, Task{1, 0xb, 0}));
+  queue.PopFront();
+  EXPECT_EQ(queue.CountFailureOfFront(), 1);
+}
+
+TEST(QueryQueueTest, TakesATaskOutWithThoseBeforeIt) {
+  QueryQueue queue;
+  for (uint32_t i = 1; i <= 3; ++i) queue.Push(Ka(i), {kA, kB});
+  queue.TakeUntil({Ka(9), kA, 0});
+  EXPECT_EQ(queue.size(), 6u);
+  queue.TakeUntil({Ka(2), kA, 0});
+  EXPECT_THAT(Tasks(queue), ElementsAre(Task{2, 0xb, 0}, Task{3, 0xa, 0}, Task{3, 0xb, 0}));
+  queue.TakeUntil({Ka(2), kA, 0});  // Is not there any more.
+  EXPECT_EQ(queue.size(), 3u);
+  queue.TakeUntil({Ka(2), kB, 0});
+  EXPECT_THAT(Tasks(queue), ElementsAre(Task{3, 0xa, 0}, Task{3, 0xb, 0}));
+  queue.TakeUntil({Ka(3), kB, 0});
+  EXPECT_TRUE(queue.empty());
+  EXPECT_EQ(queue.size(), 0u);
+}
+
+TEST(QueryQueueTest, CountsByLocalMaps) {
+  QueryQueue queue;
+  for (uint32_t i = 1; i <= 3; ++i) queue.Push(Ka(i), {kA, kB});
+  queue.Push({kB, 1}, {kA, kB});
+  queue.PopFront();
+  EXPECT_THAT(queue.CountByPair(), ElementsAre(Pair(Pair(kA, kA), 2), Pair(Pair(kA, kB), 3),
+                                               Pair(Pair(kB, kA), 1), Pair(Pair(kB, kB), 1)));
+  queue.Clear();
+  EXPECT_THAT(queue.CountByPair(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace corbslam::map_store

@@ -1,0 +1,70 @@
+// What one agent has been sent of the global layer.
+#ifndef CORBSLAM_MAP_STORE_STATE_SHARE_STATE_H_
+#define CORBSLAM_MAP_STORE_STATE_SHARE_STATE_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "absl/container/btree_map.h"
+#include "absl/container/btree_set.h"
+#include "absl/container/flat_hash_map.h"
+#include "map_store/state/lookups.h"
+#include "slam/exchange/shared_update.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/util/ids.h"
+
+namespace corbslam::map_store {
+
+struct SentKeyframe {
+  Similarity3d camera_from_global;
+  // Where its points were, as far as fusion has not placed them.
+  Similarity3d global_from_local;
+  // Keypoint and landmark, by keypoint.
+  std::vector<std::pair<uint32_t, MapPointId>> points;
+};
+
+// What may be news to the agent: to be looked at, and sent if it is.
+struct ShareNews {
+  absl::btree_set<KeyframeId> keyframes;
+  absl::btree_set<KeyframeId> sights;
+  absl::btree_set<MapPointId> points;
+  absl::btree_set<MapPointId> landmarks;
+  bool own_keyframes = false;
+  // How many of the agent's own landmarks keyframes saw that it lacked, when they were counted, and
+  // the mission's revision then.
+  absl::btree_map<KeyframeId, int> own_landmarks;
+  uint64_t counted_at_revision = 0;
+};
+
+struct ShareState {
+  // The frame in which all of the below was sent; invalid: nothing was.
+  IslandId island;
+  LocalMapId local_map;
+  std::map<KeyframeId, SentKeyframe> keyframes;
+  absl::flat_hash_map<MapPointId, Eigen::Vector3d> points;
+  absl::btree_map<MapPointId, std::vector<MapPointId>> landmarks;
+  std::map<KeyframeId, OwnKeyframePose> own_keyframes;
+
+  // Not sent yet, and up to where the mission has been searched for news: its version, the
+  // revision, and the local maps that the island had then.
+  ShareNews news;
+  uint64_t seen_version = 0;
+  uint64_t seen_revision = 0;
+  std::set<LocalMapId> seen_local_maps;
+  // The island's version that was worth telling up to which all was sent.
+  uint64_t complete_at_version = 0;
+  // The last update and how many had its revision.
+  uint64_t last_revision = 0;
+  int updates_of_last_revision = 0;
+  bool restart = false;
+  // As the last update said.
+  bool more_places = false;
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_STATE_SHARE_STATE_H_

@@ -1,0 +1,32 @@
+// Answers to look-ups, read from a mission's state.
+#ifndef CORBSLAM_MAP_STORE_VIEW_ANSWERS_H_
+#define CORBSLAM_MAP_STORE_VIEW_ANSWERS_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "map_store/state/lookups.h"
+#include "map_store/state/mission_state.h"
+
+namespace corbslam::map_store {
+
+// NOT_FOUND, with its name.
+absl::Status NoSuchLocalMap(LocalMapId id);
+
+MissionInfo DescribeMission(const MissionState& state);
+AgentInfo DescribeAgent(const std::string& name, const AgentState& agent);
+LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& local_map);
+// One after the other; the state has all of them.
+std::vector<KeyframeInfo> DescribeKeyframes(const MissionState& state,
+                                            const std::vector<KeyframeId>& ids);
+MissionStatistics DescribeStatistics(const MissionState& state);
+OverlapInfo DescribeOverlap(const MissionState& state, const OverlapEntry& entry);
+bool Matches(const OverlapFilter& filter, const Overlap& overlap);
+IslandView DescribeIsland(const MissionState& state, const Island& island);
+// The reference island first, then by id.
+std::vector<const Island*> OrderedIslands(const MissionState& state);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_VIEW_ANSWERS_H_

@@ -1,0 +1,333 @@
+#include "map_store/view/island_view.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "map_store/view/island_covisibility.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// A piece of a long read: 2 to 4 ms with 2,000 keypoints each.
+constexpr size_t kKeyframesInAPiece = 8;
+
+// Builds a Map of an island's keyframes and what they see.
+class ViewBuilder {
+ public:
+  ViewBuilder(const MissionState& state, const Unplaced& unplaced, Rejected rejected,
+              Covisibility covisibility, LongRead& read)
+      : state_(state),
+        unplaced_(unplaced),
+        rejected_(rejected),
+        read_(read),
+        poses_(state.global, unplaced),
+        view_(covisibility) {}
+
+  void AddKeyframe(const LocalMapState& local_map, const Keyframe& from) {
+    Keyframe keyframe;
+    keyframe.payload = from.payload;
+    keyframe.words = from.words;
+    keyframe.camera_from_map = PosesOf(local_map).at(from.id()).ToRigid();
+    keyframe.parent = from.parent;
+    view_.AddKeyframe(std::move(keyframe));
+  }
+
+  // Once all keyframes are there, in the same piece.
+  void AddEdges() {
+    std::set<LocalMapId> local_maps;
+    for (const KeyframeId& id : KeyframeIds()) {
+      const Keyframe& from = *state_.FindKeyframe(id);
+      const KeyframeId parent = AncestorOf(from);
+      if (parent != view_.FindKeyframe(id)->parent) view_.SetParent(id, parent);
+      for (const KeyframeId& other : from.loop_edges) view_.AddLoopEdge(id, other);
+      local_maps.insert(id.local_map);
+    }
+    for (const LocalMapId& id : local_maps) {
+      for (const LoopEdge& edge : state_.FindLocalMap(id)->foreign_loop_edges) {
+        view_.AddLoopEdge(edge.a, edge.b);
+      }
+    }
+  }
+
+  // As owners counted it. Likewise.
+  void AddOwnersCovisibility() {
+    for (const KeyframeId& id : KeyframeIds()) {
+      for (const auto& [other, weight] : state_.FindKeyframe(id)->covisible) {
+        if (id < other && view_.FindKeyframe(other) != nullptr) {
+          view_.SetCovisibility(id, other, weight);
+        }
+      }
+    }
+  }
+
+  // All that the view's keyframes see.
+  absl::Status AddSights() {
+    for (const KeyframeId& id : KeyframeIds()) {
+      RETURN_IF_ERROR(AddSightsOf(id, /*only_known=*/false));
+    }
+    return absl::OkStatus();
+  }
+
+  // What the neighbourhoods of the centres see, and who else sees it. Once covisibility is there.
+  absl::Status AddSightsAround(const std::set<KeyframeId>& centres, int neighbourhood) {
+    std::set<KeyframeId> inner;
+    for (const KeyframeId& id : centres) InsertNeighbours(id, neighbourhood, inner);
+    std::set<KeyframeId> outer;
+    for (const KeyframeId& id : inner) {
+      RETURN_IF_ERROR(AddSightsOf(id, /*only_known=*/false));
+      InsertNeighbours(id, std::numeric_limits<int>::max(), outer);
+    }
+    for (const KeyframeId& id : outer) {
+      if (!inner.contains(id)) RETURN_IF_ERROR(AddSightsOf(id, /*only_known=*/true));
+    }
+    return absl::OkStatus();
+  }
+
+  // Of keyframes that the view has.
+  void SetCovisibility(const std::vector<CovisiblePair>& pairs) {
+    for (const CovisiblePair& pair : pairs) {
+      const bool here =
+          view_.FindKeyframe(pair.a) != nullptr && view_.FindKeyframe(pair.b) != nullptr;
+      if (here) view_.SetCovisibility(pair.a, pair.b, pair.weight);
+    }
+    // They were counted in pieces.
+    ForgetPoses();
+  }
+
+  // Unless the view has it.
+  void AddPoint(MapPointId id) {
+    if (view_.FindPoint(id) != nullptr) return;
+    const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
+    const MapPoint& from = *owner.map.FindPoint(id);
+    const Similarity3d& island_from_local = IslandFromLocalAt(from.reference, owner);
+    MapPoint point;
+    point.id = id;
+    point.position_in_map = ComputePosition(from, owner, state_.global, PosesOf(owner), unplaced_);
+    point.reference = from.reference;
+    point.descriptor = from.descriptor;
+    point.normal_in_map = island_from_local.rotation * from.normal_in_map;
+    point.min_distance = from.min_distance * island_from_local.scale;
+    point.max_distance = from.max_distance * island_from_local.scale;
+    view_.AddPoint(std::move(point));
+  }
+
+  Map TakeView() { return std::move(view_); }
+  const IslandPoses& PosesOf(const LocalMapState& local_map) { return poses_.Of(local_map); }
+
+ private:
+  std::vector<KeyframeId> KeyframeIds() const {
+    std::vector<KeyframeId> ids;
+    ids.reserve(view_.keyframes().size());
+    for (const auto& [id, keyframe] : view_.keyframes()) ids.push_back(id);
+    return ids;
+  }
+
+  // The nearest one that was not culled from the view.
+  KeyframeId AncestorOf(const Keyframe& keyframe) const {
+    KeyframeId id = keyframe.parent;
+    while (state_.global.culled.contains(id) && view_.FindKeyframe(id) == nullptr) {
+      const Keyframe* culled = state_.FindKeyframe(id);
+      id = culled == nullptr ? KeyframeId() : culled->parent;
+    }
+    return id;
+  }
+
+  void InsertNeighbours(KeyframeId centre, int count, std::set<KeyframeId>& ids) const {
+    if (view_.FindKeyframe(centre) == nullptr) return;
+    ids.insert(centre);
+    for (const CovisibleKeyframe& near : view_.BestCovisible(centre, count)) ids.insert(near.id);
+  }
+
+  // The motion is the same for all points of a reference keyframe.
+  const Similarity3d& IslandFromLocalAt(KeyframeId reference, const LocalMapState& local_map) {
+    const auto [it, added] = motions_.try_emplace(reference);
+    if (added) {
+      it->second = IslandFromLocal(reference, local_map, state_.global, PosesOf(local_map));
+    }
+    return it->second;
+  }
+
+  void ForgetPoses() {
+    poses_.Clear();
+    motions_.clear();
+  }
+
+  absl::Status PauseAtTimes() {
+    if (++keyframes_in_piece_ < kKeyframesInAPiece) return absl::OkStatus();
+    keyframes_in_piece_ = 0;
+    const uint64_t version = state_.version;
+    RETURN_IF_ERROR(read_.Pause());
+    // Owners' poses are others now, of other keyframes.
+    if (state_.version != version) ForgetPoses();
+    return absl::OkStatus();
+  }
+
+  absl::Status AddSightsOf(KeyframeId id, bool only_known) {
+    RETURN_IF_ERROR(PauseAtTimes());
+    const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
+    const Keyframe* from = local_map.map.FindKeyframe(id);
+    // Its owner removed it during a pause.
+    if (from == nullptr) return absl::OkStatus();
+    const std::vector<MapPointId> points = ObservedPoints(state_, local_map, *from, rejected_);
+    for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
+      const MapPointId point = points[keypoint];
+      if (!point.IsValid()) continue;
+      if (only_known && view_.FindPoint(point) == nullptr) continue;
+      AddPoint(point);
+      view_.AddObservation(point, id, keypoint);
+    }
+    return absl::OkStatus();
+  }
+
+  const MissionState& state_;
+  const Unplaced& unplaced_;
+  const Rejected rejected_;
+  LongRead& read_;
+  size_t keyframes_in_piece_ = 0;
+  PoseCache poses_;
+  absl::flat_hash_map<KeyframeId, Similarity3d> motions_;
+  Map view_;
+};
+
+enum class Culled { kLeaveOut, kTakeAlong };
+
+// With its keyframes and edges.
+IslandSnapshot BeginSnapshot(const MissionState& state, const Island& island, Culled culled,
+                             ViewBuilder& builder) {
+  IslandSnapshot snapshot;
+  snapshot.island = island.id;
+  snapshot.revision = state.global.revision;
+  snapshot.generation = island.generation;
+  snapshot.version_of_owners = island.version_of_owners;
+  for (const LocalMapId& id : island.local_maps) {
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    const IslandPoses& poses = builder.PosesOf(local_map);
+    snapshot.poses.insert(poses.begin(), poses.end());
+    for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
+      snapshot.local_poses[keyframe_id] = keyframe.camera_from_map;
+      const bool left_out =
+          culled == Culled::kLeaveOut && state.global.culled.contains(keyframe_id);
+      if (!left_out) builder.AddKeyframe(local_map, keyframe);
+    }
+  }
+  builder.AddEdges();
+  return snapshot;
+}
+
+// What somebody else's point is called now; invalid where it is not in this island.
+MapPointId ResolveWithin(IslandId island, const MissionState& state, MapPointId raw) {
+  const MapPointId point = ResolvePoint(state, raw);
+  const bool here = point.IsValid() && state.global.island_of.at(point.local_map) == island;
+  return here ? point : MapPointId();
+}
+
+}  // namespace
+
+std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMapState& local_map,
+                                       const Keyframe& keyframe, Rejected treatment) {
+  const IslandId island = state.global.island_of.at(local_map.id);
+  // What the local map's own graph holds is alive: only fusion can have given it another name.
+  std::vector<MapPointId> points = keyframe.points;
+  for (MapPointId& point : points) {
+    if (point.IsValid()) point = state.global.landmarks.Survivor(point);
+  }
+  const auto foreign = local_map.foreign_observations.find(keyframe.id());
+  if (foreign != local_map.foreign_observations.end()) {
+    for (const auto& [keypoint, raw] : foreign->second) {
+      points[keypoint] = ResolveWithin(island, state, raw);
+    }
+  }
+  if (treatment == Rejected::kTryAgain) return points;
+  const RejectedObservations& rejected = state.global.rejected;
+  for (auto it = rejected.lower_bound({keyframe.id(), 0});
+       it != rejected.end() && it->first.first == keyframe.id(); ++it) {
+    const uint32_t keypoint = it->first.second;
+    if (RawObservation(local_map, keyframe.id(), keypoint) == it->second) {
+      points[keypoint] = MapPointId();
+    }
+  }
+  return points;
+}
+
+size_t CountObservedPoints(const MissionState& state, const LocalMapState& local_map,
+                           const Keyframe& keyframe) {
+  const IslandId island = state.global.island_of.at(local_map.id);
+  const auto foreign = local_map.foreign_observations.find(keyframe.id());
+  const bool sees_foreign = foreign != local_map.foreign_observations.end();
+  const auto sees_own = [&](uint32_t keypoint) { return keyframe.points[keypoint].IsValid(); };
+  const auto sees_any = [&](uint32_t keypoint) {
+    if (!sees_foreign) return sees_own(keypoint);
+    const auto it = foreign->second.find(keypoint);
+    if (it == foreign->second.end()) return sees_own(keypoint);
+    return ResolveWithin(island, state, it->second).IsValid();
+  };
+  auto count = static_cast<size_t>(std::count_if(keyframe.points.begin(), keyframe.points.end(),
+                                                 [](MapPointId id) { return id.IsValid(); }));
+  if (sees_foreign) {
+    for (const auto& [keypoint, raw] : foreign->second) {
+      if (sees_own(keypoint)) --count;
+      if (sees_any(keypoint)) ++count;
+    }
+  }
+  const RejectedObservations& rejected = state.global.rejected;
+  for (auto it = rejected.lower_bound({keyframe.id(), 0});
+       it != rejected.end() && it->first.first == keyframe.id(); ++it) {
+    const uint32_t keypoint = it->first.second;
+    const bool holds = RawObservation(local_map, keyframe.id(), keypoint) == it->second;
+    if (holds && sees_any(keypoint)) --count;
+  }
+  return count;
+}
+
+absl::StatusOr<IslandSnapshot> TakeWholeSnapshot(const MissionState& state, const Island& island,
+                                                 Unplaced unplaced, Rejected rejected,
+                                                 LongRead& read) {
+  ViewBuilder builder(state, unplaced, rejected, Covisibility::kGiven, read);
+  IslandSnapshot snapshot = BeginSnapshot(state, island, Culled::kLeaveOut, builder);
+  RETURN_IF_ERROR(builder.AddSights());
+  snapshot.view = builder.TakeView();
+  snapshot.unplaced = std::move(unplaced);
+  return snapshot;
+}
+
+absl::StatusOr<IslandSnapshot> TakeGraphSnapshot(const MissionState& state, const Island& island,
+                                                 Unplaced unplaced,
+                                                 const std::set<KeyframeId>& centres,
+                                                 int neighbourhood,
+                                                 const std::set<MapPointId>& named,
+                                                 LongRead& read) {
+  ViewBuilder builder(state, unplaced, Rejected::kLeaveOut, Covisibility::kGiven, read);
+  // Without them the spanning tree would fall apart.
+  IslandSnapshot snapshot = BeginSnapshot(state, island, Culled::kTakeAlong, builder);
+  ASSIGN_OR_RETURN(const std::vector<CovisiblePair> pairs, CountCovisibility(state, island, read));
+  builder.SetCovisibility(pairs);
+  RETURN_IF_ERROR(builder.AddSightsAround(centres, neighbourhood));
+  for (const MapPointId& id : named) {
+    const bool here =
+        state.FindPoint(id) != nullptr && state.global.island_of.at(id.local_map) == island.id;
+    if (here) builder.AddPoint(id);
+  }
+  snapshot.view = builder.TakeView();
+  snapshot.unplaced = std::move(unplaced);
+  return snapshot;
+}
+
+absl::StatusOr<Map> BuildPartialView(const MissionState& state,
+                                     const std::set<KeyframeId>& keyframes, LongRead& read) {
+  const Unplaced none;
+  ViewBuilder builder(state, none, Rejected::kLeaveOut, Covisibility::kGiven, read);
+  for (const KeyframeId& id : keyframes) {
+    const LocalMapState* local_map = state.FindLocalMap(id.local_map);
+    const Keyframe* keyframe = local_map == nullptr ? nullptr : local_map->map.FindKeyframe(id);
+    if (keyframe != nullptr) builder.AddKeyframe(*local_map, *keyframe);
+  }
+  builder.AddEdges();
+  builder.AddOwnersCovisibility();
+  RETURN_IF_ERROR(builder.AddSights());
+  return builder.TakeView();
+}
+
+}  // namespace corbslam::map_store

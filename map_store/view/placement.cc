@@ -1,0 +1,123 @@
+#include "map_store/view/placement.h"
+
+#include <deque>
+
+namespace corbslam::map_store {
+namespace {
+
+// The pose of `id` that keeps its local pose relative to `relative`.
+Similarity3d Follow(const Keyframe& keyframe, const Keyframe& relative,
+                    const Similarity3d& relative_from_island) {
+  const Rigid3d keyframe_from_relative =
+      keyframe.camera_from_map * relative.camera_from_map.Inverse();
+  return Similarity3d::FromRigid(keyframe_from_relative) * relative_from_island;
+}
+
+// Breadth first from all placed keyframes at once: the nearest in the tree wins, ties by id.
+void SpreadOverTree(const Map& map, std::deque<KeyframeId> front, IslandPoses& poses) {
+  while (!front.empty()) {
+    const Keyframe& from = *map.FindKeyframe(front.front());
+    front.pop_front();
+    const auto visit = [&](KeyframeId id) {
+      const Keyframe* keyframe = map.FindKeyframe(id);
+      if (keyframe == nullptr || poses.contains(id)) return;
+      poses[id] = Follow(*keyframe, from, poses.at(from.id()));
+      front.push_back(id);
+    };
+    visit(from.parent);
+    for (const KeyframeId& child : from.children) visit(child);
+  }
+}
+
+void SpreadInOrder(const Map& map, IslandPoses& poses) {
+  if (poses.size() == map.keyframes().size()) return;
+  const IslandPoses reached = poses;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (reached.contains(id)) continue;
+    auto relative = reached.lower_bound(id);
+    if (relative != reached.begin()) --relative;
+    poses[id] = Follow(keyframe, *map.FindKeyframe(relative->first), relative->second);
+  }
+}
+
+}  // namespace
+
+IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& global,
+                         const Unplaced& unplaced) {
+  IslandPoses poses;
+  std::deque<KeyframeId> front;
+  for (const auto& [id, keyframe] : local_map.map.keyframes()) {
+    const auto placed = global.keyframes.find(id);
+    if (placed == global.keyframes.end() || unplaced.contains(id)) continue;
+    poses[id] = placed->second.camera_from_island;
+    front.push_back(id);
+  }
+  if (!poses.empty()) {
+    SpreadOverTree(local_map.map, std::move(front), poses);
+    SpreadInOrder(local_map.map, poses);
+    return poses;
+  }
+  const auto last = global.island_from_local.find(local_map.id);
+  for (const auto& [id, keyframe] : local_map.map.keyframes()) {
+    const Similarity3d pose = Similarity3d::FromRigid(keyframe.camera_from_map);
+    poses[id] = last == global.island_from_local.end() ? pose : pose * last->second.Inverse();
+  }
+  return poses;
+}
+
+const IslandPoses& PoseCache::Of(const LocalMapState& local_map) {
+  const auto [it, added] = poses_.try_emplace(local_map.id);
+  if (added) it->second = ComputePoses(local_map, global_, unplaced_);
+  return it->second;
+}
+
+Similarity3d IslandFromLocal(KeyframeId reference, const LocalMapState& local_map,
+                             const GlobalLayer& global, const IslandPoses& poses) {
+  auto it = poses.lower_bound(reference);
+  if (it == poses.end() && it != poses.begin()) --it;
+  if (it == poses.end()) {
+    const auto last = global.island_from_local.find(local_map.id);
+    return last == global.island_from_local.end() ? Similarity3d() : last->second;
+  }
+  const Keyframe& keyframe = *local_map.map.FindKeyframe(it->first);
+  return it->second.Inverse() * Similarity3d::FromRigid(keyframe.camera_from_map);
+}
+
+Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& local_map,
+                                const GlobalLayer& global, const IslandPoses& poses,
+                                const Unplaced& unplaced) {
+  const auto placed = global.points.find(point.id);
+  KeyframeId reference = ReferenceOf(point, global);
+  if (placed != global.points.end() && !unplaced.contains(reference)) {
+    return placed->second.position_in_island;
+  }
+  if (!poses.contains(reference) && !point.observations.empty()) {
+    reference = point.observations.begin()->first;
+  }
+  return IslandFromLocal(reference, local_map, global, poses) * point.position_in_map;
+}
+
+KeyframeId ReferenceOf(const MapPoint& point, const GlobalLayer& global) {
+  if (!global.culled.contains(point.reference)) return point.reference;
+  for (const auto& [id, keypoint] : point.observations) {
+    if (!global.culled.contains(id)) return id;
+  }
+  return point.reference;
+}
+
+bool FindLivingRelative(const MissionState& state, KeyframeId id, LivingRelative& found) {
+  found = {id, Rigid3d::Identity()};
+  // Bounded: a hostile owner could name removed keyframes each other's parents.
+  for (int step = 0; step < 10000; ++step) {
+    const LocalMapState* local_map = state.FindLocalMap(found.id.local_map);
+    if (local_map == nullptr) return false;
+    if (local_map->map.FindKeyframe(found.id) != nullptr) return true;
+    const auto tombstone = local_map->removed_keyframes.find(found.id);
+    if (tombstone == local_map->removed_keyframes.end()) return false;
+    found.relative_from_id = tombstone->second.parent_from_removed * found.relative_from_id;
+    found.id = tombstone->second.parent;
+  }
+  return false;
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,119 @@
+#include "map_store/view/trajectory.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/view/placement.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// Poses of one local map's frames, in its island's frame or its own.
+class FrameChain {
+ public:
+  // `camera_from_wanted`: nullopt where poses of the camera itself are wanted.
+  FrameChain(const MissionState& state, const LocalMapState& local_map, TrajectoryFrame frame,
+             const std::optional<Rigid3d>& camera_from_wanted)
+      : state_(state),
+        local_map_(local_map),
+        frame_(frame),
+        camera_from_wanted_(camera_from_wanted) {}
+
+  std::optional<Rigid3d> FrameFromWanted(const TrackedFrame& tracked) {
+    LivingRelative relative;
+    if (!FindLivingRelative(state_, tracked.reference, relative)) return std::nullopt;
+    Rigid3d relative_from_camera = relative.relative_from_id * tracked.reference_from_camera;
+    if (camera_from_wanted_) relative_from_camera = relative_from_camera * *camera_from_wanted_;
+    const bool is_own = relative.id.local_map == local_map_.id;
+    if (frame_ == TrajectoryFrame::kLocal && is_own) {
+      const Keyframe& keyframe = *local_map_.map.FindKeyframe(relative.id);
+      return keyframe.camera_from_map.Inverse() * relative_from_camera;
+    }
+    if (state_.global.island_of.at(relative.id.local_map) !=
+        state_.global.island_of.at(local_map_.id)) {
+      return std::nullopt;
+    }
+    Similarity3d frame_from_camera = Poses(relative.id.local_map).at(relative.id).Inverse() *
+                                     Similarity3d::FromRigid(relative_from_camera);
+    if (frame_ == TrajectoryFrame::kLocal) {
+      // Tracked against another's keyframe: back from the island through the newest own keyframe.
+      const KeyframeId newest = {local_map_.id, KeyframeId::kNoIndex - 1};
+      frame_from_camera =
+          IslandFromLocal(newest, local_map_, state_.global, Poses(local_map_.id)).Inverse() *
+          frame_from_camera;
+    }
+    return Rigid3d{frame_from_camera.rotation, frame_from_camera.translation};
+  }
+
+ private:
+  const IslandPoses& Poses(LocalMapId id) {
+    const auto it = poses_.find(id);
+    if (it != poses_.end()) return it->second;
+    return poses_[id] = ComputePoses(*state_.FindLocalMap(id), state_.global);
+  }
+
+  const MissionState& state_;
+  const LocalMapState& local_map_;
+  const TrajectoryFrame frame_;
+  const std::optional<Rigid3d> camera_from_wanted_;
+  std::map<LocalMapId, IslandPoses> poses_;
+};
+
+bool HasTimeBetween(const std::vector<int64_t>& times, int64_t begin, int64_t end) {
+  const auto it = std::upper_bound(times.begin(), times.end(), begin);
+  return it != times.end() && *it < end;
+}
+
+void AppendLocalMap(const MissionState& state, const LocalMapState& local_map, FrameChain chain,
+                    AgentTrajectory& trajectory) {
+  std::vector<TrackedFrame> frames = local_map.frames;
+  std::stable_sort(frames.begin(), frames.end(), [](const TrackedFrame& a, const TrackedFrame& b) {
+    return a.timestamp_ns < b.timestamp_ns;
+  });
+  std::vector<int64_t> lost = local_map.lost_frames_ns;
+  std::sort(lost.begin(), lost.end());
+  bool gap = !trajectory.poses.empty();
+  std::optional<int64_t> before;
+  for (const TrackedFrame& tracked : frames) {
+    const std::optional<Rigid3d> pose = chain.FrameFromWanted(tracked);
+    if (!pose.has_value()) {
+      gap = true;
+      continue;
+    }
+    gap = gap || (before.has_value() && HasTimeBetween(lost, *before, tracked.timestamp_ns));
+    trajectory.poses.push_back(
+        {tracked.timestamp_ns, local_map.id, *pose, state.global.island_of.at(local_map.id), gap});
+    before = tracked.timestamp_ns;
+    gap = false;
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<AgentTrajectory> ComputeTrajectory(const MissionState& state,
+                                                  const std::string& agent, TrajectoryFrame frame,
+                                                  bool all_islands, PosesOf poses_of) {
+  AgentTrajectory trajectory;
+  trajectory.agent = agent;
+  const IslandId reference = state.ReferenceIsland();
+  for (const LocalMapId& id : state.agents.at(agent).local_maps) {
+    const bool wanted = frame == TrajectoryFrame::kLocal || all_islands ||
+                        state.global.island_of.at(id) == reference;
+    if (!wanted) continue;
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    const auto camera_from_wanted = CameraFromWanted(local_map.Recorded(), poses_of);
+    if (!camera_from_wanted.ok()) {
+      return absl::FailedPreconditionError(absl::StrCat("agent ", agent, ", local map ",
+                                                        ToString(id), ": ",
+                                                        camera_from_wanted.status().message()));
+    }
+    AppendLocalMap(state, local_map, FrameChain(state, local_map, frame, *camera_from_wanted),
+                   trajectory);
+  }
+  return trajectory;
+}
+
+}  // namespace corbslam::map_store
