@@ -6,12 +6,15 @@
 #include <memory>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "map_store/map_store.h"
 
 namespace corbslam {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 constexpr LocalMapId kMapA{0xa};
 constexpr LocalMapId kMapB{0xb};
@@ -118,6 +121,34 @@ TEST_F(LimitsTest, MissionsAgentsAndLocalMaps) {
   ExpectTooMuch(OpenStatus("c", "m").status(), {"mission m has 2 agents"});
   EXPECT_TRUE(store_->Apply(a, Batch(kMapA, 1)).ok());
   ExpectTooMuch(store_->Apply(a, Batch(kMapB, 1)).status(), {"mission m has 1 local maps"});
+}
+
+TEST_F(LimitsTest, AMissionThatNobodyWroteToIsForgotten) {
+  options_.max_missions = 1;
+  options_.max_local_maps_per_mission = 1;
+  Start();
+  const auto names = [this] {
+    std::vector<std::string> listed;
+    const auto page = store_->ListMissions({});
+    for (const MissionInfo& mission : page->items) listed.push_back(mission.name);
+    return listed;
+  };
+  for (int i = 0; i < 3; ++i) {
+    const auto session = OpenStatus("a", absl::StrCat("made-up-", i));
+    ASSERT_TRUE(session.ok()) << session.status();
+    EXPECT_THAT(names(), ElementsAre(absl::StrCat("made-up-", i)));
+    store_->CloseSession(*session);
+    EXPECT_THAT(names(), IsEmpty());
+  }
+  // A robot that is still in it keeps it, and so does what was written.
+  const uint64_t a = Open("a");
+  const uint64_t b = Open("b");
+  store_->CloseSession(a);
+  EXPECT_THAT(names(), ElementsAre("m"));
+  ASSERT_TRUE(store_->Apply(b, Batch(kMapB, 1)).ok());
+  store_->CloseSession(b);
+  EXPECT_THAT(names(), ElementsAre("m"));
+  ExpectTooMuch(OpenStatus("a", "other").status(), {"1 missions"});
 }
 
 TEST_F(LimitsTest, WhatRefersToNothingWaitsOnlySoLong) {

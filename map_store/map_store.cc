@@ -1,11 +1,13 @@
 #include "map_store/map_store.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/mission/fusion_executor.h"
 #include "map_store/mission/mission.h"
+#include "map_store/mission/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
 #include "slam/util/status_macros.h"
 
@@ -13,6 +15,8 @@ namespace corbslam {
 
 using map_store::FusionExecutor;
 using map_store::Mission;
+using map_store::MissionEnvironment;
+using map_store::SnapshotKeeper;
 
 MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabulary> vocabulary,
                    std::unique_ptr<Journal> journal, FusionWorker* worker, Clock clock)
@@ -21,7 +25,8 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       journal_(std::move(journal)),
       clock_(std::move(clock)),
       executor_(
-          std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)) {
+          std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)),
+      snapshots_(std::make_unique<SnapshotKeeper>(clock_)) {
   if (options_.deterministic) return;
   const auto list_missions = [this] {
     std::vector<std::shared_ptr<Mission>> missions;
@@ -30,9 +35,18 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
     return missions;
   };
   executor_->Start(list_missions, options_.fusion_threads);
+  snapshots_->Start(list_missions);
 }
 
-MapStore::~MapStore() { executor_->Stop(); }
+MapStore::~MapStore() {
+  snapshots_->Stop();
+  executor_->Stop();
+}
+
+void MapStore::Wake() {
+  executor_->Wake();
+  snapshots_->Wake();
+}
 
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view name) const {
   absl::MutexLock lock(&mutex_);
@@ -49,18 +63,36 @@ absl::Status MapStore::Recover() {
     absl::MutexLock lock(&mutex_);
     missions_[name] = std::move(mission);
   }
-  executor_->Wake();
+  Wake();
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindOrCreateMission(const std::string& name) {
+absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const std::string& agent) {
   absl::MutexLock lock(&mutex_);
-  if (const auto it = missions_.find(name); it != missions_.end()) return it->second;
-  if (restoring_.contains(name)) {
-    return absl::UnavailableError(absl::StrCat("mission ", name, " is being restored"));
+  auto mission = missions_.find(name);
+  if (mission == missions_.end()) {
+    if (restoring_.contains(name)) {
+      return absl::UnavailableError(absl::StrCat("mission ", name, " is being restored"));
+    }
+    RETURN_IF_ERROR(CheckRoomForMission());
+    mission = missions_.emplace(name, MakeMission(name)).first;
   }
-  RETURN_IF_ERROR(CheckRoomForMission());
-  return missions_[name] = MakeMission(name);
+  const uint64_t session_id = next_session_++;
+  sessions_[session_id] = {agent, mission->second};
+  return session_id;
+}
+
+void MapStore::LeaveMission(uint64_t session_id) {
+  absl::MutexLock lock(&mutex_);
+  const auto it = sessions_.find(session_id);
+  if (it == sessions_.end()) return;
+  const std::shared_ptr<Mission> mission = std::move(it->second.mission);
+  sessions_.erase(it);
+  const bool is_in_use =
+      std::any_of(sessions_.begin(), sessions_.end(),
+                  [&mission](const auto& session) { return session.second.mission == mission; });
+  if (is_in_use || !mission->IsVacant()) return;
+  std::erase_if(missions_, [&mission](const auto& entry) { return entry.second == mission; });
 }
 
 absl::Status MapStore::CheckRoomForMission() const {
@@ -70,12 +102,12 @@ absl::Status MapStore::CheckRoomForMission() const {
 }
 
 std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
-  Mission::Environment environment;
+  MissionEnvironment environment;
   environment.options = &options_;
   environment.vocabulary = vocabulary_.get();
   environment.journal = journal_.get();
   environment.clock = clock_;
-  environment.wake_fusion = [this] { executor_->Wake(); };
+  environment.wake_fusion = [this] { Wake(); };
   environment.has_worker = executor_->has_worker();
   return std::make_shared<Mission>(name, std::move(environment));
 }
@@ -90,79 +122,77 @@ absl::StatusOr<MapStore::Session> MapStore::FindSession(uint64_t session_id) con
 absl::StatusOr<MapStore::OpenedSession> MapStore::OpenSession(const SessionRequest& request) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", request.mission));
   RETURN_IF_ERROR(map_store::ValidateName("agent", request.agent));
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindOrCreateMission(request.mission));
-  OpenedSession opened;
-  {
-    absl::MutexLock lock(&mutex_);
-    opened.session_id = next_session_++;
+  ASSIGN_OR_RETURN(const uint64_t session_id, EnterMission(request.mission, request.agent));
+  ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
+  absl::StatusOr<SessionGrant> grant = session.mission->sessions().Open(session_id, request);
+  if (!grant.ok()) {
+    LeaveMission(session_id);
+    return grant.status();
   }
-  ASSIGN_OR_RETURN(opened.grant, mission->OpenSession(opened.session_id, request));
-  absl::MutexLock lock(&mutex_);
-  sessions_[opened.session_id] = {request.agent, mission};
-  return opened;
+  return OpenedSession{session_id, *std::move(grant)};
 }
 
 absl::StatusOr<Acknowledgement> MapStore::Apply(uint64_t session_id, const MapUpdateBatch& batch,
                                                 const BatchTransfer* measured) {
   ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
-  return session.mission->Apply(session_id, session.agent, batch, measured);
+  return session.mission->batches().Apply(session_id, session.agent, batch, measured);
 }
 
 void MapStore::CloseSession(uint64_t session_id) {
   const absl::StatusOr<Session> session = FindSession(session_id);
   if (!session.ok()) return;
-  session->mission->CloseSession(session_id, session->agent);
-  absl::MutexLock lock(&mutex_);
-  sessions_.erase(session_id);
+  session->mission->sessions().Close(session_id, session->agent);
+  LeaveMission(session_id);
 }
 
 absl::StatusOr<std::optional<SharedUpdate>> MapStore::NextShared(uint64_t session_id,
                                                                  size_t byte_budget) {
   ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
-  return session.mission->NextShared(session_id, session.agent, byte_budget);
+  return session.mission->sessions().NextShared(session_id, session.agent, byte_budget);
 }
 
 absl::Status MapStore::AskForExactPlaces(absl::string_view mission_name, const std::string& agent) {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->AskForExactPlaces(agent);
+  return mission->sessions().AskForExactPlaces(agent);
 }
 
 bool MapStore::TakeExactPlacesWanted(uint64_t session_id) {
   const absl::StatusOr<Session> session = FindSession(session_id);
-  return session.ok() && session->mission->TakeExactPlacesWanted(session->agent);
+  return session.ok() && session->mission->sessions().TakeExactPlacesWanted(session->agent);
 }
 
 void MapStore::SetSharedListener(uint64_t session_id, std::function<void()> listener) {
   const absl::StatusOr<Session> session = FindSession(session_id);
-  if (session.ok()) session->mission->SetSharedListener(session_id, std::move(listener));
+  if (session.ok()) session->mission->listeners().SetOfSession(session_id, std::move(listener));
 }
 
 absl::Status MapStore::RunFusionUntilIdle(absl::string_view mission_name) {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  mission->snapshots().Keep([] { return true; }).IgnoreError();
   executor_->RunUntilIdle(*mission);
   return absl::OkStatus();
 }
 
 absl::Status MapStore::RederiveGlobalLayer(absl::string_view mission_name) {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->Rederive();
+  return mission->fusion().Rederive();
 }
 
 absl::StatusOr<std::vector<uint64_t>> MapStore::RetractOverlap(absl::string_view mission_name,
                                                                uint64_t overlap, bool keep_apart) {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->RetractOverlap(overlap, keep_apart);
+  return mission->fusion().RetractOverlap(overlap, keep_apart);
 }
 
 absl::StatusOr<bool> MapStore::IsFusionIdle(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->IsFusionIdle();
+  return mission->fusion().IsIdle();
 }
 
 absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
                                            absl::Duration timeout) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  if (mission->WaitUntilFusionIdle(absl::Now() + timeout)) return absl::OkStatus();
+  if (mission->fusion().WaitUntilIdle(absl::Now() + timeout)) return absl::OkStatus();
   return absl::DeadlineExceededError(absl::StrCat(
       "fusion of mission ", mission_name, " is busy after ", absl::FormatDuration(timeout)));
 }
@@ -183,7 +213,7 @@ absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
     missions_.erase(std::string(mission_name));
   }
   // Who watches finds that it has gone.
-  mission->NotifyAll(0);
+  mission->listeners().CallAllBut(0);
   return absl::OkStatus();
 }
 
@@ -217,7 +247,7 @@ absl::Status MapStore::RestoreMission(const std::string& name, map_store::Missio
     restoring_.erase(name);
     if (status.ok()) missions_[name] = std::move(mission);
   }
-  executor_->Wake();
+  Wake();
   return status;
 }
 

@@ -36,6 +36,7 @@ struct MissionLoad;
 namespace map_store {
 class FusionExecutor;
 class Mission;
+class SnapshotKeeper;
 }  // namespace map_store
 
 // Thread-safe. Listeners are called without any lock of the store held, from the thread that made
@@ -80,7 +81,8 @@ class MapStore {
   // A batch seen before is acknowledged, not applied again. FAILED_PRECONDITION names the expected
   // number where some are missing. ABORTED: fenced. NOT_FOUND: no such session.
   // INVALID_ARGUMENT, PERMISSION_DENIED, RESOURCE_EXHAUSTED: nothing was stored, the session goes
-  // on. Errors of the journal: nothing was stored.
+  // on. Errors of the journal: nothing was stored, or it is not certain that it would survive; the
+  // batch is to be sent again.
   // What is acknowledged is durable, as far as the journal is.
   absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const MapUpdateBatch& batch,
                                         const BatchTransfer* measured = nullptr);
@@ -175,7 +177,12 @@ class MapStore {
   };
 
   absl::StatusOr<std::shared_ptr<map_store::Mission>> FindMission(absl::string_view name) const;
-  absl::StatusOr<std::shared_ptr<map_store::Mission>> FindOrCreateMission(const std::string& name);
+  // Registers a session in the mission, which is made if there is none. Its id.
+  absl::StatusOr<uint64_t> EnterMission(const std::string& name, const std::string& agent);
+  // Forgets the session, and the mission if nothing was ever written of it and nobody is in it.
+  void LeaveMission(uint64_t session_id);
+  // There may be something to fuse, or to be made a snapshot of.
+  void Wake();
   std::shared_ptr<map_store::Mission> MakeMission(const std::string& name);
   absl::Status CheckRoomForMission() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
@@ -186,6 +193,7 @@ class MapStore {
   const std::unique_ptr<Journal> journal_;
   const Clock clock_;
   std::unique_ptr<map_store::FusionExecutor> executor_;
+  std::unique_ptr<map_store::SnapshotKeeper> snapshots_;
 
   // Held by one deletion from its beginning to its end.
   absl::Mutex deletion_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);

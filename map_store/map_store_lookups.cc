@@ -127,12 +127,12 @@ absl::StatusOr<std::optional<MapChanges>> MapStore::ChangesSince(absl::string_vi
 absl::StatusOr<uint64_t> MapStore::AddMapListener(absl::string_view mission_name,
                                                   std::function<void()> listener) {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->AddMapListener(std::move(listener));
+  return mission->listeners().AddOfMap(std::move(listener));
 }
 
 void MapStore::RemoveMapListener(absl::string_view mission_name, uint64_t token) {
   const auto mission = FindMission(mission_name);
-  if (mission.ok()) (*mission)->RemoveMapListener(token);
+  if (mission.ok()) (*mission)->listeners().RemoveOfMap(token);
 }
 
 }  // namespace corbslam

@@ -26,8 +26,7 @@ absl::Status MapStoreOptions::Validate() const {
   status.Update(CheckPositive("loop_residual_px", loop_residual_px));
   status.Update(CheckPositive("weld_every", static_cast<double>(weld_every)));
   status.Update(CheckPositive("adjust_share", adjust_share));
-  status.Update(
-      CheckPositive("adjust_min_keyframes", static_cast<double>(adjust_min_keyframes)));
+  status.Update(CheckPositive("adjust_min_keyframes", static_cast<double>(adjust_min_keyframes)));
   status.Update(CheckPositive("adjust_iterations", adjust_iterations));
   status.Update(CheckPositive("last_adjust_iterations", last_adjust_iterations));
   status.Update(CheckPositive("local_motion_px", local_motion_px));

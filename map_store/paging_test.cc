@@ -109,7 +109,8 @@ TEST_F(PagesTest, KeyframesThatTheirOwnerRemovesBetweenPages) {
   const auto all = *Keyframes(store_, {})({0, ""});
   const auto first = *Keyframes(store_, {})({3, ""});
   MapUpdateBatch batch = a_.EmptyBatch();
-  for (const uint32_t index : {1u, 2u, 3u}) batch.removed_keyframes.push_back({a_.Id(index), {}, {}});
+  for (const uint32_t index : {1u, 2u, 3u})
+    batch.removed_keyframes.push_back({a_.Id(index), {}, {}});
   ASSERT_TRUE(a_.Send(batch).ok());
   ASSERT_EQ(store_.ListKeyframes("m", {}, {})->items.size(), all.names.size() - 3);
   const auto second = Keyframes(store_, {})({1000, first.next_page_token});

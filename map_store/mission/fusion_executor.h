@@ -3,7 +3,6 @@
 #ifndef CORBSLAM_MAP_STORE_MISSION_FUSION_EXECUTOR_H_
 #define CORBSLAM_MAP_STORE_MISSION_FUSION_EXECUTOR_H_
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,10 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "map_store/mission/mission.h"
+#include "map_store/mission/work_signal.h"
 #include "map_store/mission/worker_watch.h"
 #include "map_store/state/lookups.h"
 #include "slam/exchange/fusion_worker.h"
@@ -32,12 +30,12 @@ class FusionExecutor {
       : worker_(worker), retry_after_(retry_after), watch_(std::move(clock)) {}
   ~FusionExecutor() { Stop(); }
 
-  // Starts `threads_per_lane` threads for each lane, and one that keeps snapshots.
+  // Starts `threads_per_lane` threads for each lane; none without a worker.
   void Start(ListMissions missions, int threads_per_lane);
   // Cancels what runs and joins. The missions must still be there.
   void Stop();
   // There may be something to do.
-  void Wake();
+  void Wake() { signal_.Wake(); }
 
   // All that the mission has to do, here and now, in the order of the policy.
   void RunUntilIdle(Mission& mission);
@@ -47,25 +45,17 @@ class FusionExecutor {
   std::optional<WorkerOutage> worker_outage() const { return watch_.outage(); }
 
  private:
-  bool IsStopped() const;
-  // False: nothing was done, or the worker is not there (`unavailable`).
-  bool RunOne(Mission& mission, FusionLane lane, bool& unavailable);
+  enum class Turn { kNothingToDo, kDone, kTryLater };
+
+  Turn RunOne(Mission& mission, FusionLane lane);
   void RunLane(FusionLane lane);
-  // Writes the snapshots that the journal wants.
-  void RunKeeper();
-  // Waits for something to do; false: stop.
-  bool WaitForWork(uint64_t& seen, bool unavailable);
 
   FusionWorker* const worker_;
   const absl::Duration retry_after_;
   WorkerWatch watch_;
   ListMissions missions_;
+  WorkSignal signal_;
   std::vector<std::thread> threads_;
-
-  mutable absl::Mutex mutex_;
-  absl::CondVar changed_;
-  uint64_t wakes_ ABSL_GUARDED_BY(mutex_) = 0;
-  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace corbslam::map_store

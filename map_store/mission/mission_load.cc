@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "map_store/mission/mission.h"
-#include "map_store/view/answers.h"
-
 namespace corbslam::map_store {
 namespace {
 
@@ -50,38 +47,9 @@ FusionRequestCounts CountRequests(FusionSummary summary, const PolicyLimits& lim
   }
 }
 
-MissionInfo Mission::Info() const {
-  MissionInfo info = WithState(DescribeMission);
-  info.fusion_idle = IsFusionIdle();
-  return info;
-}
-
-MissionLoad Mission::Load() const {
-  absl::ReaderMutexLock lock(&mutex_);
-  MissionLoad load;
-  load.mission = name_;
-  load.revision = state_.global.revision;
-  load.agents = state_.agents.size();
-  for (const auto& [name, agent] : state_.agents) load.connected_agents += agent.session != 0;
-  load.local_maps = state_.local_maps.size();
-  load.islands = state_.global.islands.size();
-  for (const auto& [id, local_map] : state_.local_maps) {
-    load.keyframes += local_map.map.keyframes().size();
-    load.map_points += local_map.map.points().size();
-  }
-  load.overlaps_queried = state_.statistics.overlaps_queried;
-  load.overlaps_verified = state_.statistics.overlaps_verified;
-  load.overlaps_accepted = state_.statistics.overlaps_accepted;
-  load.failed_requests = state_.statistics.failed_requests;
-  if (deleted_ || !environment_.has_worker) return load;
-  load.waiting = CountRequests(Summarise(), Limits());
-  for (const Lane& lane : lanes_) {
-    if (!lane.busy) continue;
-    // Until it is committed, the state still asks for it.
-    size_t& waiting = CountOf(lane.kind, load.waiting);
-    waiting -= std::min<size_t>(waiting, 1);
-  }
-  return load;
+void TakeOne(FusionAction::Kind kind, FusionRequestCounts& counts) {
+  size_t& count = CountOf(kind, counts);
+  count -= std::min<size_t>(count, 1);
 }
 
 }  // namespace corbslam::map_store

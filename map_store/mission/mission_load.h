@@ -46,6 +46,9 @@ namespace map_store {
 // is taken as done, and the next one asked for, until none is left.
 FusionRequestCounts CountRequests(FusionSummary summary, const PolicyLimits& limits);
 
+// One of this kind less, if there is any.
+void TakeOne(FusionAction::Kind kind, FusionRequestCounts& counts);
+
 }  // namespace map_store
 }  // namespace corbslam
 

@@ -1,13 +1,10 @@
-// Mission and its journal: what it reads at its start, and its snapshots.
-#include <map>
-#include <utility>
+#include "map_store/mission/mission_strand.h"
+
+#include <cstdint>
 #include <variant>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/archive/state_archive.h"
-#include "map_store/mission/mission.h"
 #include "map_store/records/record_application.h"
-#include "map_store/records/unrecorded_state.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -44,27 +41,14 @@ void DropFeatures(const JournalRecord& record, MissionState& state) {
   }
 }
 
-// How much there is of a local map: a replay must come to the same.
-struct Extent {
-  uint64_t last_batch = 0;
-  size_t keyframes = 0;
-  size_t points = 0;
-
-  bool operator==(const Extent&) const = default;
-};
-
-std::map<LocalMapId, Extent> Measure(const MissionState& state) {
-  std::map<LocalMapId, Extent> extents;
-  for (const auto& [id, local_map] : state.local_maps) {
-    extents[id] = {local_map.last_batch, local_map.map.keyframes().size(),
-                   local_map.map.points().size()};
-  }
-  return extents;
-}
-
 }  // namespace
 
-absl::Status Mission::Recover() {
+MissionStrand::MissionStrand(std::string name, MissionEnvironment environment)
+    : name_(std::move(name)), environment_(std::move(environment)) {
+  state_.name = name_;
+}
+
+absl::Status MissionStrand::Recover() {
   Journal::Replay replay;
   MissionState state;
   state.name = name_;
@@ -76,7 +60,7 @@ absl::Status Mission::Recover() {
   replay.on_record = [&](const JournalRecord& record) {
     RETURN_IF_ERROR(CheckReplay(record, state));
     const BatchWords words = WordsOf(record, environment_.vocabulary);
-    std::visit(ApplyAgain{words, *environment_.options, state}, record);
+    std::visit(ApplyAgain{words, options(), state}, record);
     return absl::OkStatus();
   };
   ASSIGN_OR_RETURN(appended_, environment_.journal->Recover(name_, replay));
@@ -88,19 +72,19 @@ absl::Status Mission::Recover() {
   return absl::OkStatus();
 }
 
-void Mission::Restore(MissionState state) {
+void MissionStrand::Restore(MissionState state) {
   RestoreWords(environment_.vocabulary, state);
   Begin(std::move(state));
 }
 
-void Mission::Begin(MissionState state) {
+void MissionStrand::Begin(MissionState state) {
   state.version = (state.version / kVersionsOfALife + 1) * kVersionsOfALife;
   absl::MutexLock lock(&mutex_);
   state_ = std::move(state);
 }
 
-absl::StatusOr<MissionState> Mission::ReplayUntil(Journal::Position position,
-                                                  const std::function<bool()>& goes_on) const {
+absl::StatusOr<MissionState> MissionStrand::ReplayUntil(
+    Journal::Position position, const std::function<bool()>& goes_on) const {
   MissionState state;
   state.name = name_;
   Journal::Replay replay;
@@ -114,7 +98,7 @@ absl::StatusOr<MissionState> Mission::ReplayUntil(Journal::Position position,
   replay.on_record = [&](const JournalRecord& record) -> absl::Status {
     if (IsDeleted() || !goes_on()) return absl::CancelledError("no snapshot any more");
     const BatchWords none;
-    std::visit(ApplyAgain{none, *environment_.options, state}, record);
+    std::visit(ApplyAgain{none, options(), state}, record);
     DropFeatures(record, state);
     return absl::OkStatus();
   };
@@ -122,30 +106,25 @@ absl::StatusOr<MissionState> Mission::ReplayUntil(Journal::Position position,
   return state;
 }
 
-absl::Status Mission::KeepSnapshot(const std::function<bool()>& goes_on) {
-  absl::MutexLock one(&snapshot_mutex_);
-  if (!environment_.journal->WantsSnapshot(name_)) return absl::OkStatus();
-  Journal::Position position = 0;
-  UnrecordedState unrecorded;
-  std::map<LocalMapId, Extent> extents;
-  {
-    // No record comes between the state and its position.
-    absl::MutexLock turn(&writer_mutex_);
-    position = appended_;
-    absl::ReaderMutexLock lock(&mutex_);
-    unrecorded = CopyUnrecorded(state_);
-    extents = Measure(state_);
-  }
-  ASSIGN_OR_RETURN(MissionState state, ReplayUntil(position, goes_on));
-  if (Measure(state) != extents) {
-    return absl::InternalError(absl::StrCat("mission ", name_, " replayed until record ", position,
-                                            " is not what it was then"));
-  }
-  PutUnrecorded(std::move(unrecorded), state);
-  JournalSnapshot snapshot = TakeSnapshot(state);
-  snapshot.position = position;
-  if (IsDeleted()) return absl::CancelledError("no snapshot any more");
-  return environment_.journal->WriteSnapshot(name_, snapshot);
+void MissionStrand::MarkDeleted() {
+  absl::MutexLock lock(&mutex_);
+  deleted_ = true;
 }
+
+bool MissionStrand::IsDeleted() const {
+  absl::ReaderMutexLock lock(&mutex_);
+  return deleted_;
+}
+
+absl::Status MissionStrand::Deleted() const {
+  return absl::NotFoundError(absl::StrCat("mission ", name_, " is deleted"));
+}
+
+absl::Status MissionStrand::Append(const JournalRecord& record) {
+  ASSIGN_OR_RETURN(appended_, environment_.journal->Append(name_, record));
+  return absl::OkStatus();
+}
+
+absl::Status MissionStrand::Sync() { return environment_.journal->Sync(appended_); }
 
 }  // namespace corbslam::map_store

@@ -1,0 +1,113 @@
+#include "map_store/mission/batch_intake.h"
+
+#include "absl/strings/str_cat.h"
+#include "map_store/ingest/batch_validation.h"
+#include "map_store/ingest/quota.h"
+#include "map_store/mission/mission_sessions.h"
+#include "map_store/mission/transfer_statistics.h"
+#include "map_store/records/record_application.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+absl::StatusOr<std::optional<Acknowledgement>> CheckNumber(const LocalMapState* local_map,
+                                                           const MapUpdateBatch& batch) {
+  const uint64_t last = local_map == nullptr ? 0 : local_map->last_batch;
+  if (batch.number == 0) return absl::InvalidArgumentError("batch without a number");
+  if (batch.number <= last) return Acknowledgement{batch.local_map, last};
+  if (batch.number == last + 1) return std::nullopt;
+  return absl::FailedPreconditionError(absl::StrCat("batch ", batch.number, " of local map ",
+                                                    ToString(batch.local_map), ": expected ",
+                                                    last + 1));
+}
+
+}  // namespace
+
+absl::StatusOr<BatchIntake::Known> BatchIntake::Check(uint64_t session_id, const std::string& agent,
+                                                      const MapUpdateBatch& batch) const {
+  RETURN_IF_ERROR(CheckSession(strand_, session_id, agent));
+  const MissionState& state = strand_.state();
+  const LocalMapState* local_map = state.FindLocalMap(batch.local_map);
+  if (local_map != nullptr && local_map->agent != agent) {
+    return absl::PermissionDeniedError(
+        absl::StrCat("local map ", ToString(batch.local_map), " is another agent's"));
+  }
+  const size_t local_maps = state.local_maps.size();
+  if (local_map == nullptr && local_maps >= strand_.options().max_local_maps_per_mission) {
+    return absl::ResourceExhaustedError(absl::StrCat("mission ", strand_.name(), " has ",
+                                                     local_maps, " local maps; that is the limit"));
+  }
+  ASSIGN_OR_RETURN(const Known known, CheckNumber(local_map, batch));
+  if (!known.has_value()) RETURN_IF_ERROR(CheckQuota(state, agent, batch, strand_.options()));
+  return known;
+}
+
+absl::StatusOr<BatchIntake::Known> BatchIntake::CheckAndValidate(
+    uint64_t session_id, const std::string& agent, const MapUpdateBatch& batch) const {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  ASSIGN_OR_RETURN(const Known known, Check(session_id, agent, batch));
+  if (known.has_value()) return known;
+  RETURN_IF_ERROR(
+      ValidateBatch(strand_.state().FindLocalMap(batch.local_map), batch, strand_.options()));
+  return known;
+}
+
+absl::StatusOr<BatchIntake::Known> BatchIntake::ApplyInTurn(uint64_t session_id,
+                                                            const std::string& agent,
+                                                            const MapUpdateBatch& batch,
+                                                            const BatchWords& words) {
+  absl::MutexLock turn(&strand_.turn());
+  {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    // As long as this is the next batch, its local map is as it was validated against.
+    ASSIGN_OR_RETURN(const Known known, Check(session_id, agent, batch));
+    if (known.has_value()) return known;
+  }
+  RETURN_IF_ERROR(ApplyNext(agent, batch, words));
+  return std::nullopt;
+}
+
+absl::Status BatchIntake::ApplyNext(const std::string& agent, const MapUpdateBatch& batch,
+                                    const BatchWords& words) {
+  BatchRecord record{agent, nullptr, strand_.environment().clock()};
+  {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    record.batch = WithoutKnownKeyframes(batch, strand_.state().FindLocalMap(batch.local_map));
+  }
+  RETURN_IF_ERROR(strand_.Append(record));
+  absl::MutexLock lock(&strand_.mutex());
+  map_store::Apply(record, words, strand_.options(), strand_.mutable_state());
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const std::string& agent,
+                                                   const MapUpdateBatch& batch,
+                                                   const BatchTransfer* measured) {
+  const absl::Time begin = strand_.environment().clock();
+  ASSIGN_OR_RETURN(Known known, CheckAndValidate(session_id, agent, batch));
+  if (!known.has_value()) {
+    const BatchWords words = ComputeWords(batch, strand_.environment().vocabulary);
+    ASSIGN_OR_RETURN(known, ApplyInTurn(session_id, agent, batch, words));
+  }
+  // A batch that came again may not be durable yet.
+  if (known.has_value()) {
+    RETURN_IF_ERROR(strand_.Sync());
+    return *known;
+  }
+  {
+    const BatchTransfer transfer = measured != nullptr ? *measured : EstimateTransfer(batch);
+    absl::MutexLock lock(&strand_.mutex());
+    CountTransfer(batch, transfer,
+                  absl::ToDoubleMilliseconds(strand_.environment().clock() - begin),
+                  strand_.mutable_state().statistics);
+  }
+  // Others' batches become durable together with this one.
+  const absl::Status durable = strand_.Sync();
+  strand_.environment().wake_fusion();
+  listeners_.CallAllBut(session_id);
+  RETURN_IF_ERROR(durable);
+  return Acknowledgement{batch.local_map, batch.number};
+}
+
+}  // namespace corbslam::map_store

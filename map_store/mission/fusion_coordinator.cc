@@ -1,0 +1,268 @@
+#include "map_store/mission/fusion_coordinator.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "map_store/records/record_application.h"
+#include "map_store/records/retraction.h"
+#include "map_store/view/long_read.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// Of one piece of work while its views are read: others commit far more seldom than that.
+constexpr int kMaxInterruptions = 20;
+
+// The caller holds it for reading. A writer that waits comes first.
+void LetWritersIn(absl::Mutex& mutex) ABSL_NO_THREAD_SAFETY_ANALYSIS {
+  mutex.ReaderUnlock();
+  mutex.ReaderLock();
+}
+
+// Made, used and given up under the state's lock, held for reading.
+class PausingRead : public LongRead {
+ public:
+  PausingRead(const MissionStrand& strand, const std::atomic<bool>& cancelled)
+      ABSL_SHARED_LOCKS_REQUIRED(strand.mutex())
+      : strand_(strand), cancelled_(cancelled), revision_(strand.state().global.revision) {}
+
+  absl::Status Pause() override ABSL_NO_THREAD_SAFETY_ANALYSIS {
+    LetWritersIn(strand_.mutex());
+    if (cancelled_.load()) return absl::AbortedError("cancelled");
+    if (strand_.state().global.revision == revision_) return absl::OkStatus();
+    return absl::AbortedError("another revision was committed");
+  }
+
+ private:
+  const MissionStrand& strand_;
+  const std::atomic<bool>& cancelled_;
+  const uint64_t revision_;
+};
+
+FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Island& island) {
+  FusionSummary::IslandSummary summary;
+  summary.id = island.id;
+  summary.order = state.FindLocalMap(island.local_maps.front())->order;
+  summary.keyframes = CountKeyframes(state, island);
+  summary.fused = island.fused;
+  summary.quiet = IsQuiet(state, island);
+  summary.dirty = island.dirty;
+  summary.needs_adjustment = island.needs_adjustment;
+  summary.overlaps_since_adjustment = island.overlaps_since_adjustment;
+  summary.new_keyframes = summary.keyframes - std::min(island.adjusted, summary.keyframes);
+  summary.displaced = island.displaced.size();
+  summary.moved = island.moved.size();
+  summary.relaxed = island.relaxed.size();
+  return summary;
+}
+
+}  // namespace
+
+FusionCoordinator::FusionCoordinator(MissionStrand& strand, std::function<void()> notify)
+    : strand_(strand), notify_(std::move(notify)) {}
+
+FusionSummary FusionCoordinator::Summarise() const {
+  const MissionState& state = strand_.state();
+  FusionSummary summary;
+  for (const auto& [id, island] : state.global.islands) {
+    FusionSummary::IslandSummary& added =
+        summary.islands.emplace_back(SummariseIsland(state, island));
+    added.adjusting = lanes_.IsAdjusting(id);
+    added.cancelled_adjustments = lanes_.CountCancelled(id);
+  }
+  std::sort(summary.islands.begin(), summary.islands.end(),
+            [](const auto& a, const auto& b) { return a.order < b.order; });
+  for (const uint64_t id : state.global.overlaps.waiting()) {
+    const OverlapEntry& entry = state.global.overlaps.at(id);
+    const LocalMapId a = entry.overlap.query.local_map;
+    const LocalMapId b = entry.overlap.candidate.local_map;
+    summary.waiting.push_back({id, state.global.island_of.at(a), state.global.island_of.at(b),
+                               entry.urgent, entry.alone});
+  }
+  summary.queries = state.queries.size();
+  summary.graph_lane_busy = lanes_.IsBusy(FusionLane::kGraph);
+  summary.adjustment_lane_busy = lanes_.IsBusy(FusionLane::kAdjustment);
+  return summary;
+}
+
+PolicyLimits FusionCoordinator::Limits() const {
+  PolicyLimits limits;
+  limits.weld_every = strand_.options().weld_every;
+  limits.adjust_share = strand_.options().adjust_share;
+  limits.adjust_min_keyframes = strand_.options().adjust_min_keyframes;
+  return limits;
+}
+
+std::optional<FusionAction> FusionCoordinator::NextAction(FusionLane lane) const {
+  if (strand_.deleted() || !strand_.environment().has_worker) return std::nullopt;
+  for (const FusionAction& action : DecideActions(Summarise(), Limits())) {
+    if (LaneOf(action) == lane) return action;
+  }
+  return std::nullopt;
+}
+
+std::optional<FusionJob> FusionCoordinator::StartJob(FusionLane lane) {
+  bool skipped = false;
+  int interruptions = 0;
+  Started started = TryStart(lane);
+  while (started.attempt == Attempt::kSkipped || started.attempt == Attempt::kInterrupted) {
+    interruptions = started.attempt == Attempt::kSkipped ? 0 : interruptions + 1;
+    // The other missions' turn; this one is woken again.
+    if (interruptions == kMaxInterruptions) break;
+    skipped = true;
+    started = TryStart(lane);
+  }
+  // What was skipped may have been all that the other lane waited for.
+  if (skipped) strand_.environment().wake_fusion();
+  return std::move(started.job);
+}
+
+FusionCoordinator::Started FusionCoordinator::TryStart(FusionLane lane) {
+  const std::optional<Claim> claim = ClaimLane(lane);
+  if (!claim.has_value()) return {};
+  absl::StatusOr<std::optional<FusionRequest>> request = Prepare(*claim);
+  if (request.ok() && request->has_value()) {
+    return {Attempt::kStarted, FusionJob{**std::move(request), claim->cancelled}};
+  }
+  if (request.ok()) {
+    absl::MutexLock lock(&strand_.mutex());
+    if (!claim->cancelled->load()) SkipAction(claim->action);
+  }
+  ReleaseLane(lane);
+  return {request.ok() ? Attempt::kSkipped : Attempt::kInterrupted, std::nullopt};
+}
+
+std::optional<FusionCoordinator::Claim> FusionCoordinator::ClaimLane(FusionLane lane) {
+  absl::MutexLock lock(&strand_.mutex());
+  if (lanes_.IsBusy(lane)) return std::nullopt;
+  const std::optional<FusionAction> action = NextAction(lane);
+  if (!action.has_value()) {
+    lane_released_.SignalAll();
+    return std::nullopt;
+  }
+  return Claim{*action, lanes_.Claim(*action)};
+}
+
+absl::StatusOr<std::optional<FusionRequest>> FusionCoordinator::Prepare(const Claim& claim) const {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  PausingRead read(strand_, *claim.cancelled);
+  return PrepareRequest(strand_.state(), claim.action, strand_.options(), read);
+}
+
+void FusionCoordinator::ReleaseLane(FusionLane lane) {
+  absl::MutexLock lock(&strand_.mutex());
+  lanes_.Release(lane);
+  lane_released_.SignalAll();
+}
+
+JobEnd FusionCoordinator::FinishJob(FusionLane lane, const FusionJob& job,
+                                    absl::StatusOr<FusionResult> result) {
+  absl::Status status = result.status();
+  bool try_later = absl::IsUnavailable(status);
+  if (result.ok()) {
+    status = Commit(job, *result);
+    // Only the journal can refuse: nothing is wrong with the work.
+    try_later = !status.ok();
+  }
+  try_later = try_later && !strand_.options().deterministic;
+  if (!status.ok() && !try_later) {
+    absl::MutexLock lock(&strand_.mutex());
+    if (!job.cancelled->load()) NoteFailure(job, status);
+  }
+  ReleaseLane(lane);
+  if (status.ok()) notify_();
+  return try_later ? JobEnd::kTryLater : JobEnd::kDone;
+}
+
+void FusionCoordinator::CancelJobs() {
+  absl::MutexLock lock(&strand_.mutex());
+  lanes_.CancelAll();
+}
+
+void FusionCoordinator::Stop() {
+  absl::MutexLock lock(&strand_.mutex());
+  strand_.mutable_state().queries.Clear();
+  lanes_.CancelAll();
+  lane_released_.SignalAll();
+}
+
+// Whoever changes what the jobs began with cancels them under the same lock, lest another begins
+// between.
+absl::Status FusionCoordinator::CommitDecision(const JournalRecord& record,
+                                               absl::FunctionRef<void(MissionState&)> apply) {
+  RETURN_IF_ERROR(strand_.Append(record));
+  absl::MutexLock lock(&strand_.mutex());
+  lanes_.CancelAll();
+  apply(strand_.mutable_state());
+  lanes_.ForgetTrouble();
+  return absl::OkStatus();
+}
+
+absl::Status FusionCoordinator::TellOfDecision() {
+  RETURN_IF_ERROR(strand_.Sync());
+  strand_.environment().wake_fusion();
+  notify_();
+  return absl::OkStatus();
+}
+
+absl::Status FusionCoordinator::Rederive() {
+  {
+    absl::MutexLock turn(&strand_.turn());
+    if (strand_.IsDeleted()) return strand_.Deleted();
+    const RederiveRecord record;
+    RETURN_IF_ERROR(CommitDecision(
+        record, [&record](MissionState& state) { map_store::Apply(record, state); }));
+  }
+  return TellOfDecision();
+}
+
+absl::StatusOr<std::vector<uint64_t>> FusionCoordinator::RetractOverlap(uint64_t overlap,
+                                                                        bool keep_apart) {
+  std::vector<uint64_t> taken_back;
+  {
+    absl::MutexLock turn(&strand_.turn());
+    if (strand_.IsDeleted()) return strand_.Deleted();
+    RETURN_IF_ERROR(strand_.WithState(
+        [overlap](const MissionState& state) { return CheckRetractable(state, overlap); }));
+    const RetractRecord record{overlap, keep_apart};
+    RETURN_IF_ERROR(CommitDecision(record, [&](MissionState& state) {
+      taken_back = Retract(record, strand_.options(), state);
+    }));
+  }
+  RETURN_IF_ERROR(TellOfDecision());
+  return taken_back;
+}
+
+FusionRequestCounts FusionCoordinator::CountWaiting() const {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  if (strand_.deleted() || !strand_.environment().has_worker) return {};
+  FusionRequestCounts counts = CountRequests(Summarise(), Limits());
+  for (const FusionLane lane : kFusionLanes) {
+    // Until it is committed, the state still asks for what runs.
+    if (const auto kind = lanes_.Running(lane)) TakeOne(*kind, counts);
+  }
+  return counts;
+}
+
+bool FusionCoordinator::IsIdleLocked() const {
+  return std::ranges::all_of(kFusionLanes,
+                             [this](FusionLane lane) ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex()) {
+                               return !lanes_.IsBusy(lane) && !NextAction(lane).has_value();
+                             });
+}
+
+bool FusionCoordinator::IsIdle() const {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  return IsIdleLocked();
+}
+
+bool FusionCoordinator::WaitUntilIdle(absl::Time deadline) const {
+  absl::MutexLock lock(&strand_.mutex());
+  while (!IsIdleLocked()) {
+    if (lane_released_.WaitWithDeadline(&strand_.mutex(), deadline)) return IsIdleLocked();
+  }
+  return true;
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,120 @@
+// What is to be fused of a mission, in which order, and what becomes of it.
+#ifndef CORBSLAM_MAP_STORE_MISSION_FUSION_COORDINATOR_H_
+#define CORBSLAM_MAP_STORE_MISSION_FUSION_COORDINATOR_H_
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "map_store/fusion/fusion_job.h"
+#include "map_store/fusion/fusion_policy.h"
+#include "map_store/mission/fusion_lanes.h"
+#include "map_store/mission/mission_load.h"
+#include "map_store/mission/mission_strand.h"
+#include "map_store/records/journal_records.h"
+
+namespace corbslam::map_store {
+
+// What became of a job whose worker has answered.
+enum class JobEnd {
+  kDone,      // Its result is in the state, or is known to be worth nothing.
+  kTryLater,  // The worker is not there, or the journal takes nothing.
+};
+
+// Thread-safe. Asks the policy what comes next, keeps the lanes, and commits results through the
+// mission's strand.
+class FusionCoordinator {
+ public:
+  // `strand` is not owned and must outlive it. `notify` is called, without locks, when something
+  // that others see has changed.
+  FusionCoordinator(MissionStrand& strand, std::function<void()> notify);
+
+  // The next piece of work of a lane, which then is busy until the job is finished.
+  std::optional<FusionJob> StartJob(FusionLane lane);
+  // Commits the result, or notes the failure.
+  JobEnd FinishJob(FusionLane lane, const FusionJob& job, absl::StatusOr<FusionResult> result);
+  void CancelJobs();
+
+  // Forgets what was fused; the lanes derive it again.
+  absl::Status Rederive();
+  // MapStore::RetractOverlap.
+  absl::StatusOr<std::vector<uint64_t>> RetractOverlap(uint64_t overlap, bool keep_apart);
+
+  bool IsIdle() const;
+  bool WaitUntilIdle(absl::Time deadline) const;
+  // What waits for workers, with what they have.
+  FusionRequestCounts CountWaiting() const;
+  // For a mission that is deleted: there is nothing to do any more.
+  void Stop();
+
+ private:
+  enum class Attempt {
+    kStarted,
+    kNothingToDo,
+    kSkipped,      // The action needed no worker; the next one may.
+    kInterrupted,  // The state changed meanwhile: decide anew.
+  };
+  struct Started {
+    Attempt attempt = Attempt::kNothingToDo;
+    std::optional<FusionJob> job;
+  };
+  struct Claim {
+    FusionAction action;
+    CancelFlag cancelled;
+  };
+
+  PolicyLimits Limits() const;
+  FusionSummary Summarise() const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
+  std::optional<FusionAction> NextAction(FusionLane lane) const
+      ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
+  bool IsIdleLocked() const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
+  Started TryStart(FusionLane lane);
+  // The lane is the caller's from here on, until ReleaseLane. None: it has nothing to do.
+  std::optional<Claim> ClaimLane(FusionLane lane);
+  void ReleaseLane(FusionLane lane);
+  absl::StatusOr<std::optional<FusionRequest>> Prepare(const Claim& claim) const;
+  // The action needs no worker: says so in the state.
+  void SkipAction(const FusionAction& action) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.mutex());
+  // Writes a record that changes what jobs began with, and applies it.
+  absl::Status CommitDecision(const JournalRecord& record,
+                              absl::FunctionRef<void(MissionState&)> apply)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  absl::Status TellOfDecision();
+
+  absl::Status Commit(const FusionJob& job, const FusionResult& result);
+  absl::Status CommitQuery(const QueryJob& job, const VerifyOverlapResult& result)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  absl::Status CommitFuse(const FuseJob& job, const FuseMapsResult& result)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  absl::Status CommitRefusedFuse(const FuseJob& job, const FuseMapsResult& result)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  absl::Status CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  // A revision that was committed after the job began has placed what the record would place.
+  bool IsOvertaken(const FuseJob& job, const FuseRecord& record) const;
+  // Milliseconds since the first of the overlaps was verified.
+  double SinceVerified(const std::vector<uint64_t>& overlaps) const
+      ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
+  void NoteFailure(const FusionJob& job, const absl::Status& status)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.mutex());
+  void NoteFailedQuery(const QueryJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.mutex());
+  void NoteFailedFuse(const FuseJob& job, const absl::Status& status)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.mutex());
+  void NoteFailedAdjust(const AdjustJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.mutex());
+
+  MissionStrand& strand_;
+  const std::function<void()> notify_;
+  mutable absl::CondVar lane_released_;
+  FusionLanes lanes_ ABSL_GUARDED_BY(strand_.mutex());
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_MISSION_FUSION_COORDINATOR_H_

@@ -1,0 +1,156 @@
+#include "map_store/mission/mission_sessions.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/ingest/parked_references.h"
+#include "map_store/sharing/sharing.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// Two processes of one name would throw each other out for ever. A process that comes back takes
+// its own older session's place, and so does an agent that says nothing of processes.
+absl::Status CheckNotHeld(absl::string_view mission, const AgentState& agent,
+                          const SessionRequest& request) {
+  const bool is_held = agent.session != 0 && request.instance != 0 &&
+                       request.instance != agent.instance && !request.take_over;
+  if (!is_held) return absl::OkStatus();
+  return absl::AlreadyExistsError(absl::StrCat(
+      "agent ", request.agent, " of mission ", mission,
+      " is connected already, as another process, since ",
+      absl::FormatTime("%Y-%m-%dT%H:%M:%SZ", agent.session_begin, absl::UTCTimeZone()),
+      agent.peer.empty() ? "" : " from ", agent.peer,
+      ": give this robot another name (--agent), stop that process, or start this one with "
+      "--take-over; if that process or its link is gone, its session ends within a minute"));
+}
+
+}  // namespace
+
+absl::Status MissionSessions::CheckRequest(const SessionRequest& request) const {
+  if (strand_.deleted()) return strand_.Deleted();
+  const MissionState& state = strand_.state();
+  const auto agent = state.agents.find(request.agent);
+  if (agent != state.agents.end()) {
+    RETURN_IF_ERROR(CheckNotHeld(strand_.name(), agent->second, request));
+  }
+  for (const LocalMapId& id : request.local_maps) {
+    const LocalMapState* local_map = state.FindLocalMap(id);
+    if (local_map == nullptr || local_map->agent == request.agent) continue;
+    return absl::PermissionDeniedError(
+        absl::StrCat("local map ", ToString(id), " is another agent's"));
+  }
+  const size_t agents = state.agents.size();
+  if (agent != state.agents.end() || agents < strand_.options().max_agents_per_mission) {
+    return absl::OkStatus();
+  }
+  return absl::ResourceExhaustedError(
+      absl::StrCat("mission ", strand_.name(), " has ", agents, " agents; that is the limit"));
+}
+
+absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_id,
+                                                               const SessionRequest& request) {
+  absl::MutexLock lock(&strand_.mutex());
+  RETURN_IF_ERROR(CheckRequest(request));
+  MissionState& state = strand_.mutable_state();
+  const absl::Time now = strand_.environment().clock();
+  Opened opened;
+  opened.grant.capabilities = {.points_follow = true, .coded_features = true};
+  for (const LocalMapId& id : request.local_maps) {
+    LocalMapState* local_map = state.FindLocalMap(id);
+    if (local_map != nullptr) ExpireParked(now, strand_.options(), *local_map);
+    opened.grant.acknowledged.push_back({id, local_map == nullptr ? 0 : local_map->last_batch});
+  }
+  AgentState& agent = state.agents[request.agent];
+  opened.fenced = std::exchange(agent.session, session_id);
+  agent.instance = request.instance;
+  agent.session_begin = now;
+  agent.peer = request.peer;
+  Told& told = told_[request.agent];
+  absl::MutexLock telling(&told.mutex);
+  ResumeSharing(request.last_revision, told.share);
+  ++state.version;
+  return opened;
+}
+
+absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
+                                                   const SessionRequest& request) {
+  ASSIGN_OR_RETURN(Opened opened, Enter(session_id, request));
+  // The robot forgets what the grant acknowledges.
+  if (const absl::Status durable = strand_.Sync(); !durable.ok()) {
+    absl::MutexLock lock(&strand_.mutex());
+    uint64_t& session = strand_.mutable_state().agents.at(request.agent).session;
+    if (session == session_id) session = 0;
+    return durable;
+  }
+  listeners_.CallLast(opened.fenced);
+  return std::move(opened.grant);
+}
+
+absl::Status CheckSession(const MissionStrand& strand, uint64_t session_id,
+                          const std::string& agent) {
+  if (strand.deleted()) {
+    return absl::AbortedError(absl::StrCat("mission ", strand.name(), " was deleted"));
+  }
+  const auto& agents = strand.state().agents;
+  const auto it = agents.find(agent);
+  if (it != agents.end() && it->second.session == session_id) return absl::OkStatus();
+  return absl::AbortedError(
+      absl::StrCat("a newer session of agent ", agent, " has taken the place of this one"));
+}
+
+void MissionSessions::Close(uint64_t session_id, const std::string& agent) {
+  {
+    absl::MutexLock lock(&strand_.mutex());
+    auto& agents = strand_.mutable_state().agents;
+    const auto it = agents.find(agent);
+    if (it != agents.end() && it->second.session == session_id) it->second.session = 0;
+  }
+  listeners_.SetOfSession(session_id, nullptr);
+  strand_.environment().wake_fusion();
+}
+
+absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::NextShared(uint64_t session_id,
+                                                                        const std::string& agent,
+                                                                        size_t byte_budget) {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  RETURN_IF_ERROR(CheckSession(strand_, session_id, agent));
+  Told& told = told_.at(agent);
+  absl::MutexLock telling(&told.mutex);
+  return TakeSharedUpdate(strand_.state(), strand_.options(), byte_budget,
+                          strand_.state().agents.at(agent), told.share);
+}
+
+absl::Status MissionSessions::AskForExactPlaces(const std::string& agent_name) {
+  uint64_t session = 0;
+  {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    if (strand_.deleted()) return strand_.Deleted();
+    const auto agent = strand_.state().agents.find(agent_name);
+    if (agent == strand_.state().agents.end()) {
+      return absl::NotFoundError(
+          absl::StrCat("mission ", strand_.name(), " has no agent ", agent_name));
+    }
+    session = agent->second.session;
+    if (session == 0) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("agent ", agent_name, " is not connected, and can't be asked"));
+    }
+    Told& told = told_.at(agent_name);
+    absl::MutexLock telling(&told.mutex);
+    told.exact_places_wanted = true;
+  }
+  listeners_.Call(session);
+  return absl::OkStatus();
+}
+
+bool MissionSessions::TakeExactPlacesWanted(const std::string& agent) {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  const auto told = told_.find(agent);
+  if (told == told_.end()) return false;
+  absl::MutexLock telling(&told->second.mutex);
+  return std::exchange(told->second.exact_places_wanted, false);
+}
+
+}  // namespace corbslam::map_store

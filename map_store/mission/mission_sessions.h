@@ -1,0 +1,71 @@
+// Who is connected to a mission, and what each robot has been told of it.
+#ifndef CORBSLAM_MAP_STORE_MISSION_MISSION_SESSIONS_H_
+#define CORBSLAM_MAP_STORE_MISSION_MISSION_SESSIONS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "map_store/mission/listeners.h"
+#include "map_store/mission/mission_strand.h"
+#include "map_store/state/share_state.h"
+#include "slam/exchange/shared_update.h"
+#include "slam/exchange/uplink.h"
+
+namespace corbslam::map_store {
+
+// ABORTED: the session is not the agent's any more, or the mission is deleted.
+absl::Status CheckSession(const MissionStrand& strand, uint64_t session_id,
+                          const std::string& agent) ABSL_SHARED_LOCKS_REQUIRED(strand.mutex());
+
+// Thread-safe.
+class MissionSessions {
+ public:
+  // Not owned; must outlive it.
+  explicit MissionSessions(MissionStrand& strand) : strand_(strand) {}
+
+  // Fences an older session of the agent, unless another process holds that.
+  absl::StatusOr<SessionGrant> Open(uint64_t session_id, const SessionRequest& request);
+  void Close(uint64_t session_id, const std::string& agent);
+
+  absl::StatusOr<std::optional<SharedUpdate>> NextShared(uint64_t session_id,
+                                                         const std::string& agent,
+                                                         size_t byte_budget);
+  // MapStore::AskForExactPlaces, MapStore::TakeExactPlacesWanted.
+  absl::Status AskForExactPlaces(const std::string& agent);
+  bool TakeExactPlacesWanted(const std::string& agent);
+
+  Listeners& listeners() { return listeners_; }
+  const Listeners& listeners() const { return listeners_; }
+
+ private:
+  // What one agent was told. Who tells it more holds the state's lock for reading.
+  struct Told {
+    absl::Mutex mutex;
+    ShareState share ABSL_GUARDED_BY(mutex);
+    // By somebody, and the agent has not been asked.
+    bool exact_places_wanted ABSL_GUARDED_BY(mutex) = false;
+  };
+  struct Opened {
+    SessionGrant grant;
+    uint64_t fenced = 0;  // The session whose place it took; 0: none.
+  };
+
+  absl::Status CheckRequest(const SessionRequest& request) const
+      ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
+  absl::StatusOr<Opened> Enter(uint64_t session_id, const SessionRequest& request);
+
+  MissionStrand& strand_;
+  Listeners listeners_;
+  std::map<std::string, Told> told_ ABSL_GUARDED_BY(strand_.mutex());  // Of all agents ever.
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_MISSION_MISSION_SESSIONS_H_

@@ -1,0 +1,96 @@
+// A mission's state behind a lock, and the strand of those who change it.
+#ifndef CORBSLAM_MAP_STORE_MISSION_MISSION_STRAND_H_
+#define CORBSLAM_MAP_STORE_MISSION_MISSION_STRAND_H_
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "map_store/options.h"
+#include "map_store/records/journal.h"
+#include "map_store/records/journal_records.h"
+#include "map_store/state/mission_state.h"
+#include "slam/vocabulary/vocabulary.h"
+
+namespace corbslam::map_store {
+
+// What a mission has from its store.
+struct MissionEnvironment {
+  const MapStoreOptions* options = nullptr;
+  const Vocabulary* vocabulary = nullptr;
+  Journal* journal = nullptr;
+  std::function<absl::Time()> clock;
+  // Called, without locks, when there may be something to fuse.
+  std::function<void()> wake_fusion;
+  bool has_worker = false;
+};
+
+// Thread-safe. Writers take their turn, and hold it while the journal writes; the state's own lock
+// is held only to read or to change memory, never across the journal, a worker or a listener.
+class MissionStrand {
+ public:
+  MissionStrand(std::string name, MissionEnvironment environment);
+  MissionStrand(const MissionStrand&) = delete;
+  MissionStrand& operator=(const MissionStrand&) = delete;
+
+  const std::string& name() const { return name_; }
+  const MissionEnvironment& environment() const { return environment_; }
+  const MapStoreOptions& options() const { return *environment_.options; }
+
+  // What the journal has of it. Before anything else. DATA_LOSS: names what can't be had.
+  absl::Status Recover() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Likewise a state from elsewhere, which the journal has.
+  void Restore(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
+  // What the mission was after a record, from the journal, without features. CANCELLED once the
+  // mission is deleted or `goes_on`, called often, says no.
+  absl::StatusOr<MissionState> ReplayUntil(Journal::Position position,
+                                           const std::function<bool()>& goes_on) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
+
+  // The writers' turn; taken before the state's lock.
+  absl::Mutex& turn() ABSL_LOCK_RETURNED(turn_) { return turn_; }
+  absl::Mutex& mutex() const ABSL_LOCK_RETURNED(mutex_) { return mutex_; }
+  const MissionState& state() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return state_; }
+  MissionState& mutable_state() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return state_; }
+  // Reads the state under its lock; `read` must be quick and must not call back.
+  template <typename Read>
+  auto WithState(Read read) const ABSL_LOCKS_EXCLUDED(mutex_) {
+    absl::ReaderMutexLock lock(&mutex_);
+    return read(static_cast<const MissionState&>(state_));
+  }
+
+  // From here on nothing is written any more. Whoever holds the turn sees no change of it.
+  void MarkDeleted() ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_) ABSL_LOCKS_EXCLUDED(mutex_);
+  bool deleted() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return deleted_; }
+  bool IsDeleted() const ABSL_LOCKS_EXCLUDED(mutex_);
+  // NOT_FOUND, by name.
+  absl::Status Deleted() const;
+
+  absl::Status Append(const JournalRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
+  // The last record that was appended; 0: none.
+  Journal::Position appended() const { return appended_; }
+  // All that was appended so far is durable.
+  absl::Status Sync() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
+
+ private:
+  void Begin(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  const std::string name_;
+  const MissionEnvironment environment_;
+
+  absl::Mutex turn_ ABSL_ACQUIRED_BEFORE(mutex_);
+  std::atomic<Journal::Position> appended_ = 0;
+  mutable absl::Mutex mutex_;
+  MissionState state_ ABSL_GUARDED_BY(mutex_);
+  bool deleted_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_MISSION_MISSION_STRAND_H_

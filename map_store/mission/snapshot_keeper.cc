@@ -1,0 +1,44 @@
+#include "map_store/mission/snapshot_keeper.h"
+
+#include <glog/logging.h>
+
+#include <utility>
+
+#include "slam/util/thread_priority.h"
+
+namespace corbslam::map_store {
+namespace {
+
+constexpr int kStepsLower = 10;
+constexpr absl::Duration kAfterFailure = absl::Minutes(1);
+
+}  // namespace
+
+void SnapshotKeeper::Start(ListMissions missions) {
+  missions_ = std::move(missions);
+  thread_ = std::thread([this] { Run(); });
+}
+
+void SnapshotKeeper::Stop() {
+  signal_.Stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void SnapshotKeeper::Run() {
+  // Robots wait for the other threads, nobody for this one.
+  const absl::Status lowered = LowerThreadPriority(kStepsLower);
+  LOG_IF(WARNING, !lowered.ok()) << "snapshots may hold up robots: " << lowered;
+  absl::Time next_try = absl::InfinitePast();
+  for (uint64_t seen = 0; signal_.Wait(seen);) {
+    if (clock_() < next_try) continue;
+    for (const std::shared_ptr<Mission>& mission : missions_()) {
+      const absl::Status kept = mission->snapshots().Keep([this] { return !signal_.stopped(); });
+      if (kept.ok() || absl::IsCancelled(kept)) continue;
+      // It is wanted again with the next batch, and would cost as much again.
+      LOG(WARNING) << "no snapshot was written: " << kept;
+      next_try = clock_() + kAfterFailure;
+    }
+  }
+}
+
+}  // namespace corbslam::map_store

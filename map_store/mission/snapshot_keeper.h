@@ -1,0 +1,41 @@
+// Writes the snapshots that the journal wants, on a thread of its own.
+#ifndef CORBSLAM_MAP_STORE_MISSION_SNAPSHOT_KEEPER_H_
+#define CORBSLAM_MAP_STORE_MISSION_SNAPSHOT_KEEPER_H_
+
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "absl/time/time.h"
+#include "map_store/mission/mission.h"
+#include "map_store/mission/work_signal.h"
+
+namespace corbslam::map_store {
+
+// Thread-safe.
+class SnapshotKeeper {
+ public:
+  using ListMissions = std::function<std::vector<std::shared_ptr<Mission>>()>;
+
+  explicit SnapshotKeeper(std::function<absl::Time()> clock) : clock_(std::move(clock)) {}
+  ~SnapshotKeeper() { Stop(); }
+
+  void Start(ListMissions missions);
+  // Gives up the one that is being written, and joins. The missions must still be there.
+  void Stop();
+  // Something was written to a journal.
+  void Wake() { signal_.Wake(); }
+
+ private:
+  void Run();
+
+  const std::function<absl::Time()> clock_;
+  ListMissions missions_;
+  WorkSignal signal_;
+  std::thread thread_;
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_MISSION_SNAPSHOT_KEEPER_H_

@@ -1,0 +1,57 @@
+// Tells threads that there may be something to do.
+#ifndef CORBSLAM_MAP_STORE_MISSION_WORK_SIGNAL_H_
+#define CORBSLAM_MAP_STORE_MISSION_WORK_SIGNAL_H_
+
+#include <cstdint>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+
+namespace corbslam::map_store {
+
+// Thread-safe.
+class WorkSignal {
+ public:
+  // Wakes all that wait.
+  void Wake() {
+    absl::MutexLock lock(&mutex_);
+    ++wakes_;
+  }
+  // From here on nobody waits.
+  void Stop() {
+    absl::MutexLock lock(&mutex_);
+    stopped_ = true;
+  }
+  bool stopped() const {
+    absl::MutexLock lock(&mutex_);
+    return stopped_;
+  }
+
+  // Waits for a wake that this thread has not seen; `seen`, its own count, is 0 at first. False: it
+  // is stopped.
+  bool Wait(uint64_t& seen) const {
+    absl::MutexLock lock(&mutex_);
+    const auto woken = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      return stopped_ || wakes_ != seen;
+    };
+    mutex_.Await(absl::Condition(&woken));
+    seen = wakes_;
+    return !stopped_;
+  }
+  // Waits so long, whoever wakes meanwhile. False: it is stopped.
+  bool WaitFor(absl::Duration pause) const {
+    absl::MutexLock lock(&mutex_);
+    mutex_.AwaitWithTimeout(absl::Condition(&stopped_), pause);
+    return !stopped_;
+  }
+
+ private:
+  mutable absl::Mutex mutex_;
+  uint64_t wakes_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_MISSION_WORK_SIGNAL_H_
