@@ -223,9 +223,9 @@ absl::StatusOr<std::vector<uint64_t>> FusionCoordinator::RetractOverlap(uint64_t
   {
     absl::MutexLock turn(&strand_.turn());
     if (strand_.IsDeleted()) return strand_.Deleted();
-    RETURN_IF_ERROR(strand_.WithState(
-        [overlap](const MissionState& state) { return CheckRetractable(state, overlap); }));
     const RetractRecord record{overlap, keep_apart};
+    RETURN_IF_ERROR(strand_.WithState(
+        [&record](const MissionState& state) { return CheckRetraction(state, record); }));
     RETURN_IF_ERROR(CommitDecision(record, [&](MissionState& state) {
       taken_back = Retract(record, strand_.options(), state);
     }));

@@ -54,6 +54,14 @@ size_t CountAdjusted(const MissionState& state, const Island& island) {
   return count;
 }
 
+// Statistics travel whole, in a message of 4 MiB.
+template <typename T>
+void AddNewest(const T& item, std::vector<T>& items) {
+  constexpr size_t kKept = 10'000;
+  if (items.size() >= kKept) items.erase(items.begin());
+  items.push_back(item);
+}
+
 }  // namespace
 
 BatchWords ComputeWords(const MapUpdateBatch& batch, const Vocabulary* vocabulary) {
@@ -116,7 +124,7 @@ bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionStat
   const bool urgent = IsUrgent(record, state);
   for (const LocalMapId& id : record.relaxed) island.relaxed.erase(id);
   island.overlaps_since_adjustment += plan.overlaps.size();
-  if (merged) state.statistics.merge_ms.push_back(record.merge_ms);
+  if (merged) AddNewest(record.merge_ms, state.statistics.merge_ms);
   if (!urgent) return false;
   // What is being adjusted now is not this graph any more.
   ++island.generation;
@@ -147,7 +155,7 @@ void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionSt
   island.overlaps_since_adjustment = 0;
   island.adjusted = CountAdjusted(state, island);
   island.moved.clear();
-  state.statistics.global_adjustments.push_back(record.statistics);
+  AddNewest(record.statistics, state.statistics.global_adjustments);
 }
 
 void Apply(const RederiveRecord&, MissionState& state) { ForgetGlobalLayer(state); }

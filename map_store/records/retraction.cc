@@ -8,6 +8,7 @@
 #include "map_store/fusion/overlap_query.h"
 #include "map_store/fusion/rederivation.h"
 #include "map_store/records/record_application.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -112,6 +113,18 @@ absl::Status CheckRetractable(const MissionState& state, uint64_t overlap) {
   return absl::FailedPreconditionError(absl::StrCat("overlap ", overlap, " of mission ", state.name,
                                                     " can't be taken back: it is ",
                                                     ToString(entry->overlap.verdict)));
+}
+
+absl::Status CheckRetraction(const MissionState& state, const RetractRecord& record) {
+  RETURN_IF_ERROR(CheckRetractable(state, record.overlap));
+  const Overlap& overlap = state.global.overlaps.at(record.overlap).overlap;
+  if (!record.keep_apart || overlap.query.local_map != overlap.candidate.local_map) {
+    return absl::OkStatus();
+  }
+  return absl::FailedPreconditionError(
+      absl::StrCat("overlap ", record.overlap, " of mission ", state.name,
+                   " is a loop of local map ", ToString(overlap.query.local_map),
+                   ", which can't be kept apart from itself: take back the overlap alone"));
 }
 
 std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions& options,

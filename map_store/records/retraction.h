@@ -15,6 +15,11 @@ namespace corbslam::map_store {
 // NOT_FOUND, or FAILED_PRECONDITION where the overlap was refused or taken back already.
 absl::Status CheckRetractable(const MissionState& state, uint64_t overlap);
 
+// Of what is asked for now; records of older stores need not keep the last rule. As
+// CheckRetractable, and FAILED_PRECONDITION where a local map would be kept apart from itself: no
+// loop of it would ever be believed again.
+absl::Status CheckRetraction(const MissionState& state, const RetractRecord& record);
+
 // The overlap is in the graph no more, nor are others between the same keyframes ever again (or
 // between the same local maps, where the record says so). If it was in the graph, its island falls
 // into its local maps, fusion's estimates of them, to all of which it may have led, are forgotten,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "map_store/map_store.h"
+#include "map_store/records/retraction.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
@@ -170,6 +171,20 @@ TEST_F(RetractionTest, RobotsForgetWhatTheyWereToldByIt) {
   ASSERT_TRUE(a.TakeShared().ok());
   EXPECT_TRUE(a.mirror().keyframes.empty());
   EXPECT_TRUE(a.mirror().landmarks.empty());
+}
+
+TEST(CheckRetractionTest, ALocalMapIsNotKeptApartFromItself) {
+  map_store::MissionState state;
+  map_store::OverlapEntry loop;
+  loop.id = 1;
+  loop.overlap.query = {LocalMapId{0xa}, 90};
+  loop.overlap.candidate = {LocalMapId{0xa}, 1};
+  loop.state = map_store::OverlapState::kInGraph;
+  state.global.overlaps.Add(loop);
+  EXPECT_TRUE(map_store::CheckRetraction(state, {1, false}).ok());
+  const absl::Status refused = map_store::CheckRetraction(state, {1, true});
+  EXPECT_EQ(refused.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(refused.message()), ::testing::HasSubstr("000000000000000a"));
 }
 
 TEST_F(RetractionTest, OnlyWhatIsAcceptedCanBeTakenBack) {
