@@ -61,6 +61,13 @@ TEST_F(ExactPlacesTest, TheAgentIsAsked) {
 
 TEST_F(ExactPlacesTest, WhoIsNotThereIsNotAsked) {
   EXPECT_EQ(Ask("missions/m/agents/alpha").error_code(), grpc::StatusCode::NOT_FOUND);
+  // Somebody else is in the mission, which goes with its last session as nothing is written to it.
+  const std::unique_ptr<Uplink> others = MakeRemoteUplink(server_->InProcessChannel());
+  UplinkNotes others_notes;
+  SessionRequest others_request = request_;
+  others_request.agent = "charlie";
+  others->Open(others_request, &others_notes);
+  ASSERT_TRUE(others_notes.WaitForGrant().has_value());
   uplink_->Open(request_, &notes_);
   ASSERT_TRUE(notes_.WaitForGrant().has_value());
   EXPECT_EQ(Ask("missions/m/agents/bravo").error_code(), grpc::StatusCode::NOT_FOUND);
@@ -75,6 +82,7 @@ TEST_F(ExactPlacesTest, WhoIsNotThereIsNotAsked) {
   } while (status.ok() && absl::Now() < deadline);
   EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
   EXPECT_THAT(status.error_message(), HasSubstr("alpha is not connected"));
+  others->Close();
 }
 
 }  // namespace

@@ -54,6 +54,8 @@ class AttackLog {
     entry["ended"] = NowInSeconds();
     const auto statistics = own_.Statistics();
     if (statistics.ok()) entry["own_keyframes"] = statistics->mission().keyframes();
+    // To which nothing was written, that is none after its last session.
+    if (absl::IsNotFound(statistics.status())) entry["own_keyframes"] = 0;
     attacks_.push_back(std::move(entry));
   }
 
