@@ -1,0 +1,265 @@
+// What a mission costs as it grows: synthetic robots on shared ground (synthetic_fleet.h) fill one,
+// with a journal, and at some sizes it is measured what a batch, a shared update, fusion, pages,
+// watching, a backup and a keyframe's memory take. Prints a table and writes JSON.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
+#include "map_store/map_store.h"
+#include "map_store/rocks/rocks_journal.h"
+#include "services/map_store_service/map_changes_to_proto.h"
+#include "services/programs/default_vocabulary.h"
+#include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
+#include "tests/bench/synthetic_fleet.h"
+#include "tests/replay/quantile.h"
+
+namespace corbslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr char kMission[] = "long";
+
+struct Flags {
+  std::vector<size_t> keyframes = {500, 1000, 2000, 5000, 10000};
+  size_t robots = 10;
+  size_t features = 1000;
+  std::string data_dir;
+  std::string json;
+};
+
+double Milliseconds(absl::Time since) { return absl::ToDoubleMilliseconds(absl::Now() - since); }
+
+uint64_t ResidentBytes() {
+  uint64_t pages = 0;
+  uint64_t resident = 0;
+  std::ifstream("/proc/self/statm") >> pages >> resident;
+  return resident * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+// Times that a look-up which needs the state's lock for a moment takes, all the while: as long as
+// somebody holds it for writing, it waits.
+class LockProbe {
+ public:
+  LockProbe(const MapStore& store, LocalMapId local_map)
+      : thread_([this, &store, local_map] {
+          while (!stop_) {
+            const absl::Time begin = absl::Now();
+            (void)store.GetLocalMap(kMission, local_map);
+            const double ms = Milliseconds(begin);
+            {
+              absl::MutexLock lock(&mutex_);
+              ms_.push_back(ms);
+            }
+            absl::SleepFor(absl::Microseconds(300));
+          }
+        }) {}
+  ~LockProbe() {
+    stop_ = true;
+    thread_.join();
+  }
+  std::vector<double> Take() {
+    absl::MutexLock lock(&mutex_);
+    return std::exchange(ms_, {});
+  }
+
+ private:
+  std::atomic<bool> stop_ = false;
+  absl::Mutex mutex_;
+  std::vector<double> ms_ ABSL_GUARDED_BY(mutex_);
+  std::thread thread_;
+};
+
+// Since the last row.
+struct Spell {
+  std::vector<double> apply_ms;
+  std::vector<double> shared_ms;
+  std::vector<double> fusion_ms;
+};
+
+class LongMission {
+ public:
+  LongMission(const Flags& flags, MapStore& store) : store_(store), fleet_(Options(flags)) {}
+
+  absl::Status Open() {
+    for (size_t i = 0; i < fleet_.robots(); ++i) {
+      SessionRequest request;
+      request.mission = kMission;
+      request.agent = absl::StrCat("robot-", i);
+      ASSIGN_OR_RETURN(const MapStore::OpenedSession opened, store_.OpenSession(request));
+      sessions_.push_back(opened.session_id);
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status AddKeyframe() {
+    const size_t robot = keyframes_ % fleet_.robots();
+    const MapUpdateBatch batch = fleet_.NextBatch(robot);
+    absl::Time begin = absl::Now();
+    RETURN_IF_ERROR(store_.Apply(sessions_[robot], batch).status());
+    spell_.apply_ms.push_back(Milliseconds(begin));
+    begin = absl::Now();
+    RETURN_IF_ERROR(store_.RunFusionUntilIdle(kMission));
+    spell_.fusion_ms.push_back(Milliseconds(begin));
+    begin = absl::Now();
+    RETURN_IF_ERROR(store_.NextShared(sessions_[robot], 1 << 20).status());
+    spell_.shared_ms.push_back(Milliseconds(begin));
+    ++keyframes_;
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<Json> Measure(std::vector<double> probed_ms) {
+    Json row = {{"keyframes", keyframes_}, {"points", fleet_.point_count()}};
+    const auto spread = [&row](const char* what, const std::vector<double>& ms) {
+      row[absl::StrCat(what, "_p50_ms")] = Quantile(ms, 0.5);
+      row[absl::StrCat(what, "_p99_ms")] = Quantile(ms, 0.99);
+    };
+    spread("batch", spell_.apply_ms);
+    spread("shared_update", spell_.shared_ms);
+    spread("fusion", spell_.fusion_ms);
+    row["longest_wait_for_lock_ms"] = Quantile(std::move(probed_ms), 1);
+    spell_ = {};
+    RETURN_IF_ERROR(MeasurePages(row));
+    RETURN_IF_ERROR(MeasureWatching(row));
+    const absl::Time begin = absl::Now();
+    RETURN_IF_ERROR(store_.BackUpMission(kMission).status());
+    row["backup_pause_ms"] = Milliseconds(begin);
+    row["kB_per_keyframe"] = static_cast<double>(ResidentBytes()) / 1e3 /
+                             static_cast<double>(std::max<size_t>(keyframes_, 1));
+    return row;
+  }
+
+  LocalMapId first_local_map() const { return fleet_.local_map(0); }
+  size_t keyframes() const { return keyframes_; }
+
+ private:
+  static FleetOptions Options(const Flags& flags) {
+    FleetOptions options;
+    options.robots = flags.robots;
+    options.features = flags.features;
+    return options;
+  }
+
+  absl::Status MeasurePages(Json& row) const {
+    const PageRequest page = {100, ""};
+    absl::Time begin = absl::Now();
+    RETURN_IF_ERROR(store_.ListKeyframes(kMission, LocalMapId(), page).status());
+    row["page_of_keyframes_ms"] = Milliseconds(begin);
+    begin = absl::Now();
+    RETURN_IF_ERROR(store_.ListOverlaps(kMission, {}, page).status());
+    row["page_of_overlaps_ms"] = Milliseconds(begin);
+    begin = absl::Now();
+    RETURN_IF_ERROR(store_.GetStatistics(kMission).status());
+    row["statistics_ms"] = Milliseconds(begin);
+    return absl::OkStatus();
+  }
+
+  // What one batch more is to a watcher who has seen all before.
+  absl::Status MeasureWatching(Json& row) {
+    ASSIGN_OR_RETURN(const auto all, store_.ChangesSince(kMission, 0));
+    if (!all.has_value()) return absl::InternalError("there is nothing to watch");
+    RETURN_IF_ERROR(AddKeyframe());
+    const absl::Time begin = absl::Now();
+    ASSIGN_OR_RETURN(const auto changes, store_.ChangesSince(kMission, all->version));
+    row["watch_ms"] = Milliseconds(begin);
+    size_t bytes = 0;
+    if (changes.has_value()) {
+      for (const auto& response : ToProto(*changes, false)) bytes += response.ByteSizeLong();
+    }
+    row["watch_bytes"] = bytes;
+    return absl::OkStatus();
+  }
+
+  MapStore& store_;
+  SyntheticFleet fleet_;
+  std::vector<uint64_t> sessions_;
+  size_t keyframes_ = 0;
+  Spell spell_;
+};
+
+void Print(const Json& row, bool with_header) {
+  std::string names = "|";
+  std::string lines = "|";
+  std::string values = "|";
+  for (const auto& [name, value] : row.items()) {
+    absl::StrAppend(&names, " ", name, " |");
+    lines += " --- |";
+    char text[32];
+    if (value.is_number_float()) {
+      std::snprintf(text, sizeof(text), " %.2f |", value.get<double>());
+    } else {
+      std::snprintf(text, sizeof(text), " %llu |",
+                    static_cast<unsigned long long>(value.get<uint64_t>()));
+    }
+    values += text;
+  }
+  if (with_header) std::printf("%s\n%s\n", names.c_str(), lines.c_str());
+  std::printf("%s\n", values.c_str());
+  std::fflush(stdout);
+}
+
+absl::Status Run(const Flags& flags) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<const Vocabulary> vocabulary,
+                   Vocabulary::Load(DefaultVocabularyPath()));
+  std::filesystem::remove_all(flags.data_dir);
+  RocksJournalOptions journal_options;
+  journal_options.directory = flags.data_dir;
+  ASSIGN_OR_RETURN(std::unique_ptr<RocksJournal> journal, RocksJournal::Open(journal_options));
+  MapStoreOptions options;
+  options.deterministic = true;
+  BelievingWorker worker;
+  MapStore store(options, vocabulary, std::move(journal), &worker);
+  LongMission mission(flags, store);
+  RETURN_IF_ERROR(mission.Open());
+  RETURN_IF_ERROR(mission.AddKeyframe());
+  LockProbe probe(store, mission.first_local_map());
+  Json rows = Json::array();
+  for (const size_t keyframes : flags.keyframes) {
+    while (mission.keyframes() < keyframes) RETURN_IF_ERROR(mission.AddKeyframe());
+    ASSIGN_OR_RETURN(Json row, mission.Measure(probe.Take()));
+    // What was just measured is no part of the next row.
+    probe.Take();
+    Print(row, rows.empty());
+    rows.push_back(std::move(row));
+  }
+  if (flags.json.empty()) return absl::OkStatus();
+  return WriteLines({Json{{"robots", flags.robots}, {"rows", rows}}.dump(2)}, flags.json);
+}
+
+}  // namespace
+}  // namespace corbslam
+
+int main(int argc, char** argv) {
+  corbslam::Flags flags;
+  CLI::App app("What a mission costs as it grows", "long_mission");
+  app.add_option("--keyframes", flags.keyframes, "Sizes at which it is measured, rising")
+      ->capture_default_str();
+  app.add_option("--robots", flags.robots, "On the same ground")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--features", flags.features, "Of a keyframe")
+      ->check(CLI::Range(1, 20000))
+      ->capture_default_str();
+  app.add_option("--data-dir", flags.data_dir, "Folder of the journal; made new")->required();
+  app.add_option("--json", flags.json, "File for the rows");
+  CLI11_PARSE(app, argc, argv);
+  if (const absl::Status status = corbslam::Run(flags); !status.ok()) {
+    std::fprintf(stderr, "long_mission: %s\n", status.ToString().c_str());
+    return 1;
+  }
+  return 0;
+}
