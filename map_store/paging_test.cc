@@ -98,7 +98,7 @@ TEST_F(PagesTest, EverySizeOfPageGivesTheSame) {
     ASSERT_TRUE(whole.ok()) << what << ": " << whole.status();
     EXPECT_FALSE(whole->names.empty()) << what;
     EXPECT_EQ(whole->next_page_token, "") << what;
-    for (const size_t size : {1, 2, 3, 7, 1000}) {
+    for (const size_t size : {1u, 2u, 3u, 7u, 1000u}) {
       EXPECT_THAT(ReadInPages(list, size), ElementsAreArray(whole->names))
           << what << " by " << size;
     }
