@@ -20,16 +20,16 @@ uint64_t SeedOf(const AgentOptions& options) {
 
 StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
                                       const RecordedCamera& recorded_camera) {
-  StoreLinkOptions memory;
-  memory.mission = options.mission;
-  memory.agent = options.name;
-  memory.recorded_camera = recorded_camera;
-  memory.seed = SeedOf(options);
-  memory.max_outbox_bytes = options.max_outbox_bytes;
-  memory.features = options.upload_features;
-  memory.uplink_bytes_per_second = options.uplink_bytes_per_second;
-  memory.downlink_bytes_per_second = options.downlink_bytes_per_second;
-  return memory;
+  StoreLinkOptions link;
+  link.mission = options.mission;
+  link.agent = options.name;
+  link.recorded_camera = recorded_camera;
+  link.seed = SeedOf(options);
+  link.max_outbox_bytes = options.max_outbox_bytes;
+  link.features = options.upload_features;
+  link.uplink_bytes_per_second = options.uplink_bytes_per_second;
+  link.downlink_bytes_per_second = options.downlink_bytes_per_second;
+  return link;
 }
 
 }  // namespace
@@ -69,14 +69,14 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       camera_(std::make_shared<const Camera>(sensor_->camera())),
       vocabulary_(std::move(vocabulary)),
       random_(SeedOf(options)),
-      memory_(std::make_unique<StoreLink>(
+      link_(std::make_unique<StoreLink>(
           MakeStoreLinkOptions(options, recorded_camera), uplink,
           [vocabulary = vocabulary_](const std::vector<Descriptor>& descriptors) {
             return std::make_shared<const Words>(vocabulary->Transform(descriptors));
           },
           std::move(spool))) {
   OpenLocalMap();
-  if (!options_.deterministic) memory_->Start();
+  if (!options_.deterministic) link_->Start();
 }
 
 SingleAgent::~SingleAgent() {
@@ -95,7 +95,7 @@ void SingleAgent::OpenLocalMap() {
   options.loop_closer.solver_threads = options_.solver_threads;
   options.follow_correction = [this, id = options.local_map](const OwnCorrection& correction,
                                                              Map& map) {
-    memory_->OnCorrected(id, correction, map);
+    link_->OnCorrected(id, correction, map);
   };
   auto session = std::make_unique<LocalMapSession>(options, camera_, vocabulary_);
   LocalMapSession* opened = session.get();
@@ -111,7 +111,7 @@ void SingleAgent::OpenLocalMap() {
   access.on_placed = [opened](const PlacementChange& change, const Map& map) {
     opened->OnPlaced(change, map);
   };
-  opened->map().SetObserver(memory_->BeginLocalMap(std::move(access)));
+  opened->map().SetObserver(link_->BeginLocalMap(std::move(access)));
   if (!options_.deterministic) opened->Start();
   absl::MutexLock lock(&mutex_);
   sessions_.push_back(std::move(session));
@@ -126,7 +126,7 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   Watch(features);
   TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start));
-  if (current().tracker().IsLostForGood() || memory_->NeedsNewLocalMap()) BeginLocalMap();
+  if (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap()) BeginLocalMap();
   if (options_.deterministic) Step();
   return result;
 }
@@ -146,7 +146,7 @@ void SingleAgent::Watch(const Features& features) {
 
 void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
   const bool tracked = result.state == TrackingState::kTracking;
-  const size_t foreign_keyframes = memory_->shared_keyframes();
+  const size_t foreign_keyframes = link_->shared_keyframes();
   {
     absl::MutexLock lock(&mutex_);
     status_.state = result.state;
@@ -165,16 +165,16 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
     }
   }
   if (tracked) {
-    memory_->AddTrackedFrame({result.timestamp_ns, result.reference, result.reference_from_camera});
+    link_->AddTrackedFrame({result.timestamp_ns, result.reference, result.reference_from_camera});
   } else {
-    memory_->AddLostFrame(result.timestamp_ns);
+    link_->AddLostFrame(result.timestamp_ns);
   }
 }
 
 void SingleAgent::Step() {
   if (!options_.deterministic) return;
   current().Step();
-  memory_->Step();
+  link_->Step();
   // What came back while sending.
   current().Step();
 }
@@ -184,7 +184,7 @@ absl::Status SingleAgent::Finish(absl::Duration timeout) {
   if (!current().WaitUntilIdle(deadline)) {
     return absl::DeadlineExceededError("mapping and loop closing have not come to an end yet");
   }
-  return memory_->Finish(deadline - absl::Now());
+  return link_->Finish(deadline - absl::Now());
 }
 
 std::vector<const LocalMapSession*> SingleAgent::Sessions() const {
@@ -195,7 +195,7 @@ std::vector<const LocalMapSession*> SingleAgent::Sessions() const {
 }
 
 std::optional<Similarity3d> SingleAgent::GlobalFromLocal() const {
-  return memory_->GlobalFromLocal();
+  return link_->GlobalFromLocal();
 }
 
 AgentTimings SingleAgent::GetTimings() const {
@@ -232,10 +232,10 @@ AgentStatus SingleAgent::GetStatus() const {
     status.loops_closed += loops.closed;
     status.foreign_loops_closed += loops.closed_against_others;
   }
-  status.global_from_local = memory_->GlobalFromLocal();
-  status.foreign_keyframes = static_cast<int>(memory_->shared_keyframes());
-  status.upload = memory_->upload();
-  if (const auto first = memory_->first_acknowledged()) {
+  status.global_from_local = link_->GlobalFromLocal();
+  status.foreign_keyframes = static_cast<int>(link_->shared_keyframes());
+  status.upload = link_->upload();
+  if (const auto first = link_->first_acknowledged()) {
     status.first_upload_s = absl::ToDoubleSeconds(*first - created_);
   }
   return status;

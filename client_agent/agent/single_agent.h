@@ -59,7 +59,7 @@ class SingleAgent : public Agent {
   int64_t points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t foreign_points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   // Reads the sessions' maps: goes before them.
-  std::unique_ptr<StoreLink> memory_;
+  std::unique_ptr<StoreLink> link_;
 };
 
 }  // namespace corbslam

@@ -72,6 +72,8 @@ StoreLink::~StoreLink() {
   budget_.Lift();
   {
     absl::MutexLock lock(&mutex_);
+    // First the frames: with each, a recorder holds back again.
+    DeliverFrames();
     for (auto& recording : recordings_) recording->recorder->StopHoldingBack();
   }
   TakeBatches(/*all=*/true);

@@ -21,7 +21,7 @@ class StoreLinkSpoolTest : public ::testing::Test {
     manager_.reset();
     options_.mission = "m";
     options_.agent = "alpha";
-    options_.hold_newest_keyframes = 0;
+    options_.hold_newest_keyframes = hold_newest_;
     options_.max_outbox_bytes = max_outbox_bytes;
     if (!in_real_time_) options_.clock = [this] { return now_; };
     manager_ = std::make_unique<StoreLink>(
@@ -71,6 +71,7 @@ class StoreLinkSpoolTest : public ::testing::Test {
   FakeDisk disk_;
   FakeUplink uplink_;
   StoreLinkOptions options_;
+  size_t hold_newest_ = 0;
   bool in_real_time_ = false;
   absl::Time now_ = absl::UnixEpoch() + absl::Hours(1);
   absl::Mutex map_mutex_;
@@ -96,6 +97,21 @@ TEST_F(StoreLinkSpoolTest, ARestartedRobotDrainsItsSpoolAndOpensANewLocalMap) {
   EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
   Step();
   EXPECT_TRUE(disk_.files.empty());
+}
+
+TEST_F(StoreLinkSpoolTest, WhatIsHeldBackIsInTheSpoolWhenARobotEnds) {
+  uplink_.reachable = false;
+  hold_newest_ = 3;
+  StartRobot(kOwn, /*max_outbox_bytes=*/1 << 20);
+  for (uint32_t k = 0; k < 5; ++k) AddKeyframe({kOwn, k});
+  Step();
+  // Tracked since the last batch was made.
+  manager_->AddTrackedFrame({1, {kOwn, 4}, {}});
+  StartRobot(kNext);
+  uplink_.reachable = true;
+  Step();
+  const std::multiset<KeyframeId> stored = StoredKeyframes();
+  for (uint32_t k = 0; k < 5; ++k) EXPECT_EQ(stored.count({kOwn, k}), 1u) << k;
 }
 
 TEST_F(StoreLinkSpoolTest, ARobotThatEndsUnreachedLeavesEverythingInItsSpool) {

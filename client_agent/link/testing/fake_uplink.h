@@ -1,4 +1,4 @@
-// A map store at the other end of an uplink, for tests of memory management.
+// A map store at the other end of an uplink, for tests of the link to it.
 #ifndef CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_UPLINK_H_
 #define CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_UPLINK_H_
 
