@@ -219,8 +219,7 @@ absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
 
 absl::StatusOr<MissionBackup> MapStore::BackUpMission(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->WithState(
-      [](const map_store::MissionState& state) { return MissionBackup(state); });
+  return mission->snapshots().BackUp();
 }
 
 MissionRestorer MapStore::StartRestoring() const {

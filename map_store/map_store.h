@@ -23,6 +23,7 @@
 #include "map_store/options.h"
 #include "map_store/records/journal.h"
 #include "map_store/state/lookups.h"
+#include "map_store/view/map_watcher.h"
 #include "slam/exchange/fusion_worker.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/shared_update.h"
@@ -162,9 +163,10 @@ class MapStore {
 
   // All islands, the reference island first.
   absl::StatusOr<std::vector<IslandView>> GlobalMapView(absl::string_view mission) const;
-  // What changed since `version` (0: all); none when nothing has.
-  absl::StatusOr<std::optional<MapChanges>> ChangesSince(absl::string_view mission,
-                                                         uint64_t version) const;
+  // The next piece of what changed since the watcher saw it last, of about `max_items` keyframes
+  // and points; none when nothing has.
+  absl::StatusOr<std::optional<MapChanges>> NextChanges(absl::string_view mission, size_t max_items,
+                                                        MapWatcher& watcher) const;
   // Called after each change; several may be added. The token removes it.
   absl::StatusOr<uint64_t> AddMapListener(absl::string_view mission,
                                           std::function<void()> listener);

@@ -103,25 +103,12 @@ absl::StatusOr<std::vector<IslandView>> MapStore::GlobalMapView(
   });
 }
 
-absl::StatusOr<std::optional<MapChanges>> MapStore::ChangesSince(absl::string_view mission_name,
-                                                                 uint64_t version) const {
+absl::StatusOr<std::optional<MapChanges>> MapStore::NextChanges(absl::string_view mission_name,
+                                                                size_t max_items,
+                                                                MapWatcher& watcher) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->WithState([version](const MissionState& state) -> std::optional<MapChanges> {
-    // Newer than ours: of what the store has no more.
-    const uint64_t since = version > state.version ? 0 : version;
-    if (state.version <= since) return std::nullopt;
-    MapChanges changes;
-    changes.version = state.version;
-    changes.revision = state.global.revision;
-    for (const map_store::Island* island : map_store::OrderedIslands(state)) {
-      if (island->version <= since) continue;
-      changes.islands.push_back(map_store::DescribeIsland(state, *island));
-    }
-    for (const LocalMapId& id : state.order) {
-      if (!state.global.islands.contains(id)) changes.removed_islands.push_back(id);
-    }
-    return changes;
-  });
+  return mission->WithState(
+      [&](const MissionState& state) { return watcher.Next(state, max_items); });
 }
 
 absl::StatusOr<uint64_t> MapStore::AddMapListener(absl::string_view mission_name,

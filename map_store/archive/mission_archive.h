@@ -30,6 +30,9 @@ namespace corbslam {
 class MissionBackup {
  public:
   explicit MissionBackup(const map_store::MissionState& state);
+  // Likewise of a state that was encoded elsewhere (EncodeState), with all its keyframes.
+  MissionBackup(std::string state, std::vector<std::shared_ptr<const KeyframePayload>> keyframes)
+      : keyframes_(std::move(keyframes)), state_(std::move(state)) {}
 
   // The file's next piece, of about `bytes` (a keyframe more at most); empty: that was all.
   std::string Next(size_t bytes);

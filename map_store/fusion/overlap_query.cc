@@ -148,8 +148,8 @@ double GraphResidualPx(const MissionState& state, const Overlap& overlap) {
   const Keyframe* query = query_map.map.FindKeyframe(overlap.query);
   const Keyframe* candidate = candidate_map.map.FindKeyframe(overlap.candidate);
   if (query == nullptr || candidate == nullptr) return 0;
-  const Similarity3d expected = ComputePoses(candidate_map, state.global).at(overlap.candidate) *
-                                ComputePoses(query_map, state.global).at(overlap.query).Inverse();
+  const Similarity3d expected = FindPoses(state, candidate_map)->poses.at(overlap.candidate) *
+                                FindPoses(state, query_map)->poses.at(overlap.query).Inverse();
   const Similarity3d difference = overlap.candidate_from_query * expected.Inverse();
   return PixelMotion(difference.ToRigid(), MedianDepth(candidate_map, *candidate),
                      candidate->camera().fx_px);

@@ -32,7 +32,7 @@ void ForgetGlobalLayer(MissionState& state) {
   fresh.taken_back = std::move(state.global.taken_back);
   fresh.kept_apart = std::move(state.global.kept_apart);
   ++state.version;
-  for (auto& [id, local_map] : state.local_maps) local_map.changes.Forget(state.version);
+  for (auto& [id, local_map] : state.local_maps) ForgetChanges(state, local_map);
   for (const LocalMapId& id : state.order) {
     fresh.island_of[id] = id;
     fresh.islands[id] = MakeLoneIsland(state, id);

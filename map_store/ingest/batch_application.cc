@@ -64,7 +64,9 @@ void AddPoint(const FullMapPoint& full, LocalMapState& local_map) {
   point.normal_in_map = full.normal_in_local;
   point.min_distance = full.min_distance;
   point.max_distance = full.max_distance;
-  if (local_map.map.AddPoint(std::move(point))) local_map.followers.Add(full.reference, full.id);
+  if (!local_map.map.AddPoint(std::move(point))) return;
+  local_map.followers.Add(full.reference, full.id);
+  local_map.changes.NotePoint(full.id);
 }
 
 void AddFullItems(const MapUpdateBatch& batch, const BatchWords& words, MissionState& state,

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "map_store/mission/pausing_read.h"
 #include "map_store/records/record_application.h"
 #include "map_store/records/retraction.h"
-#include "map_store/view/long_read.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -13,32 +13,6 @@ namespace {
 
 // Of one piece of work while its views are read: others commit far more seldom than that.
 constexpr int kMaxInterruptions = 20;
-
-// The caller holds it for reading. A writer that waits comes first.
-void LetWritersIn(absl::Mutex& mutex) ABSL_NO_THREAD_SAFETY_ANALYSIS {
-  mutex.ReaderUnlock();
-  mutex.ReaderLock();
-}
-
-// Made, used and given up under the state's lock, held for reading.
-class PausingRead : public LongRead {
- public:
-  PausingRead(const MissionStrand& strand, const std::atomic<bool>& cancelled)
-      ABSL_SHARED_LOCKS_REQUIRED(strand.mutex())
-      : strand_(strand), cancelled_(cancelled), revision_(strand.state().global.revision) {}
-
-  absl::Status Pause() override ABSL_NO_THREAD_SAFETY_ANALYSIS {
-    LetWritersIn(strand_.mutex());
-    if (cancelled_.load()) return absl::AbortedError("cancelled");
-    if (strand_.state().global.revision == revision_) return absl::OkStatus();
-    return absl::AbortedError("another revision was committed");
-  }
-
- private:
-  const MissionStrand& strand_;
-  const std::atomic<bool>& cancelled_;
-  const uint64_t revision_;
-};
 
 FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Island& island) {
   FusionSummary::IslandSummary summary;
@@ -146,7 +120,12 @@ std::optional<FusionCoordinator::Claim> FusionCoordinator::ClaimLane(FusionLane 
 
 absl::StatusOr<std::optional<FusionRequest>> FusionCoordinator::Prepare(const Claim& claim) const {
   absl::ReaderMutexLock lock(&strand_.mutex());
-  PausingRead read(strand_, *claim.cancelled);
+  const uint64_t revision = strand_.state().global.revision;
+  PausingRead read(strand_.mutex(), [&]() ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex()) {
+    if (claim.cancelled->load()) return absl::AbortedError("cancelled");
+    if (strand_.state().global.revision == revision) return absl::OkStatus();
+    return absl::AbortedError("another revision was committed");
+  });
   return PrepareRequest(strand_.state(), claim.action, strand_.options(), read);
 }
 

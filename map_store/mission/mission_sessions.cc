@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/parked_references.h"
+#include "map_store/mission/pausing_read.h"
 #include "map_store/sharing/sharing.h"
 #include "slam/util/status_macros.h"
 
@@ -67,9 +68,7 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
   agent.instance = request.instance;
   agent.session_begin = now;
   agent.peer = request.peer;
-  Told& told = told_[request.agent];
-  absl::MutexLock telling(&told.mutex);
-  ResumeSharing(request.last_revision, told.share);
+  opened.told = &told_[request.agent];
   ++state.version;
   return opened;
 }
@@ -77,6 +76,11 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
 absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
                                                    const SessionRequest& request) {
   ASSIGN_OR_RETURN(Opened opened, Enter(session_id, request));
+  {
+    // Once the session before has stopped telling.
+    absl::MutexLock telling(&opened.told->mutex);
+    ResumeSharing(request.last_revision, opened.told->share);
+  }
   // The robot forgets what the grant acknowledges.
   if (const absl::Status durable = strand_.Sync(); !durable.ok()) {
     absl::MutexLock lock(&strand_.mutex());
@@ -114,12 +118,38 @@ void MissionSessions::Close(uint64_t session_id, const std::string& agent) {
 absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::NextShared(uint64_t session_id,
                                                                         const std::string& agent,
                                                                         size_t byte_budget) {
+  Told* told = FindTold(agent);
+  if (told == nullptr) return absl::AbortedError(absl::StrCat("agent ", agent, " has no session"));
+  absl::MutexLock telling(&told->mutex);
+  absl::StatusOr<std::optional<SharedUpdate>> update;
+  do {
+    update = Look(session_id, agent, byte_budget, told->share);
+  } while (update.ok() && !update->has_value() && told->share.unfinished);
+  if (!update.ok()) ForgetLastUpdate(told->share);
+  return update;
+}
+
+absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::Look(uint64_t session_id,
+                                                                  const std::string& agent,
+                                                                  size_t byte_budget,
+                                                                  ShareState& share) const {
   absl::ReaderMutexLock lock(&strand_.mutex());
-  RETURN_IF_ERROR(CheckSession(strand_, session_id, agent));
-  Told& told = told_.at(agent);
-  absl::MutexLock telling(&told.mutex);
-  return TakeSharedUpdate(strand_.state(), strand_.options(), byte_budget,
-                          strand_.state().agents.at(agent), told.share);
+  const auto check = [&]() ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex()) {
+    return CheckSession(strand_, session_id, agent);
+  };
+  RETURN_IF_ERROR(check());
+  PausingRead read(strand_.mutex(), check);
+  std::optional<SharedUpdate> update =
+      TakeSharedUpdate(strand_.state(), strand_.options(), byte_budget,
+                       strand_.state().agents.at(agent), share, read);
+  RETURN_IF_ERROR(check());
+  return update;
+}
+
+MissionSessions::Told* MissionSessions::FindTold(const std::string& agent) {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  const auto it = told_.find(agent);
+  return it == told_.end() ? nullptr : &it->second;
 }
 
 absl::Status MissionSessions::AskForExactPlaces(const std::string& agent_name) {
@@ -137,9 +167,7 @@ absl::Status MissionSessions::AskForExactPlaces(const std::string& agent_name) {
       return absl::FailedPreconditionError(
           absl::StrCat("agent ", agent_name, " is not connected, and can't be asked"));
     }
-    Told& told = told_.at(agent_name);
-    absl::MutexLock telling(&told.mutex);
-    told.exact_places_wanted = true;
+    told_.at(agent_name).exact_places_wanted = true;
   }
   listeners_.Call(session);
   return absl::OkStatus();
@@ -148,9 +176,7 @@ absl::Status MissionSessions::AskForExactPlaces(const std::string& agent_name) {
 bool MissionSessions::TakeExactPlacesWanted(const std::string& agent) {
   absl::ReaderMutexLock lock(&strand_.mutex());
   const auto told = told_.find(agent);
-  if (told == told_.end()) return false;
-  absl::MutexLock telling(&told->second.mutex);
-  return std::exchange(told->second.exact_places_wanted, false);
+  return told != told_.end() && told->second.exact_places_wanted.exchange(false);
 }
 
 }  // namespace corbslam::map_store

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_MAP_STORE_MISSION_MISSION_SESSIONS_H_
 #define CORBSLAM_MAP_STORE_MISSION_MISSION_SESSIONS_H_
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -45,21 +46,29 @@ class MissionSessions {
   const Listeners& listeners() const { return listeners_; }
 
  private:
-  // What one agent was told. Who tells it more holds the state's lock for reading.
+  // What one agent was told. Its lock is taken before the state's, which who tells it more lets go
+  // of now and then.
   struct Told {
     absl::Mutex mutex;
     ShareState share ABSL_GUARDED_BY(mutex);
     // By somebody, and the agent has not been asked.
-    bool exact_places_wanted ABSL_GUARDED_BY(mutex) = false;
+    std::atomic<bool> exact_places_wanted = false;
   };
   struct Opened {
     SessionGrant grant;
-    uint64_t fenced = 0;  // The session whose place it took; 0: none.
+    uint64_t fenced = 0;   // The session whose place it took; 0: none.
+    Told* told = nullptr;  // The agent's.
   };
 
   absl::Status CheckRequest(const SessionRequest& request) const
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   absl::StatusOr<Opened> Enter(uint64_t session_id, const SessionRequest& request);
+  // Null: no session was ever opened by it.
+  Told* FindTold(const std::string& agent);
+  // The next update, after one look at the state; none: share.unfinished says whether to look
+  // again.
+  absl::StatusOr<std::optional<SharedUpdate>> Look(uint64_t session_id, const std::string& agent,
+                                                   size_t byte_budget, ShareState& share) const;
 
   MissionStrand& strand_;
   Listeners listeners_;

@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/state_archive.h"
@@ -31,33 +33,76 @@ std::map<LocalMapId, Extent> Measure(const MissionState& state) {
   return extents;
 }
 
+std::vector<std::shared_ptr<const KeyframePayload>> ListPayloads(const MissionState& state) {
+  std::vector<std::shared_ptr<const KeyframePayload>> payloads;
+  for (const auto& [id, local_map] : state.local_maps) {
+    for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
+      payloads.push_back(keyframe.payload);
+    }
+  }
+  return payloads;
+}
+
 }  // namespace
+
+struct MissionSnapshots::Beginning {
+  Journal::Position position = 0;
+  UnrecordedState unrecorded;
+  std::map<LocalMapId, Extent> extents;
+};
+
+MissionSnapshots::Beginning MissionSnapshots::Begin() const {
+  Beginning beginning;
+  beginning.position = strand_.appended();
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  beginning.unrecorded = CopyUnrecorded(strand_.state());
+  beginning.extents = Measure(strand_.state());
+  return beginning;
+}
+
+absl::StatusOr<MissionState> MissionSnapshots::Replay(Beginning beginning,
+                                                      const std::function<bool()>& goes_on) const {
+  ASSIGN_OR_RETURN(MissionState state, strand_.ReplayUntil(beginning.position, goes_on));
+  if (Measure(state) != beginning.extents) {
+    return absl::InternalError(absl::StrCat("mission ", strand_.name(), " replayed until record ",
+                                            beginning.position, " is not what it was then"));
+  }
+  PutUnrecorded(std::move(beginning.unrecorded), state);
+  return state;
+}
 
 absl::Status MissionSnapshots::Keep(const std::function<bool()>& goes_on) {
   absl::MutexLock one(&mutex_);
   Journal& journal = *strand_.environment().journal;
   if (!journal.WantsSnapshot(strand_.name())) return absl::OkStatus();
-  Journal::Position position = 0;
-  UnrecordedState unrecorded;
-  std::map<LocalMapId, Extent> extents;
+  Beginning beginning;
   {
-    // No record comes between the state and its position.
     absl::MutexLock turn(&strand_.turn());
-    position = strand_.appended();
-    absl::ReaderMutexLock lock(&strand_.mutex());
-    unrecorded = CopyUnrecorded(strand_.state());
-    extents = Measure(strand_.state());
+    beginning = Begin();
   }
-  ASSIGN_OR_RETURN(MissionState state, strand_.ReplayUntil(position, goes_on));
-  if (Measure(state) != extents) {
-    return absl::InternalError(absl::StrCat("mission ", strand_.name(), " replayed until record ",
-                                            position, " is not what it was then"));
-  }
-  PutUnrecorded(std::move(unrecorded), state);
+  const Journal::Position position = beginning.position;
+  ASSIGN_OR_RETURN(const MissionState state, Replay(std::move(beginning), goes_on));
   JournalSnapshot snapshot = TakeSnapshot(state);
   snapshot.position = position;
   if (strand_.IsDeleted()) return absl::CancelledError("no snapshot any more");
   return journal.WriteSnapshot(strand_.name(), snapshot);
+}
+
+absl::StatusOr<MissionBackup> MissionSnapshots::BackUp() {
+  if (!strand_.environment().journal->KeepsRecords()) {
+    return strand_.WithState([](const MissionState& state) { return MissionBackup(state); });
+  }
+  // A snapshot that is written meanwhile would take the place of records that the replay reads.
+  absl::MutexLock one(&mutex_);
+  Beginning beginning;
+  std::vector<std::shared_ptr<const KeyframePayload>> keyframes;
+  {
+    absl::MutexLock turn(&strand_.turn());
+    beginning = Begin();
+    keyframes = strand_.WithState(&ListPayloads);
+  }
+  ASSIGN_OR_RETURN(const MissionState state, Replay(std::move(beginning), [] { return true; }));
+  return MissionBackup(EncodeState(state), std::move(keyframes));
 }
 
 }  // namespace corbslam::map_store

@@ -3,10 +3,14 @@
 #define CORBSLAM_MAP_STORE_MISSION_MISSION_SNAPSHOTS_H_
 
 #include <functional>
+#include <memory>
+#include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "map_store/archive/mission_archive.h"
 #include "map_store/mission/mission_strand.h"
 
 namespace corbslam::map_store {
@@ -21,10 +25,22 @@ class MissionSnapshots {
   // the strand and the state's lock. CANCELLED once the mission is deleted or `goes_on`, called
   // often, says no.
   absl::Status Keep(const std::function<bool()>& goes_on) ABSL_LOCKS_EXCLUDED(mutex_);
+  // The mission as it is now, likewise made beside those who change it; where the journal keeps
+  // nothing, under the state's lock. CANCELLED once the mission is deleted.
+  absl::StatusOr<MissionBackup> BackUp() ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns once none is being written.
   void WaitForEnd() ABSL_LOCKS_EXCLUDED(mutex_) { absl::MutexLock ended(&mutex_); }
 
  private:
+  // What is read of the mission itself: the rest is read from the journal.
+  struct Beginning;
+
+  // The caller holds the writers' turn: no record comes between the state and its position.
+  Beginning Begin() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  // The state, without features, as it was then.
+  absl::StatusOr<MissionState> Replay(Beginning beginning,
+                                      const std::function<bool()>& goes_on) const;
+
   MissionStrand& strand_;
   absl::Mutex mutex_;  // Held from a snapshot's beginning to its end.
 };

@@ -66,6 +66,8 @@ class Journal {
                                      const map_store::MissionState& state) = 0;
 
   virtual absl::StatusOr<std::vector<std::string>> ListMissions() const = 0;
+  // Whether Recover replays what was appended.
+  virtual bool KeepsRecords() const { return true; }
   // Returns the position of the last that was replayed; 0 for a mission without records. DATA_LOSS,
   // naming the mission and the place, for what can't be read.
   virtual absl::StatusOr<Position> Recover(absl::string_view mission,
@@ -95,6 +97,7 @@ class InMemoryJournal : public Journal {
     return std::vector<std::string>();
   }
   absl::StatusOr<Position> Recover(absl::string_view, const Replay&) const override { return 0; }
+  bool KeepsRecords() const override { return false; }
   absl::Status DeleteMission(absl::string_view) override { return absl::OkStatus(); }
   absl::Status CheckWritable() override { return absl::OkStatus(); }
 

@@ -93,7 +93,7 @@ void DissolveIsland(IslandId island_id, const MapStoreOptions& options, MissionS
   std::vector<Island> lone;
   for (const LocalMapId& id : members) lone.push_back(MakeLoneIsland(state, id));
   state.global.islands.erase(island_id);
-  for (const LocalMapId& id : members) state.FindLocalMap(id)->changes.Forget(state.version);
+  for (const LocalMapId& id : members) ForgetChanges(state, *state.FindLocalMap(id));
   for (Island& island : lone) {
     state.global.island_of[island.id] = island.id;
     state.global.islands[island.id] = std::move(island);

@@ -7,12 +7,24 @@
 namespace corbslam::map_store {
 namespace {
 
-// All of it may have changed.
-ItemChanges ContentOf(const Map& map) {
+// All of it may have changed. Points that were not sent are no news (AddChanges), but for one's
+// own.
+ItemChanges ContentOf(const LocalMapState& local_map, const ShareState& share) {
   ItemChanges content;
-  for (const auto& [id, keyframe] : map.keyframes()) content.keyframes.push_back(id);
+  for (const auto& [id, keyframe] : local_map.map.keyframes()) content.keyframes.push_back(id);
   content.sights = content.keyframes;
-  for (const auto& [id, point] : map.points()) content.points.push_back(id);
+  for (auto it = share.keyframes.lower_bound(KeyframeId{local_map.id, 0});
+       it != share.keyframes.end() && it->first.local_map == local_map.id; ++it) {
+    if (local_map.map.FindKeyframe(it->first) == nullptr) content.keyframes.push_back(it->first);
+  }
+  if (local_map.id == share.local_map) {
+    for (const auto& [id, point] : local_map.map.points()) content.landmarks.push_back(id);
+    return content;
+  }
+  for (auto it = share.points.lower_bound(MapPointId{local_map.id, 0});
+       it != share.points.end() && it->first.local_map == local_map.id; ++it) {
+    content.points.push_back(it->first);
+  }
   content.landmarks = content.points;
   return content;
 }
@@ -22,7 +34,7 @@ ItemChanges FindChanges(const LocalMapState& local_map, const ShareState& share)
   if (share.seen_local_maps.contains(local_map.id)) {
     changes = local_map.changes.Since(share.seen_version);
   }
-  if (!changes.has_value()) changes = ContentOf(local_map.map);
+  if (!changes.has_value()) changes = ContentOf(local_map, share);
   return *std::move(changes);
 }
 
@@ -50,11 +62,8 @@ void AddPlaces(ShareState& share) {
   ShareNews& news = share.news;
   news.own_keyframes = true;
   for (const auto& [id, sent] : share.keyframes) news.keyframes.insert(news.keyframes.end(), id);
-  std::vector<MapPointId> points;
-  points.reserve(share.points.size());
-  for (const auto& [id, sent] : share.points) points.push_back(id);
-  std::sort(points.begin(), points.end());
-  for (const MapPointId& id : points) news.points.insert(news.points.end(), id);
+  news.points.clear();
+  news.all_points_from = MapPointId{LocalMapId{0}, 0};
 }
 
 }  // namespace

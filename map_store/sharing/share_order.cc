@@ -1,75 +1,120 @@
 #include "map_store/sharing/share_order.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <tuple>
+#include <utility>
 
-#include "absl/container/flat_hash_set.h"
 #include "map_store/view/sights.h"
 
 namespace corbslam::map_store {
 namespace {
 
-using Waiting = std::map<KeyframeId, const Keyframe*>;
+using Waiting = std::set<KeyframeId>;
 
 // As many may come uncounted before all are counted again.
 constexpr size_t kFew = 8;
 
-void CountOwnLandmarks(const MissionState& state, const Waiting& waiting, ShareState& share) {
-  absl::flat_hash_set<MapPointId> own_landmarks;
-  const LocalMapState& own = *state.FindLocalMap(share.local_map);
-  for (const auto& [id, keyframe] : own.map.keyframes()) {
-    for (const auto& [keypoint, point] : SightsOf(state, own, keyframe)) {
-      own_landmarks.insert(point);
-    }
-  }
-  share.news.own_landmarks.clear();
-  for (const auto& [id, keyframe] : waiting) {
-    int& count = share.news.own_landmarks[id];
-    for (const auto& sight : SightsOf(state, *state.FindLocalMap(id.local_map), *keyframe)) {
-      if (own_landmarks.contains(sight.second)) ++count;
-    }
-  }
-  share.news.counted_at_revision = state.global.revision;
-}
-
 bool AreCounted(const MissionState& state, const Waiting& waiting, const ShareNews& news) {
   if (news.counted_at_revision != state.global.revision) return false;
   const auto uncounted = std::ranges::count_if(
-      waiting, [&news](const auto& item) { return !news.own_landmarks.contains(item.first); });
+      waiting, [&news](KeyframeId id) { return !news.own_landmarks.contains(id); });
   return static_cast<size_t>(uncounted) <= kFew;
 }
 
-std::vector<Eigen::Vector3d> CentresOf(const IslandPoses& poses) {
-  std::vector<Eigen::Vector3d> centres;
-  for (const auto& [id, pose] : poses) centres.push_back(CameraCentre(pose.ToRigid()));
-  return centres;
-}
-
-double SquaredDistance(const Eigen::Vector3d& centre, const std::vector<Eigen::Vector3d>& others) {
-  double least = std::numeric_limits<double>::max();
-  for (const Eigen::Vector3d& other : others) {
-    least = std::min(least, (other - centre).squaredNorm());
+// Points to which the nearest is asked for, again and again.
+class Centres {
+ public:
+  explicit Centres(const IslandPoses& poses) {
+    for (const auto& [id, pose] : poses) centres_.push_back(CameraCentre(pose.ToRigid()));
+    std::sort(centres_.begin(), centres_.end(),
+              [](const auto& a, const auto& b) { return a.x() < b.x(); });
   }
-  return least;
-}
+
+  // To the nearest: outwards along x, until that alone is farther than the nearest so far.
+  double SquaredDistance(const Eigen::Vector3d& point) const {
+    double least = std::numeric_limits<double>::max();
+    const auto is_farther = [&](const Eigen::Vector3d& centre) {
+      const double along_x = centre.x() - point.x();
+      if (along_x * along_x > least) return true;
+      least = std::min(least, (centre - point).squaredNorm());
+      return false;
+    };
+    const auto middle =
+        std::lower_bound(centres_.begin(), centres_.end(), point.x(),
+                         [](const Eigen::Vector3d& centre, double x) { return centre.x() < x; });
+    for (auto it = middle; it != centres_.end() && !is_farther(*it); ++it) {
+    }
+    for (auto it = std::make_reverse_iterator(middle); it != centres_.rend() && !is_farther(*it);
+         ++it) {
+    }
+    return least;
+  }
+
+ private:
+  std::vector<Eigen::Vector3d> centres_;  // By x.
+};
 
 }  // namespace
 
+OwnLandmarkCount::OwnLandmarkCount(const MissionState& state, const Waiting& waiting,
+                                   ShareState& share)
+    : state_(state), waiting_(waiting), share_(share), revision_(state.global.revision) {
+  if (waiting.size() <= kFew || AreCounted(state, waiting, share.news)) return;
+  stage_ = Stage::kOwn;
+  next_ = {share.local_map, 0};
+}
+
+bool OwnLandmarkCount::Next() {
+  if (stage_ == Stage::kOwn) {
+    const LocalMapState& own = *state_.FindLocalMap(share_.local_map);
+    const auto it = own.map.keyframes().lower_bound(next_);
+    if (it != own.map.keyframes().end()) {
+      for (const auto& sight : SightsOf(state_, own, it->second)) {
+        own_landmarks_.insert(sight.second);
+      }
+      next_ = {it->first.local_map, it->first.index + 1};
+      return true;
+    }
+    stage_ = Stage::kWaiting;
+    next_ = *waiting_.begin();
+  }
+  if (stage_ == Stage::kWaiting) {
+    const auto it = waiting_.lower_bound(next_);
+    if (it != waiting_.end()) {
+      int& count = counts_[*it];
+      if (const Keyframe* keyframe = state_.FindKeyframe(*it)) {
+        for (const auto& sight : SightsOf(state_, *state_.FindLocalMap(it->local_map), *keyframe)) {
+          if (own_landmarks_.contains(sight.second)) ++count;
+        }
+      }
+      next_ = {it->local_map, it->index + 1};
+      return true;
+    }
+    stage_ = Stage::kDone;
+    share_.news.own_landmarks = std::move(counts_);
+    share_.news.counted_at_revision = revision_;
+  }
+  return false;
+}
+
 std::vector<KeyframeId> OrderNewKeyframes(const MissionState& state, const Waiting& waiting,
-                                          PoseCache& poses, ShareState& share) {
+                                          PoseCache& poses, const ShareState& share) {
   const bool many = waiting.size() > kFew;
-  if (many && !AreCounted(state, waiting, share.news)) CountOwnLandmarks(state, waiting, share);
   const auto own_landmarks = [many, &share](KeyframeId id) {
     const auto it = share.news.own_landmarks.find(id);
     return many && it != share.news.own_landmarks.end() ? it->second : 0;
   };
-  const std::vector<Eigen::Vector3d> own =
-      CentresOf(poses.Of(*state.FindLocalMap(share.local_map)));
+  const Centres own(poses.Of(*state.FindLocalMap(share.local_map)));
   std::vector<std::tuple<int, double, KeyframeId>> ranked;
-  for (const auto& [id, keyframe] : waiting) {
-    const Similarity3d& pose = poses.Of(*state.FindLocalMap(id.local_map)).at(id);
-    ranked.emplace_back(-own_landmarks(id), SquaredDistance(CameraCentre(pose.ToRigid()), own), id);
+  for (const KeyframeId& id : waiting) {
+    const IslandPoses& others = poses.Of(*state.FindLocalMap(id.local_map));
+    // Its owner may have removed it while landmarks were counted.
+    const auto pose = others.find(id);
+    if (pose == others.end()) continue;
+    ranked.emplace_back(-own_landmarks(id),
+                        own.SquaredDistance(CameraCentre(pose->second.ToRigid())), id);
   }
   std::sort(ranked.begin(), ranked.end());
   std::vector<KeyframeId> ids;

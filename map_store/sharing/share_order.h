@@ -2,21 +2,48 @@
 #ifndef CORBSLAM_MAP_STORE_SHARING_SHARE_ORDER_H_
 #define CORBSLAM_MAP_STORE_SHARING_SHARE_ORDER_H_
 
-#include <map>
+#include <cstdint>
+#include <set>
 #include <vector>
 
+#include "absl/container/btree_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "map_store/state/mission_state.h"
 #include "map_store/state/share_state.h"
 #include "map_store/view/placement.h"
 
 namespace corbslam::map_store {
 
+// Counts, now and then, how many of the agent's own landmarks each of many waiting keyframes sees,
+// and keeps that in share.news. It takes a look at the agent's whole map, one keyframe at a time.
+class OwnLandmarkCount {
+ public:
+  // Nothing is copied.
+  OwnLandmarkCount(const MissionState& state, const std::set<KeyframeId>& waiting,
+                   ShareState& share);
+
+  // Looks at one more keyframe; false: all are counted, or need not be. Items may come and go
+  // between two calls.
+  bool Next();
+
+ private:
+  enum class Stage { kOwn, kWaiting, kDone };
+
+  const MissionState& state_;
+  const std::set<KeyframeId>& waiting_;
+  ShareState& share_;
+  const uint64_t revision_;
+  Stage stage_ = Stage::kDone;
+  KeyframeId next_;
+  absl::flat_hash_set<MapPointId> own_landmarks_;
+  absl::btree_map<KeyframeId, int> counts_;
+};
+
 // Of many those that see most of the agent's own landmarks come first, then the nearest; of a few
-// the nearest. Landmarks are counted now and then and kept in share.news: it takes a look at the
-// agent's whole map.
+// the nearest.
 std::vector<KeyframeId> OrderNewKeyframes(const MissionState& state,
-                                          const std::map<KeyframeId, const Keyframe*>& waiting,
-                                          PoseCache& poses, ShareState& share);
+                                          const std::set<KeyframeId>& waiting, PoseCache& poses,
+                                          const ShareState& share);
 
 }  // namespace corbslam::map_store
 

@@ -58,6 +58,12 @@ class Budget {
     return true;
   }
   bool complete() const { return complete_; }
+  // Nothing more is taken, though something is left.
+  void End() {
+    complete_ = false;
+    first_ = false;
+    left_ = 0;
+  }
 
  private:
   size_t left_;
@@ -65,23 +71,31 @@ class Budget {
   bool complete_ = true;
 };
 
+// Looks after which others have their turn: 2 to 4 ms.
+constexpr int kLooksInAPiece = 4000;
+constexpr int kLooksOfSights = 25;
+constexpr int kLooksOfNewKeyframe = 200;
+
 // Goes through what may be news, compares it with what was sent, and sends what is.
 class ShareStep {
  public:
   ShareStep(const MissionState& state, const Island& island, const MapStoreOptions& options,
-            size_t byte_budget, ShareState& share)
+            size_t byte_budget, ShareState& share, LongRead& read)
       : state_(state),
-        island_(island),
+        island_(island.id),
+        shared_version_(island.shared_version),
         options_(options),
         budget_(byte_budget),
         share_(share),
         news_(share.news),
-        poses_(state.global, all_placed_) {}
+        read_(read),
+        poses_(state, all_placed_) {}
 
   SharedUpdate Take() {
     update_.revision = state_.global.revision;
     update_.restart = std::exchange(share_.restart, false);
-    for (const LocalMapId& id : CollectNews(state_, island_, share_)) {
+    const Island& island = state_.global.islands.at(island_);
+    for (const LocalMapId& id : CollectNews(state_, island, share_)) {
       if (id != share_.local_map) FindFollowers(*state_.FindLocalMap(id));
     }
     if (news_.own_keyframes) TakeOwnKeyframes();
@@ -91,11 +105,28 @@ class ShareStep {
     TakeLandmarks();
     TakeSights();
     TakeNewKeyframes();
-    if (budget_.complete()) share_.complete_at_version = island_.shared_version;
+    share_.unfinished = !budget_.complete();
+    if (budget_.complete()) share_.complete_at_version = shared_version_;
     return std::move(update_);
   }
 
  private:
+  // Between two items. False: what comes next is another update's.
+  bool GoesOn(int looks) {
+    if (!budget_.complete()) return false;
+    looks_ += looks;
+    if (looks_ < kLooksInAPiece) return true;
+    looks_ = 0;
+    const uint64_t version = state_.version;
+    // Places of two revisions in one update would not fit together.
+    if (!read_.Pause().ok() || state_.global.revision != update_.revision) {
+      budget_.End();
+      return false;
+    }
+    if (state_.version != version) poses_.Clear();
+    return true;
+  }
+
   bool IsOwn(MapPointId point) const { return point.local_map == share_.local_map; }
   bool IsKnown(MapPointId point) const { return IsOwn(point) || share_.points.contains(point); }
 
@@ -103,7 +134,7 @@ class ShareStep {
 
   bool IsHere(LocalMapId id) const {
     const auto it = state_.global.island_of.find(id);
-    return it != state_.global.island_of.end() && it->second == island_.id;
+    return it != state_.global.island_of.end() && it->second == island_;
   }
 
   Similarity3d GlobalFromLocal(KeyframeId reference, const LocalMapState& local_map) {
@@ -149,13 +180,14 @@ class ShareStep {
   // Those that went and those that moved; the new ones are set aside.
   void TakeKeyframes() {
     for (auto it = news_.keyframes.begin(); it != news_.keyframes.end();) {
+      if (!GoesOn(2)) return;
       const LocalMapState& local_map = *state_.FindLocalMap(it->local_map);
       const Keyframe* keyframe = local_map.map.FindKeyframe(*it);
       const auto sent = share_.keyframes.find(*it);
       if (sent == share_.keyframes.end()) {
         // What is not old enough is news again when it is.
         const bool is_new = keyframe != nullptr && IsShared(*it);
-        if (is_new) new_keyframes_[*it] = keyframe;
+        if (is_new) new_keyframes_.insert(*it);
         it = is_new ? std::next(it) : news_.keyframes.erase(it);
         continue;
       }
@@ -185,7 +217,7 @@ class ShareStep {
   // Points that went, and sets of which the agent holds a point.
   void TakeLandmarks() {
     for (auto it = news_.landmarks.begin(); it != news_.landmarks.end();) {
-      if (!TakeLandmarkOf(*it)) return;
+      if (!GoesOn(1) || !TakeLandmarkOf(*it)) return;
       it = news_.landmarks.erase(it);
     }
   }
@@ -237,11 +269,23 @@ class ShareStep {
   }
 
   void TakePointMoves() {
+    if (news_.all_points_from.has_value()) {
+      // These are among them.
+      news_.points.erase(news_.points.lower_bound(*news_.all_points_from), news_.points.end());
+    }
     for (auto it = news_.points.begin(); it != news_.points.end();) {
+      if (!GoesOn(1)) return;
       const auto sent = share_.points.find(*it);
       if (sent != share_.points.end() && !TakePointMove(*it, sent->second)) return;
       it = news_.points.erase(it);
     }
+    if (!news_.all_points_from.has_value()) return;
+    for (auto it = share_.points.lower_bound(*news_.all_points_from); it != share_.points.end();
+         ++it) {
+      news_.all_points_from = it->first;
+      if (!GoesOn(1) || !TakePointMove(it->first, it->second)) return;
+    }
+    news_.all_points_from.reset();
   }
 
   bool TakePointMove(MapPointId id, Eigen::Vector3d& sent) {
@@ -258,6 +302,7 @@ class ShareStep {
 
   void TakeSights() {
     for (auto it = news_.sights.begin(); it != news_.sights.end();) {
+      if (!GoesOn(kLooksOfSights)) return;
       const auto sent = share_.keyframes.find(*it);
       const Keyframe* keyframe = state_.FindKeyframe(*it);
       if (sent != share_.keyframes.end() && keyframe != nullptr) {
@@ -290,13 +335,26 @@ class ShareStep {
 
   void TakeNewKeyframes() {
     if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
+    if (!CountOwnLandmarks()) return;
     for (const KeyframeId& id : OrderNewKeyframes(state_, new_keyframes_, poses_, share_)) {
       if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
-      const Keyframe& keyframe = *new_keyframes_.at(id);
-      if (!budget_.Take(kLightBytes + keyframe.keypoints().size() * kBytesPerKeypoint)) return;
-      TakeNewKeyframe(keyframe);
+      if (!GoesOn(kLooksOfNewKeyframe)) return;
+      // Its owner may have removed it meanwhile: that is news of its own.
+      const Keyframe* keyframe = state_.FindKeyframe(id);
+      if (keyframe == nullptr || !IsShared(id)) continue;
+      if (!budget_.Take(kLightBytes + keyframe->keypoints().size() * kBytesPerKeypoint)) return;
+      TakeNewKeyframe(*keyframe);
       news_.keyframes.erase(id);
     }
+  }
+
+  // Unless they are counted, or there are few to choose from. False: the update ends before that.
+  bool CountOwnLandmarks() {
+    OwnLandmarkCount count(state_, new_keyframes_, share_);
+    while (count.Next()) {
+      if (!GoesOn(kLooksOfSights)) return false;
+    }
+    return true;
   }
 
   void TakeNewKeyframe(const Keyframe& keyframe) {
@@ -347,22 +405,26 @@ class ShareStep {
   }
 
   const MissionState& state_;
-  const Island& island_;
+  const IslandId island_;
+  const uint64_t shared_version_;
   const MapStoreOptions& options_;
   Budget budget_;
   ShareState& share_;
   ShareNews& news_;
+  LongRead& read_;
+  int looks_ = 0;  // Since the last pause.
   const Unplaced all_placed_;
   PoseCache poses_;
-  std::map<KeyframeId, const Keyframe*> new_keyframes_;
+  std::set<KeyframeId> new_keyframes_;
   SharedUpdate update_;
 };
 
 }  // namespace
 
 SharedUpdate TakeShareStep(const MissionState& state, const Island& island,
-                           const MapStoreOptions& options, size_t byte_budget, ShareState& share) {
-  return ShareStep(state, island, options, byte_budget, share).Take();
+                           const MapStoreOptions& options, size_t byte_budget, ShareState& share,
+                           LongRead& read) {
+  return ShareStep(state, island, options, byte_budget, share, read).Take();
 }
 
 }  // namespace corbslam::map_store

@@ -7,14 +7,18 @@
 #include "map_store/options.h"
 #include "map_store/state/mission_state.h"
 #include "map_store/state/share_state.h"
+#include "map_store/view/long_read.h"
 #include "slam/exchange/shared_update.h"
 
 namespace corbslam::map_store {
 
 // Of the agent's island, which has more than one local map; noted in `share` as sent. Costs as much
-// as changed since the last complete one, and more only after fusion moved everything.
+// as changed since the last complete one, and more only after fusion moved everything. `read`
+// pauses meanwhile; the update ends, and may be empty, where one of its errors or another revision
+// says so.
 SharedUpdate TakeShareStep(const MissionState& state, const Island& island,
-                           const MapStoreOptions& options, size_t byte_budget, ShareState& share);
+                           const MapStoreOptions& options, size_t byte_budget, ShareState& share,
+                           LongRead& read);
 
 }  // namespace corbslam::map_store
 

@@ -39,7 +39,9 @@ void NoteSent(uint64_t revision, ShareState& share) {
 
 std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
                                              const MapStoreOptions& options, size_t byte_budget,
-                                             const AgentState& agent, ShareState& share) {
+                                             const AgentState& agent, ShareState& share,
+                                             LongRead& read) {
+  share.unfinished = false;
   if (agent.local_maps.empty()) return std::nullopt;
   const LocalMapId own = agent.local_maps.back();
   const Island& island = *state.FindIslandOf(own);
@@ -57,12 +59,14 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
     return forget;
   }
   if (share.complete_at_version == island.shared_version && !share.restart) return std::nullopt;
-  SharedUpdate update = TakeShareStep(state, island, options, byte_budget, share);
+  SharedUpdate update = TakeShareStep(state, island, options, byte_budget, share, read);
   const bool ends_places = std::exchange(share.more_places, update.more_places);
   if (update.IsEmpty() && !ends_places) return std::nullopt;
   NoteSent(update.revision, share);
   return update;
 }
+
+void ForgetLastUpdate(ShareState& share) { share.last_revision = 0; }
 
 void ResumeSharing(uint64_t last_revision, ShareState& share) {
   const bool certain = last_revision != 0 && last_revision == share.last_revision &&

@@ -14,7 +14,7 @@ namespace corbslam::map_store {
 struct ItemChanges {
   std::vector<KeyframeId> keyframes;  // Came, moved or went.
   std::vector<KeyframeId> sights;     // See other points, or the same by other names.
-  std::vector<MapPointId> points;     // Moved.
+  std::vector<MapPointId> points;     // Came or moved.
   std::vector<MapPointId> landmarks;  // Went, or belong to other landmarks.
 
   size_t size() const {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/time/time.h"
@@ -197,14 +198,29 @@ struct IslandView {
   std::vector<Point> points;  // By id; landmarks once.
 };
 
-// What changed in the map since a version that a watcher saw. Versions grow with every change,
-// revisions only with fusion's commits.
+// A piece of what changed in the map since a version that a watcher saw. Versions grow with every
+// change, revisions only with fusion's commits.
 struct MapChanges {
+  // Of one island; what is not named is as it was.
+  struct Island {
+    IslandId id;
+    bool is_reference = false;
+    std::vector<LocalMapId> local_maps;
+    std::vector<std::string> agents;  // Of each of them.
+    // What the watcher knows of this island is void: all of it comes again.
+    bool anew = false;
+    std::vector<IslandView::KeyframePlace> keyframes;  // Came, or stand elsewhere.
+    std::vector<KeyframeId> removed_keyframes;
+    std::vector<std::pair<MapPointId, Eigen::Vector3d>> points;  // Likewise, in the island.
+    std::vector<MapPointId> removed_points;  // Gone, or part of another landmark.
+  };
+
+  // What the watcher knows with the last piece.
   uint64_t version = 0;
   uint64_t revision = 0;
-  // Whole islands in which something moved or came; what is not named is as it was.
-  std::vector<IslandView> islands;
-  // Islands that are no more (fused into others).
+  bool continues = false;  // More pieces of this change follow.
+  std::vector<Island> islands;
+  // Islands that are no more (fused into others), with all that was in them.
   std::vector<IslandId> removed_islands;
 };
 

@@ -67,6 +67,11 @@ void IndexPoints(MissionState& state) {
   for (const auto& [removed, heir] : state.global.heirs) state.points.NoteReplaced(removed, heir);
 }
 
+void ForgetChanges(const MissionState& state, LocalMapState& local_map) {
+  local_map.changes.Forget(state.version);
+  local_map.places_version = state.version;
+}
+
 LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string& agent) {
   LocalMapState& local_map = state.local_maps[id];
   local_map.id = id;
@@ -85,6 +90,7 @@ void TouchByOwner(MissionState& state, LocalMapId local_map, bool share) {
   Island& island = *state.FindIslandOf(local_map);
   island.version = ++state.version;
   CloseChangeLogs(island, state);
+  state.FindLocalMap(local_map)->places_version = state.version;
   island.version_of_owners = island.version;
   island.dirty = true;
   if (share) island.shared_version = island.version;
@@ -94,6 +100,9 @@ void TouchByFusion(MissionState& state, IslandId id) {
   Island& island = state.global.islands.at(id);
   island.version = ++state.version;
   CloseChangeLogs(island, state);
+  for (const LocalMapId& local_map : island.local_maps) {
+    state.FindLocalMap(local_map)->places_version = state.version;
+  }
   island.shared_version = island.version;
   island.dirty = true;
 }

@@ -20,6 +20,7 @@
 #include "map_store/state/lookups.h"
 #include "map_store/state/overlap_ledger.h"
 #include "map_store/state/point_index.h"
+#include "map_store/state/pose_table.h"
 #include "map_store/state/query_queue.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
@@ -84,6 +85,9 @@ struct LocalMapState {
   KeyframeDatabase database;
   // For telling others. Landmarks and foreign observations included; places are not.
   ChangeLog changes;
+  // The mission's version when something changed last by which its keyframes stand where they do in
+  // their island. Not stored: a state that was read begins with tables of its own.
+  uint64_t places_version = 0;
 
   // Of the camera that took the frames; nullopt where the owner never said it.
   std::optional<RecordedCamera> Recorded(size_t camera_index = 0) const {
@@ -182,6 +186,7 @@ struct MissionState {
   std::vector<LocalMapId> order;  // Local maps as they arrived.
   GlobalLayer global;
   PointIndex points;  // Of the local maps' foreign observations and replacements, and of the heirs.
+  PoseTables poses;   // What was asked for lately (view/placement.h).
   QueryQueue queries;
   // How many of them were given up, by the local maps of query and candidates. Not recorded.
   std::map<std::pair<LocalMapId, LocalMapId>, uint64_t> failed_queries;
@@ -234,6 +239,9 @@ size_t CountKeyframes(const MissionState& state, const Island& island);
 
 // Makes `points` anew; who reads a state from somewhere does so once.
 void IndexPoints(MissionState& state);
+
+// All of the local map may have changed, and stand elsewhere.
+void ForgetChanges(const MissionState& state, LocalMapState& local_map);
 
 // Adds a local map of an agent, as an island of its own.
 LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string& agent);

@@ -5,13 +5,13 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "absl/container/btree_map.h"
 #include "absl/container/btree_set.h"
-#include "absl/container/flat_hash_map.h"
 #include "map_store/state/lookups.h"
 #include "slam/exchange/shared_update.h"
 #include "slam/geometry/rigid3.h"
@@ -34,8 +34,11 @@ struct ShareNews {
   absl::btree_set<MapPointId> points;
   absl::btree_set<MapPointId> landmarks;
   bool own_keyframes = false;
+  // Fusion may have moved any of the points that were sent: those from this one on are to be looked
+  // at. None: only `points`.
+  std::optional<MapPointId> all_points_from;
   // How many of the agent's own landmarks keyframes saw that it lacked, when they were counted, and
-  // the mission's revision then.
+  // the mission's revision when that began.
   absl::btree_map<KeyframeId, int> own_landmarks;
   uint64_t counted_at_revision = 0;
 };
@@ -45,7 +48,7 @@ struct ShareState {
   IslandId island;
   LocalMapId local_map;
   std::map<KeyframeId, SentKeyframe> keyframes;
-  absl::flat_hash_map<MapPointId, Eigen::Vector3d> points;
+  absl::btree_map<MapPointId, Eigen::Vector3d> points;
   absl::btree_map<MapPointId, std::vector<MapPointId>> landmarks;
   std::map<KeyframeId, OwnKeyframePose> own_keyframes;
 
@@ -63,6 +66,8 @@ struct ShareState {
   bool restart = false;
   // As the last update said.
   bool more_places = false;
+  // The last look ended before all that may be news was looked at.
+  bool unfinished = false;
 };
 
 }  // namespace corbslam::map_store

@@ -113,7 +113,7 @@ LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& lo
 std::vector<KeyframeInfo> DescribeKeyframes(const MissionState& state,
                                             const std::vector<KeyframeId>& ids) {
   const Unplaced none;
-  PoseCache poses(state.global, none);
+  PoseCache poses(state, none);
   std::vector<KeyframeInfo> keyframes;
   for (const KeyframeId& id : ids) {
     const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
@@ -157,15 +157,15 @@ IslandView DescribeIsland(const MissionState& state, const Island& island) {
   view.id = island.id;
   view.is_reference = island.id == state.ReferenceIsland();
   view.local_maps = island.local_maps;
-  std::map<LocalMapId, IslandPoses> poses;
+  const Unplaced none;
+  PoseCache poses(state, none);
   std::map<MapPointId, uint32_t> observations;
   for (const LocalMapId& id :
        std::set<LocalMapId>(island.local_maps.begin(), island.local_maps.end())) {
     const LocalMapState& local_map = *state.FindLocalMap(id);
-    poses[id] = ComputePoses(local_map, state.global);
     for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
       view.keyframes.push_back({keyframe_id, local_map.agent, keyframe.payload->timestamp_ns,
-                                poses[id].at(keyframe_id).ToRigid(), keyframe.parent,
+                                poses.Of(local_map).at(keyframe_id).ToRigid(), keyframe.parent,
                                 state.global.keyframes.contains(keyframe_id)});
       for (const MapPointId& point : ObservedPoints(state, local_map, keyframe)) {
         if (point.IsValid()) ++observations[point];
@@ -175,7 +175,7 @@ IslandView DescribeIsland(const MissionState& state, const Island& island) {
   for (const auto& [id, count] : observations) {
     const LocalMapState& owner = *state.FindLocalMap(id.local_map);
     view.points.push_back(
-        {id, ComputePosition(*owner.map.FindPoint(id), owner, state.global, poses.at(owner.id)),
+        {id, ComputePosition(*owner.map.FindPoint(id), owner, state.global, poses.Of(owner)),
          count});
   }
   return view;

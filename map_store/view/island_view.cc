@@ -23,7 +23,7 @@ class ViewBuilder {
         unplaced_(unplaced),
         rejected_(rejected),
         read_(read),
-        poses_(state.global, unplaced),
+        poses_(state, unplaced),
         view_(covisibility) {}
 
   void AddKeyframe(const LocalMapState& local_map, const Keyframe& from) {

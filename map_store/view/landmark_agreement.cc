@@ -45,7 +45,7 @@ std::vector<SharedLandmark> FindSharedLandmarks(const MissionState& state, Keyfr
 double LandmarkDisagreementPx(const MissionState& state, KeyframeId a, KeyframeId b,
                               const std::vector<SharedLandmark>& shared) {
   const Unplaced none;
-  PoseCache poses(state.global, none);
+  PoseCache poses(state, none);
   const Similarity3d a_from_island = poses.Of(*state.FindLocalMap(a.local_map)).at(a);
   const Similarity3d b_from_island = poses.Of(*state.FindLocalMap(b.local_map)).at(b);
   std::vector<double> errors_px;

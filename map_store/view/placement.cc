@@ -40,6 +40,18 @@ void SpreadInOrder(const Map& map, IslandPoses& poses) {
   }
 }
 
+bool StoodSo(const PoseTable& table, KeyframeId id, const Similarity3d& pose, bool placed) {
+  const auto it = table.poses.find(id);
+  return it != table.poses.end() && table.standings.at(id).placed == placed &&
+         it->second.scale == pose.scale && it->second.rotation.coeffs() == pose.rotation.coeffs() &&
+         it->second.translation == pose.translation;
+}
+
+bool HasAnyOf(const Unplaced& unplaced, LocalMapId local_map) {
+  const auto it = unplaced.lower_bound(KeyframeId{local_map, 0});
+  return it != unplaced.end() && it->local_map == local_map;
+}
+
 }  // namespace
 
 IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& global,
@@ -65,10 +77,34 @@ IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& glob
   return poses;
 }
 
+std::shared_ptr<const PoseTable> FindPoses(const MissionState& state,
+                                           const LocalMapState& local_map) {
+  const std::shared_ptr<const PoseTable> old = state.poses.Find(local_map.id);
+  if (old != nullptr && old->version == local_map.places_version) return old;
+  auto table = std::make_shared<PoseTable>();
+  table->version = local_map.places_version;
+  table->poses = ComputePoses(local_map, state.global);
+  table->standings.reserve(table->poses.size());
+  for (const auto& [id, pose] : table->poses) {
+    const bool placed = state.global.keyframes.contains(id);
+    const bool stands = old != nullptr && StoodSo(*old, id, pose, placed);
+    table->standings[id] = {placed, stands ? old->standings.at(id).changed_at : table->version};
+  }
+  state.poses.Add(local_map.id, table);
+  return table;
+}
+
 const IslandPoses& PoseCache::Of(const LocalMapState& local_map) {
   const auto [it, added] = poses_.try_emplace(local_map.id);
-  if (added) it->second = ComputePoses(local_map, global_, unplaced_);
-  return it->second;
+  if (!added) return *it->second;
+  if (HasAnyOf(unplaced_, local_map.id)) {
+    it->second =
+        std::make_shared<const IslandPoses>(ComputePoses(local_map, state_.global, unplaced_));
+  } else {
+    const std::shared_ptr<const PoseTable> table = FindPoses(state_, local_map);
+    it->second = std::shared_ptr<const IslandPoses>(table, &table->poses);
+  }
+  return *it->second;
 }
 
 Similarity3d IslandFromLocal(KeyframeId reference, const LocalMapState& local_map,

@@ -3,15 +3,13 @@
 #ifndef CORBSLAM_MAP_STORE_VIEW_PLACEMENT_H_
 #define CORBSLAM_MAP_STORE_VIEW_PLACEMENT_H_
 
-#include <map>
+#include <memory>
 #include <set>
 
+#include "absl/container/flat_hash_map.h"
 #include "map_store/state/mission_state.h"
 
 namespace corbslam::map_store {
-
-// camera_from_island, in the camera's local units: x_in_camera = s R x_in_island + t.
-using IslandPoses = std::map<KeyframeId, Similarity3d>;
 
 // Placed keyframes to treat as if they were not.
 using Unplaced = std::set<KeyframeId>;
@@ -22,21 +20,25 @@ using Unplaced = std::set<KeyframeId>;
 IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& global,
                          const Unplaced& unplaced = {});
 
+// ComputePoses as the state is now, computed once for all who ask until it is another.
+std::shared_ptr<const PoseTable> FindPoses(const MissionState& state,
+                                           const LocalMapState& local_map);
+
 // ComputePoses of one local map after the other, each once. Of a state that stays as it is.
 class PoseCache {
  public:
   // Neither is copied.
-  PoseCache(const GlobalLayer& global, const Unplaced& unplaced)
-      : global_(global), unplaced_(unplaced) {}
+  PoseCache(const MissionState& state, const Unplaced& unplaced)
+      : state_(state), unplaced_(unplaced) {}
 
   const IslandPoses& Of(const LocalMapState& local_map);
   // The state is another now.
   void Clear() { poses_.clear(); }
 
  private:
-  const GlobalLayer& global_;
+  const MissionState& state_;
   const Unplaced& unplaced_;
-  std::map<LocalMapId, IslandPoses> poses_;
+  absl::flat_hash_map<LocalMapId, std::shared_ptr<const IslandPoses>> poses_;
 };
 
 // Position of a living point of `local_map` in its island: fusion's own, where its reference

@@ -1,7 +1,6 @@
 #include "map_store/view/trajectory.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <vector>
 
@@ -20,7 +19,8 @@ class FrameChain {
       : state_(state),
         local_map_(local_map),
         frame_(frame),
-        camera_from_wanted_(camera_from_wanted) {}
+        camera_from_wanted_(camera_from_wanted),
+        poses_(state, all_placed_) {}
 
   std::optional<Rigid3d> FrameFromWanted(const TrackedFrame& tracked) {
     LivingRelative relative;
@@ -49,17 +49,14 @@ class FrameChain {
   }
 
  private:
-  const IslandPoses& Poses(LocalMapId id) {
-    const auto it = poses_.find(id);
-    if (it != poses_.end()) return it->second;
-    return poses_[id] = ComputePoses(*state_.FindLocalMap(id), state_.global);
-  }
+  const IslandPoses& Poses(LocalMapId id) { return poses_.Of(*state_.FindLocalMap(id)); }
 
   const MissionState& state_;
   const LocalMapState& local_map_;
   const TrajectoryFrame frame_;
   const std::optional<Rigid3d> camera_from_wanted_;
-  std::map<LocalMapId, IslandPoses> poses_;
+  const Unplaced all_placed_;
+  PoseCache poses_;
 };
 
 bool HasTimeBetween(const std::vector<int64_t>& times, int64_t begin, int64_t end) {
@@ -67,7 +64,7 @@ bool HasTimeBetween(const std::vector<int64_t>& times, int64_t begin, int64_t en
   return it != times.end() && *it < end;
 }
 
-void AppendLocalMap(const MissionState& state, const LocalMapState& local_map, FrameChain chain,
+void AppendLocalMap(const MissionState& state, const LocalMapState& local_map, FrameChain& chain,
                     AgentTrajectory& trajectory) {
   std::vector<TrackedFrame> frames = local_map.frames;
   std::stable_sort(frames.begin(), frames.end(), [](const TrackedFrame& a, const TrackedFrame& b) {
@@ -110,8 +107,8 @@ absl::StatusOr<AgentTrajectory> ComputeTrajectory(const MissionState& state,
                                                         ToString(id), ": ",
                                                         camera_from_wanted.status().message()));
     }
-    AppendLocalMap(state, local_map, FrameChain(state, local_map, frame, *camera_from_wanted),
-                   trajectory);
+    FrameChain chain(state, local_map, frame, *camera_from_wanted);
+    AppendLocalMap(state, local_map, chain, trajectory);
   }
   return trajectory;
 }

@@ -15,6 +15,7 @@ namespace {
 
 constexpr size_t kKeyframeBytes = 140;
 constexpr size_t kPointBytes = 30;
+constexpr size_t kRefBytes = 16;
 constexpr size_t kSlotBytes = 80;
 
 using Writer = PartWriter<v1::WatchMapResponse>;
@@ -23,17 +24,17 @@ using Island = v1::WatchMapResponse::Island;
 // The last island of the part being written; begins it there if it began in a part before.
 class IslandWriter {
  public:
-  IslandWriter(const IslandView& view, Writer& writer) : view_(view), writer_(writer) {}
+  IslandWriter(const MapChanges::Island& view, Writer& writer) : view_(view), writer_(writer) {}
 
   Island* InThisPart() {
     if (island_ != nullptr && part_ == &writer_.part()) return island_;
-    const bool resumed = island_ != nullptr;
+    const bool begins = island_ == nullptr;
     part_ = &writer_.part();
     island_ = part_->add_islands();
     island_->set_slot(writer_.slots().Slot(view_.id));
     island_->set_in_global_frame(view_.is_reference);
-    island_->set_resumed(resumed);
-    if (resumed) return island_;
+    island_->set_anew(begins && view_.anew);
+    if (!begins) return island_;
     for (const LocalMapId id : view_.local_maps) {
       island_->add_local_map_slots(writer_.slots().Slot(id));
     }
@@ -41,13 +42,13 @@ class IslandWriter {
   }
 
  private:
-  const IslandView& view_;
+  const MapChanges::Island& view_;
   Writer& writer_;
   v1::WatchMapResponse* part_ = nullptr;
   Island* island_ = nullptr;
 };
 
-void WriteKeyframes(const IslandView& view, IslandWriter& islands, Writer& writer) {
+void WriteKeyframes(const MapChanges::Island& view, IslandWriter& islands, Writer& writer) {
   for (const IslandView::KeyframePlace& place : view.keyframes) {
     writer.Reserve(kKeyframeBytes);
     v1::WatchMapResponse::IslandKeyframe* proto = islands.InThisPart()->add_keyframes();
@@ -57,26 +58,35 @@ void WriteKeyframes(const IslandView& view, IslandWriter& islands, Writer& write
     if (place.parent.IsValid()) writer.slots().Write(place.parent, proto->mutable_parent());
     proto->set_placed(place.placed);
   }
+  for (const KeyframeId& id : view.removed_keyframes) {
+    writer.Reserve(kRefBytes);
+    writer.slots().Write(id, islands.InThisPart()->add_removed_keyframes());
+  }
 }
 
-void WritePoints(const IslandView& view, IslandWriter& islands, Writer& writer) {
-  writer.Spread(view.points, kPointBytes, [&](std::span<const IslandView::Point> points) {
+void WritePoints(const MapChanges::Island& view, IslandWriter& islands, Writer& writer) {
+  using Point = std::pair<MapPointId, Eigen::Vector3d>;
+  writer.Spread(view.points, kPointBytes, [&](std::span<const Point> points) {
     v1::LightMapPoints* proto = islands.InThisPart()->mutable_points();
     IdColumnWriter ids(writer.slots(), proto->mutable_ids());
-    for (const IslandView::Point& point : points) {
-      ids.Add(point.id);
-      for (const double value : point.position_in_island) {
+    for (const auto& [id, position_in_island] : points) {
+      ids.Add(id);
+      for (const double value : position_in_island) {
         proto->add_positions(static_cast<float>(value));
       }
     }
+  });
+  writer.Spread(view.removed_points, kRefBytes, [&](std::span<const MapPointId> removed) {
+    IdColumnWriter ids(writer.slots(), islands.InThisPart()->mutable_removed_points());
+    for (const MapPointId& id : removed) ids.Add(id);
   });
 }
 
 std::map<LocalMapId, std::string> AgentsOf(const MapChanges& changes) {
   std::map<LocalMapId, std::string> agents;
-  for (const IslandView& island : changes.islands) {
-    for (const auto& keyframe : island.keyframes) {
-      agents.try_emplace(keyframe.id.local_map, keyframe.agent);
+  for (const MapChanges::Island& island : changes.islands) {
+    for (size_t i = 0; i < island.local_maps.size(); ++i) {
+      agents[island.local_maps[i]] = island.agents[i];
     }
   }
   return agents;
@@ -84,7 +94,7 @@ std::map<LocalMapId, std::string> AgentsOf(const MapChanges& changes) {
 
 }  // namespace
 
-std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes, bool include_points) {
+std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes) {
   Writer writer(kPartBytes, [&](v1::WatchMapResponse& part) {
     part.set_version(changes.version);
     part.set_revision(changes.revision);
@@ -94,14 +104,14 @@ std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes, bool includ
   for (const IslandId id : changes.removed_islands) {
     writer.part().add_removed_island_slots(writer.slots().Slot(id));
   }
-  for (const IslandView& view : changes.islands) {
+  for (const MapChanges::Island& view : changes.islands) {
     writer.Reserve(kSlotBytes * (1 + view.local_maps.size()));
     IslandWriter islands(view, writer);
     islands.InThisPart();
     WriteKeyframes(view, islands, writer);
-    if (include_points) WritePoints(view, islands, writer);
+    WritePoints(view, islands, writer);
   }
-  writer.part().clear_continues();
+  writer.part().set_continues(changes.continues);
   std::vector<v1::WatchMapResponse> parts = std::move(writer).Take();
   const std::map<LocalMapId, std::string> agents = AgentsOf(changes);
   for (v1::WatchMapResponse& part : parts) {

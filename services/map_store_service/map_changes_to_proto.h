@@ -10,7 +10,7 @@
 namespace corbslam {
 
 // One or more messages, the parts of one change.
-std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes, bool include_points);
+std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes);
 
 }  // namespace corbslam
 

@@ -17,6 +17,9 @@
 namespace corbslam {
 namespace {
 
+// Keyframes and points that are read under one lock: some two milliseconds.
+constexpr size_t kItemsInAPiece = 5000;
+
 // As SyncReactor: reactions note, Work works.
 class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
  public:
@@ -25,8 +28,7 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
       : store_(store),
         pool_(pool),
         name_(request.mission()),
-        include_points_(request.include_points()),
-        version_(request.from_version()),
+        watcher_(request.from_version(), request.include_points()),
         ticket_(std::move(ticket)),
         link_(std::make_shared<Link>()) {
     {
@@ -125,11 +127,12 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
   absl::Status Look() {
     if (!token_) RETURN_IF_ERROR(Subscribe());
     ASSIGN_OR_RETURN(const std::optional<MapChanges> changes,
-                     store_.ChangesSince(mission_, version_));
+                     store_.NextChanges(mission_, kItemsInAPiece, watcher_));
     if (!changes) return absl::OkStatus();
-    std::vector<v1::WatchMapResponse> parts = ToProto(*changes, include_points_);
-    version_ = changes->version;
+    std::vector<v1::WatchMapResponse> parts = ToProto(*changes);
     absl::MutexLock lock(&mutex_);
+    // The rest is looked at once these are written.
+    changed_ = changed_ || changes->continues;
     for (v1::WatchMapResponse& part : parts) parts_.push_back(std::move(part));
     return absl::OkStatus();
   }
@@ -170,9 +173,8 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
   MapStore& store_;
   TaskPool& pool_;
   const std::string name_;
-  const bool include_points_;
-  // Of Work.
-  uint64_t version_;
+  // These three are used by Work alone.
+  MapWatcher watcher_;
   std::string mission_;
   std::optional<uint64_t> token_;
   // An error: there were too many streams before this one.

@@ -54,6 +54,7 @@ class ObservedJournal : public Journal {
   absl::StatusOr<std::vector<std::string>> ListMissions() const override {
     return journal_->ListMissions();
   }
+  bool KeepsRecords() const override { return journal_->KeepsRecords(); }
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override {
     return journal_->Recover(mission, replay);
   }

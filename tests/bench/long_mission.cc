@@ -95,6 +95,12 @@ class LongMission {
  public:
   LongMission(const Flags& flags, MapStore& store) : store_(store), fleet_(Options(flags)) {}
 
+  // The next row is about what comes from here on.
+  void Begin(LockProbe& probe) {
+    spell_ = {};
+    probe.Take();
+  }
+
   absl::Status Open() {
     for (size_t i = 0; i < fleet_.robots(); ++i) {
       SessionRequest request;
@@ -122,7 +128,7 @@ class LongMission {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<Json> Measure(std::vector<double> probed_ms) {
+  absl::StatusOr<Json> Measure(LockProbe& probe) {
     Json row = {{"keyframes", keyframes_}, {"points", fleet_.point_count()}};
     const auto spread = [&row](const char* what, const std::vector<double>& ms) {
       row[absl::StrCat(what, "_p50_ms")] = Quantile(ms, 0.5);
@@ -131,15 +137,19 @@ class LongMission {
     spread("batch", spell_.apply_ms);
     spread("shared_update", spell_.shared_ms);
     spread("fusion", spell_.fusion_ms);
-    row["longest_wait_for_lock_ms"] = Quantile(std::move(probed_ms), 1);
-    spell_ = {};
+    const std::vector<double> probed_ms = probe.Take();
+    row["wait_for_lock_p99_ms"] = Quantile(probed_ms, 0.99);
+    row["longest_wait_for_lock_ms"] = Quantile(probed_ms, 1);
+    ASSIGN_OR_RETURN(const MissionStatistics statistics, store_.GetStatistics(kMission));
+    row["revision"] = statistics.revision;
+    row["islands"] = statistics.islands;
+    row["adjustments"] = statistics.global_adjustments.size();
     RETURN_IF_ERROR(MeasurePages(row));
     RETURN_IF_ERROR(MeasureWatching(row));
-    const absl::Time begin = absl::Now();
-    RETURN_IF_ERROR(store_.BackUpMission(kMission).status());
-    row["backup_pause_ms"] = Milliseconds(begin);
-    row["kB_per_keyframe"] = static_cast<double>(ResidentBytes()) / 1e3 /
-                             static_cast<double>(std::max<size_t>(keyframes_, 1));
+    RETURN_IF_ERROR(MeasureBackup(probe, row));
+    row["kB_per_keyframe"] =
+        static_cast<double>(ResidentBytes() - std::min(ResidentBytes(), resident_at_start_)) / 1e3 /
+        static_cast<double>(std::max<size_t>(keyframes_, 1));
     return row;
   }
 
@@ -168,25 +178,55 @@ class LongMission {
     return absl::OkStatus();
   }
 
-  // What one batch more is to a watcher who has seen all before.
-  absl::Status MeasureWatching(Json& row) {
-    ASSIGN_OR_RETURN(const auto all, store_.ChangesSince(kMission, 0));
-    if (!all.has_value()) return absl::InternalError("there is nothing to watch");
-    RETURN_IF_ERROR(AddKeyframe());
-    const absl::Time begin = absl::Now();
-    ASSIGN_OR_RETURN(const auto changes, store_.ChangesSince(kMission, all->version));
-    row["watch_ms"] = Milliseconds(begin);
+  // All that is new to the watcher, in pieces as the service takes them: the bytes.
+  absl::StatusOr<size_t> Watch(MapWatcher& watcher) const {
+    constexpr size_t kItemsInAPiece = 5000;
     size_t bytes = 0;
-    if (changes.has_value()) {
-      for (const auto& response : ToProto(*changes, false)) bytes += response.ByteSizeLong();
+    while (true) {
+      ASSIGN_OR_RETURN(const auto changes, store_.NextChanges(kMission, kItemsInAPiece, watcher));
+      if (!changes.has_value()) return bytes;
+      for (const auto& response : ToProto(*changes)) bytes += response.ByteSizeLong();
     }
-    row["watch_bytes"] = bytes;
+  }
+
+  // The whole map for somebody new, points too; and what one batch more, with what fusion makes of
+  // it, is to a watcher of keyframes who has seen all before: the median of some.
+  absl::Status MeasureWatching(Json& row) {
+    MapWatcher new_one(0, true);
+    absl::Time begin = absl::Now();
+    RETURN_IF_ERROR(Watch(new_one).status());
+    row["first_watch_ms"] = Milliseconds(begin);
+    MapWatcher watcher(0, false);
+    RETURN_IF_ERROR(Watch(watcher).status());
+    std::vector<double> ms;
+    std::vector<double> bytes;
+    for (int i = 0; i < 9; ++i) {
+      RETURN_IF_ERROR(AddKeyframe());
+      begin = absl::Now();
+      ASSIGN_OR_RETURN(const size_t some, Watch(watcher));
+      ms.push_back(Milliseconds(begin));
+      bytes.push_back(static_cast<double>(some));
+    }
+    row["watch_p50_ms"] = Quantile(ms, 0.5);
+    row["watch_p50_bytes"] = Quantile(bytes, 0.5);
+    return absl::OkStatus();
+  }
+
+  absl::Status MeasureBackup(LockProbe& probe, Json& row) const {
+    probe.Take();
+    const absl::Time begin = absl::Now();
+    ASSIGN_OR_RETURN(MissionBackup backup, store_.BackUpMission(kMission));
+    while (!backup.Next(1 << 20).empty()) {
+    }
+    row["backup_ms"] = Milliseconds(begin);
+    row["backup_pause_ms"] = Quantile(probe.Take(), 1);
     return absl::OkStatus();
   }
 
   MapStore& store_;
   SyntheticFleet fleet_;
   std::vector<uint64_t> sessions_;
+  const uint64_t resident_at_start_ = ResidentBytes();
   size_t keyframes_ = 0;
   Spell spell_;
 };
@@ -230,14 +270,16 @@ absl::Status Run(const Flags& flags) {
   Json rows = Json::array();
   for (const size_t keyframes : flags.keyframes) {
     while (mission.keyframes() < keyframes) RETURN_IF_ERROR(mission.AddKeyframe());
-    ASSIGN_OR_RETURN(Json row, mission.Measure(probe.Take()));
-    // What was just measured is no part of the next row.
-    probe.Take();
+    ASSIGN_OR_RETURN(Json row, mission.Measure(probe));
+    mission.Begin(probe);
     Print(row, rows.empty());
     rows.push_back(std::move(row));
+    if (flags.json.empty()) continue;
+    // After each row: a long run may be stopped.
+    RETURN_IF_ERROR(
+        WriteLines({Json{{"robots", flags.robots}, {"rows", rows}}.dump(2)}, flags.json));
   }
-  if (flags.json.empty()) return absl::OkStatus();
-  return WriteLines({Json{{"robots", flags.robots}, {"rows", rows}}.dump(2)}, flags.json);
+  return absl::OkStatus();
 }
 
 }  // namespace

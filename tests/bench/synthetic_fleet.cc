@@ -22,7 +22,7 @@ SyntheticFleet::SyntheticFleet(const FleetOptions& options)
       first_seen_(options.places) {
   for (size_t i = 0; i < robots_.size(); ++i) {
     robots_[i].local_map = {i + 1};
-    robots_[i].begin = i * options_.places / robots_.size();
+    robots_[i].begin = i * options_.spacing % options_.places;
     robots_[i].seen.resize(options_.places);
   }
 }

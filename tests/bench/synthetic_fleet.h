@@ -19,6 +19,8 @@ struct FleetOptions {
   size_t robots = 10;
   // Places of the ring, a metre apart; a keyframe is made at each.
   size_t places = 1000;
+  // So many places a robot begins behind the one after it.
+  size_t spacing = 25;
   // What there is to see at a place. The first robot that comes makes points of all; of what others
   // made, a robot sees a third as such, and makes points of its own of the rest.
   size_t points_per_place = 150;
@@ -26,7 +28,7 @@ struct FleetOptions {
   uint64_t seed = 1;
 };
 
-// Robots begin at even distances. Each has one local map, whose frame is the ring's own.
+// Robots drive one behind the other. Each has one local map, whose frame is the ring's own.
 class SyntheticFleet {
  public:
   explicit SyntheticFleet(const FleetOptions& options);

@@ -39,7 +39,8 @@ inline void LookAtEverything(MapStore& store) {
   for (const MissionInfo& mission : missions->items) {
     store.RunFusionUntilIdle(mission.name).IgnoreError();
     (void)store.GlobalMapView(mission.name);
-    (void)store.ChangesSince(mission.name, 0);
+    MapWatcher watcher(0, true);
+    (void)store.NextChanges(mission.name, 1000, watcher);
     (void)store.GetStatistics(mission.name);
     (void)store.ListAgents(mission.name, {});
     (void)store.ListLocalMaps(mission.name, {});

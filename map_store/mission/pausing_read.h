@@ -1,0 +1,37 @@
+// Reading much of a mission's state under its lock, with pauses in which writers have their turn.
+#ifndef CORBSLAM_MAP_STORE_MISSION_PAUSING_READ_H_
+#define CORBSLAM_MAP_STORE_MISSION_PAUSING_READ_H_
+
+#include <functional>
+#include <utility>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "map_store/view/long_read.h"
+
+namespace corbslam::map_store {
+
+// Made, used and given up under the lock, held for reading.
+class PausingRead : public LongRead {
+ public:
+  // `goes_on` is asked after each pause, under the lock: an error is Pause's.
+  PausingRead(absl::Mutex& mutex, std::function<absl::Status()> goes_on)
+      ABSL_SHARED_LOCKS_REQUIRED(mutex)
+      : mutex_(mutex), goes_on_(std::move(goes_on)) {}
+
+  // A writer that waits comes first.
+  absl::Status Pause() override ABSL_NO_THREAD_SAFETY_ANALYSIS {
+    mutex_.ReaderUnlock();
+    mutex_.ReaderLock();
+    return goes_on_();
+  }
+
+ private:
+  absl::Mutex& mutex_;
+  const std::function<absl::Status()> goes_on_;
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_MISSION_PAUSING_READ_H_

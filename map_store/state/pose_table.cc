@@ -1,0 +1,34 @@
+#include "map_store/state/pose_table.h"
+
+#include <utility>
+
+namespace corbslam::map_store {
+
+PoseTables& PoseTables::operator=(const PoseTables& other) {
+  if (this != &other) Clear();
+  return *this;
+}
+
+PoseTables& PoseTables::operator=(PoseTables&& other) noexcept {
+  if (this != &other) Clear();
+  return *this;
+}
+
+std::shared_ptr<const PoseTable> PoseTables::Find(LocalMapId local_map) const {
+  absl::MutexLock lock(&mutex_);
+  const auto it = tables_.find(local_map);
+  return it == tables_.end() ? nullptr : it->second;
+}
+
+void PoseTables::Add(LocalMapId local_map, std::shared_ptr<const PoseTable> table) const {
+  absl::MutexLock lock(&mutex_);
+  // The old one is freed outside the lock, by whoever still reads it or by the caller.
+  std::swap(tables_[local_map], table);
+}
+
+void PoseTables::Clear() {
+  absl::MutexLock lock(&mutex_);
+  tables_.clear();
+}
+
+}  // namespace corbslam::map_store

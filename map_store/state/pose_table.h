@@ -1,0 +1,56 @@
+// Where the keyframes of local maps stand in their islands, kept until they stand elsewhere.
+#ifndef CORBSLAM_MAP_STORE_STATE_POSE_TABLE_H_
+#define CORBSLAM_MAP_STORE_STATE_POSE_TABLE_H_
+
+#include <cstdint>
+#include <map>
+#include <memory>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/container/flat_hash_map.h"
+#include "absl/synchronization/mutex.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/util/ids.h"
+
+namespace corbslam::map_store {
+
+// camera_from_island, in the camera's local units: x_in_camera = s R x_in_island + t.
+using IslandPoses = std::map<KeyframeId, Similarity3d>;
+
+// Of all keyframes of one local map.
+struct PoseTable {
+  struct Standing {
+    bool placed = false;      // By fusion itself.
+    uint64_t changed_at = 0;  // The version of the places at which this one changed last.
+  };
+
+  uint64_t version = 0;  // Of the local map's places (LocalMapState::places_version).
+  IslandPoses poses;
+  absl::flat_hash_map<KeyframeId, Standing> standings;
+};
+
+// The newest table of each local map. Thread-safe: whoever reads a mission's state may add what it
+// had to compute. A copy and what is moved to begin empty: a table belongs to one state's versions.
+class PoseTables {
+ public:
+  PoseTables() = default;
+  PoseTables(const PoseTables&) {}
+  PoseTables(PoseTables&&) noexcept {}
+  PoseTables& operator=(const PoseTables& other);
+  PoseTables& operator=(PoseTables&& other) noexcept;
+  ~PoseTables() = default;
+
+  // The last that was added, of whatever version; null: none was.
+  std::shared_ptr<const PoseTable> Find(LocalMapId local_map) const;
+  void Add(LocalMapId local_map, std::shared_ptr<const PoseTable> table) const;
+
+ private:
+  void Clear();
+
+  mutable absl::Mutex mutex_;
+  mutable std::map<LocalMapId, std::shared_ptr<const PoseTable>> tables_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_STATE_POSE_TABLE_H_

@@ -1,0 +1,208 @@
+#include "map_store/view/map_watcher.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "map_store/view/answers.h"
+
+namespace corbslam {
+
+using map_store::Island;
+using map_store::LocalMapState;
+using map_store::MissionState;
+using map_store::PoseTable;
+
+namespace {
+
+bool HasLocalMap(const Island& island, LocalMapId id) {
+  return std::ranges::find(island.local_maps, id) != island.local_maps.end();
+}
+
+// Points that fusion has not placed follow their reference keyframe.
+void AddFollowers(const MissionState& state, const LocalMapState& local_map, KeyframeId id,
+                  std::set<MapPointId>& points) {
+  const Keyframe* keyframe = local_map.map.FindKeyframe(id);
+  if (keyframe == nullptr) return;
+  for (const MapPointId& point : keyframe->points) {
+    if (point.IsValid() && !state.global.points.contains(point)) points.insert(point);
+  }
+}
+
+// A landmark goes by its survivor's name.
+bool IsShown(const MissionState& state, MapPointId id) {
+  return state.FindPoint(id) != nullptr && state.global.landmarks.Survivor(id) == id;
+}
+
+// The island's part of the piece, begun where there is none.
+MapChanges::Island& PieceOf(const MissionState& state, IslandId id, MapChanges& changes) {
+  for (MapChanges::Island& island : changes.islands) {
+    if (island.id == id) return island;
+  }
+  MapChanges::Island& island = changes.islands.emplace_back();
+  island.id = id;
+  island.is_reference = id == state.ReferenceIsland();
+  island.local_maps = state.global.islands.at(id).local_maps;
+  for (const LocalMapId& local_map : island.local_maps) {
+    island.agents.push_back(state.FindLocalMap(local_map)->agent);
+  }
+  return island;
+}
+
+}  // namespace
+
+bool MapWatcher::CanUpdate(const MissionState& state, const Island& island) const {
+  if (!islands_.contains(island.id)) return false;
+  for (const auto& [local_map, seen_in] : seen_) {
+    if (seen_in == island.id && !HasLocalMap(island, local_map)) return false;
+  }
+  return std::ranges::all_of(island.local_maps, [&](LocalMapId id) {
+    const auto seen = seen_.find(id);
+    const bool is_new = seen == seen_.end() || seen->second != island.id;
+    return is_new || state.FindLocalMap(id)->changes.Since(version_).has_value();
+  });
+}
+
+std::optional<MapWatcher::Part> MapWatcher::MakePart(const MissionState& state, LocalMapId id,
+                                                     IslandId island, bool anew) const {
+  const LocalMapState& local_map = *state.FindLocalMap(id);
+  Part part;
+  part.local_map = id;
+  part.island = island;
+  part.next_keyframe = {id, 0};
+  part.next_point = {id, 0};
+  part.since = version_;
+  const auto seen = seen_.find(id);
+  part.whole = anew || seen == seen_.end() || seen->second != island;
+  if (part.whole) return part;
+  const map_store::ItemChanges changes = *local_map.changes.Since(version_);
+  if (changes.size() == 0 && local_map.places_version <= version_) return std::nullopt;
+  part.keyframes = {changes.keyframes.begin(), changes.keyframes.end()};
+  if (!include_points_) return part;
+  part.points = {changes.points.begin(), changes.points.end()};
+  part.points.insert(changes.landmarks.begin(), changes.landmarks.end());
+  part.fusion_moved_points = state.global.revision != revision_;
+  return part;
+}
+
+void MapWatcher::BeginIsland(const MissionState& state, const Island& island, MapChanges& changes) {
+  const bool anew = !CanUpdate(state, island);
+  PieceOf(state, island.id, changes).anew = anew;
+  for (const LocalMapId& id : island.local_maps) {
+    if (auto part = MakePart(state, id, island.id, anew)) parts_.push_back(*std::move(part));
+  }
+}
+
+void MapWatcher::Begin(const MissionState& state, MapChanges& changes) {
+  for (const IslandId& id :
+       begun_ ? std::vector<IslandId>(islands_.begin(), islands_.end()) : state.order) {
+    if (!state.global.islands.contains(id)) changes.removed_islands.push_back(id);
+  }
+  for (const Island* island : map_store::OrderedIslands(state)) {
+    if (island->version > version_) BeginIsland(state, *island, changes);
+  }
+  begun_ = true;
+  islands_.clear();
+  seen_.clear();
+  for (const auto& [id, island] : state.global.islands) {
+    islands_.insert(id);
+    for (const LocalMapId& local_map : island.local_maps) seen_[local_map] = id;
+  }
+  version_of_change_ = state.version;
+  revision_of_change_ = state.global.revision;
+}
+
+bool MapWatcher::TakeKeyframes(const MissionState& state, Part& part, size_t& room,
+                               MapChanges::Island& changes) {
+  const LocalMapState& local_map = *state.FindLocalMap(part.local_map);
+  const std::shared_ptr<const PoseTable> table = map_store::FindPoses(state, local_map);
+  for (auto it = table->poses.lower_bound(part.next_keyframe); it != table->poses.end(); ++it) {
+    const auto& [id, pose] = *it;
+    const PoseTable::Standing& standing = table->standings.at(id);
+    const bool is_news =
+        part.whole || standing.changed_at > part.since || part.keyframes.contains(id);
+    if (!is_news) continue;
+    if (room == 0) {
+      part.next_keyframe = id;
+      return false;
+    }
+    --room;
+    const Keyframe& keyframe = *local_map.map.FindKeyframe(id);
+    changes.keyframes.push_back({id, local_map.agent, keyframe.payload->timestamp_ns,
+                                 pose.ToRigid(), keyframe.parent, standing.placed});
+    if (include_points_ && !part.whole) AddFollowers(state, local_map, id, part.points);
+  }
+  for (const KeyframeId& id : std::exchange(part.keyframes, {})) {
+    if (!table->poses.contains(id)) changes.removed_keyframes.push_back(id);
+  }
+  part.next_keyframe = {part.local_map, KeyframeId::kNoIndex};
+  return true;
+}
+
+bool MapWatcher::TakePoints(const MissionState& state, Part& part, size_t& room,
+                            MapChanges::Island& changes) {
+  if (!include_points_) return true;
+  const LocalMapState& local_map = *state.FindLocalMap(part.local_map);
+  const std::shared_ptr<const PoseTable> table = map_store::FindPoses(state, local_map);
+  const auto take = [&](MapPointId id) {
+    --room;
+    const MapPoint& point = *local_map.map.FindPoint(id);
+    changes.points.emplace_back(
+        id, map_store::ComputePosition(point, local_map, state.global, table->poses));
+  };
+  while (!part.points.empty()) {
+    if (room == 0) return false;
+    const MapPointId id = *part.points.begin();
+    part.points.erase(part.points.begin());
+    if (IsShown(state, id)) {
+      take(id);
+    } else {
+      --room;
+      changes.removed_points.push_back(id);
+    }
+  }
+  if (!part.whole && !part.fusion_moved_points) return true;
+  const auto& points = local_map.map.points();
+  for (auto it = points.lower_bound(part.next_point); it != points.end(); ++it) {
+    const MapPointId id = it->first;
+    if (room == 0) {
+      part.next_point = id;
+      return false;
+    }
+    if (!part.whole) {
+      const auto placed = state.global.points.find(id);
+      if (placed == state.global.points.end() || placed->second.revision <= revision_) continue;
+    }
+    if (IsShown(state, id)) take(id);
+  }
+  return true;
+}
+
+std::optional<MapChanges> MapWatcher::Next(const MissionState& state, size_t max_items) {
+  MapChanges changes;
+  // Newer than the store's: of what it has no more.
+  if (version_ > state.version) *this = MapWatcher(0, include_points_);
+  if (parts_.empty()) {
+    if (state.version == version_) return std::nullopt;
+    Begin(state, changes);
+  }
+  changes.version = version_of_change_;
+  changes.revision = revision_of_change_;
+  size_t room = std::max<size_t>(max_items, 1);
+  while (!parts_.empty() && room > 0) {
+    Part& part = parts_.front();
+    // Elsewhere meanwhile: the next change tells it whole.
+    const bool is_here = state.global.island_of.at(part.local_map) == part.island;
+    const bool done =
+        !is_here || (TakeKeyframes(state, part, room, PieceOf(state, part.island, changes)) &&
+                     TakePoints(state, part, room, PieceOf(state, part.island, changes)));
+    if (done) parts_.pop_front();
+  }
+  changes.continues = !parts_.empty();
+  if (changes.continues) return changes;
+  version_ = version_of_change_;
+  revision_ = revision_of_change_;
+  return changes;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,78 @@
+// What somebody who watches a mission's map has seen of it, and what is new.
+#ifndef CORBSLAM_MAP_STORE_VIEW_MAP_WATCHER_H_
+#define CORBSLAM_MAP_STORE_VIEW_MAP_WATCHER_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "absl/container/flat_hash_set.h"
+#include "map_store/state/lookups.h"
+#include "map_store/state/mission_state.h"
+#include "map_store/view/placement.h"
+
+namespace corbslam {
+
+// A value; not thread-safe. Remembers which local maps were seen in which islands, not what was in
+// them: that follows from versions. Its cost is that of what changed and, at each change, a look at
+// the pose table of the local maps that changed.
+class MapWatcher {
+ public:
+  // `from_version`: MapChanges::version of another watcher of the same store; islands that have
+  // not changed since are left out. 0: from nothing.
+  MapWatcher(uint64_t from_version, bool include_points)
+      : include_points_(include_points), version_(from_version) {}
+
+  // The next piece, of about `max_items` keyframes and points; none: nothing is new. What changes
+  // while a change is told in pieces comes with the next one at the latest. Of one mission.
+  std::optional<MapChanges> Next(const map_store::MissionState& state, size_t max_items);
+
+ private:
+  // One local map's part of the change that is being told.
+  struct Part {
+    LocalMapId local_map;
+    IslandId island;
+    bool whole = false;
+    uint64_t since = 0;
+    // Ids at which it goes on.
+    KeyframeId next_keyframe;
+    bool points_begun = false;
+    MapPointId next_point;
+    // Not whole: what is to be looked at.
+    std::set<KeyframeId> keyframes;
+    std::set<MapPointId> points;
+    bool fusion_moved_points = false;
+  };
+
+  void Begin(const map_store::MissionState& state, MapChanges& changes);
+  void BeginIsland(const map_store::MissionState& state, const map_store::Island& island,
+                   MapChanges& changes);
+  // False: what the watcher knows of the island can't be brought up to date.
+  bool CanUpdate(const map_store::MissionState& state, const map_store::Island& island) const;
+  std::optional<Part> MakePart(const map_store::MissionState& state, LocalMapId local_map,
+                               IslandId island, bool anew) const;
+  // Both return whether the part has no more of them.
+  bool TakeKeyframes(const map_store::MissionState& state, Part& part, size_t& room,
+                     MapChanges::Island& changes);
+  bool TakePoints(const map_store::MissionState& state, Part& part, size_t& room,
+                  MapChanges::Island& changes);
+
+  bool include_points_;
+  uint64_t version_;
+  uint64_t revision_ = 0;
+  bool begun_ = false;
+  std::map<LocalMapId, IslandId> seen_;
+  std::set<IslandId> islands_;
+  // The change that is being told.
+  uint64_t version_of_change_ = 0;
+  uint64_t revision_of_change_ = 0;
+  std::deque<Part> parts_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_MAP_STORE_VIEW_MAP_WATCHER_H_
