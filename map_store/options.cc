@@ -25,6 +25,7 @@ absl::Status MapStoreOptions::Validate() const {
   status.Update(CheckPositive("min_shared_landmarks", min_shared_landmarks));
   status.Update(CheckPositive("loop_residual_px", loop_residual_px));
   status.Update(CheckPositive("weld_every", static_cast<double>(weld_every)));
+  status.Update(CheckPositive("weld_share", weld_share));
   status.Update(CheckPositive("adjust_share", adjust_share));
   status.Update(CheckPositive("adjust_min_keyframes", static_cast<double>(adjust_min_keyframes)));
   status.Update(CheckPositive("adjust_iterations", adjust_iterations));

@@ -36,9 +36,11 @@ struct MapStoreOptions {
   // graph to `loop_residual_px`.
   int min_shared_landmarks = 30;
   // An overlap within an island that agrees with the graph to this is not urgent: it is welded
-  // together with others, `weld_every` at a time, or when nothing else is left to do.
+  // together with others when there are `weld_every`, and so large a share of the island's
+  // keyframes, or at the end of all streams.
   double loop_residual_px = 5.0;
   size_t weld_every = 3;
+  double weld_share = 0.01;
   // Global bundle adjustment of an island: at once after two were fused or an owner closed a loop,
   // when so large a share of its keyframes, and at least so many, is new or was moved since the
   // last one, and at the end of all streams (docs/adr/0020-adjust-when-it-pays.md).

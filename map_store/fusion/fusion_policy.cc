@@ -60,6 +60,11 @@ bool IsLetEnd(const IslandSummary& island, const PolicyLimits& limits) {
   return island.adjusting && island.cancelled_adjustments >= limits.max_cancelled_adjustments;
 }
 
+bool AreEnough(const IslandSummary& island, size_t overlaps, const PolicyLimits& limits) {
+  return overlaps >= limits.weld_every &&
+         static_cast<double>(overlaps) >= limits.weld_share * static_cast<double>(island.keyframes);
+}
+
 std::optional<FusionAction> DecideWeld(const FusionSummary& summary, const PolicyLimits& limits) {
   for (const IslandSummary& island : summary.islands) {
     if (IsLetEnd(island, limits)) continue;
@@ -71,7 +76,7 @@ std::optional<FusionAction> DecideWeld(const FusionSummary& summary, const Polic
       urgent = urgent || overlap.urgent || overlap.alone;
     }
     const bool last = island.quiet && summary.queries == 0 && !inside.empty();
-    if (urgent || last || inside.size() >= limits.weld_every) {
+    if (urgent || last || AreEnough(island, inside.size(), limits)) {
       return FusionAction{FusionAction::Kind::kWeld, island.id, {}, ChooseTogether(inside)};
     }
   }

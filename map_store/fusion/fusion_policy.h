@@ -50,7 +50,10 @@ struct FusionSummary {
 };
 
 struct PolicyLimits {
+  // Overlaps that agree with an island's graph are welded together when there are so many, and so
+  // large a share of its keyframes: welding reads the graph of all of them.
   size_t weld_every = 3;
+  double weld_share = 0.01;
   // An adjustment of an island pays when so large a share of its keyframes, and at least so many,
   // has changed: that of n keyframes costs as n, and so does the sum of all until then.
   double adjust_share = 0.2;

@@ -74,6 +74,28 @@ TEST(FusionPolicyTest, OverlapsInsideAnIslandWaitForEachOther) {
               ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {1, 2, 4}}));
 }
 
+TEST(FusionPolicyTest, OfALargeIslandMoreOverlapsWaitForEachOther) {
+  FusionSummary summary = MakeSummary();
+  summary.islands[0].keyframes = 500;
+  for (uint64_t id = 1; id <= 4; ++id) summary.waiting.push_back({id, kFirst, kFirst, false});
+  EXPECT_THAT(DecideActions(summary, {}), IsEmpty());
+  summary.waiting.push_back({5, kFirst, kFirst, false});
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {1, 2, 3, 4, 5}}));
+  // All that is welded costs as the island's keyframes, however large it becomes.
+  size_t seen = 0;
+  size_t welded_at = 0;
+  for (size_t keyframes = 100; keyframes <= 100'000; ++keyframes) {
+    const size_t waiting = (keyframes - welded_at) / 3;
+    summary.islands[0].keyframes = keyframes;
+    summary.waiting.assign(waiting, {1, kFirst, kFirst, false});
+    if (DecideActions(summary, {}).empty()) continue;
+    seen += keyframes;
+    welded_at = keyframes;
+  }
+  EXPECT_LT(seen, 50u * 100'000u);
+}
+
 TEST(FusionPolicyTest, AnUrgentOneOrTheEndOfTheStreamsOrALocalLoopDoesNotWait) {
   FusionSummary urgent = MakeSummary();
   urgent.waiting = {{1, kFirst, kFirst, true}};

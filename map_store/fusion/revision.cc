@@ -177,16 +177,111 @@ void PlanRejected(const MissionState& state, const std::vector<const Map*>& view
   }
 }
 
+// None, where the plan moves none.
+std::vector<LocalMapId> LocalMapsOfSource(const RevisionPlan& plan, const MissionState& state) {
+  const auto source = state.global.islands.find(plan.source);
+  if (source == state.global.islands.end()) return {};
+  return source->second.local_maps;
+}
+
 // What an adjustment placed in the source's own frame after the snapshot was taken.
-void ForgetOldFrame(const RevisionPlan& plan, const Island& source, GlobalLayer& global) {
-  const std::set<LocalMapId> moved(source.local_maps.begin(), source.local_maps.end());
-  const auto is_moved = [&moved](const auto& item) { return moved.contains(item.first.local_map); };
-  std::erase_if(global.keyframes, is_moved);
-  absl::erase_if(global.points, is_moved);
-  for (const LocalMapId& id : source.local_maps) {
-    global.island_of[id] = plan.target;
-    global.island_from_local.erase(id);
+template <typename Items>
+void EraseItemsOf(LocalMapId local_map, Items& items) {
+  using Id = typename Items::key_type;
+  const auto begin = items.lower_bound(Id{local_map, 0});
+  auto end = begin;
+  while (end != items.end() && end->first.local_map == local_map) ++end;
+  items.erase(begin, end);
+}
+
+void PlaceItems(const RevisionPlan& plan, const MissionState& state, RevisionLayers& layers) {
+  for (const LocalMapId& id : LocalMapsOfSource(plan, state)) {
+    EraseItemsOf(id, layers.keyframes);
+    EraseItemsOf(id, layers.points);
   }
+  for (const auto& [id, placed] : plan.keyframes) layers.keyframes[id] = placed;
+  for (const auto& [id, placed] : plan.points) layers.points[id] = placed;
+  for (const KeyframeId& id : plan.culled) {
+    if (state.FindKeyframe(id) != nullptr) layers.keyframes.erase(id);
+  }
+}
+
+// What owners moved while the worker was busy counts from here on.
+std::set<KeyframeId> FindMotionSince(const RevisionPlan& plan, double threshold_px,
+                                     const MissionState& state, const RevisionLayers& layers) {
+  std::set<KeyframeId> displaced;
+  for (const auto& [id, placed] : plan.keyframes) {
+    const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
+    const bool is_displaced =
+        IsDisplaced(id, threshold_px, local_map, layers.keyframes).value_or(false);
+    if (is_displaced) displaced.insert(displaced.end(), id);
+  }
+  return displaced;
+}
+
+void RememberIslandFrame(const LocalMapState& local_map, const Similarity3d* last,
+                         RevisionLayers& layers) {
+  const IslandPoses poses = ComputePoses(local_map, layers.keyframes, last);
+  if (!poses.empty()) {
+    layers.island_from_local[local_map.id] = IslandFromLocal(local_map, poses);
+  } else if (last != nullptr) {
+    layers.island_from_local[local_map.id] = *last;
+  }
+}
+
+void RememberIslandFrames(const RevisionPlan& plan, const MissionState& state,
+                          RevisionLayers& layers) {
+  for (const LocalMapId& id : state.global.islands.at(plan.target).local_maps) {
+    const auto last = state.global.island_from_local.find(id);
+    RememberIslandFrame(*state.FindLocalMap(id),
+                        last == state.global.island_from_local.end() ? nullptr : &last->second,
+                        layers);
+  }
+  for (const LocalMapId& id : LocalMapsOfSource(plan, state)) {
+    RememberIslandFrame(*state.FindLocalMap(id), nullptr, layers);
+  }
+}
+
+// By the plan itself: owners' keyframes that came while the worker was busy are neither.
+size_t CountAdjusted(const RevisionPlan& plan, const MissionState& state,
+                     const RevisionLayers& layers) {
+  const std::set<KeyframeId> culled(plan.culled.begin(), plan.culled.end());
+  size_t count = 0;
+  for (const LocalMapId& local_map : state.global.islands.at(plan.target).local_maps) {
+    for (const auto& [id, keyframe] : state.FindLocalMap(local_map)->map.keyframes()) {
+      count +=
+          layers.keyframes.contains(id) || culled.contains(id) || state.global.culled.contains(id);
+    }
+  }
+  return count;
+}
+
+// Keyframes that stand by more than `threshold_px` elsewhere than they did, and those that their
+// owners had displaced.
+std::set<KeyframeId> FindMoved(const RevisionPlan& plan, double threshold_px,
+                               const MissionState& state) {
+  std::set<KeyframeId> moved = state.global.islands.at(plan.target).displaced;
+  for (const auto& [id, planned] : plan.keyframes) {
+    const auto placed = state.global.keyframes.find(id);
+    const Keyframe* keyframe = state.FindKeyframe(id);
+    if (placed == state.global.keyframes.end() || keyframe == nullptr) continue;
+    const Similarity3d motion =
+        planned.camera_from_island * placed->second.camera_from_island.Inverse();
+    if (MovesMoreThan(threshold_px, motion.ToRigid(), *state.FindLocalMap(id.local_map),
+                      *keyframe)) {
+      moved.insert(id);
+    }
+  }
+  return moved;
+}
+
+// `layers` has the keyframes and points as they were.
+void Prepare(const RevisionPlan& plan, const MapStoreOptions& options, const MissionState& state,
+             RevisionLayers& layers) {
+  PlaceItems(plan, state, layers);
+  layers.displaced = FindMotionSince(plan, options.local_motion_px, state, layers);
+  RememberIslandFrames(plan, state, layers);
+  if (plan.IsAdjustment()) layers.adjusted = CountAdjusted(plan, state, layers);
 }
 
 void MergeIslands(const RevisionPlan& plan, MissionState& state) {
@@ -209,12 +304,7 @@ void MergeIslands(const RevisionPlan& plan, MissionState& state) {
       local_map.changes.NoteSights(keyframe);
     }
   }
-  ForgetOldFrame(plan, source, state.global);
-}
-
-void PlaceItems(const RevisionPlan& plan, GlobalLayer& global) {
-  for (const auto& [id, placed] : plan.keyframes) global.keyframes[id] = placed;
-  for (const auto& [id, placed] : plan.points) global.points[id] = placed;
+  for (const LocalMapId& id : source.local_maps) state.global.island_of[id] = plan.target;
 }
 
 void RejectObservations(const RevisionPlan& plan, MissionState& state) {
@@ -240,7 +330,6 @@ void CullKeyframes(const RevisionPlan& plan, MissionState& state) {
     LocalMapState* owner = state.FindLocalMap(id.local_map);
     if (owner == nullptr || owner->map.FindKeyframe(id) == nullptr) continue;
     state.global.culled.insert(id);
-    state.global.keyframes.erase(id);
     owner->changes.NoteKeyframe(id);
   }
 }
@@ -265,25 +354,6 @@ void MergeLandmarks(const RevisionPlan& plan, MissionState& state) {
     const PlacedPoint placed = lost->second;
     global.points.erase(lost);
     global.points.try_emplace(survivor, placed);
-  }
-}
-
-// What owners moved while the worker was busy counts from here on.
-void NoteMotionSince(const RevisionPlan& plan, double threshold_px, MissionState& state) {
-  state.global.islands.at(plan.target).displaced.clear();
-  for (const auto& [id, placed] : plan.keyframes) {
-    const LocalMapState& local_map = *state.FindLocalMap(id.local_map);
-    NoteLocalMotion(id, threshold_px, state, local_map);
-  }
-}
-
-void RememberIslandFrames(const Island& island, MissionState& state) {
-  for (const LocalMapId& id : island.local_maps) {
-    const LocalMapState& local_map = *state.FindLocalMap(id);
-    const IslandPoses poses = ComputePoses(local_map, state.global);
-    if (poses.empty()) continue;
-    state.global.island_from_local[id] =
-        IslandFromLocal(poses.rbegin()->first, local_map, state.global, poses);
   }
 }
 
@@ -326,17 +396,45 @@ RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
   return plan;
 }
 
-void CommitRevision(const RevisionPlan& plan, const MapStoreOptions& options, MissionState& state) {
+RevisionLayers PrepareLayers(const RevisionPlan& plan, const MapStoreOptions& options,
+                             const MissionState& state) {
+  RevisionLayers layers;
+  if (plan.IsWelding()) layers.moved = FindMoved(plan, options.loop_residual_px, state);
+  layers.keyframes = state.global.keyframes;
+  layers.points = state.global.points;
+  Prepare(plan, options, state, layers);
+  return layers;
+}
+
+RevisionLayers TakeLayers(const RevisionPlan& plan, const MapStoreOptions& options,
+                          MissionState& state) {
+  RevisionLayers layers;
+  if (plan.IsWelding()) layers.moved = FindMoved(plan, options.loop_residual_px, state);
+  layers.keyframes = std::move(state.global.keyframes);
+  layers.points = std::move(state.global.points);
+  Prepare(plan, options, state, layers);
+  return layers;
+}
+
+void CommitRevision(const RevisionPlan& plan, RevisionLayers& layers, MissionState& state) {
   state.global.revision = plan.revision;
   MergeIslands(plan, state);
-  PlaceItems(plan, state.global);
+  std::swap(state.global.keyframes, layers.keyframes);
+  std::swap(state.global.points, layers.points);
   RejectObservations(plan, state);
   CullKeyframes(plan, state);
   MergeLandmarks(plan, state);
   Island& island = state.global.islands.at(plan.target);
   island.fused = true;
-  NoteMotionSince(plan, options.local_motion_px, state);
-  RememberIslandFrames(island, state);
+  island.displaced = std::move(layers.displaced);
+  for (const LocalMapId& id : island.local_maps) {
+    const auto frame = layers.island_from_local.find(id);
+    if (frame != layers.island_from_local.end()) {
+      state.global.island_from_local[id] = frame->second;
+    } else {
+      state.global.island_from_local.erase(id);
+    }
+  }
   for (const uint64_t id : plan.overlaps) {
     state.global.overlaps.Change(id, [&plan](OverlapEntry& entry) {
       entry.state = OverlapState::kInGraph;

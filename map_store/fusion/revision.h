@@ -28,6 +28,10 @@ struct RevisionPlan {
   std::set<KeyframeId> decided_anew;
   std::vector<KeyframeId> culled;
   std::vector<uint64_t> overlaps;  // Now in the graph.
+
+  // Of a global bundle adjustment, which decides anew about each keyframe that it saw.
+  bool IsAdjustment() const { return !decided_anew.empty(); }
+  bool IsWelding() const { return !IsAdjustment() && !source.IsValid(); }
 };
 
 // Keyframes get the result's pose, else the one of the snapshot that the worker saw. Only settled
@@ -38,8 +42,31 @@ RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseM
 RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
                         const AdjustBundleResult& result);
 
-// Writes the plan: what every revision does.
-void CommitRevision(const RevisionPlan& plan, const MapStoreOptions& options, MissionState& state);
+// What a plan makes of the global layer, as whole values: computed beside those who read the state,
+// so that committing it costs as much as changed hands and not as the map.
+struct RevisionLayers {
+  PlacedKeyframes keyframes;
+  PlacedPoints points;
+  std::map<LocalMapId, Similarity3d> island_from_local;  // Of the local maps of the plan's islands.
+  // Of the target: what owners moved while the worker was busy.
+  std::set<KeyframeId> displaced;
+  // Of a welding: keyframes that it moves by more than the options' residual, and those that owners
+  // had displaced.
+  std::set<KeyframeId> moved;
+  // Of an adjustment: how many keyframes of the target are placed or culled then.
+  size_t adjusted = 0;
+};
+
+// `state` is as it was when the plan was made.
+RevisionLayers PrepareLayers(const RevisionPlan& plan, const MapStoreOptions& options,
+                             const MissionState& state);
+// Likewise, with what PrepareLayers would copy taken from the state: for a replay, which nobody
+// reads meanwhile. They are to be committed to it next.
+RevisionLayers TakeLayers(const RevisionPlan& plan, const MapStoreOptions& options,
+                          MissionState& state);
+
+// Writes the plan and puts the layers in place; the old ones are in `layers` then.
+void CommitRevision(const RevisionPlan& plan, RevisionLayers& layers, MissionState& state);
 
 }  // namespace corbslam::map_store
 

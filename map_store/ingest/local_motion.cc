@@ -23,23 +23,35 @@ double PixelMotion(const Rigid3d& motion, double depth, double fx_px) {
   return fx_px * (RotationAngle(motion.rotation) + motion.translation.norm() / depth);
 }
 
-void NoteLocalMotion(KeyframeId id, double threshold_px, MissionState& state,
-                     const LocalMapState& local_map) {
+bool MovesMoreThan(double threshold_px, const Rigid3d& motion, const LocalMapState& local_map,
+                   const Keyframe& keyframe) {
+  // Nearly all have not moved at all, which no depth is needed to see: that looks at every point.
+  const double fx_px = keyframe.camera().fx_px;
+  if (PixelMotion(motion, kLeastDepth_m, fx_px) <= threshold_px) return false;
+  return PixelMotion(motion, MedianDepth(local_map, keyframe), fx_px) > threshold_px;
+}
+
+std::optional<bool> IsDisplaced(KeyframeId id, double threshold_px, const LocalMapState& local_map,
+                                const PlacedKeyframes& all_placed) {
   const Keyframe* keyframe = local_map.map.FindKeyframe(id);
-  const auto placed = state.global.keyframes.find(id);
-  if (keyframe == nullptr || placed == state.global.keyframes.end()) return;
+  const auto placed = all_placed.find(id);
+  if (keyframe == nullptr || placed == all_placed.end()) return std::nullopt;
   const Keyframe* parent = local_map.map.FindKeyframe(keyframe->parent);
-  const auto placed_parent = state.global.keyframes.find(keyframe->parent);
-  if (parent == nullptr || placed_parent == state.global.keyframes.end()) return;
+  const auto placed_parent = all_placed.find(keyframe->parent);
+  if (parent == nullptr || placed_parent == all_placed.end()) return std::nullopt;
   const Rigid3d now = keyframe->camera_from_map * parent->camera_from_map.Inverse();
   const Rigid3d then =
       placed->second.camera_from_local * placed_parent->second.camera_from_local.Inverse();
+  return MovesMoreThan(threshold_px, now * then.Inverse(), local_map, *keyframe);
+}
+
+void NoteLocalMotion(KeyframeId id, double threshold_px, MissionState& state,
+                     const LocalMapState& local_map) {
+  const std::optional<bool> is_displaced =
+      IsDisplaced(id, threshold_px, local_map, state.global.keyframes);
+  if (!is_displaced.has_value()) return;
   std::set<KeyframeId>& displaced = state.FindIslandOf(local_map.id)->displaced;
-  // Nearly all have not moved at all, which no depth is needed to see: that looks at every point.
-  const Rigid3d motion = now * then.Inverse();
-  const double fx_px = keyframe->camera().fx_px;
-  const bool may_matter = PixelMotion(motion, kLeastDepth_m, fx_px) > threshold_px;
-  if (may_matter && PixelMotion(motion, MedianDepth(local_map, *keyframe), fx_px) > threshold_px) {
+  if (*is_displaced) {
     displaced.insert(id);
   } else {
     displaced.erase(id);

@@ -63,6 +63,7 @@ FusionSummary FusionCoordinator::Summarise() const {
 PolicyLimits FusionCoordinator::Limits() const {
   PolicyLimits limits;
   limits.weld_every = strand_.options().weld_every;
+  limits.weld_share = strand_.options().weld_share;
   limits.adjust_share = strand_.options().adjust_share;
   limits.adjust_min_keyframes = strand_.options().adjust_min_keyframes;
   return limits;

@@ -87,18 +87,20 @@ absl::Status FusionCoordinator::CommitFuse(const FuseJob& job, const FuseMapsRes
   if (!result.accepted) return CommitRefusedFuse(job, result);
   FuseRecord record;
   record.relaxed = job.relaxed;
+  // Only writers change what the plan is made of, and this one has the turn.
+  record.plan = PlanFuse(strand_.state_in_turn(), job, result);
   {
     absl::ReaderMutexLock lock(&strand_.mutex());
-    record.plan = PlanFuse(strand_.state(), job, result);
     record.merge_ms = SinceVerified(record.plan.overlaps);
   }
   // Where all was adjusted since, poses from before would undo that; fused anew, they don't. After
   // an urgent one all is adjusted again.
   if (IsOvertaken(job, record)) return absl::OkStatus();
-  // Only writers change what the plan was made of, and this one has the turn.
   RETURN_IF_ERROR(strand_.Append(record));
+  // Given up when the lock is: freeing takes time, too.
+  RevisionLayers layers = PrepareLayers(record.plan, strand_.options(), strand_.state_in_turn());
   absl::MutexLock lock(&strand_.mutex());
-  const bool urgent = map_store::Apply(record, strand_.options(), strand_.mutable_state());
+  const bool urgent = map_store::Apply(record, layers, strand_.mutable_state());
   if (urgent) lanes_.CancelAdjustment(job.action);
   return absl::OkStatus();
 }
@@ -120,21 +122,22 @@ double FusionCoordinator::SinceVerified(const std::vector<uint64_t>& overlaps) c
 absl::Status FusionCoordinator::CommitAdjust(const AdjustJob& job,
                                              const AdjustBundleResult& result) {
   AdjustRecord record;
+  record.plan = PlanAdjust(strand_.state_in_turn(), job, result);
   {
     absl::ReaderMutexLock lock(&strand_.mutex());
     const MissionState& state = strand_.state();
     const auto it = state.global.islands.find(job.snapshot.island);
     if (it == state.global.islands.end()) return absl::OkStatus();
     if (it->second.generation != job.snapshot.generation) return absl::OkStatus();
-    record.plan = PlanAdjust(state, job, result);
     // What arrived or was welded while the worker was busy waits for the next one.
     record.dirty = it->second.version_of_owners > job.snapshot.version_of_owners ||
                    WasPlacedSince(job.request.base_revision, record.plan, state.global);
   }
   record.statistics = {result.keyframes, result.points, result.iterations, result.seconds * 1e3};
   RETURN_IF_ERROR(strand_.Append(record));
+  RevisionLayers layers = PrepareLayers(record.plan, strand_.options(), strand_.state_in_turn());
   absl::MutexLock lock(&strand_.mutex());
-  map_store::Apply(record, strand_.options(), strand_.mutable_state());
+  map_store::Apply(record, layers, strand_.mutable_state());
   lanes_.ForgetTrouble(record.plan.target);
   return absl::OkStatus();
 }

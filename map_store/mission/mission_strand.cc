@@ -20,9 +20,15 @@ struct ApplyAgain {
 
   void operator()(const BatchRecord& record) { Apply(record, words, options, state); }
   void operator()(const QueryRecord& record) { Apply(record, options, state); }
-  void operator()(const FuseRecord& record) { Apply(record, options, state); }
+  void operator()(const FuseRecord& record) {
+    RevisionLayers layers = TakeLayers(record.plan, options, state);
+    Apply(record, layers, state);
+  }
   void operator()(const FuseRefusedRecord& record) { Apply(record, state); }
-  void operator()(const AdjustRecord& record) { Apply(record, options, state); }
+  void operator()(const AdjustRecord& record) {
+    RevisionLayers layers = TakeLayers(record.plan, options, state);
+    Apply(record, layers, state);
+  }
   void operator()(const RederiveRecord& record) { Apply(record, state); }
   void operator()(const RetractRecord& record) { Apply(record, options, state); }
 };

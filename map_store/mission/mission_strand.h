@@ -58,6 +58,12 @@ class MissionStrand {
   absl::Mutex& mutex() const ABSL_LOCK_RETURNED(mutex_) { return mutex_; }
   const MissionState& state() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return state_; }
   MissionState& mutable_state() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return state_; }
+  // For whoever has the turn and reads much: of local maps and what was fused of them only writers
+  // change anything. Agents, queries, overlaps and the islands' flags need the lock.
+  const MissionState& state_in_turn() const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_) ABSL_NO_THREAD_SAFETY_ANALYSIS {
+    return state_;
+  }
   // Reads the state under its lock; `read` must be quick and must not call back.
   template <typename Read>
   auto WithState(Read read) const ABSL_LOCKS_EXCLUDED(mutex_) {

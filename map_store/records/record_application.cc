@@ -10,7 +10,6 @@
 #include "map_store/fusion/rederivation.h"
 #include "map_store/fusion/revision.h"
 #include "map_store/ingest/batch_validation.h"
-#include "map_store/ingest/local_motion.h"
 #include "map_store/ingest/parked_references.h"
 #include "map_store/records/retraction.h"
 #include "slam/util/status_macros.h"
@@ -23,35 +22,6 @@ bool IsSound(const Overlap& overlap, const QueryTask& task) {
          overlap.candidate_from_query.scale > 0 &&
          overlap.candidate_from_query.rotation.coeffs().allFinite() &&
          overlap.candidate_from_query.translation.allFinite() && IsCovariance(overlap.covariance);
-}
-
-// What the welding of a plan that is not yet written moves: keyframes that stand by more than
-// `threshold_px` elsewhere than they did, and those that their owners had displaced.
-void NoteMoved(const RevisionPlan& plan, double threshold_px, MissionState& state) {
-  Island& island = state.global.islands.at(plan.target);
-  island.moved.insert(island.displaced.begin(), island.displaced.end());
-  for (const auto& [id, planned] : plan.keyframes) {
-    const auto placed = state.global.keyframes.find(id);
-    const Keyframe* keyframe = state.FindKeyframe(id);
-    if (placed == state.global.keyframes.end() || keyframe == nullptr) continue;
-    const Similarity3d motion =
-        planned.camera_from_island * placed->second.camera_from_island.Inverse();
-    const double motion_px =
-        PixelMotion(motion.ToRigid(), MedianDepth(*state.FindLocalMap(id.local_map), *keyframe),
-                    keyframe->camera().fx_px);
-    if (motion_px > threshold_px) island.moved.insert(id);
-  }
-}
-
-// By the adjustment that was just written: others came while the worker was busy.
-size_t CountAdjusted(const MissionState& state, const Island& island) {
-  size_t count = 0;
-  for (const LocalMapId& local_map : island.local_maps) {
-    for (const auto& [id, keyframe] : state.FindLocalMap(local_map)->map.keyframes()) {
-      count += state.global.keyframes.contains(id) || state.global.culled.contains(id);
-    }
-  }
-  return count;
 }
 
 // Statistics travel whole, in a message of 4 MiB.
@@ -115,12 +85,12 @@ bool IsUrgent(const FuseRecord& record, const MissionState& state) {
                              [&state](uint64_t id) { return state.global.overlaps.at(id).urgent; });
 }
 
-bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionState& state) {
+bool Apply(const FuseRecord& record, RevisionLayers& layers, MissionState& state) {
   const RevisionPlan& plan = record.plan;
   const bool merged = plan.source.IsValid();
-  if (!merged) NoteMoved(plan, options.loop_residual_px, state);
-  CommitRevision(plan, options, state);
+  CommitRevision(plan, layers, state);
   Island& island = state.global.islands.at(plan.target);
+  island.moved.merge(layers.moved);
   const bool urgent = IsUrgent(record, state);
   for (const LocalMapId& id : record.relaxed) island.relaxed.erase(id);
   island.overlaps_since_adjustment += plan.overlaps.size();
@@ -147,13 +117,13 @@ void Apply(const FuseRefusedRecord& record, MissionState& state) {
   LeaveToAdjustment(record.relaxed, state, state.global.islands.at(record.target));
 }
 
-void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionState& state) {
-  CommitRevision(record.plan, options, state);
+void Apply(const AdjustRecord& record, RevisionLayers& layers, MissionState& state) {
+  CommitRevision(record.plan, layers, state);
   Island& island = state.global.islands.at(record.plan.target);
   island.needs_adjustment = false;
   island.dirty = record.dirty;
   island.overlaps_since_adjustment = 0;
-  island.adjusted = CountAdjusted(state, island);
+  island.adjusted = layers.adjusted;
   island.moved.clear();
   AddNewest(record.statistics, state.statistics.global_adjustments);
 }

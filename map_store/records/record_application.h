@@ -4,6 +4,7 @@
 #define CORBSLAM_MAP_STORE_RECORDS_RECORD_APPLICATION_H_
 
 #include "absl/status/status.h"
+#include "map_store/fusion/revision.h"
 #include "map_store/ingest/batch_application.h"
 #include "map_store/options.h"
 #include "map_store/records/journal_records.h"
@@ -21,10 +22,11 @@ void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionSta
 // It merges islands, or mends what a loop has shown to be wrong: whether an adjustment of what it
 // touches is due at once.
 bool IsUrgent(const FuseRecord& record, const MissionState& state);
-// The same, of what was applied.
-bool Apply(const FuseRecord& record, const MapStoreOptions& options, MissionState& state);
+// The same, of what was applied. `layers` are of the record's plan (PrepareLayers, TakeLayers), and
+// hold what was there before it afterwards.
+bool Apply(const FuseRecord& record, RevisionLayers& layers, MissionState& state);
 void Apply(const FuseRefusedRecord& record, MissionState& state);
-void Apply(const AdjustRecord& record, const MapStoreOptions& options, MissionState& state);
+void Apply(const AdjustRecord& record, RevisionLayers& layers, MissionState& state);
 void Apply(const RederiveRecord& record, MissionState& state);
 void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionState& state);
 

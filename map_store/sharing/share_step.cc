@@ -307,10 +307,10 @@ class ShareStep {
       const Keyframe* keyframe = state_.FindKeyframe(*it);
       if (sent != share_.keyframes.end() && keyframe != nullptr) {
         Sights sights = SightsOf(state_, *state_.FindLocalMap(it->local_map), *keyframe);
-        if (sights != sent->second.points) {
+        if (sights != *sent->second.sights) {
           if (!budget_.Take(kObservationBytes)) return;
-          TakeObservationChanges(*it, sent->second.points, sights);
-          sent->second.points = std::move(sights);
+          TakeObservationChanges(*it, *sent->second.sights, sights);
+          sent->second.sights = state_.sights.Share(*it, std::move(sights));
         }
       }
       it = news_.sights.erase(it);
@@ -363,13 +363,13 @@ class ShareStep {
     SentKeyframe sent;
     sent.camera_from_global = PosesOf(local_map).at(id);
     sent.global_from_local = GlobalFromLocal(id, local_map);
-    sent.points = SightsOf(state_, local_map, keyframe);
+    sent.sights = state_.sights.Share(id, SightsOf(state_, local_map, keyframe));
     SharedKeyframe shared;
     shared.payload = keyframe.payload;
     shared.camera_from_global = sent.camera_from_global;
     shared.parent = keyframe.parent;
     shared.points.resize(keyframe.keypoints().size());
-    for (const auto& [keypoint, point] : sent.points) {
+    for (const auto& [keypoint, point] : *sent.sights) {
       shared.points[keypoint] = point;
       TakePoint(point);
     }

@@ -22,6 +22,7 @@
 #include "map_store/state/point_index.h"
 #include "map_store/state/pose_table.h"
 #include "map_store/state/query_queue.h"
+#include "map_store/state/sights_table.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
 #include "slam/exchange/point_followers.h"
@@ -113,6 +114,8 @@ struct PlacedKeyframe {
   uint64_t revision = 0;
 };
 
+using PlacedKeyframes = std::map<KeyframeId, PlacedKeyframe>;
+
 struct PlacedPoint {
   Eigen::Vector3d position_in_island = Eigen::Vector3d::Zero();
   uint64_t revision = 0;
@@ -151,7 +154,7 @@ using RejectedObservations = std::map<std::pair<KeyframeId, uint32_t>, MapPointI
 // Fusion's own estimates, beside what the owners say.
 struct GlobalLayer {
   uint64_t revision = 0;
-  std::map<KeyframeId, PlacedKeyframe> keyframes;
+  PlacedKeyframes keyframes;
   PlacedPoints points;  // Of survivors and lone points.
   Landmarks landmarks;
   // Removed points, and another of the landmark that each was part of.
@@ -187,6 +190,7 @@ struct MissionState {
   GlobalLayer global;
   PointIndex points;  // Of the local maps' foreign observations and replacements, and of the heirs.
   PoseTables poses;   // What was asked for lately (view/placement.h).
+  SightsTable sights;  // What agents were told that keyframes see.
   QueryQueue queries;
   // How many of them were given up, by the local maps of query and candidates. Not recorded.
   std::map<std::pair<LocalMapId, LocalMapId>, uint64_t> failed_queries;

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "absl/container/btree_map.h"
 #include "absl/container/btree_set.h"
 #include "map_store/state/lookups.h"
+#include "map_store/state/sights_table.h"
 #include "slam/exchange/shared_update.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
@@ -23,8 +25,7 @@ struct SentKeyframe {
   Similarity3d camera_from_global;
   // Where its points were, as far as fusion has not placed them.
   Similarity3d global_from_local;
-  // Keypoint and landmark, by keypoint.
-  std::vector<std::pair<uint32_t, MapPointId>> points;
+  std::shared_ptr<const Sights> sights;
 };
 
 // What may be news to the agent: to be looked at, and sent if it is.

@@ -101,12 +101,15 @@ class Counter {
     return absl::OkStatus();
   }
 
-  void CountLandmarks() {
+  absl::Status CountLandmarks() {
+    size_t done = 0;
     for (const auto& [survivor, sightings] : landmarks_) {
+      RETURN_IF_ERROR(PauseAfter(kLandmarksInAPiece, done++));
       for (size_t i = 0; i < sightings.size(); ++i) {
         for (size_t j = 0; j < i; ++j) CountPair(sightings[i], sightings[j]);
       }
     }
+    return absl::OkStatus();
   }
 
   std::vector<CovisiblePair> Take() {
@@ -181,7 +184,8 @@ absl::StatusOr<std::vector<CovisiblePair>> CountCovisibility(const MissionState&
   RETURN_IF_ERROR(counter.CollectLandmarks());
   RETURN_IF_ERROR(counter.CollectForeignObservations());
   RETURN_IF_ERROR(read.Pause());
-  counter.CountLandmarks();
+  RETURN_IF_ERROR(counter.CountLandmarks());
+  RETURN_IF_ERROR(read.Pause());
   return counter.Take();
 }
 

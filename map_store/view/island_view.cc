@@ -11,8 +11,12 @@
 namespace corbslam::map_store {
 namespace {
 
-// A piece of a long read: 2 to 4 ms with 2,000 keypoints each.
-constexpr size_t kKeyframesInAPiece = 8;
+// Looks after which others have their turn: 2 to 4 ms. What 2,000 keypoints of a keyframe see is an
+// eighth of that.
+constexpr int kLooksInAPiece = 8000;
+constexpr int kLooksOfSights = 1000;
+constexpr int kLooksOfKeyframe = 12;
+constexpr int kLooksOfEdges = 8;
 
 // Builds a Map of an island's keyframes and what they see.
 class ViewBuilder {
@@ -35,32 +39,37 @@ class ViewBuilder {
     view_.AddKeyframe(std::move(keyframe));
   }
 
-  // Once all keyframes are there, in the same piece.
-  void AddEdges() {
+  // Once all keyframes are there. Owners may have removed some meanwhile, or added others.
+  absl::Status AddEdges() {
     std::set<LocalMapId> local_maps;
     for (const KeyframeId& id : KeyframeIds()) {
-      const Keyframe& from = *state_.FindKeyframe(id);
-      const KeyframeId parent = AncestorOf(from);
-      if (parent != view_.FindKeyframe(id)->parent) view_.SetParent(id, parent);
-      for (const KeyframeId& other : from.loop_edges) view_.AddLoopEdge(id, other);
+      RETURN_IF_ERROR(PauseAtTimes(kLooksOfEdges));
       local_maps.insert(id.local_map);
+      const Keyframe* from = state_.FindKeyframe(id);
+      if (from == nullptr) continue;
+      const KeyframeId parent = AncestorOf(*from);
+      if (parent != view_.FindKeyframe(id)->parent) view_.SetParent(id, parent);
+      for (const KeyframeId& other : from->loop_edges) view_.AddLoopEdge(id, other);
     }
     for (const LocalMapId& id : local_maps) {
       for (const LoopEdge& edge : state_.FindLocalMap(id)->foreign_loop_edges) {
         view_.AddLoopEdge(edge.a, edge.b);
       }
     }
+    return absl::OkStatus();
   }
 
   // As owners counted it. Likewise.
-  void AddOwnersCovisibility() {
+  absl::Status AddOwnersCovisibility() {
     for (const KeyframeId& id : KeyframeIds()) {
-      for (const auto& [other, weight] : state_.FindKeyframe(id)->covisible) {
-        if (id < other && view_.FindKeyframe(other) != nullptr) {
-          view_.SetCovisibility(id, other, weight);
-        }
+      RETURN_IF_ERROR(PauseAtTimes(kLooksOfEdges));
+      const Keyframe* from = state_.FindKeyframe(id);
+      if (from == nullptr) continue;
+      for (const auto& [other, weight] : from->covisible) {
+        if (id < other && IsInView(other)) view_.SetCovisibility(id, other, weight);
       }
     }
+    return absl::OkStatus();
   }
 
   // All that the view's keyframes see.
@@ -87,14 +96,16 @@ class ViewBuilder {
   }
 
   // Of keyframes that the view has.
-  void SetCovisibility(const std::vector<CovisiblePair>& pairs) {
-    for (const CovisiblePair& pair : pairs) {
-      const bool here =
-          view_.FindKeyframe(pair.a) != nullptr && view_.FindKeyframe(pair.b) != nullptr;
-      if (here) view_.SetCovisibility(pair.a, pair.b, pair.weight);
-    }
+  absl::Status SetCovisibility(const std::vector<CovisiblePair>& pairs) {
     // They were counted in pieces.
     ForgetPoses();
+    for (const CovisiblePair& pair : pairs) {
+      RETURN_IF_ERROR(PauseAtTimes(1));
+      if (IsInView(pair.a) && IsInView(pair.b)) {
+        view_.SetCovisibility(pair.a, pair.b, pair.weight);
+      }
+    }
+    return absl::OkStatus();
   }
 
   // Unless the view has it.
@@ -112,6 +123,18 @@ class ViewBuilder {
     point.min_distance = from.min_distance * island_from_local.scale;
     point.max_distance = from.max_distance * island_from_local.scale;
     view_.AddPoint(std::move(point));
+  }
+
+  // Between two steps of `looks` each. ABORTED: as the read says.
+  absl::Status PauseAtTimes(int looks) {
+    looks_in_piece_ += looks;
+    if (looks_in_piece_ < kLooksInAPiece) return absl::OkStatus();
+    looks_in_piece_ = 0;
+    const uint64_t version = state_.version;
+    RETURN_IF_ERROR(read_.Pause());
+    // Owners' poses are others now, of other keyframes.
+    if (state_.version != version) ForgetPoses();
+    return absl::OkStatus();
   }
 
   Map TakeView() { return std::move(view_); }
@@ -155,18 +178,10 @@ class ViewBuilder {
     motions_.clear();
   }
 
-  absl::Status PauseAtTimes() {
-    if (++keyframes_in_piece_ < kKeyframesInAPiece) return absl::OkStatus();
-    keyframes_in_piece_ = 0;
-    const uint64_t version = state_.version;
-    RETURN_IF_ERROR(read_.Pause());
-    // Owners' poses are others now, of other keyframes.
-    if (state_.version != version) ForgetPoses();
-    return absl::OkStatus();
-  }
+  bool IsInView(KeyframeId id) const { return view_.FindKeyframe(id) != nullptr; }
 
   absl::Status AddSightsOf(KeyframeId id, bool only_known) {
-    RETURN_IF_ERROR(PauseAtTimes());
+    RETURN_IF_ERROR(PauseAtTimes(kLooksOfSights));
     const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
     const Keyframe* from = local_map.map.FindKeyframe(id);
     // Its owner removed it during a pause.
@@ -186,7 +201,7 @@ class ViewBuilder {
   const Unplaced& unplaced_;
   const Rejected rejected_;
   LongRead& read_;
-  size_t keyframes_in_piece_ = 0;
+  int looks_in_piece_ = 0;
   PoseCache poses_;
   absl::flat_hash_map<KeyframeId, Similarity3d> motions_;
   Map view_;
@@ -195,8 +210,8 @@ class ViewBuilder {
 enum class Culled { kLeaveOut, kTakeAlong };
 
 // With its keyframes and edges.
-IslandSnapshot BeginSnapshot(const MissionState& state, const Island& island, Culled culled,
-                             ViewBuilder& builder) {
+absl::StatusOr<IslandSnapshot> BeginSnapshot(const MissionState& state, const Island& island,
+                                             Culled culled, ViewBuilder& builder) {
   IslandSnapshot snapshot;
   snapshot.island = island.id;
   snapshot.revision = state.global.revision;
@@ -204,16 +219,24 @@ IslandSnapshot BeginSnapshot(const MissionState& state, const Island& island, Cu
   snapshot.version_of_owners = island.version_of_owners;
   for (const LocalMapId& id : island.local_maps) {
     const LocalMapState& local_map = *state.FindLocalMap(id);
-    const IslandPoses& poses = builder.PosesOf(local_map);
-    snapshot.poses.insert(poses.begin(), poses.end());
-    for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
-      snapshot.local_poses[keyframe_id] = keyframe.camera_from_map;
+    const auto& keyframes = local_map.map.keyframes();
+    for (KeyframeId next = {id, 0};;) {
+      // Anything may have come and gone in the pause before.
+      const auto it = keyframes.lower_bound(next);
+      if (it == keyframes.end()) break;
+      const auto& [keyframe_id, keyframe] = *it;
+      snapshot.poses.emplace_hint(snapshot.poses.end(), keyframe_id,
+                                  builder.PosesOf(local_map).at(keyframe_id));
+      snapshot.local_poses.emplace_hint(snapshot.local_poses.end(), keyframe_id,
+                                        keyframe.camera_from_map);
       const bool left_out =
           culled == Culled::kLeaveOut && state.global.culled.contains(keyframe_id);
       if (!left_out) builder.AddKeyframe(local_map, keyframe);
+      next = {id, keyframe_id.index + 1};
+      RETURN_IF_ERROR(builder.PauseAtTimes(kLooksOfKeyframe));
     }
   }
-  builder.AddEdges();
+  RETURN_IF_ERROR(builder.AddEdges());
   return snapshot;
 }
 
@@ -286,7 +309,8 @@ absl::StatusOr<IslandSnapshot> TakeWholeSnapshot(const MissionState& state, cons
                                                  Unplaced unplaced, Rejected rejected,
                                                  LongRead& read) {
   ViewBuilder builder(state, unplaced, rejected, Covisibility::kGiven, read);
-  IslandSnapshot snapshot = BeginSnapshot(state, island, Culled::kLeaveOut, builder);
+  ASSIGN_OR_RETURN(IslandSnapshot snapshot,
+                   BeginSnapshot(state, island, Culled::kLeaveOut, builder));
   RETURN_IF_ERROR(builder.AddSights());
   snapshot.view = builder.TakeView();
   snapshot.unplaced = std::move(unplaced);
@@ -301,9 +325,10 @@ absl::StatusOr<IslandSnapshot> TakeGraphSnapshot(const MissionState& state, cons
                                                  LongRead& read) {
   ViewBuilder builder(state, unplaced, Rejected::kLeaveOut, Covisibility::kGiven, read);
   // Without them the spanning tree would fall apart.
-  IslandSnapshot snapshot = BeginSnapshot(state, island, Culled::kTakeAlong, builder);
+  ASSIGN_OR_RETURN(IslandSnapshot snapshot,
+                   BeginSnapshot(state, island, Culled::kTakeAlong, builder));
   ASSIGN_OR_RETURN(const std::vector<CovisiblePair> pairs, CountCovisibility(state, island, read));
-  builder.SetCovisibility(pairs);
+  RETURN_IF_ERROR(builder.SetCovisibility(pairs));
   RETURN_IF_ERROR(builder.AddSightsAround(centres, neighbourhood));
   for (const MapPointId& id : named) {
     const bool here =
@@ -324,8 +349,8 @@ absl::StatusOr<Map> BuildPartialView(const MissionState& state,
     const Keyframe* keyframe = local_map == nullptr ? nullptr : local_map->map.FindKeyframe(id);
     if (keyframe != nullptr) builder.AddKeyframe(*local_map, *keyframe);
   }
-  builder.AddEdges();
-  builder.AddOwnersCovisibility();
+  RETURN_IF_ERROR(builder.AddEdges());
+  RETURN_IF_ERROR(builder.AddOwnersCovisibility());
   RETURN_IF_ERROR(builder.AddSights());
   return builder.TakeView();
 }

@@ -56,12 +56,20 @@ bool HasAnyOf(const Unplaced& unplaced, LocalMapId local_map) {
 
 IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& global,
                          const Unplaced& unplaced) {
+  const auto last = global.island_from_local.find(local_map.id);
+  return ComputePoses(local_map, global.keyframes,
+                      last == global.island_from_local.end() ? nullptr : &last->second, unplaced);
+}
+
+IslandPoses ComputePoses(const LocalMapState& local_map, const PlacedKeyframes& all_placed,
+                         const Similarity3d* last, const Unplaced& unplaced) {
   IslandPoses poses;
   std::deque<KeyframeId> front;
-  for (const auto& [id, keyframe] : local_map.map.keyframes()) {
-    const auto placed = global.keyframes.find(id);
-    if (placed == global.keyframes.end() || unplaced.contains(id)) continue;
-    poses[id] = placed->second.camera_from_island;
+  for (auto placed = all_placed.lower_bound(KeyframeId{local_map.id, 0});
+       placed != all_placed.end() && placed->first.local_map == local_map.id; ++placed) {
+    const KeyframeId id = placed->first;
+    if (unplaced.contains(id) || local_map.map.FindKeyframe(id) == nullptr) continue;
+    poses.emplace_hint(poses.end(), id, placed->second.camera_from_island);
     front.push_back(id);
   }
   if (!poses.empty()) {
@@ -69,10 +77,9 @@ IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& glob
     SpreadInOrder(local_map.map, poses);
     return poses;
   }
-  const auto last = global.island_from_local.find(local_map.id);
   for (const auto& [id, keyframe] : local_map.map.keyframes()) {
     const Similarity3d pose = Similarity3d::FromRigid(keyframe.camera_from_map);
-    poses[id] = last == global.island_from_local.end() ? pose : pose * last->second.Inverse();
+    poses.emplace_hint(poses.end(), id, last == nullptr ? pose : pose * last->Inverse());
   }
   return poses;
 }
@@ -117,6 +124,11 @@ Similarity3d IslandFromLocal(KeyframeId reference, const LocalMapState& local_ma
   }
   const Keyframe& keyframe = *local_map.map.FindKeyframe(it->first);
   return it->second.Inverse() * Similarity3d::FromRigid(keyframe.camera_from_map);
+}
+
+Similarity3d IslandFromLocal(const LocalMapState& local_map, const IslandPoses& poses) {
+  const auto& [id, pose] = *poses.rbegin();
+  return pose.Inverse() * Similarity3d::FromRigid(local_map.map.FindKeyframe(id)->camera_from_map);
 }
 
 Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& local_map,

@@ -19,6 +19,9 @@ using Unplaced = std::set<KeyframeId>;
 // stands where it stood last, or in its own frame.
 IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& global,
                          const Unplaced& unplaced = {});
+// Likewise with these placed keyframes, and `last` for where it stood last; null: its own frame.
+IslandPoses ComputePoses(const LocalMapState& local_map, const PlacedKeyframes& placed,
+                         const Similarity3d* last, const Unplaced& unplaced = {});
 
 // ComputePoses as the state is now, computed once for all who ask until it is another.
 std::shared_ptr<const PoseTable> FindPoses(const MissionState& state,
@@ -51,6 +54,8 @@ Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& loca
 // island_from_local by the keyframe that the point refers to, or the nearest to it that there is.
 Similarity3d IslandFromLocal(KeyframeId reference, const LocalMapState& local_map,
                              const GlobalLayer& global, const IslandPoses& poses);
+// Likewise by the keyframe that came last. `poses` must not be empty.
+Similarity3d IslandFromLocal(const LocalMapState& local_map, const IslandPoses& poses);
 
 // The keyframe that the point follows: its reference, or where that one was culled, the first one
 // that sees it and was not.

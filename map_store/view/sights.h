@@ -10,9 +10,6 @@
 
 namespace corbslam::map_store {
 
-// Keypoint and landmark, by keypoint; keypoints that see none are left out.
-using Sights = std::vector<std::pair<uint32_t, MapPointId>>;
-
 // Of a keyframe of `local_map`: its own and others' points of its island under the names that they
 // go by now, without what fusion rejected.
 Sights SightsOf(const MissionState& state, const LocalMapState& local_map,
