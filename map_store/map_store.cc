@@ -6,14 +6,17 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/mission/fusion_executor.h"
+#include "map_store/mission/memory_budget.h"
 #include "map_store/mission/mission.h"
 #include "map_store/mission/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
+#include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
 
 using map_store::FusionExecutor;
+using map_store::MemoryBudget;
 using map_store::Mission;
 using map_store::MissionEnvironment;
 using map_store::SnapshotKeeper;
@@ -24,6 +27,7 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       vocabulary_(std::move(vocabulary)),
       journal_(std::move(journal)),
       clock_(std::move(clock)),
+      memory_(std::make_unique<MemoryBudget>(options.memory_budget_bytes, &ResidentBytes, clock_)),
       executor_(
           std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)),
       snapshots_(std::make_unique<SnapshotKeeper>(clock_)) {
@@ -222,8 +226,12 @@ absl::StatusOr<MissionBackup> MapStore::BackUpMission(absl::string_view mission_
   return mission->snapshots().BackUp();
 }
 
+MapStore::Memory MapStore::memory() const { return {memory_->limit_bytes(), memory_->refused()}; }
+
 MissionRestorer MapStore::StartRestoring() const {
-  return MissionRestorer(options_.max_backup_bytes);
+  return MissionRestorer(options_.max_backup_bytes, [this](uint64_t bytes) {
+    return memory_->Check("a backup's piece", bytes);
+  });
 }
 
 absl::Status MapStore::RestoreMission(const std::string& name, map_store::MissionState state) {

@@ -36,6 +36,7 @@ struct MissionLoad;
 
 namespace map_store {
 class FusionExecutor;
+class MemoryBudget;
 class Mission;
 class SnapshotKeeper;
 }  // namespace map_store
@@ -119,6 +120,13 @@ class MapStore {
   // DEADLINE_EXCEEDED after `timeout`.
   absl::Status WaitUntilFusionIdle(absl::string_view mission, absl::Duration timeout) const;
 
+  // The process's memory: 0 for no budget; how often something was refused for want of it.
+  struct Memory {
+    uint64_t budget_bytes = 0;
+    uint64_t refused = 0;
+  };
+  Memory memory() const;
+
   // Whether there are fusion workers at all, and since when they take no requests; none before the
   // first request.
   bool has_worker() const;
@@ -194,6 +202,7 @@ class MapStore {
   const std::shared_ptr<const Vocabulary> vocabulary_;
   const std::unique_ptr<Journal> journal_;
   const Clock clock_;
+  const std::unique_ptr<map_store::MemoryBudget> memory_;
   std::unique_ptr<map_store::FusionExecutor> executor_;
   std::unique_ptr<map_store::SnapshotKeeper> snapshots_;
 

@@ -86,6 +86,8 @@ struct MapStoreOptions {
   // Kept of what one agent, and all agents of a mission, sent.
   uint64_t max_bytes_per_agent = uint64_t{16} << 30;
   uint64_t max_bytes_per_mission = uint64_t{64} << 30;
+  // Of the process, all together: beyond that nothing is taken in. 0: no limit.
+  uint64_t memory_budget_bytes = 0;
   // Of a backup that is restored.
   uint64_t max_backup_bytes = uint64_t{64} << 30;
   size_t max_page_size = 10000;

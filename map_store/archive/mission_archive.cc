@@ -111,6 +111,8 @@ absl::Status MissionRestorer::Add(std::string_view piece) {
     return absl::ResourceExhaustedError(
         absl::StrCat("the backup has more than ", max_bytes_, " bytes; that is the limit"));
   }
+  // Coded features are about half of what they are in memory, and are held until all is there.
+  if (check_room_ != nullptr) RETURN_IF_ERROR(check_room_(3 * piece.size()));
   pending_.append(piece);
   std::string_view rest = pending_;
   ASSIGN_OR_RETURN(bool took, TakeHeader(rest));

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -52,11 +53,14 @@ class MissionBackup {
 // Reads such a file piece by piece.
 class MissionRestorer {
  public:
-  // The file may have at most so many bytes.
-  explicit MissionRestorer(uint64_t max_bytes) : max_bytes_(max_bytes) {}
+  // The file may have at most so many bytes. `check_room` is asked for each piece, with the bytes
+  // that it takes in memory: an error is Add's. Null: there is room.
+  explicit MissionRestorer(uint64_t max_bytes,
+                           std::function<absl::Status(uint64_t)> check_room = nullptr)
+      : max_bytes_(max_bytes), check_room_(std::move(check_room)) {}
 
   // DATA_LOSS, naming the byte: damaged. FAILED_PRECONDITION: a newer format, or not such a file.
-  // RESOURCE_EXHAUSTED: too long. No piece may follow an error.
+  // RESOURCE_EXHAUSTED: too long, or there is no room. No piece may follow an error.
   absl::Status Add(std::string_view piece);
   // After the last piece. DATA_LOSS: the file was cut short or its parts don't fit together. Once.
   absl::StatusOr<map_store::MissionState> Finish();
@@ -69,6 +73,7 @@ class MissionRestorer {
   absl::Status Damaged(absl::string_view what) const;
 
   const uint64_t max_bytes_;
+  const std::function<absl::Status(uint64_t)> check_room_;
   uint64_t received_ = 0;
   uint64_t taken_ = 0;
   bool has_header_ = false;

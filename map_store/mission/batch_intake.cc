@@ -81,12 +81,20 @@ absl::Status BatchIntake::ApplyNext(const std::string& agent, const MapUpdateBat
   return absl::OkStatus();
 }
 
+// What is kept of a batch takes about twice its bytes: words, indices, tables.
+absl::Status BatchIntake::CheckMemory(const MapUpdateBatch& batch) const {
+  return strand_.environment().memory->Check(
+      absl::StrCat("batch ", batch.number, " of local map ", ToString(batch.local_map)),
+      2 * StoredBytes(batch));
+}
+
 absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const std::string& agent,
                                                    const MapUpdateBatch& batch,
                                                    const BatchTransfer* measured) {
   const absl::Time begin = strand_.environment().clock();
   ASSIGN_OR_RETURN(Known known, CheckAndValidate(session_id, agent, batch));
   if (!known.has_value()) {
+    RETURN_IF_ERROR(CheckMemory(batch));
     const BatchWords words = ComputeWords(batch, strand_.environment().vocabulary);
     ASSIGN_OR_RETURN(known, ApplyInTurn(session_id, agent, batch, words));
   }

@@ -39,6 +39,8 @@ class BatchIntake {
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   absl::StatusOr<Known> CheckAndValidate(uint64_t session_id, const std::string& agent,
                                          const MapUpdateBatch& batch) const;
+  // RESOURCE_EXHAUSTED: the process has no memory for it.
+  absl::Status CheckMemory(const MapUpdateBatch& batch) const;
   // Known: another one of the same session has applied it meanwhile.
   absl::StatusOr<Known> ApplyInTurn(uint64_t session_id, const std::string& agent,
                                     const MapUpdateBatch& batch, const BatchWords& words);

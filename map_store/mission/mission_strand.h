@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "map_store/mission/memory_budget.h"
 #include "map_store/options.h"
 #include "map_store/records/journal.h"
 #include "map_store/records/journal_records.h"
@@ -29,6 +30,7 @@ struct MissionEnvironment {
   // Called, without locks, when there may be something to fuse.
   std::function<void()> wake_fusion;
   bool has_worker = false;
+  MemoryBudget* memory = nullptr;
 };
 
 // Thread-safe. Writers take their turn, and hold it while the journal writes; the state's own lock

@@ -60,6 +60,13 @@ std::vector<prometheus::MetricFamily> MissionCollector::Collect() const {
   std::set<std::string> missions;
   const std::vector<MissionLoad> loads = store_.ListLoads();
   families.Gauge("corbslam_missions", "Missions in the store.", Number(loads.size()));
+  const MapStore::Memory memory = store_.memory();
+  families.Gauge("corbslam_memory_budget_bytes",
+                 "Resident memory beyond which nothing is taken in; 0: no limit.",
+                 Number(memory.budget_bytes));
+  families.Counter("corbslam_memory_refused_total",
+                   "Batches and backups' pieces that were refused for want of memory.",
+                   Number(memory.refused));
   if (store_.has_worker()) {
     families.Gauge("corbslam_fusion_workers_answer",
                    "0 while no fusion worker takes the store's requests.",

@@ -1,24 +1,14 @@
 #include "services/metrics/process_collector.h"
 
-#include <unistd.h>
-
-#include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 
 #include "services/metrics/families.h"
 #include "services/server/process_usage.h"
+#include "slam/util/resident_memory.h"
 
 namespace corbslam {
 namespace {
-
-double ResidentBytes() {
-  uint64_t size = 0;
-  uint64_t resident = 0;
-  std::ifstream("/proc/self/statm") >> size >> resident;
-  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
 
 double OpenFiles() {
   std::error_code error;
@@ -38,7 +28,8 @@ std::vector<prometheus::MetricFamily> ProcessCollector::Collect() const {
                  {{"program", program_}, {"version", CORBSLAM_VERSION}});
   families.Counter("process_cpu_seconds_total", "Processor time, user and system.",
                    GetProcessUsage().cpu_s);
-  families.Gauge("process_resident_memory_bytes", "Memory that is resident.", ResidentBytes());
+  families.Gauge("process_resident_memory_bytes", "Memory that is resident.",
+                 static_cast<double>(ResidentBytes()));
   families.Gauge("process_start_time_seconds", "When the process began, since 1970.",
                  absl::ToDoubleSeconds(started_ - absl::UnixEpoch()));
   families.Gauge("process_open_fds", "Open files and connections.", OpenFiles());

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "services/programs/store_workers.h"
 #include "services/security/flags.h"
 #include "services/security/guarded_map_store.h"
+#include "services/server/memory_limit.h"
 #include "services/server/readiness_watch.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
@@ -35,12 +37,17 @@ struct Flags {
   std::string vocabulary = DefaultVocabularyPath();
   std::string data_dir;
   uint64_t min_free_mb = RocksJournalOptions().min_free_bytes >> 20;
+  // None: DefaultMemoryBudget().
+  std::optional<uint64_t> memory_budget_bytes;
   MapStoreOptions store;
   MapStoreServiceOptions service;
   SecurityOptions security;
   ObserveFlags observe;
   double drain_s = 2;
 };
+
+// What is left is for what comes at once and goes again: views for workers, snapshots, messages.
+uint64_t DefaultMemoryBudget() { return MemoryLimitBytes() / 4 * 3; }
 
 // Null: no worker was named.
 absl::StatusOr<std::unique_ptr<FusionWorker>> MakeWorker(const Flags& flags) {
@@ -92,6 +99,8 @@ std::vector<absl::Status> Check(const Flags& flags) {
 }
 
 absl::Status Run(Flags flags) {
+  flags.store.memory_budget_bytes = flags.memory_budget_bytes.value_or(DefaultMemoryBudget());
+  LOG(INFO) << "memory budget: " << (flags.store.memory_budget_bytes >> 20) << " MiB";
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
@@ -138,6 +147,11 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "MiB that are left free on its disk; with less, agents are told to wait")
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str();
+  app.add_option(
+         "--memory-budget", flags.memory_budget_bytes,
+         "Memory of the process, as 6GiB or 600MiB, beyond which nothing is taken in; 0: no "
+         "limit. Default: three quarters of the container's or the machine's")
+      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false));
   app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
       ->capture_default_str();
   app.add_option("--threads", flags.service.threads, "Threads that apply batches and answer")

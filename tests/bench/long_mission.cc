@@ -1,14 +1,11 @@
 // What a mission costs as it grows: synthetic robots on shared ground (synthetic_fleet.h) fill one,
 // with a journal, and at some sizes it is measured what a batch, a shared update, fusion, pages,
 // watching, a backup and a keyframe's memory take. Prints a table and writes JSON.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -22,6 +19,7 @@
 #include "map_store/rocks/rocks_journal.h"
 #include "services/map_store_service/map_changes_to_proto.h"
 #include "services/programs/default_vocabulary.h"
+#include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 #include "tests/bench/synthetic_fleet.h"
@@ -43,13 +41,6 @@ struct Flags {
 };
 
 double Milliseconds(absl::Time since) { return absl::ToDoubleMilliseconds(absl::Now() - since); }
-
-uint64_t ResidentBytes() {
-  uint64_t pages = 0;
-  uint64_t resident = 0;
-  std::ifstream("/proc/self/statm") >> pages >> resident;
-  return resident * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-}
 
 // Times that a look-up which needs the state's lock for a moment takes, all the while: as long as
 // somebody holds it for writing, it waits.
