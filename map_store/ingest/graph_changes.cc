@@ -233,6 +233,11 @@ void ApplyKeyframeRemoval(const KeyframeRemoval& removal, MissionState& state,
   ForgetForeignObservations(removal.id, state, local_map);
   state.global.keyframes.erase(removal.id);
   state.global.culled.erase(removal.id);
+  RejectedObservations& rejected = state.global.rejected;
+  const auto first = rejected.lower_bound({removal.id, 0});
+  auto last = first;
+  while (last != rejected.end() && last->first.first == removal.id) ++last;
+  rejected.erase(first, last);
   state.FindIslandOf(local_map.id)->displaced.erase(removal.id);
 }
 
