@@ -1,6 +1,8 @@
 // What a mission costs as it grows: synthetic robots on shared ground (synthetic_fleet.h) fill one,
 // with a journal, and at some sizes it is measured what a batch, a shared update, fusion, pages,
 // watching, a backup and a keyframe's memory take. Prints a table and writes JSON.
+#include <glog/logging.h>
+
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdint>
@@ -290,6 +292,7 @@ int main(int argc, char** argv) {
   app.add_option("--data-dir", flags.data_dir, "Folder of the journal; made new")->required();
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
+  FLAGS_minloglevel = google::GLOG_ERROR;
   if (const absl::Status status = corbslam::Run(flags); !status.ok()) {
     std::fprintf(stderr, "long_mission: %s\n", status.ToString().c_str());
     return 1;
