@@ -39,7 +39,7 @@ void ChangeLog::Forget(uint64_t version) {
 }
 
 std::optional<ItemChanges> ChangeLog::Since(uint64_t version) const {
-  if (version < known_after_) return std::nullopt;
+  if (!Knows(version)) return std::nullopt;
   ItemChanges changes;
   for (auto it = entries_.rbegin(); it != entries_.rend() && it->version > version; ++it) {
     Append(it->changes.keyframes, changes.keyframes);

@@ -36,6 +36,8 @@ class ChangeLog {
   // Up to this version anything may have changed.
   void Forget(uint64_t version);
 
+  // Whether it remembers all that changed after `version`.
+  bool Knows(uint64_t version) const { return version >= known_after_; }
   // What changed after `version`, ascending, each once; none when that is not known any more.
   std::optional<ItemChanges> Since(uint64_t version) const;
 

@@ -59,7 +59,7 @@ bool MapWatcher::CanUpdate(const MissionState& state, const Island& island) cons
   return std::ranges::all_of(island.local_maps, [&](LocalMapId id) {
     const auto seen = seen_.find(id);
     const bool is_new = seen == seen_.end() || seen->second != island.id;
-    return is_new || state.FindLocalMap(id)->changes.Since(version_).has_value();
+    return is_new || state.FindLocalMap(id)->changes.Knows(version_);
   });
 }
 
