@@ -56,8 +56,9 @@ endforeach()
 
 install(FILES "${CMAKE_SOURCE_DIR}/slam/vocabulary/data/corbslam.voc"
         DESTINATION "${CMAKE_INSTALL_DATADIR}/corbslam" COMPONENT common)
+# The lab's diary is for those who work on the sources.
 install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs/" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/corbslam"
-        COMPONENT common FILES_MATCHING PATTERN "*.md")
+        COMPONENT common FILES_MATCHING PATTERN "*.md" PATTERN "lab" EXCLUDE PATTERN "results" EXCLUDE)
 install(FILES deploy/systemd/map_store.service deploy/systemd/fusion_worker.service
         DESTINATION lib/systemd/system COMPONENT server)
 install(FILES deploy/systemd/client_agent@.service DESTINATION lib/systemd/system COMPONENT robot)

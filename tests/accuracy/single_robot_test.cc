@@ -1,4 +1,5 @@
-// One robot against the truth of recorded sequences: the bars of docs/measurements.md.
+// One robot against the truth of recorded sequences: bars as in
+// docs/lab/2026-11-24-accuracy-lockstep.md.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

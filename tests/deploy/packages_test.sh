@@ -46,6 +46,7 @@ done
 twice=$(sort "$work"/*.files | uniq -d)
 [ -z "$twice" ] || fail "in two packages: $twice"
 has common usr/bin/corbslam usr/share/corbslam/corbslam.voc usr/share/doc/corbslam/operations.md
+! grep "/doc/corbslam/lab/" "$work"/*.files || fail "the lab's diary is in a package"
 has server usr/bin/map_store usr/bin/fusion_worker usr/lib/systemd/system/map_store.service \
   usr/lib/systemd/system/fusion_worker.service etc/corbslam/map_store.env etc/corbslam/fusion_worker.env
 has robot usr/bin/client_agent usr/lib/systemd/system/client_agent@.service
