@@ -113,6 +113,7 @@ std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
   environment.clock = clock_;
   environment.wake_fusion = [this] { Wake(); };
   environment.has_worker = executor_->has_worker();
+  environment.memory = memory_.get();
   return std::make_shared<Mission>(name, std::move(environment));
 }
 
