@@ -39,7 +39,7 @@ inline Eigen::Vector2d Project(const Camera& camera, const Eigen::Vector3d& x_in
           camera.fy_px * x_in_camera.y() / x_in_camera.z() + camera.cy_px};
 }
 
-// Point in the camera's frame at `depth_m` (z) behind pixel (x, y).
+// Returns the point in the camera's frame at `depth_m` (z) behind pixel (x, y).
 inline Eigen::Vector3d Unproject(const Camera& camera, double x_px, double y_px, double depth_m) {
   return {(x_px - camera.cx_px) / camera.fx_px * depth_m,
           (y_px - camera.cy_px) / camera.fy_px * depth_m, depth_m};

@@ -19,7 +19,7 @@ absl::Status CheckCoefficient(absl::string_view name, double value) {
                                                  kLargestCoefficient, " in size"));
 }
 
-// Derivative of Distort.
+// Returns the derivative of Distort at `ideal`.
 Eigen::Matrix2d DistortJacobian(const RadialTangential& d, const Eigen::Vector2d& ideal) {
   const double x = ideal.x();
   const double y = ideal.y();

@@ -9,7 +9,7 @@
 namespace corbslam {
 namespace {
 
-// As the wire's limits of a Camera.
+// These limits are those that the wire sets for a Camera.
 constexpr double kMaxFocalLength_px = 1e5;
 constexpr double kMaxBodyDistance_m = 1000;
 constexpr double kMaxLengthError = 0.01;

@@ -33,7 +33,7 @@ class StereoRectifier {
   // stereoRectify with alpha 0; Bouguet's method). INVALID_ARGUMENT for an impossible calibration.
   static absl::StatusOr<StereoRectifier> Make(const RawStereo& raw);
 
-  // Of the rectified pair, baseline_m set, close_depth_m 40 baselines.
+  // The camera of the rectified pair: baseline_m is set, close_depth_m is 40 baselines.
   const Camera& camera() const { return camera_; }
   // Orientation of the rectified left camera's frame against the raw one's: poses of the raw left
   // camera become poses of the rectified one by this rotation.

@@ -42,7 +42,7 @@ class BitsModel {
  public:
   template <typename Coder>
   uint32_t Code(Coder& coder, int bits, uint32_t value) {
-    uint32_t coded = 1;  // With a one before the bits so far.
+    uint32_t coded = 1;  // The bits so far, behind a leading one.
     for (int i = bits - 1; i >= 0; --i) {
       const bool bit = (value >> i & 1) != 0;
       const bool learned = coded < (1u << kLearned);
@@ -85,7 +85,7 @@ class DifferenceModel {
   int32_t Code(Coder& coder, int32_t value) {
     if (is_zero_.Code(coder, value == 0)) return 0;
     const bool negative = is_negative_.Code(coder, value < 0);
-    // Of a value that isn't 0.
+    // The size counts the bits of a magnitude that isn't 0.
     const auto size = negative ? 0u - static_cast<uint32_t>(value) : static_cast<uint32_t>(value);
     const uint32_t coded = size_.Code(coder, size - 1) + 1;
     return static_cast<int32_t>(negative ? 0u - coded : coded);

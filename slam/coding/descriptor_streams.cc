@@ -22,14 +22,14 @@ constexpr size_t kBlock = 16;
 template <typename Coder>
 using Coders = std::array<Coder, kDescriptorStreams>;
 
-// Sixteen at once: by two instructions, or by one.
+// A block is sixteen log-odds that are added at once, by two instructions or by one.
 using Block [[gnu::vector_size(2 * kBlock)]] = uint16_t;
 constexpr size_t kBlocks = kBits / kBlock;
 
-// One descriptor on its way through a coder.
+// A lane holds one descriptor on its way through a coder.
 struct Lane {
   std::array<Block, kBlocks> log_odds;
-  // Of the block under way: all ones for a bit that is 1.
+  // Masks of the block under way: all ones for a bit that is 1.
   std::array<uint16_t, kBlock> masks;
 };
 
@@ -60,7 +60,7 @@ CORBSLAM_KERNEL void LearnInOne(const BitWeights& weights, size_t block, size_t 
 }
 CORBSLAM_KERNEL void LearnInFour(const BitWeights& weights, size_t block, size_t later,
                                  Lane& lane) {
-  // By name: arrays of them would be in memory.
+  // Four named variables stay in registers; an array of them would be in memory.
   Block a = lane.log_odds[later];
   Block b = lane.log_odds[later + 1];
   Block c = lane.log_odds[later + 2];

@@ -15,7 +15,7 @@
 
 namespace corbslam {
 
-// Of the format. Whoever changes a model or its weights makes it another one.
+// Version of the format. A change of a model or of its weights needs another version.
 inline constexpr uint8_t kFeatureCodingVersion = 1;
 // Coded features are at least so long. Cameras' features are five times as long; it bounds what a
 // few bytes can make a reader do.

@@ -62,7 +62,7 @@ void Shuffle(std::vector<Descriptor>& descriptors) {
   }
 }
 
-// A column a descriptor: its bits as +1 and -1.
+// Writes one column a descriptor: its bits as +1 and -1.
 void FillBits(const Descriptor* descriptors, Matrix& bits) {
   bits.resize(kBits, kTogether);
   for (int i = 0; i < kTogether; ++i) {
@@ -145,7 +145,8 @@ Regression Learn(const std::vector<Descriptor>& descriptors) {
     std::cerr << "pass " << pass + 1 << ": " << length / static_cast<double>(steps * kTogether)
               << " bits a descriptor\n";
   }
-  // Of bits as they are.
+  // The weights were learned for decorrelated inputs; these are the weights for the bits
+  // themselves.
   const Matrix transposed = decorrelation.factor.transpose().triangularView<Eigen::Upper>().solve(
       Matrix(learned.weights.transpose()));
   learned.weights = transposed.transpose();

@@ -1,4 +1,4 @@
-// Written by learn_bit_weights: 756831 descriptors. Do not edit.
+// learn_bit_weights wrote this file from 756831 descriptors. Do not edit it.
 #include "slam/coding/descriptor_model.h"
 
 namespace corbslam {

@@ -61,7 +61,7 @@ TEST_F(SourcedDescriptorsTest, AnotherSourceIsRefused) {
 }
 
 TEST_F(SourcedDescriptorsTest, ACopyOfWhatIsNotThereIsRefusedByName) {
-  // Of the 300th of 300.
+  // The descriptor is a copy of the last of 300.
   const std::string bytes =
       EncodeSourced(std::vector<Descriptor>{first_[299]}, Sources{std::span(first_)});
   const absl::Status status =

@@ -20,7 +20,7 @@ namespace corbslam {
 
 static_assert(std::endian::native == std::endian::little, "checksums are of columns as they lie");
 
-// The lengths, then the streams.
+// Appends the streams' lengths, then the streams.
 inline void AppendStreams(std::span<const std::string> streams, std::string* bytes) {
   for (const std::string& stream : streams) {
     AppendNumber(static_cast<uint32_t>(stream.size()), bytes);

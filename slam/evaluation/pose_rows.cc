@@ -157,7 +157,7 @@ absl::StatusOr<Eigen::Quaterniond> RotationFromQuaternion(double w, double x, do
 absl::StatusOr<Eigen::Quaterniond> RotationFromMatrix(const Eigen::Matrix3d& matrix,
                                                       absl::string_view path, int line) {
   const double error = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).norm();
-  // Written so that NaN (of infinite products) fails.
+  // The comparison is written so that NaN (from infinite products) fails.
   if (!(error <= kMaxRotationError) || matrix.determinant() < 0) {
     return LineError(path, line, "the matrix holds no rotation");
   }

@@ -17,7 +17,7 @@ enum class Alignment { kSe3, kSim3 };
 
 struct AbsoluteError {
   Similarity3d truth_from_estimate;
-  // Of the distances between aligned and true camera centres.
+  // Root mean square and others of the distances between aligned and true camera centres.
   double rmse_m = 0;
   double mean_m = 0;
   double median_m = 0;

@@ -19,16 +19,17 @@
 
 namespace corbslam {
 
-// "time tx ty tz qx qy qz qw" a row, time in seconds, or in nanoseconds since 1970 without a point.
+// A row is "time tx ty tz qx qy qz qw", its time in seconds, or in nanoseconds since 1970 without a
+// point.
 absl::StatusOr<TrajectoryReading> ReadTumFile(const std::string& path);
 absl::StatusOr<Trajectory> ReadTumTrajectory(const std::string& path);
 // `comment` stands before the rows behind a #; none where it is empty.
 absl::Status WriteTumTrajectory(const Trajectory& trajectory, const std::string& path,
                                 const std::string& comment = "");
-// The row of one pose.
+// Returns the row of one pose.
 std::string TumRow(const StampedPose& pose);
 
-// Twelve numbers a row: the first three rows of world_from_camera. Times come from `times_path`,
+// A row is twelve numbers: the first three rows of world_from_camera. Times come from `times_path`,
 // one number of seconds a line.
 absl::StatusOr<TrajectoryReading> ReadKittiFile(const std::string& poses_path,
                                                 const std::string& times_path);

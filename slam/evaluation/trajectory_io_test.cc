@@ -85,7 +85,7 @@ TEST(TumTrajectoryTest, SaysWhatIsNotFiniteRepeatsOrGoesBack) {
   EXPECT_THAT(read->notes[1], HasSubstr("1 row left out: an earlier row has the same time"));
   EXPECT_THAT(read->notes[1], HasSubstr("line 7"));
   EXPECT_THAT(read->notes[2], HasSubstr("line 3"));
-  // Whoever needs every row is told of the first that is none.
+  // A reader that needs every row names the first one that holds no pose.
   EXPECT_THAT(std::string(ReadTumTrajectory(path).status().message()), HasSubstr("line 4"));
 }
 

@@ -1,5 +1,6 @@
 // The work that fusion gives away: pure functions from a request to a result that names the
-// revision it was computed at. Implementations: the fusion worker itself, and a remote one.
+// revision it was computed at. The fusion worker itself implements them, and so does a client of a
+// remote one.
 #ifndef CORBSLAM_SLAM_EXCHANGE_FUSION_WORKER_H_
 #define CORBSLAM_SLAM_EXCHANGE_FUSION_WORKER_H_
 
@@ -22,7 +23,7 @@ struct VerifyOverlapRequest {
   // local map's). Payloads hold only features with points, or all; both work.
   Map query_view;
   KeyframeId query;
-  // Likewise around the candidates; in the frame of their island.
+  // The same around the candidates, in the frame of their island.
   Map candidate_view;
   struct Candidate {
     KeyframeId id;
@@ -73,9 +74,9 @@ struct FuseMapsResult {
   bool accepted = false;
   double worst_edge_chi2 = 0;
   Similarity3d target_from_source;
-  // In the target's frame; every keyframe of the source, and those of the target that moved.
+  // Poses in the target's frame: of every keyframe of the source, and of the target's that moved.
   std::vector<KeyframePose> poses;
-  // Of the views' points: all of the source, and those of the target that moved.
+  // Positions of the views' points: of all of the source, and of the target's that moved.
   std::vector<PointPosition> positions;
   struct Merge {
     MapPointId survivor;
@@ -112,11 +113,12 @@ struct AdjustBundleResult {
   double seconds = 0;
 };
 
-// Hears of a request's progress (0 to 1), from any thread, never from two at once; false cancels.
+// Is told a request's progress (0 to 1), from any thread, but never from two at once. It returns
+// false to cancel the request.
 using ProgressCallback = std::function<bool(double)>;
 
-// Thread-safe: any number of requests at once. Blocking calls; errors: INVALID_ARGUMENT (names the
-// id), CANCELLED, UNAVAILABLE (no worker; try again), DEADLINE_EXCEEDED.
+// Thread-safe: any number of requests may run at once. Calls block. Errors: INVALID_ARGUMENT (names
+// the id), CANCELLED, UNAVAILABLE (no worker; try again), DEADLINE_EXCEEDED.
 class FusionWorker {
  public:
   virtual ~FusionWorker() = default;

@@ -59,8 +59,8 @@ struct ObservationChange {
 };
 
 struct PointReplacement {
-  MapPointId replaced;  // Of the sender's local map.
-  MapPointId survivor;  // Anybody's.
+  MapPointId replaced;  // A point of the sender's local map.
+  MapPointId survivor;  // A point of any local map.
 };
 
 struct KeyframeRemoval {
@@ -87,7 +87,7 @@ struct TrackedFrame {
 // Applied as one, in the order of the fields. Additions come before what refers to them.
 struct MapUpdateBatch {
   LocalMapId local_map;
-  // 1, 2, 3, ... per local map.
+  // Batches of a local map are numbered 1, 2, 3, ...
   uint64_t number = 0;
   // Cameras in the order of KeyframePayload::camera_index; only those not sent before.
   uint32_t first_camera_index = 0;

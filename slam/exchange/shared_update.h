@@ -59,7 +59,7 @@ struct OwnKeyframePose {
   Rigid3d camera_from_local;
 };
 
-// One step of the receiver's view of the global layer. Applied as one.
+// One step of the receiver's view of the global layer. A receiver applies it as a whole.
 struct SharedUpdate {
   uint64_t revision = 0;
   // True: forget all that was shared before (another island's frame, or a resume that can't go on).

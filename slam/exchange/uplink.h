@@ -1,5 +1,5 @@
-// An agent's connection to the map store, as the agent sees it. Implementations: a remote one over
-// a stream, and a direct one for a deterministic run in one process.
+// An agent's connection to the map store, as the agent sees it. One implementation goes over a
+// stream; another is direct, for a deterministic run in one process.
 #ifndef CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
 #define CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
 
@@ -15,7 +15,7 @@ namespace corbslam {
 
 // What one side may send because the other has said that it understands it.
 struct Capabilities {
-  // A store: MapUpdateBatch::points_follow.
+  // A store that has it understands MapUpdateBatch::points_follow.
   bool points_follow = false;
   // Coded columns of features and of descriptors (docs/wire.md).
   bool coded_features = false;
@@ -64,9 +64,9 @@ class UplinkListener {
   virtual void OnShared(SharedUpdate update) = 0;
   // Tell where the points of the newest local map are, exactly.
   virtual void OnExactPlacesWanted() = 0;
-  // The session is gone. ABORTED: fenced by a newer session of the same agent, or
-  // INVALID_ARGUMENT / PERMISSION_DENIED: don't try again. Anything else: open again later;
-  // ALREADY_EXISTS among it: another process holds a session of this agent.
+  // The session is gone. ABORTED: a newer session of the same agent fenced it off; INVALID_ARGUMENT
+  // and PERMISSION_DENIED: don't try again. After anything else open again later, also after
+  // ALREADY_EXISTS: another process holds a session of this agent.
   virtual void OnSessionClosed(const absl::Status& reason) = 0;
 };
 
@@ -83,7 +83,7 @@ class Uplink {
   // Bytes on the wire since construction.
   virtual uint64_t bytes_up() const = 0;
   // Bytes that Send has taken and that are not on the wire yet; they never will be if the session
-  // ends first. By default there is no such queue.
+  // ends first. The default is for an uplink without such a queue.
   virtual uint64_t bytes_waiting() const { return 0; }
   virtual uint64_t bytes_down() const = 0;
 };

@@ -96,7 +96,7 @@ std::vector<Corner> KeepOneOfEachBox(int width_px, int height_px, size_t wanted,
   };
   for (const Box& box : FirstBoxes(width_px, height_px, corners)) add(box);
   std::vector<Box> level;
-  size_t split = 0;  // Of the level's boxes, from the first.
+  size_t split = 0;  // Boxes of the level that were split so far.
   const auto is_enough = [&] {
     return kept.size() + (level.size() - split) + deeper.size() >= wanted;
   };

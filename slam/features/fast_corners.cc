@@ -47,7 +47,7 @@ void FastDetector::CollectMaxima(const cv::Mat& image, const FastOptions& option
                                  std::vector<Corner>& corners) {
   const PixelKernels& kernels = BestPixelKernels();
   const int margin = options.margin_px;
-  const int border = margin - 1;  // Suppression looks at one pixel more.
+  const int border = margin - 1;  // Suppression looks at one pixel more on each side.
   for (auto& row : scores_) row.resize(static_cast<size_t>(image.cols));
   maxima_.resize(static_cast<size_t>(image.cols));
   const auto scores_of = [this](int y) { return scores_[static_cast<size_t>(y % 3)].data(); };

@@ -1,4 +1,4 @@
-// Smoothing before binary tests.
+// Smooths a picture before binary tests.
 #ifndef CORBSLAM_SLAM_FEATURES_GAUSSIAN_BLUR_H_
 #define CORBSLAM_SLAM_FEATURES_GAUSSIAN_BLUR_H_
 

@@ -150,7 +150,7 @@ void CollectPatches(const cv::Mat& picture, std::mt19937_64& random, Patches& fi
 
 struct Candidate {
   BriefTest test;
-  std::vector<uint64_t> bits;  // of all first patches
+  std::vector<uint64_t> bits;  // The test's results on all first patches.
   double mean = 0;
   double gain = 0;
 };

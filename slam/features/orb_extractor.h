@@ -20,7 +20,7 @@ struct OrbOptions {
   // threshold take those of the second.
   int fast_threshold = 20;
   int min_fast_threshold = 7;
-  // Side of those cells, pixels of each level.
+  // Side of the cells, in pixels of each level.
   int cell_px = 32;
 
   // INVALID_ARGUMENT, naming the field, its value and its limits.
@@ -48,8 +48,8 @@ struct ImagePyramid {
 // Resamples `grey` (CV_8UC1, level 0, shared not copied) into `pyramid`, reusing its buffers.
 void BuildImagePyramid(const cv::Mat& grey, ImagePyramid& pyramid);
 
-// One per camera; keeps buffers between images. Thread-compatible: one thread at a time, but for
-// ExtractLevel.
+// One camera's extractor, which keeps buffers from image to image. Thread-compatible: one thread at
+// a time uses it, but for ExtractLevel.
 class OrbExtractor {
  public:
   // `options` must be valid.
@@ -73,7 +73,7 @@ class OrbExtractor {
  private:
   // What a level yields, and its buffers.
   struct Level {
-    int wanted = 0;  // So many features it should give.
+    int wanted = 0;  // Number of features that it should give.
     FastDetector detector;
     std::vector<Corner> corners;
     cv::Mat blurred;

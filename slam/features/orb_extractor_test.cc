@@ -74,7 +74,7 @@ TEST(OrbExtractorTest, CoversEveryPartOfATexturedImage) {
     ++counts[static_cast<int>(keypoint.y_px / 120)][static_cast<int>(keypoint.x_px / 160)];
   }
   for (const auto& row : counts) {
-    for (const int count : row) EXPECT_GE(count, 30);  // evenly: 62
+    for (const int count : row) EXPECT_GE(count, 30);  // An even spread has 62 in each.
   }
 }
 
@@ -111,7 +111,7 @@ TEST(OrbExtractorTest, DescriptorsFollowTheTurnOfTheImage) {
     }
     ASSERT_GT(distances.size(), 100U) << degrees;
     std::ranges::sort(distances);
-    EXPECT_LT(distances[distances.size() / 2], 45) << degrees;  // unrelated ones differ by 128
+    EXPECT_LT(distances[distances.size() / 2], 45) << degrees;  // Unrelated ones differ by 128.
   }
 }
 

@@ -10,8 +10,8 @@
 namespace corbslam {
 
 struct PatchMoments {
-  int m10 = 0;  // sum of x * grey
-  int m01 = 0;  // sum of y * grey
+  int m10 = 0;  // Sum of x * grey.
+  int m01 = 0;  // Sum of y * grey.
 };
 
 inline constexpr int kMomentRadius_px = 15;
@@ -31,8 +31,9 @@ struct PixelKernels {
   void (*fast_scores)(const uint8_t* const rows[7], int begin, int end, int threshold,
                       uint8_t* scores);
 
-  // maxima[x] = row[x] where it is larger than its neighbours (equal ones before it in reading
-  // order must be smaller, those after it may be equal), 0 elsewhere; for x in [begin, end).
+  // Sets maxima[x] to row[x] where that is larger than its neighbours (equal ones before it in
+  // reading order must be smaller, those after it may be equal), and to 0 elsewhere, for x in
+  // [begin, end).
   void (*fast_maxima)(const uint8_t* above, const uint8_t* row, const uint8_t* below, int begin,
                       int end, uint8_t* maxima);
 
@@ -41,13 +42,13 @@ struct PixelKernels {
   void (*blur_vertical)(const uint8_t* const rows[7], int width, uint8_t* out);
   void (*blur_horizontal)(const uint8_t* row, int width, uint8_t* out);
 
-  // First moments of the disc of radius 15 around `centre`; reads a square of 32 x 31 pixels from
-  // (-15, -15) to (16, 15).
+  // Returns the first moments of the disc of radius 15 around `centre`. It reads a square of 32 x
+  // 31 pixels from (-15, -15) to (16, 15).
   PatchMoments (*patch_moments)(const uint8_t* centre, int64_t stride);
 
-  // For each whole shift, how far the patch is from the strip's part of its size there: the sum of
-  // absolute differences of grey values, the mean of the parts' difference (to a whole grey value)
-  // taken off.
+  // Computes, for each whole shift, how far the patch is from the strip's part of its size there:
+  // the sum of absolute differences of grey values, from which the mean difference of the two (to a
+  // whole grey value) is taken off.
   void (*strip_differences)(const GreyPatch& patch, const GreyStrip& strip,
                             std::array<int, kStripShifts>& differences);
 };

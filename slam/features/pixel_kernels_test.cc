@@ -12,7 +12,7 @@
 namespace corbslam {
 namespace {
 
-constexpr int kWidth_px = 203;  // not a multiple of any vector's length
+constexpr int kWidth_px = 203;  // It is not a multiple of any vector's length.
 constexpr int kHeight_px = 40;
 
 // Flat areas, edges and noise: scores of every size.
@@ -40,7 +40,7 @@ std::vector<uint8_t> CalmPixels(uint64_t seed) {
   return pixels;
 }
 
-// The definition, by trying every arc.
+// Computes the score by its definition, trying every arc.
 int FastScoreByDefinition(const std::vector<uint8_t>& pixels, int x, int y) {
   constexpr int kDx[16] = {0, 1, 2, 3, 3, 3, 2, 1, 0, -1, -2, -3, -3, -3, -2, -1};
   constexpr int kDy[16] = {-3, -3, -2, -1, 0, 1, 2, 3, 3, 3, 2, 1, 0, -1, -2, -3};

@@ -15,10 +15,10 @@ struct DuplicateSearchOptions {
   bool check_disparity = true;  // Both sides metric.
 };
 
-// (anchor's point, mover's point), each point at most once, sorted. `known` pairs are taken as
-// they are; the rest is found by projecting each side's points into the other side's keyframes.
-// All keyframes are of `map`, whose poses and positions are already in one frame. A point that
-// both sides see already has no duplicate. Pure.
+// Returns pairs (anchor's point, mover's point), each point at most once, sorted. `known` pairs are
+// taken as they are; the rest is found by projecting each side's points into the other side's
+// keyframes. All keyframes are of `map`, whose poses and positions are already in one frame. A
+// point that both sides see already has no duplicate. Pure.
 std::vector<std::pair<MapPointId, MapPointId>> FindDuplicates(
     const Map& map, const std::vector<const Keyframe*>& anchors,
     const std::vector<const Keyframe*>& movers,

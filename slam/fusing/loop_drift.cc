@@ -53,7 +53,7 @@ class Ways {
     }
   }
 
-  // Of the shortest way (Dijkstra); none where there is none.
+  // Returns the length of the shortest way (Dijkstra), or nothing where there is no way.
   std::optional<double> Length(KeyframeId from, KeyframeId to) const {
     using Reached = std::pair<double, KeyframeId>;
     std::priority_queue<Reached, std::vector<Reached>, std::greater<>> open;

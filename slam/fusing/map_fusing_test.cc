@@ -293,7 +293,7 @@ TEST(FusingGraphTest, EarlierOverlapsThatTheMapAgreesWithDoNotMoveIt) {
               1e-3)
         << ToString(pose.id);
   }
-  // Not so where it is new.
+  // A new overlap that is equally wrong does move keyframes.
   request.new_overlaps = {0};
   const auto moved = FuseMaps(request, {}, nullptr);
   ASSERT_TRUE(moved.ok()) << moved.status();

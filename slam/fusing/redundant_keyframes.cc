@@ -95,7 +95,7 @@ class Selection {
   const RedundancyOptions& options_;
   size_t left_;
   absl::flat_hash_set<KeyframeId> gone_;
-  // Of those that may go.
+  // Shares of the keyframes that may go.
   absl::btree_map<KeyframeId, double> shares_;
   std::set<std::pair<double, KeyframeId>> ranked_;
 };

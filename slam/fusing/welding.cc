@@ -83,7 +83,7 @@ void AddKeyframe(const FusingProblem& problem, const SolvedGraph& graph, Keyfram
   map.AddKeyframe(std::move(keyframe));
 }
 
-// The window as a map of its own, in the target's frame.
+// Makes the window a map of its own, in the target's frame.
 Window MakeWindow(const FusingProblem& problem, const SolvedGraph& graph,
                   const std::map<MapPointId, Eigen::Vector3d>& positions,
                   const MapFusingOptions& options) {

@@ -56,7 +56,7 @@ Eigen::Matrix3d LeftJacobianCoupling(const Eigen::Vector3d& translation,
          c3 * (WPW * W + W * WPW);
 }
 
-// W of Strasdat 2012: exp maps the tangent's translation u to W * u.
+// Returns W of Strasdat 2012: exp maps the tangent's translation u to W * u.
 Eigen::Matrix3d TranslationFactor(const Eigen::Vector3d& rotation_rad, double log_scale) {
   return IntegrateExponential<Eigen::Matrix3d>(Skew(rotation_rad) +
                                                log_scale * Eigen::Matrix3d::Identity());
@@ -86,7 +86,7 @@ Eigen::Vector3d LogSO3(const Eigen::Quaterniond& rotation) {
   const double w = sign * rotation.w();
   const Eigen::Vector3d v = sign * rotation.vec();
   const double n = v.norm();
-  // atan(n / w) / n, expanded where n vanishes.
+  // The factor is atan(n / w) / n, expanded where n vanishes.
   const double factor = n < 1e-4 ? 2 / w - 2 * n * n / (3 * w * w * w) : 2 * std::atan2(n, w) / n;
   return factor * v;
 }

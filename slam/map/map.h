@@ -38,12 +38,12 @@ class Map {
   Map(Map&&) = default;
   Map& operator=(Map&&) = default;
 
-  // Not owned; null for none.
+  // The map does not own its observer; null for none.
   void SetObserver(MapObserver* observer) { observer_ = observer; }
 
   const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_.items(); }
   const std::map<MapPointId, MapPoint>& points() const { return points_.items(); }
-  // Null when unknown.
+  // These return null when the id is unknown.
   const Keyframe* FindKeyframe(KeyframeId id) const { return keyframes_.Find(id); }
   const MapPoint* FindPoint(MapPointId id) const { return points_.Find(id); }
 
@@ -58,7 +58,8 @@ class Map {
   void SetPose(KeyframeId id, const Rigid3d& camera_from_map);
   void SetPosition(MapPointId id, const Eigen::Vector3d& position_in_map);
   void SetWords(KeyframeId id, std::shared_ptr<const Words> words);
-  // For whoever needs the graph alone. The payload is not edited: others may have it too.
+  // Drops the features where the graph alone is needed. The payload is not edited: others may have
+  // it too.
   void DropFeatures(KeyframeId id);
   // Where its keypoints are, measured better; what they look like and see stays. The payload is not
   // edited. False, and no change: the keyframe is unknown, has not as many, or the observer says
@@ -83,12 +84,12 @@ class Map {
   // root promotes a child.
   bool RemoveKeyframe(KeyframeId id);
 
-  // The point's normal, distance range and representative descriptor, from its observations.
-  // No-op on points nobody sees.
+  // Computes the point's normal, distance range and representative descriptor from its
+  // observations. It does nothing to points nobody sees.
   void UpdatePointAppearance(MapPointId id);
-  // Normal and distance range only (after poses moved).
+  // Computes the normal and distance range only (after poses moved).
   void UpdatePointGeometry(MapPointId id);
-  // For points whose appearance came from elsewhere (the wire).
+  // Sets the appearance of points for which it came from elsewhere (the wire).
   void SetPointAppearance(MapPointId id, const Descriptor& descriptor,
                           const Eigen::Vector3d& normal_in_map, double min_distance,
                           double max_distance, KeyframeId reference);
@@ -99,9 +100,9 @@ class Map {
   Map CopyPart(const std::vector<KeyframeId>& keyframes,
                const std::vector<MapPointId>& points) const;
 
-  // Keyframes that share at least `min_weight` points with `id`, most first, ties by id.
+  // Returns keyframes that share at least `min_weight` points with `id`, most first, ties by id.
   std::vector<CovisibleKeyframe> Covisible(KeyframeId id, int min_weight = 15) const;
-  // The first `count` of them, of any weight.
+  // Returns the first `count` of them, of any weight.
   std::vector<CovisibleKeyframe> BestCovisible(KeyframeId id, int count) const;
 
  private:

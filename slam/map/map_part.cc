@@ -1,4 +1,4 @@
-// Map::CopyPart.
+// Implements Map::CopyPart.
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"

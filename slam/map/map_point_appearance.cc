@@ -1,4 +1,4 @@
-// Map's methods that derive a point's appearance from its observations.
+// Implements Map's methods that derive a point's appearance from its observations.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -136,7 +136,7 @@ TEST(MapTest, RemovedKeyframesChildrenStayInTheirLocalMap) {
       MakeKeyframePayload(foreign, 0, 0, testing::TestCamera(), other.payload->features);
   map.AddKeyframe(std::move(other));
   for (uint32_t p = 0; p < 10; ++p) map.AddObservation(P(p), foreign, p);
-  // Seen by 2 and the other robot's alone.
+  // Only keyframe 2 and the other robot's see these points.
   for (uint32_t p = 10; p < 20; ++p) {
     map.AddPoint(MakePoint(p));
     map.AddObservation(P(p), K(2), p);

@@ -13,7 +13,7 @@ namespace corbslam {
 // keyframe's camera; none where there is none.
 std::optional<double> MedianDepth(const Map& map, const Keyframe& keyframe,
                                   absl::Span<const MapPointId> points);
-// Of all points that the keyframe sees.
+// Returns the median depth of all points that the keyframe sees.
 std::optional<double> MedianDepth(const Map& map, const Keyframe& keyframe);
 
 }  // namespace corbslam

@@ -26,9 +26,10 @@ MatchPoint MakeMatchPoint(const MapPoint& point);
 // Where and how a point should appear in an image.
 struct PredictedView {
   Eigen::Vector2d pixel;
-  double disparity_px = 0;  // 0: a camera without baseline.
+  double disparity_px = 0;  // 0: the camera has no baseline.
   int octave = 0;
-  // Of the angle between the line of sight and the mean direction from which the point was seen.
+  // Cosine of the angle between the line of sight and the mean direction from which the point was
+  // seen.
   double view_cosine = 1;
 };
 

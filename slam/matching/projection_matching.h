@@ -12,7 +12,7 @@
 
 namespace corbslam {
 
-// Where to look for what.
+// A window says where to look for what.
 struct SearchWindow {
   Eigen::Vector2d pixel;
   // Half side of the square, pixels of the image (the level's scale is in it).
@@ -22,7 +22,7 @@ struct SearchWindow {
   int min_octave = 0;
   int max_octave = 0;
   Descriptor descriptor;
-  // Of the keypoint that the descriptor is from; used where orientation is checked.
+  // Angle of the keypoint that the descriptor is from; used where orientation is checked.
   float angle_rad = 0;
 };
 
@@ -36,10 +36,10 @@ struct ProjectionMatchingOptions {
 
 inline constexpr uint32_t kNoMatch = std::numeric_limits<uint32_t>::max();
 
-// For each window the index of its keypoint, or kNoMatch. Keypoints for which `taken` (one entry a
-// keypoint, or empty) is set are left alone; of windows that want the same keypoint the nearest
-// descriptor wins, then the first. A keypoint's disparity, where it has one, must agree with the
-// window's within its radius. Pure.
+// Returns for each window the index of its keypoint, or kNoMatch. Keypoints for which `taken` (one
+// entry a keypoint, or empty) is set are left alone; of windows that want the same keypoint the
+// nearest descriptor wins, then the first. A keypoint's disparity, where it has one, must agree
+// with the window's within its radius. Pure.
 std::vector<uint32_t> MatchWindows(absl::Span<const SearchWindow> windows,
                                    const KeyframePayload& image, absl::Span<const char> taken,
                                    const ProjectionMatchingOptions& options);

@@ -9,7 +9,7 @@
 namespace corbslam {
 
 // The points are eliminated first (Triggs et al., "Bundle Adjustment - A Modern Synthesis", 1999,
-// 6.1). When to use it: docs/adr/0002-bundle-adjustment-solver.md. Not thread-safe.
+// 6.1). docs/adr/0002-bundle-adjustment-solver.md says when to use it. Not thread-safe.
 class BlockSchurSolver {
  public:
   // Remembers what sees what in `problem`, which must outlive it and may change in all else.

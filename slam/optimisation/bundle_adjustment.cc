@@ -96,7 +96,7 @@ void AppendObservations(const BundleIndex& index, uint32_t point, uint32_t free_
   for (const auto& [keyframe_id, keypoint_index] : index.points[point]->observations) {
     const auto it = index.pose_of.find(keyframe_id);
     if (it == index.pose_of.end()) continue;
-    // Between fixed items there is nothing to learn.
+    // An observation between fixed items teaches nothing.
     if (point >= free_points && it->second >= problem.free_poses) continue;
     const Keypoint& keypoint = index.keyframes[it->second]->keypoints()[keypoint_index];
     const double disparity_px = problem.poses[it->second].camera->IsMetric()
@@ -142,7 +142,7 @@ void UseInliersOnly(const std::vector<double>& variances, BundleProblem& problem
 
 using Minimiser = std::function<absl::StatusOr<MinimiseSummary>(const MinimiseOptions&)>;
 
-// For all rounds: the pattern and its analysis are the same.
+// The minimiser serves all rounds: the pattern and its analysis are the same.
 Minimiser MakeMinimiser(const BundleOptions& options, BundleProblem& problem) {
   if (options.solver == BundleSolver::kCeres) {
     return [&problem](const MinimiseOptions& round) { return MinimiseWithCeres(round, problem); };

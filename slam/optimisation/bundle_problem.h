@@ -14,7 +14,7 @@
 namespace corbslam {
 
 struct BundlePose {
-  Eigen::Matrix3d R;  // camera_from_map
+  Eigen::Matrix3d R;  // Rotation of camera_from_map.
   Eigen::Vector3d t;
   const Camera* camera = nullptr;
 

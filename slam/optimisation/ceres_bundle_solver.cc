@@ -138,7 +138,7 @@ ceres::Solver::Options SolverOptions(const MinimiseOptions& options, uint32_t fr
   solver.linear_solver_type =
       free_poses <= kMaxDensePoses ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
   solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  // Not LAPACK: its speed and its threads are those of whatever is installed.
+  // LAPACK's speed and threads depend on what is installed, Eigen's don't.
   solver.dense_linear_algebra_library_type = ceres::EIGEN;
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = std::max(options.threads, 1);

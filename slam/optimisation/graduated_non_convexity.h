@@ -8,9 +8,9 @@
 
 namespace corbslam {
 
-// The surrogates of truncated least squares, min(s, max) of a squared error s: convex at first, and
-// nearer to it the larger `mu` grows. Source: Yang et al., "Graduated Non-Convexity for Robust
-// Spatial Perception: From Non-Minimal Solvers to Global Outlier Rejection", RA-L 2020.
+// The surrogates of truncated least squares, min(s, max) of a squared error s. They are convex at
+// first, and come nearer to it the larger `mu` grows. Source: Yang et al., "Graduated Non-Convexity
+// for Robust Spatial Perception: From Non-Minimal Solvers to Global Outlier Rejection", RA-L 2020.
 class GraduatedTruncation {
  public:
   // `worst`, above `max`, is the largest squared error of the first solution (remark 5).

@@ -25,7 +25,7 @@ ceres::Solver::Options SolverOptions(const PoseGraphOptions& options) {
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = options.threads;
   solver.logging_type = ceres::SILENT;
-  // The graph begins near its minimum: trust the first Gauss-Newton step.
+  // The graph begins near its minimum, so the first Gauss-Newton step is trusted.
   solver.initial_trust_region_radius = 1e16;
   return solver;
 }

@@ -21,7 +21,7 @@ constexpr LocalMapId kMap{0x77};
 
 KeyframeId Id(int index) { return {kMap, static_cast<uint32_t>(index)}; }
 
-// A round trip of `count` cameras.
+// Makes a round trip of `count` cameras.
 std::map<KeyframeId, Similarity3d> Circle(int count) {
   std::map<KeyframeId, Similarity3d> poses;
   for (int i = 0; i < count; ++i) {

@@ -79,7 +79,7 @@ class PoseProblem {
     return cost;
   }
 
-  // At the pose that was evaluated last.
+  // Linearises at the pose that was evaluated last.
   NormalEquations Linearise() const {
     NormalEquations equations;
     for (const Seen& seen : seen_) {
@@ -120,7 +120,7 @@ Rigid3d Perturb(const Vector6d& step, const Rigid3d& pose) {
   return Rigid3d{ExpSO3(step.tail<3>()), step.head<3>()} * pose;
 }
 
-// Levenberg-Marquardt on six parameters.
+// Minimises by Levenberg-Marquardt over six parameters.
 Rigid3d Minimise(PoseProblem& problem, Rigid3d pose, bool robust) {
   double damping = 1e-5;
   double cost = problem.Evaluate(pose, robust);

@@ -63,7 +63,7 @@ bool ReducedCameraSystem::SolveDense(const std::vector<Matrix6d>& blocks,
   for (size_t i = 0; i < pairs_.size(); ++i) {
     dense_.block<6, 6>(6 * pairs_[i].second, 6 * pairs_[i].first) = blocks[i];
   }
-  // In place: dense_ holds the factor afterwards.
+  // The factorisation is in place: dense_ holds the factor afterwards.
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> cholesky(dense_);
   if (cholesky.info() != Eigen::Success) return false;
   step = cholesky.solve(right_side);

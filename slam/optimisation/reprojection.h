@@ -20,7 +20,7 @@ inline constexpr double kUnseenFactor = 100;
 
 // What a keypoint measured.
 struct PixelMeasurement {
-  // x_left, y, and x_right where `has_depth`.
+  // The pixel is (x_left, y), and x_right where `has_depth`.
   Eigen::Vector3d pixel = Eigen::Vector3d::Zero();
   double inverse_variance = 1;
   bool has_depth = false;
@@ -45,7 +45,7 @@ inline Eigen::Vector3d ReprojectionResidual(const Camera& camera,
           measured.has_depth ? right_px - measured.pixel.z() : 0};
 }
 
-// d residual / d x_in_camera; the third row is 0 without depth.
+// Returns d residual / d x_in_camera; the third row is 0 without depth.
 inline Eigen::Matrix3d ReprojectionJacobian(const Camera& camera,
                                             const Eigen::Vector3d& x_in_camera, bool has_depth) {
   const double inverse_z = 1 / x_in_camera.z();
@@ -59,8 +59,8 @@ inline Eigen::Matrix3d ReprojectionJacobian(const Camera& camera,
   return J;
 }
 
-// d residual / d (translation, rotation) of a perturbation of the camera's pose on the left:
-// x_in_camera -> x_in_camera + translation + rotation x x_in_camera.
+// Returns d residual / d (translation, rotation) of a perturbation of the camera's pose on the
+// left: x_in_camera -> x_in_camera + translation + rotation x x_in_camera.
 inline Eigen::Matrix<double, 3, 6> PoseJacobian(const Eigen::Matrix3d& J_x,
                                                 const Eigen::Vector3d& x_in_camera) {
   Eigen::Matrix<double, 3, 6> J;

@@ -25,7 +25,7 @@ constexpr double kCheaper = 1e-6;
 
 // How a loser is supposed to be right.
 struct Supposition {
-  double weight = 1;            // Of the loser, never truncated.
+  double weight = 1;            // Weight of the loser, which is never truncated.
   bool all_have_a_say = false;  // All others have it again, else only those that won.
 };
 // Each finds what the others don't, where several wrong clusters support each other.
@@ -45,7 +45,7 @@ class Decision {
  private:
   struct State {
     PoseGraphProblem::Blocks poses;
-    std::vector<double> weights;  // Of the robust edges, in their order.
+    std::vector<double> weights;  // Weights of the robust edges, in their order.
     std::vector<double> chi2;
     double cost = 0;
   };
@@ -62,7 +62,7 @@ class Decision {
     return absl::OkStatus();
   }
 
-  // Of those that have a say and are not supposed.
+  // Returns the worst chi2 of the robust edges that have a say and are not supposed to be right.
   double WorstChi2() const {
     double worst = 0;
     for (const size_t edge : problem_.robust()) {
@@ -82,7 +82,7 @@ class Decision {
     return changed;
   }
 
-  // From what is solved on: weighs and solves in turn while the truncation sharpens.
+  // Weighs and solves in turn while the truncation sharpens, from the last solution on.
   absl::Status Graduate() {
     const double worst = std::max(WorstChi2(), problem_.max_chi2() * (1 + 1e-9));
     GraduatedTruncation truncation(problem_.max_chi2(), worst);
@@ -154,7 +154,7 @@ class Decision {
       if (!loser.has_value()) break;
       --chances_left_;
       ASSIGN_OR_RETURN(is_cheaper, GiveChance(*loser, supposition, best));
-      // Those that agree with it would lead to the same.
+      // Supposing an edge that agrees with it would lead to the same.
       heard.insert(*loser);
       for (const size_t edge : problem_.robust()) {
         if (!IsLoser(edge)) heard.insert(edge);
@@ -175,7 +175,7 @@ class Decision {
   }
 
   PoseGraphProblem& problem_;
-  std::vector<double> chi2_;  // Of all edges, after the last solve.
+  std::vector<double> chi2_;  // Chi2 of all edges after the last solve.
   std::optional<size_t> supposed_;
   int chances_left_ = kMaxChances;
 };

@@ -112,7 +112,7 @@ TEST(KeyframeDatabase, OptionsNarrowTheResult) {
   EXPECT_EQ(database.Query(query, With(&QueryOptions::min_score, 0.9)).size(), 1u);
   EXPECT_EQ(database.Query(query, With(&QueryOptions::min_shared_words, 5)).size(), 1u);
   EXPECT_EQ(database.Query(query, With(&QueryOptions::min_shared_fraction_of_best, 0)).size(), 3u);
-  // Those not admitted set no standard for the others.
+  // Keyframes that are not admitted set no standard for the others.
   const auto not_1_or_2 = [](KeyframeId id) { return id.index > 2; };
   EXPECT_EQ(database.Query(query, With(&QueryOptions::admit, not_1_or_2)).front().id, Id(3));
   EXPECT_TRUE(database.Query({}).empty());

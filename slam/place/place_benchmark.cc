@@ -1,5 +1,5 @@
-// Loading a vocabulary, making words, and the keyframe database at size. CORBSLAM_VOCABULARY names
-// the shipped vocabulary; the one of a million words is synthetic.
+// Measures loading a vocabulary, making words, and the keyframe database at size.
+// CORBSLAM_VOCABULARY names the shipped vocabulary; the one of a million words is synthetic.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ std::vector<Descriptor> RandomDescriptors(size_t count, uint64_t seed) {
   return descriptors;
 }
 
-// Complete: 10 children a node.
+// The tree is complete, with 10 children a node.
 VocabularyTree CompleteTree(uint32_t levels) {
   VocabularyTree tree;
   tree.branching = 10;
@@ -132,7 +132,7 @@ class BagMaker {
   static constexpr double kExponent = 0.9;
   static constexpr double kShift = 539;
 
-  // The law's inverse: a word at an even share of the whole.
+  // Inverse of the law: the word at each even share of the whole.
   std::vector<uint32_t> word_at_ = std::vector<uint32_t>(1 << 20);
 };
 
@@ -143,7 +143,7 @@ const BagMaker& Bags() {
 
 KeyframeId Id(uint32_t index) { return {LocalMapId{1}, index}; }
 
-// Made once; one a size, and only the last, because 100,000 keyframes take 4 GB.
+// Each database is made once. Only the last size is kept, because 100,000 keyframes take 4 GB.
 KeyframeDatabase& DatabaseOf(int64_t keyframes) {
   static auto* const made = new std::map<int64_t, KeyframeDatabase>();
   const auto found = made->find(keyframes);
@@ -214,7 +214,7 @@ void RemoveKeyframe(benchmark::State& state) {
 BENCHMARK(LoadVocabulary)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(TransformDescriptors)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
-// By the number of keyframes, all of one size before the next.
+// Benchmarks are registered by the number of keyframes, all of one size before the next.
 constexpr int kChanged = 200;
 [[maybe_unused]] const bool registered = [] {
   for (const int64_t keyframes : {1000, 10000, 100000}) {

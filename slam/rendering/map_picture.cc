@@ -65,7 +65,7 @@ FlatMap FlattenMap(const MapPicture& picture, const PlaneFromWorld& plane_from_w
   return map;
 }
 
-// At most as high as wide.
+// The layout is at most as high as wide.
 Layout ArrangePicture(const Bounds& bounds, int width_px) {
   Layout layout;
   layout.bounds = bounds;
@@ -87,13 +87,13 @@ void DrawPoints(const std::vector<Eigen::Vector2d>& points, const Layout& layout
   }
 }
 
-// A wedge that opens to where the camera looks.
+// Returns a wedge that opens to where the camera looks.
 std::vector<Eigen::Vector2d> KeyframeShape(const Eigen::Vector2d& centre,
                                            const Eigen::Vector2d& view_direction) {
   constexpr double kLength_px = 8;
   constexpr double kHalfWidth_px = 7;
   if (view_direction.norm() < 0.1) {
-    // Looks along the line of sight: a square.
+    // The camera looks along the line of sight, so it becomes a square.
     return {centre + Eigen::Vector2d(-4, -4), centre + Eigen::Vector2d(4, -4),
             centre + Eigen::Vector2d(4, 4), centre + Eigen::Vector2d(-4, 4)};
   }

@@ -19,15 +19,15 @@ struct MapPicture {
   struct Robot {
     std::string name;
     bool is_own = false;
-    std::vector<Rigid3d> keyframes;  // world_from_camera.
-    // Between entries of `keyframes` (spanning tree, loops).
+    std::vector<Rigid3d> keyframes;  // Poses world_from_camera.
+    // Pairs of entries of `keyframes` (spanning tree, loops).
     std::vector<std::pair<size_t, size_t>> edges;
   };
   std::string title;
   std::vector<Robot> robots;
   std::vector<Eigen::Vector3d> points;
-  std::vector<std::vector<Eigen::Vector3d>> truth;  // Paths.
-  std::string unit = "m";                           // Of the scale bar.
+  std::vector<std::vector<Eigen::Vector3d>> truth;  // True paths.
+  std::string unit = "m";                           // Unit of the scale bar.
 };
 
 struct MapPictureOptions {

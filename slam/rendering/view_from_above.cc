@@ -22,7 +22,7 @@ Eigen::Matrix3d MotionCovariance(const std::vector<Rigid3d>& world_from_cameras)
   return covariance;
 }
 
-// Eigenvectors by growing eigenvalue.
+// Returns the eigenvectors by growing eigenvalue.
 Eigen::Matrix3d PrincipalAxes(const Eigen::Matrix3d& covariance) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
 }

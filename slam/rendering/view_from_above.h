@@ -1,4 +1,4 @@
-// From 3-space to the plane of a picture that shows a map from above.
+// Maps 3-space to the plane of a picture that shows a map from above.
 #ifndef CORBSLAM_SLAM_RENDERING_VIEW_FROM_ABOVE_H_
 #define CORBSLAM_SLAM_RENDERING_VIEW_FROM_ABOVE_H_
 
@@ -26,8 +26,9 @@ struct Bounds {
   }
 };
 
-// What the picture shows: all of `paths`, and the middle 96 % of `points` as far as they lie within
-// 1.4 times the paths' extent. Never of zero size. `paths` must not be empty.
+// Returns what the picture shows: all of `paths`, and the middle 96 % of `points` as far as they
+// lie within 1.4 times the paths' extent. The bounds are never of zero size. `paths` must not be
+// empty.
 Bounds ChooseBounds(const std::vector<Eigen::Vector2d>& paths,
                     const std::vector<Eigen::Vector2d>& points);
 

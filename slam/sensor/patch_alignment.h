@@ -8,7 +8,7 @@
 namespace corbslam {
 
 struct PatchAlignment {
-  // Column in the right image, below a pixel.
+  // Column in the right image, to a part of a pixel.
   float right_x_px = 0;
   // Sum of absolute differences of the patches at the best whole column, their means made equal.
   int difference = 0;

@@ -108,7 +108,7 @@ TEST(PatchAlignmentTest, ACornersOwnSurfaceCountsMoreThanWhatIsBehindIt) {
   }
   ASSERT_GT(errors.size(), 150U);
   std::ranges::sort(errors);
-  // 0.21 and 0.53 where pixels count whether the shift explains them or not.
+  // Errors are 0.21 and 0.53 if pixels count whether the shift explains them or not.
   EXPECT_LT(errors[errors.size() / 2], 0.1);
   EXPECT_LT(errors[errors.size() * 3 / 4], 0.3);
 }

@@ -15,7 +15,8 @@ constexpr double kWeightSigma_px = 2;
 constexpr float kRobustGrey = 15;
 // How far off the rows of a rectified pair are believed to be, pixels of the octave.
 constexpr float kRowSigma_px = 0.3F;
-constexpr float kLeastGreyVariance = 4;  // For that belief's weight, whatever the residuals say.
+constexpr float kLeastGreyVariance =
+    4;  // That belief is weighed as if grey values varied by at least this.
 constexpr float kLeastInformation = 1;
 constexpr float kMaxStray_px = 1;
 constexpr float kEnough_px = 0.005F;
@@ -126,8 +127,8 @@ void ForEachGroup(Visit visit) {
   visit(kGrouped, std::integral_constant<int, 4>());
 }
 
-// One Gauss-Newton step of columns and grey offset; infinite where the patch cannot tell columns
-// apart. Leaves the rows alone, and counts all pixels.
+// Makes one Gauss-Newton step of columns and grey offset; infinite where the patch cannot tell
+// columns apart. It leaves the rows alone, and counts all pixels.
 Shift PlainStep(const Patch& patch, const Sample& sample, const Shift& at) {
   const Patch& weights = Weights();
   static const float w = weights.sum();
@@ -144,7 +145,7 @@ Shift PlainStep(const Patch& patch, const Sample& sample, const Shift& at) {
     sum_xx.Add(Group(x * slope_x));
     sum_xr.Add(Group(x * residual));
   });
-  // Of deviations from the means: the grey offset is eliminated.
+  // The sums are of deviations from the means, which eliminates the grey offset.
   const float x = weighted_x.sum() / w;
   const float r = sum_r.Total() / w;
   const float xx = sum_xx.Total() - w * x * x;

@@ -103,7 +103,8 @@ TEST(StereoSensorTest, RefusesAPrincipalColumnOutsideThePicture) {
 TEST(StereoSensorTest, ExchangedCamerasGiveNoDisparities) {
   const auto features = Stereo()->Process({.grey = Scene(20), .right = Scene(0)});
   ASSERT_TRUE(features.ok());
-  EXPECT_LT(DisparityErrors(*features, 20).size(), features->keypoints.size() / 10);  // by chance
+  EXPECT_LT(DisparityErrors(*features, 20).size(),
+            features->keypoints.size() / 10);  // A tenth may match by chance.
 }
 
 TEST(StereoSensorTest, APointAtInfinityHasTheLeastDisparity) {
@@ -168,7 +169,8 @@ TEST(RgbdSensorTest, ReadsDepthInUnitsAndInMetres) {
     ASSERT_GT(features->keypoints.size(), 500U);
     for (const Keypoint& keypoint : features->keypoints) {
       const bool left = std::lround(keypoint.x_px) < 320;
-      EXPECT_FLOAT_EQ(keypoint.disparity_px, left ? 25.0F : 0.0F);  // 500 * 0.1 / 2
+      EXPECT_FLOAT_EQ(keypoint.disparity_px,
+                      left ? 25.0F : 0.0F);  // The disparity is 500 * 0.1 / 2.
     }
   }
 }

@@ -84,7 +84,7 @@ absl::StatusOr<Features> StereoSensor::Process(const SensorImages& images) {
   });
   RETURN_IF_ERROR(left_.status);
   RETURN_IF_ERROR(right_.status);
-  // The large levels first, so that both threads end at about the same time.
+  // The large levels come first, so that both threads end at about the same time.
   threads_.Run(2 * ScalePyramid::kLevels, [this](size_t i) {
     Side& side = i % 2 == 0 ? right_ : left_;
     side.extractor.ExtractLevel(side.pyramid, static_cast<int>(i / 2));

@@ -14,7 +14,7 @@ namespace {
 // notice of a processor's time.
 constexpr std::chrono::microseconds kAwake(500);
 
-// Lets others run while it waits.
+// Waits awake for at most kAwake, and lets other threads run meanwhile.
 void StayAwakeUntil(const std::atomic<bool>& ready) {
   const auto end = std::chrono::steady_clock::now() + kAwake;
   while (!ready.load(std::memory_order_acquire) && std::chrono::steady_clock::now() < end) {

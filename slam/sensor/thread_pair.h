@@ -20,7 +20,7 @@ class ThreadPair {
  public:
   using Task = absl::FunctionRef<void(size_t)>;
 
-  // Without a thread beside it the caller does everything, in order.
+  // If not `parallel` there is no second thread, and the caller does everything, in order.
   explicit ThreadPair(bool parallel);
   ~ThreadPair();
   ThreadPair(const ThreadPair&) = delete;
@@ -38,7 +38,7 @@ class ThreadPair {
   void KeepApart();
 
   absl::Mutex mutex_;
-  // For threads that are awake: there is something to begin, or everything is done.
+  // They tell threads that are awake whether there is something to begin, and whether all is done.
   std::atomic<bool> to_begin_ = false;
   std::atomic<bool> all_done_ = true;
   int kept_off_ = -1;  // The processor that the thread must not use; -1: any will do.

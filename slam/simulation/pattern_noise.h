@@ -27,12 +27,12 @@ CORBSLAM_LANES Uints HashCell(const Ints& i, const Ints& j, const Uints& seed) {
   return h ^ (h >> 16);
 }
 
-// -1 to 1.
+// Returns numbers from -1 to 1.
 CORBSLAM_LANES Floats SignedUnit(const Uints& hash) {
   const Ints bits = (Ints)hash >> 8;
   return ToFloats(bits) * (1.0F / (1 << 23));
 }
-// 0 to 1.
+// Returns numbers from 0 to 1.
 CORBSLAM_LANES Floats Unit(const Uints& hash) { return 0.5F * SignedUnit(hash) + 0.5F; }
 
 // How much of a feature of one cell's size is left when a pixel covers `cells` cells.
@@ -46,7 +46,7 @@ struct Lattice {
   Floats visible;
 };
 
-// `edge`: width of the transition between two cells in cells, 0 (sharp) to 1 (linear).
+// `edge` is the width of the transition between two cells in cells, 0 (sharp) to 1 (linear).
 CORBSLAM_LANES Lattice LatticeAt(const SurfacePlace& at, float size_u, float size_v, float edge) {
   const Floats x = at.u * (1 / size_u) - 0.5F;
   const Floats y = at.v * (1 / size_v) - 0.5F;
@@ -88,8 +88,8 @@ CORBSLAM_LANES SurfacePlace Turned(const SurfacePlace& at, float cosine, float s
   return turned;
 }
 
-// Layers of cell noise from `size` down by factors of about three, sharp and soft in turn; about -1
-// to 1. Mottled: stone, asphalt, plaster.
+// Lays layers of cell noise over each other, from `size` down by factors of about three, sharp and
+// soft in turn; the result is about -1 to 1. It looks mottled, like stone, asphalt or plaster.
 CORBSLAM_LANES Floats Mottle(const SurfacePlace& at, float size, uint32_t layer) {
   const SurfacePlace turned = Turned(at, 0.8F, 0.6F);
   const SurfacePlace other = Turned(at, 0.28F, -0.96F);

@@ -12,8 +12,8 @@ namespace {
 
 constexpr float kNearestDepth_m = 1 / VisibilityBuffer::kMostNearness;
 
-// Linear functions of a pixel's place, a x + b y + c: one for each side of a face, not negative
-// within; and the face's nearness.
+// Holds linear functions of a pixel's place, a x + b y + c: one for each side of a face, not
+// negative within; and the face's nearness.
 struct FaceLanes {
   std::array<Floats, 4> a, b, c;
   Floats near_a, near_b, near_c;
@@ -51,7 +51,7 @@ CORBSLAM_LANES void SetSides(const std::array<Corner, 4>& corners, FaceLanes& fa
     face.b[k] = edge.y * side;
     face.c[k] = edge.z * side;
   }
-  // Seen edge-on: nowhere.
+  // A face that is seen edge-on is nowhere.
   const Floats inverse = Magnitude(plane) > 1e-12F ? 1.0F / plane : All(0);
   face.near_a = normal.x * inverse;
   face.near_b = normal.y * inverse;
@@ -125,7 +125,7 @@ CORBSLAM_LANES void NarrowRow(const FaceLanes& face, int lane, int y, int& left,
 // A linear function of a pixel's place.
 struct Plane {
   float a, b, c;
-  // At the samples instead of the pixels' centres.
+  // Returns the function at the samples instead of the pixels' centres.
   CORBSLAM_LANES Plane At(const SampleOffset& offset) const {
     return {a, b, a * offset.right_px + (b * offset.down_px + c)};
   }

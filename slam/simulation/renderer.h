@@ -25,7 +25,7 @@ struct Shot {
   Rigid3d world_from_camera = {};
   // Where the camera is when the shutter closes: what motion blur is drawn from.
   std::optional<Rigid3d> world_from_camera_at_close = {};
-  double time_s = 0;    // Of the sequence: where the movers are.
+  double time_s = 0;    // Time of the sequence, which says where the movers are.
   uint64_t stream = 0;  // Noise differs between streams: make one of frame and camera.
 };
 
@@ -38,7 +38,7 @@ class Renderer {
                                                         const RenderOptions& options);
   virtual ~Renderer() = default;
 
-  // CV_8UC1 of the camera's size.
+  // Returns a CV_8UC1 picture of the camera's size.
   virtual cv::Mat DrawGrey(const Camera& camera, const Shot& shot) const = 0;
   // CV_32FC1 of the camera's size: z of the first surface at each pixel's centre in metres, 0 where
   // there is none.

@@ -16,12 +16,12 @@
 
 namespace corbslam {
 
-// A mesh where it stands.
+// A mesh at its place in the scene.
 struct FacePlacement {
   uint32_t mesh = 0;
   Similarity3d world_from_mesh = {};
   uint32_t seed = 0;
-  Eigen::Vector3d centre = {};  // Of a ball round it.
+  Eigen::Vector3d centre = {};  // Centre of a ball round it.
   double radius_m = 0;
 };
 
@@ -45,7 +45,7 @@ class SceneFaces {
   SceneView See(const Camera& camera, const Rigid3d& world_from_camera, double time_s,
                 std::vector<SampleOffset> samples) const;
 
-  // `index`: DrawnFace::placement.
+  // `index` is a DrawnFace::placement.
   const FacePlacement& PlacementAt(const SceneView& view, uint32_t index) const {
     const size_t still = placements_.size();
     return index < still ? placements_[index] : view.movers[index - still];

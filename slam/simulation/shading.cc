@@ -32,7 +32,7 @@ struct SeenSurface {
   Material material = Material::kSky;
 };
 
-// From a pixel (x, y, 1) to the world's direction of its ray, which reaches depth 1.
+// Maps a pixel (x, y, 1) to the world's direction of its ray, which reaches depth 1.
 Eigen::Matrix3f RayFromPixel(const SceneView& view) {
   const Camera& camera = view.camera;
   Eigen::Matrix3d rays;
@@ -77,7 +77,7 @@ struct Batch {
   std::array<const SeenSurface*, kLanes> surface;
   std::array<float, kLanes> x;
   std::array<float, kLanes> y;
-  std::array<float, kLanes> share;   // Of the pixel.
+  std::array<float, kLanes> share;   // Share of the pixel.
   std::array<float*, kLanes> pixel;  // Light is added to it.
 };
 

@@ -1,4 +1,4 @@
-// Which face is seen at each sample of a picture, and how near it is.
+// Holds which face is seen at each sample of a picture, and how near it is.
 #ifndef CORBSLAM_SLAM_SIMULATION_VISIBILITY_BUFFER_H_
 #define CORBSLAM_SLAM_SIMULATION_VISIBILITY_BUFFER_H_
 
@@ -34,7 +34,7 @@ class VisibilityBuffer {
   int height_px() const { return height_px_; }
   const std::vector<SampleOffset>& samples() const { return samples_; }
 
-  // A row's pixels, eight a block. Behind the last column no face is drawn.
+  // Return a row's pixels, eight a block. Behind the last column no face is drawn.
   Eight<float>* NearnessRow(size_t sample, int y) { return &nearness_[RowStart(sample, y)]; }
   Eight<int32_t>* FaceRow(size_t sample, int y) { return &faces_[RowStart(sample, y)]; }
   const float* Nearness(size_t sample, int y) const {
@@ -83,7 +83,7 @@ class VisibilityBuffer {
   const std::vector<SampleOffset> samples_;
   std::vector<Eight<float>> nearness_;
   std::vector<Eight<int32_t>> faces_;
-  // Of tiles of a block's width: the least nearness in them, and whether it may have grown.
+  // Tiles of a block's width: the least nearness in each, and whether it may have grown.
   std::vector<float> farthest_;
   std::vector<uint8_t> changed_;
 };

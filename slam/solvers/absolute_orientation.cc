@@ -14,7 +14,7 @@ constexpr double kMinSpreadShare = 1e-10;
 struct Moments {
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_b = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();         // Sum of a * b^T, Horn's M.
+  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();         // Sum of a * b^T, which is Horn's M.
   Eigen::Matrix3d spread_a = Eigen::Matrix3d::Zero();  // Sum of a * a^T.
   Eigen::Matrix3d spread_b = Eigen::Matrix3d::Zero();
 };

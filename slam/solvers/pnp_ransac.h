@@ -21,9 +21,9 @@ struct PnpRansacOptions {
   uint64_t seed = 0;
 };
 
-// P3P on samples of four (the fourth chooses among P3P's solutions), judged by reprojection errors
-// in the left picture; the best is refined with OptimisePose, which also uses disparities, and
-// `is_inlier` is that of the refined pose. NOT_FOUND, with the counts, where fewer than
+// Estimates a pose by P3P on samples of four (the fourth chooses among P3P's solutions), judged by
+// reprojection errors in the left picture. OptimisePose, which also uses disparities, refines the
+// best, and `is_inlier` is that of the refined pose. NOT_FOUND, with the counts, where fewer than
 // `min_inliers` agree; INVALID_ARGUMENT for fewer than 4 observations or values that are not
 // finite. The same input and seed give the same result. Pure; any thread.
 absl::StatusOr<PoseEstimate> EstimatePose(const Camera& camera,

@@ -31,10 +31,10 @@ struct SimilarityRansacResult {
   int inliers = 0;
 };
 
-// Horn's closed form on samples of three, judged by the reprojection errors in both pictures; the
-// best is aligned again to all its inliers while that gains any. NOT_FOUND, with the counts, where
-// no sample has `min_inliers`; INVALID_ARGUMENT for fewer than 3 matches. The same input and seed
-// give the same result. Pure; any thread.
+// Estimates a similarity by Horn's closed form on samples of three, judged by the reprojection
+// errors in both pictures; the best is aligned again to all its inliers while that gains any.
+// NOT_FOUND, with the counts, where no sample has `min_inliers`; INVALID_ARGUMENT for fewer than 3
+// matches. The same input and seed give the same result. Pure; any thread.
 absl::StatusOr<SimilarityRansacResult> EstimateSimilarity(const Camera& camera_a,
                                                           const Camera& camera_b,
                                                           absl::Span<const SimilarityMatch> matches,

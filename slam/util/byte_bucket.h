@@ -8,9 +8,10 @@
 
 namespace corbslam {
 
-// Fills at its rate up to what comes in `depth`, full at first. More may be spent than is in it:
-// the level is negative then, and the debt is paid before anything is spent again, so that the mean
-// holds however long the lumps are. A clock that jumps back fills nothing. Not thread-safe.
+// A bucket of bytes that fills at its rate up to what comes in `depth`, and is full at first. More
+// may be spent than is in it: the level is negative then, and the debt is paid before anything is
+// spent again, so that the mean rate holds however large the lumps are. A clock that jumps back
+// fills nothing. Not thread-safe.
 class ByteBucket {
  public:
   // 0: no bound; the level is always the highest number.
@@ -21,7 +22,7 @@ class ByteBucket {
   int64_t Level(absl::Time now);
   // Negative: what was spent comes back, because it never left.
   void Spend(int64_t bytes, absl::Time now);
-  // From now until the level is positive.
+  // Returns how long it takes from now until the level is positive.
   absl::Duration Wait(absl::Time now);
 
  private:

@@ -1,4 +1,5 @@
-// CRC-32C (Castagnoli), the polynomial of iSCSI (RFC 3720) and of the processor's own instruction.
+// Computes CRC-32C (Castagnoli), the polynomial of iSCSI (RFC 3720) and of the processor's own
+// instruction.
 #ifndef CORBSLAM_SLAM_UTIL_CHECKSUM_H_
 #define CORBSLAM_SLAM_UTIL_CHECKSUM_H_
 

@@ -1,4 +1,4 @@
-// Who has locked a file.
+// Finds out who has locked a file.
 #ifndef CORBSLAM_SLAM_UTIL_LOCK_HOLDER_H_
 #define CORBSLAM_SLAM_UTIL_LOCK_HOLDER_H_
 

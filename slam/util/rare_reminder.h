@@ -8,8 +8,8 @@
 
 namespace corbslam {
 
-// Due at once, then after a minute, after two more, four more and so on; in the end every quarter
-// of an hour. Not thread-safe.
+// A reminder that is due at once, then after a minute, after two more, four more and so on, and in
+// the end every quarter of an hour. Not thread-safe.
 class RareReminder {
  public:
   // True: say it now. The next time is counted from `now`.

@@ -12,7 +12,7 @@ namespace {
 
 int NicenessOfThisThread() { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); }
 
-// In a thread of its own: a thread can't take back what it gave up.
+// Runs it in a thread of its own, because a thread can't take back what it gave up.
 template <typename Function>
 void InAThread(Function function) {
   std::thread(function).join();

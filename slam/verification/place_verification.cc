@@ -17,19 +17,19 @@
 namespace corbslam {
 namespace {
 
-constexpr double kMaxChi2 = 9.21;  // 99 % of two degrees of freedom.
-// Of a pixel that is computed because the keyframe itself does not see the point.
+constexpr double kMaxChi2 = 9.21;  // 99 % bound with two degrees of freedom.
+// Variance of a pixel that is computed because the keyframe itself does not see the point.
 constexpr double kVirtualVariance_px2 = 4;
 // A fifth of the matches being right is found in 99 of 100 cases.
 constexpr int kRansacIterations = 600;
 constexpr double kFirstRadius_px = 10;
 constexpr double kLastRadius_px = 5;
 
-// One side of the comparison.
+// The query's or the candidate's side of the comparison.
 struct Side {
   const Map& map;
   const Keyframe& centre;
-  std::vector<const Keyframe*> keyframes;  // The centre first.
+  std::vector<const Keyframe*> keyframes;  // The centre comes first.
   std::vector<const MapPoint*> points;     // That they see.
 };
 
@@ -253,7 +253,7 @@ int CountProjected(const std::vector<const MapPoint*>& points, const Keyframe& k
 // The most that is found right beside where it should be.
 int CountByChance(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
                   const Rigid3d& camera_from_points, const PlaceVerificationOptions& options) {
-  constexpr double kAside = 2.0;  // The next window, without a gap.
+  constexpr double kAside = 2.0;  // The window beside it, without a gap.
   int most = 0;
   for (const Eigen::Vector2d& displacement_radii :
        {Eigen::Vector2d(kAside, 0), Eigen::Vector2d(-kAside, 0), Eigen::Vector2d(0, kAside),

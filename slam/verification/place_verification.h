@@ -35,10 +35,10 @@ struct PlaceVerificationOptions {
   double max_scale_deviation = 0.05;
 };
 
-// The verdict, with the counts of the stages that were reached. The views may be one and the same
-// map (loops), the query and candidate must not be the same keyframe. A keyframe that its view
-// does not hold matches nothing. Deterministic, pure; milliseconds to tens of them.
-// `evidence.shared_words` is left at 0 for the caller to fill in.
+// Returns the verdict, with the counts of the stages that were reached. The views may be one and
+// the same map (loops), the query and candidate must not be the same keyframe. A keyframe that its
+// view does not hold matches nothing. Deterministic and pure; it takes milliseconds to tens of
+// them. `evidence.shared_words` is left at 0 for the caller to fill in.
 Overlap VerifyPlace(const Map& query_view, KeyframeId query, const Map& candidate_view,
                     KeyframeId candidate, const PlaceVerificationOptions& options = {});
 

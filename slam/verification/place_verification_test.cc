@@ -49,8 +49,8 @@ class PlaceVerificationTest : public ::testing::Test {
 
   const SyntheticWorld world_;
   const SyntheticMap a_;
-  const KeyframeId query_{kB, 2};      // At 19.5 degrees.
-  const KeyframeId candidate_{kA, 6};  // At 18 degrees.
+  const KeyframeId query_{kB, 2};      // It is at 19.5 degrees.
+  const KeyframeId candidate_{kA, 6};  // It is at 18 degrees.
 };
 
 TEST_F(PlaceVerificationTest, FindsHowTheKeyframesStand) {
@@ -66,7 +66,8 @@ TEST_F(PlaceVerificationTest, FindsHowTheKeyframesStand) {
   EXPECT_EQ(overlap.evidence.refined_inliers, static_cast<int>(overlap.inliers.size()));
 }
 
-// Of six degrees of freedom; the synthetic points have errors of their own besides the pixels'.
+// The error has six degrees of freedom; the synthetic points have errors of their own besides the
+// pixels'.
 TEST_F(PlaceVerificationTest, KnowsHowFarItMayBeOff) {
   const SyntheticMap b = MakeB();
   const Overlap overlap = Verify(b);
@@ -77,7 +78,7 @@ TEST_F(PlaceVerificationTest, KnowsHowFarItMayBeOff) {
   const Vector6d error =
       LogSE3(TrueCandidateFromQuery(b) * overlap.candidate_from_query.ToRigid().Inverse());
   EXPECT_LT(error.dot(covariance.inverse() * error), 60);
-  // No more certain than a tenth of a millimetre, and no less than 5 cm.
+  // The result claims a certainty between a tenth of a millimetre and 5 cm.
   const double sigma_m = std::sqrt(covariance.diagonal().head(3).sum());
   EXPECT_GT(sigma_m, 1e-4);
   EXPECT_LT(sigma_m, 0.05);
@@ -105,7 +106,7 @@ TEST_F(PlaceVerificationTest, RefusesWhatChanceFindsAsWell) {
   EXPECT_EQ(ToString(overlap.verdict), "TOO_FEW_PROJECTED_MATCHES");
 }
 
-// Another place of which a part looks the same, among much that looks like many things.
+// Only a part of the other place looks the same, among much that looks like many things.
 TEST_F(PlaceVerificationTest, RefusesAPlaceOfWhichOnlyAPartLooksTheSame) {
   SyntheticWorld here = MakeRingWorld(3, 24000);
   SyntheticWorld there = here;

@@ -1,4 +1,4 @@
-// ReadTextVocabulary and WriteTextVocabulary.
+// Implements ReadTextVocabulary and WriteTextVocabulary.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -30,7 +30,7 @@ class FieldReader {
  public:
   explicit FieldReader(absl::string_view line) : rest_(line) {}
 
-  // Empty at the end.
+  // Returns the next field, which is empty at the end of the line.
   absl::string_view Next() {
     const size_t begin = rest_.find_first_not_of(" \t\r");
     if (begin == absl::string_view::npos) return rest_ = {};

@@ -9,7 +9,7 @@ namespace corbslam {
 
 struct WordWeight {
   uint32_t word = 0;
-  float weight = 0;  // TF-IDF, the bag's weights sum to 1.
+  float weight = 0;  // TF-IDF; a bag's weights sum to 1.
   friend bool operator==(const WordWeight&, const WordWeight&) = default;
 };
 

@@ -11,7 +11,7 @@
 namespace corbslam::testing {
 namespace {
 
-// std's distributions differ between libraries; these do not.
+// std's distributions differ between libraries; these are the same everywhere.
 class Random {
  public:
   explicit Random(uint64_t seed) : generator_(seed) {}
@@ -102,7 +102,7 @@ class SceneBuilder {
     return {options_.local_map, static_cast<uint32_t>(index)};
   }
 
-  // Which keyframes see which point, with exact pixels.
+  // Decides which keyframes see which point, with exact pixels.
   void SeePoints() {
     std::vector<Rigid3d> poses;
     for (int i = 0; i < options_.keyframes; ++i) poses.push_back(TruePose(options_, i));

@@ -46,11 +46,11 @@ struct SyntheticScene {
   Map map;
   std::map<KeyframeId, Rigid3d> true_camera_from_map;
   std::map<MapPointId, Eigen::Vector3d> true_position_in_map;
-  // Of the observations in the map; sorted.
+  // The false observations in the map, sorted.
   std::vector<std::pair<MapPointId, KeyframeId>> outliers;
 };
 
-// 752 x 480 px, f = 458 px, baseline 0.11 m.
+// Returns a camera of 752 x 480 px, f = 458 px and baseline 0.11 m.
 Camera SyntheticCamera();
 
 // Keyframes 0 to keyframes - 1 (0 is the root, each hangs on the one before), points seen by at

@@ -95,7 +95,7 @@ std::vector<TravelSample> PlanDriveThroughTown(const CarDriveOptions& options) {
 }
 
 std::vector<Rigid3d> DriveThroughTown(const CarDriveOptions& options) {
-  // Radians of the body for each m/s^2.
+  // The body turns by so many radians for each m/s^2.
   constexpr double kPitchPerForward = 0.007;
   constexpr double kRollPerLateral = -0.009;
   const double sway = options.sway;

@@ -27,7 +27,7 @@ std::vector<Corner> DropRepeated(const std::vector<Corner>& corners) {
   return distinct;
 }
 
-// From the middle of the first leg once round and on: an open way.
+// Opens the way: it leads from the middle of the first leg once round, and on.
 std::vector<Corner> OpenUp(const std::vector<Corner>& corners, double lead_out_m) {
   const size_t n = corners.size();
   const Eigen::Vector2d middle = 0.5 * (corners[0].place + corners[1].place);
@@ -86,7 +86,7 @@ std::vector<Eigen::Vector2d> RoundCorners(const std::vector<Corner>& corners,
   return line;
 }
 
-// Points `spacing_m` apart along the line, the first one first.
+// Returns points `spacing_m` apart along the line, beginning with the first one.
 std::vector<Eigen::Vector2d> Resample(const std::vector<Eigen::Vector2d>& line, double spacing_m) {
   std::vector<Eigen::Vector2d> points;
   double passed_m = 0;
@@ -163,7 +163,7 @@ PlanePath MakePlanePath(const std::vector<Eigen::Vector2d>& waypoints,
   if (options.closed) corners = DropRepeated(OpenUp(corners, options.lead_out_m));
   const std::vector<Eigen::Vector2d> round = RoundCorners(corners, options.least_radius_m);
   const double point_deviation = options.point_smoothing_m / options.spacing_m;
-  // Smoothing pulls points together in corners: hence once more.
+  // Smoothing pulls points together in corners, so they are resampled once more.
   path.points =
       Resample(Smooth(Resample(round, options.spacing_m), point_deviation), options.spacing_m);
   path.headings_rad =

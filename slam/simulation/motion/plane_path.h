@@ -39,7 +39,7 @@ struct PlanePathOptions {
 PlanePath MakePlanePath(const std::vector<Eigen::Vector2d>& waypoints,
                         const PlanePathOptions& options, const std::vector<double>& corners_m = {});
 
-// Of travel along points, by central differences; they run on beyond pi.
+// Returns the headings of travel along points, by central differences; they run on beyond pi.
 std::vector<double> ComputeHeadings(const std::vector<Eigen::Vector2d>& points);
 
 }  // namespace corbslam

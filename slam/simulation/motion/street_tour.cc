@@ -22,7 +22,7 @@ constexpr double kStreetShare = 0.7;
 constexpr double kSlack_m = 60;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-// Four directions: +z, +x, -z, -x.
+// The four directions are +z, +x, -z, -x.
 constexpr int kDirections = 4;
 int Opposite(int direction) { return (direction + 2) % kDirections; }
 
@@ -83,7 +83,7 @@ class StreetGrid {
   std::vector<Eigen::Vector2d> places_;
 };
 
-// At a crossing, having come in a direction.
+// An arrival is at a crossing, from a direction.
 struct Arrival {
   int crossing = 0;
   int direction = 0;

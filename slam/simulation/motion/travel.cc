@@ -40,7 +40,7 @@ std::vector<double> SlidingMean(const std::vector<double>& values, size_t reach)
   for (size_t i = 0; i < values.size(); ++i) sums[i + 1] = sums[i] + values[i];
   std::vector<double> means(values.size());
   for (size_t i = 0; i < values.size(); ++i) {
-    // As far on both sides, so that the mean of a ramp lies on it.
+    // The mean reaches as far on both sides, so that the mean of a ramp lies on it.
     const size_t own = std::min({reach, i, values.size() - 1 - i});
     means[i] = (sums[i + own + 1] - sums[i - own]) / static_cast<double>(2 * own + 1);
   }

@@ -25,11 +25,11 @@ struct TravelSample {
   double heading_rad = 0;
   double speed_mps = 0;
   double forward_mps2 = 0;
-  double lateral_mps2 = 0;  // To the right.
+  double lateral_mps2 = 0;  // Acceleration to the right.
 };
 
-// Samples 1 / rate_hz apart from the path's start, at speed, to its end. `speeds_mps`, when not
-// empty, has a further limit for each point of the path. Empty for an empty path.
+// Returns samples 1 / rate_hz apart from the path's start, at speed, to its end. `speeds_mps`, when
+// not empty, has a further limit for each point of the path. An empty path has no samples.
 std::vector<TravelSample> SampleTravel(const PlanePath& path, const TravelLimits& limits,
                                        double rate_hz, const std::vector<double>& speeds_mps = {});
 

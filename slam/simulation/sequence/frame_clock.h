@@ -1,4 +1,4 @@
-// Which place of the way each frame is taken at, and when.
+// Says at which place of the way each frame is taken, and when.
 #ifndef CORBSLAM_SLAM_SIMULATION_SEQUENCE_FRAME_CLOCK_H_
 #define CORBSLAM_SLAM_SIMULATION_SEQUENCE_FRAME_CLOCK_H_
 
@@ -9,7 +9,7 @@
 
 namespace corbslam {
 
-// Immutable. Times in nanoseconds.
+// Immutable. Times are in nanoseconds.
 class FrameClock {
  public:
   // Frames are taken `rate_hz` a second while the way, `way_ns` long, lasts.

@@ -14,7 +14,7 @@ void DrawFrames(benchmark::State& state) {
   spec.rig = static_cast<CameraRig>(state.range(0));
   spec.threads = static_cast<int>(state.range(1));
   const auto sequence = SimulatedSequence::Make(spec);
-  if (!sequence.ok() || !(*sequence)->Render(0).ok()) {  // The first builds the world, too.
+  if (!sequence.ok() || !(*sequence)->Render(0).ok()) {  // The first picture builds the world, too.
     state.SkipWithError("no sequence");
     return;
   }

@@ -43,7 +43,7 @@ class DrawnSequence : public SimulatedSequence {
   Shot ShotOf(size_t frame, int camera) const;
   absl::StatusOr<const Renderer*> GetRenderer() const;
   SensorImages Draw(const Renderer& renderer, size_t frame) const;
-  // The right picture, or the depths.
+  // Draws the right picture, or the depths.
   cv::Mat DrawOther(const Renderer& renderer, size_t frame) const;
   SensorImages Dark(size_t frame) const;
 
@@ -51,7 +51,7 @@ class DrawnSequence : public SimulatedSequence {
   const PoseSequence way_;
   const SimulatedRig rig_;
   const FrameClock clock_;
-  // Set once, under once_.
+  // The first call sets it, under once_.
   mutable std::once_flag once_;
   mutable absl::StatusOr<std::unique_ptr<Renderer>> renderer_;
 };

@@ -19,7 +19,7 @@ namespace corbslam {
 // poses cost little.
 class SimulatedSequence {
  public:
-  // INVALID_ARGUMENT, naming the option; NOT_FOUND for a file of poses that is not there.
+  // INVALID_ARGUMENT names the option; NOT_FOUND is for a file of poses that is not there.
   static absl::StatusOr<std::unique_ptr<SimulatedSequence>> Make(const SimulationSpec& spec);
   virtual ~SimulatedSequence() = default;
 
@@ -28,10 +28,10 @@ class SimulatedSequence {
   virtual const SensorCalibration& calibration() const = 0;
   virtual double rate_hz() const = 0;
   virtual size_t frame_count() const = 0;
-  // Grows by one over the rate.
+  // Times grow by one over the rate.
   virtual int64_t timestamp_ns(size_t frame) const = 0;
-  // The truth: of the left or the only camera. In the frame of the world, which is the same for
-  // specs of the same WorldName.
+  // Returns the true pose of the left or the only camera. It is in the frame of the world, which is
+  // the same for specs of the same WorldName.
   virtual Rigid3d world_from_camera(size_t frame) const = 0;
   // Stamped with the frame's time.
   virtual absl::StatusOr<SensorImages> Render(size_t frame) const = 0;

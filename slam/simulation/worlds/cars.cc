@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// The side view, heights above the ground; z from the tail (negative) to the nose.
+// The side view has heights above the ground, and z from the tail (negative) to the nose.
 struct CarShape {
   float length;
   float width;
@@ -175,7 +175,7 @@ Mesh BuildCar(const CarShape& car, uint64_t seed) {
 
 std::vector<CarPrototype> BuildCarPrototypes(uint64_t seed) {
   static constexpr CarShape kShapes[] = {
-      // length width sill bonnet belt roof boot screen front back rear
+      // The columns are: length width sill bonnet belt roof boot screen front back rear.
       {4.05F, 1.74F, 0.26F, 0.80F, 0.95F, 1.45F, 0.92F, 0.95F, 0.25F, -1.45F, -1.95F},
       {4.60F, 1.78F, 0.24F, 0.78F, 0.94F, 1.42F, 0.98F, 0.95F, 0.20F, -0.95F, -1.60F},
       {4.65F, 1.78F, 0.25F, 0.80F, 0.96F, 1.46F, 0.93F, 1.00F, 0.30F, -1.95F, -2.25F},

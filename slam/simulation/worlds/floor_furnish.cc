@@ -54,7 +54,7 @@ class Furnisher {
     }
   }
 
-  // With its back to the side that it faces away from: `turns` as in Furniture.
+  // Puts a piece with its back to the side that it faces away from: `turns` is as in Furniture.
   bool PutAtWall(const FloorBox& space, int turns, double share, const Piece& piece,
                  uint32_t seed) {
     const bool along_x = turns % 2 == 0;

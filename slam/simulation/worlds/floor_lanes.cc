@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector2d;
 using Kind = FloorNode::Kind;
 
-constexpr double kInsideM = 1.0;  // How far into a room one walks before turning.
+constexpr double kInsideM = 1.0;  // A walker goes so far into a room before turning.
 
 int AddNode(const FloorNode& node, FloorLanes* lanes) {
   lanes->nodes.push_back(node);

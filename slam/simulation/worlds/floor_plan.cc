@@ -50,7 +50,7 @@ void LayOutRooms(FloorPlan* plan) {
   plan->corridors.push_back({{right - kCorridorM, 0}, plan->outline.high});
 }
 
-// Front doors everywhere, back doors in the first room of a row and most others.
+// Every room has a front door; the first room of a row and most others have a back door.
 void AddDoors(FloorPlan* plan) {
   const FloorOptions& options = plan->options;
   for (size_t i = 0; i < plan->rooms.size(); ++i) {

@@ -1,6 +1,6 @@
-// An indoor floor: rooms left and right of corridors, with furniture, and a walk through it.
+// Makes an indoor floor: rooms left and right of corridors, with furniture, and a walk through it.
 //
-// Frame of scene.h: x right, y down, z forward. The floor lies at y = 0, the ceiling at
+// The frame is that of scene.h: x right, y down, z forward. The floor lies at y = 0, the ceiling at
 // y = -wall_height_m.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_FLOOR_WORLD_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_FLOOR_WORLD_H_
@@ -44,7 +44,7 @@ struct Poster {
   Eigen::Vector2d along;  // Unit vector of the wall that it hangs on.
   double width_m = 0.8;
   double height_m = 1.0;
-  double middle_m = 1.6;  // Above the floor.
+  double middle_m = 1.6;  // Height of its middle above the floor.
   uint32_t seed = 0;
 };
 
@@ -53,8 +53,8 @@ struct Wall {
   Eigen::Vector2d from;
   Eigen::Vector2d to;
   bool doorway = false;  // The wall reaches from the lintel to the ceiling only.
-  bool windows = false;  // An outer wall.
-  // Of the side that (-z, x) of the direction (x, z) points to, and of the other.
+  bool windows = false;  // True for an outer wall.
+  // Seeds of the side that (-z, x) of the direction (x, z) points to, and of the other.
   std::array<uint32_t, 2> seeds = {};
 };
 constexpr double kWallM = 0.12;

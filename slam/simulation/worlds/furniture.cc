@@ -57,7 +57,7 @@ void AddTable(const Extent& e, Dice* dice, Mesh* mesh) {
   for (int i = 0; i < things; ++i) {
     const float x = dice->Uniformf(-0.8, 0.8) * e.x;
     const float z = dice->Uniformf(-0.7, 0.6) * e.z;
-    if (i == 0) {  // A screen.
+    if (i == 0) {  // This is a screen.
       const float half = 0.27F;
       AddBox({x - half, -e.height - 0.42F, z - 0.02F}, {x + half, -e.height - 0.08F, z + 0.02F},
              {Material::kGlass, dice->Seed(), dice->Uniformf(0.5, 2)}, mesh, true);

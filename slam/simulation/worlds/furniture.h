@@ -7,7 +7,8 @@
 
 namespace corbslam {
 
-// Origin on the floor in the middle of the footprint, y down, the front towards +z.
+// The mesh has its origin on the floor in the middle of the footprint, y down, the front towards
+// +z.
 Mesh BuildFurniture(const Furniture& furniture);
 
 }  // namespace corbslam

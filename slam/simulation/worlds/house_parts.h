@@ -1,4 +1,4 @@
-// The parts that BuildHouse puts together. Frame of house.h.
+// Declares the parts that BuildHouse puts together, in the frame of house.h.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_PARTS_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_PARTS_H_
 

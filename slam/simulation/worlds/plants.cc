@@ -121,7 +121,7 @@ Mesh BuildHedge(float length, float height, float thickness, uint64_t seed) {
   const int clumps = static_cast<int>(length * (2 * height + thickness) * 9);
   for (int i = 0; i < clumps; ++i) {
     const float x = dice.Uniformf(0, length);
-    const float way = dice.Uniformf(-height, height + thickness);  // Up one side, over, down.
+    const float way = dice.Uniformf(-height, height + thickness);  // It goes up, over and down.
     const bool top = way > height;
     const float y = top ? -height : -std::abs(way);
     const float z = top ? way - height - half : (way < 0 ? -half : half);

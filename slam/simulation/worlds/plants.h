@@ -9,10 +9,10 @@
 
 namespace corbslam {
 
-// Origin at the foot, y down. Heights in metres.
+// The origin is at the foot, y points down. Heights are in metres.
 struct TreeShape {
   float height = 8;
-  float trunk = 2.4F;  // Bare up to here.
+  float trunk = 2.4F;  // The trunk is bare up to here.
   float crown_radius = 2.6F;
   float trunk_radius = 0.17F;
   int branches = 8;

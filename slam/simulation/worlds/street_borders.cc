@@ -67,7 +67,8 @@ BorderKind KindOf(Dice* dice) {
                        : BorderKind::kPlanks;
 }
 
-// From one place to another, along x of the mesh. False if something is in the way.
+// Puts a border up from one place to another, along x of the mesh. False if something is in the
+// way.
 bool PutUp(const Vector2d& from, const Vector2d& to, BorderKind kind, Dice* dice,
            StreetSite* site) {
   const double length = (to - from).norm();
@@ -92,7 +93,7 @@ void AlongPavement(int side, StreetSite* site) {
     const double length = dice.Uniform(3.5, 8);
     const size_t last = i + static_cast<size_t>(length / StreetPath::kStepM);
     if (last >= stations.size() || stations[last].driven != stations[i].driven) continue;
-    way = length + (dice.Chance(0.7) ? 0.05 : dice.Uniform(1.2, 4));  // A gate.
+    way = length + (dice.Chance(0.7) ? 0.05 : dice.Uniform(1.2, 4));  // A larger gap is a gate.
     const StreetBlock block = BlockAt(*site, stations[i]);
     if (!dice.Chance(block.border)) continue;
     const double bays = side < 0 && block.bays_left ? 2.9 : 0;

@@ -23,7 +23,8 @@ Footprint FootprintOf(const Lot& lot) {
   return {lot.front + lot.depth / 2 * lot.away, lot.away, lot.depth / 2, lot.width / 2};
 }
 
-// The last station of the same stretch within `length_m` after `first`; `first` if it ends before.
+// Returns the last station of the same stretch within `length_m` after `first`; `first` if it ends
+// before.
 size_t StretchEnd(const std::vector<Station>& stations, size_t first, double length_m) {
   const size_t last = first + static_cast<size_t>(std::ceil(length_m / StreetPath::kStepM));
   if (last >= stations.size()) return first;

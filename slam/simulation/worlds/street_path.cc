@@ -11,7 +11,7 @@ using Eigen::Vector2d;
 // Poses further back than this on the same stretch belong to an earlier pass.
 constexpr double kSamePassM = 40;
 constexpr double kSameStreetM = 6;
-// Streets that lead on.
+// Streets that lead on where the path begins, turns or ends.
 constexpr double kBranchM = 110;
 constexpr double kShortestBranchM = 45;
 constexpr double kBranchClearanceM = 16;

@@ -58,7 +58,7 @@ void PlantStreet(const TreeMeshes& trees, StreetSite* site) {
   }
 }
 
-// Whatever room is left on both sides gets trees and bushes, tried at random places.
+// The room that is left on both sides gets trees and bushes, tried at random places.
 void PlantGardens(const TreeMeshes& trees, StreetSite* site) {
   const std::vector<Station>& stations = site->path.stations();
   for (size_t i = 0; i < stations.size(); i += 2) {

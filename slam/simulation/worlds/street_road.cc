@@ -12,9 +12,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3f;
 
-constexpr double kPaintM = 0.015;  // Above the road.
+constexpr double kPaintM = 0.015;  // Height of paint above the road.
 
-// A parallelogram on the road, its middle at `at`; false where the road ends.
+// Lays a parallelogram on the road, its middle at `at`; false where the road ends.
 bool Lay(const Vector2d& at, const Vector2d& ahead, double half_length, double half_width,
          const Finish& finish, StreetSite* site) {
   const Vector2d side(ahead.y(), -ahead.x());
@@ -43,7 +43,8 @@ bool Lay(const Vector2d& at, const Vector2d& ahead, double half_length, double h
 void AddZebra(const Station& station, Dice* dice, StreetSite* site) {
   const Finish paint = {Material::kRoadMarking, dice->Seed(), 1};
   for (double across = -3.6; across < 3.7; across += 0.9) {
-    for (const double along : {-1.0, 0.0, 1.0}) {  // In pieces: the road bends under them.
+    for (const double along :
+         {-1.0, 0.0, 1.0}) {  // The stripes are in pieces, because the road bends under them.
       const Vector2d at =
           Beside(station, across - StreetProfile::kMiddleLeftOfPath) + along * station.ahead;
       Lay(at, station.ahead, 0.5, 0.22, paint, site);
