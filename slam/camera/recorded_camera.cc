@@ -125,7 +125,7 @@ absl::StatusOr<std::optional<Rigid3d>> CameraFromWanted(
     }
     camera_from_wanted = camera_from_wanted * recorded->body_from_recorded->Inverse();
   }
-  // Nothing is multiplied that would change the last digit.
+  // No multiplication by an identity may change the last digit.
   if (IsIdentity(camera_from_wanted)) return std::nullopt;
   return camera_from_wanted;
 }

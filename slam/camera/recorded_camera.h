@@ -32,13 +32,13 @@ struct RecordedCamera {
   friend bool operator==(const RecordedCamera& a, const RecordedCamera& b);
 };
 
-// INVALID_ARGUMENT, naming the field and its value, where it is impossible.
+// INVALID_ARGUMENT names the field and its value where the camera is impossible.
 absl::Status Validate(const RecordedCamera& recorded);
 
 // Describes the camera of pictures that were used as they were recorded.
 RecordedCamera AsRecorded(const Camera& camera);
 
-// The recorded picture's pixel where the Camera has `pixel`.
+// Returns the recorded picture's pixel where the Camera has `pixel`.
 Eigen::Vector2d RecordedPixel(const Camera& camera, const RecordedCamera& recorded,
                               const Eigen::Vector2d& pixel);
 
@@ -49,11 +49,12 @@ enum class PosesOf {
   kBody,
 };
 
-// "camera", "rectified", "body": what options are called.
+// Returns what options are called: "camera", "rectified", "body".
 absl::string_view ToString(PosesOf poses_of);
-// INVALID_ARGUMENT names the three.
+// INVALID_ARGUMENT names the three that there are.
 absl::StatusOr<PosesOf> ParsePosesOf(absl::string_view text);
-// "the camera as recorded (of a stereo pair the left one)", "the rectified camera ...", "the body".
+// Returns "the camera as recorded (of a stereo pair the left one)", "the rectified camera ...", or
+// "the body".
 absl::string_view Describe(PosesOf poses_of);
 
 // Returns camera_from_wanted, with x_in_camera = camera_from_wanted * x_in_wanted; nullopt where

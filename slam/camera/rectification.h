@@ -17,13 +17,13 @@ namespace corbslam {
 struct RawStereo {
   RawCamera left;
   RawCamera right;
-  // Metres; the right camera must lie on the left one's +x side.
+  // Translation in metres; the right camera must lie on the left one's +x side.
   Rigid3d right_from_left;
   int width_px = 0;
   int height_px = 0;
 };
 
-// INVALID_ARGUMENT, naming the field and its value, where a calibration is impossible.
+// INVALID_ARGUMENT names the field and its value where a calibration is impossible.
 absl::Status Validate(const RawStereo& raw);
 
 // Immutable after it is made; RectifyLeft and RectifyRight may run at the same time.

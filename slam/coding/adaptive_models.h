@@ -13,7 +13,7 @@
 
 namespace corbslam {
 
-// The mean of two estimates: one that is quick, one that is exact.
+// Estimates a probability as the mean of two estimates: one that is quick, one that is exact.
 class AdaptiveBit {
  public:
   template <typename Coder>
@@ -25,7 +25,7 @@ class AdaptiveBit {
   }
 
  private:
-  // Stays within 15 to 65520, or within 127 to 65408.
+  // Keeps the estimate within 15 to 65520, or within 127 to 65408.
   static uint16_t Toward(uint16_t estimate, bool bit, int shift) {
     return static_cast<uint16_t>(bit ? estimate + ((65535 - estimate) >> shift)
                                      : estimate - (estimate >> shift));
@@ -35,8 +35,8 @@ class AdaptiveBit {
   uint16_t slow_ = kEvenChance;
 };
 
-// Numbers of a fixed count of bits, of which the first `kLearned` are learned together and the
-// others taken as even.
+// Codes numbers of a fixed count of bits, of which the first `kLearned` are learned together and
+// the others taken as even.
 template <int kLearned>
 class BitsModel {
  public:
@@ -56,8 +56,8 @@ class BitsModel {
   std::array<AdaptiveBit, size_t{1} << kLearned> nodes_;
 };
 
-// Numbers that are small more often than large (Elias' gamma code with learned bits): how many bits
-// value + 1 has, then these.
+// Codes numbers that are small more often than large (Elias' gamma code with learned bits): how
+// many bits value + 1 has, then these.
 class SmallNumberModel {
  public:
   template <typename Coder>
@@ -78,7 +78,7 @@ class SmallNumberModel {
   std::array<BitsModel<3>, kMaxBits + 1> rest_;
 };
 
-// Differences.
+// Codes differences.
 class DifferenceModel {
  public:
   template <typename Coder>

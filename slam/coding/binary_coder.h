@@ -81,9 +81,9 @@ class BitReader {
     return bit;
   }
 
-  // More was read than a writer of these bits would have written.
+  // True when more was read than a writer of these bits would have written.
   bool exhausted() const { return words_ > bytes_.size() / 4 + 1; }
-  // Exactly what a writer of these bits has written was read.
+  // True when exactly what a writer of these bits has written was read.
   bool done() const { return bytes_.size() % 4 == 0 && words_ == bytes_.size() / 4 + 1; }
 
  private:

@@ -16,7 +16,7 @@ struct CodedBit {
   bool bit;
 };
 
-// Among them those that were all but impossible.
+// Some of the bits were all but impossible.
 std::vector<CodedBit> MakeBits(int count) {
   std::mt19937 random(1);
   std::vector<CodedBit> bits;

@@ -9,8 +9,8 @@
 #include "slam/coding/binary_coder.h"
 #include "slam/coding/descriptor_model.h"
 
-// Written once, as plain loops that compilers turn into vector code, and inlined into a function
-// for each instruction set.
+// The kernels are written once, as plain loops that compilers turn into vector code, and inlined
+// into a function for each instruction set.
 #define CORBSLAM_KERNEL [[gnu::always_inline]] inline
 
 namespace corbslam {
@@ -91,7 +91,7 @@ CORBSLAM_KERNEL void LearnBlock(const BitWeights& weights, size_t block,
   }
 }
 
-// Bit after bit of one block, each taken up in the rest of it, in all lanes in turn.
+// Codes bit after bit of one block, each taken up in the rest of it, in all lanes in turn.
 template <size_t kLanes, typename Coder>
 CORBSLAM_KERNEL void CodeBlock(const Model& model, size_t block, std::array<Lane, kLanes>& lanes,
                                Coder* coders, Descriptor* descriptors) {
@@ -111,7 +111,7 @@ CORBSLAM_KERNEL void CodeBlock(const Model& model, size_t block, std::array<Lane
   }
 }
 
-// `kLanes` descriptors, the first of which is in the first of `coders`.
+// Codes `kLanes` descriptors, the first of which is in the first of `coders`.
 template <size_t kLanes, typename Coder>
 CORBSLAM_KERNEL void CodeSome(const Model& model, Coder* coders, Descriptor* descriptors) {
   std::array<Lane, kLanes> lanes;

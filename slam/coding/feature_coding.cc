@@ -19,7 +19,7 @@ namespace {
 // streams, checksum.
 constexpr uint8_t kHasDisparities = 1;
 constexpr uint8_t kHasDescriptors = 2;
-// About what a keypoint takes uncoded, with and without its descriptor.
+// A keypoint takes about so many bytes uncoded, without and with its descriptor.
 constexpr size_t kPlainBytes = 10;
 
 struct Header {

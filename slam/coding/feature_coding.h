@@ -21,8 +21,8 @@ inline constexpr uint8_t kFeatureCodingVersion = 1;
 // few bytes can make a reader do.
 inline constexpr size_t kMinCodedBytesOfKeypoint = 4;
 
-// None: they are better kept as they are, since code of the format isn't shorter, can't be, or
-// would be too short for the bound above.
+// Returns none where features are better kept as they are, because code of the format isn't
+// shorter, can't be made, or would be too short for the bound above.
 std::optional<std::string> EncodeFeatures(const FeatureColumns& columns,
                                           const PictureSize& picture);
 
@@ -31,7 +31,8 @@ std::optional<std::string> EncodeFeatures(const FeatureColumns& columns,
 // fit into the columns. Time and memory are in proportion to the length.
 absl::StatusOr<FeatureColumns> DecodeFeatures(std::string_view bytes, size_t max_keypoints);
 
-// What they say their number is, at most what their length allows; 0 where that can't be read.
+// Returns the number of keypoints that `bytes` state, at most what their length allows; 0 where
+// that can't be read.
 size_t CountCodedKeypoints(std::string_view bytes);
 
 }  // namespace corbslam

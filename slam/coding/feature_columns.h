@@ -29,9 +29,9 @@ struct FeatureColumns {
   friend bool operator==(const FeatureColumns&, const FeatureColumns&) = default;
 };
 
-// Rounded to the steps above. A known disparity stays known.
+// Rounds to the steps above. A known disparity stays known.
 FeatureColumns ToColumns(const Features& features);
-// What was once rounded passes again unchanged. The columns must be of one length (disparities and
+// Columns that were rounded once pass again unchanged. They must be of one length (disparities and
 // descriptors may be empty).
 Features FromColumns(FeatureColumns columns);
 

@@ -30,7 +30,7 @@ struct CodedKeypoint {
   uint8_t octave = 0;
 };
 
-// Where the pixels of one side of a level lie at level 0.
+// Knows where the pixels of one side of a level lie at level 0.
 class LevelGrid {
  public:
   LevelGrid() = default;
@@ -54,7 +54,7 @@ class NearbyKeypoints {
   explicit NearbyKeypoints(const PictureSize& picture);
 
   void Add(const CodedKeypoint& keypoint);
-  // The nearest of those in the same and the surrounding cells; null: there is none.
+  // Returns the nearest of those in the same and the surrounding cells; null: there is none.
   const CodedKeypoint* FindNearest(int32_t x_px64, int32_t y_px64) const;
 
  private:

@@ -54,7 +54,7 @@ std::vector<Descriptor> DescribePictures(const std::string& folder) {
   return all;
 }
 
-// A fixed seed; std::shuffle is not the same on every platform.
+// Shuffles by a fixed seed, since std::shuffle is not the same on every platform.
 void Shuffle(std::vector<Descriptor>& descriptors) {
   std::mt19937 random(1);
   for (size_t i = descriptors.size(); i > 1; --i) {
@@ -79,7 +79,7 @@ struct Regression {
   Eigen::VectorXf bias;
 };
 
-// What makes bits of no mean and unit covariance of bits.
+// Turns bits into ones of no mean and unit covariance.
 struct Decorrelation {
   Eigen::VectorXf mean;
   Matrix factor;  // Lower triangular: bits = factor * decorrelated + mean.

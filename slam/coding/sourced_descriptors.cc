@@ -24,7 +24,7 @@ constexpr size_t kStreams = 1 + kDescriptorStreams;
 // keypoints, so that a copy's index is mostly a little above the last one's.
 class ChoiceModel {
  public:
-  // Writes `choice`, or reads it; none: no copy. False: there is no such descriptor.
+  // Writes `choice`, or reads it; none: no copy. Returns false when there is no such descriptor.
   template <typename Coder>
   bool Code(Coder& coder, size_t source_size, std::optional<size_t>& choice) {
     if (source_size == 0) return true;

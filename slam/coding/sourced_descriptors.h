@@ -23,8 +23,8 @@ using DescriptorSources = std::span<const std::span<const Descriptor>>;
 // Takes as many sources as descriptors.
 std::string EncodeSourced(std::span<const Descriptor> descriptors, DescriptorSources sources);
 
-// One descriptor a source; the sources must be those that were written with. INVALID_ARGUMENT,
-// naming what is wrong. Time and memory are in proportion to the number of sources.
+// Returns one descriptor a source; the sources must be those that were written with.
+// INVALID_ARGUMENT names what is wrong. Time and memory are in proportion to the number of sources.
 absl::StatusOr<std::vector<Descriptor>> DecodeSourced(std::string_view bytes,
                                                       DescriptorSources sources);
 

@@ -21,13 +21,13 @@ namespace corbslam {
 
 // A trajectory with what is to be said of its file.
 struct TrajectoryReading {
-  // Sorted, no time twice.
+  // The poses are sorted, and no time is there twice.
   Trajectory trajectory;
   // Number of rows that hold no pose because a field is NaN or infinite.
   size_t rows_not_finite = 0;
   // Number of rows whose time an earlier row has; the first one counts.
   size_t rows_repeated = 0;
-  // Rows that are earlier than one before them.
+  // Number of rows that are earlier than one before them.
   size_t rows_out_of_order = 0;
   // A sentence for each of these that is not 0, with file, number and the first line.
   std::vector<std::string> notes;
@@ -82,7 +82,7 @@ absl::Status ForEachRow(const std::string& path,
                         const std::function<void(absl::string_view)>& use_comment,
                         const std::function<absl::Status(const TextRow&)>& use_row);
 
-// Numbers that need not be finite. INVALID_ARGUMENT names file, line and field.
+// Parses numbers that need not be finite. INVALID_ARGUMENT names file, line and field.
 absl::StatusOr<std::vector<double>> ParseAnyNumbers(const TextRow& row, absl::string_view path);
 
 // INVALID_ARGUMENT: the row has not as many fields as `expected` says.

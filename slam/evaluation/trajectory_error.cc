@@ -38,7 +38,7 @@ struct Segment {
   double length_m = 0;  // What its error is divided by.
 };
 
-// Nullopt where the path ends before, or where lost frames leave no pair near the end.
+// Returns nullopt where the path ends before, or where lost frames leave no pair near the end.
 std::optional<Segment> FindSegment(const TrueTravel& travel, size_t first, double nominal_m) {
   const auto end =
       std::upper_bound(travel.at_m.begin(), travel.at_m.end(), travel.at_m[first] + nominal_m);
@@ -50,7 +50,7 @@ std::optional<Segment> FindSegment(const TrueTravel& travel, size_t first, doubl
   return Segment{last, length_m};
 }
 
-// The estimate's motion over a segment, seen from the true motion's end.
+// Returns the estimate's motion over a segment, seen from the true motion's end.
 Rigid3d SegmentError(const PosePair& first, const PosePair& last) {
   const Rigid3d estimated =
       first.estimate.world_from_camera.Inverse() * last.estimate.world_from_camera;

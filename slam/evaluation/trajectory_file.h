@@ -1,4 +1,4 @@
-// Trajectories in whatever form a program wrote them.
+// Reads trajectories in whatever form a program wrote them.
 #ifndef CORBSLAM_SLAM_EVALUATION_TRAJECTORY_FILE_H_
 #define CORBSLAM_SLAM_EVALUATION_TRAJECTORY_FILE_H_
 
@@ -24,7 +24,7 @@ namespace corbslam {
 absl::StatusOr<TrajectoryReading> ReadTrajectoryFile(const std::string& path,
                                                      const std::string& times_path = "");
 
-// COLMAP's images.txt: pictures called ROBOT/NANOSECONDS.png.
+// Reads COLMAP's images.txt, with pictures called ROBOT/NANOSECONDS.png.
 absl::StatusOr<TrajectoryReading> ReadColmapImages(const std::string& path);
 
 // Reads 7-Scenes: DIR/frame-000000.pose.txt and so on hold 4 by 4 numbers each, world from camera.

@@ -176,7 +176,8 @@ TEST(KittiTrajectoryTest, RefusesAnotherNumberOfTimes) {
 
 TEST(KittiTrajectoryTest, RefusesWhatIsNoRotation) {
   EXPECT_FALSE(ReadKittiTrajectory(Write("no.txt", "2 0 0 0 0 1 0 0 0 0 1 0\n")).ok());
-  // A mirror; and products that are infinite, whose differences are no numbers.
+  // The matrices are a mirror, and one whose products are infinite, so that their differences are
+  // no numbers.
   EXPECT_FALSE(ReadKittiTrajectory(Write("mirror.txt", "-1 0 0 0 0 1 0 0 0 0 1 0\n")).ok());
   EXPECT_FALSE(
       ReadKittiTrajectory(Write("huge.txt", "1e200 1e200 0 0 1e200 -1e200 0 0 0 0 1 0\n")).ok());

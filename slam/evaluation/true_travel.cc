@@ -30,7 +30,7 @@ int64_t FrameInterval_ns(const std::vector<PosePair>& pairs) {
   return std::min(*middle, kMaxInterval_ns);
 }
 
-// Where the true poses between two times are: all of them, or thinned to the frames' rate.
+// Returns the true poses between two times: all of them, or thinned to the frames' rate.
 class PosesBetween {
  public:
   PosesBetween(const Trajectory& truth, int64_t interval_ns)

@@ -1,4 +1,4 @@
-// Metres travelled along the truth, also where no frame was tracked.
+// Measures the metres travelled along the truth, also where no frame was tracked.
 #ifndef CORBSLAM_SLAM_EVALUATION_TRUE_TRAVEL_H_
 #define CORBSLAM_SLAM_EVALUATION_TRUE_TRAVEL_H_
 

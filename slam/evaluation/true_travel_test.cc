@@ -81,7 +81,7 @@ TEST(TrueTravelTest, DenseNoiseDoesNotCountAsTravel) {
 TEST(TrueTravelTest, HasNoTravelWithoutPairs) {
   EXPECT_TRUE(MeasureTravel({}, MakeTruth(10)).at_m.empty());
   const PosePair pair;
-  // All at one time, as pairs without times are.
+  // All pairs have one time, as pairs without times do.
   EXPECT_EQ(MeasureTravel({pair, pair}, MakeTruth(10)).at_m, (std::vector<double>{0, 0}));
 }
 

@@ -30,12 +30,13 @@ struct VerifyOverlapRequest {
     int shared_words = 0;
   };
   std::vector<Candidate> candidates;  // Best first.
-  bool fix_scale = true;              // Both sides metric.
+  bool fix_scale = true;              // True: both sides are metric.
 };
 
 struct VerifyOverlapResult {
   uint64_t base_revision = 0;
-  // One a candidate that was looked at, in the request's order; at most one is accepted.
+  // One overlap for each candidate that was looked at, in the request's order; at most one is
+  // accepted.
   std::vector<Overlap> overlaps;
 };
 
@@ -58,12 +59,13 @@ struct FuseMapsRequest {
   // those that the neighbourhoods of the new overlaps' keyframes see, with all their observations,
   // and those of the overlaps.
   Map target;
-  // The island that moves into it, likewise; empty when `overlaps` lie inside one island (loops).
+  // The island that moves into it, with as much of it; empty when `overlaps` lie inside one island
+  // (loops).
   Map source;
   // Accepted overlaps between the two (or inside `target`), earlier-fused ones included: all are
   // edges of the essential graph. The query is not always on the same side.
   std::vector<Overlap> overlaps;
-  // The one (or more) that called for this fusing; its duplicates get welded.
+  // Indices of the overlaps that called for this fusing; their duplicates get welded.
   std::vector<size_t> new_overlaps;
   bool fix_scale = true;
 };
@@ -89,11 +91,11 @@ struct FuseMapsResult {
 struct AdjustBundleRequest {
   uint64_t base_revision = 0;
   Map view;
-  // Held fixed (gauge): at least one.
+  // Keyframes that are held fixed (gauge): at least one.
   std::vector<KeyframeId> fixed;
   int max_iterations = 20;
-  // What to say of keyframes that the others can do without: see FindRedundantKeyframes. 0 and 0:
-  // nothing.
+  // What FindRedundantKeyframes is asked for: keyframes that the others can do without. 0 and 0:
+  // none.
   double redundant_share = 0;
   size_t target_keyframes = 0;
   int threads = 1;

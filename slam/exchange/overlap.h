@@ -20,7 +20,7 @@ struct OverlapEvidence {
   int refined_inliers = 0;       // Inliers after refinement on all matches.
   int projected_matches = 0;     // Points of the candidate's neighbourhood found in the query.
   int visible_points = 0;        // Those of these points that should be in the query's picture.
-  int chance_matches = 0;        // The same, looked for where they should not be.
+  int chance_matches = 0;        // Matches of the same points, looked for where they should not be.
   int consistent_keyframes = 0;  // Further keyframe pairs that agree.
 };
 
@@ -32,10 +32,10 @@ enum class OverlapVerdict {
   kTooFewProjectedMatches,
   kNoSecondKeyframe,
   kWrongScale,
-  kBendsGraph,  // Refused later, by fusing.
+  kBendsGraph,  // Fusing refused it later.
   kTakenBack,   // Somebody who knows better took it back.
 };
-// "ACCEPTED", "TOO_FEW_WORD_MATCHES", ...
+// Returns "ACCEPTED", "TOO_FEW_WORD_MATCHES" and so on.
 std::string ToString(OverlapVerdict verdict);
 
 // True for a covariance: it is finite, symmetric, and has no eigenvalue below 0 beyond rounding.

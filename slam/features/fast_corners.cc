@@ -22,7 +22,7 @@ int AssignCells(int size, int margin, int cell, std::vector<int>& cell_of) {
   return cells;
 }
 
-// Appends the columns of `row` that are not 0; most words of eight pixels are.
+// Appends the columns of `row` that are not 0. Most words of eight pixels are.
 template <typename Append>
 void ForEachNonZero(const uint8_t* row, int begin, int end, Append append) {
   static_assert(std::endian::native == std::endian::little);

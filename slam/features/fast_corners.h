@@ -36,7 +36,7 @@ class FastDetector {
   void Detect(const cv::Mat& image, const FastOptions& options, std::vector<Corner>& corners);
 
  private:
-  // Rows of scores, three at a time: a row's maxima need those beside it.
+  // Works on three rows of scores at a time, because a row's maxima need those beside it.
   void CollectMaxima(const cv::Mat& image, const FastOptions& options,
                      std::vector<Corner>& corners);
   void DropWeakCorners(const cv::Mat& image, const FastOptions& options,

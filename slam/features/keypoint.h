@@ -14,7 +14,8 @@ namespace corbslam {
 struct Keypoint {
   float x_px = 0;
   float y_px = 0;
-  // x_left - x_right of a rectified pair, or fx * baseline / depth for RGB-D; 0 or less: unknown.
+  // x_left - x_right of a rectified pair, or fx * baseline / depth for RGB-D; it is unknown if 0 or
+  // less.
   float disparity_px = 0;
   // Orientation of the patch (intensity centroid), radians, (-pi, pi].
   float angle_rad = 0;
@@ -55,8 +56,8 @@ struct ScalePyramid {
   static double Scale(int octave);
   // Variance of a keypoint's position, px^2: Scale^2 (one pixel of its own level).
   static double Variance_px2(int octave);
-  // The level at which a point first seen so that its largest distance is `max_distance` appears
-  // from `distance`; clamped to the pyramid (ORB-SLAM, Mur-Artal et al., T-RO 2015, III.C).
+  // Returns the level at which a point first seen so that its largest distance is `max_distance`
+  // appears from `distance`; clamped to the pyramid (ORB-SLAM, Mur-Artal et al., T-RO 2015, III.C).
   static int PredictOctave(double max_distance, double distance);
 };
 

@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Overlapping discs and rectangles of random grey: corners at every scale.
+// Draws overlapping discs and rectangles of random grey, which have corners at every scale.
 cv::Mat TexturedImage(int width, int height, uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<uint64_t>(n)); };

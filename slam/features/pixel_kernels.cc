@@ -57,7 +57,7 @@ constexpr DiscMask MakeDiscMask() {
   DiscMask mask = {};
   for (int y = -kMomentRadius_px; y <= kMomentRadius_px; ++y) {
     for (int x = -kMomentRadius_px; x <= kMomentRadius_px; ++x) {
-      // (r + 1/2)^2 makes the rounded disc.
+      // (r + 1/2)^2 bounds the rounded disc.
       const bool inside = x * x + y * y <= kMomentRadius_px * (kMomentRadius_px + 1);
       mask[static_cast<size_t>(y + kMomentRadius_px)][static_cast<size_t>(x + kMomentRadius_px)] =
           inside ? int16_t{-1} : int16_t{0};

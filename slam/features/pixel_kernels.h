@@ -26,8 +26,8 @@ using GreyPatch = std::array<std::array<int16_t, kGreyStride>, kGreySide_px>;
 using GreyStrip = std::array<std::array<int16_t, kStripStride>, kGreySide_px>;
 
 struct PixelKernels {
-  // FAST-9 scores of columns [begin, end) of the row rows[3]; rows[0..6] are the seven rows around
-  // it. Scores of at most `threshold` become 0. Pixels [begin - 3, end + 3) are read.
+  // Computes FAST-9 scores of columns [begin, end) of the row rows[3]; rows[0..6] are the seven
+  // rows around it. Scores of at most `threshold` become 0. It reads pixels [begin - 3, end + 3).
   void (*fast_scores)(const uint8_t* const rows[7], int begin, int end, int threshold,
                       uint8_t* scores);
 
@@ -37,8 +37,8 @@ struct PixelKernels {
   void (*fast_maxima)(const uint8_t* above, const uint8_t* row, const uint8_t* below, int begin,
                       int end, uint8_t* maxima);
 
-  // Weighted mean of seven rows, or of seven neighbours in a row (x - 3 to x + 3), by the Gaussian
-  // of sigma 2; for x in [0, width).
+  // Compute the weighted mean of seven rows, or of seven neighbours in a row (x - 3 to x + 3), by
+  // the Gaussian of sigma 2, for x in [0, width).
   void (*blur_vertical)(const uint8_t* const rows[7], int width, uint8_t* out);
   void (*blur_horizontal)(const uint8_t* row, int width, uint8_t* out);
 
@@ -55,10 +55,10 @@ struct PixelKernels {
 
 const PixelKernels& PortablePixelKernels();
 
-// Null where the processor or the architecture has no AVX2.
+// Returns null where the processor or the architecture has no AVX2.
 const PixelKernels* Avx2PixelKernels();
 
-// The fastest that this machine can run.
+// Returns the fastest kernels that this machine can run.
 const PixelKernels& BestPixelKernels();
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// Points of two neighbourhoods that are one landmark.
+// Finds points of two neighbourhoods that are one landmark.
 #ifndef CORBSLAM_SLAM_FUSING_DUPLICATE_SEARCH_H_
 #define CORBSLAM_SLAM_FUSING_DUPLICATE_SEARCH_H_
 
@@ -12,7 +12,7 @@ namespace corbslam {
 struct DuplicateSearchOptions {
   double radius_px = 4;
   int max_distance = 50;
-  bool check_disparity = true;  // Both sides metric.
+  bool check_disparity = true;  // True: both sides are metric.
 };
 
 // Returns pairs (anchor's point, mover's point), each point at most once, sorted. `known` pairs are

@@ -84,7 +84,7 @@ KeyframeId FindLabel(Labels& labels, KeyframeId id) {
   return id;
 }
 
-// Every part of the graph needs a keyframe that holds it: its lowest where none is yet.
+// Every part of the graph needs a keyframe that holds it; where none is held yet, it is the lowest.
 void FixEveryPart(const std::map<KeyframeId, Similarity3d>& poses,
                   const std::vector<PoseGraphEdge>& edges, absl::btree_set<KeyframeId>& fixed) {
   Labels labels;

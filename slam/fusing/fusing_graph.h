@@ -12,8 +12,8 @@
 
 namespace corbslam {
 
-// What fusing starts from: the two maps (the source empty for loops), their overlaps with the
-// anchor on the target's side, and how the source is first placed.
+// The state that fusing starts from: the two maps (the source empty for loops), their overlaps with
+// the anchor on the target's side, and how the source is first placed.
 struct FusingProblem {
   const Map* target = nullptr;
   const Map* source = nullptr;
@@ -22,7 +22,7 @@ struct FusingProblem {
   Similarity3d target_from_source;
   bool fix_scale = true;
 
-  // The map that holds a keyframe of either.
+  // Returns the map that holds a keyframe of either.
   const Map& MapOf(KeyframeId id) const {
     return target->FindKeyframe(id) != nullptr ? *target : *source;
   }

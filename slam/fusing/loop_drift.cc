@@ -19,7 +19,7 @@ constexpr double kFreeShareOfDepth = 0.5;
 // Monocular odometry drifts in scale too.
 constexpr double kFreeScaleFactor = 3;
 
-// The most by which the loop moves its keyframe, or a point straight before it.
+// Returns the most by which the loop moves its keyframe, or a point straight before it.
 double Motion(const Map& map, const OrientedOverlap& loop, double depth) {
   const Similarity3d motion = AlignByOverlap(map, map, loop);
   const Rigid3d map_from_camera = map.FindKeyframe(loop.mover)->camera_from_map.Inverse();
@@ -31,13 +31,13 @@ double Motion(const Map& map, const OrientedOverlap& loop, double depth) {
   return moved;
 }
 
-// It says no other than where the keyframes are.
+// Returns whether the overlap agrees with where the keyframes are.
 bool Agrees(const Map& map, const OrientedOverlap& overlap) {
   const double depth = MedianDepth(map, overlap);
   return Motion(map, overlap, depth) <= kFreeShareOfDepth * depth;
 }
 
-// The keyframes of a map and how far it is from each to its neighbours.
+// Knows the keyframes of a map and how far it is from each to its neighbours.
 class Ways {
  public:
   Ways(const FusingProblem& problem, const Map& map) : map_(map) {

@@ -1,4 +1,4 @@
-// Whether odometry can have drifted as far as a loop says.
+// Tells whether odometry can have drifted as far as a loop says.
 #ifndef CORBSLAM_SLAM_FUSING_LOOP_DRIFT_H_
 #define CORBSLAM_SLAM_FUSING_LOOP_DRIFT_H_
 

@@ -10,7 +10,8 @@ namespace {
 constexpr double kAgreementShareOfDepth = 0.1;
 constexpr double kAgreementAngle_rad = 0.1;
 
-// Where the overlap's mover comes to lie under the alignment that another overlap proposes.
+// Returns whether the overlap's mover comes to lie in the same place under the alignment that
+// another overlap proposes.
 bool Agrees(const Map& mover_map, const OrientedOverlap& overlap, const Similarity3d& own,
             const Similarity3d& proposed, double depth) {
   const Rigid3d& camera_from_map = mover_map.FindKeyframe(overlap.mover)->camera_from_map;

@@ -1,4 +1,4 @@
-// How two maps stand to each other, by what their overlaps say.
+// Finds how two maps stand to each other, by what their overlaps say.
 #ifndef CORBSLAM_SLAM_FUSING_MAP_ALIGNMENT_H_
 #define CORBSLAM_SLAM_FUSING_MAP_ALIGNMENT_H_
 
@@ -14,7 +14,7 @@ namespace corbslam {
 struct OrientedOverlap {
   KeyframeId anchor;
   KeyframeId mover;
-  // x_in_anchor_camera = anchor_from_mover * x_in_mover_camera.
+  // The transform x_in_anchor_camera = anchor_from_mover * x_in_mover_camera.
   Similarity3d anchor_from_mover;
   // Covariance of e, where the true one is Exp(e) * anchor_from_mover (Overlap::covariance).
   Matrix7d covariance = Matrix7d::Zero();

@@ -83,7 +83,7 @@ TEST_F(MapAlignmentTest, DepthIsTheMedianOfThePoints) {
 }
 
 TEST_F(MapAlignmentTest, PointsThatOneKeyframeSeesApartAreNoDuplicates) {
-  // Both neighbourhoods are of one map: whatever is seen twice is one point already.
+  // Both neighbourhoods are of one map: a point that is seen twice is one point already.
   const auto anchors = Neighbourhood(a_.map, {kA, 0}, 1);
   const auto movers = Neighbourhood(a_.map, {kA, 5}, 1);
   const Keyframe& first = *a_.map.FindKeyframe({kA, 0});

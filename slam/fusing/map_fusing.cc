@@ -110,7 +110,8 @@ absl::Status PlaceSource(FusingProblem& problem) {
   return absl::OkStatus();
 }
 
-// All points of the source, and those of the target that the graph moved, in the target's frame.
+// Moves all points of the source, and those of the target that the graph moved, in the target's
+// frame.
 std::map<MapPointId, Eigen::Vector3d> MovePoints(const FusingProblem& problem,
                                                  const SolvedGraph& graph) {
   std::map<MapPointId, Eigen::Vector3d> positions;

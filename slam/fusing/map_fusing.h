@@ -14,7 +14,7 @@ struct MapFusingOptions {
   // What changes results. Where valid, only keyframes of this local map move (a robot closing a
   // loop against what others made) but for its root, and the points that MovesWith says.
   LocalMapId only_moves;
-  // Keyframes of either side that the welding adjusts at most.
+  // At most so many keyframes of either side are adjusted by the welding.
   int welding_window = 10;
   int welding_iterations = 5;
   // A new overlap that still disagrees by more after the graph was solved refuses the whole, in

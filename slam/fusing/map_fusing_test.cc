@@ -57,7 +57,7 @@ class MapFusingTest : public ::testing::Test {
     for (size_t i = 0; i < later.size(); ++i) request.new_overlaps.push_back(earlier.size() + i);
     earlier.insert(earlier.end(), later.begin(), later.end());
     for (Overlap& overlap : earlier) {
-      // What became one point says nothing any more.
+      // A pair of points that became one says nothing any more.
       std::erase_if(overlap.inliers, [&request](const PointPair& pair) {
         return request.target.FindPoint(pair.query) == nullptr ||
                request.target.FindPoint(pair.candidate) == nullptr;

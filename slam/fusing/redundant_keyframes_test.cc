@@ -75,7 +75,7 @@ TEST_F(RedundantKeyframesTest, ATargetTakesTheMostRedundantFirst) {
   const std::vector<KeyframeId> redundant = Find({.target_keyframes = 7});
   ASSERT_THAT(redundant, SizeIs(2));
   EXPECT_LT(redundant[0].index, 4u);
-  // The root and the one that sees nothing are not for sale.
+  // The root and the one that sees nothing never go.
   EXPECT_THAT(Find({.target_keyframes = 1}), SizeIs(7));
 }
 

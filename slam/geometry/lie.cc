@@ -6,10 +6,10 @@
 namespace corbslam {
 namespace {
 
-// Below this squared angle the closed forms cancel and the Taylor series are exact to rounding.
+// Below this squared angle the closed forms cancel, and the Taylor series are exact to rounding.
 constexpr double kSmallAngle2 = 1e-2;
 
-// Sum over n of M^n / (n + 1)!, which is the integral of exp(s * M) over s in [0, 1].
+// Returns the sum over n of M^n / (n + 1)!, which is the integral of exp(s * M) over s in [0, 1].
 template <typename Matrix>
 Matrix IntegrateExponential(const Matrix& M) {
   constexpr int kMaxTerms = 80;
@@ -36,7 +36,7 @@ Eigen::Matrix3d LeftJacobianSO3(const Eigen::Vector3d& rotation_rad) {
   return Eigen::Matrix3d::Identity() + a * W + b * W * W;
 }
 
-// Barfoot 2017, eq. 7.86: the translation's part of the left Jacobian of SE(3).
+// Returns the translation's part of the left Jacobian of SE(3) (Barfoot 2017, eq. 7.86).
 Eigen::Matrix3d LeftJacobianCoupling(const Eigen::Vector3d& translation,
                                      const Eigen::Vector3d& rotation_rad) {
   const double x = rotation_rad.squaredNorm();

@@ -39,8 +39,8 @@ struct Similarity3d {
     return {1.0, rigid.rotation, rigid.translation};
   }
 
-  // The rigid motion of a camera whose frame is rescaled to its target's units:
-  // (R, t / scale). Projections are the same.
+  // Returns the rigid motion of a camera whose frame is rescaled to its target's units: (R, t /
+  // scale). Projections are the same.
   Rigid3d ToRigid() const { return {rotation, translation / scale}; }
 
   Similarity3d Inverse() const {
@@ -59,7 +59,7 @@ struct Similarity3d {
 // Returns the angle of the rotation, radians, 0 to pi.
 double RotationAngle(const Eigen::Quaterniond& rotation);
 
-// The camera's centre in the frame that `camera_from_frame` comes from.
+// Returns the camera's centre in the frame that `camera_from_frame` comes from.
 inline Eigen::Vector3d CameraCentre(const Rigid3d& camera_from_frame) {
   return -(camera_from_frame.rotation.conjugate() * camera_from_frame.translation);
 }

@@ -1,4 +1,4 @@
-// Items by id: walked through in the order of their ids, found by hash.
+// Keeps items by id: walked through in the order of their ids, found by hash.
 #ifndef CORBSLAM_SLAM_MAP_ITEM_TABLE_H_
 #define CORBSLAM_SLAM_MAP_ITEM_TABLE_H_
 

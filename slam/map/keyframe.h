@@ -30,12 +30,12 @@ struct KeyframePayload {
   Features features;
   // Finds keypoints by pixel; built from `features` by MakeKeyframePayload.
   FeatureGrid grid;
-  // What `features` were read from (slam/coding/feature_coding.h), while whoever received it keeps
-  // it: then nobody need code them again.
+  // The code that `features` were read from (slam/coding/feature_coding.h), while whoever received
+  // it keeps it: then nobody need code them again.
   std::weak_ptr<const std::string> code;
 };
 
-// `code`: of these very features.
+// `code` must be of these very features.
 std::shared_ptr<const KeyframePayload> MakeKeyframePayload(
     KeyframeId id, int64_t timestamp_ns, uint32_t camera_index,
     std::shared_ptr<const Camera> camera, Features features,
@@ -49,7 +49,7 @@ struct Keyframe {
   // The frame is the map's: a local map's own, or an island's.
   Rigid3d camera_from_map;
 
-  // One entry a keypoint; an invalid id where the keypoint observes no map point.
+  // The points seen, one entry a keypoint; an invalid id where the keypoint observes no map point.
   std::vector<MapPointId> points;
   // Number of map points observed together with each other keyframe; kept by Map.
   absl::btree_map<KeyframeId, int> covisible;

@@ -13,7 +13,7 @@ namespace corbslam {
 struct FuseProposal {
   MapPointId point;
   uint32_t keypoint = 0;
-  // What the keypoint observes already (a duplicate of `point`), or invalid.
+  // Point that the keypoint observes already (a duplicate of `point`), or invalid.
   MapPointId existing;
 };
 

@@ -17,7 +17,7 @@ struct SearchWindow {
   Eigen::Vector2d pixel;
   // Half side of the square, pixels of the image (the level's scale is in it).
   double radius_px = 0;
-  // Predicted; 0 or less: keypoints with any disparity will do.
+  // Predicted disparity; if it is 0 or less, keypoints with any disparity will do.
   double disparity_px = 0;
   int min_octave = 0;
   int max_octave = 0;
@@ -27,9 +27,9 @@ struct SearchWindow {
 };
 
 struct ProjectionMatchingOptions {
-  // Hamming; a larger one is no match.
+  // Hamming distance; a larger one is no match.
   int max_distance = 100;
-  // Best against second best, where both lie on the same octave; 1: not checked.
+  // Largest ratio of best to second best, where both lie on the same octave; 1: not checked.
   double max_ratio = 1;
   bool check_orientation = false;
 };
@@ -44,8 +44,8 @@ std::vector<uint32_t> MatchWindows(absl::Span<const SearchWindow> windows,
                                    const KeyframePayload& image, absl::Span<const char> taken,
                                    const ProjectionMatchingOptions& options);
 
-// The window of a predicted point: wider where it is seen from aside, and `widening` times that
-// (ORB-SLAM, T-RO 2015, V.D).
+// Makes the window of a predicted point: wider where it is seen from aside, and `widening` times
+// that (ORB-SLAM, T-RO 2015, V.D).
 SearchWindow MakeSearchWindow(const MatchPoint& point, const PredictedView& view, double widening);
 
 }  // namespace corbslam

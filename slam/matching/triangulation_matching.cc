@@ -21,7 +21,7 @@ struct Claim {
 // The geometry of b's image as seen from a.
 struct Epipolar {
   Eigen::Matrix3d line_b_from_pixel_a;
-  Eigen::Vector3d epipole_b;  // Homogeneous.
+  Eigen::Vector3d epipole_b;  // In homogeneous coordinates.
 };
 
 Eigen::Matrix3d InverseIntrinsics(const Camera& camera) {

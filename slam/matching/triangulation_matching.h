@@ -1,4 +1,4 @@
-// Pairs of keypoints of two keyframes that may be a point not in the map yet.
+// Finds pairs of keypoints of two keyframes that may be a point not in the map yet.
 #ifndef CORBSLAM_SLAM_MATCHING_TRIANGULATION_MATCHING_H_
 #define CORBSLAM_SLAM_MATCHING_TRIANGULATION_MATCHING_H_
 
