@@ -20,8 +20,8 @@ struct DepthAlignment {
 };
 
 struct AlignmentEvidence {
-  size_t frames =
-      0;  // Frames that have outlines, and a neighbour that tells how the picture moves.
+  // Frames that have outlines, and a neighbour that tells how the picture moves.
+  size_t frames = 0;
   double motion_px = 0;  // Median motion of the picture from frame to frame.
   DepthAlignment best;   // Best of all hypotheses.
   DepthAlignment now;    // Best of those that are late by less than a frame.

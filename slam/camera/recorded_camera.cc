@@ -32,7 +32,7 @@ absl::Status ValidateLens(const RawCamera& lens) {
 absl::Status ValidateMotion(absl::string_view name, const Rigid3d& motion, double max_m) {
   const double length_error = std::abs(motion.rotation.norm() - 1);
   const double distance_m = motion.translation.norm();
-  // Written so that NaN is refused.
+  // The comparison is written so that NaN is refused.
   if (length_error <= kMaxLengthError && distance_m <= max_m) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
       "recorded camera: ", name, " has a quaternion of length ", motion.rotation.norm(),

@@ -1,4 +1,4 @@
-// learn_bit_weights wrote this file from 756831 descriptors. Do not edit it.
+// Written by learn_bit_weights: 756831 descriptors. Do not edit.
 #include "slam/coding/descriptor_model.h"
 
 namespace corbslam {

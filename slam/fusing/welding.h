@@ -12,8 +12,8 @@ namespace corbslam {
 
 struct WeldingResult {
   std::vector<FuseMapsResult::Merge> merges;
-  std::map<KeyframeId, Rigid3d>
-      poses;  // Poses of the adjusted keyframes, in the target's frame and unit.
+  // Poses of the adjusted keyframes, in the target's frame and unit.
+  std::map<KeyframeId, Rigid3d> poses;
   std::map<MapPointId, Eigen::Vector3d> positions;
   std::vector<RejectedObservation> rejected;
 };

@@ -90,7 +90,8 @@ std::vector<uint32_t> BeginOfPoints(const BundleProblem& problem) {
   return begin;
 }
 
-// The observations of free points by each free pose: those of pose i are those from begin[i] on.
+// Lists the observations of free points by each free pose: those of pose i are those from begin[i]
+// on.
 struct ObservationsOfPoses {
   std::vector<uint32_t> begin;
   std::vector<uint32_t> observations;
@@ -112,8 +113,9 @@ ObservationsOfPoses GroupByPose(const BundleProblem& problem, uint32_t end) {
   return group;
 }
 
-// The free poses that see a free point together, and each with itself: column by column, of each
-// its rows from the diagonal on. Costs what they see together, not the poses squared.
+// Returns the pairs of free poses that see a free point together, and each pose with itself: column
+// by column, in each its rows from the diagonal on. It costs what they see together, not the poses
+// squared.
 std::vector<std::pair<uint32_t, uint32_t>> PosePairs(const BundleProblem& problem,
                                                      const std::vector<uint32_t>& begin) {
   const auto n = static_cast<uint32_t>(problem.free_poses);
@@ -275,7 +277,7 @@ void BlockSchurSolver::Equations::EliminatePoint(uint32_t point, double damping,
   }
 }
 
-// The step of poses and points for the damped equations.
+// Computes the step of poses and points for the damped equations.
 bool BlockSchurSolver::Equations::SolveStep(double damping) {
   ForEachShare([&](size_t share, uint32_t first, uint32_t end) {
     PoseSums& sums = sums_[share];
@@ -345,7 +347,7 @@ double BlockSchurSolver::Equations::CandidateCost() {
   return cost / 2;
 }
 
-// What the damped quadratic model promises: step^T (damping D step - b) / 2.
+// Returns what the damped quadratic model promises: step^T (damping D step - b) / 2.
 double BlockSchurSolver::Equations::PredictedDecrease(double damping) const {
   double sum = 0;
   for (size_t i = 0; i < pose_H_.size(); ++i) {

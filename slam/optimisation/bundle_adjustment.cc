@@ -133,7 +133,7 @@ bool IsOutlier(const BundleProblem& problem, const BundleObservation& observatio
   return !(ObservationChi2(problem, observation) <= variance * observation.measured.MaxChi2());
 }
 
-// `variances`: of the poses, in units of the assumed.
+// `variances` are those of the poses, in units of the assumed one.
 void UseInliersOnly(const std::vector<double>& variances, BundleProblem& problem) {
   for (BundleObservation& o : problem.observations) {
     o.is_used = !IsOutlier(problem, o, variances[o.pose]);
@@ -158,7 +158,7 @@ void ReadOut(const BundleScope& scope, const BundleIndex& index, const BundlePro
     result.poses.push_back(
         {scope.free_keyframes[i], {Eigen::Quaterniond(pose.R).normalized(), pose.t}});
   }
-  // How often each point is measured by what stays.
+  // Number of coordinates by which the observations that stay measure each point.
   std::vector<int> coordinates(problem.points.size(), 0);
   for (const BundleObservation& o : problem.observations) {
     if (IsOutlier(problem, o)) {

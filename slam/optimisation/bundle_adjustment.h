@@ -1,5 +1,4 @@
-// Bundle adjustment of part or all of a map: poses and points that minimise the robust
-// reprojection error.
+// Adjusts part or all of a map: poses and points that minimise the robust reprojection error.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_BUNDLE_ADJUSTMENT_H_
 #define CORBSLAM_SLAM_OPTIMISATION_BUNDLE_ADJUSTMENT_H_
 
@@ -39,7 +38,7 @@ struct BundleOptions {
   bool measure_noise = false;
   // Solver threads. With one, the same input gives the same bits every time.
   int threads = 1;
-  // Called after every iteration with the part done, in [0, 1]; false cancels. Null: never.
+  // Called after every iteration with the part done, in [0, 1]; false cancels. It may be null.
   std::function<bool(double progress)> keep_going;
   // Both find the same minimum; docs/adr/0002-bundle-adjustment-solver.md says which is for what.
   BundleSolver solver = BundleSolver::kBlockSchur;
@@ -77,7 +76,7 @@ struct BundleResult {
   // The robust cost before the first round, and the cost after the last.
   double initial_cost = 0;
   double final_cost = 0;
-  // The result is then the best so far and still consistent.
+  // True: the result is the best so far and still consistent.
   bool cancelled = false;
 };
 

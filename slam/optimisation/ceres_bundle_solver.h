@@ -1,4 +1,4 @@
-// Bundle adjustment by Ceres, with SuiteSparse where there are many poses.
+// Adjusts bundles by Ceres, with SuiteSparse where there are many poses.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_CERES_BUNDLE_SOLVER_H_
 #define CORBSLAM_SLAM_OPTIMISATION_CERES_BUNDLE_SOLVER_H_
 

@@ -16,7 +16,7 @@ class GraduatedTruncation {
   // `worst`, above `max`, is the largest squared error of the first solution (remark 5).
   GraduatedTruncation(double max, double worst) : max_(max), mu_(max / (2 * worst - max)) {}
 
-  // The weight of a squared error (equation 14): 1 well below `max`, 0 well above.
+  // Returns the weight of a squared error (equation 14): 1 well below `max`, 0 well above.
   double Weight(double s) const {
     if (s <= mu_ / (mu_ + 1) * max_) return 1;
     if (s >= (mu_ + 1) / mu_ * max_) return 0;

@@ -1,5 +1,6 @@
-// How noisy keypoints really are. What is assumed of them (a pixel of their octave) is several
-// times what good cameras have, and bounds made of it let errors of many standard deviations pass.
+// Measures how noisy keypoints really are. What is assumed of them (a pixel of their octave) is
+// several times what good cameras have, and bounds made of it let errors of many standard
+// deviations pass.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_MEASUREMENT_NOISE_H_
 #define CORBSLAM_SLAM_OPTIMISATION_MEASUREMENT_NOISE_H_
 

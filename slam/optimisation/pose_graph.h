@@ -50,7 +50,7 @@ struct PoseGraphOptions {
 
 struct PoseGraphResult {
   std::map<KeyframeId, Similarity3d> camera_from_map;
-  // 0.5 * sum of weighted squared residuals; of a robust edge at most the bound of chi2.
+  // 0.5 * the sum of weighted squared residuals; a robust edge adds at most the bound of chi2.
   double initial_cost = 0;
   double final_cost = 0;
   // weight * |residual|^2 of each input edge after optimisation, without loss.
@@ -74,14 +74,15 @@ absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const std::map<KeyframeId, Sim
                                                   const absl::btree_set<KeyframeId>& fixed,
                                                   const PoseGraphOptions& options);
 
-// Spanning tree, loop edges and covisibility of at least `min_covisibility` points, each pair of
-// keyframes once with a < b, sorted; relative poses are the map's present ones, at the median depth
-// of what b sees; where the map has none of that, at the median of the other keyframes' (1 for
-// none).
+// Returns the spanning tree, loop edges and covisibility of at least `min_covisibility` points,
+// each pair of keyframes once with a < b, sorted; relative poses are the map's present ones, at the
+// median depth of what b sees; where the map has none of that, at the median of the other
+// keyframes' (1 for none).
 std::vector<PoseGraphEdge> EssentialGraphEdges(const Map& map, int min_covisibility = 100);
 
-// Where each point goes when it follows its reference keyframe to its corrected pose (which maps
-// from the corrected map's frame). Points whose reference has none are left out. Sorted by id.
+// Returns where each point goes when it follows its reference keyframe to its corrected pose (which
+// maps from the corrected map's frame). Points whose reference has none are left out. The result is
+// sorted by id.
 std::vector<PositionUpdate> MovePointsWithReferences(
     const Map& map, const std::map<KeyframeId, Similarity3d>& corrected);
 

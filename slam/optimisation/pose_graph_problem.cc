@@ -50,7 +50,7 @@ PoseGraphProblem::PoseGraphProblem(const std::map<KeyframeId, Similarity3d>& ini
 
 template <int kTangent>
 void PoseGraphProblem::AddEdges(const absl::btree_set<KeyframeId>& fixed) {
-  // Shared; the problem deletes it once.
+  // The blocks share it; the problem deletes it once.
   auto* manifold = new LeftPerturbation<kTangent>();
   for (size_t i = 0; i < edges_.size(); ++i) {
     const PoseGraphEdge& edge = edges_[i];

@@ -38,7 +38,7 @@ class PoseGraphProblem {
   const std::vector<size_t>& robust() const { return robust_; }
   // Multiplies the squared residual of a robust edge.
   double weight(size_t edge) const { return weights_[edge].value(); }
-  // True if it is another one than before.
+  // Returns true if it is another weight than before.
   bool SetWeight(size_t edge, double weight);
 
   const Blocks& poses() const { return blocks_; }

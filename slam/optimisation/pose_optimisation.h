@@ -1,4 +1,4 @@
-// The pose of one camera from known points ("motion-only bundle adjustment").
+// Finds the pose of one camera from known points ("motion-only bundle adjustment").
 #ifndef CORBSLAM_SLAM_OPTIMISATION_POSE_OPTIMISATION_H_
 #define CORBSLAM_SLAM_OPTIMISATION_POSE_OPTIMISATION_H_
 

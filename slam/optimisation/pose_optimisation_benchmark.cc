@@ -1,4 +1,4 @@
-// Time of the pose of one frame: our own solver beside Ceres' TinySolver.
+// Measures the time of the pose of one frame: our own solver beside Ceres' TinySolver.
 #include <benchmark/benchmark.h>
 
 #include <vector>

@@ -70,7 +70,8 @@ bool ReducedCameraSystem::SolveDense(const std::vector<Matrix6d>& blocks,
   return true;
 }
 
-// Scalar columns in order, rows ascending: the order in which SolveSparse writes the values.
+// Makes the pattern by scalar columns in order, rows ascending: the order in which SolveSparse
+// writes the values.
 void ReducedCameraSystem::MakePattern() {
   const auto size = static_cast<Eigen::Index>(6 * poses_);
   std::vector<Eigen::Triplet<double>> triplets;

@@ -12,7 +12,8 @@ namespace corbslam {
 // 95 % bounds of chi2 with two and three degrees of freedom.
 inline constexpr double kChi2Mono = 5.991;
 inline constexpr double kChi2Stereo = 7.815;
-// Nearer than this (or behind) a point is not seen; small against any scene, also without scale.
+// A point nearer than this (or behind) is not seen; the limit is small against any scene, also
+// without scale.
 inline constexpr double kMinDepth = 1e-3;
 // The squared, normalised error of an observation that cannot be seen, in multiples of the inliers'
 // bound.
@@ -33,7 +34,8 @@ inline PixelMeasurement MakeMeasurement(const Eigen::Vector2d& pixel, double dis
   return {{pixel.x(), pixel.y(), pixel.x() - disparity_px}, 1 / variance_px2, disparity_px > 0};
 }
 
-// Projection minus measurement, px; the third is 0 without depth. The depth must be positive.
+// Returns projection minus measurement, px; the third is 0 without depth. The depth must be
+// positive.
 inline Eigen::Vector3d ReprojectionResidual(const Camera& camera,
                                             const Eigen::Vector3d& x_in_camera,
                                             const PixelMeasurement& measured) {

@@ -13,8 +13,8 @@
 
 namespace corbslam {
 
-// The same landmark as each side's map places it, in the frame of that side's camera, and the
-// pixel in which that side's camera sees it.
+// The same landmark as each side's map places it, in the frame of that side's camera, and the pixel
+// in which that side's camera sees it.
 struct SimilarityMatch {
   Eigen::Vector3d x_in_a;
   Eigen::Vector3d x_in_b;
@@ -26,7 +26,7 @@ struct SimilarityMatch {
 
 struct SimilarityRefinement {
   Similarity3d b_from_a;
-  // One entry a match: both reprojections are within the bound.
+  // One entry a match: true if both reprojections are within the bound.
   std::vector<char> is_inlier;
   int inliers = 0;
 };

@@ -37,15 +37,16 @@ class KeyframeDatabase {
  public:
   // Replaces the words of a keyframe that is there already. Null words are an empty bag.
   void Add(KeyframeId id, std::shared_ptr<const Words> words);
-  // False if it is not there.
+  // Returns false if it is not there.
   bool Remove(KeyframeId id);
   bool Contains(KeyframeId id) const { return slots_.contains(id); }
   size_t size() const { return slots_.size(); }
 
-  // Best first, ties by id. Costs as much as the postings that it touches, whatever the map's size.
+  // Returns the best first, ties by id. A query costs as much as the postings that it touches,
+  // whatever the map's size.
   std::vector<PlaceCandidate> Query(const BagOfWords& query,
                                     const QueryOptions& options = {}) const;
-  // That many: for each word of the query, the keyframes that have it.
+  // Returns the number of these postings: for each word of the query, the keyframes that have it.
   size_t CountPostings(const BagOfWords& query) const { return Count(FindWords(query)); }
 
  private:

@@ -49,7 +49,7 @@ VocabularyTree CompleteTree(uint32_t levels) {
   return tree;
 }
 
-// Removed when the program ends.
+// The file is removed when the program ends.
 const std::string& MillionWordsPath() {
   static const std::string* const path = [] {
     auto* const made =
@@ -79,7 +79,7 @@ void LoadVocabulary(benchmark::State& state) {
 void TransformDescriptors(benchmark::State& state) {
   const auto vocabulary = Vocabulary::Load(PathOf(state));
   if (!vocabulary.ok()) return state.SkipWithError("set CORBSLAM_VOCABULARY");
-  // New descriptors each time, so that the tree is not in the cache already.
+  // Descriptors are new each time, so that the tree is not in the cache already.
   std::vector<std::vector<Descriptor>> pictures;
   for (uint64_t i = 0; i < 50; ++i) pictures.push_back(RandomDescriptors(kFeatures, 100 + i));
   size_t next = 0;
@@ -88,10 +88,10 @@ void TransformDescriptors(benchmark::State& state) {
   }
 }
 
-// Bags as real pictures have them. The shipped vocabulary's words follow Zipf and Mandelbrot's law,
-// p(rank) ~ (rank + shift)^-exponent: over the 977 pictures of KITTI, TUM and the training set
-// (word_profile) a picture has 1,813 of 93,730 words and shares 143 with another one, which is what
-// this law gives. Evenly drawn words would share 35.
+// Makes bags as real pictures have them. The shipped vocabulary's words follow Zipf and
+// Mandelbrot's law, p(rank) ~ (rank + shift)^-exponent: over the 977 pictures of KITTI, TUM and the
+// training set (word_profile) a picture has 1,813 of 93,730 words and shares 143 with another one,
+// which is what this law gives. Evenly drawn words would share 35.
 class BagMaker {
  public:
   static constexpr uint32_t kVocabulary = 93730;
@@ -154,7 +154,7 @@ KeyframeDatabase& DatabaseOf(int64_t keyframes) {
   return database;
 }
 
-// Bags of pictures that are not in the database.
+// Makes bags of pictures that are not in the database.
 std::vector<std::shared_ptr<const Words>> OtherBags() {
   std::vector<std::shared_ptr<const Words>> bags;
   for (uint64_t i = 0; i < 16; ++i) bags.push_back(Bags().Make(1000000 + i));
@@ -177,7 +177,8 @@ void QueryDatabase(benchmark::State& state) {
       benchmark::Counter(postings, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-// One word that a single keyframe has: all of the cost is what the database's size adds.
+// Queries a word that a single keyframe has, so that all of the cost is what the database's size
+// adds.
 void QueryRareWord(benchmark::State& state) {
   KeyframeDatabase& database = DatabaseOf(state.range(0));
   const KeyframeId rare{LocalMapId{2}, 0};
@@ -199,7 +200,7 @@ void AddKeyframe(benchmark::State& state) {
   while (next > 0) database.Remove({LocalMapId{3}, --next});
 }
 
-// The oldest go, as if they were culled, and come back afterwards.
+// The oldest keyframes go, as if they were culled, and come back afterwards.
 void RemoveKeyframe(benchmark::State& state) {
   KeyframeDatabase& database = DatabaseOf(state.range(0));
   uint32_t next = 0;

@@ -14,7 +14,8 @@ namespace corbslam {
 // Describes an image like "640x480 CV_8UC1".
 std::string DescribeImage(const cv::Mat& image);
 
-// INVALID_ARGUMENT, with what was expected and given, unless CV_8UC1 of the camera's size.
+// INVALID_ARGUMENT says what was expected and given, unless the image is CV_8UC1 of the camera's
+// size.
 absl::Status CheckGreyImage(absl::string_view name, const cv::Mat& image, const Camera& camera);
 
 // INVALID_ARGUMENT in the same way, unless CV_16UC1 or CV_32FC1 of the camera's size.

@@ -1,4 +1,4 @@
-// Where a patch of one picture lies in another, below a pixel.
+// Finds where a patch of one picture lies in another, to a part of a pixel.
 #ifndef CORBSLAM_SLAM_SENSOR_PATCH_REFINEMENT_H_
 #define CORBSLAM_SLAM_SENSOR_PATCH_REFINEMENT_H_
 

@@ -24,8 +24,8 @@ struct SensorImages {
   int64_t timestamp_ns = 0;
   cv::Mat grey = {};   // CV_8UC1; the left one of a stereo pair.
   cv::Mat right = {};  // CV_8UC1; stereo only.
-  // RGB-D only, registered to `grey`: CV_16UC1 in units of depth_units_per_m, or CV_32FC1 in
-  // metres; 0, 65535 (of 16 bits) and NaN: none.
+  // Depth for RGB-D only, registered to `grey`: CV_16UC1 in units of depth_units_per_m, or CV_32FC1
+  // in metres; 0, 65535 (of 16 bits) and NaN mean none.
   cv::Mat depth = {};
 };
 
@@ -33,7 +33,7 @@ struct StereoCalibration {
   // Camera of the rectified pair, with baseline_m > 0. With `raw` set only close_depth_m is read,
   // when > 0: the rest follows from the rectification.
   Camera camera = {};
-  // Present when the images come raw and need rectifying.
+  // Calibration of the raw pair where the images come raw and need rectifying.
   std::optional<RawStereo> raw = {};
   // Number of columns by which the right camera's principal point lies further right than the left
   // one's in a rectified pair; each disparity is too small by so much. A pair may have such an
@@ -67,17 +67,17 @@ class Sensor {
  public:
   virtual ~Sensor() = default;
 
-  // The camera that keypoints refer to: undistorted, rectified.
+  // Returns the camera that keypoints refer to: undistorted, rectified.
   virtual const Camera& camera() const = 0;
 
-  // Keypoints in pixels of camera(), disparity_px set where depth is known. INVALID_ARGUMENT,
-  // naming the image, what was expected and what was given, where an image has a wrong size or
-  // type.
+  // Returns keypoints in pixels of camera(), with disparity_px set where depth is known.
+  // INVALID_ARGUMENT names the image, what was expected and what was given, where an image has a
+  // wrong size or type.
   virtual absl::StatusOr<Features> Process(const SensorImages& images) = 0;
 };
 
-// The one that recorded the (left) pictures of a sensor's camera(). INVALID_ARGUMENT where the
-// calibration is impossible.
+// Returns the camera that recorded the (left) pictures of a sensor's camera(). INVALID_ARGUMENT
+// where the calibration is impossible.
 absl::StatusOr<RecordedCamera> RecordedCameraOf(const SensorCalibration& calibration);
 
 // INVALID_ARGUMENT where the calibration or the options are impossible.

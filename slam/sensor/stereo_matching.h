@@ -1,4 +1,4 @@
-// Disparities of the keypoints of a rectified pair.
+// Measures the disparities of the keypoints of a rectified pair.
 #ifndef CORBSLAM_SLAM_SENSOR_STEREO_MATCHING_H_
 #define CORBSLAM_SLAM_SENSOR_STEREO_MATCHING_H_
 
@@ -12,10 +12,10 @@ struct StereoMatchingOptions {
   // Largest disparity (left minus right column) in level-0 pixels. It belongs to the nearest point,
   // which is one baseline away when it is fx.
   double max_disparity_px = 0;
-  // Added to each disparity that is measured: what the pictures' principal points differ by beyond
-  // whole columns.
+  // This is added to each disparity that is measured: what the pictures' principal points differ by
+  // beyond whole columns.
   double disparity_offset_px = 0;
-  // Least similar descriptors that may match, bits.
+  // Largest distance of descriptors that may match, in bits.
   int max_hamming = 75;
   // Matches whose grey values differ by more than this many times the median's are dropped.
   double max_median_ratio = 2.1;

@@ -18,8 +18,8 @@ namespace {
 // ones miss theirs because the spread over the image chose its neighbour.
 constexpr int kRightFeaturesFactor = 2;
 
-// The image without its first `columns`; what is missing at the other side repeats its edge. A
-// negative number moves it the other way.
+// Returns the image without its first `columns`; what is missing at the other side repeats its
+// edge. A negative number moves it the other way.
 cv::Mat DropColumns(const cv::Mat& image, int columns) {
   const int count = std::min(std::abs(columns), image.cols - 1);
   const cv::Range kept =

@@ -26,13 +26,13 @@ class ThreadPair {
   ThreadPair(const ThreadPair&) = delete;
   ThreadPair& operator=(const ThreadPair&) = delete;
 
-  // Runs task(0) to task(count - 1), each once, and returns when all are done. Whoever is free
-  // takes the next one: a thread that the machine does not let run delays nothing that it has not
-  // begun. Tasks must not throw.
+  // Runs task(0) to task(count - 1), each once, and returns when all are done. The thread that is
+  // free takes the next one: a thread that the machine does not let run delays nothing that it has
+  // not begun. Tasks must not throw.
   void Run(size_t count, Task task);
 
  private:
-  // False: none is left to begin.
+  // Returns false when no task is left to begin.
   bool RunOne();
   void Loop();
   void KeepApart();
@@ -47,7 +47,7 @@ class ThreadPair {
   size_t begun_ ABSL_GUARDED_BY(mutex_) = 0;
   size_t done_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
-  std::thread thread_;  // May be none.
+  std::thread thread_;  // There may be no thread.
 };
 
 }  // namespace corbslam

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Clusters are what is found hidden as a whole.
+// A cluster is found hidden as a whole.
 constexpr ptrdiff_t kMostFacesInCluster = 64;
 
 struct Face {

@@ -43,7 +43,7 @@ class ToneCurve {
 
 uint64_t Mixed(uint64_t x) { return Dice(x).Next(); }
 
-// Nearly normal with variance 1: the sum of the eight bytes of a hash.
+// Returns a nearly normal number with variance 1: the sum of the eight bytes of a hash.
 float Noise(uint64_t key) {
   const uint64_t bits = Mixed(key);
   const uint64_t pairs = (bits & 0x00FF00FF00FF00FFU) + ((bits >> 8) & 0x00FF00FF00FF00FFU);

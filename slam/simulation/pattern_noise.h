@@ -17,7 +17,7 @@ struct SurfacePlace {
   Uints seed;
 };
 
-// Thirty-two well mixed bits of a cell's indices and a seed.
+// Returns thirty-two well mixed bits of a cell's indices and a seed.
 CORBSLAM_LANES Uints HashCell(const Ints& i, const Ints& j, const Uints& seed) {
   Uints h = (Uints)i * 0x9E3779B1U;
   h ^= (h >> 15) + seed;
@@ -35,7 +35,7 @@ CORBSLAM_LANES Floats SignedUnit(const Uints& hash) {
 // Returns numbers from 0 to 1.
 CORBSLAM_LANES Floats Unit(const Uints& hash) { return 0.5F * SignedUnit(hash) + 0.5F; }
 
-// How much of a feature of one cell's size is left when a pixel covers `cells` cells.
+// Returns how much of a feature of one cell's size is left when a pixel covers `cells` cells.
 CORBSLAM_LANES Floats Visible(const Floats& cells_u, const Floats& cells_v) {
   return Clamp01(2.0F - 2.0F * cells_u) * Clamp01(2.0F - 2.0F * cells_v);
 }
@@ -63,8 +63,8 @@ CORBSLAM_LANES Lattice LatticeAt(const SurfacePlace& at, float size_u, float siz
   return lattice;
 }
 
-// A random value a cell, -1 to 1; cells are rectangles with sharp edges (edge 0) or melt into each
-// other (edge 1).
+// Returns a random value a cell, -1 to 1; cells are rectangles with sharp edges (edge 0) or melt
+// into each other (edge 1).
 CORBSLAM_LANES Floats CellNoise(const SurfacePlace& at, float size_u, float size_v, float edge,
                                 uint32_t layer) {
   const Lattice l = LatticeAt(at, size_u, size_v, edge);
@@ -76,8 +76,8 @@ CORBSLAM_LANES Floats CellNoise(const SurfacePlace& at, float size_u, float size
   return Mix(Mix(a, b, l.s), Mix(c, d, l.s), l.t) * l.visible;
 }
 
-// The same place on axes turned by an angle whose cosine and sine are given, so that cells of
-// several layers don't line up.
+// Returns the same place on axes turned by an angle whose cosine and sine are given, so that cells
+// of several layers don't line up.
 CORBSLAM_LANES SurfacePlace Turned(const SurfacePlace& at, float cosine, float sine) {
   SurfacePlace turned;
   turned.u = at.u * cosine + at.v * sine;
@@ -99,8 +99,8 @@ CORBSLAM_LANES Floats Mottle(const SurfacePlace& at, float size, uint32_t layer)
          0.25F * CellNoise(other, 0.034F * size, 0.03F * size, 0.2F, layer + 3);
 }
 
-// Share of the pixel that lies on bars of width `width` that repeat every `period` from 0 on: exact
-// for a box of the pixel's size.
+// Returns the share of the pixel that lies on bars of width `width` that repeat every `period` from
+// 0 on: exact for a box of the pixel's size.
 CORBSLAM_LANES Floats Bars(const Floats& x, const Floats& pixel, const Floats& period,
                            const Floats& width) {
   const Floats half = Most(pixel, All(1e-4F)) * 0.5F;

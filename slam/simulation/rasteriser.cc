@@ -58,7 +58,7 @@ CORBSLAM_LANES void SetSides(const std::array<Corner, 4>& corners, FaceLanes& fa
   face.near_c = normal.z * inverse;
 }
 
-// The pixels that may be covered; left > right where there are none.
+// Sets the bounds of pixels that may be covered; left > right where there are none.
 CORBSLAM_LANES void SetBounds(const std::array<Corner, 4>& corners, int width_px, int height_px,
                               FaceLanes& face) {
   constexpr float kFar = 1e6F;
@@ -77,7 +77,7 @@ CORBSLAM_LANES void SetBounds(const std::array<Corner, 4>& corners, int width_px
   }
   const Floats width = All(static_cast<float>(width_px - 1));
   const Floats height = All(static_cast<float>(height_px - 1));
-  // What reaches behind the camera may be anywhere, unless all of it is beyond one border.
+  // A face that reaches behind the camera may be anywhere, unless all of it is beyond one border.
   const Ints behind = least_z < kNearestDepth_m;
   Ints beyond = most_z < kNearestDepth_m;
   Ints all_left = Ints{} - 1, all_right = Ints{} - 1, all_above = Ints{} - 1,
@@ -172,7 +172,7 @@ CORBSLAM_LANES void DrawSample(const FaceLanes& face, int lane, size_t sample, i
   }
 }
 
-// Whether a sample of the face was seen.
+// Returns whether a sample of the face was seen.
 CORBSLAM_LANES bool DrawFace(const FaceLanes& face, int lane, int32_t id,
                              VisibilityBuffer& buffer) {
   const PixelRect rect = {face.left[lane], face.right[lane], face.top[lane], face.bottom[lane]};

@@ -56,8 +56,8 @@ struct Patch {
   float tone = 1;     // Multiplies the reflectance, 0 to 1.5.
 };
 
-// The patch with corners origin, +u, +u+v, +v and texture axes along its edges, texture origin at
-// `origin`.
+// Returns the patch with corners origin, +u, +u+v, +v and texture axes along its edges, texture
+// origin at `origin`.
 Patch Rectangle(const Eigen::Vector3f& origin, const Eigen::Vector3f& edge_u,
                 const Eigen::Vector3f& edge_v, Material material, uint32_t seed, float tone = 1);
 
@@ -85,7 +85,7 @@ struct Mover {
   std::vector<Waypoint> path = {};  // It has at least one, and times grow.
 };
 
-// Where a mover is at a time of the sequence.
+// Returns where a mover is at a time of the sequence.
 Rigid3d PoseAt(const Mover& mover, double time_s);
 
 struct Light {

@@ -31,14 +31,15 @@ struct SceneView {
   Rigid3d world_from_camera;
   VisibilityBuffer buffer;  // Its faces are indices into `drawn`.
   std::vector<DrawnFace> drawn;
-  std::vector<FacePlacement> movers;  // Placements from the still ones' count on.
+  // Placements of movers; their numbers go on after those that stand still.
+  std::vector<FacePlacement> movers;
 };
 
 // Immutable; See may be called from any thread.
 class SceneFaces {
  public:
-  // INVALID_ARGUMENT, naming the field, for a mesh index out of range, an empty mover path or
-  // numbers that aren't finite.
+  // INVALID_ARGUMENT names the field, for a mesh index out of range, an empty mover path or numbers
+  // that aren't finite.
   static absl::StatusOr<SceneFaces> Make(const Scene& scene);
 
   // The movers are where they are at `time_s` of the sequence.

@@ -1,4 +1,4 @@
-// The light that comes to the eye from what is seen.
+// Computes the light that comes to the eye from what is seen.
 #ifndef CORBSLAM_SLAM_SIMULATION_SHADING_H_
 #define CORBSLAM_SLAM_SIMULATION_SHADING_H_
 

@@ -20,7 +20,7 @@ CORBSLAM_LANES SurfacePlace Shifted(const SurfacePlace& at, const Floats& u, con
 }
 
 CORBSLAM_LANES Floats Asphalt(const SurfacePlace& at) {
-  // Patches where the road was mended, cracks, grains.
+  // The road has patches where it was mended, cracks, grains.
   const SurfacePlace turned = Turned(at, 0.955F, 0.296F);
   const Floats mended = CellNoise(turned, 4.1F, 2.3F, 0.02F, 11);
   return 0.30F + 0.05F * mended + 0.13F * Mottle(at, 1.3F, 12) +
@@ -108,7 +108,7 @@ CORBSLAM_LANES Floats Wood(const SurfacePlace& at) {
          0.08F * CellNoise(at, 0.02F, 0.4F, 0.4F, 92) + 0.06F * Mottle(at, 0.8F, 93);
 }
 
-// Leaves in the sun and dark gaps between them.
+// Draws leaves in the sun and dark gaps between them.
 CORBSLAM_LANES Floats Foliage(const SurfacePlace& at, float leaf) {
   const SurfacePlace turned = Turned(at, 0.6F, 0.8F);
   const Floats leaves = CellNoise(turned, leaf, 1.4F * leaf, 0.12F, 102);
@@ -147,7 +147,7 @@ CORBSLAM_LANES Floats RoadMarking(const SurfacePlace& at) {
   return 0.6F + 0.25F * worn;
 }
 
-// Print: lines of words between margins.
+// Draws print: lines of words between margins.
 CORBSLAM_LANES Floats Sign(const SurfacePlace& at) {
   const Floats lines = Bars(at.v - 0.04F, at.pixel_v, All(0.16F), All(0.08F));
   const Floats words = 0.5F + 0.5F * CellNoise(at, 0.13F, 0.16F, 0.0F, 171);

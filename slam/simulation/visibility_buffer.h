@@ -44,7 +44,7 @@ class VisibilityBuffer {
     return faces_[RowStart(sample, y)].lanes.data();
   }
 
-  // Must be told where was written.
+  // Must be called for every place that was written.
   void MarkChanged(const PixelRect& rect) {
     for (int row = rect.top / kTileRows; row <= rect.bottom / kTileRows; ++row) {
       for (int block = rect.left / kNumbers; block <= rect.right / kNumbers; ++block) {
@@ -52,9 +52,9 @@ class VisibilityBuffer {
       }
     }
   }
-  // Whether something at least as near is drawn already at every sample.
+  // Returns whether something at least as near is drawn already at every sample.
   bool IsHidden(const PixelRect& rect, float nearness);
-  // The same from what IsHidden measured last: sometimes false when it is hidden.
+  // Answers the same from what IsHidden measured last: sometimes false when it is hidden.
   bool IsKnownHidden(const PixelRect& rect, float nearness) const {
     for (int row = rect.top / kTileRows; row <= rect.bottom / kTileRows; ++row) {
       for (int block = rect.left / kNumbers; block <= rect.right / kNumbers; ++block) {

@@ -1,4 +1,4 @@
-// Closed-form similarity between two sets of points.
+// Aligns two sets of points by a similarity in closed form.
 #ifndef CORBSLAM_SLAM_SOLVERS_ABSOLUTE_ORIENTATION_H_
 #define CORBSLAM_SLAM_SOLVERS_ABSOLUTE_ORIENTATION_H_
 

@@ -1,4 +1,5 @@
-// The pose of a camera from 3D-2D matches of which many may be wrong, without an initial guess.
+// Finds the pose of a camera from 3D-2D matches of which many may be wrong, without an initial
+// guess.
 #ifndef CORBSLAM_SLAM_SOLVERS_PNP_RANSAC_H_
 #define CORBSLAM_SLAM_SOLVERS_PNP_RANSAC_H_
 
@@ -14,7 +15,7 @@ namespace corbslam {
 struct PnpRansacOptions {
   // What changes results.
   int min_inliers = 10;
-  // Squared reprojection error over variance (95 % of two degrees).
+  // Bound of squared reprojection error over variance (95 % of two degrees of freedom).
   double max_chi2 = 5.991;
   double confidence = 0.99;
   int max_iterations = 300;

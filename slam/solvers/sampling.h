@@ -38,8 +38,8 @@ class Sampler {
   std::mt19937_64 generator_;
 };
 
-// Samples needed to draw one of inliers alone with this confidence (Fischler and Bolles 1981);
-// at most `max_iterations`.
+// Returns the samples needed to draw one of inliers alone with this confidence (Fischler and Bolles
+// 1981); at most `max_iterations`.
 int RequiredIterations(size_t inliers, size_t count, int sample_size, double confidence,
                        int max_iterations);
 

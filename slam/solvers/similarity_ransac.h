@@ -1,4 +1,4 @@
-// A similarity between two cameras from 3D-3D matches of which many may be wrong.
+// Finds a similarity between two cameras from 3D-3D matches of which many may be wrong.
 #ifndef CORBSLAM_SLAM_SOLVERS_SIMILARITY_RANSAC_H_
 #define CORBSLAM_SLAM_SOLVERS_SIMILARITY_RANSAC_H_
 
@@ -17,7 +17,8 @@ struct SimilarityRansacOptions {
   // What changes results.
   bool fix_scale = true;
   int min_inliers = 20;
-  // Squared reprojection error over variance, in each of both pictures (99 % of two degrees).
+  // Bound of squared reprojection error over variance, in each of both pictures (99 % of two
+  // degrees of freedom).
   double max_chi2 = 9.21;
   double confidence = 0.99;
   int max_iterations = 300;

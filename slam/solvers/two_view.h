@@ -1,4 +1,4 @@
-// Relative pose of two views from pixel matches alone: how a monocular map begins.
+// Finds the relative pose of two views from pixel matches alone: how a monocular map begins.
 #ifndef CORBSLAM_SLAM_SOLVERS_TWO_VIEW_H_
 #define CORBSLAM_SLAM_SOLVERS_TWO_VIEW_H_
 

@@ -9,7 +9,7 @@
 
 namespace corbslam {
 
-// The checksum of what `crc` was of, followed by `data`. 0 is that of nothing.
+// Returns the checksum of what `crc` was of, followed by `data`. 0 is the checksum of nothing.
 uint32_t ExtendCrc32c(uint32_t crc, absl::string_view data);
 
 }  // namespace corbslam

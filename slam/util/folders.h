@@ -12,7 +12,7 @@ namespace corbslam {
 // Makes the folder and those above it; it may exist already. UNAVAILABLE names the path.
 absl::Status MakeFolder(const std::string& path);
 
-// The path itself, or the nearest above it that is there.
+// Returns the path itself, or the nearest folder above it that is there.
 std::filesystem::path NearestThere(const std::string& path);
 
 }  // namespace corbslam

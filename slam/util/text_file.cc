@@ -35,7 +35,7 @@ bool IsUtf16(absl::string_view text) {
   return absl::StartsWith(text, "\xff\xfe") || absl::StartsWith(text, "\xfe\xff");
 }
 
-// What lies between two LFs: one line, or several that end with CR.
+// Uses what lies between two LFs: one line, or several that end with CR.
 absl::Status UseLines(absl::string_view text, int& line,
                       const std::function<absl::Status(int, absl::string_view)>& use_line) {
   absl::ConsumeSuffix(&text, "\r");

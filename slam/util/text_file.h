@@ -34,7 +34,7 @@ absl::StatusOr<int64_t> ParseSeconds(absl::string_view text);
 // Writes nine decimals: "1305031102.175304000".
 std::string FormatSeconds(int64_t timestamp_ns);
 
-// The shortest text that is read as the same number.
+// Returns the shortest text that is read as the same number.
 std::string FormatReal(double number);
 
 // Writes the lines, each with its end. UNAVAILABLE names the path.

@@ -27,7 +27,7 @@ TEST(ThreadPriorityTest, IsSoManyStepsBelowWhatTheThreadHad) {
   EXPECT_EQ(NicenessOfThisThread(), before) << "others keep theirs";
 }
 
-// A process that was started with niceness 15, as it were.
+// The process has niceness 15, as if it was started with that.
 TEST(ThreadPriorityTest, IsBelowTheProcessHoweverItWasStarted) {
   InAThread([] {
     const int process = std::max(15, NicenessOfThisThread());

@@ -27,7 +27,7 @@ class PlaceVerificationTest : public ::testing::Test {
   SyntheticMap MakeA() const {
     return MakeSyntheticMap(world_, PosesOnRing(0, 3, 12), {.local_map = kA, .seed = 5});
   }
-  // Passes the same ground with other keyframes.
+  // B passes the same ground with other keyframes.
   SyntheticMap MakeB(SyntheticMapOptions options = {}) const {
     options.local_map = kB;
     options.seed = 6;
@@ -90,7 +90,7 @@ TEST_F(PlaceVerificationTest, ChanceFindsFarLessThanTheRightPose) {
   EXPECT_LT(5 * overlap.evidence.chance_matches, overlap.evidence.projected_matches);
 }
 
-// A world of which every point looks like many others matches wherever one looks.
+// The world's points all look like many others, so that some match wherever one looks.
 TEST_F(PlaceVerificationTest, RefusesWhatChanceFindsAsWell) {
   SyntheticWorld alike = MakeRingWorld(3, 24000);
   for (size_t i = 0; i < alike.descriptors.size(); ++i) {
@@ -173,7 +173,7 @@ TEST_F(PlaceVerificationTest, RefusesWhatLooksAlikeInAnotherShape) {
 }
 
 TEST_F(PlaceVerificationTest, RefusesOnePictureAlone) {
-  // A poster that hangs in two places: one keyframe of either map agrees, and no other.
+  // A poster hangs in two places: one keyframe of either map agrees, and no other.
   const SyntheticMapOptions lone{.local_map = kB, .seed = 6, .min_observations = 1};
   const SyntheticMap b = MakeSyntheticMap(world_, PosesOnRing(19.5, 3, 1), lone);
   const SyntheticMapOptions other{.local_map = kA, .seed = 5, .min_observations = 1};

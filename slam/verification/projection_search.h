@@ -21,7 +21,8 @@ struct ProjectionSearchOptions {
   bool only_keypoints_with_points = false;
   // Where a keypoint has a depth, the point's must agree within the same radius of disparity.
   bool check_disparity = true;
-  // Looks this many radii from where the points should be: what is found there is found by chance.
+  // The search looks this many radii from where the points should be: what is found there is found
+  // by chance.
   Eigen::Vector2d displacement_radii = Eigen::Vector2d::Zero();
 };
 
@@ -41,8 +42,8 @@ std::vector<ProjectionMatch> FindByProjection(const std::vector<const MapPoint*>
                                               const Rigid3d& camera_from_points,
                                               const ProjectionSearchOptions& options);
 
-// How many of the points FindByProjection looks for: those that should be in the picture, seen from
-// distances and angles like before. Whether something hides them is not asked.
+// Returns how many of the points FindByProjection looks for: those that should be in the picture,
+// seen from distances and angles like before. Whether something hides them is not asked.
 size_t CountVisible(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
                     const Rigid3d& camera_from_points);
 

@@ -63,7 +63,8 @@ class BitCounter {
   int unflushed_ = 0;
 };
 
-// Each next seed with probability in proportion to its squared distance from the seeds so far.
+// Chooses each next seed with probability in proportion to its squared distance from the seeds so
+// far.
 std::vector<Descriptor> ChooseSeeds(absl::Span<const Descriptor> descriptors,
                                     absl::Span<const uint32_t> indices, size_t count,
                                     uint64_t seed) {

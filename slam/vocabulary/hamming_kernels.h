@@ -11,7 +11,7 @@
 
 namespace corbslam {
 
-// What DescendTree does.
+// Does what DescendTree does.
 void DescendTreeKernel(const VocabularyTreeView& tree, const Descriptor* descriptors, size_t count,
                        TreePath* paths);
 

@@ -121,7 +121,7 @@ absl::Status CheckNodes(const std::vector<TextNode>& nodes, const std::vector<in
   return absl::OkStatus();
 }
 
-// Breadth first, children in order of lines.
+// Fills the tree breadth first, children in order of lines.
 void FillTree(const std::vector<TextNode>& nodes, VocabularyTree& tree) {
   std::vector<uint32_t> begin(nodes.size() + 1, 0);
   for (size_t i = 1; i < nodes.size(); ++i) ++begin[nodes[i].parent + 1];

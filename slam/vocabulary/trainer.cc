@@ -35,7 +35,7 @@ std::vector<Descriptor> SampleDescriptors(const PictureDescriptors& pictures, si
   size_t seen = 0;
   for (const auto& picture : pictures) {
     for (const Descriptor& descriptor : picture) {
-      // Takes `wanted` of `total`, evenly: whenever the share due reaches the next whole number.
+      // `wanted` of `total` are taken evenly: whenever the share due reaches the next whole number.
       if (++seen * wanted / total > sample.size()) sample.push_back(descriptor);
     }
   }

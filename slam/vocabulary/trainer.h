@@ -27,12 +27,13 @@ struct TrainingOptions {
   // Nodes with fewer descriptors become words.
   int min_descriptors_to_split = 2;
   uint64_t seed = 1;
-  // Memory: of more, evenly spaced ones are used for clustering (all of them for the weights).
+  // Bounds the memory: of more descriptors, evenly spaced ones are used for clustering (all of them
+  // for the weights).
   size_t max_descriptors = 4'000'000;
-  // Speed only; the result is the same.
+  // Changes speed only; the result is the same.
   int threads = 2;
 
-  // INVALID_ARGUMENT, naming the field, its value and its limits.
+  // INVALID_ARGUMENT names the field, its value and its limits.
   absl::Status Validate() const;
 };
 
@@ -57,7 +58,8 @@ absl::StatusOr<VocabularyTree> TrainFromPictures(const std::vector<std::string>&
 absl::StatusOr<PictureDescriptors> ExtractDescriptors(const std::vector<std::string>& paths,
                                                       const OrbOptions& orb,
                                                       const TrainingProgress& progress = nullptr);
-// Image files (png, jpg, jpeg, pgm) directly in a folder, sorted. NOT_FOUND if there is none.
+// Returns the image files (png, jpg, jpeg, pgm) directly in a folder, sorted. NOT_FOUND if there is
+// none.
 absl::StatusOr<std::vector<std::string>> ListPictures(const std::string& folder);
 
 }  // namespace corbslam

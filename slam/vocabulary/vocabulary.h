@@ -43,7 +43,7 @@ class Vocabulary {
   size_t words() const { return words_; }
   int branching() const { return static_cast<int>(view_.branching); }
   int levels() const { return static_cast<int>(view_.levels); }
-  // Same for the same vocabulary, wherever it was loaded from.
+  // Returns the same number for the same vocabulary, wherever it was loaded from.
   uint64_t fingerprint() const { return fingerprint_; }
   const VocabularyTreeView& tree() const { return view_; }
 

@@ -1,6 +1,6 @@
-// Files of vocabularies: our own binary form, to be mapped into memory, and ORB-SLAM2's text.
-// The binary form is little endian: a header of 64 bytes, then the arrays of VocabularyTree in the
-// order descriptors, first_child, weights.
+// Reads and writes files of vocabularies: our own binary form, to be mapped into memory, and
+// ORB-SLAM2's text. The binary form is little endian: a header of 64 bytes, then the arrays of
+// VocabularyTree in the order descriptors, first_child, weights.
 #ifndef CORBSLAM_SLAM_VOCABULARY_VOCABULARY_FILE_H_
 #define CORBSLAM_SLAM_VOCABULARY_VOCABULARY_FILE_H_
 
@@ -37,7 +37,7 @@ class MappedFile {
 };
 
 struct VocabularyFileContent {
-  VocabularyTreeView tree;  // Lives as long as the mapped file.
+  VocabularyTreeView tree;  // The view lives as long as the mapped file.
   uint32_t words = 0;
   uint64_t fingerprint = 0;  // The header's value, which is not compared with the content.
 };

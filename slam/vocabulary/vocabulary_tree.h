@@ -20,11 +20,11 @@ struct VocabularyTree {
   uint32_t levels = 0;
   // Depth of the nodes that the direct index groups features by.
   uint32_t direct_level = 0;
-  // One a node; the root's is unused.
+  // One descriptor a node; the root's is unused.
   std::vector<Descriptor> descriptors;
   // Node i's children are [first_child[i], first_child[i + 1]): one entry more than nodes.
   std::vector<uint32_t> first_child;
-  // One a node: inverse document frequency of words, 0 for inner nodes.
+  // One weight a node: inverse document frequency of words, 0 for inner nodes.
   std::vector<float> weights;
 };
 

@@ -13,7 +13,7 @@ struct WordWeight {
   friend bool operator==(const WordWeight&, const WordWeight&) = default;
 };
 
-// Sorted by word, each word once.
+// The bag is sorted by word, with each word once.
 using BagOfWords = std::vector<WordWeight>;
 
 // Direct index: which features fell under which node of a middle level of the tree, so that

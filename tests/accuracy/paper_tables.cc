@@ -89,8 +89,8 @@ std::string FusionTable(const std::vector<Run>& runs) {
     const Json& merges = run.report["merge_ms"];
     const Json& adjustments = run.report["global_ba_ms"];
     for (size_t i = 0; i < adjustments.size(); ++i) {
-      if (i >= merges.size() && i + 1 < adjustments.size())
-        continue;  // Adjustments between the merges and the last one are left out.
+      // Adjustments between the merges and the last one are left out.
+      if (i >= merges.size() && i + 1 < adjustments.size()) continue;
       absl::StrAppend(&table, Row({run.title, Number(adjustments[i]["keyframes"], 0),
                                    i < merges.size() ? Seconds(merges[i]) : "-",
                                    Seconds(adjustments[i]["ms"])}));

@@ -173,8 +173,8 @@ class Maker {
   }
 
   void Place(LocalMapId map, const absl::btree_set<LocalMapId>& placed) {
-    std::vector<std::pair<Rigid3d, Eigen::Vector3d>>
-        proposals;  // The vector is where the mover is.
+    // The vector is where the mover is.
+    std::vector<std::pair<Rigid3d, Eigen::Vector3d>> proposals;
     for (const PoseGraphEdge& overlap : graph_.overlaps) {
       const bool a_moves = overlap.a.local_map == map;
       if (!a_moves && overlap.b.local_map != map) continue;

@@ -25,8 +25,8 @@ struct Profile {
   size_t words = 0;  // Words of the vocabulary.
   size_t pictures = 0;
   double words_a_picture = 0;
-  std::vector<int>
-      pictures_with;  // Number of pictures that hold the word of each rank, most first.
+  // Number of pictures that hold the word of each rank, most first.
+  std::vector<int> pictures_with;
 };
 
 absl::StatusOr<Profile> Count(const Vocabulary& vocabulary, const std::vector<std::string>& paths) {

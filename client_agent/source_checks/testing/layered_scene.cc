@@ -72,8 +72,8 @@ class LayeredScene {
       const double depth_m = kFocal_px * kBaseline_m / card.disparity_px;
       depth(Place(card, frame, 0)) = cv::Scalar::all(kUnitsPerM * depth_m);
     }
-    depth(cv::Rect(0, 0, 20, kHeight_px)) =
-        cv::Scalar::all(0);  // A depth camera has such a blind side.
+    // A depth camera has such a blind side.
+    depth(cv::Rect(0, 0, 20, kHeight_px)) = cv::Scalar::all(0);
     return depth;
   }
 

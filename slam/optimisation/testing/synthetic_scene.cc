@@ -144,7 +144,7 @@ class SceneBuilder {
     return {point, keypoint};
   }
 
-  // Draws nothing where there are none: other scenes stay what they were.
+  // It draws no random number where there are none, so that other scenes stay what they were.
   double FalseDepth_px(int octave) {
     if (options_.share_of_false_depths == 0) return 0;
     if (random_.Uniform(0, 1) >= options_.share_of_false_depths) return 0;

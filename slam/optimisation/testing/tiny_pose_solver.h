@@ -1,4 +1,4 @@
-// Pose optimisation by Ceres' TinySolver: what OptimisePose is measured against.
+// Optimises poses by Ceres' TinySolver: OptimisePose is measured against it.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_TESTING_TINY_POSE_SOLVER_H_
 #define CORBSLAM_SLAM_OPTIMISATION_TESTING_TINY_POSE_SOLVER_H_
 

@@ -28,12 +28,12 @@ struct CarDriveOptions {
   double lead_out_m = 40;
 };
 
-// Along MakeStreetTour(seed, length_m), at kCarRate_hz. The first camera is at the origin of x and
-// z and looks along z.
+// Drives along MakeStreetTour(seed, length_m), at kCarRate_hz. The first camera is at the origin of
+// x and z and looks along z.
 std::vector<Rigid3d> DriveThroughTown(const CarDriveOptions& options);
 
-// The same drive without what the suspension does: what the bounds on speed and acceleration are
-// about.
+// Plans the same drive without what the suspension does: the bounds on speed and acceleration are
+// about this.
 std::vector<TravelSample> PlanDriveThroughTown(const CarDriveOptions& options);
 
 struct WalkOptions {

@@ -48,7 +48,7 @@ std::vector<Corner> OpenUp(const std::vector<Corner>& corners, double lead_out_m
   }
 }
 
-// The arc that replaces `corner` on the way from `before` to `after`.
+// Appends the arc that replaces `corner` on the way from `before` to `after`.
 void AppendArc(const Corner& corner, const Eigen::Vector2d& before, const Eigen::Vector2d& after,
                double least_radius_m, std::vector<Eigen::Vector2d>& line) {
   constexpr double kArcStep_rad = 0.02;
@@ -101,13 +101,14 @@ std::vector<Eigen::Vector2d> Resample(const std::vector<Eigen::Vector2d>& line, 
   return points;
 }
 
-// Gaussian along the path; the ends stay where they are.
+// Smooths by a Gaussian along the path; the ends stay where they are.
 template <typename Value>
 std::vector<Value> Smooth(const std::vector<Value>& values, double deviation) {
   const auto reach = static_cast<ptrdiff_t>(std::ceil(3 * deviation));
   const auto count = static_cast<ptrdiff_t>(values.size());
   if (reach < 1 || count < 2) return values;
-  const auto at = [&](ptrdiff_t i) -> Value {  // Mirrored at the ends through the end points.
+  // The values are mirrored at the ends through the end points.
+  const auto at = [&](ptrdiff_t i) -> Value {
     const ptrdiff_t last = count - 1;
     if (i < 0) {
       return 2 * values.front() - values[static_cast<size_t>(std::min(-i, last))];

@@ -14,7 +14,7 @@
 namespace corbslam {
 namespace {
 
-// Slope at the middle of three values: that of the parabola through them.
+// Returns the slope at the middle of three values: that of the parabola through them.
 Eigen::Vector3d Slope(const Eigen::Vector3d& step_before, double before_s,
                       const Eigen::Vector3d& step_after, double after_s) {
   return (after_s * step_before / before_s + before_s * step_after / after_s) /

@@ -15,9 +15,9 @@ namespace corbslam {
 // Immutable. Times count from the first pose, in nanoseconds: the first is 0.
 class PoseSequence {
  public:
-  // INVALID_ARGUMENT, naming the pose, for fewer than two poses or times that don't grow.
+  // INVALID_ARGUMENT names the pose, for fewer than two poses or times that don't grow.
   static absl::StatusOr<PoseSequence> Make(const Trajectory& trajectory);
-  // Poses `period_ns` apart.
+  // Makes a sequence of poses `period_ns` apart.
   static absl::StatusOr<PoseSequence> Make(const std::vector<Rigid3d>& world_from_camera,
                                            int64_t period_ns);
 

@@ -1,4 +1,4 @@
-// What a depth camera makes of true depths.
+// Makes of true depths what a depth camera would see.
 #ifndef CORBSLAM_SLAM_SIMULATION_SEQUENCE_DEPTH_IMAGE_H_
 #define CORBSLAM_SLAM_SIMULATION_SEQUENCE_DEPTH_IMAGE_H_
 

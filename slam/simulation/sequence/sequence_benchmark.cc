@@ -1,4 +1,5 @@
-// How fast pictures of a simulated town are drawn: one iteration is one frame of the rig's.
+// Measures how fast pictures of a simulated town are drawn: one iteration is one frame of the
+// rig's.
 #include <benchmark/benchmark.h>
 
 #include <cstddef>
@@ -18,7 +19,7 @@ void DrawFrames(benchmark::State& state) {
     state.SkipWithError("no sequence");
     return;
   }
-  // Places all along the way.
+  // The frames lie all along the way.
   constexpr size_t kStep = 37;
   size_t frame = 0;
   for (auto _ : state) {

@@ -13,7 +13,8 @@ namespace corbslam {
 // file of poses.
 absl::StatusOr<PoseSequence> MakeWay(const SimulationSpec& spec);
 
-// Depends on the spec's options of world and way only, not on those of robot and pictures.
+// The world depends on the spec's options of world and way only, not on those of robot and
+// pictures.
 Scene BuildWorld(const SimulationSpec& spec, const PoseSequence& way);
 
 }  // namespace corbslam

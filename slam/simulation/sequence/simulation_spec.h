@@ -68,7 +68,7 @@ struct SimulationSpec {
 
   // The pictures.
   Lens lens;
-  double shutter_s = 0.005;  // What lens.motion_blur_samples are spread over.
+  double shutter_s = 0.005;  // lens.motion_blur_samples are spread over this time.
   // Errors of the calibration that the robot believes in.
   double epipolar_error_px = 0;   // The right picture lies lower by this in its middle.
   double disparity_error_px = 0;  // Disparities are too small by this.
@@ -89,8 +89,8 @@ CameraRig RigOf(const SimulationSpec& spec);
 // INVALID_ARGUMENT names the option and its value.
 absl::Status Validate(const SimulationSpec& spec);
 
-// The part of a spec that says where its frame of the world is: equal for specs whose poses may be
-// held against each other.
+// Returns the part of a spec that says where its frame of the world is: equal for specs whose poses
+// may be held against each other.
 std::string WorldName(const SimulationSpec& spec);
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// Cars as prototypes, to be parked and to be driven.
+// Builds cars as prototypes, to be parked and to be driven.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_CARS_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_CARS_H_
 

@@ -21,7 +21,7 @@ void Join(int a, int b, FloorLanes* lanes) {
   lanes->neighbours[static_cast<size_t>(b)].push_back(a);
 }
 
-// Corridor `corridor` along x: its doors' places in order, between its two ends.
+// Adds the nodes of corridor `corridor` along x: its doors' places in order, between its two ends.
 std::vector<int> CorridorNodes(const FloorPlan& plan, int corridor, const std::vector<int>& stops,
                                FloorLanes* lanes) {
   const size_t along_z = plan.corridors.size() - 2;

@@ -74,7 +74,7 @@ void AddDoorway(const FloorPlan& plan, const Wall& wall, const Vector2d& normal,
   using Post = std::pair<Vector2d, Vector2d>;
   for (const auto& [post, inward] : {Post(wall.from, along), Post(wall.to, -along)}) {
     AddFace(plan, post - out * normal, post + out * normal, 0, height, frame, mesh);
-    for (const double side : {-1.0, 1.0}) {  // What frames the opening on the wall's faces.
+    for (const double side : {-1.0, 1.0}) {  // Adds what frames the opening on the wall's faces.
       AddFace(plan, post + side * out * normal - 0.08 * inward, post + side * out * normal, 0,
               height + 0.08, frame, mesh);
     }
@@ -90,7 +90,7 @@ void AddDoorway(const FloorPlan& plan, const Wall& wall, const Vector2d& normal,
   }
 }
 
-// Panes with what is outside painted on them, frames that stand out.
+// Adds panes with what is outside painted on them, and frames that stand out.
 void AddWindows(const FloorPlan& plan, const Wall& wall, const Vector2d& normal, Mesh* mesh) {
   const Vector2d along = (wall.to - wall.from).normalized();
   const double length = (wall.to - wall.from).norm();

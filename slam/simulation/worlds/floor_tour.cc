@@ -13,7 +13,8 @@ using Kind = FloorNode::Kind;
 
 constexpr uint64_t kTourDice = 301;
 
-// Nodes after `from` up to `to`, by the shortest way (Dijkstra; a floor has some dozens of nodes).
+// Returns the nodes after `from` up to `to`, by the shortest way (Dijkstra; a floor has some dozens
+// of nodes).
 std::vector<int> WayBetween(const FloorLanes& lanes, int from, int to) {
   const size_t count = lanes.nodes.size();
   std::vector<double> distance(count, std::numeric_limits<double>::max());

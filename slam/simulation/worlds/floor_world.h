@@ -80,17 +80,18 @@ struct FloorPlan {
   std::vector<Poster> posters;
 };
 
-// What may not be built over: the walk's straight lines keep this far from furniture.
+// The walk's straight lines keep this far from furniture.
 constexpr double kFloorClearanceM = 0.4;
 
-// Deterministic in the options; counts below 1 are taken as 1. Pure, as are the other two.
+// The plan depends on the options alone; counts below 1 are taken as 1. This function is pure, as
+// are the other two.
 FloorPlan MakeFloorPlan(const FloorOptions& options);
 
 Scene BuildFloorScene(const FloorPlan& plan);
 
-// Waypoints (x, z) in metres of a walk that comes through every corridor along x and through rooms,
-// comes back to where it began and passes some places twice. Straight lines between the waypoints
-// stay 0.4 m off walls and furniture.
+// Returns waypoints (x, z) in metres of a walk that comes through every corridor along x and
+// through rooms, comes back to where it began and passes some places twice. Straight lines between
+// the waypoints stay 0.4 m off walls and furniture.
 std::vector<Eigen::Vector2d> TourOfFloor(const FloorPlan& plan, uint64_t seed);
 
 }  // namespace corbslam

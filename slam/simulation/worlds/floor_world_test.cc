@@ -98,8 +98,8 @@ std::vector<std::array<double, 4>> FurnitureOf(const FloorPlan& plan, int corrid
   for (const Furniture& piece : plan.furniture) {
     const Vector2d at = Middle(piece.footprint);
     if ((at - box.low).minCoeff() < 0 || (box.high - at).minCoeff() < 0) continue;
-    if (at.x() < 2.5 || at.x() > box.high.x() - 2.5)
-      continue;  // The corridors along z are skipped.
+    // The corridors along z are skipped.
+    if (at.x() < 2.5 || at.x() > box.high.x() - 2.5) continue;
     pieces.push_back(
         {at.x(), at.y() - box.low.y(), piece.height_m, static_cast<double>(piece.seed)});
   }

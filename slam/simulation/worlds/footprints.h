@@ -25,10 +25,10 @@ bool Overlap(const Footprint& a, const Footprint& b);
 // Not thread-safe.
 class Footprints {
  public:
-  // Keeps a reference: the path must outlive this.
+  // It keeps a reference: the path must outlive it.
   explicit Footprints(const StreetPath& path) : path_(path), index_(16) {}
 
-  // Takes the place if it is free and no station lies within the clearance; else false.
+  // Takes the place if it is free and no station lies within the clearance; else returns false.
   bool Take(const Footprint& footprint, double clearance_m);
   bool IsFree(const Footprint& footprint, double clearance_m) const;
   // Visits those that may overlap it.

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Half extents across and along the way it faces, and the height.
+// Half extents across and along the way that a piece faces, and its height.
 struct Extent {
   float x;
   float z;
@@ -112,7 +112,7 @@ void AddPlant(const Extent& e, Dice* dice, Mesh* mesh) {
   AddTube({0, 0, 0}, {0, -0.3F, 0}, 0.7F * e.x, 0.85F * e.x, 8,
           {Material::kPlaster, dice->Seed(), dice->Uniformf(0.5, 1.4)}, mesh);
   AddDisc({0, -0.27F, 0}, -Vector3f::UnitY(), 0.8F * e.x, {Material::kBark, 1, 0.5F}, mesh);
-  for (int i = 0; i < 70; ++i) {  // Long leaves that hang outward.
+  for (int i = 0; i < 70; ++i) {  // The leaves are long and hang outward.
     const float angle = dice->Uniformf(0, 2 * std::numbers::pi);
     const Vector3f out(std::cos(angle), 0, std::sin(angle));
     const Vector3f side(-out.z(), 0, out.x());

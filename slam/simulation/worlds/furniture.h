@@ -1,4 +1,4 @@
-// Pieces of furniture as meshes.
+// Builds pieces of furniture as meshes.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_FURNITURE_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_FURNITURE_H_
 

@@ -23,7 +23,7 @@ struct HouseStyle {
   RoofKind roof = RoofKind::kRidgeAlongStreet;
   float roof_pitch_rad = 0.7F;
   Material wall = Material::kPlaster;
-  bool windows_in_relief = true;  // Otherwise the front's windows are painted (kFacade).
+  bool windows_in_relief = true;  // False: the front's windows are painted (kFacade).
   bool balconies = false;
   bool bay = false;      // A bay window over all storeys.
   bool dormers = false;  // Dormers stand on a ridge along the street.

@@ -43,7 +43,7 @@ void AddDoor(float x, const Finish& wall, Dice* dice, Mesh* mesh) {
     AddBox({x - half - 0.4F, top - 0.4F, -0.95F}, {x + half + 0.4F, top - 0.25F, 0},
            {Material::kPlaster, wall.seed, 0.9F}, mesh, true);
   }
-  // Letter boxes, a bell and a number beside the door.
+  // Letter boxes, a bell and a number hang beside the door.
   AddBox({x + half + 0.3F, -kPlinthM - 1.5F, -0.08F}, {x + half + 0.75F, -kPlinthM - 1.0F, 0},
          {Material::kSign, dice->Seed(), dice->Uniformf(0.5, 1.2)}, mesh);
 }
@@ -132,7 +132,7 @@ void AddWindow(const WindowShape& shape, float x, float y, float z, Mesh* mesh) 
   const float rim = 0.09F;
   const float w = shape.width;
   const float h = shape.height;
-  // A frame that stands out and panes set back behind it.
+  // A window is a frame that stands out and panes set back behind it.
   const auto bar = [&](float left, float up, float right, float low) {
     AddBox({x + left, y + up, z - 0.07F}, {x + right, y + low, z}, shape.frame, mesh, true);
   };

@@ -1,4 +1,5 @@
-// Simple shapes added to meshes. Frames as in scene.h: y runs down, so a box's top has the least y.
+// Adds simple shapes to meshes. Frames are as in scene.h: y runs down, so a box's top has the least
+// y.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_MESH_SHAPES_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_MESH_SHAPES_H_
 
@@ -27,11 +28,11 @@ void AddQuad(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Ve
 // AddQuad.
 void AddPolygon(const std::vector<Eigen::Vector3f>& corners, const Finish& finish, Mesh* mesh);
 
-// Sides and top, each with its own pattern; the bottom too if it can be seen.
+// Adds sides and top, each with its own pattern; the bottom too if it can be seen.
 void AddBox(const Eigen::Vector3f& low, const Eigen::Vector3f& high, const Finish& finish,
             Mesh* mesh, bool bottom = false);
 
-// The sides of a prism that tapers from one radius to the other.
+// Adds the sides of a prism that tapers from one radius to the other.
 void AddTube(const Eigen::Vector3f& from, const Eigen::Vector3f& to, float from_radius,
              float to_radius, int sides, const Finish& finish, Mesh* mesh);
 

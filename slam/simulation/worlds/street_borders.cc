@@ -1,4 +1,5 @@
-// What divides the front gardens from the pavement and from each other: hedges, walls and fences.
+// Builds what divides the front gardens from the pavement and from each other: hedges, walls and
+// fences.
 #include <algorithm>
 
 #include "slam/simulation/worlds/mesh_shapes.h"
@@ -105,7 +106,7 @@ void AlongPavement(int side, StreetSite* site) {
   }
 }
 
-// Across the gaps between houses, further back, so that they don't open onto nothing.
+// Closes the gaps between houses, further back, so that they don't open onto nothing.
 void BehindGardens(int side, StreetSite* site) {
   const std::vector<Station>& stations = site->path.stations();
   for (size_t i = 0; i + 8 < stations.size(); i += 8) {

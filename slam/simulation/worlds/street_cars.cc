@@ -1,4 +1,4 @@
-// Parked cars.
+// Parks cars.
 #include "slam/simulation/worlds/cars.h"
 #include "slam/simulation/worlds/street_site.h"
 
@@ -34,7 +34,7 @@ bool Park(const CarMeshes& cars, const Vector2d& at, const Vector2d& ahead, Dice
   return true;
 }
 
-// Gives the way to the next place.
+// Returns the way to the next place.
 double TryPlace(const CarMeshes& cars, const Station& station, int side, int64_t number,
                 StreetSite* site) {
   const StreetBlock block = BlockAt(*site, station);

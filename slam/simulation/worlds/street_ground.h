@@ -72,8 +72,8 @@ class StreetGround {
   int cells_z_ = 0;
   std::vector<float> height_;    // y at the coarse lattice's corners, NaN far from any street.
   std::vector<float> middle_m_;  // Distances at the fine lattice's corners.
-  std::vector<uint8_t>
-      heading_;  // Heading of the nearest street there, in sixths of a right angle.
+  // Heading of the nearest street there, in sixths of a right angle.
+  std::vector<uint8_t> heading_;
 };
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// Houses along the street, garages between them, and a row behind.
+// Builds houses along the street, garages between them, and a row behind.
 #include <algorithm>
 #include <cmath>
 
@@ -67,7 +67,7 @@ void BuildOn(const Lot& lot, uint64_t seed, bool plain, StreetSite* site) {
 
 constexpr double kHouseClearanceM = 6.4;
 
-// Tries the lot wide, then narrower, then further back. Gives the way to go on from there.
+// Tries the lot wide, then narrower, then further back. Returns the way to go on from there.
 double TryHouse(size_t first, int side, int64_t number, StreetSite* site) {
   const std::vector<Station>& stations = site->path.stations();
   const StreetBlock block = BlockAt(*site, stations[first]);

@@ -75,7 +75,8 @@ void StreetPath::Resample(const std::vector<Rigid3d>& world_from_camera) {
     station.camera_y = world_from_camera[0].translation.y();
     stations_.push_back(station);
   }
-  // The direction over two metres each way: single poses jitter, most of all where a car stands.
+  // The direction is taken over two metres each way: single poses jitter, most of all where a car
+  // stands.
   const size_t reach = 4;
   for (size_t i = 0; i < stations_.size(); ++i) {
     const size_t last = std::min(i + reach, stations_.size() - 1);

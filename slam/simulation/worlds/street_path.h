@@ -21,7 +21,7 @@ struct Station {
   double frame = 0;    // Index of the pose, with a fraction between poses.
   double along_m = 0;  // Way from the first pose.
   bool again = false;  // This stretch of street has been driven before.
-  bool driven = true;  // Otherwise a street that leads on where the path begins, turns or ends.
+  bool driven = true;  // False for a street that leads on where the path begins, turns or ends.
 
   Eigen::Vector2d Right() const { return {ahead.y(), -ahead.x()}; }
 };
@@ -52,7 +52,7 @@ class StreetPath {
 
   explicit StreetPath(const std::vector<Rigid3d>& world_from_camera);
 
-  // The driven ones in order, then those of the streets that lead on.
+  // Returns the driven stations in order, then those of the streets that lead on.
   const std::vector<Station>& stations() const { return stations_; }
   void VisitNear(const Eigen::Vector2d& centre, double reach_m,
                  const std::function<void(const Station&)>& visit) const;

@@ -35,7 +35,7 @@ Mesh MakeSign(int kind, uint32_t seed) {
   const Finish metal = {Material::kMetal, seed, 1.1F};
   const Finish print = {Material::kSign, seed, 1.3F};
   AddTube({0, 0.2F, 0}, {0, -2.9F, 0}, 0.035F, 0.035F, 5, metal, &mesh);
-  // Shields face those who come along the road: across x, a little before the pole.
+  // Shields face those who come along the road: they stand across x, a little before the pole.
   const float x = -0.05F;
   switch (kind) {
     case 0:

@@ -1,4 +1,5 @@
-// What lies on the carriageway: lines, zebra crossings, manholes, mended places and seams of tar.
+// Lays what lies on the carriageway: lines, zebra crossings, manholes, mended places and seams of
+// tar.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -39,12 +40,12 @@ bool Lay(const Vector2d& at, const Vector2d& ahead, double half_length, double h
   return true;
 }
 
-// A zebra where another street comes in soon: bars along the street, side by side across it.
+// Adds a zebra where another street comes in soon: bars along the street, side by side across it.
 void AddZebra(const Station& station, Dice* dice, StreetSite* site) {
   const Finish paint = {Material::kRoadMarking, dice->Seed(), 1};
   for (double across = -3.6; across < 3.7; across += 0.9) {
-    for (const double along :
-         {-1.0, 0.0, 1.0}) {  // The stripes are in pieces, because the road bends under them.
+    // The stripes are in pieces, because the road bends under them.
+    for (const double along : {-1.0, 0.0, 1.0}) {
       const Vector2d at =
           Beside(station, across - StreetProfile::kMiddleLeftOfPath) + along * station.ahead;
       Lay(at, station.ahead, 0.5, 0.22, paint, site);
@@ -52,7 +53,7 @@ void AddZebra(const Station& station, Dice* dice, StreetSite* site) {
   }
 }
 
-// A dark seam that wanders along the road, where a crack was filled.
+// Adds a dark seam that wanders along the road, where a crack was filled.
 void AddSeam(const std::vector<Station>& stations, size_t first, Dice* dice, StreetSite* site) {
   const Finish tar = {Material::kAsphalt, dice->Seed(), dice->Uniformf(0.2, 0.5)};
   double across = dice->Uniform(-3.8, 2.2);

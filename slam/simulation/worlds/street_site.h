@@ -83,10 +83,11 @@ StreetBlock BlockAt(const StreetSite& site, const Station& station);
 // Returns a place beside the station, `lateral_m` to the right of the path (negative: left).
 Eigen::Vector2d Beside(const Station& station, double lateral_m);
 
-// Where `middle_m` from the street's middle is on a side (1: right, -1: left), from the path.
+// Returns where `middle_m` from the street's middle is on a side (1: right, -1: left), from the
+// path.
 double LateralOf(int side, double middle_m);
 
-// The builders, in the order in which they take their places.
+// The builders are listed in the order in which they take their places.
 void BuildFrontHouses(StreetSite* site);
 void ParkCars(StreetSite* site);
 void BuildGarages(StreetSite* site);

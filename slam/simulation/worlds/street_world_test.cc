@@ -25,8 +25,8 @@ Rigid3d PoseTowards(const Vector3d& at, double yaw_rad) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3d::UnitY())), at};
 }
 
-// Round a block twice and a half, 0.8 m a frame, uphill on one side; the second time `drift_m`
-// higher (y is down) and half a metre to the side.
+// The path goes round a block twice and a half, 0.8 m a frame, uphill on one side; the second time
+// `drift_m` higher (y is down) and half a metre to the side.
 std::vector<Rigid3d> RoundTheBlock(double drift_m) {
   std::vector<Rigid3d> poses;
   const double side = 90;
@@ -223,7 +223,7 @@ TEST(StreetWorld, MoversKeepTheirDistance) {
     }
   }
   EXPECT_GT(nearest, 1.5);
-  EXPECT_LT(nearest, 8);  // They do meet.
+  EXPECT_LT(nearest, 8);  // Robot and movers do meet.
 }
 
 TEST(StreetWorld, EveryNumberIsFinite) {

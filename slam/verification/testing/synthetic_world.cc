@@ -29,7 +29,7 @@ std::shared_ptr<const Camera> MakeCamera(bool is_metric) {
                                          .close_depth_m = is_metric ? 12.0 : 0});
 }
 
-// The descriptor that each of the world's points has for one map.
+// Returns the descriptor that each of the world's points has for one map.
 std::vector<size_t> Looks(const SyntheticWorld& world, double share_of_mistaken,
                           std::mt19937_64& random) {
   std::vector<size_t> looks(world.positions_m.size());

@@ -53,13 +53,13 @@ struct SyntheticMap {
 SyntheticMap MakeSyntheticMap(const SyntheticWorld& world, const std::vector<Rigid3d>& poses,
                               const SyntheticMapOptions& options = {});
 
-// Root mean square of the camera centres' errors after one rigid alignment. Over the keyframes
-// that `truth` knows.
+// Returns the root mean square of the camera centres' errors after one rigid alignment, over the
+// keyframes that `truth` knows.
 double AteRmse_m(const std::map<KeyframeId, Rigid3d>& estimate,
                  const std::map<KeyframeId, Rigid3d>& truth);
 std::map<KeyframeId, Rigid3d> PosesOf(const Map& map);
 
-// Mean over all observations of the squared reprojection error, each at most 100 px^2.
+// Returns the mean over all observations of the squared reprojection error, each at most 100 px^2.
 double MeanReprojectionError_px2(const Map& map);
 
 }  // namespace corbslam::testing
