@@ -85,7 +85,7 @@ class DifferenceModel {
   int32_t Code(Coder& coder, int32_t value) {
     if (is_zero_.Code(coder, value == 0)) return 0;
     const bool negative = is_negative_.Code(coder, value < 0);
-    // The size counts the bits of a magnitude that isn't 0.
+    // The magnitude of a value that isn't 0.
     const auto size = negative ? 0u - static_cast<uint32_t>(value) : static_cast<uint32_t>(value);
     const uint32_t coded = size_.Code(coder, size - 1) + 1;
     return static_cast<int32_t>(negative ? 0u - coded : coded);

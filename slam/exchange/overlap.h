@@ -19,7 +19,7 @@ struct OverlapEvidence {
   int guided_matches = 0;        // Matches after the guided search.
   int refined_inliers = 0;       // Inliers after refinement on all matches.
   int projected_matches = 0;     // Points of the candidate's neighbourhood found in the query.
-  int visible_points = 0;        // Those of these points that should be in the query's picture.
+  int visible_points = 0;        // Points among these that should be in the query's picture.
   int chance_matches = 0;        // Matches of the same points, looked for where they should not be.
   int consistent_keyframes = 0;  // Further keyframe pairs that agree.
 };

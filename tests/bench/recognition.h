@@ -23,7 +23,7 @@ bool IsSamePlace(const SeenPlace& a, const SeenPlace& b);
 
 struct Recognition {
   size_t right = 0;  // Queries whose best keyframe is the same place, whatever the score.
-  // Those that also score better than all wrong ones: recall@1 at 100 % precision.
+  // Queries that also score better than all wrong ones: recall@1 at 100 % precision.
   size_t found = 0;
   double worst_wrong = 0;  // Highest score of a wrong best.
 };

@@ -121,7 +121,7 @@ absl::Status EnterOwnNetwork() {
   return absl::OkStatus();
 }
 
-// The last member ends first.
+// Members are destroyed in reverse order: the process ends before its link and its network.
 struct Robot {
   std::string name;
   std::unique_ptr<NetworkNamespace> place;
