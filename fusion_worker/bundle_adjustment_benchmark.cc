@@ -1,4 +1,4 @@
-// Global bundle adjustment of 64 keyframes.
+// Measures the global bundle adjustment of 64 keyframes.
 #include <benchmark/benchmark.h>
 
 #include "fusion_worker/local_fusion_worker.h"

@@ -18,8 +18,8 @@ namespace corbslam {
 namespace {
 
 constexpr int kMaxIterations = 1000;
-// The first round finds the outliers, the second adjusts without them, and the third with those that
-// turn out not to be any.
+// The first round finds the outliers, the second adjusts without them, and the third with those
+// that turn out not to be any.
 constexpr int kOutlierRounds = 2;
 // Bends over hundreds of keyframes hardly show in the cost: at 1e-5 a street's map was called
 // converged with a sixth of its error, size aside, to go.
@@ -142,7 +142,7 @@ absl::StatusOr<AdjustBundleResult> LocalFusionWorker::AdjustBundle(
   const absl::Time begin = absl::Now();
   const BundleScope scope = GlobalBundleScope(request.view, request.fixed);
   BundleOptions bundle;
-  // The request's count is of all rounds together.
+  // The request counts the iterations of all rounds together.
   bundle.max_iterations = (request.max_iterations + kOutlierRounds) / (kOutlierRounds + 1);
   bundle.outlier_rounds = kOutlierRounds;
   bundle.measure_noise = true;

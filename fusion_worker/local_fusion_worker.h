@@ -11,15 +11,15 @@
 namespace corbslam {
 
 struct FusionWorkerOptions {
-  // Of the solver, for FuseMaps; AdjustBundle takes the request's. 1 for results that repeat to
-  // the bit.
+  // Threads of the solver for FuseMaps; AdjustBundle takes the request's number. With 1, results
+  // repeat to the bit.
   int threads = 1;
-  // Of all random choices: the same request gives the same result.
+  // Seed of all random choices: the same request gives the same result.
   uint64_t seed = 1;
 };
 
-// Stateless between calls, thread-safe. INVALID_ARGUMENT (naming the id) for views that contradict
-// themselves or the request; CANCELLED when the progress callback returns false.
+// The worker is stateless between calls and thread-safe. INVALID_ARGUMENT (naming the id) for views
+// that contradict themselves or the request; CANCELLED when the progress callback returns false.
 std::unique_ptr<FusionWorker> MakeLocalFusionWorker(const FusionWorkerOptions& options = {});
 
 }  // namespace corbslam

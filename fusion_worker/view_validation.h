@@ -1,5 +1,5 @@
-// Whether a view can be computed with. What Map itself keeps (observations stand on both sides,
-// the tree has no cycle) needs no test; numbers do.
+// Checks whether a view can be computed with. What Map itself keeps (observations stand on both
+// sides, the tree has no cycle) needs no check; numbers do.
 #ifndef CORBSLAM_FUSION_WORKER_VIEW_VALIDATION_H_
 #define CORBSLAM_FUSION_WORKER_VIEW_VALIDATION_H_
 

@@ -35,7 +35,7 @@ absl::btree_set<KeyframeId> OthersAround(const Map& map, LocalMapId own,
   return others;
 }
 
-// What others' keyframes hold no more goes with the own ones.
+// A point that others' keyframes hold no more goes with the own ones.
 void ReferToOwn(LocalMapId own, Map& view) {
   std::vector<MapPointId> points;
   for (const auto& [id, point] : view.points()) {

@@ -14,8 +14,8 @@ constexpr LocalMapId kOwn{0xa};
 constexpr LocalMapId kOther{0xb};
 constexpr uint32_t kKeyframes = 30;
 
-// Own keyframes and another's side by side: the ones of a number see points of that number and the
-// next one's, of both robots.
+// Keyframes of the own robot and of another stand side by side: those of a number see points of
+// that number and the next one's, of both robots.
 Map TwoRobotsSideBySide() {
   Map map;
   for (const LocalMapId id : {kOwn, kOther}) {

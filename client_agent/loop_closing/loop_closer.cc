@@ -15,10 +15,11 @@ namespace {
 
 // Keyframes that see so many points together stand well to each other already.
 constexpr int kWellConnected = 15;
-// Of the views that verification gets; one more than it looks at on either side, for shared ones.
+// Neighbours in the views that verification gets; one more than it looks at on either side, for
+// shared ones.
 constexpr int kViewNeighbours = 10;
 
-// What is no loop: the query's own surroundings in the graph and in time.
+// Returns keyframes that are no loop: the query's own surroundings in the graph and in time.
 absl::btree_set<KeyframeId> SurroundingsOf(const Map& map, const Keyframe& query,
                                            uint32_t min_gap) {
   absl::btree_set<KeyframeId> surroundings = {query.id()};
@@ -38,7 +39,7 @@ absl::btree_set<KeyframeId> SurroundingsOf(const Map& map, const Keyframe& query
   return surroundings;
 }
 
-// All that is own may move but for the root; others' keyframes stay, and what they see.
+// Everything own may move but the root; others' keyframes and what they see stay.
 BundleScope OwnMapScope(const Map& map, LocalMapId own) {
   BundleScope scope;
   const absl::btree_set<KeyframeId> stay = KeyframesThatStay(map, own);
@@ -204,7 +205,7 @@ bool LoopCloser::StepAdjustment() {
   }
   auto correction = std::make_shared<MapCorrection>(MakeCorrection(map, own, *adjusted));
   queue_.PostJob([this, generation, correction](GuardedMap&) {
-    // A loop closed since has moved the map that this was computed on.
+    // A loop that was closed since then has moved the map that this was computed on.
     const bool is_current = generation_.load() == generation;
     if (is_current) Apply(*correction);
     absl::MutexLock lock(&mutex_);

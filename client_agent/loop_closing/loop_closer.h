@@ -26,15 +26,15 @@ namespace corbslam {
 
 struct LoopCloserOptions {
   // What changes results.
-  bool fix_scale = true;  // The robot's maps are metric.
+  bool fix_scale = true;  // True: the robot's maps are metric.
   uint64_t seed = 1;
   // Own keyframes nearer than this in number are no loop; nor is one so soon after the last.
   uint32_t min_keyframe_gap = 10;
-  // The best so many candidates are verified.
+  // So many of the best candidates are verified.
   size_t max_candidates = 3;
-  // Further keyframes that must agree.
+  // So many further keyframes must agree.
   int min_consistent_keyframes = 3;
-  int adjustment_iterations = 10;  // Of each round.
+  int adjustment_iterations = 10;  // Iterations of each round.
   // What changes speed.
   int solver_threads = 1;
   size_t max_waiting_keyframes = 32;
@@ -44,50 +44,53 @@ struct LoopCloserCounts {
   int queried = 0;
   int verified = 0;
   int closed = 0;
-  int closed_against_others = 0;  // Of `closed`: the candidate is another local map's.
+  int closed_against_others = 0;  // The part of `closed` whose candidate is another local map's.
   int adjusted = 0;               // Full bundle adjustments that were applied.
 };
 
-// Keyframes of the robot's map (own and shared ones) that look like the query, best first and one
-// a group of covisible ones; none of `excluded`. Called without any lock of the LoopCloser or the
-// map held, with a keyframe that carries its words; thread-safe.
+// Returns keyframes of the robot's map (own and shared ones) that look like the query, best first
+// and one a group of covisible ones; none of `excluded`. It is called without any lock of the
+// LoopCloser or the map held, with a keyframe that carries its words; thread-safe.
 using FindLoopCandidates = std::function<std::vector<KeyframeId>(
     const Keyframe& query, const absl::btree_set<KeyframeId>& excluded)>;
 
-// Takes what others made along, where the own map was corrected. Called on the mapping thread, with
-// the map.
+// Takes along what others made where the own map was corrected. It is called on the mapping thread,
+// with the map.
 using FollowCorrection = std::function<void(const OwnCorrection& correction, Map& map)>;
 
-// Of one local map. Two workers drive it: one calls StepDetection, the other StepAdjustment (the
-// same thread may do both, as deterministic runs do). The map is only changed by jobs that it
-// posts to the mapping queue, one of each worker at a time. The rest is thread-safe.
+// Closes loops in one local map. Two workers drive it: one calls StepDetection, the other
+// StepAdjustment (the same thread may do both, as deterministic runs do). Only jobs that it posts
+// to the mapping queue change the map, and each worker has one posted at a time. The rest is
+// thread-safe.
 class LoopCloser {
  public:
-  // Neither is owned; both outlive the closer and the jobs that it posted. `follow` may be null.
+  // The map and the queue are not owned; both outlive the closer and the jobs that it posted.
+  // `follow` may be null.
   LoopCloser(const LoopCloserOptions& options, GuardedMap* map, MappingQueue* queue,
              FindLoopCandidates find_candidates, FollowCorrection follow = nullptr);
   // The workers must have ended, and the queue must have run or dropped the closer's jobs.
   ~LoopCloser() = default;
 
-  // A keyframe that the mapper is done with. When too many wait, the oldest is forgotten.
+  // Takes a keyframe that the mapper is done with. When too many wait, the oldest is forgotten.
   void Enqueue(KeyframeId keyframe);
 
   // Looks for a loop at the next waiting keyframe, and posts the correction where there is one.
-  // False when there was nothing to do: no keyframe waits, or the last correction is not in yet.
+  // Returns false when there was nothing to do: no keyframe waits, or the last correction is not in
+  // yet.
   bool StepDetection();
-  // Adjusts the whole map when a loop was closed since the last time, and posts the result. A
-  // newer loop cancels it (and calls for another). False when there was nothing to do.
+  // Adjusts the whole map when a loop was closed since the last time, and posts the result. A newer
+  // loop cancels it (and calls for another). Returns false when there was nothing to do.
   bool StepAdjustment();
 
-  // Block until there is something to do: true; or Stop was called: false.
+  // Block until there is something to do and return true, or until Stop is called and return false.
   bool WaitForDetection();
   bool WaitForAdjustment();
   // Ends waiting, and cancels an adjustment under way.
   void Stop();
 
-  // Nothing waits and nothing is under way, in either worker or posted.
+  // True when nothing waits and nothing is under way, neither in a worker nor in a posted job.
   bool IsIdle() const;
-  // Returns when it is: true; or false at the deadline.
+  // Returns true when it is idle, and false at the deadline.
   bool WaitUntilIdle(absl::Time deadline) const;
 
   LoopCloserCounts counts() const;
@@ -95,7 +98,7 @@ class LoopCloser {
  private:
   std::optional<Overlap> DetectLoop(KeyframeId query);
   bool CloseLoop(const Overlap& loop);
-  // In a job.
+  // Runs in a job on the mapping thread.
   void Apply(const MapCorrection& correction);
   bool Idle() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   bool DetectionIsReady() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);

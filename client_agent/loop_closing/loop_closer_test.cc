@@ -75,7 +75,7 @@ MapPicture::Robot DrawRobot(const Map& map, LocalMapId local_map, const std::str
   return robot;
 }
 
-// The own robot's map, what it holds of the other, and where the own one truly was.
+// Draws the own robot's map, what it holds of the other, and where the own one truly was.
 cv::Mat Draw(const Map& map, const SyntheticMap& own, const std::string& title) {
   MapPicture picture;
   picture.title = title;
@@ -91,7 +91,7 @@ cv::Mat Draw(const Map& map, const SyntheticMap& own, const std::string& title) 
   return image.ok() ? *image : cv::Mat(1, 800, CV_8UC3);
 }
 
-// For people, where CORBSLAM_PICTURE_DIR names a folder.
+// Saves a picture for people, where CORBSLAM_PICTURE_DIR names a folder.
 void SavePicture(const Map& before, const Map& after, const SyntheticMap& own) {
   const char* folder = std::getenv("CORBSLAM_PICTURE_DIR");
   if (folder == nullptr) return;
@@ -102,7 +102,8 @@ void SavePicture(const Map& before, const Map& after, const SyntheticMap& own) {
   EXPECT_TRUE(written.ok()) << written;
 }
 
-// Stands in for the keyframe database: whoever shares the most matches.
+// It stands in for the keyframe database: the keyframe that shares the most matches is the
+// candidate.
 class LoopCloserTest : public ::testing::Test {
  protected:
   LoopCloserTest()
@@ -142,7 +143,7 @@ class LoopCloserTest : public ::testing::Test {
       queue_.Done();
     }
   }
-  // As a deterministic agent does.
+  // A deterministic agent steps in this way, too.
   void StepUntilIdle(LoopCloser& closer) {
     while (closer.StepDetection() || closer.StepAdjustment()) RunJobs();
   }

@@ -5,7 +5,7 @@
 namespace corbslam {
 namespace {
 
-// Everything, as it was in the copy.
+// Returns everything as it was in the copy.
 MapCorrection Unmoved(const Map& map, LocalMapId own) {
   MapCorrection correction;
   for (const auto& [id, keyframe] : map.keyframes()) {
@@ -36,12 +36,13 @@ void SetAfter(MapPointId id, const Eigen::Vector3d& after, MapCorrection& correc
   }
 }
 
-// before_from_after of the place where a keyframe stands.
+// Knows before_from_after of the place where a keyframe stands.
 class Motions {
  public:
   Motions(const MapCorrection& correction, const Map& map) : correction_(correction), map_(map) {}
 
-  // Its own, else that of its nearest ancestor that has one; identity without any.
+  // Returns the keyframe's own motion, else that of its nearest ancestor that has one; identity
+  // without any.
   Similarity3d Of(KeyframeId id) const {
     for (const Keyframe* at = map_.FindKeyframe(id); at != nullptr;
          at = map_.FindKeyframe(at->parent)) {

@@ -25,10 +25,10 @@ struct MapCorrection {
     Eigen::Vector3d before = Eigen::Vector3d::Zero();
     Eigen::Vector3d after = Eigen::Vector3d::Zero();
   };
-  // Own ones that were in the copy: all of them, moved or not.
+  // All own keyframes that were in the copy, moved or not.
   std::map<KeyframeId, MovedKeyframe> keyframes;
   std::map<MapPointId, MovedPoint> points;
-  // Others' keyframes that were in the copy: it was fitted to them.
+  // Others' keyframes that were in the copy, to which it was fitted.
   absl::btree_set<KeyframeId> held;
   std::vector<FuseMapsResult::Merge> merges;
   std::vector<RejectedObservation> rejected;
@@ -36,9 +36,10 @@ struct MapCorrection {
   std::optional<std::pair<KeyframeId, KeyframeId>> loop_edge;
 };
 
-// Of a loop closed on the copy `map`. Items of other local maps than `own` are left out.
+// Makes the correction of a loop closed on the copy `map`. Items of other local maps than `own` are
+// left out.
 MapCorrection MakeCorrection(const Map& map, LocalMapId own, const FuseMapsResult& fused);
-// Of a bundle adjustment of the copy `map`.
+// Makes the correction of a bundle adjustment of the copy `map`.
 MapCorrection MakeCorrection(const Map& map, LocalMapId own, const BundleResult& adjusted);
 
 // Moves own keyframes and points of `map`. What moved since the copy keeps that motion, what was

@@ -21,28 +21,29 @@ class GuardedMap {
   GuardedMap(const GuardedMap&) = delete;
   GuardedMap& operator=(const GuardedMap&) = delete;
 
-  // f(const Map&) under a shared lock; returns what f returns (no references into the map).
+  // Calls f(const Map&) under a shared lock; returns what f returns (no references into the map).
   template <typename F>
   auto Read(F&& f) const {
     absl::ReaderMutexLock lock(&mutex_);
     return std::forward<F>(f)(map_);
   }
 
-  // f(const Map&, const MapHistory&): also what became of removed items.
+  // Calls f(const Map&, const MapHistory&) in the same way; the history says what became of removed
+  // items.
   template <typename F>
   auto ReadWithHistory(F&& f) const {
     absl::ReaderMutexLock lock(&mutex_);
     return std::forward<F>(f)(map_, history_);
   }
 
-  // f(Map&) under the exclusive lock. Mapping thread only.
+  // Calls f(Map&) under the exclusive lock. Mapping thread only.
   template <typename F>
   auto Write(F&& f) {
     absl::MutexLock lock(&mutex_);
     return std::forward<F>(f)(map_);
   }
 
-  // Hears all further changes; not owned, null for none.
+  // The observer hears all further changes; it is not owned, null for none.
   void SetObserver(MapObserver* observer) {
     absl::MutexLock lock(&mutex_);
     history_.SetNext(observer);
@@ -52,12 +53,13 @@ class GuardedMap {
   bool IsOwn(KeyframeId id) const { return id.local_map == local_map_; }
   bool IsOwn(MapPointId id) const { return id.local_map == local_map_; }
 
-  // Never the same twice. Thread-safe; keyframes are numbered by tracking, points by mapping.
+  // Return ids that are never the same twice. Thread-safe; tracking numbers keyframes, mapping
+  // points.
   KeyframeId NewKeyframeId() { return {local_map_, next_keyframe_.fetch_add(1)}; }
   MapPointId NewPointId() { return {local_map_, next_point_.fetch_add(1)}; }
 
-  // How often the robot's own map was moved as a whole. Counted inside Write, so that who finds no
-  // difference has read one map before and after.
+  // Returns how often the robot's own map was moved as a whole. It is counted inside Write, so that
+  // a reader that finds no difference has read one map before and after.
   uint64_t corrections() const { return corrections_.load(); }
   void CountCorrection() { corrections_.fetch_add(1); }
 

@@ -1,4 +1,5 @@
-// What became of the items that a map holds no more, so that references to them can be followed.
+// Remembers what became of the items that a map holds no more, so that references to them can be
+// followed.
 #ifndef CORBSLAM_CLIENT_AGENT_MAP_MAP_HISTORY_H_
 #define CORBSLAM_CLIENT_AGENT_MAP_MAP_HISTORY_H_
 
@@ -14,14 +15,14 @@ namespace corbslam {
 // its map.
 class MapHistory : public MapObserver {
  public:
-  // Hears everything too; not owned, null for none.
+  // `next` hears everything too; it is not owned, null for none.
   void SetNext(MapObserver* next) { next_ = next; }
 
-  // The point that took the place of `id`, or `id` itself.
+  // Returns the point that took the place of `id`, or `id` itself.
   MapPointId CurrentPoint(MapPointId id) const;
 
-  // The pose of a keyframe that is or was in `map`: a removed one follows the parent it hung on.
-  // None for keyframes never seen.
+  // Returns the pose of a keyframe that is or was in `map`: a removed one follows the parent it
+  // hung on. There is none for keyframes never seen.
   std::optional<Rigid3d> CameraFromMap(const Map& map, KeyframeId id) const;
 
   void OnKeyframeAdded(KeyframeId id) override;

@@ -10,12 +10,12 @@
 
 namespace corbslam {
 
-// After a loop was closed, or everything was adjusted because of one.
+// What moved after a loop was closed, or after everything was adjusted because of one.
 struct OwnCorrection {
   struct Motion {
     Rigid3d camera_from_map_before;
     Rigid3d camera_from_map_after;
-    // Where what lies beside the keyframe goes with it, in the map's frame.
+    // Returns where things beside the keyframe go along with it, in the map's frame.
     Rigid3d AfterFromBefore() const {
       return camera_from_map_after.Inverse() * camera_from_map_before;
     }

@@ -12,8 +12,8 @@ namespace corbslam {
 // leaves them (docs/adr/0012-provisional-keyframes.md).
 inline constexpr size_t kProvisionalKeyframes = 6;
 
-// The newest of `local_map`'s keyframes for which `count` newer ones of its are in the map; invalid
-// if there is none.
+// Returns the newest of `local_map`'s keyframes for which `count` newer ones of its are in the map;
+// invalid if there is none.
 KeyframeId NewestBut(const Map& map, LocalMapId local_map, size_t count);
 
 }  // namespace corbslam

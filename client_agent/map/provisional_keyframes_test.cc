@@ -20,7 +20,7 @@ TEST(NewestButTest, CountsOwnKeyframesThatAreThere) {
   Map map;
   for (uint32_t i = 0; i < 5; ++i) {
     Add({kOwn, i}, map);
-    // Others' on both sides of them.
+    // Others' keyframes stand on both sides of them.
     Add({LocalMapId{4}, i}, map);
     Add({LocalMapId{6}, i}, map);
   }

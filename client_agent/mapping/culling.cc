@@ -8,7 +8,8 @@ namespace corbslam {
 namespace {
 
 constexpr double kMinFoundRatio = 0.25;
-// Observations with depth count twice: one keyframe, or one with and one without depth.
+// Observations with depth count twice: three are one keyframe with depth and one without, two are
+// one with depth.
 constexpr int kTooFewObservations = 3;
 constexpr int kWeakObservations = 2;
 constexpr uint32_t kAgeToBeSeen = 2;

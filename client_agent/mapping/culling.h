@@ -1,4 +1,4 @@
-// What the mapper takes out of the map again.
+// Decides what the mapper takes out of the map again.
 #ifndef CORBSLAM_CLIENT_AGENT_MAPPING_CULLING_H_
 #define CORBSLAM_CLIENT_AGENT_MAPPING_CULLING_H_
 
@@ -13,7 +13,7 @@ namespace corbslam {
 inline constexpr double kRedundantShare = 0.95;
 
 // Points that must still prove themselves (ORB-SLAM, T-RO 2015, VI.B). Not thread-safe: the mapping
-// thread's.
+// thread uses it.
 class RecentPoints {
  public:
   explicit RecentPoints(PointStatistics* statistics) : statistics_(statistics) {}
@@ -36,25 +36,25 @@ class RecentPoints {
   std::vector<Recent> recent_;
 };
 
-// Own keyframes covisible with `centre` of whose close points 95 % are seen at the same or a finer
-// scale by at least three other own ones (ORB-SLAM, VI.E, with 90 %; ORB-SLAM2: close points only).
-// More than is asked of those that nobody has been told of (keyframe_judgement.h). Not the
-// root, not `centre`, none that holds a loop edge. Other robots' keyframes make none redundant: the
-// own map must hold together without them, for they may go, and no adjustment of it has them all.
-// Pure.
+// Finds own keyframes covisible with `centre` of whose close points 95 % are seen at the same or a
+// finer scale by at least three other own ones (ORB-SLAM, VI.E, with 90 %; ORB-SLAM2: close points
+// only). Keyframes that nobody has been told of are judged less strictly (keyframe_judgement.h).
+// The root, `centre` and keyframes that hold a loop edge stay. Other robots' keyframes make none
+// redundant: the own map must hold together without them, for they may go, and no adjustment of it
+// has them all. Pure.
 std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre, LocalMapId own);
 
-// Not the root, none that holds a loop edge.
+// True unless the keyframe is the root or holds a loop edge.
 bool MayGo(const Keyframe& keyframe);
 
-// True if more than `share` of the keyframe's close points are seen as said above now.
+// True if more than `share` of the keyframe's close points are seen as FindRedundantKeyframes asks.
 bool IsRedundant(const Map& map, const Keyframe& keyframe, double share = kRedundantShare);
 
 // Removes the keyframe, and those of its points that too few see then.
 void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map);
 
-// Removes those of the own points that are seen only once or not at all, of which an observation
-// was dropped.
+// Removes those of `points` that are the own map's and are seen only once or not at all. An
+// observation of each was dropped.
 void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map& map);
 
 }  // namespace corbslam

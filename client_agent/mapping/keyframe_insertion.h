@@ -15,7 +15,7 @@ namespace corbslam {
 // see none (ORB-SLAM2, T-RO 2017). Returns the new points. Mapping thread only; writes.
 std::vector<MapPointId> InsertKeyframe(const NewKeyframe& keyframe, GuardedMap& map);
 
-// An observation counts twice where it has depth (ORB-SLAM2).
+// Counts an observation twice where it has depth (ORB-SLAM2).
 int CountObservations(const Map& map, const MapPoint& point);
 
 }  // namespace corbslam

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kRedundantShareOfProvisional = 0.7;
 
-// Own keyframes beyond `judged` that are not among the newest, in order.
+// Returns own keyframes beyond `judged` that are not among the newest, in order.
 std::vector<KeyframeId> FindUnjudged(const Map& map, LocalMapId own,
                                      const std::optional<uint32_t>& judged) {
   std::vector<KeyframeId> unjudged;

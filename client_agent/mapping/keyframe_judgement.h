@@ -1,4 +1,4 @@
-// Whether a keyframe was worth making, once the camera has gone on.
+// Judges whether a keyframe was worth making, once the camera has gone on.
 #ifndef CORBSLAM_CLIENT_AGENT_MAPPING_KEYFRAME_JUDGEMENT_H_
 #define CORBSLAM_CLIENT_AGENT_MAPPING_KEYFRAME_JUDGEMENT_H_
 
@@ -11,12 +11,13 @@
 namespace corbslam {
 
 // Takes out those own keyframes that turn out to be redundant as they leave the newest
-// kProvisionalKeyframes: nobody has been told of them yet, so that less is asked than of those that
-// stayed (culling.h; docs/adr/0012-provisional-keyframes.md). Not thread-safe: the mapping
-// thread's.
+// kProvisionalKeyframes. Nobody has been told of them yet, so they go more easily than those that
+// stayed (culling.h; docs/adr/0012-provisional-keyframes.md). Not thread-safe: the mapping thread
+// uses it.
 class KeyframeJudge {
  public:
-  // Judges what has left since the last call, the oldest first; returns what was taken out.
+  // Judges the keyframes that have left since the last call, the oldest first; returns those it
+  // took out.
   std::vector<KeyframeId> Judge(GuardedMap& map);
 
  private:

@@ -45,7 +45,7 @@ TEST_F(KeyframeJudgementTest, JudgesWhatLeavesTheNewestOnceAndNotTheRoot) {
 }
 
 TEST_F(KeyframeJudgementTest, WhatWasWorthKeepingIsNotJudgedAgain) {
-  // What the second sees nobody else does.
+  // Keyframes after number 3 lose sight of what number 2 sees.
   std::vector<std::pair<MapPointId, KeyframeId>> others;
   map_.Write([&](Map& map) {
     for (const MapPointId id : map.FindKeyframe({kOwn, 2})->points) {

@@ -9,7 +9,7 @@ void AddDisparity(const LookSum& looks, double own_weight, Keypoint& keypoint) {
   if (looks.disparity_weight <= 0 || !keypoint.HasDepth()) return;
   const auto disparity_px = static_cast<float>(
       keypoint.disparity_px + looks.disparity_shift / (own_weight + looks.disparity_weight));
-  // Of what is so far that it has none, noise makes 0 or less.
+  // The disparity of a point that is too far to have one may become 0 or less by noise.
   if (disparity_px > 0) keypoint.disparity_px = disparity_px;
 }
 
@@ -44,7 +44,7 @@ void LookBook::Add(const std::vector<Look>& looks) {
 
 absl::btree_map<KeyframeId, KeyframeLooks> LookBook::TakeUpTo(KeyframeId last) {
   absl::MutexLock lock(&mutex_);
-  // Where keyframes were culled meanwhile, it may be one before the last time's.
+  // Where keyframes were culled meanwhile, `last` may lie before the last time's.
   taken_ = std::max(taken_.value_or(last), last);
   absl::btree_map<KeyframeId, KeyframeLooks> taken;
   while (!looks_.empty() && looks_.begin()->first <= last) {

@@ -1,4 +1,4 @@
-// What frames measured that became no keyframe, on its way into the keyframes that stay
+// Keeps what frames measured that became no keyframe, on its way into the keyframes that stay
 // (docs/adr/0012-provisional-keyframes.md).
 #ifndef CORBSLAM_CLIENT_AGENT_MAPPING_LOOK_BOOK_H_
 #define CORBSLAM_CLIENT_AGENT_MAPPING_LOOK_BOOK_H_
@@ -20,10 +20,10 @@ namespace corbslam {
 struct Look {
   KeyframeId keyframe;
   uint32_t keypoint = 0;
-  // From the keypoint to where this one would have it.
+  // Shift from the keypoint to where this look has it.
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
   double disparity_shift_px = 0;
-  // Greater than 0.
+  // It is greater than 0.
   double variance_px2 = 0;
   // 0: no disparity was measured.
   double disparity_variance_px2 = 0;
@@ -36,25 +36,25 @@ struct LookSum {
   double disparity_shift = 0;
   double disparity_weight = 0;
 };
-// One a keypoint, up to the last one that was looked at.
+// One sum a keypoint, up to the last one that was looked at.
 using KeyframeLooks = std::vector<LookSum>;
 
-// The keypoints where they and the looks at them are on the average.
+// Returns the keypoints at the weighted mean of their own measurement and the looks at them.
 std::vector<Keypoint> Averaged(std::vector<Keypoint> keypoints, const KeyframeLooks& looks);
 
-// Of one local map. Thread-safe: tracking adds, mapping takes.
+// The look book of one local map. Thread-safe: tracking adds, mapping takes.
 class LookBook {
  public:
-  // Those of keyframes whose looks were taken come too late, and are passed over: their keypoints
-  // are not those any more that were looked at.
+  // Adds looks. Those at keyframes whose looks were taken already come too late and are passed
+  // over, because their keypoints were moved since.
   void Add(const std::vector<Look>& looks);
-  // Those of keyframes up to this one, once.
+  // Takes the looks at keyframes up to `last`; each look is taken once.
   absl::btree_map<KeyframeId, KeyframeLooks> TakeUpTo(KeyframeId last);
 
  private:
   absl::Mutex mutex_;
   absl::btree_map<KeyframeId, KeyframeLooks> looks_ ABSL_GUARDED_BY(mutex_);
-  // Up to here looks were taken; nullopt: none was.
+  // The looks were taken up to this keyframe; nullopt: none was taken.
   std::optional<KeyframeId> taken_ ABSL_GUARDED_BY(mutex_);
 };
 

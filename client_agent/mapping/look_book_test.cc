@@ -38,7 +38,8 @@ TEST(LookBookTest, AveragesByVariance) {
       Averaged({MakeKeypoint(20), MakeKeypoint(20), MakeKeypoint(20)}, taken.begin()->second);
   EXPECT_EQ(moved[0], MakeKeypoint(20));
   EXPECT_EQ(moved[2], MakeKeypoint(20));
-  // Of 1 pixel's variance itself: (0 + 3 - 2) / (1 + 1 + 2), and the disparity (0 + 2) / (1 + 2).
+  // The keypoint's own variance is 1 px^2: it moves by (0 + 3 - 2) / (1 + 1 + 2), and its disparity
+  // by (0 + 2) / (1 + 2).
   EXPECT_FLOAT_EQ(moved[1].x_px, 100.25F);
   EXPECT_FLOAT_EQ(moved[1].y_px, 49.75F);
   EXPECT_FLOAT_EQ(moved[1].disparity_px, 20 + 2 / 3.F);

@@ -17,7 +17,7 @@
 namespace corbslam {
 namespace {
 
-// With fewer there is nothing to adjust.
+// A map with fewer keyframes has nothing to adjust.
 constexpr size_t kMinKeyframesToAdjust = 3;
 
 // Moves keyframes born during an adjustment, and their own points, with the keyframe they hang on,
@@ -26,7 +26,7 @@ class BornKeyframes {
  public:
   BornKeyframes(const Map& before, Map& map) : before_(before), map_(map) {}
 
-  // In the order of their birth.
+  // Must be called in the order of the keyframes' birth.
   void Move(KeyframeId born) {
     const Keyframe* keyframe = map_.FindKeyframe(born);
     if (keyframe == nullptr) return;
@@ -115,7 +115,7 @@ void Mapper::MapNextKeyframe() {
 void Mapper::MapKeyframe(KeyframeId id) {
   recent_points_.Cull(id, *parts_.map);
   recent_points_.Add(CreatePoints(id, *parts_.map), id);
-  // The newer ones first: their points are missed more.
+  // Newer keyframes come first: their points are missed more.
   if (!pending_.empty()) return;
   FuseNeighbours(id, *parts_.map);
   AdjustLocalBundle(id);
@@ -134,7 +134,8 @@ void Mapper::AdjustLocalBundle(KeyframeId centre) {
   });
   if (scope.free_keyframes.empty()) return;
   BundleOptions options = options_.local_bundle;
-  // What is born from here on is not in the copy, and moves with its parent when this is committed.
+  // A keyframe born from here on is not in the copy, and moves with its parent when this is
+  // committed.
   options.keep_going = [this, &asked = options_.local_bundle.keep_going](double progress) {
     InsertWaiting();
     return !asked || asked(progress);
@@ -164,7 +165,7 @@ void Mapper::CullKeyframes(KeyframeId centre) {
   const std::vector<KeyframeId> redundant = parts_.map->Read(
       [&](const Map& map) { return FindRedundantKeyframes(map, centre, parts_.map->local_map()); });
   for (const KeyframeId id : redundant) {
-    // What has not made its own points yet is not to be judged.
+    // A keyframe that has not made its own points yet is not to be judged.
     if (std::ranges::find(pending_, id) != pending_.end()) continue;
     const bool removed = parts_.map->Write([&](Map& map) {
       if (!IsRedundant(map, *map.FindKeyframe(id))) return false;
@@ -181,7 +182,8 @@ void Mapper::JudgeKeyframes() {
   }
 }
 
-// To those that are not provisional any more: soon they are told to others.
+// Applies looks to keyframes that are not provisional any more, because others are told of them
+// soon.
 void Mapper::ApplyLooks() {
   if (parts_.looks == nullptr) return;
   const KeyframeId last = parts_.map->Read([&](const Map& map) {

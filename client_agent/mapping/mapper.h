@@ -1,5 +1,5 @@
 // Builds the local map from the keyframes that tracking keeps (ORB-SLAM, T-RO 2015, section VI).
-// The one writer of the map.
+// The mapper is the one writer of the map.
 #ifndef CORBSLAM_CLIENT_AGENT_MAPPING_MAPPER_H_
 #define CORBSLAM_CLIENT_AGENT_MAPPING_MAPPER_H_
 
@@ -30,13 +30,13 @@ struct MapperParts {
   PointStatistics* statistics = nullptr;
   // Called on the mapping thread after a keyframe was mapped, without a lock held; may be null.
   std::function<void(KeyframeId)> on_mapped;
-  // Called likewise when one was culled.
+  // Called in the same way when a keyframe was culled; may be null.
   std::function<void(KeyframeId)> on_removed;
   // What tracking adds to keyframes' measurements; may be null.
   LookBook* looks = nullptr;
 };
 
-// Step and Run: one thread at a time, the mapping thread.
+// One thread, the mapping thread, calls Step and Run.
 class Mapper {
  public:
   Mapper(const MapperOptions& options, MapperParts parts);
@@ -47,12 +47,12 @@ class Mapper {
   // Steps until the queue is stopped; waits where there is nothing to do.
   void Run();
 
-  // Thread-safe: how long each local bundle adjustment took.
+  // Returns how long each local bundle adjustment took. Thread-safe.
   std::vector<double> local_ba_ms() const;
 
  private:
   void Insert(const NewKeyframe& keyframe);
-  // Those that wait: tracking needs their points, whatever else there is to do.
+  // Inserts all keyframes that wait: tracking needs their points, whatever else there is to do.
   void InsertWaiting();
   void MapNextKeyframe();
   void MapKeyframe(KeyframeId id);
@@ -66,7 +66,7 @@ class Mapper {
   const MapperParts parts_;
   RecentPoints recent_points_;
   KeyframeJudge judge_;
-  // Inserted, not yet mapped.
+  // Keyframes that are inserted and not yet mapped.
   std::deque<KeyframeId> pending_;
   bool is_jobs_turn_ = true;
 

@@ -1,5 +1,5 @@
-// Work for the mapping thread, the one writer of the robot's map: new keyframes from tracking, and
-// jobs of those who want the map changed.
+// Holds work for the mapping thread, the one writer of the robot's map: new keyframes from
+// tracking, and jobs of those who want the map changed.
 #ifndef CORBSLAM_CLIENT_AGENT_MAPPING_MAPPING_QUEUE_H_
 #define CORBSLAM_CLIENT_AGENT_MAPPING_MAPPING_QUEUE_H_
 
@@ -22,42 +22,44 @@ namespace corbslam {
 struct NewKeyframe {
   std::shared_ptr<const KeyframePayload> payload;
   std::shared_ptr<const Words> words;
-  // The keyframe that it was tracked against; invalid: the first of its local map.
+  // The keyframe that it was tracked against; invalid for the first keyframe of its local map.
   KeyframeId reference;
-  // Of the first one: camera_from_map. The reference may move until the keyframe is inserted.
+  // For the first keyframe this is camera_from_map. The reference may move until the keyframe is
+  // inserted.
   Rigid3d camera_from_reference;
-  // One entry a keypoint: the map points that tracking found. Some may be gone meanwhile.
+  // The map points that tracking found, one entry a keypoint. Some may be gone meanwhile.
   std::vector<MapPointId> points;
 };
 
 using MappingJob = std::function<void(GuardedMap&)>;
 
-// Thread-safe; any number of producers, one consumer. Bounded by its producers: tracking asks
+// Thread-safe, for any number of producers and one consumer. Its producers bound it: tracking asks
 // HasRoom before it makes a keyframe, and each job's poster has one job under way at most.
 class MappingQueue {
  public:
   explicit MappingQueue(size_t max_keyframes = 3) : max_keyframes_(max_keyframes) {}
 
   bool HasRoom() const;
-  // False, and nothing queued, without room.
+  // Returns false, and queues nothing, when there is no room.
   bool PushKeyframe(NewKeyframe keyframe);
   // Runs the job on the mapping thread, after those posted before. A keyframe that waits meanwhile
   // may come first.
   void PostJob(MappingJob job);
 
-  // Nothing waits and the consumer is not at work.
+  // True when nothing waits and the consumer is not at work.
   bool IsIdle() const;
-  // Keyframes that wait.
+  // Number of keyframes that wait.
   size_t keyframes() const;
 
-  // The next one, or none. With one the consumer counts as at work until it calls Done.
+  // Return the next item, or none. After an item the consumer counts as at work until it calls
+  // Done.
   std::optional<NewKeyframe> TryPopKeyframe();
   std::optional<MappingJob> TryPopJob();
   void Done();
-  // Returns when something waits, or the consumer has not called Done: true; or when Stop was
-  // called: false.
+  // Returns true when something waits or the consumer has not called Done, and false when Stop was
+  // called.
   bool WaitForWork();
-  // Returns when the queue is idle (or stopped): true; or false at the deadline.
+  // Returns true when the queue is idle (or stopped), and false at the deadline.
   bool WaitUntilIdle(absl::Time deadline);
   // Wakes everybody; items that wait are dropped.
   void Stop();

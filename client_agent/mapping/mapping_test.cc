@@ -1,4 +1,4 @@
-// The mapper and its parts on synthetic scenes.
+// Tests the mapper and its parts on synthetic scenes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr LocalMapId kOwn{0x5ce7e};
 
-// Words that put all keypoints under one node.
+// Makes words that put all keypoints under one node.
 std::shared_ptr<const Words> OneNode(size_t keypoints) {
   auto words = std::make_shared<Words>();
   words->direct_index.emplace_back();
@@ -40,7 +40,7 @@ class MappingTest : public ::testing::Test {
     return options;
   }
 
-  // What tracking would hand over: the scene's keyframe, seen from `pose`, without points.
+  // Makes what tracking would hand over: the scene's keyframe, seen from `pose`, without points.
   NewKeyframe Handed(uint32_t index, const Rigid3d& camera_from_map) const {
     const Keyframe& seen = *scene_.map.FindKeyframe({kOwn, index});
     NewKeyframe keyframe;
@@ -191,14 +191,14 @@ TEST_F(MappingTest, LooksMoveKeypointsOnceTheirKeyframeIsSettled) {
     Look look;
     look.keyframe = {kOwn, k};
     look.shift_px = {1, 0};
-    // So sure that the keypoint goes all the way.
+    // The look is so sure that the keypoint goes all the way.
     look.variance_px2 = 1e-6;
     looks.Add({look});
     NewKeyframe keyframe = Handed(k);
     SeeMapPoints(keyframe);
     ASSERT_TRUE(queue_.PushKeyframe(std::move(keyframe)));
     ASSERT_TRUE(mapper.Step());
-    // Those of loops are not culled.
+    // Keyframes that hold loop edges are not culled.
     if (k > 0) map_.Write([&](Map& map) { map.AddLoopEdge({kOwn, k}, {kOwn, k - 1}); });
   }
   map_.Read([&](const Map& map) {
@@ -243,7 +243,7 @@ TEST_F(MappingTest, KeyframesThatComeDuringAnAdjustmentAreInsertedAndMapped) {
   EXPECT_TRUE(queue_.IsIdle());
 }
 
-// As when a store shares a large map: each piece that is placed makes room for the next.
+// A store that shares a large map does this: each piece that is placed makes room for the next.
 TEST_F(MappingTest, AKeyframeDoesNotWaitForAStreamOfJobs) {
   std::vector<uint32_t> mapped;
   Mapper mapper({}, {&map_, &queue_, &statistics_,

@@ -1,4 +1,4 @@
-// Which keypoints have a depth good enough to make a point from one view.
+// Chooses keypoints with a depth good enough to make a point from one view.
 #ifndef CORBSLAM_CLIENT_AGENT_MAPPING_NEAREST_KEYPOINTS_H_
 #define CORBSLAM_CLIENT_AGENT_MAPPING_NEAREST_KEYPOINTS_H_
 
@@ -10,8 +10,8 @@
 
 namespace corbslam {
 
-// Indices of the keypoints with depth, nearest first: all within the camera's close depth, and as
-// many farther ones as it takes to have `at_least` (ORB-SLAM2, T-RO 2017).
+// Returns the indices of keypoints with depth, nearest first: all within the camera's close depth,
+// and as many farther ones as it takes to have `at_least` (ORB-SLAM2, T-RO 2017).
 std::vector<uint32_t> NearestKeypoints(const Camera& camera, const std::vector<Keypoint>& keypoints,
                                        size_t at_least);
 

@@ -14,7 +14,7 @@ constexpr int kNeighbours = 10;
 constexpr double kMaxParallaxCosine = 0.9998;
 constexpr double kMaxChi2Monocular = 5.991;
 constexpr double kMaxChi2Stereo = 7.815;
-// Ratio of distances against ratio of octave scales.
+// Largest mismatch between the ratio of distances and the ratio of octave scales.
 constexpr double kMaxScaleMismatch = 1.5 * ScalePyramid::kFactor;
 
 struct NewPoint {
@@ -116,7 +116,7 @@ std::vector<MapPointId> CreatePoints(KeyframeId keyframe, GuardedMap& guarded) {
   const std::vector<CovisibleKeyframe> neighbours =
       guarded.Read([&](const Map& map) { return map.BestCovisible(keyframe, kNeighbours); });
   for (const CovisibleKeyframe& neighbour : neighbours) {
-    // What others made is theirs to extend.
+    // Another robot extends what it made itself.
     if (!guarded.IsOwn(neighbour.id)) continue;
     const std::vector<NewPoint> found =
         guarded.Read([&](const Map& map) { return FindNewPoints(map, keyframe, neighbour.id); });

@@ -66,7 +66,7 @@ void ApplyFuseProposals(KeyframeId keyframe_id, absl::Span<const FuseProposal> p
       map.AddObservation(proposal.point, keyframe_id, proposal.keypoint);
       continue;
     }
-    // Two of others' points: theirs to join.
+    // Two points of other robots are theirs to join.
     if (existing->id.local_map != own && point->id.local_map != own) continue;
     const MapPointId existing_id = existing->id;
     if (ShouldSurvive(*existing, *point, own)) {

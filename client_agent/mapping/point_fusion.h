@@ -9,12 +9,12 @@
 namespace corbslam {
 
 // Projects the keyframe's points into its neighbours (ten, and five of each of theirs) and theirs
-// into it (ORB-SLAM, T-RO 2015, VI.C). Others' keyframes are not given observations; of an own and
-// a foreign point that are one, the foreign survives. Mapping thread only; writes.
+// into it (ORB-SLAM, T-RO 2015, VI.C). Others' keyframes are not given observations; where an own
+// and a foreign point are one, the foreign one survives. Mapping thread only; writes.
 void FuseNeighbours(KeyframeId keyframe, GuardedMap& map);
 
-// Applies proposals for an own keyframe: observations are added; of duplicates the one that more
-// keyframes see survives. What is out of date is skipped.
+// Applies proposals for an own keyframe: it adds observations, and where two points are one, the
+// one that more keyframes see survives. Proposals that are out of date are skipped.
 void ApplyFuseProposals(KeyframeId keyframe, absl::Span<const FuseProposal> proposals,
                         LocalMapId own, Map& map);
 

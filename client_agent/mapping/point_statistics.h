@@ -1,5 +1,5 @@
-// How often tracking expected to see the newest map points, and how often it did: what the mapper
-// culls by. Kept beside the map, because it is nobody else's business.
+// Counts how often tracking expected to see the newest map points, and how often it did. The mapper
+// culls by it. It is kept beside the map, because nobody else needs it.
 #ifndef CORBSLAM_CLIENT_AGENT_MAPPING_POINT_STATISTICS_H_
 #define CORBSLAM_CLIENT_AGENT_MAPPING_POINT_STATISTICS_H_
 
@@ -12,17 +12,18 @@
 
 namespace corbslam {
 
-// Thread-safe. Only watched points are counted.
+// Only watched points are counted. Thread-safe.
 class PointStatistics {
  public:
-  // Starts counting, at one of each: the keyframe that made the point sees it.
+  // Starts counting, with both counts at one: the keyframe that made the point sees it.
   void Watch(MapPointId id);
   void Forget(MapPointId id);
 
-  // One frame: points that should have been in view, and those of them that agreed with the pose.
+  // Counts one frame: points that should have been in view, and those of them that agreed with the
+  // pose.
   void Count(const std::vector<MapPointId>& visible, const std::vector<MapPointId>& found);
 
-  // Found over visible; 1 for points not watched.
+  // Returns found over visible; 1 for points that are not watched.
   double FoundRatio(MapPointId id) const;
 
  private:

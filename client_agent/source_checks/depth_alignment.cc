@@ -11,9 +11,9 @@
 namespace corbslam {
 namespace {
 
-// All is done on pictures of half the size: outlines of depth are no sharper than that.
+// The checks work on pictures of half the size: outlines of depth are no sharper than that.
 constexpr double kScale = 0.5;
-constexpr int kReach = 36;  // Of shifts, in half pixels: a delay times a motion, and an offset.
+constexpr int kReach = 36;  // Largest shift, in half pixels: a delay times a motion, and an offset.
 constexpr int kSide = 2 * kReach + 1;
 constexpr int kMaxOffset = 12;
 constexpr int kHereOffset = 3;
@@ -26,11 +26,11 @@ constexpr size_t kMaxEdges = 500;
 // How well one frame's outlines agree with its picture, by shift.
 struct FrameAgreement {
   cv::Mat by_shift;  // CV_32FC1, kSide x kSide; the middle is no shift.
-  size_t frame = 0;  // In the sample.
+  size_t frame = 0;  // Index in the sample.
 };
 
-// By how much the picture moves from each frame of the sample to the next, half pixels; nothing
-// where that isn't in the sample.
+// Motion of the picture from each frame of the sample to the next, in half pixels; nothing where
+// that isn't in the sample.
 using Motions = std::vector<std::optional<cv::Point2d>>;
 
 cv::Mat Halved(const cv::Mat& image, int interpolation) {
@@ -46,7 +46,7 @@ std::vector<cv::Point> Thinned(std::vector<cv::Point> points) {
   return kept;
 }
 
-// Nothing where there are too few outlines or no edges.
+// Returns nothing where there are too few outlines or no edges.
 std::optional<cv::Mat> AgreementByShift(const SensorImages& images) {
   const std::vector<cv::Point> outlines = FindDepthEdges(Halved(images.depth, cv::INTER_NEAREST));
   if (outlines.size() < kMinEdges) return std::nullopt;
@@ -67,7 +67,7 @@ std::optional<cv::Mat> AgreementByShift(const SensorImages& images) {
   return by_shift;
 }
 
-// By how much the picture moves from `a` to `b`, in half pixels (phase correlation).
+// Returns by how much the picture moves from `a` to `b`, in half pixels (phase correlation).
 cv::Point2d MeasureMotion(const cv::Mat& a, const cv::Mat& b) {
   constexpr double kQuarter = 0.25;
   cv::Mat small_a;
@@ -109,8 +109,8 @@ std::vector<FrameAgreement> Agreements(const Sample& sample, const Motions& moti
   return agreements;
 }
 
-// By how much the picture has moved since `late` frames before `frame` (or until as many after,
-// where that is negative). Beyond the sample it goes on as it was last seen to move.
+// Returns by how much the picture has moved since `late` frames before `frame` (or until as many
+// after, where that is negative). Beyond the sample it goes on as it was last seen to move.
 cv::Point2d MotionSince(const Motions& motions, size_t frame, double late) {
   const bool back = late > 0;
   cv::Point2d moved;
@@ -132,7 +132,7 @@ cv::Point2d MotionSince(const Motions& motions, size_t frame, double late) {
   return back ? moved : -moved;
 }
 
-// The mean over all frames; a shift out of reach is taken for one by chance.
+// Returns the mean over all frames; a shift out of reach counts as agreement by chance.
 double MeanAgreement(const std::vector<FrameAgreement>& frames, const std::vector<cv::Point>& moved,
                      const cv::Point& offset) {
   double sum = 0;

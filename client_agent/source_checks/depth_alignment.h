@@ -1,4 +1,4 @@
-// Where and when depth images were taken, against their pictures.
+// Finds out where and when depth images were taken, against their pictures.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_ALIGNMENT_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_ALIGNMENT_H_
 
@@ -20,11 +20,12 @@ struct DepthAlignment {
 };
 
 struct AlignmentEvidence {
-  size_t frames = 0;     // That have outlines, and a neighbour that tells how the picture moves.
-  double motion_px = 0;  // By which the picture moves from frame to frame, median.
-  DepthAlignment best;   // Of all hypotheses.
-  DepthAlignment now;    // Of those that are late by less than a frame.
-  DepthAlignment here;   // Of those, the ones with an offset of a few pixels at most.
+  // Frames that have outlines, and a neighbour that tells how the picture moves.
+  size_t frames = 0;
+  double motion_px = 0;  // Median motion of the picture from frame to frame.
+  DepthAlignment best;   // Best of all hypotheses.
+  DepthAlignment now;    // Best of those that are late by less than a frame.
+  DepthAlignment here;   // Best of those that also have an offset of a few pixels at most.
 };
 
 // Tries delays of up to four frames either way and offsets of up to 24 pixels on the whole sample.

@@ -17,7 +17,7 @@
 namespace corbslam {
 namespace {
 
-// Limits and what they were derived from: docs/sources_checks.md.
+// docs/sources_checks.md says what these limits were derived from.
 constexpr double kLeastValid = 0.05;
 constexpr double kMostSaturated = 0.01;
 constexpr double kLeastMedian_m = 0.25;
@@ -33,7 +33,7 @@ using Statistics = std::vector<DepthStatistics>;
 
 bool IsDepth(const cv::Mat& depth) { return depth.type() == CV_16UC1 || depth.type() == CV_32FC1; }
 
-// Frames whose depth can be judged; a finding for the first of another size.
+// Returns the frames whose depth can be judged, and adds a finding for the first of another size.
 Sample KeepWhole(const Camera& camera, const Sample& sample, SourceFindings& findings) {
   const cv::Size size(camera.width_px, camera.height_px);
   Sample whole;
@@ -70,7 +70,7 @@ size_t CountFrames(const Statistics& frames,
   return static_cast<size_t>(std::count_if(frames.begin(), frames.end(), is));
 }
 
-// Whether there is depth to speak of; the other checks need it.
+// Returns whether there is depth to speak of; the other checks need it.
 bool CheckPresence(const Sample& sample, const Statistics& frames, SourceFindings& findings) {
   const double valid = MedianOf(frames, [](const DepthStatistics& s) { return s.valid_share; });
   const auto is_empty = [](const DepthStatistics& s) { return s.valid_share == 0; };

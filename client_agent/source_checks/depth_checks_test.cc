@@ -24,11 +24,11 @@ SourceFindings Check(const SampleSource& source, const std::string& damage = "",
 struct DepthCase {
   const char* damage;
   double amount;
-  const char* code;  // "" none.
+  const char* code;  // "": none.
   const char* text;
 };
-// A depth late by one frame is among the recorded cases: the painted camera doesn't turn, so that
-// what is measured as its motion, the background's, is half that of the outlines.
+// The recorded cases have a depth that is late by one frame: the painted camera doesn't turn, so
+// that what is measured as its motion, the background's, is half that of the outlines.
 class DepthDamageTest : public ::testing::TestWithParam<DepthCase> {};
 
 TEST_P(DepthDamageTest, IsNamed) {

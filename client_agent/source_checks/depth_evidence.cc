@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kStep_px = 3;
 constexpr double kSaturated = 65535;
-// Nearer than its neighbour by this share: an outline, not a slope.
+// A pixel nearer than its neighbour by this share is an outline, not a slope.
 constexpr float kEdgeStep = 1.1F;
 constexpr int kEdgeReach_px = 3;
 constexpr size_t kMinEdges = 200;

@@ -7,28 +7,29 @@
 
 namespace corbslam {
 
-// Shares are of all pixels. Depths in metres, of the pixels that have one (0 where none has).
+// Shares are of all pixels. Depths are in metres, of the pixels that have one (0 where none has).
 struct DepthStatistics {
-  double valid_share = 0;      // Neither 0, NaN nor 65535.
-  double saturated_share = 0;  // 65535.
+  double valid_share = 0;      // Share that is neither 0, NaN nor 65535.
+  double saturated_share = 0;  // Share that is 65535.
   double near_m = 0;           // 5 % of the depths are smaller.
   double median_m = 0;
   double far_m = 0;          // 5 % are larger.
   bool is_constant = false;  // All valid pixels have one value.
 };
 
-// Of every third pixel in each direction. `depth` is CV_16UC1 or CV_32FC1.
+// Measures every third pixel in each direction. `depth` is CV_16UC1 or CV_32FC1.
 DepthStatistics MeasureDepth(const cv::Mat& depth, double units_per_m);
 
-// Pixels on the near side of a step in depth: the outlines of things, which a picture taken by the
-// same eye at the same time shows too.
+// Finds pixels on the near side of a step in depth: the outlines of things, which a picture taken
+// by the same eye at the same time shows too.
 std::vector<cv::Point> FindDepthEdges(const cv::Mat& depth);
 
-// How strongly grey values change at each pixel, 0 to 255, against their surroundings: CV_8UC1.
+// Returns how strongly grey values change at each pixel, 0 to 255, against their surroundings:
+// CV_8UC1.
 cv::Mat MeasureGreyEdges(const cv::Mat& grey);
 
-// The mean of `grey_edges` at `depth_edges` moved by `shift`, over its mean everywhere: above 1
-// where outlines and edges coincide. 0 with too few of them in the picture.
+// Returns the mean of `grey_edges` at `depth_edges` moved by `shift`, over its mean everywhere:
+// above 1 where outlines and edges coincide. 0 with too few of them in the picture.
 double EdgeAgreement(const std::vector<cv::Point>& depth_edges, const cv::Mat& grey_edges,
                      const cv::Point& shift);
 

@@ -10,7 +10,7 @@
 namespace corbslam {
 namespace {
 
-constexpr size_t kMinMatches = 30;  // To estimate anything.
+constexpr size_t kMinMatches = 30;  // Nothing is estimated from fewer.
 constexpr double kMaxEpipolarError_px = 1.5;
 constexpr double kMaxReprojectionError_px = 3;
 constexpr int kTrials = 200;
@@ -47,7 +47,7 @@ DepthMatches FindMatches(const RgbdCalibration& calibration, const SensorImages&
   return matches;
 }
 
-// Those that lie on each other's epipolar lines.
+// Keeps matches that lie on each other's epipolar lines.
 DepthMatches KeepRigid(const DepthMatches& matches) {
   DepthMatches rigid;
   if (matches.first.size() < kMinMatches) return rigid;

@@ -1,4 +1,4 @@
-// Whether features move from one picture to another as their depths say.
+// Checks whether features move from one picture to another as their depths say.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_PARALLAX_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_PARALLAX_H_
 
@@ -12,8 +12,8 @@ namespace corbslam {
 struct ParallaxEvidence {
   // Matches of two pictures that some motion of the camera explains, of features with depth.
   size_t rigid = 0;
-  // Those of them that one pose explains with their depths, and with one depth for all: the more
-  // the first exceeds the second, the more parallax there is.
+  // Matches of these that one pose explains with their depths, and with one depth for all: the more
+  // the first number exceeds the second, the more parallax there is.
   size_t with_depths = 0;
   size_t with_one_depth = 0;
 };
@@ -22,9 +22,9 @@ struct ParallaxEvidence {
 ParallaxEvidence CompareParallax(const RgbdCalibration& calibration, const SensorImages& first,
                                  const SensorImages& second);
 
-// Of the matches between the first and the last of consecutive frames that one depth for all leaves
-// unexplained, the share that their depths explain; below 0 where they explain less. 1 where there
-// is too little parallax to judge.
+// Returns the share of matches between the first and the last of consecutive frames that their
+// depths explain, of those that one depth for all leaves unexplained; below 0 where depths explain
+// less than one depth does. It is 1 where there is too little parallax to judge.
 double MeasureParallaxGain(const RgbdCalibration& calibration, const Sample& sample);
 
 }  // namespace corbslam

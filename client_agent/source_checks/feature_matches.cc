@@ -12,8 +12,9 @@ namespace {
 
 constexpr int kFeatures = 500;
 constexpr int kMaxWidth_px = 500;
-constexpr int kMinSide_px = 64;  // OrbExtractor's.
-// Bits. Both are tighter than the tracker's: wrong matches would have to be told from a wrong pair.
+constexpr int kMinSide_px = 64;  // OrbExtractor needs so much.
+// Limits of the Hamming distance in bits and of the ratio. Both are tighter than the tracker's:
+// wrong matches would have to be told from a wrong pair.
 constexpr int kMaxHamming = 60;
 constexpr double kMaxSecondRatio = 0.85;
 

@@ -1,4 +1,4 @@
-// Matches between two pictures, found without knowledge of their geometry.
+// Finds matches between two pictures without knowledge of their geometry.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_FEATURE_MATCHES_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_FEATURE_MATCHES_H_
 
@@ -10,8 +10,9 @@
 
 namespace corbslam {
 
-// Few and spread evenly: statistics need hundreds of matches, not thousands. Pictures wider than
-// 500 pixels are halved first; positions and octaves' scales are in pixels of `grey` all the same.
+// The features are few and spread evenly: statistics need hundreds of matches, not thousands.
+// Pictures wider than 500 pixels are halved first; positions and octaves' scales are in pixels of
+// `grey` all the same.
 struct CheckFeatures {
   Features features;
   double scale = 1;  // Pixels of `grey` per pixel of the picture that features were found in.
@@ -21,7 +22,7 @@ CheckFeatures ExtractCheckFeatures(const cv::Mat& grey);
 struct FeatureMatch {
   Eigen::Vector2d in_a;
   Eigen::Vector2d in_b;
-  double scale = 1;  // Pixels per pixel of the octave, in a.
+  double scale = 1;  // Pixels per pixel of the octave in a.
 };
 
 // Pairs of features each of which is the other's most similar one, clearly so against the second.

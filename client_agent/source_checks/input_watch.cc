@@ -5,7 +5,7 @@
 namespace corbslam {
 namespace {
 
-// Limits and what they were derived from: docs/sources_checks.md.
+// docs/sources_checks.md says what these limits were derived from.
 constexpr size_t kFrames = 50;
 constexpr size_t kFewestFeatures = 100;  // A frame with fewer is dark or bare: it tells nothing.
 // Shares of the features. A start in which hardly any has depth is a source that is none; later the
@@ -15,7 +15,7 @@ constexpr double kLeastStereo = 0.05;
 constexpr double kLeastDepthAtStart = 0.03;
 constexpr double kLeastDepth = 0.02;
 constexpr double kMostAtInfinity = 0.95;
-constexpr float kInfinity_px = 0.5F;  // A disparity below it is one of noise.
+constexpr float kInfinity_px = 0.5F;  // Noise may make a disparity below it.
 
 double Share(size_t part, size_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
@@ -54,7 +54,7 @@ std::optional<SourceFinding> InputWatch::Add(const Features& features) {
 
 std::optional<SourceFinding> InputWatch::Judge() const {
   const double with_depth = Share(sum_.with_depth, sum_.features);
-  // What was told is over when it would not be told at the start either.
+  // A finding is over when it would not be told at the start either.
   const bool strict = is_start_ || told_;
   const double least = is_stereo_ ? (strict ? kLeastStereoAtStart : kLeastStereo)
                                   : (strict ? kLeastDepthAtStart : kLeastDepth);

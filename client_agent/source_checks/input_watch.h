@@ -13,14 +13,14 @@
 namespace corbslam {
 
 // Counts how many features have depth: a pair that is none, or depth that fails, gives hardly any.
-// Costs one look at each feature. Thread-compatible.
+// A frame costs one look at each feature. Thread-compatible.
 class InputWatch {
  public:
   explicit InputWatch(const SensorCalibration& calibration);
 
-  // The features of the next frame, as Sensor::Process gave them. A finding where the share of
-  // features with depth has become implausible over the last frames; the same is told once, and
-  // again only after it was right in between.
+  // Takes the features of the next frame, as Sensor::Process gave them. Returns a finding where the
+  // share of features with depth has become implausible over the last frames; the same one is told
+  // once, and again only after all was right in between.
   std::optional<SourceFinding> Add(const Features& features);
 
  private:
@@ -34,7 +34,7 @@ class InputWatch {
   const bool is_stereo_;
   std::deque<Count> window_;
   Count sum_;
-  bool is_start_ = true;  // The window has not been full yet.
+  bool is_start_ = true;  // True until the window is full for the first time.
   bool told_ = false;
 };
 

@@ -17,7 +17,7 @@ Features MakeFeatures(size_t count, size_t with_depth, float disparity_px = 12) 
   return features;
 }
 
-// What is told in `frames` frames.
+// Returns what is told in `frames` frames.
 std::vector<std::string> Feed(InputWatch& watch, const Features& features, int frames) {
   std::vector<std::string> texts;
   for (int i = 0; i < frames; ++i) {

@@ -14,7 +14,7 @@ struct ReadSample {
   Sample frames;
   size_t asked_for = 0;
   size_t unreadable = 0;
-  std::string why;  // The first could not be read.
+  std::string why;  // Why the first could not be read.
 };
 
 ReadSample ReadFrames(const FrameReader& reader, const std::vector<size_t>& numbers) {

@@ -5,9 +5,9 @@
 namespace corbslam {
 namespace {
 
-// Limits and what they were derived from: docs/sources_checks.md.
+// docs/sources_checks.md says what these limits were derived from.
 constexpr double kClearlyBetter = 1.15;
-// Of the matches of a pairing that is to be better: rows that nearly agree.
+// Least score of a pairing that is to be better: the rows of its matches nearly agree.
 constexpr double kLeastScore = 0.5;
 constexpr size_t kFewestVotes = 3;
 constexpr size_t kVotesAgainstOne = 4;

@@ -1,4 +1,4 @@
-// Whether one camera of a pair is some frames behind the other.
+// Checks whether one camera of a pair is some frames behind the other.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_LATE_CAMERA_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_LATE_CAMERA_H_
 
@@ -10,9 +10,9 @@
 
 namespace corbslam {
 
-// While a camera moves, rows agree only between pictures of one time. A finding where those of the
-// frame before (or after) agree better with the left pictures than those of the same frame, in
-// nearly all frames that tell the two apart.
+// Rows agree only between pictures of one time while a camera moves. Returns a finding where the
+// right pictures of the frame before (or after) agree better with the left pictures than those of
+// the same frame, in nearly all frames that tell the two apart.
 std::optional<SourceFinding> CheckLateCamera(const std::vector<JudgedPair>& pairs);
 
 }  // namespace corbslam

@@ -111,7 +111,7 @@ void MeasureRgbd(const RgbdCalibration& calibration, const Sample& sample) {
   }
 }
 
-// What a robot's sensor makes of the frames in turn.
+// Prints what a robot's sensor makes of the frames in turn.
 void MeasureWatch(const SensorCalibration& calibration, const ReadFrame& read, size_t frames) {
   const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
   SensorOptions options;

@@ -17,11 +17,11 @@ constexpr double kMinDisparity_px = 1.5;
 constexpr double kUnmoved_px = 0.5;
 constexpr int kTrials = 200;
 constexpr int kRefinements = 3;
-// Mounting errors; a larger tilt is another picture.
+// Mounting errors are smaller; a larger tilt is another picture.
 constexpr double kMaxSlope = 0.1;
 
 struct RowSample {
-  Eigen::Vector3d design;  // Of RowFit's three numbers.
+  Eigen::Vector3d design;  // Factors of RowFit's three numbers.
   double difference_px;
   double scale;
 };
@@ -55,7 +55,8 @@ double RowScore(const std::vector<RowSample>& samples) {
   return score;
 }
 
-// Least squares over those that agree with `fit`, weighted by the precision of their octave.
+// Fits least squares to the samples that agree with `fit`, weighted by the precision of their
+// octave.
 Eigen::Vector3d Refine(const std::vector<RowSample>& samples, Eigen::Vector3d fit) {
   for (int i = 0; i < kRefinements; ++i) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() * 1e-9;
@@ -71,12 +72,13 @@ Eigen::Vector3d Refine(const std::vector<RowSample>& samples, Eigen::Vector3d fi
   return fit;
 }
 
-// The fit that most matches agree with (RANSAC on three); rectified rows are the first candidate.
+// Returns the fit that most matches agree with (RANSAC on three); rectified rows are the first
+// candidate.
 Eigen::Vector3d FitRows(const std::vector<RowSample>& samples) {
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   if (samples.size() < 3) return best;
   size_t most = CountAgreeing(samples, best);
-  std::mt19937 random(1);  // The same sample gives the same finding.
+  std::mt19937 random(1);  // A fixed seed: the same sample gives the same finding.
   for (int trial = 0; trial < kTrials; ++trial) {
     Eigen::Matrix3d design;
     Eigen::Vector3d differences;

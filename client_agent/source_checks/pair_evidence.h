@@ -1,4 +1,4 @@
-// What the matches of a left and a right picture say about the pair.
+// Gathers what the matches of a left and a right picture say about the pair.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_EVIDENCE_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_EVIDENCE_H_
 
@@ -18,7 +18,7 @@ struct RowFit {
 };
 
 struct PairEvidence {
-  size_t features = 0;  // Of the picture that has fewer.
+  size_t features = 0;  // Features of the picture that has fewer.
   size_t matches = 0;
   // Matches that agree with the best RowFit: what is left of a pair that has been mounted askew.
   size_t related = 0;
@@ -26,8 +26,8 @@ struct PairEvidence {
   // match counts 1 where they are the same, down to 0 at kRowBand_px of its octave.
   double row_score = 0;
   RowFit fit;
-  // Medians over the related matches: by how much the fit says that rows differ, and what it
-  // leaves.
+  // Medians over the related matches: by how much the fit says that rows differ, and the error that
+  // it leaves.
   double row_error_px = 0;
   double residual_px = 0;
   // Related matches whose disparity x_left - x_right is clearly positive or negative, and those
@@ -35,7 +35,7 @@ struct PairEvidence {
   size_t positive = 0;
   size_t negative = 0;
   size_t unmoved = 0;
-  double median_disparity_px = 0;  // Of the positive ones; 0 without.
+  double median_disparity_px = 0;  // Median of the positive ones; 0 without any.
 };
 
 PairEvidence GatherPairEvidence(const CheckFeatures& left, const CheckFeatures& right,

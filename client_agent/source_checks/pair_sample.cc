@@ -8,7 +8,7 @@
 namespace corbslam {
 namespace {
 
-// With fewer there is no telling whether matches are missing or were never to be had.
+// With fewer features nothing tells whether matches are missing or were never to be had.
 constexpr size_t kMinFeatures = 100;
 
 bool HasEnough(const CheckFeatures& side) { return side.features.keypoints.size() >= kMinFeatures; }

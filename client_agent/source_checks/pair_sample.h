@@ -15,8 +15,8 @@ namespace corbslam {
 struct JudgedPair {
   size_t number = 0;
   PairEvidence evidence;
-  // The left picture with the right one of the frame before and after, where those are in the
-  // sample.
+  // Evidence of the left picture with the right one of the frame before and after, where those are
+  // in the sample.
   std::optional<PairEvidence> with_before;
   std::optional<PairEvidence> with_after;
 };
@@ -24,17 +24,18 @@ struct JudgedPair {
 // Rectifies where the calibration is raw.
 class PairPreparation {
  public:
-  // INVALID_ARGUMENT for an impossible calibration.
+  // INVALID_ARGUMENT is for an impossible calibration.
   static absl::StatusOr<PairPreparation> Make(const StereoCalibration& calibration);
 
-  // Of the rectified pair.
+  // The camera of the rectified pair.
   const Camera& camera() const { return camera_; }
   bool rectifies() const { return rectifier_.has_value(); }
-  // Every pair of the right size and with enough features on both sides, in order. `exchanged`
-  // takes the left picture for the right one and the other way round.
+  // Judges every pair of the right size and with enough features on both sides, in order.
+  // `exchanged` takes the left picture for the right one and the other way round.
   std::vector<JudgedPair> Judge(const Sample& sample, bool exchanged = false) const;
-  // Which share of the features of a left picture match in that of the next frame, median over the
-  // sample: hardly any where they are noise on a bare wall. 0 without neighbouring frames.
+  // Returns the share of the features of a left picture that match in that of the next frame,
+  // median over the sample: hardly any match where they are noise on a bare wall. 0 without
+  // neighbouring frames.
   double MatchShareInTime(const Sample& sample) const;
 
  private:

@@ -14,11 +14,11 @@
 namespace corbslam {
 namespace {
 
-// Limits and what they were derived from: docs/sources_checks.md.
+// docs/sources_checks.md says what these limits were derived from.
 constexpr int kBlack = 24;
 constexpr int kLeastContrast = 16;
 constexpr double kMostWhite = 0.6;
-constexpr size_t kFewestFrames = 3;  // To say that something holds for a source.
+constexpr size_t kFewestFrames = 3;  // Fewer frames say nothing about a source.
 
 // One camera's pictures, those of the right size.
 struct CameraPictures {
@@ -70,7 +70,7 @@ void AddPictures(const cv::Size& size, const Sample& sample,
   }
 }
 
-// "in 11 of 12 frames".
+// Returns "in 11 of 12 frames of the sample".
 std::string InFrames(size_t count, const CameraPictures& camera) {
   return absl::StrCat("in ", count, " of ", camera.pictures.size(), " frames of the sample");
 }
@@ -84,7 +84,7 @@ int MedianOf(const CameraPictures& camera, int (*of)(const PictureStatistics&)) 
   return Median(std::move(values));
 }
 
-// How many pictures are so, 0 unless they are more than half of enough.
+// Returns how many pictures are so; 0 unless they are more than half of all.
 size_t CountMost(const CameraPictures& camera,
                  const std::function<bool(const PictureStatistics&)>& is_so) {
   const auto count =
@@ -126,7 +126,7 @@ SourceFinding TellFlat(const CameraPictures& camera, size_t count) {
                           kLeastContrast)};
 }
 
-// The first of these that holds for most pictures says enough.
+// The first of these findings that holds for most pictures says enough.
 void CheckLight(const CameraPictures& camera, SourceFindings& findings) {
   struct Kind {
     bool (*is_so)(const PictureStatistics&);
@@ -145,7 +145,7 @@ void CheckLight(const CameraPictures& camera, SourceFindings& findings) {
   }
 }
 
-// Whether all pictures of a camera are the same one.
+// Returns whether all pictures of a camera are the same one.
 bool IsStuck(const CameraPictures& camera) {
   if (camera.pictures.size() < kFewestFrames || camera.AreConstant()) return false;
   return std::all_of(
@@ -169,7 +169,7 @@ void CheckStuck(const std::vector<CameraPictures>& cameras, SourceFindings& find
   }
 }
 
-// Frames in whose pair both pictures are the same to the byte.
+// Finds frames in whose pair both pictures are the same to the byte.
 void CheckSamePicture(const Sample& sample, SourceFindings& findings) {
   std::vector<size_t> same;
   size_t judged = 0;

@@ -1,5 +1,5 @@
-// Whether the pictures of a source are pictures of anything (docs/sources_checks.md has every code,
-// the statistic behind it and the measurements behind its limit).
+// Checks whether the pictures of a source are pictures of anything (docs/sources_checks.md has
+// every code, the statistic behind it and the measurements behind its limit).
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PICTURE_CHECKS_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PICTURE_CHECKS_H_
 
@@ -8,9 +8,9 @@
 
 namespace corbslam {
 
-// Size, darkness, saturation, contrast, and pictures that repeat: in time, or in both cameras of a
-// pair. What holds for a few frames alone (a shutter that opens, a tunnel) is no finding. Pure; any
-// thread.
+// Checks size, darkness, saturation, contrast, and pictures that repeat: in time, or in both
+// cameras of a pair. What holds for a few frames alone (a shutter that opens, a tunnel) is no
+// finding. Pure; any thread.
 SourceFindings CheckPictures(const SensorCalibration& calibration, const Sample& sample);
 
 }  // namespace corbslam

@@ -27,7 +27,7 @@ SourceFindings CheckStereo(const Sample& sample) {
 struct Light {
   const char* damage;
   double amount;
-  const char* code;  // Of both cameras; "" none.
+  const char* code;  // Finding for both cameras; "": none.
 };
 class PictureLightTest : public ::testing::TestWithParam<Light> {};
 

@@ -13,16 +13,16 @@ struct PictureStatistics {
   int bright = 0;  // 1 % are brighter.
   int least = 0;
   int most = 0;
-  double white_share = 0;  // At 255.
+  double white_share = 0;  // Share of the pixels at 255.
 
   int Contrast() const { return bright - dark; }
   bool IsConstant() const { return least == most; }
 };
 
-// Of every second pixel of every second row of a CV_8UC1 picture that isn't empty.
+// Measures every second pixel of every second row of a CV_8UC1 picture that isn't empty.
 PictureStatistics MeasurePicture(const cv::Mat& grey);
 
-// Whether two pictures are the same to the byte.
+// Returns whether two pictures are the same to the byte.
 bool AreSame(const cv::Mat& a, const cv::Mat& b);
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// The checks on recorded sequences, as they are and damaged.
+// Runs the checks on recorded sequences, as they are and damaged.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ struct Recorded {
   const char* spec;  // $REPO: what ships with the project; $DATA: where the others are.
   const char* damage;
   double amount;
-  const char* code;  // "" none.
+  const char* code;  // "": none.
 };
 
 class RecordedChecksTest : public ::testing::TestWithParam<Recorded> {};

@@ -15,20 +15,21 @@ struct SampleFrame {
   SensorImages images;
 };
 
-// Sorted by number, each once. Frames of neighbouring numbers show whether one picture of a frame
-// belongs to another time; frames far apart show whether something holds for the whole source.
+// Frames are sorted by number, each once. Frames of neighbouring numbers show whether one picture
+// of a frame belongs to another time; frames far apart show whether something holds for the whole
+// source.
 using Sample = std::vector<SampleFrame>;
 
 struct SampleOptions {
-  // Spread evenly from the first frame to the last.
+  // Places are spread evenly from the first frame to the last.
   size_t places = 4;
   // Consecutive frames at each place.
   size_t stereo_row = 3;
   size_t rgbd_row = 5;
 };
 
-// Numbers of the frames in [begin, end) to take as a sample, ascending: all of them where there are
-// no more. A run takes the defaults; who has a minute takes more places.
+// Returns the numbers of the frames in [begin, end) to take as a sample, ascending: all of them
+// where there are no more. A run takes the defaults; somebody who has a minute takes more places.
 std::vector<size_t> ChooseSampleFrames(const SensorCalibration& calibration, size_t begin,
                                        size_t end, const SampleOptions& options = {});
 

@@ -1,4 +1,4 @@
-// All that can be told about a source from a sample of its frames.
+// Finds all that can be told about a source from a sample of its frames.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_SOURCE_CHECKS_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_SOURCE_CHECKS_H_
 
@@ -7,8 +7,8 @@
 
 namespace corbslam {
 
-// CheckPictures, and CheckStereoPair or CheckDepth as the calibration says. Where the pictures by
-// themselves show an error, only that is told. Pure; any thread.
+// Calls CheckPictures, and CheckStereoPair or CheckDepth as the calibration says. Where the
+// pictures by themselves show an error, only that is told. Pure; any thread.
 SourceFindings CheckSample(const SensorCalibration& calibration, const Sample& sample);
 
 }  // namespace corbslam

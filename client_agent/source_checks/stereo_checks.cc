@@ -19,7 +19,7 @@
 namespace corbslam {
 namespace {
 
-// Limits and what they were derived from: docs/sources_checks.md.
+// docs/sources_checks.md says what these limits were derived from.
 constexpr double kLeastRelated = 0.06;
 constexpr double kLeastInTime = 0.12;
 constexpr double kMostNegative = 0.15;
@@ -31,7 +31,7 @@ constexpr double kLeastBaseline_m = 0.01;
 constexpr double kMostBaseline_m = 5;
 constexpr double kSteadyOffset_px = 0.5;
 constexpr double kNotableRoll_deg = 0.15;
-constexpr size_t kFewestPairs = 3;  // To say that something holds for a source.
+constexpr size_t kFewestPairs = 3;  // Fewer pairs say nothing about a source.
 
 using Pairs = std::vector<JudgedPair>;
 
@@ -123,8 +123,8 @@ bool IsGoodExchanged(const PairPreparation& preparation, const Sample& sample) {
          MedianOf(pairs, Negative) <= kMostNegative;
 }
 
-// Whether rows are apart by the same in all frames, as those of a camera that is mounted askew are.
-// A late camera's differ with the motion.
+// Returns whether rows are apart by the same in all frames, as those of a camera that is mounted
+// askew are. A late camera's differ with the motion.
 bool IsOffsetSteady(const Pairs& pairs) {
   const auto offset_px = [](const PairEvidence& e) { return e.fit.offset_px; };
   const double median_px = MedianOf(pairs, offset_px);
@@ -133,8 +133,8 @@ bool IsOffsetSteady(const Pairs& pairs) {
          }) < kSteadyOffset_px;
 }
 
-// What is wrong with the geometry of the pairs: the most telling finding alone, for the others
-// follow from it.
+// Finds what is wrong with the geometry of the pairs: the most telling finding alone, for the
+// others follow from it.
 void CheckGeometry(const PairPreparation& preparation, const Sample& sample, const Pairs& pairs,
                    SourceFindings& findings) {
   const double negative = MedianOf(pairs, Negative);
@@ -145,7 +145,8 @@ void CheckGeometry(const PairPreparation& preparation, const Sample& sample, con
     findings.push_back(TellUnrelated(pairs));
   } else if (std::optional<SourceFinding> late = CheckLateCamera(pairs);
              late.has_value() && !(rows_apart && IsOffsetSteady(pairs))) {
-    // Before signs are looked at: while a camera turns, those of a late pair may all be negative.
+    // This is decided before signs are looked at: while a camera turns, those of a late pair may
+    // all be negative.
     findings.push_back(*std::move(late));
   } else if (!preparation.rectifies() && negative > kExchangedNegative) {
     findings.push_back(TellExchanged(

@@ -1,4 +1,4 @@
-// Whether left and right pictures are those of one stereo pair, taken at the same time.
+// Checks whether left and right pictures are those of one stereo pair, taken at the same time.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_STEREO_CHECKS_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_STEREO_CHECKS_H_
 

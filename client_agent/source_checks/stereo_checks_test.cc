@@ -27,7 +27,7 @@ StereoCalibration& CalibrationOf(SampleSource& source) {
 struct PairCase {
   const char* damage;
   double amount;
-  const char* code;  // "" none.
+  const char* code;  // "": none.
   const char* text;
 };
 class PairDamageTest : public ::testing::TestWithParam<PairCase> {};

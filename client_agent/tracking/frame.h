@@ -25,14 +25,14 @@ struct Association {
     kTemporary,
   };
   Kind kind = Kind::kNone;
-  MapPointId id;  // Of a map point.
+  MapPointId id;  // Id of a map point.
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
 };
 
 struct Frame {
   // Its id is invalid: a frame is no keyframe.
   std::shared_ptr<const KeyframePayload> payload;
-  // Computed when needed.
+  // Words are computed when they are needed.
   std::shared_ptr<const Words> words;
   Rigid3d camera_from_map;
   // The own keyframe whose later motion the frame follows.
@@ -40,7 +40,7 @@ struct Frame {
   Rigid3d camera_from_reference;
   // The keyframe that the frame became, if it did.
   KeyframeId keyframe;
-  // One entry a keypoint.
+  // The associations have one entry a keypoint.
   std::vector<Association> associations;
 
   const Camera& camera() const { return *payload->camera; }
@@ -51,14 +51,14 @@ struct Frame {
 Frame MakeFrame(int64_t timestamp_ns, std::shared_ptr<const Camera> camera, Features features);
 
 // Brings an earlier frame up to date with the map: its pose follows its reference, its points are
-// where they are now, replaced points are their survivors, removed ones are gone. Of a frame that
-// became a keyframe the keyframe's points are taken. A reference that is not in the map (yet)
-// leaves the pose.
+// where they are now, replaced points are their survivors, removed ones are gone. A frame that
+// became a keyframe takes the keyframe's points. If the reference is not in the map (yet), the pose
+// stays.
 void Refresh(const Map& map, const MapHistory& history, Frame& frame);
 
 struct InlierCount {
   int map_points = 0;
-  int foreign = 0;  // Of these, made by others than `own`.
+  int foreign = 0;  // Number of these points that others than `own` made.
   int temporary = 0;
 
   int total() const { return map_points + temporary; }
@@ -68,8 +68,8 @@ struct InlierCount {
 // disagree with it.
 InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId own, Frame& frame);
 
-// Temporary associations for keypoints with depth that see no map point: all close ones, and the
-// nearest hundred (ORB-SLAM2, Mur-Artal and Tardos, T-RO 2017).
+// Adds temporary associations for keypoints with depth that see no map point: all close ones, and
+// the nearest hundred (ORB-SLAM2, Mur-Artal and Tardos, T-RO 2017).
 void AddTemporaryPoints(Frame& frame);
 void DropTemporaryPoints(Frame& frame);
 

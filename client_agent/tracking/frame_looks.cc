@@ -11,7 +11,7 @@
 namespace corbslam {
 namespace {
 
-// 95 % of chi square with two degrees of freedom, and with one.
+// 95 % bounds of chi square with two degrees of freedom, and with one.
 constexpr double kMaxPixelChi2 = 5.991;
 constexpr double kMaxDisparityChi2 = 3.841;
 
@@ -21,7 +21,7 @@ struct Residual {
   double disparity_px = 0;
 };
 
-// Nullopt: the point is behind the camera.
+// Returns nullopt where the point is behind the camera.
 std::optional<Residual> ResidualOf(const Keypoint& keypoint, const Camera& camera,
                                    const Eigen::Vector3d& point_in_camera) {
   const double depth = point_in_camera.z();
@@ -45,8 +45,8 @@ std::optional<Look> LookAt(const Keyframe& keyframe, uint32_t index, const MapPo
   const auto in_keyframe =
       ResidualOf(keypoint, keyframe.camera(), keyframe.camera_from_map * point.position_in_map);
   if (!in_frame.has_value() || !in_keyframe.has_value()) return std::nullopt;
-  // What a pixel of the frame is in the keyframe's; a disparity's, which is one over depth,
-  // squared.
+  // A pixel of the frame is so many in the keyframe. A disparity scales by the square, because it
+  // is one over depth.
   const double scale = in_frame->depth / in_keyframe->depth;
   Look look;
   look.keyframe = keyframe.id();
@@ -77,7 +77,7 @@ std::vector<Look> FindLooks(const Map& map, LocalMapId own, const Frame& frame) 
   std::vector<Look> looks;
   const Keyframe* reference = map.FindKeyframe(frame.reference);
   if (reference == nullptr) return looks;
-  // The map may have moved since the frame was tracked, and it with its reference.
+  // The map, and with it the frame's reference, may have moved since the frame was tracked.
   const Rigid3d frame_from_map = frame.camera_from_reference * reference->camera_from_map;
   const KeyframeId settled = NewestBut(map, own, kProvisionalKeyframes);
   for (size_t i = 0; i < frame.associations.size(); ++i) {

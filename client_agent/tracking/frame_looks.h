@@ -1,4 +1,4 @@
-// What a tracked frame adds to what the newest keyframes measured.
+// Finds what a tracked frame adds to what the newest keyframes measured.
 #ifndef CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_LOOKS_H_
 #define CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_LOOKS_H_
 
@@ -10,9 +10,9 @@
 
 namespace corbslam {
 
-// A look at the newest keyframe of `own` that sees it, of each map point that the frame sees, where
-// that keyframe is provisional and noise explains the difference (95 %). None where the frame's
-// reference is not in the map.
+// Returns a look for each map point that the frame sees, at the newest keyframe of `own` that sees
+// the point, if that keyframe is provisional and noise explains the difference (95 %). There are
+// none where the frame's reference is not in the map.
 std::vector<Look> FindLooks(const Map& map, LocalMapId own, const Frame& frame);
 
 }  // namespace corbslam

@@ -12,7 +12,7 @@ namespace corbslam {
 namespace {
 
 // Eight keyframes in a row with noise in their pixels and none in their poses. A frame stands where
-// the last of them but one does, and sees the same points exactly.
+// the last but one of them does, and sees the same points exactly.
 class FrameLooksTest : public ::testing::Test {
  protected:
   static constexpr uint32_t kSameView = 6;
@@ -51,7 +51,7 @@ class FrameLooksTest : public ::testing::Test {
     return FindLooks(map, Options().local_map, frame_);
   }
 
-  // Root mean square of what the keyframe's keypoints differ from the truth.
+  // Returns the root mean square of what the keyframe's keypoints differ from the truth, in pixels.
   double PixelError(const std::vector<Keypoint>& keypoints, KeyframeId id) const {
     const Keyframe& keyframe = *scene_.map.FindKeyframe(id);
     double sum = 0;

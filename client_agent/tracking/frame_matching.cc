@@ -9,8 +9,8 @@
 namespace corbslam {
 namespace {
 
-// On which octaves a keypoint of the previous frame may appear now: coarser ones when the camera
-// came nearer, finer ones when it went back by more than its baseline.
+// Sets the octaves on which a keypoint of the previous frame may appear now: coarser ones when the
+// camera came nearer, finer ones when it went back by more than its baseline.
 void SetOctaves(const Rigid3d& previous_from_now, const Camera& camera, int octave,
                 SearchWindow& window) {
   const double forward = previous_from_now.translation.z();

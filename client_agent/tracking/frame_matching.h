@@ -11,15 +11,15 @@ namespace corbslam {
 
 // Each replaces frame.associations or adds to them, and returns how many there are (were added).
 
-// What `previous` sees, looked for around where `predicted_camera_from_map` has it.
+// Looks for what `previous` sees around where `predicted_camera_from_map` has it.
 int MatchPreviousFrame(const Frame& previous, const Rigid3d& predicted_camera_from_map,
                        double radius_px, Frame& frame);
 
-// What `keyframe` sees, by words; both need them.
+// Looks for what `keyframe` sees, by words; both need them.
 int MatchKeyframe(const Map& map, const Keyframe& keyframe, Frame& frame);
 
-// Adds points of the local map in view of the frame's pose that it does not see yet. `widening` is
-// of the search radius. `visible` gets the ids of the points in view.
+// Adds points of the local map in view of the frame's pose that it does not see yet. `widening`
+// multiplies the search radius. `visible` gets the ids of the points in view.
 int MatchLocalPoints(const std::vector<PointInView>& points, double widening, Frame& frame,
                      std::vector<MapPointId>& visible);
 

@@ -18,7 +18,7 @@ struct Vote {
   int points = 0;
 };
 
-// Most points first.
+// Counts votes, and sorts them by points, most first.
 std::vector<Vote> CountVotes(const Map& map, const std::vector<MapPointId>& seen) {
   absl::flat_hash_map<KeyframeId, int> points_of;
   for (const MapPointId id : seen) {
@@ -86,7 +86,7 @@ int CountReferencePoints(const Map& map, const Keyframe& reference) {
   return count;
 }
 
-// Of thousands most are out of view: they are not copied.
+// Most of thousands of points are out of view, so only those in view are copied.
 std::vector<PointInView> CollectPoints(const Map& map, LocalMapId own,
                                        const std::vector<KeyframeId>& keyframes,
                                        const Camera& camera, const Rigid3d& camera_from_map) {

@@ -1,4 +1,4 @@
-// Which points were met already, of hundreds of thousands of questions a second.
+// Remembers which points were met already, for hundreds of thousands of questions a second.
 #ifndef CORBSLAM_CLIENT_AGENT_TRACKING_POINT_SET_H_
 #define CORBSLAM_CLIENT_AGENT_TRACKING_POINT_SET_H_
 
@@ -9,13 +9,13 @@
 
 namespace corbslam {
 
-// The own map's points are numbered without large gaps: a bit each. What others' numbers are nobody
-// knows: they are hashed.
+// The own map's points are numbered without large gaps, so each takes a bit. Nobody knows how
+// others' points are numbered, so they are hashed.
 class PointSet {
  public:
   explicit PointSet(LocalMapId own) : own_(own) {}
 
-  // False: it is there already.
+  // Returns false if it is there already.
   bool Insert(MapPointId id) {
     if (id.local_map != own_) return others_.insert(id).second;
     if (id.index >= own_points_.size()) own_points_.resize(size_t{id.index} + 1);

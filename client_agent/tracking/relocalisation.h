@@ -12,7 +12,7 @@
 
 namespace corbslam {
 
-// Keyframes of the map that look like what has these words, best first. Thread-safe.
+// Returns keyframes of the map that look like what has these words, best first. Thread-safe.
 using PlaceFinder = std::function<std::vector<KeyframeId>(const Words& words)>;
 
 // Tries the candidates in turn: words, PnP RANSAC, then guided search among the candidate's

@@ -10,11 +10,12 @@
 namespace corbslam {
 namespace {
 
-// Too few in the first radius: look in twice that (ORB-SLAM, T-RO 2015, V.B).
+// With fewer matches in the first radius, the search goes on in twice that (ORB-SLAM, T-RO 2015,
+// V.B).
 constexpr int kMinPreviousMatches = 20;
 constexpr int kMinKeyframeMatches = 15;
 constexpr int kMinFirstInliers = 10;
-// At one frame. Corrections are seconds apart.
+// Attempts at one frame. Corrections are seconds apart.
 constexpr int kMaxAttempts = 3;
 // Frames after a relocalisation in which tracking must prove itself.
 constexpr int kProbation = 30;
@@ -88,7 +89,7 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
     if (state_ == TrackingState::kLost) {
       solution = Solve({&Tracker::Relocalise}, frame);
     } else {
-      // Of a frame that is just a keyframe mapping may have made the points, or not yet.
+      // If the previous frame has just become a keyframe, mapping may not have made its points yet.
       AddTemporaryPoints(*previous_);
       solution = Solve({&Tracker::FollowMotion, &Tracker::SearchAroundPrevious,
                         &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise},

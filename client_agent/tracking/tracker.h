@@ -24,19 +24,20 @@ namespace corbslam {
 struct TrackerOptions {
   // A local map begins with a frame of so many keypoints, a fifth of them with depth.
   int min_keypoints_to_begin = 500;
-  // Around the constant-velocity prediction, pixels at the finest level.
+  // Search radius around the constant-velocity prediction, pixels at the finest level.
   double previous_frame_radius_px = 7;
-  // Of the radius in which local map points are sought; RGB-D depths are coarser.
+  // Multiplies the radius in which local map points are sought; RGB-D depths are coarser.
   double local_map_widening = 1;
   int min_local_map_inliers = 30;
   int min_local_map_inliers_after_relocalisation = 50;
-  // A pose that so small a share of the points in view agree with is doubtful: other ways to it are
-  // tried, and the best supported one is taken.
+  // A pose is doubtful if no larger share of the points in view agrees with it: other ways to it
+  // are tried, and the best supported one is taken.
   double doubtful_share = 0.15;
   // A doubtful pose needs as many inliers as one found by relocalising, and this share of the
-  // points in view. Of thousands in view some dozens agree with a wrong pose by chance.
+  // points in view. With thousands in view, some dozens agree with a wrong pose by chance.
   double min_doubtful_share = 0.05;
-  // Lost for so many frames: the local map is given up; at once where it is this small.
+  // The local map is given up when the robot is lost for so many frames; at once where it is this
+  // small.
   int max_lost_frames = 30;
   int min_keyframes_to_wait = 5;
   uint64_t seed = 1;
@@ -51,11 +52,11 @@ struct TrackerParts {
   const Vocabulary* vocabulary = nullptr;
   // May be null: then a lost frame is not sought in the map.
   const PlaceFinder* places = nullptr;
-  // Null: what frames measure that become no keyframe is not kept.
+  // May be null: then the measurements of frames that become no keyframe are not kept.
   LookBook* looks = nullptr;
 };
 
-// One thread at a time. Waits for nothing but short locks.
+// One thread may use it at a time. It waits for nothing but short locks.
 class Tracker {
  public:
   Tracker(const TrackerOptions& options, std::shared_ptr<const Camera> camera,
@@ -63,7 +64,7 @@ class Tracker {
 
   TrackingResult Track(int64_t timestamp_ns, Features features);
 
-  // Tracking will not find its way back: time for a new local map.
+  // True when tracking will not find its way back, so that it is time for a new local map.
   bool IsLostForGood() const;
 
  private:
@@ -86,11 +87,11 @@ class Tracker {
   bool Relocalise(Frame& frame) const;
   bool TrackPreviousFrame(const Rigid3d& predicted, double radius_px, Frame& frame) const;
   bool TrackLocalMap(Solution& solution) const;
-  // How many of the inliers count: before mapping has inserted the first keyframe there are only
-  // temporary points.
+  // Returns how many of the inliers count: before mapping has inserted the first keyframe there are
+  // only temporary points.
   static int Support(const Solution& solution);
   bool IsDoubtful(const Solution& solution) const;
-  // False: no pose at all is better.
+  // Returns false for a solution that is worse than no pose at all.
   bool IsBelievable(const Solution& solution) const;
   void ConsiderKeyframe(Frame& frame);
   void MakeKeyframe(Frame& frame);
@@ -104,7 +105,7 @@ class Tracker {
 
   TrackingState state_ = TrackingState::kNotInitialised;
   std::optional<Frame> previous_;
-  // now_from_previous camera motion; none after a start or relocalisation.
+  // Camera motion now_from_previous; none after a start or relocalisation.
   std::optional<Rigid3d> velocity_;
   LocalMapView local_map_;
   InlierCount inliers_;

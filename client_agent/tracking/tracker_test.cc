@@ -1,4 +1,4 @@
-// Tracking and mapping together, on the features of a synthetic scene.
+// Tests tracking and mapping together, on the features of a synthetic scene.
 #include "client_agent/tracking/tracker.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ class TrackerTest : public ::testing::Test {
     return (CameraCentre(result.camera_from_local) - CameraCentre(expected)).norm();
   }
 
-  // So far along x of the first camera, as a correction does.
+  // Moves the map along x of the first camera, as a correction does.
   void MoveMap(double shift) {
     map_.Write([&](Map& map) {
       const Map before = map;
@@ -160,7 +160,7 @@ TEST_F(TrackerTest, FindsItsWayBackAfterBlackImages) {
   for (uint32_t i = 0; i < 40; ++i) Track(i);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(TrackNothing().state, TrackingState::kLost);
   EXPECT_FALSE(tracker_.IsLostForGood());
-  // Somewhere else than where it got lost.
+  // The camera is somewhere else than where it got lost.
   const TrackingResult result = Track(20);
   ASSERT_EQ(result.state, TrackingState::kTracking);
   EXPECT_LT(Error(result, 20), 0.02);

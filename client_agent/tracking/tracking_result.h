@@ -10,7 +10,7 @@
 namespace corbslam {
 
 enum class TrackingState {
-  kNotInitialised,  // No local map yet, or a new one is not begun.
+  kNotInitialised,  // There is no local map yet, or a new one has not begun.
   kTracking,
   kLost,
 };

@@ -15,7 +15,7 @@ absl::Status CheckRange(absl::string_view field, double value, double low, doubl
       absl::StrCat("camera.", field, " is ", value, ", must be in [", low, ", ", high, "]"));
 }
 
-// Some publish a negative one for pictures whose y axis points up.
+// Some datasets publish a negative focal length for pictures whose y axis points up.
 absl::Status CheckFocalLength(absl::string_view field, double value) {
   const absl::Status status = CheckRange(field, value, 1, 1e5);
   if (status.ok() || !(value < 0)) return status;

@@ -30,16 +30,16 @@ struct Camera {
   friend bool operator==(const Camera&, const Camera&) = default;
 };
 
-// INVALID_ARGUMENT, naming the field and its value, where a calibration is impossible.
+// INVALID_ARGUMENT names the field and its value where a calibration is impossible.
 absl::Status Validate(const Camera& camera);
 
-// Pixel of a point in the camera's frame; its depth must be positive.
+// Returns the pixel of a point in the camera's frame; its depth must be positive.
 inline Eigen::Vector2d Project(const Camera& camera, const Eigen::Vector3d& x_in_camera) {
   return {camera.fx_px * x_in_camera.x() / x_in_camera.z() + camera.cx_px,
           camera.fy_px * x_in_camera.y() / x_in_camera.z() + camera.cy_px};
 }
 
-// Point in the camera's frame at `depth_m` (z) behind pixel (x, y).
+// Returns the point in the camera's frame at `depth_m` (z) behind pixel (x, y).
 inline Eigen::Vector3d Unproject(const Camera& camera, double x_px, double y_px, double depth_m) {
   return {(x_px - camera.cx_px) / camera.fx_px * depth_m,
           (y_px - camera.cy_px) / camera.fy_px * depth_m, depth_m};

@@ -19,13 +19,14 @@ absl::Status CheckCoefficient(absl::string_view name, double value) {
                                                  kLargestCoefficient, " in size"));
 }
 
-// Derivative of Distort.
+// Returns the derivative of Distort at `ideal`.
 Eigen::Matrix2d DistortJacobian(const RadialTangential& d, const Eigen::Vector2d& ideal) {
   const double x = ideal.x();
   const double y = ideal.y();
   const double r2 = ideal.squaredNorm();
   const double radial = 1 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3));
-  const double slope = 2 * (d.k1 + r2 * (2 * d.k2 + r2 * 3 * d.k3));  // d radial / d x = slope * x
+  // d radial / d x is slope * x.
+  const double slope = 2 * (d.k1 + r2 * (2 * d.k2 + r2 * 3 * d.k3));
   const double mixed = slope * x * y + 2 * d.p1 * x + 2 * d.p2 * y;
   Eigen::Matrix2d jacobian;
   jacobian << radial + slope * x * x + 2 * d.p1 * y + 6 * d.p2 * x, mixed,  //

@@ -33,17 +33,17 @@ struct RawCamera {
   friend bool operator==(const RawCamera&, const RawCamera&) = default;
 };
 
-// INVALID_ARGUMENT, naming the coefficient and its value, where one is not finite or beyond 100.
+// INVALID_ARGUMENT names the coefficient and its value where one is not finite or beyond 100.
 absl::Status Validate(const RadialTangential& distortion);
 
-// Where an ideal normalised point (x/z, y/z) falls through the lens, normalised.
+// Returns where an ideal normalised point (x/z, y/z) falls through the lens, normalised.
 Eigen::Vector2d Distort(const RadialTangential& distortion, const Eigen::Vector2d& ideal);
 
-// Inverse of Distort by Newton's method; the nearest point found where the model folds over
+// Inverts Distort by Newton's method; returns the nearest point found where the model folds over
 // (outside the lens's field of view).
 Eigen::Vector2d Undistort(const RadialTangential& distortion, const Eigen::Vector2d& distorted);
 
-// The ideal pixel of a raw pixel: both images have the intrinsics of `camera`.
+// Returns the ideal pixel of a raw pixel: both images have the intrinsics of `camera`.
 Eigen::Vector2d UndistortPixel(const Camera& camera, const RadialTangential& distortion,
                                const Eigen::Vector2d& raw_px);
 

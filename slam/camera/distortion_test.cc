@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Of the RGB-D sensor of TUM's freiburg1 and of the left camera of EuRoC.
+// These are the coefficients of the RGB-D sensor of TUM's freiburg1 and of EuRoC's left camera.
 const RadialTangential kStrong = {
     .k1 = 0.262383, .k2 = -0.953104, .p1 = -0.005358, .p2 = 0.002628, .k3 = 1.163314};
 const RadialTangential kBarrel = {

@@ -9,7 +9,7 @@
 namespace corbslam {
 namespace {
 
-// As the wire's limits of a Camera.
+// These limits are those that the wire sets for a Camera.
 constexpr double kMaxFocalLength_px = 1e5;
 constexpr double kMaxBodyDistance_m = 1000;
 constexpr double kMaxLengthError = 0.01;
@@ -32,7 +32,7 @@ absl::Status ValidateLens(const RawCamera& lens) {
 absl::Status ValidateMotion(absl::string_view name, const Rigid3d& motion, double max_m) {
   const double length_error = std::abs(motion.rotation.norm() - 1);
   const double distance_m = motion.translation.norm();
-  // Written so that NaN is refused.
+  // The comparison is written so that NaN is refused.
   if (length_error <= kMaxLengthError && distance_m <= max_m) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
       "recorded camera: ", name, " has a quaternion of length ", motion.rotation.norm(),
@@ -125,7 +125,7 @@ absl::StatusOr<std::optional<Rigid3d>> CameraFromWanted(
     }
     camera_from_wanted = camera_from_wanted * recorded->body_from_recorded->Inverse();
   }
-  // Nothing is multiplied that would change the last digit.
+  // No multiplication by an identity may change the last digit.
   if (IsIdentity(camera_from_wanted)) return std::nullopt;
   return camera_from_wanted;
 }

@@ -19,45 +19,47 @@
 namespace corbslam {
 
 struct RecordedCamera {
-  // Of the recorded pictures; of a stereo pair the left ones. They have the Camera's size.
+  // Lens of the recorded pictures; for a stereo pair, of the left ones. They have the Camera's
+  // size.
   RawCamera lens;
-  // By what rectification turned the camera: x_in_camera = camera_from_recorded * x_in_recorded.
-  // Both have one centre.
+  // Rotation by which rectification turned the camera: x_in_camera = camera_from_recorded *
+  // x_in_recorded. Both frames have one centre.
   Rigid3d camera_from_recorded;
-  // EuRoC's T_BS; absent: nobody said where the body is.
+  // EuRoC's T_BS; it is absent where nobody said where the body is.
   std::optional<Rigid3d> body_from_recorded;
 
-  // To the bit.
+  // Compares every field to the bit.
   friend bool operator==(const RecordedCamera& a, const RecordedCamera& b);
 };
 
-// INVALID_ARGUMENT, naming the field and its value, where it is impossible.
+// INVALID_ARGUMENT names the field and its value where the camera is impossible.
 absl::Status Validate(const RecordedCamera& recorded);
 
-// Of pictures that were used as they were recorded.
+// Describes the camera of pictures that were used as they were recorded.
 RecordedCamera AsRecorded(const Camera& camera);
 
-// The recorded picture's pixel where the Camera has `pixel`.
+// Returns the recorded picture's pixel where the Camera has `pixel`.
 Eigen::Vector2d RecordedPixel(const Camera& camera, const RecordedCamera& recorded,
                               const Eigen::Vector2d& pixel);
 
-// Which frame poses are of.
+// Says which frame poses are of.
 enum class PosesOf {
-  kRecordedCamera,   // The camera as it recorded; of a stereo pair the left one.
+  kRecordedCamera,   // The camera as it recorded; for a stereo pair, the left one.
   kRectifiedCamera,  // The Camera.
   kBody,
 };
 
-// "camera", "rectified", "body": what options are called.
+// Returns what options are called: "camera", "rectified", "body".
 absl::string_view ToString(PosesOf poses_of);
-// INVALID_ARGUMENT names the three.
+// INVALID_ARGUMENT names the three that there are.
 absl::StatusOr<PosesOf> ParsePosesOf(absl::string_view text);
-// "the camera as recorded (of a stereo pair the left one)", "the rectified camera ...", "the body".
+// Returns "the camera as recorded (of a stereo pair the left one)", "the rectified camera ...", or
+// "the body".
 absl::string_view Describe(PosesOf poses_of);
 
-// x_in_camera = camera_from_wanted * x_in_wanted; nullopt where both are the same frame. Without
-// `recorded` the Camera is taken to be the one that recorded. FAILED_PRECONDITION: the body is
-// wanted and not known.
+// Returns camera_from_wanted, with x_in_camera = camera_from_wanted * x_in_wanted; nullopt where
+// both are the same frame. Without `recorded` the Camera is taken to be the one that recorded.
+// FAILED_PRECONDITION: the body is wanted and not known.
 absl::StatusOr<std::optional<Rigid3d>> CameraFromWanted(
     const std::optional<RecordedCamera>& recorded, PosesOf wanted);
 

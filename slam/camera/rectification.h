@@ -17,13 +17,13 @@ namespace corbslam {
 struct RawStereo {
   RawCamera left;
   RawCamera right;
-  // Metres; the right camera must lie on the left one's +x side.
+  // Translation in metres; the right camera must lie on the left one's +x side.
   Rigid3d right_from_left;
   int width_px = 0;
   int height_px = 0;
 };
 
-// INVALID_ARGUMENT, naming the field and its value, where a calibration is impossible.
+// INVALID_ARGUMENT names the field and its value where a calibration is impossible.
 absl::Status Validate(const RawStereo& raw);
 
 // Immutable after it is made; RectifyLeft and RectifyRight may run at the same time.
@@ -33,7 +33,7 @@ class StereoRectifier {
   // stereoRectify with alpha 0; Bouguet's method). INVALID_ARGUMENT for an impossible calibration.
   static absl::StatusOr<StereoRectifier> Make(const RawStereo& raw);
 
-  // Of the rectified pair, baseline_m set, close_depth_m 40 baselines.
+  // The camera of the rectified pair: baseline_m is set, close_depth_m is 40 baselines.
   const Camera& camera() const { return camera_; }
   // Orientation of the rectified left camera's frame against the raw one's: poses of the raw left
   // camera become poses of the rectified one by this rotation.

@@ -12,7 +12,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Of the kind of EuRoC's: distorted, the right camera turned by half a degree.
+// Returns a pair like EuRoC's: both lenses distort, and the right camera is turned by half a
+// degree.
 RawStereo RawPair() {
   RawStereo raw;
   raw.left = {458.654, 457.296, 367.215, 248.375, {-0.283, 0.0740, 0.000194, 0.0000176, 0}};
@@ -31,7 +32,7 @@ Eigen::Vector2d RawPixel(const RawCamera& camera, const Eigen::Vector3d& x_in_ca
   return {camera.fx_px * distorted.x() + camera.cx_px, camera.fy_px * distorted.y() + camera.cy_px};
 }
 
-// A raw picture with one soft white blob at a pixel.
+// Draws a raw picture with one soft white blob at a pixel.
 cv::Mat BlobAt(const RawStereo& raw, const Eigen::Vector2d& pixel) {
   cv::Mat picture(raw.height_px, raw.width_px, CV_8UC1);
   for (int y = 0; y < picture.rows; ++y) {

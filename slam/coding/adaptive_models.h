@@ -13,7 +13,7 @@
 
 namespace corbslam {
 
-// The mean of two estimates: one that is quick, one that is exact.
+// Estimates a probability as the mean of two estimates: one that is quick, one that is exact.
 class AdaptiveBit {
  public:
   template <typename Coder>
@@ -25,7 +25,7 @@ class AdaptiveBit {
   }
 
  private:
-  // Stays within 15 to 65520, or within 127 to 65408.
+  // Keeps the estimate within 15 to 65520, or within 127 to 65408.
   static uint16_t Toward(uint16_t estimate, bool bit, int shift) {
     return static_cast<uint16_t>(bit ? estimate + ((65535 - estimate) >> shift)
                                      : estimate - (estimate >> shift));
@@ -35,14 +35,14 @@ class AdaptiveBit {
   uint16_t slow_ = kEvenChance;
 };
 
-// Numbers of a fixed count of bits, of which the first `kLearned` are learned together and the
-// others taken as even.
+// Codes numbers of a fixed count of bits, of which the first `kLearned` are learned together and
+// the others taken as even.
 template <int kLearned>
 class BitsModel {
  public:
   template <typename Coder>
   uint32_t Code(Coder& coder, int bits, uint32_t value) {
-    uint32_t coded = 1;  // With a one before the bits so far.
+    uint32_t coded = 1;  // The bits so far, behind a leading one.
     for (int i = bits - 1; i >= 0; --i) {
       const bool bit = (value >> i & 1) != 0;
       const bool learned = coded < (1u << kLearned);
@@ -56,8 +56,8 @@ class BitsModel {
   std::array<AdaptiveBit, size_t{1} << kLearned> nodes_;
 };
 
-// Numbers that are small more often than large (Elias' gamma code with learned bits): how many bits
-// value + 1 has, then these.
+// Codes numbers that are small more often than large (Elias' gamma code with learned bits): how
+// many bits value + 1 has, then these.
 class SmallNumberModel {
  public:
   template <typename Coder>
@@ -78,14 +78,14 @@ class SmallNumberModel {
   std::array<BitsModel<3>, kMaxBits + 1> rest_;
 };
 
-// Differences.
+// Codes differences.
 class DifferenceModel {
  public:
   template <typename Coder>
   int32_t Code(Coder& coder, int32_t value) {
     if (is_zero_.Code(coder, value == 0)) return 0;
     const bool negative = is_negative_.Code(coder, value < 0);
-    // Of a value that isn't 0.
+    // The magnitude of a value that isn't 0.
     const auto size = negative ? 0u - static_cast<uint32_t>(value) : static_cast<uint32_t>(value);
     const uint32_t coded = size_.Code(coder, size - 1) + 1;
     return static_cast<int32_t>(negative ? 0u - coded : coded);

@@ -14,7 +14,8 @@ namespace corbslam {
 // Probabilities that a bit is 1 are in 65536ths, 1 to 65535.
 inline constexpr uint32_t kEvenChance = 1u << 15;
 
-// The bounds after a bit. By a mask: a jump on what is about to be learned is often mispredicted.
+// Narrows the bounds to those after a bit. It selects by a mask, because a processor often
+// mispredicts a jump on the bit that is about to be learned.
 inline void Narrow(bool bit, uint64_t middle, uint64_t& low, uint64_t& high) {
   const uint64_t is_one = uint64_t{0} - uint64_t{bit};
   low += (middle + 1 - low) & ~is_one;
@@ -33,15 +34,16 @@ class BitWriter {
     return bit;
   }
 
-  // All that was written; the writer is done with.
+  // Returns all that was written; the writer can't be used after it.
   std::string Finish() {
-    // Whatever follows, this lies between the bounds, whose upper halves differ.
+    // The upper halves of the bounds differ: this value lies between them, whatever follows it.
     Put(static_cast<uint32_t>(low_ >> 32) + 1);
     return std::move(bytes_);
   }
 
  private:
-  // Now and then: out of the way.
+  // Writes the upper halves of the bounds once they agree. It is called rarely and stays out of
+  // line.
   [[gnu::noinline]] void MoveOn() {
     do {
       Put(static_cast<uint32_t>(high_ >> 32));
@@ -79,9 +81,9 @@ class BitReader {
     return bit;
   }
 
-  // More was read than a writer of these bits would have written.
+  // True when more was read than a writer of these bits would have written.
   bool exhausted() const { return words_ > bytes_.size() / 4 + 1; }
-  // Exactly what a writer of these bits has written was read.
+  // True when exactly what a writer of these bits has written was read.
   bool done() const { return bytes_.size() % 4 == 0 && words_ == bytes_.size() / 4 + 1; }
 
  private:

@@ -16,7 +16,7 @@ struct CodedBit {
   bool bit;
 };
 
-// Among them those that were all but impossible.
+// Some of the bits were all but impossible.
 std::vector<CodedBit> MakeBits(int count) {
   std::mt19937 random(1);
   std::vector<CodedBit> bits;
@@ -63,7 +63,7 @@ TEST(BinaryCoderTest, WhatIsMissingOrTooMuchShows) {
 TEST(BinaryCoderTest, LikelyBitsCostNearlyNothing) {
   BitWriter writer;
   for (int i = 0; i < 10'000; ++i) writer.Bit(65000, true);
-  // 10,000 * log2(65536 / 65000) = 118 bits.
+  // The code's ideal length is 10,000 * log2(65536 / 65000) = 118 bits.
   EXPECT_LE(writer.Finish().size(), 20u);
 }
 

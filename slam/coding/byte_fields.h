@@ -10,13 +10,13 @@
 
 namespace corbslam {
 
-// Seven bits a byte, the lowest first; the last byte is below 128.
+// Appends seven bits a byte, the lowest first; the last byte is below 128.
 inline void AppendNumber(uint32_t number, std::string* bytes) {
   for (; number >= 128; number >>= 7) bytes->push_back(static_cast<char>(number | 128));
   bytes->push_back(static_cast<char>(number));
 }
 
-// Takes fields off the front. What is wrong makes ok() false for good, and what is read 0 or empty.
+// Takes fields off the front. A malformed field makes ok() false for good, and reads as 0 or empty.
 class FieldReader {
  public:
   explicit FieldReader(std::string_view bytes) : rest_(bytes) {}
@@ -28,7 +28,7 @@ class FieldReader {
       if (byte.empty()) return 0;
       number |= (static_cast<uint64_t>(static_cast<uint8_t>(byte[0])) & 127) << shift;
       if (static_cast<uint8_t>(byte[0]) >= 128) continue;
-      // One number is one sequence of bytes.
+      // A number has one encoding, the shortest.
       const bool is_shortest = shift == 0 || byte[0] != 0;
       if (is_shortest && number <= UINT32_MAX) return static_cast<uint32_t>(number);
       break;

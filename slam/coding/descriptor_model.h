@@ -16,24 +16,25 @@ namespace corbslam {
 
 inline constexpr int kDescriptorBits = 256;
 
-// Log-odds in 64ths of a nat.
+// Steps of a stored log-odds in one nat.
 inline constexpr int kLogOddsSteps = 64;
 
-// Of whole numbers modulo 2^16: the log-odds themselves are within 16 bits, sums on the way to them
-// need not be.
+// The weights are whole numbers modulo 2^16: the log-odds themselves are within 16 bits, sums on
+// the way to them need not be.
 struct BitWeights {
-  // Log-odds that bit k is 1, if all bits before it are 0.
+  // bias[k] is the log-odds that bit k is 1 if all bits before it are 0.
   std::array<uint16_t, kDescriptorBits> bias;
-  // after[j][k], k > j: what a bit j that is 1 adds to those of bit k. 0 for k <= j.
+  // after[j][k] is what a bit j that is 1 adds to the log-odds of bit k > j; it is 0 for k <= j.
   std::array<std::array<uint16_t, kDescriptorBits>, kDescriptorBits> after;
 };
 
-// Those that ship. Another set of them is another version of the format (feature_coding.h).
+// Returns the weights that ship. Another set of them makes another version of the format
+// (feature_coding.h).
 const BitWeights& LearnedBitWeights();
 
-// As they are learned: the log-odds of bit k before any other is known, and what a bit j that is 1
-// adds to those of bit k > j, and one that is 0 takes away; j after j, each from k = j + 1 on.
-// learned_bit_weights.cc is of this form.
+// The weights as learn_bit_weights writes them to learned_bit_weights.cc. A bias is the log-odds of
+// bit k before any other is known; a weight is what a bit j adds to those of bit k > j if it is 1,
+// and takes away if it is 0. Weights are in the order of j, and for each j from k = j + 1 on.
 inline constexpr size_t kLearnedWeights = kDescriptorBits * (kDescriptorBits - 1) / 2;
 extern const std::array<int8_t, kDescriptorBits> kLearnedBitBias;
 extern const std::array<int8_t, kLearnedWeights> kLearnedBitWeights;
@@ -45,7 +46,8 @@ inline constexpr std::array<uint16_t, 41> kProbabilityOfQuarters = {
     65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489, 65500, 65508, 65514,
     65519, 65523, 65526, 65528, 65530, 65531, 65532, 65533};
 
-// From -10 to 10 nats; between the quarters on a straight line; beyond them as at the ends.
+// The table reaches from -10 to 10 nats. Between its quarters the probability lies on a straight
+// line; beyond its ends it is the one at the end.
 inline constexpr int kMostLogOdds = 40 * kLogOddsSteps / 4;
 
 // The probability in 65536ths that a bit is 1, by its log-odds as 16 bits without a sign: a table

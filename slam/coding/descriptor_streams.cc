@@ -9,8 +9,8 @@
 #include "slam/coding/binary_coder.h"
 #include "slam/coding/descriptor_model.h"
 
-// Written once, as plain loops that compilers turn into vector code, and inlined into a function
-// for each instruction set.
+// The kernels are written once, as plain loops that compilers turn into vector code, and inlined
+// into a function for each instruction set.
 #define CORBSLAM_KERNEL [[gnu::always_inline]] inline
 
 namespace corbslam {
@@ -22,14 +22,14 @@ constexpr size_t kBlock = 16;
 template <typename Coder>
 using Coders = std::array<Coder, kDescriptorStreams>;
 
-// Sixteen at once: by two instructions, or by one.
+// A block is sixteen log-odds that are added at once, by two instructions or by one.
 using Block [[gnu::vector_size(2 * kBlock)]] = uint16_t;
 constexpr size_t kBlocks = kBits / kBlock;
 
-// One descriptor on its way through a coder.
+// A lane holds one descriptor on its way through a coder.
 struct Lane {
   std::array<Block, kBlocks> log_odds;
-  // Of the block under way: all ones for a bit that is 1.
+  // Masks of the block under way: all ones for a bit that is 1.
   std::array<uint16_t, kBlock> masks;
 };
 
@@ -60,7 +60,7 @@ CORBSLAM_KERNEL void LearnInOne(const BitWeights& weights, size_t block, size_t 
 }
 CORBSLAM_KERNEL void LearnInFour(const BitWeights& weights, size_t block, size_t later,
                                  Lane& lane) {
-  // By name: arrays of them would be in memory.
+  // Four named variables stay in registers; an array of them would be in memory.
   Block a = lane.log_odds[later];
   Block b = lane.log_odds[later + 1];
   Block c = lane.log_odds[later + 2];
@@ -91,7 +91,7 @@ CORBSLAM_KERNEL void LearnBlock(const BitWeights& weights, size_t block,
   }
 }
 
-// Bit after bit of one block, each taken up in the rest of it, in all lanes in turn.
+// Codes bit after bit of one block, each taken up in the rest of it, in all lanes in turn.
 template <size_t kLanes, typename Coder>
 CORBSLAM_KERNEL void CodeBlock(const Model& model, size_t block, std::array<Lane, kLanes>& lanes,
                                Coder* coders, Descriptor* descriptors) {
@@ -111,7 +111,7 @@ CORBSLAM_KERNEL void CodeBlock(const Model& model, size_t block, std::array<Lane
   }
 }
 
-// `kLanes` descriptors, the first of which is in the first of `coders`.
+// Codes `kLanes` descriptors, the first of which is in the first of `coders`.
 template <size_t kLanes, typename Coder>
 CORBSLAM_KERNEL void CodeSome(const Model& model, Coder* coders, Descriptor* descriptors) {
   std::array<Lane, kLanes> lanes;

@@ -18,12 +18,12 @@ inline constexpr size_t kDescriptorStreams = 4;
 std::array<std::string, kDescriptorStreams> EncodeDescriptors(
     std::span<const Descriptor> descriptors);
 
-// Fills `descriptors`. False: the streams are not those of as many descriptors. Not all that is
-// wrong shows: whoever must know keeps a checksum beside them.
+// Fills `descriptors`. Returns false when the streams are not those of as many descriptors. It
+// can't notice every damage: a caller that must know keeps a checksum beside the streams.
 bool DecodeDescriptors(const std::array<std::string_view, kDescriptorStreams>& streams,
                        std::span<Descriptor> descriptors);
 
-// As these two, without instructions that not every processor has. The results are equal.
+// Do the same without instructions that not every processor has. The results are equal.
 std::array<std::string, kDescriptorStreams> EncodeDescriptorsPortably(
     std::span<const Descriptor> descriptors);
 bool DecodeDescriptorsPortably(const std::array<std::string_view, kDescriptorStreams>& streams,

@@ -15,10 +15,11 @@
 namespace corbslam {
 namespace {
 
-// version, flags, number of keypoints, width, height, length of each stream, streams, checksum
+// The format is: version, flags, number of keypoints, width, height, length of each stream,
+// streams, checksum.
 constexpr uint8_t kHasDisparities = 1;
 constexpr uint8_t kHasDescriptors = 2;
-// About what a keypoint takes uncoded, with and without its descriptor.
+// A keypoint takes about so many bytes uncoded, without and with its descriptor.
 constexpr size_t kPlainBytes = 10;
 
 struct Header {

@@ -15,14 +15,14 @@
 
 namespace corbslam {
 
-// Of the format. Whoever changes a model or its weights makes it another one.
+// Version of the format. A change of a model or of its weights needs another version.
 inline constexpr uint8_t kFeatureCodingVersion = 1;
 // Coded features are at least so long. Cameras' features are five times as long; it bounds what a
 // few bytes can make a reader do.
 inline constexpr size_t kMinCodedBytesOfKeypoint = 4;
 
-// None: they are better kept as they are, since code of the format isn't shorter, can't be, or
-// would be too short for the bound above.
+// Returns none where features are better kept as they are, because code of the format isn't
+// shorter, can't be made, or would be too short for the bound above.
 std::optional<std::string> EncodeFeatures(const FeatureColumns& columns,
                                           const PictureSize& picture);
 
@@ -31,7 +31,8 @@ std::optional<std::string> EncodeFeatures(const FeatureColumns& columns,
 // fit into the columns. Time and memory are in proportion to the length.
 absl::StatusOr<FeatureColumns> DecodeFeatures(std::string_view bytes, size_t max_keypoints);
 
-// What they say their number is, at most what their length allows; 0 where that can't be read.
+// Returns the number of keypoints that `bytes` state, at most what their length allows; 0 where
+// that can't be read.
 size_t CountCodedKeypoints(std::string_view bytes);
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// Coding of a keyframe's features, by part. One thread.
+// Measures the coding of a keyframe's features, part by part, on one thread.
 #include <benchmark/benchmark.h>
 
 #include <array>

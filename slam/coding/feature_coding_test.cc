@@ -98,7 +98,7 @@ TEST(FeatureCodingTest, WhatIsBetterKeptAsItIsIsNotCoded) {
     for (uint64_t& word : descriptor.words) word = random();
   }
   EXPECT_FALSE(EncodeFeatures(noise, kPicture).has_value());
-  // All alike: shorter than readers take.
+  // Equal keypoints code to less than readers accept.
   FeatureColumns alike = Plausible(1);
   for (FeatureColumns one = alike; alike.size() < 2000;) {
     alike.x_px64.push_back(one.x_px64[0]);
@@ -150,7 +150,7 @@ TEST_P(MalformedFeaturesTest, IsRefusedByNameAndLimit) {
   EXPECT_THAT(std::string(status.message()), HasSubstr(GetParam().says));
 }
 
-// version, flags and the numbers, then as `rest` says.
+// Writes version, flags and the numbers, followed by `rest`.
 std::string Header(char version, char flags, uint32_t count, std::string rest) {
   std::string bytes = {version, flags};
   AppendNumber(count, &bytes);

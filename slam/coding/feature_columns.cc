@@ -27,7 +27,7 @@ uint32_t RoundAngle(float angle_rad) {
 }
 
 float AngleOf(uint32_t steps) {
-  // (-pi, pi].
+  // The result is within (-pi, pi].
   const auto turn = static_cast<int>(kTurnSteps);
   const int centred =
       steps > kTurnSteps / 2 ? static_cast<int>(steps) - turn : static_cast<int>(steps);

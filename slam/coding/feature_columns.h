@@ -16,11 +16,11 @@ inline constexpr double kDisparitySteps_px = 128;
 inline constexpr uint32_t kMaxDisparity_px128 = 1u << 21;
 inline constexpr uint32_t kTurnSteps = 1u << 14;
 
-// Parallel columns, one entry a keypoint.
+// The columns are parallel, with one entry a keypoint.
 struct FeatureColumns {
   std::vector<int32_t> x_px64;
   std::vector<int32_t> y_px64;
-  std::vector<uint32_t> disparity_px128;  // 0: unknown. Empty: unknown everywhere.
+  std::vector<uint32_t> disparity_px128;  // 0: unknown. An empty column: all are unknown.
   std::vector<uint32_t> angle_turn14;     // Less than kTurnSteps.
   std::string octaves;                    // One byte each.
   std::vector<Descriptor> descriptors;    // May be empty.
@@ -29,9 +29,9 @@ struct FeatureColumns {
   friend bool operator==(const FeatureColumns&, const FeatureColumns&) = default;
 };
 
-// Rounded to the steps above. A known disparity stays known.
+// Rounds to the steps above. A known disparity stays known.
 FeatureColumns ToColumns(const Features& features);
-// What was once rounded passes again unchanged. The columns must be of one length (disparities and
+// Columns that were rounded once pass again unchanged. They must be of one length (disparities and
 // descriptors may be empty).
 Features FromColumns(FeatureColumns columns);
 

@@ -36,13 +36,13 @@ LevelGrid::LevelGrid(uint32_t side_px, int octave) : side0_px_(side_px) {
 }
 
 int64_t LevelGrid::PositionOf(int64_t pixel) const {
-  // (pixel + 1/2) * side0 / side - 1/2, rounded.
+  // The position is (pixel + 1/2) * side0 / side - 1/2, rounded.
   const int64_t doubled = (2 * pixel + 1) * side0_px_ * kSteps;
   return FloorDivide(doubled + side_px_, 2 * side_px_) - kSteps / 2;
 }
 
 int64_t LevelGrid::PixelAt(int32_t position_px64) const {
-  // The pixel within whose width the position lies.
+  // Returns the pixel within whose width the position lies.
   return FloorDivide((int64_t{position_px64} + kSteps / 2) * side_px_, side0_px_ * kSteps);
 }
 

@@ -14,12 +14,12 @@
 
 namespace corbslam {
 
-// Of the picture; only how short the code is depends on it.
+// Size of the picture; only the length of the code depends on it.
 struct PictureSize {
   uint32_t width_px = 0;
   uint32_t height_px = 0;
 };
-// Of a side.
+// Largest width or height that can be coded.
 inline constexpr uint32_t kMaxCodedSide_px = 65535;
 
 struct CodedKeypoint {
@@ -30,16 +30,16 @@ struct CodedKeypoint {
   uint8_t octave = 0;
 };
 
-// Where the pixels of one side of a level lie at level 0.
+// Knows where the pixels of one side of a level lie at level 0.
 class LevelGrid {
  public:
   LevelGrid() = default;
   // `octave` may be any: beyond the pyramid's levels it is taken as the last.
   LevelGrid(uint32_t side_px, int octave);
 
-  // In 64ths of a pixel of level 0; ties as they come.
+  // Returns the pixel's position in 64ths of a pixel of level 0. Half a step rounds either way.
   int64_t PositionOf(int64_t pixel) const;
-  // The pixel next to it.
+  // Returns the pixel next to that position.
   int64_t PixelAt(int32_t position_px64) const;
   int64_t side_px() const { return side_px_; }
 
@@ -48,17 +48,17 @@ class LevelGrid {
   int64_t side_px_ = 1;
 };
 
-// The keypoints that were coded so far, by place. Of those that are crowded, the newest ones.
+// Finds keypoints that were coded so far by their place. A crowded cell keeps the newest ones.
 class NearbyKeypoints {
  public:
   explicit NearbyKeypoints(const PictureSize& picture);
 
   void Add(const CodedKeypoint& keypoint);
-  // The nearest of those in the same and the surrounding cells; null: there is none.
+  // Returns the nearest of those in the same and the surrounding cells; null: there is none.
   const CodedKeypoint* FindNearest(int32_t x_px64, int32_t y_px64) const;
 
  private:
-  static constexpr int kCells = 32;  // A side.
+  static constexpr int kCells = 32;  // Cells along each side.
   static constexpr size_t kKept = 4;
   struct Cell {
     std::array<CodedKeypoint, kKept> keypoints;

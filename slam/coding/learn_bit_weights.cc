@@ -54,7 +54,7 @@ std::vector<Descriptor> DescribePictures(const std::string& folder) {
   return all;
 }
 
-// A fixed seed; std::shuffle is not the same on every platform.
+// Shuffles by a fixed seed, since std::shuffle is not the same on every platform.
 void Shuffle(std::vector<Descriptor>& descriptors) {
   std::mt19937 random(1);
   for (size_t i = descriptors.size(); i > 1; --i) {
@@ -62,7 +62,7 @@ void Shuffle(std::vector<Descriptor>& descriptors) {
   }
 }
 
-// A column a descriptor: its bits as +1 and -1.
+// Writes one column a descriptor: its bits as +1 and -1.
 void FillBits(const Descriptor* descriptors, Matrix& bits) {
   bits.resize(kBits, kTogether);
   for (int i = 0; i < kTogether; ++i) {
@@ -79,7 +79,7 @@ struct Regression {
   Eigen::VectorXf bias;
 };
 
-// What makes bits of no mean and unit covariance of bits.
+// Turns bits into ones of no mean and unit covariance.
 struct Decorrelation {
   Eigen::VectorXf mean;
   Matrix factor;  // Lower triangular: bits = factor * decorrelated + mean.
@@ -145,7 +145,8 @@ Regression Learn(const std::vector<Descriptor>& descriptors) {
     std::cerr << "pass " << pass + 1 << ": " << length / static_cast<double>(steps * kTogether)
               << " bits a descriptor\n";
   }
-  // Of bits as they are.
+  // The weights were learned for decorrelated inputs; these are the weights for the bits
+  // themselves.
   const Matrix transposed = decorrelation.factor.transpose().triangularView<Eigen::Upper>().solve(
       Matrix(learned.weights.transpose()));
   learned.weights = transposed.transpose();

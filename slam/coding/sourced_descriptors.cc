@@ -16,14 +16,15 @@
 namespace corbslam {
 namespace {
 
-// version, stream of choices, streams of the descriptors that are no copies, checksum
+// The format is: version, stream of choices, streams of the descriptors that are no copies,
+// checksum.
 constexpr size_t kStreams = 1 + kDescriptorStreams;
 
-// Which of its source's descriptors each is a copy of. Points are made in the order of the
-// keypoints, so that it is mostly one soon after the last.
+// Codes which of its source's descriptors each is a copy of. Points are made in the order of the
+// keypoints, so that a copy's index is mostly a little above the last one's.
 class ChoiceModel {
  public:
-  // Writes `choice`, or reads it; none: no copy. False: there is no such descriptor.
+  // Writes `choice`, or reads it; none: no copy. Returns false when there is no such descriptor.
   template <typename Coder>
   bool Code(Coder& coder, size_t source_size, std::optional<size_t>& choice) {
     if (source_size == 0) return true;
@@ -46,7 +47,7 @@ class ChoiceModel {
   int64_t last_ = 0;
 };
 
-// From `begin` on and around.
+// Looks for an equal descriptor from `begin` on to the end, then before it.
 std::optional<size_t> Find(const Descriptor& descriptor, std::span<const Descriptor> source,
                            size_t begin) {
   const auto middle = source.begin() + static_cast<std::ptrdiff_t>(std::min(begin, source.size()));

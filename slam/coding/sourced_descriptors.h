@@ -14,17 +14,17 @@
 
 namespace corbslam {
 
-// Of the format; whoever changes a model or its weights makes it another one.
+// Version of the format; a change of a model or of its weights needs another one.
 inline constexpr uint8_t kSourcedDescriptorsVersion = 1;
 
 // What the reader has that descriptor i may be a copy of; empty: nothing.
 using DescriptorSources = std::span<const std::span<const Descriptor>>;
 
-// As many sources as descriptors.
+// Takes as many sources as descriptors.
 std::string EncodeSourced(std::span<const Descriptor> descriptors, DescriptorSources sources);
 
-// One descriptor a source; the sources must be those that were written with. INVALID_ARGUMENT,
-// naming what is wrong. Time and memory are in proportion to the number of sources.
+// Returns one descriptor a source; the sources must be those that were written with.
+// INVALID_ARGUMENT names what is wrong. Time and memory are in proportion to the number of sources.
 absl::StatusOr<std::vector<Descriptor>> DecodeSourced(std::string_view bytes,
                                                       DescriptorSources sources);
 

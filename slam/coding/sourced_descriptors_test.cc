@@ -13,7 +13,7 @@ using Sources = std::vector<std::span<const Descriptor>>;
 
 class SourcedDescriptorsTest : public ::testing::Test {
  protected:
-  // Copies from two keyframes in no order, and some that are none.
+  // The descriptors are copies from two keyframes in no order, and some that are none.
   void SetUp() override {
     for (size_t i = 0; i < 200; ++i) {
       const bool copies = i % 5 != 0;
@@ -51,7 +51,7 @@ TEST_F(SourcedDescriptorsTest, CopiesAreNearlyFree) {
 TEST_F(SourcedDescriptorsTest, AnotherSourceIsRefused) {
   const std::string bytes = EncodeSourced(descriptors_, sources_);
   Sources others = sources_;
-  others[1] = first_;  // Was the second.
+  others[1] = first_;  // It was the second keyframe.
   EXPECT_TRUE(absl::IsInvalidArgument(DecodeSourced(bytes, others).status()));
   others[1] = {};
   EXPECT_TRUE(absl::IsInvalidArgument(DecodeSourced(bytes, others).status()));
@@ -61,7 +61,7 @@ TEST_F(SourcedDescriptorsTest, AnotherSourceIsRefused) {
 }
 
 TEST_F(SourcedDescriptorsTest, ACopyOfWhatIsNotThereIsRefusedByName) {
-  // Of the 300th of 300.
+  // The descriptor is a copy of the last of 300.
   const std::string bytes =
       EncodeSourced(std::vector<Descriptor>{first_[299]}, Sources{std::span(first_)});
   const absl::Status status =

@@ -20,7 +20,7 @@ namespace corbslam {
 
 static_assert(std::endian::native == std::endian::little, "checksums are of columns as they lie");
 
-// The lengths, then the streams.
+// Appends the streams' lengths, then the streams.
 inline void AppendStreams(std::span<const std::string> streams, std::string* bytes) {
   for (const std::string& stream : streams) {
     AppendNumber(static_cast<uint32_t>(stream.size()), bytes);
@@ -28,7 +28,7 @@ inline void AppendStreams(std::span<const std::string> streams, std::string* byt
   for (const std::string& stream : streams) *bytes += stream;
 }
 
-// None: they are longer than all that is there.
+// Returns none where the streams are longer than all that is there.
 template <size_t kCount>
 std::optional<std::array<std::string_view, kCount>> TakeStreams(FieldReader& fields) {
   std::array<uint32_t, kCount> lengths;
@@ -49,7 +49,7 @@ inline void AppendChecksum(uint32_t checksum, std::string* bytes) {
   bytes->append(reinterpret_cast<const char*>(&checksum), sizeof(checksum));
 }
 
-// Whether that, and nothing else, is what is left.
+// Returns whether that checksum, and nothing else, is what is left.
 inline bool EndsWithChecksum(FieldReader& fields, uint32_t checksum) {
   if (fields.left() != sizeof(checksum)) return false;
   return std::memcmp(fields.Piece(sizeof(checksum)).data(), &checksum, sizeof(checksum)) == 0;

@@ -1,4 +1,4 @@
-// KITTI's part of trajectory_io.h.
+// This is KITTI's part of trajectory_io.h.
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,11 +14,11 @@
 namespace corbslam {
 namespace {
 
-using OptionalTimes = std::vector<std::optional<int64_t>>;  // None: not finite.
+using OptionalTimes = std::vector<std::optional<int64_t>>;  // None: the time is not finite.
 
 struct KittiRow {
   int line = 0;
-  std::optional<Rigid3d> pose;  // None: not finite.
+  std::optional<Rigid3d> pose;  // None: the pose is not finite.
 };
 
 absl::StatusOr<KittiRow> ParseKittiRow(const TextRow& row, const std::string& path) {

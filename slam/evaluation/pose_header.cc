@@ -12,7 +12,7 @@
 namespace corbslam {
 namespace {
 
-// "q_RS_w []" -> "qrsw".
+// Turns "q_RS_w []" into "qrsw".
 std::string ColumnName(absl::string_view text) {
   const std::string name = absl::AsciiStrToLower(absl::StripAsciiWhitespace(text));
   return absl::StrReplaceAll(name.substr(0, name.find_first_of(" [(")), {{"_", ""}, {"#", ""}});

@@ -19,7 +19,7 @@ struct PoseHeader {
 // Takes what one comment says; others leave `header` as it is.
 void ReadPoseHeader(absl::string_view comment, PoseHeader& header);
 
-// "poses of the body" and so on: the comment that says it to ReadPoseHeader and to people.
+// Returns the comment "poses of the body" and so on, which ReadPoseHeader and people understand.
 std::string PoseHeaderLine(PosesOf poses_of);
 
 }  // namespace corbslam

@@ -19,9 +19,10 @@ namespace {
 
 constexpr absl::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr double kMaxRotationError = 0.01;
-// Digits of nanoseconds since 1970, of times after 1973. Seconds have ten at most.
+// Times in nanoseconds since 1970 have at least so many digits after 1973. Seconds have ten at
+// most.
 constexpr size_t kLeastNanosecondDigits = 18;
-// What the wire takes as a time, on both sides of 0.
+// The wire takes times up to this, on both sides of 0.
 constexpr int64_t kMaxTime_ns = int64_t{1} << 62;
 
 bool IsNumber(absl::string_view text) {
@@ -157,7 +158,7 @@ absl::StatusOr<Eigen::Quaterniond> RotationFromQuaternion(double w, double x, do
 absl::StatusOr<Eigen::Quaterniond> RotationFromMatrix(const Eigen::Matrix3d& matrix,
                                                       absl::string_view path, int line) {
   const double error = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).norm();
-  // Written so that NaN (of infinite products) fails.
+  // The comparison is written so that NaN (from infinite products) fails.
   if (!(error <= kMaxRotationError) || matrix.determinant() < 0) {
     return LineError(path, line, "the matrix holds no rotation");
   }

@@ -21,13 +21,13 @@ namespace corbslam {
 
 // A trajectory with what is to be said of its file.
 struct TrajectoryReading {
-  // Sorted, no time twice.
+  // The poses are sorted, and no time is there twice.
   Trajectory trajectory;
-  // Rows that hold no pose: NaN, infinite.
+  // Number of rows that hold no pose because a field is NaN or infinite.
   size_t rows_not_finite = 0;
-  // Rows of a time that an earlier row has; the first one counts.
+  // Number of rows whose time an earlier row has; the first one counts.
   size_t rows_repeated = 0;
-  // Rows that are earlier than one before them.
+  // Number of rows that are earlier than one before them.
   size_t rows_out_of_order = 0;
   // A sentence for each of these that is not 0, with file, number and the first line.
   std::vector<std::string> notes;
@@ -38,7 +38,7 @@ struct TrajectoryReading {
 // Takes the rows of one file in their order.
 class PoseRows {
  public:
-  // `row_word`: what the number of a row counts.
+  // `row_word` names what the number of a row counts.
   explicit PoseRows(std::string path, std::string row_word = "line")
       : path_(std::move(path)), row_word_(std::move(row_word)) {}
 
@@ -82,18 +82,19 @@ absl::Status ForEachRow(const std::string& path,
                         const std::function<void(absl::string_view)>& use_comment,
                         const std::function<absl::Status(const TextRow&)>& use_row);
 
-// Numbers that need not be finite. INVALID_ARGUMENT names file, line and field.
+// Parses numbers that need not be finite. INVALID_ARGUMENT names file, line and field.
 absl::StatusOr<std::vector<double>> ParseAnyNumbers(const TextRow& row, absl::string_view path);
 
 // INVALID_ARGUMENT: the row has not as many fields as `expected` says.
 absl::Status WrongCount(const TextRow& row, absl::string_view path, absl::string_view expected);
 
-// Seconds, or nanoseconds since 1970 where they are 18 digits or more; `number` is the same field.
-// Nullopt: not finite.
+// Parses seconds, or nanoseconds since 1970 where they are 18 digits or more; `number` is the same
+// field as a number. Nullopt: the time is not finite.
 absl::StatusOr<std::optional<int64_t>> ParseTime(absl::string_view field, double number,
                                                  absl::string_view path, int line);
 
-// Of a file every row of which must hold a pose: INVALID_ARGUMENT names the first that doesn't.
+// Returns the trajectory of a file in which every row must hold a pose: INVALID_ARGUMENT names the
+// first row that doesn't.
 absl::StatusOr<Trajectory> AllOf(absl::StatusOr<TrajectoryReading> reading);
 
 bool AllFinite(const std::vector<double>& numbers);

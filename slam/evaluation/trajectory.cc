@@ -25,12 +25,13 @@ class Outwards {
             truth.begin())),
         before_(after_) {}
 
-  // How far the next one is in time; nullopt after the last. Equally far: the earlier one is first.
+  // Returns how far the next one is in time; nullopt after the last. Of two that are equally far,
+  // the earlier one is first.
   std::optional<int64_t> gap_ns() const {
     if (before_ == 0 && after_ == truth_.size()) return std::nullopt;
     return IsBefore() ? GapBefore_ns() : GapAfter_ns();
   }
-  // Its index; moves on.
+  // Returns its index and moves on.
   size_t Take() { return IsBefore() ? --before_ : after_++; }
 
  private:
@@ -52,7 +53,7 @@ struct Candidate {
   friend auto operator<=>(const Candidate&, const Candidate&) = default;
 };
 
-// Index of each estimate's true pose; nullopt where none is left for it.
+// Returns the index of each estimate's true pose; nullopt where none is left for it.
 std::vector<std::optional<size_t>> MatchNearestFirst(const Trajectory& estimate,
                                                      const Trajectory& truth, int64_t max_gap_ns) {
   std::vector<Outwards> searches;

@@ -26,22 +26,23 @@ struct PosePair {
 // Largest difference in time between an estimate and the true pose that it is held against.
 inline constexpr int64_t kMaxAssociationGap_ns = 20'000'000;
 
-// Each estimate with the true pose nearest in time, where one lies within `max_gap_ns` (at least
-// 0); in the order of `estimate`. A true pose is used once: by the estimate that it is nearest to,
-// the others take the next nearest that is free. `truth` must be sorted by time.
+// Pairs each estimate with the true pose nearest in time, where one lies within `max_gap_ns` (at
+// least 0), in the order of `estimate`. A true pose is used once: by the estimate that it is
+// nearest to; the others take the next nearest that is free. `truth` must be sorted by time.
 std::vector<PosePair> AssociateByTime(const Trajectory& estimate, const Trajectory& truth,
                                       int64_t max_gap_ns = kMaxAssociationGap_ns);
 
-// Sorted by time; poses of equal time keep their order.
+// Sorts by time; poses of equal time keep their order.
 void SortByTime(Trajectory& trajectory);
 
-// What lies at or after `first_ns`.
+// Returns the poses at or after `first_ns`.
 Trajectory KeepFrom(const Trajectory& trajectory, int64_t first_ns);
 
-// One path from several in the same frame: sorted by time, of equal times the first named wins.
+// Merges several trajectories in the same frame into one: sorted by time, and of equal times the
+// first named wins.
 Trajectory MergeByTime(const std::vector<Trajectory>& trajectories);
 
-// Metres of travel.
+// Returns the metres of travel.
 double PathLength_m(const Trajectory& trajectory);
 
 }  // namespace corbslam

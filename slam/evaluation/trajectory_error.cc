@@ -34,23 +34,23 @@ Similarity3d Align(const std::vector<PosePair>& pairs, Alignment alignment) {
 }
 
 struct Segment {
-  size_t last = 0;      // Pair that it ends with.
+  size_t last = 0;      // Pair with which it ends.
   double length_m = 0;  // What its error is divided by.
 };
 
-// Nullopt where the path ends before, or where lost frames leave no pair near the end.
+// Returns nullopt where the path ends before, or where lost frames leave no pair near the end.
 std::optional<Segment> FindSegment(const TrueTravel& travel, size_t first, double nominal_m) {
   const auto end =
       std::upper_bound(travel.at_m.begin(), travel.at_m.end(), travel.at_m[first] + nominal_m);
   if (end == travel.at_m.end()) return std::nullopt;
   const auto last = static_cast<size_t>(end - travel.at_m.begin());
-  // Without lost frames the pose before it is the last one within the length.
+  // Without lost frames, the pose before the last one is within the length.
   const double length_m = std::max(nominal_m, travel.before_m[last] - travel.at_m[first]);
   if (length_m > kMaxSegmentExcess * nominal_m) return std::nullopt;
   return Segment{last, length_m};
 }
 
-// The estimate's motion over a segment, seen from the true motion's end.
+// Returns the estimate's motion over a segment, seen from the true motion's end.
 Rigid3d SegmentError(const PosePair& first, const PosePair& last) {
   const Rigid3d estimated =
       first.estimate.world_from_camera.Inverse() * last.estimate.world_from_camera;

@@ -17,7 +17,7 @@ enum class Alignment { kSe3, kSim3 };
 
 struct AbsoluteError {
   Similarity3d truth_from_estimate;
-  // Of the distances between aligned and true camera centres.
+  // Root mean square and others of the distances between aligned and true camera centres.
   double rmse_m = 0;
   double mean_m = 0;
   double median_m = 0;
@@ -36,11 +36,11 @@ struct RelativeError {
   int segments = 0;
 };
 
-// Mean error over all segments of 100, 200, ... 800 m of true travel that begin at every
-// `first_pose_step`-th pair and fit. Travel is that along `truth` (MeasureTravel), however many
-// frames were lost on the way. As in KITTI's devkit a segment ends with the first frame beyond its
-// length. Where frames were lost there, its error is divided by the travel up to the end that it
-// has; with more than a tenth of the length too much there is no such segment. Pairs must be in
+// Returns the mean error over all segments of 100, 200, ... 800 m of true travel that begin at
+// every `first_pose_step`-th pair and fit. Travel is that along `truth` (MeasureTravel), however
+// many frames were lost on the way. As in KITTI's devkit a segment ends with the first frame beyond
+// its length. Where frames were lost there, its error is divided by the travel up to the end that
+// it has; with more than a tenth of the length too much there is no such segment. Pairs must be in
 // order of time; nullopt when none fits.
 std::optional<RelativeError> ComputeRelativeError(const std::vector<PosePair>& pairs,
                                                   const Trajectory& truth,

@@ -126,7 +126,7 @@ TEST(RelativeErrorTest, HasKnownValues) {
   }
   const std::optional<RelativeError> straight = ComputeRelativeError(pairs, {});
   ASSERT_TRUE(straight.has_value());
-  // Segments end at the first pose beyond their length: 101 and 201 m.
+  // Segments end at the first pose beyond their length, after 101 and 201 m.
   EXPECT_EQ(straight->segments, 15 + 5);
   EXPECT_NEAR(straight->translation_percent, 0.75 * 2.02 + 0.25 * 2.01, 1e-9);
   EXPECT_NEAR(straight->rotation_deg_per_100m, 0, 1e-9);

@@ -38,14 +38,14 @@ bool IsFolder(const std::string& path) {
   return fs::is_directory(path, ignored);
 }
 
-// The first row's; nullopt in a file without rows.
+// Shape of the first row; nullopt in a file without rows.
 struct Shape {
   size_t fields = 0;
   bool is_euroc = false;
 };
 absl::StatusOr<std::optional<Shape>> ShapeOf(const std::string& path) {
   std::optional<Shape> shape;
-  // The error only ends the reading.
+  // The callback's error only ends the reading after one row.
   const absl::Status read = ForEachRow(
       path, [](absl::string_view) {},
       [&](const TextRow& row) -> absl::Status {
@@ -79,7 +79,7 @@ absl::StatusOr<TrajectoryReading> ReadFolder(const std::string& path) {
                    ": name a file in it, or a sequence as LAYOUT:DIR"));
 }
 
-// Nanoseconds in ROBOT/NANOSECONDS.png.
+// Returns the nanoseconds in ROBOT/NANOSECONDS.png.
 std::optional<int64_t> TimeInName(absl::string_view name) {
   const size_t slash = name.rfind('/');
   if (slash != absl::string_view::npos) name.remove_prefix(slash + 1);
@@ -109,7 +109,7 @@ absl::Status AddColmapImage(const TextRow& row, const std::string& path, PoseRow
   return absl::OkStatus();
 }
 
-// Nullopt: not finite.
+// Returns nullopt when the pose is not finite.
 absl::StatusOr<std::optional<Rigid3d>> ReadPoseFile(const std::string& path) {
   std::vector<double> n;
   RETURN_IF_ERROR(ForEachRow(
@@ -130,7 +130,7 @@ absl::StatusOr<std::optional<Rigid3d>> ReadPoseFile(const std::string& path) {
   return Rigid3d{rotation, Eigen::Vector3d(n[3], n[7], n[11])};
 }
 
-// 12 of "frame-000012.pose.txt".
+// Returns 12 for "frame-000012.pose.txt".
 std::optional<int> FrameOf(absl::string_view name) {
   int frame = 0;
   if (!absl::ConsumePrefix(&name, kFrame) || !absl::ConsumeSuffix(&name, kPose) ||

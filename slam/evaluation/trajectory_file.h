@@ -1,4 +1,4 @@
-// Trajectories in whatever form a program wrote them.
+// Reads trajectories in whatever form a program wrote them.
 #ifndef CORBSLAM_SLAM_EVALUATION_TRAJECTORY_FILE_H_
 #define CORBSLAM_SLAM_EVALUATION_TRAJECTORY_FILE_H_
 
@@ -19,16 +19,17 @@ namespace corbslam {
 //   a folder with images.txt, or that file: COLMAP's text model. A time is the picture's name
 //   a folder with frame-000000.pose.txt and so on: 7-Scenes, at 30 Hz from 0
 //
-// Poses are as the file has them. NOT_FOUND: there is no such file, or there are no times.
+// Poses stay as the file has them. NOT_FOUND: there is no such file, or there are no times.
 // INVALID_ARGUMENT names line and field.
 absl::StatusOr<TrajectoryReading> ReadTrajectoryFile(const std::string& path,
                                                      const std::string& times_path = "");
 
-// COLMAP's images.txt: pictures called ROBOT/NANOSECONDS.png.
+// Reads COLMAP's images.txt, with pictures called ROBOT/NANOSECONDS.png.
 absl::StatusOr<TrajectoryReading> ReadColmapImages(const std::string& path);
 
-// 7-Scenes: DIR/frame-000000.pose.txt and so on, 4 by 4 numbers, world from camera. A time is the
-// number of the frame by `rate_hz`. NOT_FOUND: there is no such file in the folder.
+// Reads 7-Scenes: DIR/frame-000000.pose.txt and so on hold 4 by 4 numbers each, world from camera.
+// A time is the number of the frame divided by `rate_hz`. NOT_FOUND: there is no such file in the
+// folder.
 absl::StatusOr<TrajectoryReading> ReadPoseFiles(const std::string& directory, double rate_hz = 30);
 
 }  // namespace corbslam

@@ -29,7 +29,7 @@ class TrajectoryFileTest : public ::testing::Test {
     const StampedPose& pose = read->trajectory[0];
     EXPECT_EQ(pose.timestamp_ns, time_ns);
     EXPECT_LT((pose.world_from_camera.translation - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
-    // Half a turn about x.
+    // The rotation is half a turn about x.
     EXPECT_NEAR(std::abs(pose.world_from_camera.rotation.x()), 1, 1e-12);
   }
 
@@ -44,7 +44,7 @@ TEST_F(TrajectoryFileTest, KnowsTheFormsByTheirContents) {
                     "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],"
                     "q_RS_y [],q_RS_z []\n1403715273262142976,1,2,3,0,1,0,0\n")),
                 1403715273262142976);
-  // TUM-VI's, without the #.
+  // TUM-VI's header has no #.
   ExpectOnePose(ReadTrajectoryFile(
                     Write("b.csv",
                           "timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [],"

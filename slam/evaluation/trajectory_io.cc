@@ -21,7 +21,7 @@ absl::StatusOr<std::optional<int64_t>> ParseNanoseconds(absl::string_view field,
   return LineError(path, line, absl::StrCat("field 1 is no time in nanoseconds: ", field));
 }
 
-// The seven numbers behind the time.
+// Adds the pose of the seven numbers behind the time.
 absl::Status AddPose(const TextRow& row, const std::vector<double>& n,
                      const std::optional<int64_t>& timestamp_ns, bool is_w_first,
                      const std::string& path, PoseRows& rows) {

@@ -19,16 +19,17 @@
 
 namespace corbslam {
 
-// "time tx ty tz qx qy qz qw" a row, time in seconds, or in nanoseconds since 1970 without a point.
+// A row is "time tx ty tz qx qy qz qw", its time in seconds, or in nanoseconds since 1970 without a
+// point.
 absl::StatusOr<TrajectoryReading> ReadTumFile(const std::string& path);
 absl::StatusOr<Trajectory> ReadTumTrajectory(const std::string& path);
-// `comment` stands before the rows behind a #; none where it is empty.
+// `comment` stands before the rows, behind a #; there is none where it is empty.
 absl::Status WriteTumTrajectory(const Trajectory& trajectory, const std::string& path,
                                 const std::string& comment = "");
-// The row of one pose.
+// Returns the row of one pose.
 std::string TumRow(const StampedPose& pose);
 
-// Twelve numbers a row: the first three rows of world_from_camera. Times come from `times_path`,
+// A row is twelve numbers: the first three rows of world_from_camera. Times come from `times_path`,
 // one number of seconds a line.
 absl::StatusOr<TrajectoryReading> ReadKittiFile(const std::string& poses_path,
                                                 const std::string& times_path);
@@ -36,13 +37,13 @@ absl::StatusOr<TrajectoryReading> ReadKittiFile(const std::string& poses_path,
                                                 const std::vector<int64_t>& times_ns);
 absl::StatusOr<Trajectory> ReadKittiTrajectory(const std::string& poses_path,
                                                const std::string& times_path);
-// The same without times: 10 Hz from zero.
+// Reads the same without times: 10 Hz from zero.
 absl::StatusOr<Trajectory> ReadKittiTrajectory(const std::string& poses_path);
 absl::Status WriteKittiTrajectory(const Trajectory& trajectory, const std::string& path);
 
-// EuRoC's state_groundtruth_estimate0/data.csv, TUM-VI's mocap0/data.csv: nanoseconds, position,
-// quaternion (w first) of the body; what follows is ignored. `body_from_camera` (cam0's T_BS) makes
-// it the camera's.
+// Reads EuRoC's state_groundtruth_estimate0/data.csv and TUM-VI's mocap0/data.csv: nanoseconds,
+// position, quaternion (w first) of the body; what follows is ignored. `body_from_camera` (cam0's
+// T_BS) makes the poses the camera's.
 absl::StatusOr<TrajectoryReading> ReadEurocFile(const std::string& path,
                                                 const Rigid3d& body_from_camera);
 absl::StatusOr<Trajectory> ReadEurocTrajectory(const std::string& path,

@@ -85,7 +85,7 @@ TEST(TumTrajectoryTest, SaysWhatIsNotFiniteRepeatsOrGoesBack) {
   EXPECT_THAT(read->notes[1], HasSubstr("1 row left out: an earlier row has the same time"));
   EXPECT_THAT(read->notes[1], HasSubstr("line 7"));
   EXPECT_THAT(read->notes[2], HasSubstr("line 3"));
-  // Whoever needs every row is told of the first that is none.
+  // A reader that needs every row names the first one that holds no pose.
   EXPECT_THAT(std::string(ReadTumTrajectory(path).status().message()), HasSubstr("line 4"));
 }
 
@@ -176,7 +176,8 @@ TEST(KittiTrajectoryTest, RefusesAnotherNumberOfTimes) {
 
 TEST(KittiTrajectoryTest, RefusesWhatIsNoRotation) {
   EXPECT_FALSE(ReadKittiTrajectory(Write("no.txt", "2 0 0 0 0 1 0 0 0 0 1 0\n")).ok());
-  // A mirror; and products that are infinite, whose differences are no numbers.
+  // The matrices are a mirror, and one whose products are infinite, so that their differences are
+  // no numbers.
   EXPECT_FALSE(ReadKittiTrajectory(Write("mirror.txt", "-1 0 0 0 0 1 0 0 0 0 1 0\n")).ok());
   EXPECT_FALSE(
       ReadKittiTrajectory(Write("huge.txt", "1e200 1e200 0 0 1e200 -1e200 0 0 0 0 1 0\n")).ok());

@@ -11,13 +11,13 @@ namespace corbslam {
 namespace {
 
 constexpr int64_t kMaxInterval_ns = 100'000'000;
-// A true pose stands for a frame's from so much of an interval before its time on.
+// A true pose may stand for a frame that comes up to this share of an interval later.
 constexpr double kTolerance = 0.25;
 
 bool IsEarlier(const StampedPose& pose, int64_t time_ns) { return pose.timestamp_ns < time_ns; }
 bool IsLater(int64_t time_ns, const StampedPose& pose) { return time_ns < pose.timestamp_ns; }
 
-// Between frames; 0 where no two pairs have different times.
+// Returns the median interval between frames, at most kMaxInterval_ns; 0 where all times are equal.
 int64_t FrameInterval_ns(const std::vector<PosePair>& pairs) {
   std::vector<int64_t> intervals_ns;
   for (size_t i = 1; i < pairs.size(); ++i) {
@@ -30,7 +30,7 @@ int64_t FrameInterval_ns(const std::vector<PosePair>& pairs) {
   return std::min(*middle, kMaxInterval_ns);
 }
 
-// Where the true poses between two times are: all of them, or thinned to the frames' rate.
+// Returns the true poses between two times: all of them, or thinned to the frames' rate.
 class PosesBetween {
  public:
   PosesBetween(const Trajectory& truth, int64_t interval_ns)

@@ -1,4 +1,4 @@
-// Metres travelled along the truth, also where no frame was tracked.
+// Measures the metres travelled along the truth, also where no frame was tracked.
 #ifndef CORBSLAM_SLAM_EVALUATION_TRUE_TRAVEL_H_
 #define CORBSLAM_SLAM_EVALUATION_TRUE_TRAVEL_H_
 
@@ -8,11 +8,11 @@
 
 namespace corbslam {
 
-// For each pair, in their order; travel begins at the first one.
+// Travel along the true path: one entry a pair, in their order. It begins at the first pair.
 struct TrueTravel {
-  // Up to the pair's true pose.
+  // Travel up to the pair's true pose.
   std::vector<double> at_m;
-  // Up to the pose of the path before it, of a lost frame perhaps.
+  // Travel up to the pose of the path before that, which may be of a lost frame.
   std::vector<double> before_m;
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int64_t kSecond_ns = 1'000'000'000;
 
-// 300 m straight, a lap of 400 m, 300 m straight.
+// The path is 300 m straight, a lap of 400 m, 300 m straight.
 Eigen::Vector3d At(double travel_m) {
   if (travel_m <= 300) return {travel_m, 0, 0};
   if (travel_m > 700) return {travel_m - 400, 0, 0};
@@ -22,7 +22,8 @@ Eigen::Vector3d At(double travel_m) {
   return {300 + radius_m * std::sin(angle), radius_m * (1 - std::cos(angle)), 0};
 }
 
-// At 10 m/s, so many poses a second; each off by so much in every direction.
+// Makes poses at 10 m/s, `rate_hz` of them a second, each off by up to `noise_m` in every
+// direction.
 Trajectory MakeTruth(double rate_hz, double noise_m = 0) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0, 1);
@@ -80,7 +81,7 @@ TEST(TrueTravelTest, DenseNoiseDoesNotCountAsTravel) {
 TEST(TrueTravelTest, HasNoTravelWithoutPairs) {
   EXPECT_TRUE(MeasureTravel({}, MakeTruth(10)).at_m.empty());
   const PosePair pair;
-  // All at one time, as pairs without times are.
+  // All pairs have one time, as pairs without times do.
   EXPECT_EQ(MeasureTravel({pair, pair}, MakeTruth(10)).at_m, (std::vector<double>{0, 0}));
 }
 
@@ -99,7 +100,7 @@ TEST_P(RelativeErrorOverLossTest, IsThatOfTheTrueTravel) {
   const double t_rel_percent =
       TRel(MakeEstimate(loss.from_m, loss.to_m, loss.stride), MakeTruth(loss.truth_rate_hz));
   EXPECT_GE(t_rel_percent, 0.9999);
-  // A segment ends with the first pose beyond its length: up to a step, 1 m or 5 m of 100, beyond.
+  // A segment ends with the first pose beyond its length, by up to one step: 1 m or 5 m of 100.
   EXPECT_LE(t_rel_percent, loss.truth_rate_hz < 10 || loss.stride > 1 ? 1.02 : 1.01);
 }
 

@@ -1,5 +1,6 @@
 // The work that fusion gives away: pure functions from a request to a result that names the
-// revision it was computed at. Implementations: the fusion worker itself, and a remote one.
+// revision it was computed at. The fusion worker itself implements them, and so does a client of a
+// remote one.
 #ifndef CORBSLAM_SLAM_EXCHANGE_FUSION_WORKER_H_
 #define CORBSLAM_SLAM_EXCHANGE_FUSION_WORKER_H_
 
@@ -22,19 +23,20 @@ struct VerifyOverlapRequest {
   // local map's). Payloads hold only features with points, or all; both work.
   Map query_view;
   KeyframeId query;
-  // Likewise around the candidates; in the frame of their island.
+  // The same around the candidates, in the frame of their island.
   Map candidate_view;
   struct Candidate {
     KeyframeId id;
     int shared_words = 0;
   };
   std::vector<Candidate> candidates;  // Best first.
-  bool fix_scale = true;              // Both sides metric.
+  bool fix_scale = true;              // True: both sides are metric.
 };
 
 struct VerifyOverlapResult {
   uint64_t base_revision = 0;
-  // One a candidate that was looked at, in the request's order; at most one is accepted.
+  // One overlap for each candidate that was looked at, in the request's order; at most one is
+  // accepted.
   std::vector<Overlap> overlaps;
 };
 
@@ -57,12 +59,13 @@ struct FuseMapsRequest {
   // those that the neighbourhoods of the new overlaps' keyframes see, with all their observations,
   // and those of the overlaps.
   Map target;
-  // The island that moves into it, likewise; empty when `overlaps` lie inside one island (loops).
+  // The island that moves into it, with as much of it; empty when `overlaps` lie inside one island
+  // (loops).
   Map source;
   // Accepted overlaps between the two (or inside `target`), earlier-fused ones included: all are
   // edges of the essential graph. The query is not always on the same side.
   std::vector<Overlap> overlaps;
-  // The one (or more) that called for this fusing; its duplicates get welded.
+  // Indices of the overlaps that called for this fusing; their duplicates get welded.
   std::vector<size_t> new_overlaps;
   bool fix_scale = true;
 };
@@ -73,9 +76,9 @@ struct FuseMapsResult {
   bool accepted = false;
   double worst_edge_chi2 = 0;
   Similarity3d target_from_source;
-  // In the target's frame; every keyframe of the source, and those of the target that moved.
+  // Poses in the target's frame: of every keyframe of the source, and of the target's that moved.
   std::vector<KeyframePose> poses;
-  // Of the views' points: all of the source, and those of the target that moved.
+  // Positions of the views' points: of all of the source, and of the target's that moved.
   std::vector<PointPosition> positions;
   struct Merge {
     MapPointId survivor;
@@ -88,11 +91,11 @@ struct FuseMapsResult {
 struct AdjustBundleRequest {
   uint64_t base_revision = 0;
   Map view;
-  // Held fixed (gauge): at least one.
+  // Keyframes that are held fixed (gauge): at least one.
   std::vector<KeyframeId> fixed;
   int max_iterations = 20;
-  // What to say of keyframes that the others can do without: see FindRedundantKeyframes. 0 and 0:
-  // nothing.
+  // What FindRedundantKeyframes is asked for: keyframes that the others can do without. 0 and 0:
+  // none.
   double redundant_share = 0;
   size_t target_keyframes = 0;
   int threads = 1;
@@ -112,11 +115,12 @@ struct AdjustBundleResult {
   double seconds = 0;
 };
 
-// Hears of a request's progress (0 to 1), from any thread, never from two at once; false cancels.
+// Is told a request's progress (0 to 1), from any thread, but never from two at once. It returns
+// false to cancel the request.
 using ProgressCallback = std::function<bool(double)>;
 
-// Thread-safe: any number of requests at once. Blocking calls; errors: INVALID_ARGUMENT (names the
-// id), CANCELLED, UNAVAILABLE (no worker; try again), DEADLINE_EXCEEDED.
+// Thread-safe: any number of requests may run at once. Calls block. Errors: INVALID_ARGUMENT (names
+// the id), CANCELLED, UNAVAILABLE (no worker; try again), DEADLINE_EXCEEDED.
 class FusionWorker {
  public:
   virtual ~FusionWorker() = default;

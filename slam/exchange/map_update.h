@@ -22,11 +22,12 @@ struct FullKeyframe {
   std::shared_ptr<const KeyframePayload> payload;
   Rigid3d camera_from_local;
   KeyframeId parent;  // Invalid: the root of its local map.
-  // What the payload's features were read from; null where they came plain or never travelled.
+  // The code that the payload's features were read from; null where they came plain or never
+  // travelled.
   std::shared_ptr<const std::string> code = nullptr;
 };
 
-// Its id and what may change.
+// A keyframe's id and what may change of it.
 struct LightKeyframe {
   KeyframeId id;
   Rigid3d camera_from_local;
@@ -59,8 +60,8 @@ struct ObservationChange {
 };
 
 struct PointReplacement {
-  MapPointId replaced;  // Of the sender's local map.
-  MapPointId survivor;  // Anybody's.
+  MapPointId replaced;  // A point of the sender's local map.
+  MapPointId survivor;  // A point of any local map.
 };
 
 struct KeyframeRemoval {
@@ -84,15 +85,17 @@ struct TrackedFrame {
   Rigid3d reference_from_camera;
 };
 
-// Applied as one, in the order of the fields. Additions come before what refers to them.
+// A batch is applied as a whole, in the order of the fields. Additions come before what refers to
+// them.
 struct MapUpdateBatch {
   LocalMapId local_map;
-  // 1, 2, 3, ... per local map.
+  // Batches of a local map are numbered 1, 2, 3, ...
   uint64_t number = 0;
-  // Cameras in the order of KeyframePayload::camera_index; only those not sent before.
+  // First index of `cameras`, which are in the order of KeyframePayload::camera_index; only those
+  // not sent before are there.
   uint32_t first_camera_index = 0;
   std::vector<std::shared_ptr<const Camera>> cameras;
-  // What recorded the pictures of `cameras`: as many, or none where nobody said it.
+  // The cameras that recorded the pictures of `cameras`: as many, or none where nobody said it.
   std::vector<RecordedCamera> recorded_cameras;
   std::vector<FullKeyframe> full_keyframes;
   std::vector<FullMapPoint> full_points;
@@ -107,7 +110,7 @@ struct MapUpdateBatch {
   std::vector<KeyframeRemoval> removed_keyframes;
   std::vector<LoopEdge> loop_edges;
   std::vector<TrackedFrame> tracked_frames;
-  // Times at which tracking was lost: the trajectory has a gap there.
+  // Times at which tracking was lost: the trajectory has gaps there.
   std::vector<int64_t> lost_frames_ns;
   // No more batches will follow for this local map; all keyframes are settled.
   bool closes_local_map = false;

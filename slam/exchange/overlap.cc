@@ -5,7 +5,7 @@
 namespace corbslam {
 
 bool IsCovariance(const Matrix7d& matrix) {
-  // Of the largest entry: what adding up and turning the axes rounds away.
+  // Adding up and turning the axes rounds away so much of the largest entry.
   constexpr double kRounding = 1e-9;
   if (!matrix.allFinite()) return false;
   const double tolerance = kRounding * matrix.cwiseAbs().maxCoeff();

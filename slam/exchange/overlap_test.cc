@@ -10,13 +10,13 @@ namespace {
 TEST(IsCovarianceTest, WantsFiniteSymmetricAndNothingBelowZero) {
   EXPECT_TRUE(IsCovariance(Matrix7d::Zero()));
   EXPECT_TRUE(IsCovariance(Matrix7d::Identity()));
-  // One direction alone, with what rounding leaves of it.
+  // The matrix has one direction alone, with what rounding leaves of it.
   const Vector7d direction = (Vector7d() << 1, -2, 3, 0.1, 0.2, -0.3, 0).finished();
   EXPECT_TRUE(IsCovariance(direction * direction.transpose()));
   Matrix7d matrix = Matrix7d::Identity();
   matrix(2, 2) = -0.1;
   EXPECT_FALSE(IsCovariance(matrix));
-  // Correlated by more than one.
+  // Two components are correlated by more than one.
   matrix = Matrix7d::Identity();
   matrix(0, 3) = matrix(3, 0) = 1.5;
   EXPECT_FALSE(IsCovariance(matrix));

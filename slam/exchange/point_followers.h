@@ -1,4 +1,4 @@
-// Which map points follow a keyframe when it moves (MapUpdateBatch::points_follow).
+// Knows which map points follow a keyframe when it moves (MapUpdateBatch::points_follow).
 #ifndef CORBSLAM_SLAM_EXCHANGE_POINT_FOLLOWERS_H_
 #define CORBSLAM_SLAM_EXCHANGE_POINT_FOLLOWERS_H_
 
@@ -10,14 +10,14 @@
 
 namespace corbslam {
 
-// Points are added and never taken out: whoever asks knows which of them are gone, and they are
-// forgotten then. Not thread-safe.
+// Points are added here and not taken out when they leave the map: a caller's predicate says which
+// of them are gone, and these are then forgotten. Not thread-safe.
 class PointFollowers {
  public:
   void Add(KeyframeId reference, MapPointId point) { points_[reference].push_back(point); }
   void Forget(KeyframeId reference) { points_.erase(reference); }
 
-  // Those of the keyframe's that `follows` holds for, in the order in which they were added.
+  // Returns the keyframe's points for which `follows` holds, in the order in which they were added.
   template <typename Predicate>
   const std::vector<MapPointId>& Of(KeyframeId reference, Predicate&& follows) {
     static const std::vector<MapPointId>& kNone = *new std::vector<MapPointId>();

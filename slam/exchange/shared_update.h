@@ -20,7 +20,7 @@ struct SharedKeyframe {
   std::shared_ptr<const KeyframePayload> payload;
   Similarity3d camera_from_global;
   KeyframeId parent;
-  // One entry a keypoint, as Keyframe::points: the landmark (survivor) that it sees.
+  // The landmarks (survivors) that it sees, one entry a keypoint as in Keyframe::points.
   std::vector<MapPointId> points;
 };
 
@@ -59,13 +59,14 @@ struct OwnKeyframePose {
   Rigid3d camera_from_local;
 };
 
-// One step of the receiver's view of the global layer. Applied as one.
+// One step of the receiver's view of the global layer. A receiver applies it as a whole.
 struct SharedUpdate {
   uint64_t revision = 0;
-  // True: forget all that was shared before (another island's frame, or a resume that can't go on).
+  // True: the receiver forgets all that was shared before (another island's frame, or a resume that
+  // can't go on).
   bool restart = false;
-  // Not all that moved is told yet, so that places of this update do not fit together: the next one
-  // goes on.
+  // True: not everything that moved is told yet, so that places of this update do not fit together;
+  // the next update goes on.
   bool more_places = false;
   std::vector<SharedKeyframe> keyframes;
   std::vector<SharedMapPoint> points;

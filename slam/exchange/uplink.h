@@ -1,5 +1,5 @@
-// An agent's connection to the map store, as the agent sees it. Implementations: a remote one over
-// a stream, and a direct one for a deterministic run in one process.
+// An agent's connection to the map store, as the agent sees it. One implementation goes over a
+// stream; another is direct, for a deterministic run in one process.
 #ifndef CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
 #define CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
 
@@ -15,9 +15,9 @@ namespace corbslam {
 
 // What one side may send because the other has said that it understands it.
 struct Capabilities {
-  // A store: MapUpdateBatch::points_follow.
+  // A store that has it understands MapUpdateBatch::points_follow.
   bool points_follow = false;
-  // Coded columns of features and of descriptors (docs/wire.md).
+  // Both sides understand coded columns of features and of descriptors (docs/wire.md).
   bool coded_features = false;
 };
 
@@ -25,13 +25,13 @@ struct Capabilities {
 struct SessionRequest {
   std::string mission;
   std::string agent;
-  // The last revision of which a SharedUpdate was applied; 0: none.
+  // Last revision of which a SharedUpdate was applied; 0: none.
   uint64_t last_revision = 0;
   // Local maps of which unacknowledged batches are held.
   std::vector<LocalMapId> local_maps;
-  // Drawn at random by the agent's process, the same in all its sessions; 0: not known.
+  // A number that the agent's process draws at random, the same in all its sessions; 0: not known.
   uint64_t instance = 0;
-  // Whether a session that another process holds gives way.
+  // True: a session that another process holds gives way.
   bool take_over = false;
   // What the agent understands.
   Capabilities capabilities = {};
@@ -41,7 +41,7 @@ struct SessionRequest {
   std::string peer = "";
 };
 
-// Up to which batch of a local map everything is durably stored.
+// Says up to which batch of a local map everything is durably stored.
 struct Acknowledgement {
   LocalMapId local_map;
   uint64_t number = 0;
@@ -53,37 +53,38 @@ struct SessionGrant {
   Capabilities capabilities = {};
 };
 
-// Hears what comes from the store. Called from one thread at a time, never while a call of Uplink
-// is on the stack of the same thread unless the implementation is the direct one.
+// Hears what comes from the store. One thread at a time calls it, and never from inside a call of
+// Uplink, but for the direct implementation.
 class UplinkListener {
  public:
   virtual ~UplinkListener() = default;
-  // A session stands: send everything after what `grant` acknowledges.
+  // A session stands: the agent sends everything after what `grant` acknowledges.
   virtual void OnSessionOpened(const SessionGrant& grant) = 0;
   virtual void OnAcknowledged(const Acknowledgement& acknowledgement) = 0;
   virtual void OnShared(SharedUpdate update) = 0;
-  // Tell where the points of the newest local map are, exactly.
+  // The store wants to be told where the points of the newest local map are, exactly.
   virtual void OnExactPlacesWanted() = 0;
-  // The session is gone. ABORTED: fenced by a newer session of the same agent, or
-  // INVALID_ARGUMENT / PERMISSION_DENIED: don't try again. Anything else: open again later;
-  // ALREADY_EXISTS among it: another process holds a session of this agent.
+  // The session is gone. ABORTED: a newer session of the same agent fenced it off; INVALID_ARGUMENT
+  // and PERMISSION_DENIED: don't try again. After anything else open again later, also after
+  // ALREADY_EXISTS: another process holds a session of this agent.
   virtual void OnSessionClosed(const absl::Status& reason) = 0;
 };
 
-// Thread-safe. Never blocks on the network.
+// No call blocks on the network. Thread-safe.
 class Uplink {
  public:
   virtual ~Uplink() = default;
   // Starts connecting; the listener hears the outcome and must outlive the session.
   virtual void Open(const SessionRequest& request, UplinkListener* listener) = 0;
-  // False when no session stands, or the transport's queue is full: keep the batch, try again.
+  // Returns false when no session stands, or the transport's queue is full: keep the batch, try
+  // again.
   virtual bool Send(const MapUpdateBatch& batch) = 0;
   // Ends the session; no call to the listener is under way or follows once it returns.
   virtual void Close() = 0;
-  // Bytes on the wire since construction.
+  // Returns the bytes on the wire since construction.
   virtual uint64_t bytes_up() const = 0;
   // Bytes that Send has taken and that are not on the wire yet; they never will be if the session
-  // ends first. By default there is no such queue.
+  // ends first. The default is for an uplink without such a queue.
   virtual uint64_t bytes_waiting() const { return 0; }
   virtual uint64_t bytes_down() const = 0;
 };

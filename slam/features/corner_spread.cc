@@ -26,7 +26,8 @@ class Splitter {
  public:
   explicit Splitter(std::vector<Corner>& corners) : corners_(corners) {}
 
-  // The four quarters; without branches, which the corners' places would mislead at every turn.
+  // Splits a box into its four quarters; without branches, which the corners' places would
+  // mispredict at every turn.
   std::array<Box, 4> Split(const Box& box) {
     const float middle_x = (box.left + box.right) / 2;
     const float middle_y = (box.top + box.bottom) / 2;
@@ -63,7 +64,7 @@ Corner StrongestOf(const Box& box, const std::vector<Corner>& corners) {
       });
 }
 
-// Nearly square boxes side by side, since images are wider than high.
+// Returns nearly square boxes side by side, since images are wider than high.
 std::vector<Box> FirstBoxes(int width_px, int height_px, std::vector<Corner>& corners) {
   const int count = std::max(1, static_cast<int>(std::lround(double{1} * width_px / height_px)));
   const float width = static_cast<float>(width_px) / static_cast<float>(count);
@@ -84,7 +85,7 @@ std::vector<Box> FirstBoxes(int width_px, int height_px, std::vector<Corner>& co
   return boxes;
 }
 
-// One corner of each of so many boxes, or of up to three more.
+// Keeps one corner of each of so many boxes, or of up to three more.
 std::vector<Corner> KeepOneOfEachBox(int width_px, int height_px, size_t wanted,
                                      std::vector<Corner>& corners) {
   Splitter splitter(corners);
@@ -96,14 +97,14 @@ std::vector<Corner> KeepOneOfEachBox(int width_px, int height_px, size_t wanted,
   };
   for (const Box& box : FirstBoxes(width_px, height_px, corners)) add(box);
   std::vector<Box> level;
-  size_t split = 0;  // Of the level's boxes, from the first.
+  size_t split = 0;  // Boxes of the level that were split so far.
   const auto is_enough = [&] {
     return kept.size() + (level.size() - split) + deeper.size() >= wanted;
   };
   while (!deeper.empty() && !is_enough()) {
     level = std::exchange(deeper, {});
     split = 0;
-    // The fullest are split first.
+    // The fullest boxes are split first.
     std::stable_sort(level.begin(), level.end(),
                      [](const Box& a, const Box& b) { return a.size() > b.size(); });
     for (; split < level.size() && !is_enough(); ++split) {

@@ -1,4 +1,4 @@
-// Choice of corners that cover the image evenly.
+// Chooses corners that cover the image evenly.
 #ifndef CORBSLAM_SLAM_FEATURES_CORNER_SPREAD_H_
 #define CORBSLAM_SLAM_FEATURES_CORNER_SPREAD_H_
 

@@ -1,4 +1,4 @@
-// Detection and spreading of corners beside plain programs of the same rules.
+// Compares detection and spreading of corners with plain programs of the same rules.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -75,7 +75,7 @@ std::vector<Corner> DetectPlainly(const cv::Mat& image, const FastOptions& optio
 }
 
 TEST(FastDetectorTest, FindsTheCornersOfTheDefinition) {
-  FastDetector detector;  // One for all: its buffers must not show through.
+  FastDetector detector;  // One detector serves all images, whose buffers must not show through.
   for (const auto& [width, height] : {std::pair(131, 77), std::pair(64, 90), std::pair(40, 33)}) {
     const cv::Mat image = RandomImage(width, height, 1);
     const FastOptions options = {.threshold = 25, .min_threshold = 7, .cell_px = 12};
@@ -94,7 +94,7 @@ struct Box {
   int depth;
 };
 
-// The box to split next: the largest, then the fullest, then the first made.
+// Returns the box to split next: the largest, then the fullest, then the first made.
 std::vector<Box>::iterator NextToSplit(std::vector<Box>& boxes) {
   auto best = boxes.end();
   for (auto it = boxes.begin(); it != boxes.end(); ++it) {
@@ -152,7 +152,7 @@ std::vector<Corner> RandomCorners(int width, int height, uint64_t seed) {
   std::vector<Corner> corners;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      // Denser on the left; few scores, so that many are equal.
+      // Corners are denser on the left; they have few scores, so that many are equal.
       if (random() % static_cast<uint64_t>(8 + x) != 0) continue;
       corners.push_back({static_cast<int16_t>(x), static_cast<int16_t>(y),
                          static_cast<uint8_t>(8 + random() % 6)});

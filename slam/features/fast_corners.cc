@@ -22,7 +22,7 @@ int AssignCells(int size, int margin, int cell, std::vector<int>& cell_of) {
   return cells;
 }
 
-// Appends the columns of `row` that are not 0; most words of eight pixels are.
+// Appends the columns of `row` that are not 0. Most words of eight pixels are.
 template <typename Append>
 void ForEachNonZero(const uint8_t* row, int begin, int end, Append append) {
   static_assert(std::endian::native == std::endian::little);
@@ -47,7 +47,7 @@ void FastDetector::CollectMaxima(const cv::Mat& image, const FastOptions& option
                                  std::vector<Corner>& corners) {
   const PixelKernels& kernels = BestPixelKernels();
   const int margin = options.margin_px;
-  const int border = margin - 1;  // Suppression looks at one pixel more.
+  const int border = margin - 1;  // Suppression looks at one pixel more on each side.
   for (auto& row : scores_) row.resize(static_cast<size_t>(image.cols));
   maxima_.resize(static_cast<size_t>(image.cols));
   const auto scores_of = [this](int y) { return scores_[static_cast<size_t>(y % 3)].data(); };

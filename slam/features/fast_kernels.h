@@ -14,8 +14,8 @@ namespace corbslam::kernels {
 CORBSLAM_KERNEL uint8_t Min(uint8_t a, uint8_t b) { return a < b ? a : b; }
 CORBSLAM_KERNEL uint8_t Max(uint8_t a, uint8_t b) { return a > b ? a : b; }
 
-// The largest, over the 16 arcs of 9 pixels, of an arc's darkest pixel; Less and Greater
-// exchanged: the smallest of an arc's brightest. Two arcs share each run of 8.
+// Returns the largest, over the 16 arcs of 9 pixels, of an arc's darkest pixel; with Less and
+// Greater exchanged, the smallest of an arc's brightest. Two arcs share each run of 8.
 template <uint8_t (*Least)(uint8_t, uint8_t), uint8_t (*Most)(uint8_t, uint8_t)>
 CORBSLAM_KERNEL uint8_t BestArc(const uint8_t (&p)[16]) {
   uint8_t pair[8];

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kRadius_px = 3;
 
-// Mirrors about the first and the last pixel.
+// Mirrors an index about the first and the last pixel.
 int Mirrored(int i, int size) {
   if (i < 0) return -i;
   return i < size ? i : 2 * (size - 1) - i;

@@ -1,4 +1,4 @@
-// Smoothing before binary tests.
+// Smooths a picture before binary tests.
 #ifndef CORBSLAM_SLAM_FEATURES_GAUSSIAN_BLUR_H_
 #define CORBSLAM_SLAM_FEATURES_GAUSSIAN_BLUR_H_
 
@@ -6,9 +6,9 @@
 
 namespace corbslam {
 
-// Gaussian of 7 x 7 pixels and sigma 2 over a CV_8UC1 image of at least 4 x 4 pixels, in fixed
-// point (each pass rounds to 8 bits), borders mirrored. `blurred` is allocated when it is not of
-// that size; it must not share the image's pixels.
+// Blurs a CV_8UC1 image of at least 4 x 4 pixels by a Gaussian of 7 x 7 pixels and sigma 2, in
+// fixed point (each pass rounds to 8 bits), borders mirrored. `blurred` is allocated when it is not
+// of that size; it must not share the image's pixels.
 void BlurGaussian7x7(const cv::Mat& image, cv::Mat& blurred);
 
 }  // namespace corbslam

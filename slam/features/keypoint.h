@@ -10,11 +10,12 @@
 
 namespace corbslam {
 
-// In undistorted pixels of the (left) camera.
+// A keypoint in undistorted pixels of the (left) camera.
 struct Keypoint {
   float x_px = 0;
   float y_px = 0;
-  // x_left - x_right of a rectified pair, or fx * baseline / depth for RGB-D; 0 or less: unknown.
+  // x_left - x_right of a rectified pair, or fx * baseline / depth for RGB-D; it is unknown if 0 or
+  // less.
   float disparity_px = 0;
   // Orientation of the patch (intensity centroid), radians, (-pi, pi].
   float angle_rad = 0;
@@ -33,30 +34,30 @@ struct Descriptor {
 };
 static_assert(sizeof(Descriptor) == 32);
 
-// Number of differing bits, 0 to 256.
+// Returns the number of differing bits, 0 to 256.
 inline int HammingDistance(const Descriptor& a, const Descriptor& b) {
   return std::popcount(a.words[0] ^ b.words[0]) + std::popcount(a.words[1] ^ b.words[1]) +
          std::popcount(a.words[2] ^ b.words[2]) + std::popcount(a.words[3] ^ b.words[3]);
 }
 
-// Parallel arrays: descriptors[i] belongs to keypoints[i].
+// The arrays are parallel: descriptors[i] belongs to keypoints[i].
 struct Features {
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;
 };
 
-// The scale pyramid that octaves refer to. One for the whole system: the descriptors of two
-// robots match only when they share it.
+// The scale pyramid that octaves refer to. The whole system has one: the descriptors of two robots
+// match only when they share it.
 struct ScalePyramid {
   static constexpr int kLevels = 8;
   static constexpr double kFactor = 1.2;
 
-  // kFactor^octave.
+  // Returns kFactor^octave.
   static double Scale(int octave);
   // Variance of a keypoint's position, px^2: Scale^2 (one pixel of its own level).
   static double Variance_px2(int octave);
-  // The level at which a point first seen so that its largest distance is `max_distance` appears
-  // from `distance`; clamped to the pyramid (ORB-SLAM, Mur-Artal et al., T-RO 2015, III.C).
+  // Returns the level at which a point first seen so that its largest distance is `max_distance`
+  // appears from `distance`; clamped to the pyramid (ORB-SLAM, Mur-Artal et al., T-RO 2015, III.C).
   static int PredictOctave(double max_distance, double distance);
 };
 

@@ -57,12 +57,13 @@ View MakeView(const cv::Mat& picture) {
   return view;
 }
 
-// Uniform in [low, high); the same on every platform, which std distributions are not.
+// Returns a uniform number in [low, high); the same on every platform, which std distributions are
+// not.
 double Uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
 }
 
-// A second look at the picture: turned by up to 20 degrees, scaled by up to 12 %, squeezed a
+// Makes a second look at the picture: turned by up to 20 degrees, scaled by up to 12 %, squeezed a
 // little, with other gain and with noise.
 cv::Mat WarpAndDegrade(const cv::Mat& picture, const cv::Matx23d& warp, std::mt19937_64& random) {
   cv::Mat warped;
@@ -150,7 +151,7 @@ void CollectPatches(const cv::Mat& picture, std::mt19937_64& random, Patches& fi
 
 struct Candidate {
   BriefTest test;
-  std::vector<uint64_t> bits;  // of all first patches
+  std::vector<uint64_t> bits;  // The test's results on all first patches.
   double mean = 0;
   double gain = 0;
 };
@@ -203,7 +204,7 @@ double AbsoluteCorrelation(const Candidate& a, const Candidate& b, double count)
   return std::abs(covariance) / std::sqrt(a.mean * (1 - a.mean) * b.mean * (1 - b.mean));
 }
 
-// The greedy choice; the limit on correlation is raised until it yields enough tests.
+// Chooses greedily; the limit on correlation is raised until it yields enough tests.
 std::vector<BriefTest> Choose(const std::vector<Candidate>& ranked, double count) {
   for (double limit = kFirstCorrelation; limit < 1; limit += kCorrelationStep) {
     std::vector<const Candidate*> taken;

@@ -15,7 +15,7 @@ namespace corbslam {
 namespace {
 
 constexpr int kMinImageSide_px = 64;
-// A keypoint's patch and one pixel more.
+// The margin is a keypoint's patch and one pixel more.
 constexpr int kMargin_px = kBriefRadius_px + 1;
 constexpr int kMinLevelSide_px = 2 * kMargin_px + 8;
 
@@ -25,7 +25,8 @@ absl::Status CheckRange(absl::string_view field, int value, int low, int high) {
       absl::StrCat("orb.", field, " is ", value, ", must be in [", low, ", ", high, "]"));
 }
 
-// In proportion to the levels' sides, so that a structure is seen by as many levels near and far.
+// Splits the features in proportion to the levels' sides, so that as many levels see a structure
+// from near as from far.
 std::array<int, ScalePyramid::kLevels> SplitOverLevels(int features) {
   double sum = 0;
   for (int i = 0; i < ScalePyramid::kLevels; ++i) sum += 1 / ScalePyramid::Scale(i);

@@ -14,16 +14,16 @@
 namespace corbslam {
 
 struct OrbOptions {
-  // Over all levels; fewer are returned where the image has no more corners.
+  // Number of features over all levels; fewer are returned where the image has no more corners.
   int features = 2000;
   // Least contrast of a corner, grey values. Cells of the image that have no corner at the first
   // threshold take those of the second.
   int fast_threshold = 20;
   int min_fast_threshold = 7;
-  // Side of those cells, pixels of each level.
+  // Side of the cells, in pixels of each level.
   int cell_px = 32;
 
-  // INVALID_ARGUMENT, naming the field, its value and its limits.
+  // INVALID_ARGUMENT names the field, its value and its limits.
   absl::Status Validate() const;
   friend bool operator==(const OrbOptions&, const OrbOptions&) = default;
 };
@@ -34,10 +34,11 @@ struct OrbOptions {
 struct ImagePyramid {
   std::array<cv::Mat, ScalePyramid::kLevels> levels;
 
-  // Level-0 pixels per pixel of that level; the two differ by rounding of the level's size.
+  // Returns level-0 pixels per pixel of that level; the two axes differ by rounding of the level's
+  // size.
   double ScaleX(int octave) const;
   double ScaleY(int octave) const;
-  // Position in level 0 of a position in a level and back: pixel centres are at integers, so
+  // Converts a position in a level to one in level 0 and back: pixel centres are at integers, so
   // x_0 = (x + 0.5) * scale - 0.5.
   float ToLevel0X(float x_px, int octave) const;
   float ToLevel0Y(float y_px, int octave) const;
@@ -48,8 +49,8 @@ struct ImagePyramid {
 // Resamples `grey` (CV_8UC1, level 0, shared not copied) into `pyramid`, reusing its buffers.
 void BuildImagePyramid(const cv::Mat& grey, ImagePyramid& pyramid);
 
-// One per camera; keeps buffers between images. Thread-compatible: one thread at a time, but for
-// ExtractLevel.
+// One camera's extractor, which keeps buffers from image to image. Thread-compatible: one thread at
+// a time uses it, but for ExtractLevel.
 class OrbExtractor {
  public:
   // `options` must be valid.
@@ -61,9 +62,9 @@ class OrbExtractor {
   // pixels and options alone.
   absl::Status Extract(const cv::Mat& grey, Features& features, ImagePyramid& pyramid);
 
-  // The same in parts, for threads that share the work: first Begin; then ExtractLevel of each
-  // octave, of different ones at the same time if wanted; then Gather, which does not change the
-  // pyramid.
+  // They do the same in parts, for threads that share the work: first Begin; then ExtractLevel of
+  // each octave, of different ones at the same time if wanted; then Gather, which does not change
+  // the pyramid.
   absl::Status Begin(const cv::Mat& grey, ImagePyramid& pyramid);
   void ExtractLevel(const ImagePyramid& pyramid, int octave);
   absl::Status Gather(Features& features) const;
@@ -73,7 +74,7 @@ class OrbExtractor {
  private:
   // What a level yields, and its buffers.
   struct Level {
-    int wanted = 0;  // So many features it should give.
+    int wanted = 0;  // Number of features that it should give.
     FastDetector detector;
     std::vector<Corner> corners;
     cv::Mat blurred;

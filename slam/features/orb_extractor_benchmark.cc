@@ -1,5 +1,5 @@
-// Extraction of ORB features beside OpenCV's own, on recorded pictures: CORBSLAM_DATA_DIR must name
-// the folder of recorded sequences. One thread.
+// Measures the extraction of ORB features beside OpenCV's own, on recorded pictures and one thread.
+// CORBSLAM_DATA_DIR must name the folder of recorded sequences.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>

@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Overlapping discs and rectangles of random grey: corners at every scale.
+// Draws overlapping discs and rectangles of random grey, which have corners at every scale.
 cv::Mat TexturedImage(int width, int height, uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<uint64_t>(n)); };
@@ -74,7 +74,7 @@ TEST(OrbExtractorTest, CoversEveryPartOfATexturedImage) {
     ++counts[static_cast<int>(keypoint.y_px / 120)][static_cast<int>(keypoint.x_px / 160)];
   }
   for (const auto& row : counts) {
-    for (const int count : row) EXPECT_GE(count, 30);  // evenly: 62
+    for (const int count : row) EXPECT_GE(count, 30);  // An even spread has 62 in each.
   }
 }
 
@@ -111,7 +111,7 @@ TEST(OrbExtractorTest, DescriptorsFollowTheTurnOfTheImage) {
     }
     ASSERT_GT(distances.size(), 100U) << degrees;
     std::ranges::sort(distances);
-    EXPECT_LT(distances[distances.size() / 2], 45) << degrees;  // unrelated ones differ by 128
+    EXPECT_LT(distances[distances.size() / 2], 45) << degrees;  // Unrelated ones differ by 128.
   }
 }
 

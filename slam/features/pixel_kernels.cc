@@ -12,7 +12,7 @@ namespace {
 using kernels::FastMaxima;
 using kernels::FastScores;
 
-// exp(-i^2 / 8) for i = 0 to 3, scaled to a sum of 256 over the seven taps.
+// The taps are exp(-i^2 / 8) for i = 0 to 3, scaled to a sum of 256 over all seven.
 constexpr uint16_t kTap0 = 56;
 constexpr uint16_t kTap1 = 49;
 constexpr uint16_t kTap2 = 33;
@@ -21,7 +21,7 @@ static_assert(kTap0 + 2 * (kTap1 + kTap2 + kTap3) == 256);
 
 CORBSLAM_KERNEL uint8_t WeightedMean(uint8_t a3, uint8_t a2, uint8_t a1, uint8_t c, uint8_t b1,
                                      uint8_t b2, uint8_t b3) {
-  // At most 255 * 256 + 128: fits 16 bits.
+  // The sum is at most 255 * 256 + 128, which fits 16 bits.
   const uint16_t sum = static_cast<uint16_t>(kTap0 * c + kTap1 * (a1 + b1) + kTap2 * (a2 + b2) +
                                              kTap3 * (a3 + b3) + 128);
   return static_cast<uint8_t>(sum >> 8);
@@ -57,7 +57,7 @@ constexpr DiscMask MakeDiscMask() {
   DiscMask mask = {};
   for (int y = -kMomentRadius_px; y <= kMomentRadius_px; ++y) {
     for (int x = -kMomentRadius_px; x <= kMomentRadius_px; ++x) {
-      // (r + 1/2)^2 makes the rounded disc.
+      // (r + 1/2)^2 bounds the rounded disc.
       const bool inside = x * x + y * y <= kMomentRadius_px * (kMomentRadius_px + 1);
       mask[static_cast<size_t>(y + kMomentRadius_px)][static_cast<size_t>(x + kMomentRadius_px)] =
           inside ? int16_t{-1} : int16_t{0};
@@ -68,7 +68,8 @@ constexpr DiscMask MakeDiscMask() {
 constexpr DiscMask kDiscMask = MakeDiscMask();
 
 CORBSLAM_KERNEL PatchMoments DiscMoments(const uint8_t* centre, int64_t stride) {
-  // Per column: sum of grey, at most 31 * 255, and of y * grey, at most 120 * 255 either way.
+  // Each column's sum of grey is at most 31 * 255, and its sum of y * grey at most 120 * 255 either
+  // way.
   int16_t sums[kDiscStride] = {};
   int16_t weighted[kDiscStride] = {};
   const uint8_t* row = centre - kMomentRadius_px * stride - kMomentRadius_px;
@@ -88,7 +89,7 @@ CORBSLAM_KERNEL PatchMoments DiscMoments(const uint8_t* centre, int64_t stride) 
   return moments;
 }
 
-// To the nearest; a half cannot be, since the divisor is odd.
+// Rounds to the nearest. There are no halves, since the divisor is odd.
 CORBSLAM_KERNEL int MeanOfPatch(int sum) {
   constexpr int kArea = kGreySide_px * kGreySide_px;
   return sum >= 0 ? (sum + kArea / 2) / kArea : -((kArea / 2 - sum) / kArea);
@@ -97,8 +98,8 @@ CORBSLAM_KERNEL int MeanOfPatch(int sum) {
 // Compilers leave loops of so fixed a length in scalar code.
 using GreyRow [[gnu::vector_size(kGreyStride * sizeof(int16_t))]] = int16_t;
 
-// Of the strip's part at a shift, minus the patch. A vector is never returned: without AVX that has
-// no calling convention.
+// Computes the strip's part at a shift, minus the patch. A vector is never returned: without AVX
+// that has no calling convention.
 CORBSLAM_KERNEL void Subtract(const GreyPatch& patch, const GreyStrip& strip, size_t shift,
                               size_t row, GreyRow& difference) {
   GreyRow of_patch;
@@ -116,14 +117,14 @@ CORBSLAM_KERNEL int SumOfPatch(const GreyRow& columns) {
 CORBSLAM_KERNEL void StripDifferences(const GreyPatch& patch, const GreyStrip& strip,
                                       std::array<int, kStripShifts>& differences) {
   for (size_t shift = 0; shift < kStripShifts; ++shift) {
-    GreyRow sums = {};  // At most 11 * 255 either way.
+    GreyRow sums = {};  // Each is at most 11 * 255 either way.
     GreyRow off;
     for (size_t row = 0; row < kGreySide_px; ++row) {
       Subtract(patch, strip, shift, row, off);
       sums += off;
     }
     const int16_t bias = static_cast<int16_t>(MeanOfPatch(SumOfPatch(sums)));
-    GreyRow columns = {};  // At most 11 * 510.
+    GreyRow columns = {};  // Each is at most 11 * 510.
     for (size_t row = 0; row < kGreySide_px; ++row) {
       Subtract(patch, strip, shift, row, off);
       off -= bias;

@@ -10,8 +10,8 @@
 namespace corbslam {
 
 struct PatchMoments {
-  int m10 = 0;  // sum of x * grey
-  int m01 = 0;  // sum of y * grey
+  int m10 = 0;  // Sum of x * grey.
+  int m01 = 0;  // Sum of y * grey.
 };
 
 inline constexpr int kMomentRadius_px = 15;
@@ -26,38 +26,39 @@ using GreyPatch = std::array<std::array<int16_t, kGreyStride>, kGreySide_px>;
 using GreyStrip = std::array<std::array<int16_t, kStripStride>, kGreySide_px>;
 
 struct PixelKernels {
-  // FAST-9 scores of columns [begin, end) of the row rows[3]; rows[0..6] are the seven rows around
-  // it. Scores of at most `threshold` become 0. Pixels [begin - 3, end + 3) are read.
+  // Computes FAST-9 scores of columns [begin, end) of the row rows[3]; rows[0..6] are the seven
+  // rows around it. Scores of at most `threshold` become 0. It reads pixels [begin - 3, end + 3).
   void (*fast_scores)(const uint8_t* const rows[7], int begin, int end, int threshold,
                       uint8_t* scores);
 
-  // maxima[x] = row[x] where it is larger than its neighbours (equal ones before it in reading
-  // order must be smaller, those after it may be equal), 0 elsewhere; for x in [begin, end).
+  // Sets maxima[x] to row[x] where that is larger than its neighbours (equal ones before it in
+  // reading order must be smaller, those after it may be equal), and to 0 elsewhere, for x in
+  // [begin, end).
   void (*fast_maxima)(const uint8_t* above, const uint8_t* row, const uint8_t* below, int begin,
                       int end, uint8_t* maxima);
 
-  // Weighted mean of seven rows, or of seven neighbours in a row (x - 3 to x + 3), by the Gaussian
-  // of sigma 2; for x in [0, width).
+  // Compute the weighted mean of seven rows, or of seven neighbours in a row (x - 3 to x + 3), by
+  // the Gaussian of sigma 2, for x in [0, width).
   void (*blur_vertical)(const uint8_t* const rows[7], int width, uint8_t* out);
   void (*blur_horizontal)(const uint8_t* row, int width, uint8_t* out);
 
-  // First moments of the disc of radius 15 around `centre`; reads a square of 32 x 31 pixels from
-  // (-15, -15) to (16, 15).
+  // Returns the first moments of the disc of radius 15 around `centre`. It reads a square of 32 x
+  // 31 pixels from (-15, -15) to (16, 15).
   PatchMoments (*patch_moments)(const uint8_t* centre, int64_t stride);
 
-  // For each whole shift, how far the patch is from the strip's part of its size there: the sum of
-  // absolute differences of grey values, the mean of the parts' difference (to a whole grey value)
-  // taken off.
+  // Computes, for each whole shift, how far the patch is from the strip's part of its size there:
+  // the sum of absolute differences of grey values, from which the mean difference of the two (to a
+  // whole grey value) is taken off.
   void (*strip_differences)(const GreyPatch& patch, const GreyStrip& strip,
                             std::array<int, kStripShifts>& differences);
 };
 
 const PixelKernels& PortablePixelKernels();
 
-// Null where the processor or the architecture has no AVX2.
+// Returns null where the processor or the architecture has no AVX2.
 const PixelKernels* Avx2PixelKernels();
 
-// The fastest that this machine can run.
+// Returns the fastest kernels that this machine can run.
 const PixelKernels& BestPixelKernels();
 
 }  // namespace corbslam

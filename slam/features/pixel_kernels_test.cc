@@ -12,10 +12,10 @@
 namespace corbslam {
 namespace {
 
-constexpr int kWidth_px = 203;  // not a multiple of any vector's length
+constexpr int kWidth_px = 203;  // It is not a multiple of any vector's length.
 constexpr int kHeight_px = 40;
 
-// Flat areas, edges and noise: scores of every size.
+// Makes flat areas, edges and noise, which have scores of every size.
 std::vector<uint8_t> RandomPixels(uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<uint8_t> pixels(kWidth_px * kHeight_px);
@@ -27,7 +27,7 @@ std::vector<uint8_t> RandomPixels(uint64_t seed) {
   return pixels;
 }
 
-// Nearly flat, with a few small squares: most blocks of a row have no corner.
+// Makes nearly flat pixels with a few small squares: most blocks of a row have no corner.
 std::vector<uint8_t> CalmPixels(uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<uint8_t> pixels(kWidth_px * kHeight_px);
@@ -40,7 +40,7 @@ std::vector<uint8_t> CalmPixels(uint64_t seed) {
   return pixels;
 }
 
-// The definition, by trying every arc.
+// Computes the score by its definition, trying every arc.
 int FastScoreByDefinition(const std::vector<uint8_t>& pixels, int x, int y) {
   constexpr int kDx[16] = {0, 1, 2, 3, 3, 3, 2, 1, 0, -1, -2, -3, -3, -3, -2, -1};
   constexpr int kDy[16] = {-3, -3, -2, -1, 0, 1, 2, 3, 3, 3, 2, 1, 0, -1, -2, -3};
@@ -139,7 +139,7 @@ struct PatchAndStrip {
   GreyStrip strip;
 };
 
-// Grey values up to `most`; also where it must not count.
+// Draws grey values up to `most`, also where they must not count.
 PatchAndStrip RandomPatchAndStrip(uint64_t seed, uint64_t most_patch, uint64_t most_strip) {
   std::mt19937_64 random(seed);
   PatchAndStrip made;
@@ -169,7 +169,7 @@ int StripDifferenceByDefinition(const PatchAndStrip& of, size_t shift) {
 
 TEST(PixelKernelsTest, StripDifferencesFollowTheDefinition) {
   for (uint64_t seed = 0; seed < 50; ++seed) {
-    // Dark against bright pictures, and the other way.
+    // Dark pictures meet bright ones, and the other way.
     const PatchAndStrip given =
         RandomPatchAndStrip(seed, seed % 3 == 1 ? 5 : 255, seed % 3 == 2 ? 5 : 255);
     for (const PixelKernels* kernels : {&PortablePixelKernels(), &BestPixelKernels()}) {

@@ -16,8 +16,8 @@ uint16_t TurnedPosition(int x, int y, double angle, int stride) {
   return static_cast<uint16_t>((turned_y + kBriefRadius_px) * stride + turned_x + kBriefRadius_px);
 }
 
-// Of eight bytes of 0 or 1, the first one lowest: the factor moves each to its place in the top
-// byte, and no two to one place.
+// Packs eight bytes of 0 or 1 into bits, the first one lowest. The factor moves each byte to its
+// place in the top byte, and no two to one place.
 uint64_t EightBits(const uint8_t* bytes) {
   static_assert(std::endian::native == std::endian::little);
   uint64_t eight = 0;

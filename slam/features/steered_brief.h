@@ -24,10 +24,11 @@ inline constexpr int kBriefRadius_px = 15;
 inline constexpr int kBriefTests = 256;
 using BriefPattern = std::array<BriefTest, kBriefTests>;
 
-// The pattern of the whole system: descriptors of two robots match only when they share it.
+// Returns the pattern of the whole system: descriptors of two robots match only when they share it.
 const BriefPattern& LearnedBriefPattern();
 
-// A pattern turned in advance to each of kAngles directions. Immutable: any number of threads.
+// A pattern turned in advance to each of kAngles directions. It is immutable: any number of threads
+// may use it.
 class SteeredBrief {
  public:
   static constexpr int kAngles = 256;
@@ -38,7 +39,7 @@ class SteeredBrief {
   Descriptor Describe(const cv::Mat& smoothed, int x_px, int y_px, float angle_rad) const;
 
  private:
-  // Positions in a patch of kPatchStride pixels a row.
+  // Positions are in a patch of kPatchStride pixels a row.
   struct Pair {
     uint16_t first;
     uint16_t second;

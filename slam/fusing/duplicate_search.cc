@@ -24,7 +24,7 @@ absl::btree_set<MapPointId> IdsOf(const std::vector<const MapPoint*>& points) {
   return ids;
 }
 
-// Those of `points` that are not among `others`.
+// Returns those of `points` that are not among `others`.
 std::vector<const MapPoint*> Without(const std::vector<const MapPoint*>& points,
                                      const absl::btree_set<MapPointId>& others) {
   std::vector<const MapPoint*> rest;
@@ -44,7 +44,7 @@ void VoteByProjection(const std::vector<const MapPoint*>& points,
          FindByProjection(points, *keyframe, keyframe->camera_from_map, search)) {
       const MapPointId projected = points[match.point]->id;
       const MapPointId seen = keyframe->points[match.keypoint];
-      // Seen by both sides: not a duplicate but a link that stands already.
+      // Both sides see it: it is no duplicate but a link that stands already.
       if (own_points.contains(seen)) continue;
       Votes& vote =
           votes[points_are_anchors ? PointIdPair(projected, seen) : PointIdPair(seen, projected)];

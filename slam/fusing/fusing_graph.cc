@@ -10,13 +10,14 @@
 namespace corbslam {
 namespace {
 
-// One edge of odometry against an overlap that knows no better: loose enough for a loop to close,
-// stiff enough not to take on the overlap's own noise. In shares of the scene's depth and rad.
+// Standard deviation of one edge of odometry against an overlap that has no covariance: loose
+// enough for a loop to close, stiff enough not to take on the overlap's own noise. In shares of the
+// scene's depth and in rad.
 constexpr double kOdometrySigma = 0.063;
-// What an overlap may be off beyond its inliers' noise, by what the maps have wrong.
+// What an overlap may be off beyond its inliers' noise, because the maps themselves are not exact.
 constexpr double kOverlapSigma = 0.02;
 constexpr double kOverlapSigmaLogScale = 0.05;
-// Standard deviations of MapFusingOptions::max_edge_chi2.
+// Standard deviations in which MapFusingOptions::max_edge_chi2 is counted.
 constexpr double kSigmaShareOfDepth = 0.02;
 constexpr double kSigmaAngle_rad = 0.01;
 constexpr double kSigmaLogScale = 0.05;
@@ -59,7 +60,7 @@ PoseGraphEdge OverlapEdge(const OrientedOverlap& overlap, double depth) {
           .root_information = RootInformation(covariance)};
 }
 
-// The overlaps last.
+// Lists the graph's edges, with the overlaps last.
 std::vector<PoseGraphEdge> Edges(const FusingProblem& problem, const std::vector<double>& depths,
                                  const std::map<KeyframeId, Similarity3d>& initial,
                                  const std::vector<double>& initial_chi2) {
@@ -83,7 +84,7 @@ KeyframeId FindLabel(Labels& labels, KeyframeId id) {
   return id;
 }
 
-// Every part of the graph needs a keyframe that holds it: its lowest where none is yet.
+// Every part of the graph needs a keyframe that holds it; where none is held yet, it is the lowest.
 void FixEveryPart(const std::map<KeyframeId, Similarity3d>& poses,
                   const std::vector<PoseGraphEdge>& edges, absl::btree_set<KeyframeId>& fixed) {
   Labels labels;
@@ -119,7 +120,7 @@ double Chi2(const OrientedOverlap& overlap, double depth,
   return shift * shift + turn * turn + stretch * stretch;
 }
 
-// Of every overlap.
+// Computes the chi2 of every overlap.
 std::vector<double> Chi2s(const FusingProblem& problem, const std::vector<double>& depths,
                           const std::map<KeyframeId, Similarity3d>& poses) {
   std::vector<double> chi2;

@@ -12,8 +12,8 @@
 
 namespace corbslam {
 
-// What fusing starts from: the two maps (the source empty for loops), their overlaps with the
-// anchor on the target's side, and how the source is first placed.
+// The state that fusing starts from: the two maps (the source empty for loops), their overlaps with
+// the anchor on the target's side, and how the source is first placed.
 struct FusingProblem {
   const Map* target = nullptr;
   const Map* source = nullptr;
@@ -22,26 +22,26 @@ struct FusingProblem {
   Similarity3d target_from_source;
   bool fix_scale = true;
 
-  // The map that holds a keyframe of either.
+  // Returns the map that holds a keyframe of either.
   const Map& MapOf(KeyframeId id) const {
     return target->FindKeyframe(id) != nullptr ? *target : *source;
   }
   bool HasOneNewOverlap() const { return new_overlaps.size() == 1; }
-  // Between the two maps, not inside one.
+  // True for an overlap between the two maps, false inside one.
   bool IsCrossing(const OrientedOverlap& overlap) const {
     return &MapOf(overlap.anchor) != &MapOf(overlap.mover);
   }
 };
 
 struct SolvedGraph {
-  // Of all keyframes, in the target's frame.
+  // Poses of all keyframes, in the target's frame.
   std::map<KeyframeId, Similarity3d> camera_from_target;
-  // Those that were held.
+  // Keyframes that were held fixed.
   absl::btree_set<KeyframeId> fixed;
-  // Of each overlap before and after, in squared standard deviations (MapFusingOptions).
+  // Chi2 of each overlap before and after, in squared standard deviations (MapFusingOptions).
   std::vector<double> initial_chi2;
   std::vector<double> chi2;
-  // Of each overlap: the others left it without a say.
+  // True for each overlap that the others left without a say.
   std::vector<bool> outvoted;
 };
 

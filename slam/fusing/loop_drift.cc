@@ -19,7 +19,7 @@ constexpr double kFreeShareOfDepth = 0.5;
 // Monocular odometry drifts in scale too.
 constexpr double kFreeScaleFactor = 3;
 
-// The most by which the loop moves its keyframe, or a point straight before it.
+// Returns the most by which the loop moves its keyframe, or a point straight before it.
 double Motion(const Map& map, const OrientedOverlap& loop, double depth) {
   const Similarity3d motion = AlignByOverlap(map, map, loop);
   const Rigid3d map_from_camera = map.FindKeyframe(loop.mover)->camera_from_map.Inverse();
@@ -31,13 +31,13 @@ double Motion(const Map& map, const OrientedOverlap& loop, double depth) {
   return moved;
 }
 
-// It says no other than where the keyframes are.
+// Returns whether the overlap agrees with where the keyframes are.
 bool Agrees(const Map& map, const OrientedOverlap& overlap) {
   const double depth = MedianDepth(map, overlap);
   return Motion(map, overlap, depth) <= kFreeShareOfDepth * depth;
 }
 
-// The keyframes of a map and how far it is from each to its neighbours.
+// Knows the keyframes of a map and how far it is from each to its neighbours.
 class Ways {
  public:
   Ways(const FusingProblem& problem, const Map& map) : map_(map) {
@@ -53,7 +53,7 @@ class Ways {
     }
   }
 
-  // Of the shortest way (Dijkstra); none where there is none.
+  // Returns the length of the shortest way (Dijkstra), or nothing where there is no way.
   std::optional<double> Length(KeyframeId from, KeyframeId to) const {
     using Reached = std::pair<double, KeyframeId>;
     std::priority_queue<Reached, std::vector<Reached>, std::greater<>> open;

@@ -1,4 +1,4 @@
-// Without points the scene's depth is 1.
+// These maps have no points, so the scene's depth is 1.
 #include "slam/fusing/loop_drift.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ constexpr LocalMapId kA{0xa};
 constexpr LocalMapId kB{0xb};
 constexpr uint32_t kKeyframes = 200;
 
-// Two local maps of one island: B goes on where A ends.
+// Two local maps of one island; B goes on where A ends.
 class LoopDriftTest : public ::testing::Test {
  protected:
   LoopDriftTest() {

@@ -10,7 +10,8 @@ namespace {
 constexpr double kAgreementShareOfDepth = 0.1;
 constexpr double kAgreementAngle_rad = 0.1;
 
-// Where the overlap's mover comes to lie under the alignment that another overlap proposes.
+// Returns whether the overlap's mover comes to lie in the same place under the alignment that
+// another overlap proposes.
 bool Agrees(const Map& mover_map, const OrientedOverlap& overlap, const Similarity3d& own,
             const Similarity3d& proposed, double depth) {
   const Rigid3d& camera_from_map = mover_map.FindKeyframe(overlap.mover)->camera_from_map;
@@ -28,7 +29,7 @@ OrientedOverlap Orient(const Overlap& overlap, bool swap) {
   oriented.mover = swap ? overlap.candidate : overlap.query;
   oriented.anchor_from_mover =
       swap ? overlap.candidate_from_query.Inverse() : overlap.candidate_from_query;
-  // (Exp(e) * T)^-1 = Exp(-Adjoint(T^-1) * e) * T^-1.
+  // The other direction is (Exp(e) * T)^-1 = Exp(-Adjoint(T^-1) * e) * T^-1.
   const Matrix7d A = swap ? AdjointSim3(oriented.anchor_from_mover) : Matrix7d::Identity();
   oriented.covariance = A * overlap.covariance * A.transpose();
   for (const PointPair& pair : overlap.inliers) {
@@ -64,7 +65,7 @@ std::optional<Similarity3d> AlignByConsensus(const Map& anchor_map, const Map& m
       }
       support += 1 + overlaps[j].points.size();
     }
-    // Among equals the one with the most points of its own.
+    // Among equally supported overlaps the one with the most points of its own wins.
     support = support * 10000 + std::min<size_t>(overlaps[i].points.size(), 9999);
     if (support <= best_support) continue;
     best_support = support;

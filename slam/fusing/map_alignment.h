@@ -1,4 +1,4 @@
-// How two maps stand to each other, by what their overlaps say.
+// Finds how two maps stand to each other, by what their overlaps say.
 #ifndef CORBSLAM_SLAM_FUSING_MAP_ALIGNMENT_H_
 #define CORBSLAM_SLAM_FUSING_MAP_ALIGNMENT_H_
 
@@ -14,29 +14,30 @@ namespace corbslam {
 struct OrientedOverlap {
   KeyframeId anchor;
   KeyframeId mover;
-  // x_in_anchor_camera = anchor_from_mover * x_in_mover_camera.
+  // The transform x_in_anchor_camera = anchor_from_mover * x_in_mover_camera.
   Similarity3d anchor_from_mover;
-  // Of e, where the true one is Exp(e) * anchor_from_mover (Overlap::covariance).
+  // Covariance of e, where the true one is Exp(e) * anchor_from_mover (Overlap::covariance).
   Matrix7d covariance = Matrix7d::Zero();
-  // (anchor's point, mover's point).
+  // Pairs of (anchor's point, mover's point).
   std::vector<std::pair<MapPointId, MapPointId>> points;
 };
 
 // The anchor is the candidate, or with `swap` the query.
 OrientedOverlap Orient(const Overlap& overlap, bool swap);
 
-// anchor_map_from_mover_map by this overlap alone. The keyframes must be in their maps.
+// Returns anchor_map_from_mover_map as this overlap alone gives it. The keyframes must be in their
+// maps.
 Similarity3d AlignByOverlap(const Map& anchor_map, const Map& mover_map,
                             const OrientedOverlap& overlap);
 
-// The alignment of the overlap with which the others agree best (by their inliers): where each
-// overlap's mover comes to lie differs by less than a tenth of its scene's depth. With one overlap
-// that one's; nothing for none.
+// Returns the alignment of the overlap with which the others agree best (by their inliers): two
+// agree where a mover comes to lie less than a tenth of its scene's depth apart. A single overlap
+// gives its own alignment, none gives nullopt.
 std::optional<Similarity3d> AlignByConsensus(const Map& anchor_map, const Map& mover_map,
                                              const std::vector<OrientedOverlap>& overlaps);
 
-// Median depth of the overlap's points before the anchor's camera. Where the map has none of them,
-// of all points that the anchor sees; 1 where it sees none.
+// Returns the median depth of the overlap's points before the anchor's camera. Where the map has
+// none of them, it is that of all points that the anchor sees; 1 where it sees none.
 double MedianDepth(const Map& anchor_map, const OrientedOverlap& overlap);
 
 }  // namespace corbslam

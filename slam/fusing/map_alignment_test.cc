@@ -21,7 +21,7 @@ class MapAlignmentTest : public ::testing::Test {
         truth_(a_.true_camera_from_world.at({kA, 0}) *
                b_.true_camera_from_world.at({kB, 0}).Inverse()) {}
 
-  // Of keyframe `index` in both, with so many points.
+  // Makes an overlap of keyframe `index` in both maps, with so many points.
   OrientedOverlap MakeOverlap(uint32_t index, size_t points, double error_m = 0) const {
     OrientedOverlap overlap;
     overlap.anchor = {kA, index};
@@ -76,14 +76,14 @@ TEST_F(MapAlignmentTest, DepthIsTheMedianOfThePoints) {
   const double depth = MedianDepth(a_.map, MakeOverlap(2, 100));
   EXPECT_GT(depth, 1.5);
   EXPECT_LT(depth, 14);
-  // Without points of its own, of those that the anchor sees.
+  // An overlap without points takes the depth of those that the anchor sees.
   EXPECT_NEAR(MedianDepth(a_.map, MakeOverlap(2, 0)), depth, 0.5 * depth);
   EXPECT_NE(MedianDepth(a_.map, MakeOverlap(2, 0)), 1);
   EXPECT_EQ(MedianDepth(Map(), MakeOverlap(2, 0)), 1);
 }
 
 TEST_F(MapAlignmentTest, PointsThatOneKeyframeSeesApartAreNoDuplicates) {
-  // Both neighbourhoods are of one map: whatever is seen twice is one point already.
+  // Both neighbourhoods are of one map: a point that is seen twice is one point already.
   const auto anchors = Neighbourhood(a_.map, {kA, 0}, 1);
   const auto movers = Neighbourhood(a_.map, {kA, 5}, 1);
   const Keyframe& first = *a_.map.FindKeyframe({kA, 0});

@@ -72,7 +72,7 @@ absl::Status CheckRequest(const FuseMapsRequest& request) {
   return absl::OkStatus();
 }
 
-// On a robot the one that may not move is the anchor, in fusion the one in the target.
+// The anchor is the keyframe that may not move (on a robot) or the one in the target (in fusion).
 bool AnchorIsQuery(const FuseMapsRequest& request, const Overlap& overlap, LocalMapId only_moves) {
   const bool query_stays = request.target.FindKeyframe(overlap.query) != nullptr;
   const bool candidate_stays = request.target.FindKeyframe(overlap.candidate) != nullptr;
@@ -110,7 +110,8 @@ absl::Status PlaceSource(FusingProblem& problem) {
   return absl::OkStatus();
 }
 
-// All points of the source, and those of the target that the graph moved, in the target's frame.
+// Moves all points of the source, and those of the target that the graph moved, in the target's
+// frame.
 std::map<MapPointId, Eigen::Vector3d> MovePoints(const FusingProblem& problem,
                                                  const SolvedGraph& graph) {
   std::map<MapPointId, Eigen::Vector3d> positions;
@@ -136,7 +137,7 @@ void KeepPointsOfOthers(const Map& map, LocalMapId only_moves,
   }
 }
 
-// As MapFusingOptions::max_edge_chi2 says.
+// Applies the rule of MapFusingOptions::max_edge_chi2.
 bool ContradictsGraph(const FusingProblem& problem, const SolvedGraph& graph, double max_chi2) {
   const std::set<size_t> new_overlaps(problem.new_overlaps.begin(), problem.new_overlaps.end());
   const bool is_bounded = std::isfinite(max_chi2);

@@ -14,7 +14,7 @@ struct MapFusingOptions {
   // What changes results. Where valid, only keyframes of this local map move (a robot closing a
   // loop against what others made) but for its root, and the points that MovesWith says.
   LocalMapId only_moves;
-  // Keyframes of either side that the welding adjusts at most.
+  // At most so many keyframes of either side are adjusted by the welding.
   int welding_window = 10;
   int welding_iterations = 5;
   // A new overlap that still disagrees by more after the graph was solved refuses the whole, in
@@ -28,22 +28,23 @@ struct MapFusingOptions {
   // (plus half the scene's depth) is refused: no odometry drifts that much. Tripled where scale is
   // free. The way may lead through other local maps where the overlap is the only new one.
   double max_drift = 0.1;
-  // What changes speed. One thread repeats to the bit.
+  // What changes speed. With one thread results repeat to the bit.
   int threads = 1;
 };
 
-// Others' keyframes, where `only_moves` is valid, and the root: the first of the rest that has no
-// parent.
+// Returns the keyframes that stay: others', where `only_moves` is valid, and the root: the first of
+// the rest that has no parent.
 absl::btree_set<KeyframeId> KeyframesThatStay(const Map& map, LocalMapId only_moves);
 
-// Of a local map's keyframes alone, which move: whether the point goes with them. It is one of
-// theirs, or no other keyframe of its map sees it.
+// Says whether a point goes along where a local map's keyframes alone move: it does if it is one of
+// theirs, or if no other keyframe of its map sees it.
 bool MovesWith(LocalMapId local_map, const MapPoint& point);
 
-// Rejected observations name points as they are after the merges. The result's poses have the scale
-// of their keyframe's own unit over the target's: 1 for all of the target with `fix_scale`.
-// INVALID_ARGUMENT, naming the id, for overlaps whose keyframes are in neither view, indices out of
-// range, no new overlap or an id in both views; CANCELLED. Pure.
+// Fuses two maps, or closes loops in one. Rejected observations name points as they are after the
+// merges. The result's poses have the scale of their keyframe's own unit over the target's: 1 for
+// all of the target with `fix_scale`. INVALID_ARGUMENT, naming the id, for overlaps whose keyframes
+// are in neither view, indices out of range, no new overlap or an id in both views; CANCELLED.
+// Pure.
 absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
                                         const MapFusingOptions& options,
                                         const ProgressCallback& progress);

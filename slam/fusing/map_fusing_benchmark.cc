@@ -1,4 +1,4 @@
-// Fusing two maps of 35 keyframes, from an accepted overlap to the result.
+// Measures the fusing of two maps of 35 keyframes, from an accepted overlap to the result.
 #include <benchmark/benchmark.h>
 
 #include "slam/fusing/map_fusing.h"

@@ -57,7 +57,7 @@ class MapFusingTest : public ::testing::Test {
     for (size_t i = 0; i < later.size(); ++i) request.new_overlaps.push_back(earlier.size() + i);
     earlier.insert(earlier.end(), later.begin(), later.end());
     for (Overlap& overlap : earlier) {
-      // What became one point says nothing any more.
+      // A pair of points that became one says nothing any more.
       std::erase_if(overlap.inliers, [&request](const PointPair& pair) {
         return request.target.FindPoint(pair.query) == nullptr ||
                request.target.FindPoint(pair.candidate) == nullptr;
@@ -293,7 +293,7 @@ TEST(FusingGraphTest, EarlierOverlapsThatTheMapAgreesWithDoNotMoveIt) {
               1e-3)
         << ToString(pose.id);
   }
-  // Not so where it is new.
+  // A new overlap that is equally wrong does move keyframes.
   request.new_overlaps = {0};
   const auto moved = FuseMaps(request, {}, nullptr);
   ASSERT_TRUE(moved.ok()) << moved.status();

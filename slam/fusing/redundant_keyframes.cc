@@ -51,7 +51,7 @@ class Selection {
     return false;
   }
 
-  // The share of its points that enough others see; below 0 where it sees none.
+  // Returns the share of its points that enough others see; below 0 where it sees none.
   double SeenShare(const Keyframe& keyframe) const {
     int points = 0;
     int seen = 0;
@@ -71,7 +71,7 @@ class Selection {
     ranked_.emplace(share, id);
   }
 
-  // What it saw is seen by one less: its neighbours' shares are not what they were.
+  // One keyframe less sees what it saw: its neighbours' shares are not what they were.
   void Drop(KeyframeId id) {
     gone_.insert(id);
     --left_;
@@ -95,7 +95,7 @@ class Selection {
   const RedundancyOptions& options_;
   size_t left_;
   absl::flat_hash_set<KeyframeId> gone_;
-  // Of those that may go.
+  // Shares of the keyframes that may go.
   absl::btree_map<KeyframeId, double> shares_;
   std::set<std::pair<double, KeyframeId>> ranked_;
 };

@@ -1,5 +1,5 @@
-// Keyframes of a map that the others can do without (CORB-SLAM follows ORB-SLAM here: Mur-Artal,
-// Montiel and Tardos, T-RO 2015, section VI.E), over all robots at once.
+// Finds keyframes of a map that the others can do without (CORB-SLAM follows ORB-SLAM here:
+// Mur-Artal, Montiel and Tardos, T-RO 2015, section VI.E), over all robots at once.
 #ifndef CORBSLAM_SLAM_FUSING_REDUNDANT_KEYFRAMES_H_
 #define CORBSLAM_SLAM_FUSING_REDUNDANT_KEYFRAMES_H_
 
@@ -21,8 +21,8 @@ struct RedundancyOptions {
   size_t target_keyframes = 0;
 };
 
-// In the order in which they go: each is judged by those that are left when its turn comes. Never
-// one of `kept`, one without a parent, or one that sees no point. Pure.
+// Lists them in the order in which they go: each is judged by those that are left when its turn
+// comes. One of `kept`, one without a parent, or one that sees no point never goes. Pure.
 std::vector<KeyframeId> FindRedundantKeyframes(const Map& map,
                                                const absl::btree_set<KeyframeId>& kept,
                                                const RedundancyOptions& options);

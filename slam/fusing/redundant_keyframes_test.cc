@@ -13,7 +13,7 @@ using ::testing::SizeIs;
 constexpr KeyframeId K(uint32_t index) { return {{0xa}, index}; }
 constexpr MapPointId P(uint32_t index) { return {{0xa}, index}; }
 
-// Keyframe i, each the child of the one before, with one keypoint a point.
+// Each keyframe is the child of the one before, with one keypoint a point.
 class RedundantKeyframesTest : public ::testing::Test {
  protected:
   void AddKeyframe(uint32_t index, const std::vector<uint32_t>& points, uint8_t octave = 0) {
@@ -75,7 +75,7 @@ TEST_F(RedundantKeyframesTest, ATargetTakesTheMostRedundantFirst) {
   const std::vector<KeyframeId> redundant = Find({.target_keyframes = 7});
   ASSERT_THAT(redundant, SizeIs(2));
   EXPECT_LT(redundant[0].index, 4u);
-  // The root and the one that sees nothing are not for sale.
+  // The root and the one that sees nothing never go.
   EXPECT_THAT(Find({.target_keyframes = 1}), SizeIs(7));
 }
 

@@ -63,7 +63,7 @@ class Judge {
     return 2 * static_cast<size_t>(out) <= side.observers.size();
   }
 
-  // As seen by its first observer, wherever that is now.
+  // Returns where the side's first observer saw the point, carried along with that observer.
   Eigen::Vector3d GoneAlong(const TrialMerge::Side& side) const {
     if (side.observers.empty()) return side.position_in_map;
     const KeyframeId observer = side.observers.front();

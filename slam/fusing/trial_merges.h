@@ -24,12 +24,12 @@ struct TrialMerge {
   Side member;
 };
 
-// Merges in `map`; none where it has only one of the two.
+// Merges two points in `map`; none where it has only one of the two.
 std::optional<TrialMerge> MergeOnTrial(const FuseMapsResult::Merge& merge, Map& map);
 
-// What `adjusted` says of `map`, with the merges that it agrees with. Where most of what saw one of
-// the two are outliers, they are two: each keeps its observations, and those that the adjustment left
-// out go with a keyframe that sees them.
+// Returns what `adjusted` says of `map`, with the merges that it agrees with. Where most of what
+// saw one of the two are outliers, they are two points: each keeps its observations, and those that
+// the adjustment left out go along with a keyframe that sees them.
 WeldingResult JudgeMerges(const std::vector<TrialMerge>& trials, const Map& map,
                           const BundleResult& adjusted);
 

@@ -11,7 +11,7 @@
 namespace corbslam {
 namespace {
 
-// Keyframes outside the window that hold it, those that see the most of it.
+// So many keyframes outside the window hold it, those that see the most of it.
 constexpr size_t kMaxOuterKeyframes = 16;
 constexpr int kMinSharedWithOuter = 10;
 
@@ -19,7 +19,7 @@ struct Window {
   absl::btree_set<KeyframeId> anchors;
   absl::btree_set<KeyframeId> movers;
   std::vector<KeyframeId> outer;
-  // Nobody asks it who is covisible.
+  // Nobody asks this map who is covisible.
   Map map{Covisibility::kGiven};
 };
 
@@ -83,7 +83,7 @@ void AddKeyframe(const FusingProblem& problem, const SolvedGraph& graph, Keyfram
   map.AddKeyframe(std::move(keyframe));
 }
 
-// The window as a map of its own, in the target's frame.
+// Makes the window a map of its own, in the target's frame.
 Window MakeWindow(const FusingProblem& problem, const SolvedGraph& graph,
                   const std::map<MapPointId, Eigen::Vector3d>& positions,
                   const MapFusingOptions& options) {
@@ -159,7 +159,7 @@ BundleScope MakeScope(const FusingProblem& problem, const SolvedGraph& graph, co
   }
   for (const auto& [id, point] : window.map.points()) {
     if (point.observations.size() < 2) continue;
-    // All that see it, in the window or not.
+    // All observers count, in the window or not.
     const MapPoint* in_target = problem.target->FindPoint(id);
     const bool is_free = !options.only_moves.IsValid() || in_target == nullptr ||
                          MovesWith(options.only_moves, *in_target);

@@ -1,4 +1,4 @@
-// After the graph is solved: what is seen twice becomes one, and the seam is adjusted.
+// After the graph is solved, points that are there twice become one, and the seam is adjusted.
 #ifndef CORBSLAM_SLAM_FUSING_WELDING_H_
 #define CORBSLAM_SLAM_FUSING_WELDING_H_
 
@@ -12,7 +12,8 @@ namespace corbslam {
 
 struct WeldingResult {
   std::vector<FuseMapsResult::Merge> merges;
-  std::map<KeyframeId, Rigid3d> poses;  // In the target's frame and unit, of those adjusted.
+  // Poses of the adjusted keyframes, in the target's frame and unit.
+  std::map<KeyframeId, Rigid3d> poses;
   std::map<MapPointId, Eigen::Vector3d> positions;
   std::vector<RejectedObservation> rejected;
 };

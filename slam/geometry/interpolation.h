@@ -5,7 +5,8 @@
 
 namespace corbslam {
 
-// `a` at share 0, `b` at 1: rotations along the shortest arc, translations along the line.
+// Returns `a` at share 0 and `b` at 1: rotations go along the shortest arc, translations along the
+// line.
 inline Rigid3d Interpolate(const Rigid3d& a, const Rigid3d& b, double share) {
   return {a.rotation.slerp(share, b.rotation), (1 - share) * a.translation + share * b.translation};
 }

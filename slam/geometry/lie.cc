@@ -6,10 +6,10 @@
 namespace corbslam {
 namespace {
 
-// Below this squared angle the closed forms cancel and the Taylor series are exact to rounding.
+// Below this squared angle the closed forms cancel, and the Taylor series are exact to rounding.
 constexpr double kSmallAngle2 = 1e-2;
 
-// Sum over n of M^n / (n + 1)!, which is the integral of exp(s * M) over s in [0, 1].
+// Returns the sum over n of M^n / (n + 1)!, which is the integral of exp(s * M) over s in [0, 1].
 template <typename Matrix>
 Matrix IntegrateExponential(const Matrix& M) {
   constexpr int kMaxTerms = 80;
@@ -36,7 +36,7 @@ Eigen::Matrix3d LeftJacobianSO3(const Eigen::Vector3d& rotation_rad) {
   return Eigen::Matrix3d::Identity() + a * W + b * W * W;
 }
 
-// Barfoot 2017, eq. 7.86: the translation's part of the left Jacobian of SE(3).
+// Returns the translation's part of the left Jacobian of SE(3) (Barfoot 2017, eq. 7.86).
 Eigen::Matrix3d LeftJacobianCoupling(const Eigen::Vector3d& translation,
                                      const Eigen::Vector3d& rotation_rad) {
   const double x = rotation_rad.squaredNorm();
@@ -56,7 +56,7 @@ Eigen::Matrix3d LeftJacobianCoupling(const Eigen::Vector3d& translation,
          c3 * (WPW * W + W * WPW);
 }
 
-// W of Strasdat 2012: exp maps the tangent's translation u to W * u.
+// Returns W of Strasdat 2012: exp maps the tangent's translation u to W * u.
 Eigen::Matrix3d TranslationFactor(const Eigen::Vector3d& rotation_rad, double log_scale) {
   return IntegrateExponential<Eigen::Matrix3d>(Skew(rotation_rad) +
                                                log_scale * Eigen::Matrix3d::Identity());
@@ -86,7 +86,7 @@ Eigen::Vector3d LogSO3(const Eigen::Quaterniond& rotation) {
   const double w = sign * rotation.w();
   const Eigen::Vector3d v = sign * rotation.vec();
   const double n = v.norm();
-  // atan(n / w) / n, expanded where n vanishes.
+  // The factor is atan(n / w) / n, expanded where n vanishes.
   const double factor = n < 1e-4 ? 2 / w - 2 * n * n / (3 * w * w * w) : 2 * std::atan2(n, w) / n;
   return factor * v;
 }

@@ -19,11 +19,11 @@ using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
-// The matrix of the cross product: Skew(a) * b = a x b.
+// Returns the matrix of the cross product: Skew(a) * b = a x b.
 Eigen::Matrix3d Skew(const Eigen::Vector3d& v);
 
 Eigen::Quaterniond ExpSO3(const Eigen::Vector3d& rotation_rad);
-// Of length at most pi.
+// Returns a vector of length at most pi.
 Eigen::Vector3d LogSO3(const Eigen::Quaterniond& rotation);
 
 Rigid3d ExpSE3(const Vector6d& tangent);
@@ -32,13 +32,14 @@ Vector6d LogSE3(const Rigid3d& motion);
 Similarity3d ExpSim3(const Vector7d& tangent);
 Vector7d LogSim3(const Similarity3d& similarity);
 
-// Log(Exp(delta) * Exp(tangent)) = tangent + InverseLeftJacobian(tangent) * delta + O(delta^2).
+// They satisfy Log(Exp(delta) * Exp(tangent)) = tangent + InverseLeftJacobian(tangent) * delta +
+// O(delta^2).
 Eigen::Matrix3d InverseLeftJacobianSO3(const Eigen::Vector3d& rotation_rad);
 Matrix6d InverseLeftJacobianSE3(const Vector6d& tangent);
-// From the series of the left Jacobian in the adjoint.
+// This one is computed from the series of the left Jacobian in the adjoint.
 Matrix7d InverseLeftJacobianSim3(const Vector7d& tangent);
 
-// T * Exp(delta) * T^-1 = Exp(Adjoint(T) * delta).
+// They satisfy T * Exp(delta) * T^-1 = Exp(Adjoint(T) * delta).
 Matrix6d AdjointSE3(const Rigid3d& motion);
 Matrix7d AdjointSim3(const Similarity3d& similarity);
 

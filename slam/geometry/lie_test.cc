@@ -8,7 +8,7 @@
 namespace corbslam {
 namespace {
 
-// Angles from vanishing to large, with and without scale.
+// Returns angles from vanishing to large, with and without scale.
 std::vector<Vector7d> Tangents() {
   std::vector<Vector7d> tangents;
   const Eigen::Vector3d axis = Eigen::Vector3d(0.3, -0.8, 0.5).normalized();

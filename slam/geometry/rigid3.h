@@ -7,8 +7,8 @@
 
 namespace corbslam {
 
-// x_target = rotation * x_source + translation. The quaternion is kept of unit length by whoever
-// sets it; products renormalise. Translations are in metres where the map is metric.
+// Maps x_target = rotation * x_source + translation. Whoever sets the quaternion keeps it of unit
+// length; products renormalise. Translations are in metres where the map is metric.
 struct Rigid3d {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
@@ -28,7 +28,7 @@ struct Rigid3d {
   }
 };
 
-// x_target = scale * rotation * x_source + translation, scale > 0 (1 between metric maps).
+// Maps x_target = scale * rotation * x_source + translation, scale > 0 (1 between metric maps).
 struct Similarity3d {
   double scale = 1.0;
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -39,8 +39,8 @@ struct Similarity3d {
     return {1.0, rigid.rotation, rigid.translation};
   }
 
-  // The rigid motion of a camera whose frame is rescaled to its target's units:
-  // (R, t / scale). Projections are the same.
+  // Returns the rigid motion of a camera whose frame is rescaled to its target's units: (R, t /
+  // scale). Projections are the same.
   Rigid3d ToRigid() const { return {rotation, translation / scale}; }
 
   Similarity3d Inverse() const {
@@ -56,10 +56,10 @@ struct Similarity3d {
   }
 };
 
-// Angle of the rotation, radians, 0 to pi.
+// Returns the angle of the rotation, radians, 0 to pi.
 double RotationAngle(const Eigen::Quaterniond& rotation);
 
-// The camera's centre in the frame that `camera_from_frame` comes from.
+// Returns the camera's centre in the frame that `camera_from_frame` comes from.
 inline Eigen::Vector3d CameraCentre(const Rigid3d& camera_from_frame) {
   return -(camera_from_frame.rotation.conjugate() * camera_from_frame.translation);
 }

@@ -1,4 +1,4 @@
-// Keypoints sorted into square cells of the image, to find those near a pixel.
+// Sorts keypoints into square cells of the image, to find those near a pixel.
 #ifndef CORBSLAM_SLAM_MAP_FEATURE_GRID_H_
 #define CORBSLAM_SLAM_MAP_FEATURE_GRID_H_
 

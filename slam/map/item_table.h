@@ -1,4 +1,4 @@
-// Items by id: walked through in the order of their ids, found by hash.
+// Keeps items by id: walked through in the order of their ids, found by hash.
 #ifndef CORBSLAM_SLAM_MAP_ITEM_TABLE_H_
 #define CORBSLAM_SLAM_MAP_ITEM_TABLE_H_
 
@@ -28,14 +28,15 @@ class ItemTable {
 
   const std::map<Id, Item>& items() const { return items_; }
 
-  // Null when unknown.
+  // Returns null when the id is unknown.
   const Item* Find(Id id) const {
     const auto it = index_.find(id);
     return it == index_.end() ? nullptr : it->second;
   }
   Item* Find(Id id) { return const_cast<Item*>(std::as_const(*this).Find(id)); }
 
-  // Null, and no change, if the id is there already. Fastest in the order of ids.
+  // Returns null, and changes nothing, if the id is there already. Adding in the order of ids is
+  // fastest.
   Item* Add(Id id, Item item) {
     const auto [indexed, added] = index_.try_emplace(id, nullptr);
     if (!added) return nullptr;

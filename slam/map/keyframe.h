@@ -18,10 +18,10 @@
 
 namespace corbslam {
 
-// Never edited once made; shared between threads, maps and revisions.
+// A payload is never edited once made; threads, maps and revisions share it.
 struct KeyframePayload {
   KeyframeId id;
-  // The agent's own clock. Never compared between agents.
+  // Time by the agent's own clock, which is never compared with another agent's.
   int64_t timestamp_ns = 0;
   // Index of the camera among those of its local map.
   uint32_t camera_index = 0;
@@ -30,12 +30,12 @@ struct KeyframePayload {
   Features features;
   // Finds keypoints by pixel; built from `features` by MakeKeyframePayload.
   FeatureGrid grid;
-  // What `features` were read from (slam/coding/feature_coding.h), while whoever received it keeps
-  // it: then nobody need code them again.
+  // The code that `features` were read from (slam/coding/feature_coding.h), while whoever received
+  // it keeps it: then nobody need code them again.
   std::weak_ptr<const std::string> code;
 };
 
-// `code`: of these very features.
+// `code` must be of these very features.
 std::shared_ptr<const KeyframePayload> MakeKeyframePayload(
     KeyframeId id, int64_t timestamp_ns, uint32_t camera_index,
     std::shared_ptr<const Camera> camera, Features features,
@@ -43,16 +43,17 @@ std::shared_ptr<const KeyframePayload> MakeKeyframePayload(
 
 struct Keyframe {
   std::shared_ptr<const KeyframePayload> payload;
-  // Of whoever computed them with its own vocabulary; null until then. Never on the wire.
+  // Words that the holder of the map computed with its own vocabulary; null until then. They are
+  // never on the wire.
   std::shared_ptr<const Words> words;
   // The frame is the map's: a local map's own, or an island's.
   Rigid3d camera_from_map;
 
-  // One entry a keypoint; an invalid id where the keypoint observes no map point.
+  // The points seen, one entry a keypoint; an invalid id where the keypoint observes no map point.
   std::vector<MapPointId> points;
   // Number of map points observed together with each other keyframe; kept by Map.
   absl::btree_map<KeyframeId, int> covisible;
-  // Spanning tree. The root, and only the root, has an invalid parent.
+  // The spanning tree. The root, and only the root, has an invalid parent.
   KeyframeId parent;
   absl::btree_set<KeyframeId> children;
   absl::btree_set<KeyframeId> loop_edges;

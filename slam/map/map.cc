@@ -235,7 +235,7 @@ KeyframeId Map::ChooseNewParent(const Keyframe& child, const Keyframe& removed) 
 void Map::RehangChildren(const Keyframe& removed) {
   MapObserver& observer = observer_ ? *observer_ : Silent();
   const absl::btree_set<KeyframeId> children = removed.children;
-  KeyframeId heir;  // Of a removed root: its first child.
+  KeyframeId heir;  // First child of a removed root, which becomes the root.
   for (const KeyframeId& child_id : children) {
     Keyframe& child = *keyframes_.Find(child_id);
     KeyframeId parent = removed.parent.IsValid() ? ChooseNewParent(child, removed) : heir;

@@ -17,7 +17,7 @@ namespace corbslam {
 
 struct CovisibleKeyframe {
   KeyframeId id;
-  int weight = 0;  // Points seen by both.
+  int weight = 0;  // Number of points seen by both.
 };
 
 // Where a map's covisibility comes from: counted from its own observations, or, for a view of a
@@ -38,40 +38,41 @@ class Map {
   Map(Map&&) = default;
   Map& operator=(Map&&) = default;
 
-  // Not owned; null for none.
+  // The map does not own its observer; null for none.
   void SetObserver(MapObserver* observer) { observer_ = observer; }
 
   const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_.items(); }
   const std::map<MapPointId, MapPoint>& points() const { return points_.items(); }
-  // Null when unknown.
+  // These return null when the id is unknown.
   const Keyframe* FindKeyframe(KeyframeId id) const { return keyframes_.Find(id); }
   const MapPoint* FindPoint(MapPointId id) const { return points_.Find(id); }
 
   // Adds a keyframe with its payload, words, pose and parent; `points` must be empty or all
-  // invalid, children and covisible empty: observations come by AddObservation. Without features
-  // in its payload it has as many keypoints as `points` has entries. A parent that is not in the
-  // map is taken as none. False if the id is there already.
+  // invalid, children and covisible empty: observations come by AddObservation. Without features in
+  // its payload it has as many keypoints as `points` has entries. A parent that is not in the map
+  // is taken as none. Returns false if the id is there already.
   bool AddKeyframe(Keyframe keyframe);
-  // Adds a point without observations. False if the id is there already.
+  // Adds a point without observations. Returns false if the id is there already.
   bool AddPoint(MapPoint point);
 
   void SetPose(KeyframeId id, const Rigid3d& camera_from_map);
   void SetPosition(MapPointId id, const Eigen::Vector3d& position_in_map);
   void SetWords(KeyframeId id, std::shared_ptr<const Words> words);
-  // For whoever needs the graph alone. The payload is not edited: others may have it too.
+  // Drops the features where the graph alone is needed. The payload is not edited: others may have
+  // it too.
   void DropFeatures(KeyframeId id);
-  // Where its keypoints are, measured better; what they look like and see stays. The payload is not
-  // edited. False, and no change: the keyframe is unknown, has not as many, or the observer says
-  // no.
+  // Sets better measured positions of its keypoints; what they look like and see stays. The payload
+  // is not edited. Returns false, and changes nothing, if the keyframe is unknown, has not as many,
+  // or the observer says no.
   bool SetKeypoints(KeyframeId id, std::vector<Keypoint> keypoints);
-  // False, and no change, if that would make a cycle.
+  // Returns false, and changes nothing, if that would make a cycle.
   bool SetParent(KeyframeId child, KeyframeId parent);
   bool AddLoopEdge(KeyframeId a, KeyframeId b);
-  // False where covisibility is counted. `weight` is greater than 0.
+  // Returns false where covisibility is counted. `weight` is greater than 0.
   bool SetCovisibility(KeyframeId a, KeyframeId b, int weight);
 
-  // False if either is unknown, the keypoint is taken or out of range, or the keyframe sees the
-  // point already.
+  // Returns false if either is unknown, the keypoint is taken or out of range, or the keyframe sees
+  // the point already.
   bool AddObservation(MapPointId point, KeyframeId keyframe, uint32_t keypoint);
   // The point stays even when nobody sees it any more.
   bool RemoveObservation(MapPointId point, KeyframeId keyframe);
@@ -83,25 +84,25 @@ class Map {
   // root promotes a child.
   bool RemoveKeyframe(KeyframeId id);
 
-  // The point's normal, distance range and representative descriptor, from its observations.
-  // No-op on points nobody sees.
+  // Computes the point's normal, distance range and representative descriptor from its
+  // observations. It does nothing to points nobody sees.
   void UpdatePointAppearance(MapPointId id);
-  // Normal and distance range only (after poses moved).
+  // Computes the normal and distance range only (after poses moved).
   void UpdatePointGeometry(MapPointId id);
-  // For points whose appearance came from elsewhere (the wire).
+  // Sets the appearance of points for which it came from elsewhere (the wire).
   void SetPointAppearance(MapPointId id, const Descriptor& descriptor,
                           const Eigen::Vector3d& normal_in_map, double min_distance,
                           double max_distance, KeyframeId reference);
 
-  // The named keyframes and points (each once; unknown ones are skipped) with what lies between
-  // them, for an optimisation to work on: observations, covisibility (given: the whole map's) and
-  // edges that lead elsewhere are left out. Costs as much as the part is large.
+  // Returns the named keyframes and points (each once; unknown ones are skipped) with what lies
+  // between them, for an optimisation to work on: observations, covisibility (given: the whole
+  // map's) and edges that lead elsewhere are left out. It costs as much as the part is large.
   Map CopyPart(const std::vector<KeyframeId>& keyframes,
                const std::vector<MapPointId>& points) const;
 
-  // Keyframes that share at least `min_weight` points with `id`, most first, ties by id.
+  // Returns keyframes that share at least `min_weight` points with `id`, most first, ties by id.
   std::vector<CovisibleKeyframe> Covisible(KeyframeId id, int min_weight = 15) const;
-  // The first `count` of them, of any weight.
+  // Returns the first `count` of them, of any weight.
   std::vector<CovisibleKeyframe> BestCovisible(KeyframeId id, int count) const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace corbslam {
 
-// Called synchronously by the thread that changes the map, after the change. Must not change the
+// The thread that changes the map calls it synchronously, after the change. It must not change the
 // map. Every method does nothing by default.
 class MapObserver {
  public:
@@ -30,8 +30,8 @@ class MapObserver {
   // keyframe saw both). Single observation calls are not made for them.
   virtual void OnPointReplaced(MapPointId /*replaced*/, MapPointId /*survivor*/) {}
   virtual void OnPointRemoved(MapPointId) {}
-  // Asked before a keyframe's keypoints change: false where it has been told to others with those
-  // that it has.
+  // Asked before a keyframe's keypoints change; returns false where it has been told to others with
+  // those that it has.
   virtual bool MayChangeKeypoints(KeyframeId) const { return true; }
 };
 

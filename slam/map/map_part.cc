@@ -1,4 +1,4 @@
-// Map::CopyPart.
+// Implements Map::CopyPart.
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
@@ -7,7 +7,7 @@
 namespace corbslam {
 namespace {
 
-// The keyframe with those of its edges that stay among `kept`, and no points.
+// Copies the keyframe with those of its edges that stay among `kept`, and no points.
 Keyframe CopyWithin(const Keyframe& original, const absl::flat_hash_set<KeyframeId>& kept) {
   Keyframe copy;
   copy.payload = original.payload;

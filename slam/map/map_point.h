@@ -16,14 +16,14 @@ struct MapPoint {
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
   // The keyframe that the point follows when only keyframes move.
   KeyframeId reference;
-  // Of all descriptors that observe it, the one with the least median distance to the others.
+  // The observing descriptor that has the least median distance to the others.
   Descriptor descriptor;
   // Mean unit direction from the observing cameras to the point.
   Eigen::Vector3d normal_in_map = Eigen::Vector3d::Zero();
   // Distances from which the point is expected to be found on the pyramid.
   double min_distance = 0;
   double max_distance = 0;
-  // Keyframe -> index of its keypoint. One keypoint of a keyframe at most.
+  // Index of the point's keypoint in each keyframe; a keyframe has one keypoint of it at most.
   absl::btree_map<KeyframeId, uint32_t> observations;
 };
 

@@ -1,4 +1,4 @@
-// Map's methods that derive a point's appearance from its observations.
+// Implements Map's methods that derive a point's appearance from its observations.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 namespace corbslam {
 namespace {
 
-// The median of sorted-by-value distances from `descriptors[i]` to all of them.
+// Returns the median of the distances from `descriptors[i]` to all of them.
 int MedianDistance(const std::vector<const Descriptor*>& descriptors, size_t i,
                    std::vector<int>& distances) {
   distances.clear();

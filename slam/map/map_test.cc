@@ -126,8 +126,8 @@ TEST(MapTest, RemovedKeyframesChildrenGoToRelatives) {
   EXPECT_EQ(map.FindKeyframe(K(3))->parent, K(2));
 }
 
-// What hung on a keyframe of another robot would be left behind, or carried along, when either map
-// moves as a whole.
+// Keyframes that hung on one of another robot would be left behind, or carried along, when either
+// map moves as a whole.
 TEST(MapTest, RemovedKeyframesChildrenStayInTheirLocalMap) {
   Map map = MakeChain();
   const KeyframeId foreign{{8}, 0};
@@ -136,7 +136,7 @@ TEST(MapTest, RemovedKeyframesChildrenStayInTheirLocalMap) {
       MakeKeyframePayload(foreign, 0, 0, testing::TestCamera(), other.payload->features);
   map.AddKeyframe(std::move(other));
   for (uint32_t p = 0; p < 10; ++p) map.AddObservation(P(p), foreign, p);
-  // Seen by 2 and the other robot's alone.
+  // Only keyframe 2 and the other robot's see these points.
   for (uint32_t p = 10; p < 20; ++p) {
     map.AddPoint(MakePoint(p));
     map.AddObservation(P(p), K(2), p);
@@ -232,7 +232,7 @@ TEST(MapTest, PartHoldsWhatLiesBetweenItsItems) {
   EXPECT_FALSE(part.FindKeyframe(K(1))->points[6].IsValid());
   EXPECT_EQ(part.FindKeyframe(K(2))->parent, K(1));
   EXPECT_FALSE(part.FindKeyframe(K(1))->parent.IsValid());
-  // The whole map's, though the part has one of their five points.
+  // The covisibility is the whole map's, though the part has one of their five points.
   EXPECT_EQ(part.FindKeyframe(K(1))->covisible.at(K(2)), 5);
   EXPECT_EQ(part.FindKeyframe(K(1))->covisible.size(), 1U);
   EXPECT_EQ(map.FindPoint(P(4))->observations.size(), 2U);

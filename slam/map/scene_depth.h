@@ -1,4 +1,5 @@
-// How far away what a keyframe sees is: the unit in which a camera's motion shows in its picture.
+// Measures how far away what a keyframe sees is: the unit in which a camera's motion shows in its
+// picture.
 #ifndef CORBSLAM_SLAM_MAP_SCENE_DEPTH_H_
 #define CORBSLAM_SLAM_MAP_SCENE_DEPTH_H_
 
@@ -9,11 +10,11 @@
 
 namespace corbslam {
 
-// Median depth, in the map's units, of those of the points that are in the map and before the
-// keyframe's camera; none where there is none.
+// Returns the median depth, in the map's units, of those of the points that are in the map and
+// before the keyframe's camera; none where there is none.
 std::optional<double> MedianDepth(const Map& map, const Keyframe& keyframe,
                                   absl::Span<const MapPointId> points);
-// Of all points that the keyframe sees.
+// Returns the median depth of all points that the keyframe sees.
 std::optional<double> MedianDepth(const Map& map, const Keyframe& keyframe);
 
 }  // namespace corbslam

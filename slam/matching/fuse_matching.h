@@ -13,14 +13,14 @@ namespace corbslam {
 struct FuseProposal {
   MapPointId point;
   uint32_t keypoint = 0;
-  // What the keypoint observes already (a duplicate of `point`), or invalid.
+  // Point that the keypoint observes already (a duplicate of `point`), or invalid.
   MapPointId existing;
 };
 
-// Projects the points into the keyframe; a point that lands within `widening` radii (and the 95 %
-// bound of the reprojection error) of a keypoint that looks like it, is proposed. Points that the
-// keyframe sees already and ids unknown to the map are skipped. Sorted by keypoint, then point;
-// several points may claim one keypoint. Pure.
+// Projects the points into the keyframe and proposes each that lands within `widening` radii (and
+// the 95 % bound of the reprojection error) of a keypoint that looks like it. Points that the
+// keyframe sees already and ids unknown to the map are skipped. Proposals are sorted by keypoint,
+// then point; several points may claim one keypoint. Pure.
 std::vector<FuseProposal> FindFusable(const Map& map, const Keyframe& keyframe,
                                       absl::Span<const MapPointId> points, double widening = 3.0);
 

@@ -7,7 +7,7 @@ constexpr double kMinViewCosine = 0.5;
 constexpr double kNearTolerance = 0.8;
 constexpr double kFarTolerance = 1.2;
 
-// Of a MatchPoint or a MapPoint.
+// Predicts the view of a MatchPoint or of a MapPoint.
 template <typename Point>
 std::optional<PredictedView> Predict(const Point& point, const Camera& camera,
                                      const Rigid3d& camera_from_map) {

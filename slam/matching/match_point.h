@@ -23,18 +23,19 @@ struct MatchPoint {
 
 MatchPoint MakeMatchPoint(const MapPoint& point);
 
-// Where and how a point should appear in an image.
+// Says where and how a point should appear in an image.
 struct PredictedView {
   Eigen::Vector2d pixel;
-  double disparity_px = 0;  // 0: a camera without baseline.
+  double disparity_px = 0;  // 0: the camera has no baseline.
   int octave = 0;
-  // Of the angle between the line of sight and the mean direction from which the point was seen.
+  // Cosine of the angle between the line of sight and the mean direction from which the point was
+  // seen.
   double view_cosine = 1;
 };
 
-// None where the point is behind the camera, outside the image, seen from a distance at which it
-// would not be found (20 % of tolerance), or from more than 60 degrees off its mean direction
-// (ORB-SLAM, Mur-Artal et al., T-RO 2015, V.D).
+// Returns none where the point is behind the camera, outside the image, seen from a distance at
+// which it would not be found (20 % of tolerance), or from more than 60 degrees off its mean
+// direction (ORB-SLAM, Mur-Artal et al., T-RO 2015, V.D).
 std::optional<PredictedView> PredictView(const MatchPoint& point, const Camera& camera,
                                          const Rigid3d& camera_from_map);
 std::optional<PredictedView> PredictView(const MapPoint& point, const Camera& camera,

@@ -1,4 +1,4 @@
-// Matching for triangulation and for fusing, on a synthetic scene.
+// Tests matching for triangulation and for fusing on a synthetic scene.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -17,7 +17,7 @@ class PairMatchingTest : public ::testing::Test {
     b_ = std::next(scene_.map.keyframes().begin())->first;
   }
 
-  // The keyframe as if none of its keypoints saw a point, all under one node.
+  // Returns the keyframe as if none of its keypoints saw a point, with all of them under one node.
   Keyframe Unseen(KeyframeId id) const {
     Keyframe keyframe = *scene_.map.FindKeyframe(id);
     NodeFeatures node;

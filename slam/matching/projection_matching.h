@@ -12,40 +12,40 @@
 
 namespace corbslam {
 
-// Where to look for what.
+// A window says where to look for what.
 struct SearchWindow {
   Eigen::Vector2d pixel;
   // Half side of the square, pixels of the image (the level's scale is in it).
   double radius_px = 0;
-  // Predicted; 0 or less: keypoints with any disparity will do.
+  // Predicted disparity; if it is 0 or less, keypoints with any disparity will do.
   double disparity_px = 0;
   int min_octave = 0;
   int max_octave = 0;
   Descriptor descriptor;
-  // Of the keypoint that the descriptor is from; used where orientation is checked.
+  // Angle of the keypoint that the descriptor is from; used where orientation is checked.
   float angle_rad = 0;
 };
 
 struct ProjectionMatchingOptions {
-  // Hamming; a larger one is no match.
+  // Hamming distance; a larger one is no match.
   int max_distance = 100;
-  // Best against second best, where both lie on the same octave; 1: not checked.
+  // Largest ratio of best to second best, where both lie on the same octave; 1: not checked.
   double max_ratio = 1;
   bool check_orientation = false;
 };
 
 inline constexpr uint32_t kNoMatch = std::numeric_limits<uint32_t>::max();
 
-// For each window the index of its keypoint, or kNoMatch. Keypoints for which `taken` (one entry a
-// keypoint, or empty) is set are left alone; of windows that want the same keypoint the nearest
-// descriptor wins, then the first. A keypoint's disparity, where it has one, must agree with the
-// window's within its radius. Pure.
+// Returns for each window the index of its keypoint, or kNoMatch. Keypoints for which `taken` (one
+// entry a keypoint, or empty) is set are left alone; of windows that want the same keypoint the
+// nearest descriptor wins, then the first. A keypoint's disparity, where it has one, must agree
+// with the window's within its radius. Pure.
 std::vector<uint32_t> MatchWindows(absl::Span<const SearchWindow> windows,
                                    const KeyframePayload& image, absl::Span<const char> taken,
                                    const ProjectionMatchingOptions& options);
 
-// The window of a predicted point: wider where it is seen from aside, and `widening` times that
-// (ORB-SLAM, T-RO 2015, V.D).
+// Makes the window of a predicted point: wider where it is seen from aside, and `widening` times
+// that (ORB-SLAM, T-RO 2015, V.D).
 SearchWindow MakeSearchWindow(const MatchPoint& point, const PredictedView& view, double widening);
 
 }  // namespace corbslam

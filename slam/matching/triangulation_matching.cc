@@ -8,9 +8,9 @@
 namespace corbslam {
 namespace {
 
-// 95 % of one degree of freedom.
+// 95 % bound of chi2 with one degree of freedom.
 constexpr double kMaxLineChi2 = 3.84;
-// Nearer to the epipole than this, at the finest level, any line fits.
+// Any line fits a keypoint that is nearer to the epipole than this, at the finest level.
 constexpr double kEpipoleRadius_px = 10;
 
 struct Claim {
@@ -21,7 +21,7 @@ struct Claim {
 // The geometry of b's image as seen from a.
 struct Epipolar {
   Eigen::Matrix3d line_b_from_pixel_a;
-  Eigen::Vector3d epipole_b;  // Homogeneous.
+  Eigen::Vector3d epipole_b;  // In homogeneous coordinates.
 };
 
 Eigen::Matrix3d InverseIntrinsics(const Camera& camera) {

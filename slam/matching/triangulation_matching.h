@@ -1,4 +1,4 @@
-// Pairs of keypoints of two keyframes that may be a point not in the map yet.
+// Finds pairs of keypoints of two keyframes that may be a point not in the map yet.
 #ifndef CORBSLAM_SLAM_MATCHING_TRIANGULATION_MATCHING_H_
 #define CORBSLAM_SLAM_MATCHING_TRIANGULATION_MATCHING_H_
 
@@ -15,10 +15,11 @@ struct TriangulationMatchingOptions {
   bool check_orientation = false;
 };
 
-// (keypoint of a, keypoint of b), ascending, each at most once: keypoints without a map point,
-// alike, under the same node of the vocabulary tree, b's within the 95 % bound of a's epipolar line
-// (ORB-SLAM, T-RO 2015, VI.C). Near b's view of a's centre (where any line passes) only keypoints
-// with a disparity count. Both need words; without a direct index there are no matches. Pure.
+// Returns pairs (keypoint of a, keypoint of b), ascending, each keypoint at most once. Paired
+// keypoints have no map point, look alike, lie under the same node of the vocabulary tree, and b's
+// is within the 95 % bound of a's epipolar line (ORB-SLAM, T-RO 2015, VI.C). Near b's view of a's
+// centre (where any line passes) only keypoints with a disparity count. Both keyframes need words;
+// without a direct index there are no matches. Pure.
 std::vector<std::pair<uint32_t, uint32_t>> MatchForTriangulation(
     const Keyframe& a, const Keyframe& b, const TriangulationMatchingOptions& options = {});
 

@@ -12,7 +12,7 @@ namespace {
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr int kFar = 257;
 
-// The best candidate so far of a keypoint of b.
+// A claim is the best candidate so far for a keypoint of b.
 struct Claim {
   uint32_t keypoint_a = kNone;
   int distance = kFar;

@@ -21,7 +21,7 @@ constexpr double kMinDamping = 1e-12;
 constexpr double kMinDiagonal = 1e-9;
 constexpr double kUnseen = std::numeric_limits<double>::infinity();
 
-// One thread's share of the sums over all points.
+// Sums over one thread's share of the points.
 struct PoseSums {
   std::vector<Matrix6d> blocks;
   Eigen::VectorXd right_side;
@@ -54,11 +54,11 @@ class BlockSchurSolver::Equations {
   double CandidateCost();
   double PredictedDecrease(double damping) const;
 
-  bool robust_ = true;  // Of the minimisation that is going on.
+  bool robust_ = true;  // True in a minimisation with the robust loss.
   BundleProblem& problem_;
   size_t shares_;
-  std::vector<uint32_t> begin_;       // Observations of point p: [begin_[p], begin_[p + 1]).
-  std::vector<uint32_t> pair_begin_;  // Pairs of point p in pair_blocks_.
+  std::vector<uint32_t> begin_;       // Point p has the observations [begin_[p], begin_[p + 1]).
+  std::vector<uint32_t> pair_begin_;  // First pair of each point in pair_blocks_.
   ReducedCameraSystem system_;
   std::vector<uint32_t> pair_blocks_;
   std::vector<uint32_t> diagonal_;
@@ -66,8 +66,8 @@ class BlockSchurSolver::Equations {
   std::vector<Matrix6d> pose_H_;
   Eigen::VectorXd pose_b_;
   std::vector<PointSystem> point_systems_;
-  std::vector<Matrix63d> couplings_;  // One an observation: J_pose^T * weight * J_point.
-  std::vector<PoseSums> sums_;        // One a share.
+  std::vector<Matrix63d> couplings_;  // J_pose^T * weight * J_point of each observation.
+  std::vector<PoseSums> sums_;        // The sums of each share.
 
   Eigen::VectorXd pose_step_;
   std::vector<Eigen::Vector3d> point_step_;
@@ -77,8 +77,8 @@ class BlockSchurSolver::Equations {
 
 namespace {
 
-// Also one that is not used, with a coupling of zero: it may be used another time, and the pattern
-// stays.
+// An observation of a free pose counts even when it is not used, with a coupling of zero: it may be
+// used another time, and the pattern stays.
 bool IsFree(const BundleProblem& problem, const BundleObservation& o) {
   return o.pose < problem.free_poses;
 }
@@ -90,7 +90,8 @@ std::vector<uint32_t> BeginOfPoints(const BundleProblem& problem) {
   return begin;
 }
 
-// The observations of free points by each free pose: those of pose i are those from begin[i] on.
+// Lists the observations of free points by each free pose: those of pose i are those from begin[i]
+// on.
 struct ObservationsOfPoses {
   std::vector<uint32_t> begin;
   std::vector<uint32_t> observations;
@@ -112,8 +113,9 @@ ObservationsOfPoses GroupByPose(const BundleProblem& problem, uint32_t end) {
   return group;
 }
 
-// The free poses that see a free point together, and each with itself: column by column, of each
-// its rows from the diagonal on. Costs what they see together, not the poses squared.
+// Returns the pairs of free poses that see a free point together, and each pose with itself: column
+// by column, in each its rows from the diagonal on. It costs what they see together, not the poses
+// squared.
 std::vector<std::pair<uint32_t, uint32_t>> PosePairs(const BundleProblem& problem,
                                                      const std::vector<uint32_t>& begin) {
   const auto n = static_cast<uint32_t>(problem.free_poses);
@@ -275,7 +277,7 @@ void BlockSchurSolver::Equations::EliminatePoint(uint32_t point, double damping,
   }
 }
 
-// The step of poses and points for the damped equations.
+// Computes the step of poses and points for the damped equations.
 bool BlockSchurSolver::Equations::SolveStep(double damping) {
   ForEachShare([&](size_t share, uint32_t first, uint32_t end) {
     PoseSums& sums = sums_[share];
@@ -345,7 +347,7 @@ double BlockSchurSolver::Equations::CandidateCost() {
   return cost / 2;
 }
 
-// What the damped quadratic model promises: step^T (damping D step - b) / 2.
+// Returns what the damped quadratic model promises: step^T (damping D step - b) / 2.
 double BlockSchurSolver::Equations::PredictedDecrease(double damping) const {
   double sum = 0;
   for (size_t i = 0; i < pose_H_.size(); ++i) {
@@ -361,7 +363,7 @@ double BlockSchurSolver::Equations::PredictedDecrease(double damping) const {
   return sum / 2;
 }
 
-// Damping after Nielsen, "Damping Parameter in Marquardt's Method", 1999.
+// The damping follows Nielsen, "Damping Parameter in Marquardt's Method", 1999.
 MinimiseSummary BlockSchurSolver::Equations::Minimise(const MinimiseOptions& options) {
   robust_ = options.robust;
   MinimiseSummary summary;

@@ -1,4 +1,4 @@
-// Levenberg-Marquardt for bundle adjustment in blocks whose sizes the compiler knows.
+// Minimises bundle adjustments by Levenberg-Marquardt in blocks whose sizes the compiler knows.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_BLOCK_SCHUR_SOLVER_H_
 #define CORBSLAM_SLAM_OPTIMISATION_BLOCK_SCHUR_SOLVER_H_
 
@@ -9,10 +9,11 @@
 namespace corbslam {
 
 // The points are eliminated first (Triggs et al., "Bundle Adjustment - A Modern Synthesis", 1999,
-// 6.1). When to use it: docs/adr/0002-bundle-adjustment-solver.md. Not thread-safe.
+// 6.1). docs/adr/0002-bundle-adjustment-solver.md says when to use it. Not thread-safe.
 class BlockSchurSolver {
  public:
-  // Remembers what sees what in `problem`, which must outlive it and may change in all else.
+  // The solver remembers what sees what in `problem`, which must outlive it and may change in all
+  // else.
   BlockSchurSolver(int threads, BundleProblem& problem);
   ~BlockSchurSolver();
 

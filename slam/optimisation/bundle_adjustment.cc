@@ -96,7 +96,7 @@ void AppendObservations(const BundleIndex& index, uint32_t point, uint32_t free_
   for (const auto& [keyframe_id, keypoint_index] : index.points[point]->observations) {
     const auto it = index.pose_of.find(keyframe_id);
     if (it == index.pose_of.end()) continue;
-    // Between fixed items there is nothing to learn.
+    // An observation between fixed items teaches nothing.
     if (point >= free_points && it->second >= problem.free_poses) continue;
     const Keypoint& keypoint = index.keyframes[it->second]->keypoints()[keypoint_index];
     const double disparity_px = problem.poses[it->second].camera->IsMetric()
@@ -133,7 +133,7 @@ bool IsOutlier(const BundleProblem& problem, const BundleObservation& observatio
   return !(ObservationChi2(problem, observation) <= variance * observation.measured.MaxChi2());
 }
 
-// `variances`: of the poses, in units of the assumed.
+// `variances` are those of the poses, in units of the assumed one.
 void UseInliersOnly(const std::vector<double>& variances, BundleProblem& problem) {
   for (BundleObservation& o : problem.observations) {
     o.is_used = !IsOutlier(problem, o, variances[o.pose]);
@@ -142,7 +142,7 @@ void UseInliersOnly(const std::vector<double>& variances, BundleProblem& problem
 
 using Minimiser = std::function<absl::StatusOr<MinimiseSummary>(const MinimiseOptions&)>;
 
-// For all rounds: the pattern and its analysis are the same.
+// The minimiser serves all rounds: the pattern and its analysis are the same.
 Minimiser MakeMinimiser(const BundleOptions& options, BundleProblem& problem) {
   if (options.solver == BundleSolver::kCeres) {
     return [&problem](const MinimiseOptions& round) { return MinimiseWithCeres(round, problem); };
@@ -158,7 +158,7 @@ void ReadOut(const BundleScope& scope, const BundleIndex& index, const BundlePro
     result.poses.push_back(
         {scope.free_keyframes[i], {Eigen::Quaterniond(pose.R).normalized(), pose.t}});
   }
-  // How often each point is measured by what stays.
+  // Number of coordinates by which the observations that stay measure each point.
   std::vector<int> coordinates(problem.points.size(), 0);
   for (const BundleObservation& o : problem.observations) {
     if (IsOutlier(problem, o)) {

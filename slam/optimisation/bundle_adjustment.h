@@ -1,5 +1,4 @@
-// Bundle adjustment of part or all of a map: poses and points that minimise the robust
-// reprojection error.
+// Adjusts part or all of a map: poses and points that minimise the robust reprojection error.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_BUNDLE_ADJUSTMENT_H_
 #define CORBSLAM_SLAM_OPTIMISATION_BUNDLE_ADJUSTMENT_H_
 
@@ -16,18 +15,19 @@
 namespace corbslam {
 
 enum class BundleSolver {
-  // Our own; several times as fast at every size measured.
+  // Our own solver; several times as fast at every size measured.
   kBlockSchur,
-  // Ceres, with SuiteSparse where there are many keyframes. The reference.
+  // Ceres, with SuiteSparse where there are many keyframes; it is the reference.
   kCeres,
 };
 
 struct BundleOptions {
-  // Of each round: there are outlier_rounds + 1 of them, the last ones shorter where converged.
+  // Iterations of each round: there are outlier_rounds + 1 of them, the last ones shorter where
+  // converged.
   int max_iterations = 10;
-  // Huber's, at the 95 % bound of chi2 (5.991 monocular, 7.815 stereo). After the first rejection
-  // of outliers it is off. What is off by more than ten times the bound pulls at nothing either way
-  // (ObservationLoss).
+  // Huber's loss, at the 95 % bound of chi2 (5.991 monocular, 7.815 stereo). It is off after the
+  // first rejection of outliers. What is off by more than ten times the bound pulls at nothing
+  // either way (ObservationLoss).
   bool use_robust_loss = true;
   // After each such round observations beyond the bound (or behind the camera) are left out, and
   // those left out before may come back; then the next round goes on.
@@ -36,9 +36,9 @@ struct BundleOptions {
   // pixel (measurement_noise.h). What the result names as outliers is by the assumed one all the
   // same: what is left out here says little, but is no false match.
   bool measure_noise = false;
-  // Solver threads. One gives the same bits every time.
+  // Solver threads. With one, the same input gives the same bits every time.
   int threads = 1;
-  // Called after every iteration with the part done, in [0, 1]; false cancels. Null: never.
+  // Called after every iteration with the part done, in [0, 1]; false cancels. It may be null.
   std::function<bool(double progress)> keep_going;
   // Both find the same minimum; docs/adr/0002-bundle-adjustment-solver.md says which is for what.
   BundleSolver solver = BundleSolver::kBlockSchur;
@@ -73,17 +73,17 @@ struct BundleResult {
   // observation has two degrees of freedom, one with disparity three.
   std::vector<ObservationKey> outliers;
   int iterations = 0;
-  // Of the robust cost of the first round, and the cost of the last.
+  // The robust cost before the first round, and the cost after the last.
   double initial_cost = 0;
   double final_cost = 0;
-  // The result is then the best so far and still consistent.
+  // True: the result is the best so far and still consistent.
   bool cancelled = false;
 };
 
-// Reads `map`, changes nothing. Only observations between the scope's keyframes and points count.
-// INVALID_ARGUMENT, naming the id, where the scope names an unknown or repeated item, or nothing
-// is free or nothing observed; FAILED_PRECONDITION where no keyframe is fixed; INTERNAL where Ceres
-// fails. Pure; any thread.
+// Reads `map` and changes nothing. Only observations between the scope's keyframes and points
+// count. INVALID_ARGUMENT, naming the id, where the scope names an unknown or repeated item, or
+// nothing is free or nothing observed; FAILED_PRECONDITION where no keyframe is fixed; INTERNAL
+// where Ceres fails. Pure; any thread.
 absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& scope,
                                           const BundleOptions& options);
 

@@ -1,4 +1,4 @@
-// Time of local and global bundle adjustment on synthetic scenes, by both solvers.
+// Measures the time of local and global bundle adjustment on synthetic scenes, by both solvers.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -26,7 +26,7 @@ testing::SyntheticScene MakeScene(int keyframes, int points) {
   return testing::MakeSyntheticScene(options);
 }
 
-// Arguments: keyframes, points, threads, solver.
+// The arguments are keyframes, points, threads and solver.
 void BM_AdjustBundle(benchmark::State& state) {
   const auto scene = MakeScene(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   const BundleScope scope = GlobalBundleScope(scene.map, {});

@@ -98,7 +98,7 @@ TEST_P(AdjustBundleTest, RejectsOutliersAndStaysAccurate) {
   EXPECT_LT(result->outliers.size(), scene.outliers.size() * 3 / 2);
 }
 
-// Errors far beyond the noise that keypoints have, yet within what is assumed of them.
+// The errors are far beyond the noise that keypoints have, yet within what is assumed of them.
 TEST_P(AdjustBundleTest, MeasuredNoiseKeepsFalseDepthsOut) {
   SyntheticSceneOptions scene_options = Disturbed();
   scene_options.keyframes = 20;
@@ -114,7 +114,7 @@ TEST_P(AdjustBundleTest, MeasuredNoiseKeepsFalseDepthsOut) {
   ASSERT_TRUE(assumed.ok()) << assumed.status();
   ASSERT_TRUE(measured.ok()) << measured.status();
   EXPECT_LT(WorstPoseError(scene, *measured), 0.5 * WorstPoseError(scene, *assumed));
-  // Left out, but not called false matches.
+  // They are left out, but not called false matches.
   EXPECT_LT(measured->outliers.size(), testing::CountObservations(scene.map) / 20);
 }
 

@@ -14,7 +14,7 @@
 namespace corbslam {
 
 struct BundlePose {
-  Eigen::Matrix3d R;  // camera_from_map
+  Eigen::Matrix3d R;  // Rotation of camera_from_map.
   Eigen::Vector3d t;
   const Camera* camera = nullptr;
 
@@ -49,7 +49,7 @@ struct MinimiseOptions {
 };
 
 struct MinimiseSummary {
-  // Steps tried, taken or not.
+  // Number of steps tried, taken or not.
   int iterations = 0;
   // 0.5 * sum of (robust) squared errors over variances.
   double initial_cost = 0;
@@ -57,7 +57,7 @@ struct MinimiseSummary {
   bool cancelled = false;
 };
 
-// Squared error over variance; infinite behind the camera.
+// Returns the squared error over variance; infinite behind the camera.
 double ObservationChi2(const BundleProblem& problem, const BundleObservation& observation);
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// What a bundle adjustment moves and what it holds on to.
+// Says what a bundle adjustment moves and what it holds on to.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_BUNDLE_SCOPE_H_
 #define CORBSLAM_SLAM_OPTIMISATION_BUNDLE_SCOPE_H_
 
@@ -17,14 +17,14 @@ struct BundleScope {
   std::vector<MapPointId> fixed_points;
 };
 
-// Around `centre`: free are `centre` and its covisible keyframes (15 points or more) of the local
-// map `own`, and `own` points that they see. Fixed are the other observers of those points, every
-// keyframe and point of another local map, and the map's root. Sorted by id; empty where `centre`
-// is unknown. Where nothing else would be fixed, the oldest free keyframe is.
+// Returns the scope around `centre`: free are `centre` and its covisible keyframes (15 points or
+// more) of the local map `own`, and `own` points that they see. Fixed are the other observers of
+// those points, every keyframe and point of another local map, and the map's root. Sorted by id;
+// empty where `centre` is unknown. Where nothing else would be fixed, the oldest free keyframe is.
 BundleScope LocalBundleScope(const Map& map, KeyframeId centre, LocalMapId own);
 
-// All keyframes and points. `fixed` are held (those unknown to the map are skipped); where none
-// of them is in the map, its root is.
+// Returns a scope of all keyframes and points. `fixed` are held (those unknown to the map are
+// skipped); where none of them is in the map, its root is.
 BundleScope GlobalBundleScope(const Map& map, absl::Span<const KeyframeId> fixed);
 
 }  // namespace corbslam

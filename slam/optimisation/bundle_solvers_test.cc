@@ -1,4 +1,4 @@
-// The two solvers of bundle adjustment against each other.
+// Tests the two solvers of bundle adjustment against each other.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -100,9 +100,9 @@ TEST(BundleSolversTest, ReachTheSameMinimumWithPointsAlone) {
   CompareSolvers(scene.map, scope);
 }
 
-// A drive along z, pose i at z = i, past places where some points are thought to be that lie ahead of
-// all: as after a loop that bent the map. On their way they come out from behind cameras, and are
-// projected thousands of pixels away.
+// The drive goes along z, with pose i at z = i, past places where some points are thought to be
+// that lie ahead of all, as happens after a loop that bent the map. On their way these points come
+// out from behind cameras, and are projected thousands of pixels away.
 BundleProblem DrivePastPointsThatLieAhead(const Camera& camera) {
   constexpr int kPoses = 12;
   std::mt19937 random(5);

@@ -67,7 +67,7 @@ class CeresProblem {
   }
 
   ceres::Problem& problem() { return problem_; }
-  // Points first, then poses.
+  // Points are eliminated first, then poses.
   std::shared_ptr<ceres::ParameterBlockOrdering> elimination_order() const { return order_; }
 
   void CopyTo(BundleProblem& target) const {
@@ -111,7 +111,7 @@ class CeresProblem {
   PoseManifold manifold_;
   std::shared_ptr<ceres::ParameterBlockOrdering> order_ =
       std::make_shared<ceres::ParameterBlockOrdering>();
-  // Last: it goes before what it points to.
+  // The last member: it goes before what it points to.
   ceres::Problem problem_;
 };
 
@@ -138,13 +138,13 @@ ceres::Solver::Options SolverOptions(const MinimiseOptions& options, uint32_t fr
   solver.linear_solver_type =
       free_poses <= kMaxDensePoses ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
   solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  // Not LAPACK: its speed and its threads are those of whatever is installed.
+  // LAPACK's speed and threads depend on what is installed, Eigen's don't.
   solver.dense_linear_algebra_library_type = ceres::EIGEN;
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = std::max(options.threads, 1);
   solver.function_tolerance = options.converged_cost_change;
   solver.parameter_tolerance = 0;
-  // Near the minimum: the first step is nearly Gauss and Newton's.
+  // The problem begins near the minimum: the first step is nearly Gauss and Newton's.
   solver.initial_trust_region_radius = 1e5;
   solver.logging_type = ceres::SILENT;
   return solver;

@@ -8,15 +8,15 @@
 
 namespace corbslam {
 
-// The surrogates of truncated least squares, min(s, max) of a squared error s: convex at first, and
-// nearer to it the larger `mu` grows. Source: Yang et al., "Graduated Non-Convexity for Robust
-// Spatial Perception: From Non-Minimal Solvers to Global Outlier Rejection", RA-L 2020.
+// The surrogates of truncated least squares, min(s, max) of a squared error s. They are convex at
+// first, and come nearer to it the larger `mu` grows. Source: Yang et al., "Graduated Non-Convexity
+// for Robust Spatial Perception: From Non-Minimal Solvers to Global Outlier Rejection", RA-L 2020.
 class GraduatedTruncation {
  public:
   // `worst`, above `max`, is the largest squared error of the first solution (remark 5).
   GraduatedTruncation(double max, double worst) : max_(max), mu_(max / (2 * worst - max)) {}
 
-  // The weight of a squared error (equation 14): 1 well below `max`, 0 well above.
+  // Returns the weight of a squared error (equation 14): 1 well below `max`, 0 well above.
   double Weight(double s) const {
     if (s <= mu_ / (mu_ + 1) * max_) return 1;
     if (s >= (mu_ + 1) / mu_ * max_) return 0;

@@ -9,10 +9,11 @@
 namespace corbslam {
 namespace {
 
-// Of chi2 with two and three degrees of freedom.
+// Medians of chi2 with two and three degrees of freedom.
 constexpr double kMedianChi2Mono = 1.386;
 constexpr double kMedianChi2Stereo = 2.366;
-// A tenth of a pixel: corners are not found better than that, whatever an exact scene says.
+// The least variance is that of a tenth of a pixel: corners are not found better than that,
+// whatever an exact scene says.
 constexpr double kLeastVariance = 0.01;
 // A pose with fewer observations says nothing of its own.
 constexpr size_t kLeastObservations = 30;

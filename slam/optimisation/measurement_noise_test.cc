@@ -10,7 +10,7 @@
 namespace corbslam {
 namespace {
 
-// Cameras in a row before a wall with hills. The last one is held.
+// Cameras stand in a row before a wall with hills. The last one is held.
 class MeasureNoiseTest : public ::testing::Test {
  protected:
   MeasureNoiseTest() : camera_(testing::SyntheticCamera()) {
@@ -29,7 +29,7 @@ class MeasureNoiseTest : public ::testing::Test {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
 
-  // Each point in `sightings` of the cameras, one after the other.
+  // Lets `sightings` of the cameras, one after the other, see each point.
   void See(double noise_px, uint32_t sightings = 4) {
     std::normal_distribution<double> noise(0, noise_px);
     for (uint32_t p = 0; p < problem_.points.size(); ++p) {
@@ -65,14 +65,15 @@ TEST_F(MeasureNoiseTest, IsThatOfTheInliersAtTheMinimum) {
     problem_.observations[i].measured.pixel.x() += 30;
   }
   ASSERT_FALSE(Minimise(true).cancelled);
-  // Huber's loss lets outliers pull at a fifth of the points.
+  // Outliers spoil a fifth of the points, because Huber's loss lets them pull.
   for (const double variance : MeasureNoise(problem_)) {
     EXPECT_GT(variance, 0.08);
     EXPECT_LT(variance, 0.14);
   }
 }
 
-// Without outliers the median is the noise's own: what poses and points took up is added.
+// Without outliers the median is that of the noise, and what poses and points took up is added to
+// it.
 TEST_F(MeasureNoiseTest, CountsWhatPosesAndPointsTookUp) {
   See(0.3, 2);
   ASSERT_FALSE(Minimise(false).cancelled);

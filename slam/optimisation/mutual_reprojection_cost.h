@@ -13,9 +13,10 @@
 
 namespace corbslam {
 
-// Two residuals, over their standard deviation: of `x_in_source` in the target camera. The block
-// is b_from_a with LeftPerturbation<6 or 7>; the target is camera b, or a where kInverse.
-// Fails (so that the step is refused) where the point falls behind the target.
+// The residuals are the reprojection error of `x_in_source` in the target camera, over its standard
+// deviation. The block is b_from_a with LeftPerturbation<6 or 7>; the target is camera b, or a
+// where kInverse. Evaluation fails (so that the step is refused) where the point falls behind the
+// target.
 template <bool kInverse>
 class MutualReprojectionCost : public ceres::SizedCostFunction<2, 8> {
  public:
@@ -36,7 +37,7 @@ class MutualReprojectionCost : public ceres::SizedCostFunction<2, 8> {
     Eigen::Map<Eigen::Vector2d>{residuals} =
         root_weight * ReprojectionResidual(target_, x, measured_).head<2>();
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    // d(Exp(delta) * y) / d delta at y in camera b.
+    // J_y is d(Exp(delta) * y) / d delta at y in camera b.
     const Eigen::Vector3d& y = kInverse ? x_in_source_ : x;
     Eigen::Matrix<double, 3, 7> J_y;
     J_y << Eigen::Matrix3d::Identity(), -Skew(y), y;

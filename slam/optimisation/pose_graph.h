@@ -16,14 +16,14 @@
 
 namespace corbslam {
 
-// x_b = b_from_a * x_a in the cameras' frames.
+// An edge says x_b = b_from_a * x_a in the cameras' frames.
 struct PoseGraphEdge {
   KeyframeId a;
   KeyframeId b;
   Similarity3d b_from_a;
   // Multiplies the squared residual.
   double weight = 1;
-  // For edges that may be wrong: one that disagrees with the rest has no say. What counts is
+  // True for an edge that may be wrong: if it disagrees with the rest it has no say. What counts is
   // weight * |residual|^2 against the 95 % bound of chi2 (12.6 rigid, 14.1 with scale), so with
   // weight and root_information it should be squared standard deviations.
   bool robust = false;
@@ -31,30 +31,31 @@ struct PoseGraphEdge {
   Matrix7d root_information = Matrix7d::Identity();
 };
 
-// R for independent components: a turn by an angle, or a stretch by its logarithm, counts like a
-// shift by as much of the scene's depth, in the units of b's camera. That is what pictures show.
+// Returns R for independent components: a turn by an angle, or a stretch by its logarithm, counts
+// like a shift by as much of the scene's depth, in the units of b's camera. That is what pictures
+// show.
 Matrix7d RootInformationAtDepth(double depth);
-// R for the inverse of a positive definite covariance.
+// Returns R for the inverse of a positive definite covariance.
 Matrix7d RootInformation(const Matrix7d& covariance);
 
 struct PoseGraphOptions {
-  // SE(3) on the edges' rigid parts (metric maps), else Sim(3). With it the scales stay what they
-  // are in `initial`, which must be 1.
+  // True: solves in SE(3) on the edges' rigid parts (metric maps), and the scales stay what they
+  // are in `initial`, which must be 1. False: solves in Sim(3).
   bool fix_scale = true;
-  // Of each solve: where robust edges disagree, there are some tens.
+  // Iterations of each solve; where robust edges disagree, there are some tens of solves.
   int max_iterations = 20;
-  // Solver threads. One gives the same bits every time.
+  // Solver threads. With one, the same input gives the same bits every time.
   int threads = 1;
 };
 
 struct PoseGraphResult {
   std::map<KeyframeId, Similarity3d> camera_from_map;
-  // 0.5 * sum of weighted squared residuals; of a robust edge at most the bound of chi2.
+  // 0.5 * the sum of weighted squared residuals; a robust edge adds at most the bound of chi2.
   double initial_cost = 0;
   double final_cost = 0;
-  // weight * |residual|^2 of each input edge after, without loss.
+  // weight * |residual|^2 of each input edge after optimisation, without loss.
   std::vector<double> edge_chi2;
-  // Of each input edge: it is a robust one that disagrees with the rest, and had no say.
+  // True for each robust input edge that disagrees with the rest, and had no say.
   std::vector<bool> outvoted;
   int iterations = 0;
 };
@@ -73,14 +74,15 @@ absl::StatusOr<PoseGraphResult> OptimisePoseGraph(const std::map<KeyframeId, Sim
                                                   const absl::btree_set<KeyframeId>& fixed,
                                                   const PoseGraphOptions& options);
 
-// Spanning tree, loop edges and covisibility of at least `min_covisibility` points, each pair of
-// keyframes once with a < b, sorted; relative poses are the map's present ones, at the median depth
-// of what b sees; where the map has none of that, at the median of the other keyframes' (1 for
-// none).
+// Returns the spanning tree, loop edges and covisibility of at least `min_covisibility` points,
+// each pair of keyframes once with a < b, sorted; relative poses are the map's present ones, at the
+// median depth of what b sees; where the map has none of that, at the median of the other
+// keyframes' (1 for none).
 std::vector<PoseGraphEdge> EssentialGraphEdges(const Map& map, int min_covisibility = 100);
 
-// Where each point goes when it follows its reference keyframe to its corrected pose (which maps
-// from the corrected map's frame). Points whose reference has none are left out. Sorted by id.
+// Returns where each point goes when it follows its reference keyframe to its corrected pose (which
+// maps from the corrected map's frame). Points whose reference has none are left out. The result is
+// sorted by id.
 std::vector<PositionUpdate> MovePointsWithReferences(
     const Map& map, const std::map<KeyframeId, Similarity3d>& corrected);
 

@@ -25,7 +25,7 @@ ceres::Solver::Options SolverOptions(const PoseGraphOptions& options) {
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = options.threads;
   solver.logging_type = ceres::SILENT;
-  // The graph begins near its minimum: trust the first Gauss-Newton step.
+  // The graph begins near its minimum, so the first Gauss-Newton step is trusted.
   solver.initial_trust_region_radius = 1e16;
   return solver;
 }
@@ -50,7 +50,7 @@ PoseGraphProblem::PoseGraphProblem(const std::map<KeyframeId, Similarity3d>& ini
 
 template <int kTangent>
 void PoseGraphProblem::AddEdges(const absl::btree_set<KeyframeId>& fixed) {
-  // Shared; the problem deletes it once.
+  // The blocks share it; the problem deletes it once.
   auto* manifold = new LeftPerturbation<kTangent>();
   for (size_t i = 0; i < edges_.size(); ++i) {
     const PoseGraphEdge& edge = edges_[i];

@@ -30,7 +30,7 @@ class PoseGraphProblem {
   PoseGraphProblem(const PoseGraphProblem&) = delete;
   PoseGraphProblem& operator=(const PoseGraphProblem&) = delete;
 
-  // Least squares from the present poses on. INTERNAL where the solver fails.
+  // Solves least squares from the present poses on. INTERNAL where the solver fails.
   absl::Status Solve();
 
   absl::Span<const PoseGraphEdge> edges() const { return edges_; }
@@ -38,17 +38,17 @@ class PoseGraphProblem {
   const std::vector<size_t>& robust() const { return robust_; }
   // Multiplies the squared residual of a robust edge.
   double weight(size_t edge) const { return weights_[edge].value(); }
-  // True if it is another one than before.
+  // Returns true if it is another weight than before.
   bool SetWeight(size_t edge, double weight);
 
   const Blocks& poses() const { return blocks_; }
   void SetPoses(const Blocks& poses);
 
-  // edge.weight * |residual|^2 of each edge at the present poses.
+  // Returns edge.weight * |residual|^2 of each edge at the present poses.
   std::vector<double> EdgeChi2() const;
-  // From which on a robust edge counts no more.
+  // A robust edge counts no more from this chi2 on.
   double max_chi2() const;
-  // 0.5 * sum of these, of a robust edge at most max_chi2.
+  // Returns 0.5 * the sum of `chi2`, to which a robust edge adds at most max_chi2.
   double TruncatedCost(const std::vector<double>& chi2) const;
 
   int iterations() const { return iterations_; }

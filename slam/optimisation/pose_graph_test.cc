@@ -21,7 +21,7 @@ constexpr LocalMapId kMap{0x77};
 
 KeyframeId Id(int index) { return {kMap, static_cast<uint32_t>(index)}; }
 
-// A round trip of `count` cameras.
+// Makes a round trip of `count` cameras.
 std::map<KeyframeId, Similarity3d> Circle(int count) {
   std::map<KeyframeId, Similarity3d> poses;
   for (int i = 0; i < count; ++i) {
@@ -144,7 +144,7 @@ TEST(PoseGraphTest, AWrongRobustEdgeStandsOutAndLeavesThePosesNearTheTruth) {
   }
 }
 
-// Starting from where a wrong edge and drift have led, among true robust edges.
+// The start is where a wrong edge and drift have led, among true robust edges.
 TEST(PoseGraphTest, TwoWrongEdgesAmongTrueOnesLeaveThePosesNearTheTruth) {
   const auto truth = Circle(20);
   auto edges = RingEdges(truth);
@@ -185,8 +185,8 @@ TEST(PoseGraphTest, ATrueRobustLoopStillUndoesDrift) {
   EXPECT_LT(Distance(result->camera_from_map.at(Id(19)), truth.at(Id(19))), 0.1 * before);
 }
 
-// How far the end of a straight way of 100 m goes, which leads away from a loop around a circle,
-// when the loop is closed by 0.3 m.
+// Returns how far the end of a straight way of 100 m goes, which leads away from a loop around a
+// circle, when the loop is closed by 0.3 m.
 double EndOfTheWayGoes_m(double depth) {
   auto poses = Circle(40);
   std::vector<PoseGraphEdge> edges = RingEdges(poses);
@@ -254,11 +254,11 @@ TEST(PoseGraphTest, AsManyWrongRobustEdgesAsTrueOnesLeaveThePosesNearTheTruth) {
 TEST(GraduatedTruncationTest, SharpensFromTheWorstErrorOnToACut) {
   constexpr double kMax = 12.6;
   GraduatedTruncation truncation(kMax, 1000);
-  // Remark 5 of Yang et al.: all have a say at first.
+  // All have a say at first (remark 5 of Yang et al.).
   EXPECT_EQ(truncation.Weight(0), 1);
   EXPECT_GT(truncation.Weight(1000), 0);
   for (int i = 0; i < 40; ++i) {
-    // Falls from 1 to 0, and without a jump while it is not sharp.
+    // The weight falls from 1 to 0, and without a jump while it is not sharp.
     double last = 1;
     for (double s = 0.01; s < 3000; s *= 1.01) {
       const double weight = truncation.Weight(s);

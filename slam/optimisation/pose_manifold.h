@@ -13,7 +13,7 @@
 
 namespace corbslam {
 
-// (x, y, z, w) of the quaternion, then the translation.
+// The block holds (x, y, z, w) of the quaternion, then the translation.
 using PoseBlock = std::array<double, 7>;
 
 inline PoseBlock ToPoseBlock(const Eigen::Quaterniond& rotation,
@@ -72,7 +72,7 @@ class PoseManifold : public ceres::Manifold {
   static Eigen::Vector3d Translation(const double* block) {
     return Eigen::Map<const Eigen::Vector3d>(block + 4);
   }
-  // d (x, y, z, w) of Exp(turn) q / d turn at 0.
+  // Returns d (x, y, z, w) of Exp(turn) q / d turn at 0.
   static Eigen::Matrix<double, 4, 3> QuaternionByTurn(const double* q) {
     Eigen::Matrix<double, 4, 3> J;
     J << q[3], q[2], -q[1], -q[2], q[3], q[0], q[1], -q[0], q[3], -q[0], -q[1], -q[2];

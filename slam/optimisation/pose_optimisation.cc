@@ -58,7 +58,7 @@ class PoseProblem {
     }
   }
 
-  // Cost of the inliers.
+  // Returns the cost of the inliers.
   double Evaluate(const Rigid3d& pose, bool robust) {
     const Eigen::Matrix3d R = pose.rotation.toRotationMatrix();
     double cost = 0;
@@ -79,7 +79,7 @@ class PoseProblem {
     return cost;
   }
 
-  // At the pose that was evaluated last.
+  // Linearises at the pose that was evaluated last.
   NormalEquations Linearise() const {
     NormalEquations equations;
     for (const Seen& seen : seen_) {
@@ -88,7 +88,7 @@ class PoseProblem {
                        seen.x_in_camera)
               .transpose();
       const Eigen::Matrix<double, 6, 3> weighted = seen.weight * J_transposed;
-      // Column by column, so that six sums lie side by side in the processor's registers.
+      // The sums go column by column, so that six lie side by side in the processor's registers.
       for (int i = 0; i < 6; ++i) {
         equations.H.col(i) += weighted.col(0) * J_transposed(i, 0) +
                               weighted.col(1) * J_transposed(i, 1) +
@@ -120,7 +120,7 @@ Rigid3d Perturb(const Vector6d& step, const Rigid3d& pose) {
   return Rigid3d{ExpSO3(step.tail<3>()), step.head<3>()} * pose;
 }
 
-// Levenberg-Marquardt on six parameters.
+// Minimises by Levenberg-Marquardt over six parameters.
 Rigid3d Minimise(PoseProblem& problem, Rigid3d pose, bool robust) {
   double damping = 1e-5;
   double cost = problem.Evaluate(pose, robust);

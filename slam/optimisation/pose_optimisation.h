@@ -1,4 +1,4 @@
-// The pose of one camera from known points ("motion-only bundle adjustment").
+// Finds the pose of one camera from known points ("motion-only bundle adjustment").
 #ifndef CORBSLAM_SLAM_OPTIMISATION_POSE_OPTIMISATION_H_
 #define CORBSLAM_SLAM_OPTIMISATION_POSE_OPTIMISATION_H_
 
@@ -14,15 +14,16 @@ namespace corbslam {
 struct PoseObservation {
   Eigen::Vector3d x_in_map;
   Eigen::Vector2d pixel;
-  // x_left - x_right; 0 or less: monocular.
+  // x_left - x_right; 0 or less for a monocular observation.
   double disparity_px = 0;
-  // Of each of the observed coordinates (x_left, y and, with disparity, x_right).
+  // Variance of each of the observed coordinates (x_left, y and, with disparity, x_right).
   double variance_px2 = 1;
 };
 
 struct PoseEstimate {
   Rigid3d camera_from_map;
-  // One entry an observation: in front of the camera and within the 95 % bound of chi2.
+  // One entry an observation: true if it is in front of the camera and within the 95 % bound of
+  // chi2.
   std::vector<char> is_inlier;
   int inliers = 0;
 };

@@ -1,4 +1,4 @@
-// Time of the pose of one frame: our own solver beside Ceres' TinySolver.
+// Measures the time of the pose of one frame: our own solver beside Ceres' TinySolver.
 #include <benchmark/benchmark.h>
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace {
 
 using Solver = PoseEstimate (*)(const Camera&, const Rigid3d&, absl::Span<const PoseObservation>);
 
-// Argument: most observations.
+// The argument is the largest number of observations.
 void OptimisePoseBy(benchmark::State& state, Solver solver) {
   testing::SyntheticSceneOptions options;
   options.keyframes = 2;

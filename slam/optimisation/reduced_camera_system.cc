@@ -63,14 +63,15 @@ bool ReducedCameraSystem::SolveDense(const std::vector<Matrix6d>& blocks,
   for (size_t i = 0; i < pairs_.size(); ++i) {
     dense_.block<6, 6>(6 * pairs_[i].second, 6 * pairs_[i].first) = blocks[i];
   }
-  // In place: dense_ holds the factor afterwards.
+  // The factorisation is in place: dense_ holds the factor afterwards.
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> cholesky(dense_);
   if (cholesky.info() != Eigen::Success) return false;
   step = cholesky.solve(right_side);
   return true;
 }
 
-// Scalar columns in order, rows ascending: the order in which SolveSparse writes the values.
+// Makes the pattern by scalar columns in order, rows ascending: the order in which SolveSparse
+// writes the values.
 void ReducedCameraSystem::MakePattern() {
   const auto size = static_cast<Eigen::Index>(6 * poses_);
   std::vector<Eigen::Triplet<double>> triplets;

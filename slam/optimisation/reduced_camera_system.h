@@ -23,10 +23,10 @@ class ReducedCameraSystem {
   ~ReducedCameraSystem();
 
   size_t blocks() const { return pairs_.size(); }
-  // Index of a block; both poses share a point or are the same, row >= column.
+  // Returns the index of a block; both poses share a point or are the same, row >= column.
   uint32_t BlockIndex(uint32_t row, uint32_t column) const;
 
-  // Solves blocks * step = right_side; false where the matrix is not positive definite.
+  // Solves blocks * step = right_side; returns false where the matrix is not positive definite.
   bool Solve(const std::vector<Matrix6d>& blocks, const Eigen::VectorXd& right_side,
              Eigen::VectorXd& step);
 
@@ -44,9 +44,9 @@ class ReducedCameraSystem {
   bool is_dense_;
   Eigen::MatrixXd dense_;
   Eigen::SparseMatrix<double> sparse_;
-  // CHOLMOD's, with supernodes: two to three times as fast as Eigen's own at 540 to 1,200 poses
-  // (docs/adr/0002-bundle-adjustment-solver.md). It has up to four OpenMP threads of its own,
-  // whatever the solver's number is; the bits are the same.
+  // CHOLMOD's factorisation, with supernodes: two to three times as fast as Eigen's own at 540 to
+  // 1,200 poses (docs/adr/0002-bundle-adjustment-solver.md). It has up to four OpenMP threads of
+  // its own, whatever the solver's number is; the bits are the same.
   struct SparseCholesky;
   std::unique_ptr<SparseCholesky> cholesky_;
 };

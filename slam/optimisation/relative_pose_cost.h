@@ -11,8 +11,8 @@
 
 namespace corbslam {
 
-// R * log(b_from_a * a * b^-1), of 6 (rigid) or 7 components, R being upper triangular; blocks a, b
-// with LeftPerturbation<kTangent>.
+// The residual is R * log(b_from_a * a * b^-1), of 6 (rigid) or 7 components, R being upper
+// triangular; the blocks are a and b with LeftPerturbation<kTangent>.
 template <int kTangent>
 class RelativePoseCost : public ceres::SizedCostFunction<kTangent, 8, 8> {
  public:

@@ -12,7 +12,8 @@ namespace corbslam {
 // 95 % bounds of chi2 with two and three degrees of freedom.
 inline constexpr double kChi2Mono = 5.991;
 inline constexpr double kChi2Stereo = 7.815;
-// Nearer than this (or behind) a point is not seen; small against any scene, also without scale.
+// A point nearer than this (or behind) is not seen; the limit is small against any scene, also
+// without scale.
 inline constexpr double kMinDepth = 1e-3;
 // The squared, normalised error of an observation that cannot be seen, in multiples of the inliers'
 // bound.
@@ -20,7 +21,7 @@ inline constexpr double kUnseenFactor = 100;
 
 // What a keypoint measured.
 struct PixelMeasurement {
-  // x_left, y, and x_right where `has_depth`.
+  // The pixel is (x_left, y), and x_right where `has_depth`.
   Eigen::Vector3d pixel = Eigen::Vector3d::Zero();
   double inverse_variance = 1;
   bool has_depth = false;
@@ -33,7 +34,8 @@ inline PixelMeasurement MakeMeasurement(const Eigen::Vector2d& pixel, double dis
   return {{pixel.x(), pixel.y(), pixel.x() - disparity_px}, 1 / variance_px2, disparity_px > 0};
 }
 
-// Projection minus measurement, px; the third is 0 without depth. The depth must be positive.
+// Returns projection minus measurement, px; the third is 0 without depth. The depth must be
+// positive.
 inline Eigen::Vector3d ReprojectionResidual(const Camera& camera,
                                             const Eigen::Vector3d& x_in_camera,
                                             const PixelMeasurement& measured) {
@@ -45,7 +47,7 @@ inline Eigen::Vector3d ReprojectionResidual(const Camera& camera,
           measured.has_depth ? right_px - measured.pixel.z() : 0};
 }
 
-// d residual / d x_in_camera; the third row is 0 without depth.
+// Returns d residual / d x_in_camera; the third row is 0 without depth.
 inline Eigen::Matrix3d ReprojectionJacobian(const Camera& camera,
                                             const Eigen::Vector3d& x_in_camera, bool has_depth) {
   const double inverse_z = 1 / x_in_camera.z();
@@ -59,8 +61,8 @@ inline Eigen::Matrix3d ReprojectionJacobian(const Camera& camera,
   return J;
 }
 
-// d residual / d (translation, rotation) of a perturbation of the camera's pose on the left:
-// x_in_camera -> x_in_camera + translation + rotation x x_in_camera.
+// Returns d residual / d (translation, rotation) of a perturbation of the camera's pose on the
+// left: x_in_camera -> x_in_camera + translation + rotation x x_in_camera.
 inline Eigen::Matrix<double, 3, 6> PoseJacobian(const Eigen::Matrix3d& J_x,
                                                 const Eigen::Vector3d& x_in_camera) {
   Eigen::Matrix<double, 3, 6> J;

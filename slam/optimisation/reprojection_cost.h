@@ -14,10 +14,10 @@
 
 namespace corbslam {
 
-// Residuals over their standard deviation: (x_left, y), with kResiduals = 3 also x_right. Blocks:
-// camera_from_map as a PoseBlock of unit length, x_in_map. A point that the camera cannot see
-// costs a constant. The Jacobian is that of all seven numbers of the pose; the manifold makes six
-// of them.
+// The residuals, over their standard deviation, are (x_left, y), and with kResiduals = 3 also
+// x_right. The blocks are camera_from_map as a PoseBlock of unit length, and x_in_map. A point that
+// the camera cannot see costs a constant. The Jacobian is that of all seven numbers of the pose;
+// the manifold makes six of them.
 template <int kResiduals>
 class ReprojectionCost : public ceres::SizedCostFunction<kResiduals, 7, 3> {
  public:
@@ -61,12 +61,13 @@ class ReprojectionCost : public ceres::SizedCostFunction<kResiduals, 7, 3> {
   using PoseMatrix = Eigen::Map<Eigen::Matrix<double, kResiduals, 7, Eigen::RowMajor>>;
   using PointMatrix = Eigen::Map<Eigen::Matrix<double, kResiduals, 3, Eigen::RowMajor>>;
 
-  // x + 2 w v x x + 2 v x (v x x) for every x; of unit quaternions the rotation.
+  // Returns the matrix of x + 2 w v x x + 2 v x (v x x) for every x; for unit quaternions it is the
+  // rotation.
   static Eigen::Matrix3d RotationMatrix(const Eigen::Vector3d& v, double w) {
     return (1 - 2 * v.squaredNorm()) * Eigen::Matrix3d::Identity() + 2 * w * Skew(v) +
            2 * v * v.transpose();
   }
-  // d RotationMatrix(v, w) x / d (v, w).
+  // Returns d RotationMatrix(v, w) x / d (v, w).
   static Eigen::Matrix<double, 3, 4> RotatedByQuaternion(const Eigen::Vector3d& v, double w,
                                                          const Eigen::Vector3d& x) {
     Eigen::Matrix<double, 3, 4> J;

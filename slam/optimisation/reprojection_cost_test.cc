@@ -41,7 +41,7 @@ TEST(ReprojectionCostTest, JacobiansAgreeWithNumericDifferences) {
   }
 }
 
-// On the manifold they are those that the other solver uses.
+// On the manifold the Jacobians are those that the other solver uses.
 TEST(ReprojectionCostTest, JacobianOfAMotionIsThatOfTheSharedMaths) {
   const Camera camera = testing::SyntheticCamera();
   const PixelMeasurement measured = MakeMeasurement({310, 190}, 9, 4);

@@ -18,17 +18,17 @@ namespace {
 // A switched-off edge still holds the graph together.
 constexpr double kLeastWeight = 1e-9;
 constexpr int kMaxRounds = 100;
-// Each is about as many solves as the first decision.
+// Each chance takes about as many solves as the first decision.
 constexpr int kMaxChances = 60;
-// What is found must cost less by this share.
+// A chance must lead to a cost that is lower by this share.
 constexpr double kCheaper = 1e-6;
 
 // How a loser is supposed to be right.
 struct Supposition {
-  double weight = 1;            // Of the loser, never truncated.
-  bool all_have_a_say = false;  // All others have it again, else only those that won.
+  double weight = 1;            // Weight of the loser, which is never truncated.
+  bool all_have_a_say = false;  // True: all others have a say again; false: only those that won.
 };
-// Each finds what the others don't, where several wrong clusters support each other.
+// Each way finds what the others don't, where several wrong clusters support each other.
 constexpr Supposition kSuppositions[] = {{1, false}, {1, true}, {100, false}};
 
 class Decision {
@@ -45,7 +45,7 @@ class Decision {
  private:
   struct State {
     PoseGraphProblem::Blocks poses;
-    std::vector<double> weights;  // Of the robust edges, in their order.
+    std::vector<double> weights;  // Weights of the robust edges, in their order.
     std::vector<double> chi2;
     double cost = 0;
   };
@@ -62,7 +62,7 @@ class Decision {
     return absl::OkStatus();
   }
 
-  // Of those that have a say and are not supposed.
+  // Returns the worst chi2 of the robust edges that have a say and are not supposed to be right.
   double WorstChi2() const {
     double worst = 0;
     for (const size_t edge : problem_.robust()) {
@@ -82,7 +82,7 @@ class Decision {
     return changed;
   }
 
-  // From what is solved on: weighs and solves in turn while the truncation sharpens.
+  // Weighs and solves in turn while the truncation sharpens, from the last solution on.
   absl::Status Graduate() {
     const double worst = std::max(WorstChi2(), problem_.max_chi2() * (1 + 1e-9));
     GraduatedTruncation truncation(problem_.max_chi2(), worst);
@@ -95,7 +95,8 @@ class Decision {
     return absl::OkStatus();
   }
 
-  // What comes of it if a loser is right: the others are decided under it, then it as any other.
+  // Computes what comes of it if a loser is right: the others are decided under it, then it as any
+  // other.
   absl::Status Suppose(size_t loser, const Supposition& supposition) {
     supposed_ = loser;
     if (supposition.all_have_a_say) {
@@ -122,7 +123,7 @@ class Decision {
     chi2_ = state.chi2;
   }
 
-  // The loser that disagrees least.
+  // Returns the loser that disagrees least.
   std::optional<size_t> NextLoser(const std::set<size_t>& heard) const {
     std::optional<size_t> next;
     for (const size_t edge : problem_.robust()) {
@@ -132,7 +133,7 @@ class Decision {
     return next;
   }
 
-  // True if what it led to costs less than `best`, which is replaced then.
+  // Returns true if what the chance led to costs less than `best`, which is replaced then.
   absl::StatusOr<bool> GiveChance(size_t loser, const Supposition& supposition, State& best) {
     if (!Suppose(loser, supposition).ok()) {
       // Weights of such a spread can't always be solved: then there is nothing in it.
@@ -145,7 +146,7 @@ class Decision {
     return true;
   }
 
-  // True as soon as one way of supposing found something cheaper than `best`.
+  // Returns true as soon as one way of supposing found something cheaper than `best`.
   absl::StatusOr<bool> GiveChances(const Supposition& supposition, State& best) {
     std::set<size_t> heard;
     bool is_cheaper = false;
@@ -154,7 +155,7 @@ class Decision {
       if (!loser.has_value()) break;
       --chances_left_;
       ASSIGN_OR_RETURN(is_cheaper, GiveChance(*loser, supposition, best));
-      // Those that agree with it would lead to the same.
+      // Supposing an edge that agrees with it would lead to the same.
       heard.insert(*loser);
       for (const size_t edge : problem_.robust()) {
         if (!IsLoser(edge)) heard.insert(edge);
@@ -175,7 +176,7 @@ class Decision {
   }
 
   PoseGraphProblem& problem_;
-  std::vector<double> chi2_;  // Of all edges, after the last solve.
+  std::vector<double> chi2_;  // Chi2 of all edges after the last solve.
   std::optional<size_t> supposed_;
   int chances_left_ = kMaxChances;
 };

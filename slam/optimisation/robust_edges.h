@@ -1,4 +1,4 @@
-// Which robust edges of a pose graph are believed.
+// Decides which robust edges of a pose graph are believed.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_ROBUST_EDGES_H_
 #define CORBSLAM_SLAM_OPTIMISATION_ROBUST_EDGES_H_
 

@@ -12,7 +12,7 @@
 
 namespace corbslam {
 
-// (x, y, z, w) of the quaternion, translation, scale.
+// The block holds (x, y, z, w) of the quaternion, translation, scale.
 using SimilarityBlock = std::array<double, 8>;
 
 inline SimilarityBlock ToBlock(const Similarity3d& s) {

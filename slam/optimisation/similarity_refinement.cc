@@ -30,7 +30,8 @@ struct Refinement {
   double max_chi2;
 };
 
-// With `max_chi2` infinite: whatever lies in front of both cameras.
+// Marks the inliers. An infinite `max_chi2` makes inliers of all that lies in front of both
+// cameras.
 void Classify(const Refinement& input, double max_chi2, SimilarityRefinement& state) {
   state.is_inlier.assign(input.matches.size(), 0);
   state.inliers = 0;

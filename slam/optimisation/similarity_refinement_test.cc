@@ -99,7 +99,8 @@ TEST(RefineSimilarityTest, RefusesTooFewAndNotFinite) {
             absl::StatusCode::kFailedPrecondition);
 }
 
-// Mean of the squared error of refinements of noisy pixels, in the covariance that each says.
+// Returns the mean of the squared error of refinements of noisy pixels, in the covariance that each
+// says.
 double MeanChi2(bool fix_scale) {
   constexpr int kDraws = 300;
   const Camera camera = testing::SyntheticCamera();
@@ -126,7 +127,8 @@ double MeanChi2(bool fix_scale) {
   return sum / kDraws;
 }
 
-// A squared error has the mean of as many degrees of freedom; of 300 draws within a tenth.
+// A squared error has as its mean the number of degrees of freedom; 300 draws come within a tenth
+// of it.
 TEST(SimilarityCovarianceTest, IsThatOfTheErrorsThatNoiseMakes) {
   EXPECT_NEAR(MeanChi2(true), 6, 0.8);
   EXPECT_NEAR(MeanChi2(false), 7, 0.8);

@@ -12,7 +12,7 @@ namespace {
 
 TEST(TinyPoseCostTest, JacobianAgreesWithNumericDifferences) {
   TinyPoseCost cost{SyntheticCamera(), {}, true};
-  // Within the bound, beyond it, and far off; with and without depth.
+  // The measurements lie within the bound, beyond it, and far off; with and without depth.
   for (const double x_px : {430.0, 436.0, 500.0}) {
     cost.measurements.push_back({{0.5, -0.4, 3.5}, MakeMeasurement({x_px, 200}, 14, 1.3)});
     cost.measurements.push_back({{0.5, -0.4, 3.5}, MakeMeasurement({x_px, 200}, 0, 1.3)});

@@ -19,10 +19,10 @@ struct CandidateGroup {
   std::vector<KeyframeId> members;
 };
 
-// Around each candidate, its most covisible keyframes of `map` that are candidates too. Groups
-// are ordered by score, ties by the best keyframe's id, at most `max_groups`; of groups with the
-// same best keyframe the better one stays, as do only groups with at least `min_score_of_best` of
-// the first one's score. A candidate that is not in the map is a group of its own.
+// Groups around each candidate its most covisible keyframes of `map` that are candidates too.
+// Groups are ordered by score, ties by the best keyframe's id, at most `max_groups`; of groups with
+// the same best keyframe the better one stays, as do only groups with at least `min_score_of_best`
+// of the first one's score. A candidate that is not in the map is a group of its own.
 std::vector<CandidateGroup> GroupByCovisibility(const Map& map,
                                                 const std::vector<PlaceCandidate>& candidates,
                                                 size_t max_groups, double min_score_of_best = 0.75);

@@ -1,4 +1,4 @@
-// Which keyframes look like a picture: an inverted index from words to keyframes.
+// Finds the keyframes that look like a picture, by an inverted index from words to keyframes.
 #ifndef CORBSLAM_SLAM_PLACE_KEYFRAME_DATABASE_H_
 #define CORBSLAM_SLAM_PLACE_KEYFRAME_DATABASE_H_
 
@@ -23,7 +23,7 @@ struct PlaceCandidate {
 
 struct QueryOptions {
   int min_shared_words = 1;
-  // Of the most words that any admitted keyframe shares (Mur-Artal and Tardos, ICRA 2014).
+  // Share of the most words that any admitted keyframe shares (Mur-Artal and Tardos, ICRA 2014).
   double min_shared_fraction_of_best = 0.8;
   double min_score = 0;
   size_t max_results = std::numeric_limits<size_t>::max();
@@ -31,21 +31,22 @@ struct QueryOptions {
   std::function<bool(KeyframeId)> admit;
 };
 
-// One a local map. Not thread-safe: its owner locks; queries may run side by side. Adding and
-// removing cost as much as the keyframe has words, whatever the map's size.
+// The database of one local map. Not thread-safe: its owner locks; queries may run side by side.
+// Adding and removing cost as much as the keyframe has words, whatever the map's size.
 class KeyframeDatabase {
  public:
   // Replaces the words of a keyframe that is there already. Null words are an empty bag.
   void Add(KeyframeId id, std::shared_ptr<const Words> words);
-  // False if it is not there.
+  // Returns false if it is not there.
   bool Remove(KeyframeId id);
   bool Contains(KeyframeId id) const { return slots_.contains(id); }
   size_t size() const { return slots_.size(); }
 
-  // Best first, ties by id. Costs as much as the postings that it touches, whatever the map's size.
+  // Returns the best first, ties by id. A query costs as much as the postings that it touches,
+  // whatever the map's size.
   std::vector<PlaceCandidate> Query(const BagOfWords& query,
                                     const QueryOptions& options = {}) const;
-  // That many: for each word of the query, the keyframes that have it.
+  // Returns the number of these postings: for each word of the query, the keyframes that have it.
   size_t CountPostings(const BagOfWords& query) const { return Count(FindWords(query)); }
 
  private:
@@ -56,7 +57,7 @@ class KeyframeDatabase {
   struct Entry {
     KeyframeId id;
     std::shared_ptr<const Words> words;
-    // Of each word's posting in its list.
+    // Position of each word's posting in its list.
     std::vector<uint32_t> positions;
   };
   // What a keyframe has in common with a query.
@@ -73,7 +74,7 @@ class KeyframeDatabase {
   uint32_t TakeSlot();
   // The last posting of the word takes the place of the removed one.
   void RemovePosting(uint32_t word, uint32_t position);
-  // Those that any keyframe has.
+  // Finds those of the query's words that any keyframe has.
   std::vector<QueryWord> FindWords(const BagOfWords& query) const;
   static size_t Count(const std::vector<QueryWord>& words);
   // `by_slot` is a vector or a hash table, empty.

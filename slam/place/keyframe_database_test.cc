@@ -77,12 +77,12 @@ TEST(KeyframeDatabase, EqualsBruteForceThroughAddAndRemove) {
   }
 }
 
-// Few postings in a large map go another way than many.
+// A query with few postings in a large map goes another way than one with many.
 TEST(KeyframeDatabase, AQueryThatTouchesLittleOfALargeMapEqualsBruteForce) {
   KeyframeDatabase database;
   Content content;
   for (uint32_t i = 0; i < 2000; ++i) {
-    // Word 1000 + i / 4 is of four keyframes.
+    // Four keyframes have word 1000 + i / 4.
     const BagOfWords bag = {{1000 + i / 4, 0.5f}, {5000 + i, 0.5f}};
     content[Id(i)] = std::make_shared<Words>(Words{bag, {}});
     database.Add(Id(i), content[Id(i)]);
@@ -112,7 +112,7 @@ TEST(KeyframeDatabase, OptionsNarrowTheResult) {
   EXPECT_EQ(database.Query(query, With(&QueryOptions::min_score, 0.9)).size(), 1u);
   EXPECT_EQ(database.Query(query, With(&QueryOptions::min_shared_words, 5)).size(), 1u);
   EXPECT_EQ(database.Query(query, With(&QueryOptions::min_shared_fraction_of_best, 0)).size(), 3u);
-  // Those not admitted set no standard for the others.
+  // Keyframes that are not admitted set no standard for the others.
   const auto not_1_or_2 = [](KeyframeId id) { return id.index > 2; };
   EXPECT_EQ(database.Query(query, With(&QueryOptions::admit, not_1_or_2)).front().id, Id(3));
   EXPECT_TRUE(database.Query({}).empty());

@@ -1,5 +1,5 @@
-// Loading a vocabulary, making words, and the keyframe database at size. CORBSLAM_VOCABULARY names
-// the shipped vocabulary; the one of a million words is synthetic.
+// Measures loading a vocabulary, making words, and the keyframe database at size.
+// CORBSLAM_VOCABULARY names the shipped vocabulary; the one of a million words is synthetic.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ std::vector<Descriptor> RandomDescriptors(size_t count, uint64_t seed) {
   return descriptors;
 }
 
-// Complete: 10 children a node.
+// The tree is complete, with 10 children a node.
 VocabularyTree CompleteTree(uint32_t levels) {
   VocabularyTree tree;
   tree.branching = 10;
@@ -49,7 +49,7 @@ VocabularyTree CompleteTree(uint32_t levels) {
   return tree;
 }
 
-// Removed when the program ends.
+// The file is removed when the program ends.
 const std::string& MillionWordsPath() {
   static const std::string* const path = [] {
     auto* const made =
@@ -79,7 +79,7 @@ void LoadVocabulary(benchmark::State& state) {
 void TransformDescriptors(benchmark::State& state) {
   const auto vocabulary = Vocabulary::Load(PathOf(state));
   if (!vocabulary.ok()) return state.SkipWithError("set CORBSLAM_VOCABULARY");
-  // New descriptors each time, so that the tree is not in the cache already.
+  // Descriptors are new each time, so that the tree is not in the cache already.
   std::vector<std::vector<Descriptor>> pictures;
   for (uint64_t i = 0; i < 50; ++i) pictures.push_back(RandomDescriptors(kFeatures, 100 + i));
   size_t next = 0;
@@ -88,10 +88,10 @@ void TransformDescriptors(benchmark::State& state) {
   }
 }
 
-// Bags as real pictures have them. The shipped vocabulary's words follow Zipf and Mandelbrot's law,
-// p(rank) ~ (rank + shift)^-exponent: over the 977 pictures of KITTI, TUM and the training set
-// (word_profile) a picture has 1,813 of 93,730 words and shares 143 with another one, which is what
-// this law gives. Evenly drawn words would share 35.
+// Makes bags as real pictures have them. The shipped vocabulary's words follow Zipf and
+// Mandelbrot's law, p(rank) ~ (rank + shift)^-exponent: over the 977 pictures of KITTI, TUM and the
+// training set (word_profile) a picture has 1,813 of 93,730 words and shares 143 with another one,
+// which is what this law gives. Evenly drawn words would share 35.
 class BagMaker {
  public:
   static constexpr uint32_t kVocabulary = 93730;
@@ -132,7 +132,7 @@ class BagMaker {
   static constexpr double kExponent = 0.9;
   static constexpr double kShift = 539;
 
-  // The law's inverse: a word at an even share of the whole.
+  // Inverse of the law: the word at each even share of the whole.
   std::vector<uint32_t> word_at_ = std::vector<uint32_t>(1 << 20);
 };
 
@@ -143,7 +143,7 @@ const BagMaker& Bags() {
 
 KeyframeId Id(uint32_t index) { return {LocalMapId{1}, index}; }
 
-// Made once; one a size, and only the last, because 100,000 keyframes take 4 GB.
+// Each database is made once. Only the last size is kept, because 100,000 keyframes take 4 GB.
 KeyframeDatabase& DatabaseOf(int64_t keyframes) {
   static auto* const made = new std::map<int64_t, KeyframeDatabase>();
   const auto found = made->find(keyframes);
@@ -154,7 +154,7 @@ KeyframeDatabase& DatabaseOf(int64_t keyframes) {
   return database;
 }
 
-// Bags of pictures that are not in the database.
+// Makes bags of pictures that are not in the database.
 std::vector<std::shared_ptr<const Words>> OtherBags() {
   std::vector<std::shared_ptr<const Words>> bags;
   for (uint64_t i = 0; i < 16; ++i) bags.push_back(Bags().Make(1000000 + i));
@@ -177,7 +177,8 @@ void QueryDatabase(benchmark::State& state) {
       benchmark::Counter(postings, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-// One word that a single keyframe has: all of the cost is what the database's size adds.
+// Queries a word that a single keyframe has, so that all of the cost is what the database's size
+// adds.
 void QueryRareWord(benchmark::State& state) {
   KeyframeDatabase& database = DatabaseOf(state.range(0));
   const KeyframeId rare{LocalMapId{2}, 0};
@@ -199,7 +200,7 @@ void AddKeyframe(benchmark::State& state) {
   while (next > 0) database.Remove({LocalMapId{3}, --next});
 }
 
-// The oldest go, as if they were culled, and come back afterwards.
+// The oldest keyframes go, as if they were culled, and come back afterwards.
 void RemoveKeyframe(benchmark::State& state) {
   KeyframeDatabase& database = DatabaseOf(state.range(0));
   uint32_t next = 0;
@@ -214,7 +215,7 @@ void RemoveKeyframe(benchmark::State& state) {
 BENCHMARK(LoadVocabulary)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(TransformDescriptors)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
-// By the number of keyframes, all of one size before the next.
+// Benchmarks are registered by the number of keyframes, all of one size before the next.
 constexpr int kChanged = 200;
 [[maybe_unused]] const bool registered = [] {
   for (const int64_t keyframes : {1000, 10000, 100000}) {

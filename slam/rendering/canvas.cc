@@ -41,7 +41,7 @@ void Canvas::Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const 
 
 void Canvas::DashedPath(const std::vector<Eigen::Vector2d>& path, const Colour& colour,
                         double width_px, double dash_px, double gap_px) {
-  double travelled_px = 0;  // Within the current dash and its gap.
+  double travelled_px = 0;  // Way within the current dash and its gap.
   for (size_t i = 1; i < path.size(); ++i) {
     const Eigen::Vector2d step = path[i] - path[i - 1];
     const double length_px = step.norm();

@@ -11,8 +11,8 @@ namespace corbslam {
 
 using Colour = cv::Scalar;  // Blue, green, red.
 
-// Not thread-safe. Drawn at twice the size and averaged down in the end, which smooths edges and
-// letters. May throw cv::Exception, as OpenCV does.
+// Not thread-safe. The canvas is drawn at twice the size and averaged down in the end, which
+// smooths edges and letters. Methods may throw cv::Exception, as OpenCV does.
 class Canvas {
  public:
   Canvas(int width_px, int height_px);

@@ -39,7 +39,7 @@ struct Layout {
 struct FlatMap {
   std::vector<Eigen::Vector2d> points;
   std::vector<std::vector<Eigen::Vector2d>> truth;
-  std::vector<Eigen::Vector2d> paths;  // All keyframes and truth, for the bounds.
+  std::vector<Eigen::Vector2d> paths;  // All keyframes and truth, which decide the bounds.
 };
 
 std::vector<Eigen::Vector2d> Flatten(const std::vector<Eigen::Vector3d>& xs,
@@ -65,14 +65,14 @@ FlatMap FlattenMap(const MapPicture& picture, const PlaneFromWorld& plane_from_w
   return map;
 }
 
-// At most as high as wide.
+// The layout is at most as high as wide.
 Layout ArrangePicture(const Bounds& bounds, int width_px) {
   Layout layout;
   layout.bounds = bounds;
   const double plot_px = width_px - 2 * kMargin_px;
   const Eigen::Vector2d size = bounds.Size();
   layout.px_per_unit = std::min(plot_px / size.x(), plot_px / size.y());
-  // Centres a map that is higher than wide.
+  // A map that is higher than wide is centred.
   const double spare = plot_px / layout.px_per_unit - size.x();
   layout.bounds.low.x() -= spare / 2;
   layout.bounds.high.x() += spare / 2;
@@ -87,13 +87,13 @@ void DrawPoints(const std::vector<Eigen::Vector2d>& points, const Layout& layout
   }
 }
 
-// A wedge that opens to where the camera looks.
+// Returns a wedge that opens to where the camera looks.
 std::vector<Eigen::Vector2d> KeyframeShape(const Eigen::Vector2d& centre,
                                            const Eigen::Vector2d& view_direction) {
   constexpr double kLength_px = 8;
   constexpr double kHalfWidth_px = 7;
   if (view_direction.norm() < 0.1) {
-    // Looks along the line of sight: a square.
+    // The camera looks along the line of sight, so it becomes a square.
     return {centre + Eigen::Vector2d(-4, -4), centre + Eigen::Vector2d(4, -4),
             centre + Eigen::Vector2d(4, 4), centre + Eigen::Vector2d(-4, 4)};
   }
@@ -139,7 +139,7 @@ std::string JoinNames(const MapPicture& picture, bool own) {
   return names.empty() ? "" : absl::StrCat(names, " (", keyframes, ")");
 }
 
-// Behind the other entries; beside the title where there is no room.
+// The entry lies behind the others, or beside the title where there is no room.
 void DrawTruthEntry(Eigen::Vector2d at_px, Canvas& canvas) {
   const double width_px = 46 + Canvas::TextWidth("truth", kLetter_px);
   if (at_px.x() + width_px > canvas.width_px()) at_px = {canvas.width_px() - width_px - 20, 24};
@@ -190,7 +190,7 @@ cv::Mat Draw(const MapPicture& picture, const std::vector<Rigid3d>& keyframes, i
   const Layout layout = ArrangePicture(ChooseBounds(map.paths, map.points), width_px);
   Canvas canvas(width_px, layout.height_px);
   DrawPoints(map.points, layout, canvas);
-  // Own keyframes on top.
+  // Own keyframes are drawn on top.
   for (const bool own : {false, true}) {
     for (const MapPicture::Robot& robot : picture.robots) {
       if (robot.is_own == own) DrawRobot(robot, plane_from_world, layout, canvas);

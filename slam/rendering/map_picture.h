@@ -14,33 +14,33 @@
 
 namespace corbslam {
 
-// Everything in one frame, which any frame may be.
+// Everything is in one frame, which may be any.
 struct MapPicture {
   struct Robot {
     std::string name;
     bool is_own = false;
-    std::vector<Rigid3d> keyframes;  // world_from_camera.
-    // Between entries of `keyframes` (spanning tree, loops).
+    std::vector<Rigid3d> keyframes;  // Poses world_from_camera.
+    // Pairs of entries of `keyframes` (spanning tree, loops).
     std::vector<std::pair<size_t, size_t>> edges;
   };
   std::string title;
   std::vector<Robot> robots;
   std::vector<Eigen::Vector3d> points;
-  std::vector<std::vector<Eigen::Vector3d>> truth;  // Paths.
-  std::string unit = "m";                           // Of the scale bar.
+  std::vector<std::vector<Eigen::Vector3d>> truth;  // True paths.
+  std::string unit = "m";                           // Unit of the scale bar.
 };
 
 struct MapPictureOptions {
   int width_px = 1200;
 };
 
-// 8-bit BGR on white, `width_px` wide, height by the map's shape. "Above" is against the mean
-// direction of the cameras' y axes, or where these cancel out the direction of least motion; the
-// longest motion lies across the picture. INVALID_ARGUMENT without any keyframe or for a width
-// that is not 200 to 10,000.
+// Draws in 8-bit BGR on white, `width_px` wide, with a height that follows from the map's shape.
+// "Above" is against the mean direction of the cameras' y axes, or where these cancel out the
+// direction of least motion; the longest motion lies across the picture. INVALID_ARGUMENT without
+// any keyframe or for a width that is not 200 to 10,000.
 absl::StatusOr<cv::Mat> RenderMap(const MapPicture& picture, const MapPictureOptions& options = {});
 
-// UNAVAILABLE, naming the path, when the file can't be written.
+// UNAVAILABLE names the path when the file can't be written.
 absl::Status WritePng(const cv::Mat& image, const std::string& path);
 
 }  // namespace corbslam

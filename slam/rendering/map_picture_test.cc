@@ -12,7 +12,7 @@
 namespace corbslam {
 namespace {
 
-// Drives 60 m along z and then turns; y is down.
+// The street goes 60 m along z and then turns; y is down.
 MapPicture MakeStreet() {
   MapPicture picture;
   picture.title = "test street";
@@ -42,7 +42,7 @@ MapPicture MakeStreet() {
   return picture;
 }
 
-// Pixels near a colour (blue, green, red).
+// Counts the pixels near a colour (blue, green, red).
 int CountNear(const cv::Mat& image, const cv::Vec3b& colour) {
   int count = 0;
   for (int y = 0; y < image.rows; ++y) {
@@ -57,10 +57,10 @@ TEST(RenderMapTest, ShowsEverything) {
   const absl::StatusOr<cv::Mat> image = RenderMap(MakeStreet());
   ASSERT_TRUE(image.ok()) << image.status();
   EXPECT_EQ(image->cols, 1200);
-  EXPECT_GT(CountNear(*image, {60, 160, 40}), 300);  // Own keyframes.
-  EXPECT_GT(CountNear(*image, {210, 90, 20}), 300);  // Others'.
-  EXPECT_GT(CountNear(*image, {40, 40, 215}), 300);  // Truth.
-  EXPECT_GT(CountNear(*image, {30, 30, 30}), 1000);  // Points and letters.
+  EXPECT_GT(CountNear(*image, {60, 160, 40}), 300);  // Own keyframes are there.
+  EXPECT_GT(CountNear(*image, {210, 90, 20}), 300);  // Others' keyframes are there.
+  EXPECT_GT(CountNear(*image, {40, 40, 215}), 300);  // The truth is there.
+  EXPECT_GT(CountNear(*image, {30, 30, 30}), 1000);  // Points and letters are there.
   EXPECT_GT(CountNear(*image, {255, 255, 255}), image->rows * image->cols / 2);
   const std::string path = ::testing::TempDir() + "map_picture_test.png";
   ASSERT_TRUE(WritePng(*image, path).ok());

@@ -22,7 +22,7 @@ Eigen::Matrix3d MotionCovariance(const std::vector<Rigid3d>& world_from_cameras)
   return covariance;
 }
 
-// Eigenvectors by growing eigenvalue.
+// Returns the eigenvectors by growing eigenvalue.
 Eigen::Matrix3d PrincipalAxes(const Eigen::Matrix3d& covariance) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
 }
@@ -38,7 +38,7 @@ Eigen::Vector3d DownDirection(const std::vector<Rigid3d>& world_from_cameras,
   return PrincipalAxes(covariance).col(0);
 }
 
-// The value that `share` of the values lie below.
+// Returns the value that `share` of the values lie below.
 double Quantile(std::vector<double> values, double share) {
   const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + index, values.end());

@@ -1,4 +1,4 @@
-// From 3-space to the plane of a picture that shows a map from above.
+// Maps 3-space to the plane of a picture that shows a map from above.
 #ifndef CORBSLAM_SLAM_RENDERING_VIEW_FROM_ABOVE_H_
 #define CORBSLAM_SLAM_RENDERING_VIEW_FROM_ABOVE_H_
 
@@ -9,10 +9,10 @@
 
 namespace corbslam {
 
-// Rows: the world directions that lie to the right and downwards in the picture.
+// The rows are the world directions that lie to the right and downwards in the picture.
 using PlaneFromWorld = Eigen::Matrix<double, 2, 3>;
 
-// Looking along the mean of the cameras' y axes (downwards, for robots that stand upright); where
+// Looks along the mean of the cameras' y axes (downwards, for robots that stand upright); where
 // that mean is shorter than 0.3, along the direction of least motion. The direction of most motion
 // within the plane lies across. `world_from_cameras` must not be empty.
 PlaneFromWorld LookFromAbove(const std::vector<Rigid3d>& world_from_cameras);
@@ -26,12 +26,14 @@ struct Bounds {
   }
 };
 
-// What the picture shows: all of `paths`, and the middle 96 % of `points` as far as they lie within
-// 1.4 times the paths' extent. Never of zero size. `paths` must not be empty.
+// Returns what the picture shows: all of `paths`, and the middle 96 % of `points` as far as they
+// lie within 1.4 times the paths' extent. The bounds are never of zero size. `paths` must not be
+// empty.
 Bounds ChooseBounds(const std::vector<Eigen::Vector2d>& paths,
                     const std::vector<Eigen::Vector2d>& points);
 
-// The length of a scale bar: 1, 2 or 5 times a power of ten, the largest not above `most` > 0.
+// Returns the length of a scale bar: 1, 2 or 5 times a power of ten, the largest not above `most` >
+// 0.
 double RoundLength(double most);
 
 }  // namespace corbslam

@@ -10,7 +10,7 @@
 namespace corbslam {
 namespace {
 
-constexpr size_t kMaxSide_px = 16;  // Beyond twice the reach at the last octave.
+constexpr size_t kMaxSide_px = 16;  // More than twice the reach at the last octave.
 
 // The largest value of 16 bits isn't measured: it is what many cameras write where they saw none.
 constexpr uint16_t kSaturated = 65535;
@@ -25,7 +25,7 @@ double DepthAt(const cv::Mat& depth, int x, int y, double units_per_m) {
 }
 
 struct Window {
-  std::array<double, kMaxSide_px * kMaxSide_px> depths_m;  // The first `size`.
+  std::array<double, kMaxSide_px * kMaxSide_px> depths_m;  // The first `size` are set.
   size_t size = 0;
 };
 
@@ -45,13 +45,13 @@ struct NearSide {
   double mean_m = 0;
 };
 
-// Of the nearest step; sorts the window.
+// Returns the near side of the nearest step; sorts the window.
 std::optional<NearSide> FindNearSide(Window& window) {
   const auto begin = window.depths_m.begin();
   const auto end = begin + static_cast<std::ptrdiff_t>(window.size);
   if (begin == end) return std::nullopt;
   const auto [nearest, farthest] = std::minmax_element(begin, end);
-  if (*farthest <= kDepthStep * *nearest) return std::nullopt;  // Most of them.
+  if (*farthest <= kDepthStep * *nearest) return std::nullopt;  // Most corners end here.
   std::sort(begin, end);
   double sum = *begin;
   for (auto it = begin + 1; it != end; ++it) {

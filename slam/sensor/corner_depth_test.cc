@@ -20,7 +20,7 @@ Keypoint At(float x_px, uint8_t octave = 0) {
   return keypoint;
 }
 
-// Something at 2 m on the left in front of a wall at 4 m.
+// Draws something at 2 m on the left in front of a wall at 4 m.
 cv::Mat ThingBeforeAWall() {
   cv::Mat depth(80, 100, CV_16UC1, cv::Scalar(4000));
   depth.colRange(0, kEdge_px).setTo(2000);
@@ -65,7 +65,8 @@ TEST(CornerDepthTest, TheLargestValueOf16BitsIsNoDepth) {
 
 TEST(CornerDepthTest, ASlantedSurfaceHasNoStep) {
   cv::Mat depth(80, 100, CV_16UC1);
-  for (int x = 0; x < depth.cols; ++x) depth.col(x).setTo(2000 + 80 * x);  // 2 to 4 % a pixel
+  // The slope is 2 to 4 % a pixel.
+  for (int x = 0; x < depth.cols; ++x) depth.col(x).setTo(2000 + 80 * x);
   for (const uint8_t octave : {uint8_t{0}, uint8_t{7}}) {
     EXPECT_EQ(CornerDepth(depth, At(50, octave), kUnitsPerM), 6) << int{octave};
   }

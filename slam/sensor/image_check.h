@@ -1,4 +1,4 @@
-// Checks of what a source hands to a sensor. Internal to slam/sensor.
+// Checks what a source hands to a sensor. Internal to slam/sensor.
 #ifndef CORBSLAM_SLAM_SENSOR_IMAGE_CHECK_H_
 #define CORBSLAM_SLAM_SENSOR_IMAGE_CHECK_H_
 
@@ -11,13 +11,14 @@
 
 namespace corbslam {
 
-// "640x480 CV_8UC1".
+// Describes an image like "640x480 CV_8UC1".
 std::string DescribeImage(const cv::Mat& image);
 
-// INVALID_ARGUMENT, with what was expected and given, unless CV_8UC1 of the camera's size.
+// INVALID_ARGUMENT says what was expected and given, unless the image is CV_8UC1 of the camera's
+// size.
 absl::Status CheckGreyImage(absl::string_view name, const cv::Mat& image, const Camera& camera);
 
-// Likewise for CV_16UC1 or CV_32FC1.
+// INVALID_ARGUMENT in the same way, unless CV_16UC1 or CV_32FC1 of the camera's size.
 absl::Status CheckDepthImage(const cv::Mat& image, const Camera& camera);
 
 }  // namespace corbslam

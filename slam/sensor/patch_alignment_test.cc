@@ -16,7 +16,7 @@ namespace {
 constexpr int kSide_px = 64;
 constexpr int kMiddle_px = kSide_px / 2;
 
-// Smooth noise, the same for the same seed.
+// Makes smooth noise, the same for the same seed.
 cv::Mat Texture(uint64_t seed) {
   std::mt19937_64 random(seed);
   cv::Mat noise(kSide_px, kSide_px, CV_32FC1);
@@ -61,7 +61,7 @@ TEST(PatchAlignmentTest, RowsThatAreOffByPartsOfAPixelDoNotMoveColumns) {
     errors.push_back(std::abs(kMiddle_px - found->right_x_px - kShift_px));
   }
   std::ranges::sort(errors);
-  // 0.08 and 0.25 where columns alone are looked for.
+  // Errors are 0.08 and 0.25 if columns alone are looked for.
   EXPECT_LT(errors[errors.size() / 2], 0.05);
   EXPECT_LT(errors[errors.size() * 9 / 10], 0.1);
 }
@@ -108,7 +108,7 @@ TEST(PatchAlignmentTest, ACornersOwnSurfaceCountsMoreThanWhatIsBehindIt) {
   }
   ASSERT_GT(errors.size(), 150U);
   std::ranges::sort(errors);
-  // 0.21 and 0.53 where pixels count whether the shift explains them or not.
+  // Errors are 0.21 and 0.53 if pixels count whether the shift explains them or not.
   EXPECT_LT(errors[errors.size() / 2], 0.1);
   EXPECT_LT(errors[errors.size() * 3 / 4], 0.3);
 }

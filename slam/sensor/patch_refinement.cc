@@ -15,7 +15,8 @@ constexpr double kWeightSigma_px = 2;
 constexpr float kRobustGrey = 15;
 // How far off the rows of a rectified pair are believed to be, pixels of the octave.
 constexpr float kRowSigma_px = 0.3F;
-constexpr float kLeastGreyVariance = 4;  // For that belief's weight, whatever the residuals say.
+// That belief is weighed as if grey values varied by at least this.
+constexpr float kLeastGreyVariance = 4;
 constexpr float kLeastInformation = 1;
 constexpr float kMaxStray_px = 1;
 constexpr float kEnough_px = 0.005F;
@@ -104,11 +105,11 @@ void Interpolate(const Around& around, const Shift& shift, Sample& sample) {
   }
 }
 
-// A sum over a patch's pixels that takes eight at a time: one pass over the patch makes all sums.
+// Sums over a patch's pixels, eight at a time: one pass over the patch makes all sums.
 class GroupedSum {
  public:
   void Add(const Eigen::Array<float, 8, 1>& group) { sums_ += group; }
-  // What is left.
+  // Adds the four pixels that are left.
   void Add(const Eigen::Array4f& group) { last_ = group; }
   float Total() const { return (sums_.head<4>() + sums_.tail<4>() + last_).sum(); }
 
@@ -126,8 +127,8 @@ void ForEachGroup(Visit visit) {
   visit(kGrouped, std::integral_constant<int, 4>());
 }
 
-// One Gauss-Newton step of columns and grey offset; infinite where the patch cannot tell columns
-// apart. Leaves the rows alone, and counts all pixels.
+// Makes one Gauss-Newton step of columns and grey offset; infinite where the patch cannot tell
+// columns apart. It leaves the rows alone, and counts all pixels.
 Shift PlainStep(const Patch& patch, const Sample& sample, const Shift& at) {
   const Patch& weights = Weights();
   static const float w = weights.sum();
@@ -144,7 +145,7 @@ Shift PlainStep(const Patch& patch, const Sample& sample, const Shift& at) {
     sum_xx.Add(Group(x * slope_x));
     sum_xr.Add(Group(x * residual));
   });
-  // Of deviations from the means: the grey offset is eliminated.
+  // The sums are of deviations from the means, which eliminates the grey offset.
   const float x = weighted_x.sum() / w;
   const float r = sum_r.Total() / w;
   const float xx = sum_xx.Total() - w * x * x;
@@ -155,7 +156,7 @@ Shift PlainStep(const Patch& patch, const Sample& sample, const Shift& at) {
   return step;
 }
 
-// The same of columns, rows and grey offset, reweighted.
+// Makes the same step of columns, rows and grey offset, reweighted.
 Shift RobustStep(const Patch& patch, const Sample& sample, const Shift& at) {
   Patch weights, weighted_x, weighted_y;
   GroupedSum sum_r, sum_rr, sum_xx, sum_xy, sum_yy, sum_xr, sum_yr;
@@ -200,7 +201,7 @@ Shift RobustStep(const Patch& patch, const Sample& sample, const Shift& at) {
   return step;
 }
 
-// Takes up to `steps`; false where the patch strays.
+// Takes up to `steps` steps; returns false where the patch strays.
 bool Descend(const Patch& patch, const Around& around, int steps, bool robust, Shift& shift) {
   for (int i = 0; i < steps; ++i) {
     Sample sample;

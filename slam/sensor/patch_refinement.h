@@ -1,4 +1,4 @@
-// Where a patch of one picture lies in another, below a pixel.
+// Finds where a patch of one picture lies in another, to a part of a pixel.
 #ifndef CORBSLAM_SLAM_SENSOR_PATCH_REFINEMENT_H_
 #define CORBSLAM_SLAM_SENSOR_PATCH_REFINEMENT_H_
 
@@ -10,12 +10,13 @@ namespace corbslam {
 inline constexpr int kPatchRadius_px = 5;
 inline constexpr int kPatchSide_px = 2 * kPatchRadius_px + 1;
 
-// By how many columns the patch around (left_x, y) of `left` lies to the right of (right_x, y) in
-// `right`; both CV_8UC1, the patch inside `left`. Least squares of grey values (Lucas and Kanade,
-// IJCAI 1981), up to an offset of them: the pictures of a pair differ in exposure. The middle
-// counts most, and pixels that the shift does not explain, those of what lies behind the edge that
-// the corner is on, hardly count. A pair whose rows are off by a part of a pixel is seen to be.
-// Nothing where that strays by more than a pixel, or the patch has no vertical structure.
+// Returns by how many columns the patch around (left_x, y) of `left` lies to the right of (right_x,
+// y) in `right`; both are CV_8UC1, the patch is inside `left`. The method is least squares of grey
+// values (Lucas and Kanade, IJCAI 1981), up to an offset of them: the pictures of a pair differ in
+// exposure. The middle counts most, and pixels that the shift does not explain, those of what lies
+// behind the edge that the corner is on, hardly count. Rows that are off by a part of a pixel are
+// estimated, too. Returns nothing where the shift strays by more than a pixel, or the patch has no
+// vertical structure.
 std::optional<float> RefineAlignment(const cv::Mat& left, const cv::Mat& right, int left_x, int y,
                                      int right_x);
 

@@ -34,7 +34,7 @@ absl::StatusOr<Features> RgbdSensor::Process(const SensorImages& images) {
   });
   Features features;
   RETURN_IF_ERROR(extractor_.Gather(features));
-  constexpr size_t kTask = 100;  // Keypoints.
+  constexpr size_t kTask = 100;  // Number of keypoints.
   std::vector<Keypoint>& keypoints = features.keypoints;
   threads_.Run((keypoints.size() + kTask - 1) / kTask, [&](size_t task) {
     const size_t end = std::min((task + 1) * kTask, keypoints.size());

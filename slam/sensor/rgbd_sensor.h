@@ -1,4 +1,4 @@
-// Features of a grey image with a depth image. Internal to slam/sensor: use MakeSensor.
+// Makes features of a grey image with a depth image. Internal to slam/sensor: use MakeSensor.
 #ifndef CORBSLAM_SLAM_SENSOR_RGBD_SENSOR_H_
 #define CORBSLAM_SLAM_SENSOR_RGBD_SENSOR_H_
 

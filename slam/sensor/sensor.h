@@ -1,4 +1,4 @@
-// From the images of a camera to features with depth: one interface for stereo and RGB-D.
+// Turns the images of a camera into features with depth, by one interface for stereo and RGB-D.
 #ifndef CORBSLAM_SLAM_SENSOR_SENSOR_H_
 #define CORBSLAM_SLAM_SENSOR_SENSOR_H_
 
@@ -22,35 +22,35 @@ namespace corbslam {
 // What a sensor sees at one time. Matrices are shared, not copied.
 struct SensorImages {
   int64_t timestamp_ns = 0;
-  cv::Mat grey = {};   // CV_8UC1; of stereo the left one
-  cv::Mat right = {};  // CV_8UC1; stereo only
-  // RGB-D only, registered to `grey`: CV_16UC1 in units of depth_units_per_m, or CV_32FC1 in
-  // metres; 0, 65535 (of 16 bits) and NaN: none.
+  cv::Mat grey = {};   // CV_8UC1; the left one of a stereo pair.
+  cv::Mat right = {};  // CV_8UC1; stereo only.
+  // Depth for RGB-D only, registered to `grey`: CV_16UC1 in units of depth_units_per_m, or CV_32FC1
+  // in metres; 0, 65535 (of 16 bits) and NaN mean none.
   cv::Mat depth = {};
 };
 
 struct StereoCalibration {
-  // Of the rectified pair, baseline_m > 0. With `raw` set only close_depth_m is read, when > 0:
-  // the rest follows from the rectification.
+  // Camera of the rectified pair, with baseline_m > 0. With `raw` set only close_depth_m is read,
+  // when > 0: the rest follows from the rectification.
   Camera camera = {};
-  // Present when the images come raw and need rectifying.
+  // Calibration of the raw pair where the images come raw and need rectifying.
   std::optional<RawStereo> raw = {};
-  // Of a rectified pair: by how many columns the right camera's principal point lies further right
-  // than the left one's, which is so far each disparity is too small. Legal, and not 0 in pairs
-  // that are rectified so that they look at one point.
+  // Number of columns by which the right camera's principal point lies further right than the left
+  // one's in a rectified pair; each disparity is too small by so much. A pair may have such an
+  // offset: those that are rectified to look at one point do.
   double right_cx_offset_px = 0;
-  // Of the left camera as it recorded, where the calibration says it (EuRoC's T_BS).
+  // Pose of the left camera as it recorded, where the calibration says it (EuRoC's T_BS).
   std::optional<Rigid3d> body_from_raw_left = {};
 };
 
 struct RgbdCalibration {
-  // baseline_m: the virtual one that makes disparities of depths.
+  // Its baseline_m is the virtual one that makes disparities of depths.
   Camera camera = {};
-  // Of the raw grey image.
+  // Distortion of the raw grey image.
   RadialTangential distortion = {};
-  // Of CV_16UC1 depth images.
+  // Scale of CV_16UC1 depth images.
   double depth_units_per_m = 5000;
-  // Of the grey camera, where the calibration says it.
+  // Pose of the grey camera, where the calibration says it.
   std::optional<Rigid3d> body_from_raw = {};
 };
 
@@ -62,22 +62,22 @@ struct SensorOptions {
   bool parallel = true;
 };
 
-// Thread-compatible: one thread at a time.
+// Thread-compatible: one thread may use it at a time.
 class Sensor {
  public:
   virtual ~Sensor() = default;
 
-  // The camera that keypoints refer to: undistorted, rectified.
+  // Returns the camera that keypoints refer to: undistorted, rectified.
   virtual const Camera& camera() const = 0;
 
-  // Keypoints in pixels of camera(), disparity_px set where depth is known. INVALID_ARGUMENT,
-  // naming the image, what was expected and what was given, where an image has a wrong size or
-  // type.
+  // Returns keypoints in pixels of camera(), with disparity_px set where depth is known.
+  // INVALID_ARGUMENT names the image, what was expected and what was given, where an image has a
+  // wrong size or type.
   virtual absl::StatusOr<Features> Process(const SensorImages& images) = 0;
 };
 
-// The one that recorded the (left) pictures of a sensor's camera(). INVALID_ARGUMENT where the
-// calibration is impossible.
+// Returns the camera that recorded the (left) pictures of a sensor's camera(). INVALID_ARGUMENT
+// where the calibration is impossible.
 absl::StatusOr<RecordedCamera> RecordedCameraOf(const SensorCalibration& calibration);
 
 // INVALID_ARGUMENT where the calibration or the options are impossible.

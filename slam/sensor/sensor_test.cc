@@ -27,7 +27,7 @@ const Camera kCamera = {.fx_px = 500,
                         .baseline_m = 0.1,
                         .close_depth_m = 4};
 
-// Random discs, drawn at a sub-pixel position: the same scene seen `shift_px` further left.
+// Draws random discs at a sub-pixel position: the same scene seen `shift_px` further left.
 cv::Mat Scene(double shift_px) {
   constexpr int kFractionBits = 6;
   std::mt19937_64 random(11);
@@ -76,8 +76,8 @@ TEST(StereoSensorTest, MeasuresDisparitiesBelowAPixel) {
 // The right camera's principal point lies further right, or left: its picture is moved by as much.
 TEST(StereoSensorTest, HonoursAnotherPrincipalColumnOfTheRightCamera) {
   constexpr double kTruth_px = 12.5;
-  // None moves the picture by whole columns: half of the patches would then match to the last bit,
-  // and the others, though right, be left out as worse than the median.
+  // No offset moves the picture by whole columns: half of the patches would then match to the last
+  // bit, and the others, though right, be left out as worse than the median.
   for (const double offset_px : {10.0, -7.0, 40.0, 3.25, -0.75}) {
     const auto sensor =
         MakeSensor(StereoCalibration{.camera = kCamera, .raw = {}, .right_cx_offset_px = offset_px},
@@ -103,7 +103,8 @@ TEST(StereoSensorTest, RefusesAPrincipalColumnOutsideThePicture) {
 TEST(StereoSensorTest, ExchangedCamerasGiveNoDisparities) {
   const auto features = Stereo()->Process({.grey = Scene(20), .right = Scene(0)});
   ASSERT_TRUE(features.ok());
-  EXPECT_LT(DisparityErrors(*features, 20).size(), features->keypoints.size() / 10);  // by chance
+  // A tenth may match by chance.
+  EXPECT_LT(DisparityErrors(*features, 20).size(), features->keypoints.size() / 10);
 }
 
 TEST(StereoSensorTest, APointAtInfinityHasTheLeastDisparity) {
@@ -157,7 +158,7 @@ TEST(StereoSensorTest, RefusesACameraWithoutBaseline) {
 TEST(RgbdSensorTest, ReadsDepthInUnitsAndInMetres) {
   const auto sensor = MakeSensor(RgbdCalibration{.camera = kCamera, .distortion = {}}, {});
   ASSERT_TRUE(sensor.ok());
-  // 2 m on the left, none on the right.
+  // The depth is 2 m on the left, and there is none on the right.
   cv::Mat units(480, 640, CV_16UC1, cv::Scalar(10000));
   units.colRange(320, 640).setTo(0);
   cv::Mat metres(480, 640, CV_32FC1, cv::Scalar(2));
@@ -168,7 +169,8 @@ TEST(RgbdSensorTest, ReadsDepthInUnitsAndInMetres) {
     ASSERT_GT(features->keypoints.size(), 500U);
     for (const Keypoint& keypoint : features->keypoints) {
       const bool left = std::lround(keypoint.x_px) < 320;
-      EXPECT_FLOAT_EQ(keypoint.disparity_px, left ? 25.0F : 0.0F);  // 500 * 0.1 / 2
+      // The disparity is 500 * 0.1 / 2.
+      EXPECT_FLOAT_EQ(keypoint.disparity_px, left ? 25.0F : 0.0F);
     }
   }
 }

@@ -16,7 +16,7 @@ namespace {
 
 // Half the height of the band in which a keypoint's counterpart is sought, pixels of its octave.
 constexpr double kBand_px = 2.0;
-// Points at infinity measure a disparity around 0.
+// Points at infinity have measured disparities around 0.
 constexpr float kLeastMeasured_px = -0.5F;
 constexpr float kLeastDisparity_px = 0.01F;
 
@@ -27,7 +27,7 @@ struct Candidate {
   Descriptor descriptor;
 };
 
-// For each row and octave, the right keypoints that may lie there, in order of their index.
+// Lists for each row and octave the right keypoints that may lie there, in order of their index.
 class RowIndex {
  public:
   RowIndex(const Features& features, int rows)
@@ -41,7 +41,7 @@ class RowIndex {
     });
   }
 
-  // Those of the row whose octave is at most one away.
+  // Returns the candidates of the row whose octave is at most one away.
   absl::Span<const Candidate> Near(int row, int octave) const {
     const int first = row * ScalePyramid::kLevels + std::max(0, octave - 1);
     const int last = row * ScalePyramid::kLevels + std::min(ScalePyramid::kLevels - 1, octave + 1);
@@ -152,9 +152,9 @@ class Matcher {
   const RowIndex rows_;
 };
 
-// In order of the keypoints.
+// Results are in the order of the keypoints.
 std::vector<Measured> MatchAll(const Matcher& matcher, const Features& left, ThreadPair& threads) {
-  constexpr size_t kTask = 100;  // Keypoints.
+  constexpr size_t kTask = 100;  // Number of keypoints.
   const size_t count = left.keypoints.size();
   std::vector<std::optional<Measured>> found(count);
   threads.Run((count + kTask - 1) / kTask, [&](size_t task) {

@@ -18,8 +18,8 @@ namespace {
 // ones miss theirs because the spread over the image chose its neighbour.
 constexpr int kRightFeaturesFactor = 2;
 
-// The image without its first `columns`; what is missing at the other side repeats its edge. A
-// negative number moves it the other way.
+// Returns the image without its first `columns`; what is missing at the other side repeats its
+// edge. A negative number moves it the other way.
 cv::Mat DropColumns(const cv::Mat& image, int columns) {
   const int count = std::min(std::abs(columns), image.cols - 1);
   const cv::Range kept =
@@ -84,7 +84,7 @@ absl::StatusOr<Features> StereoSensor::Process(const SensorImages& images) {
   });
   RETURN_IF_ERROR(left_.status);
   RETURN_IF_ERROR(right_.status);
-  // The large levels first, so that both threads end at about the same time.
+  // The large levels come first, so that both threads end at about the same time.
   threads_.Run(2 * ScalePyramid::kLevels, [this](size_t i) {
     Side& side = i % 2 == 0 ? right_ : left_;
     side.extractor.ExtractLevel(side.pyramid, static_cast<int>(i / 2));

@@ -1,4 +1,4 @@
-// Features of a stereo pair. Internal to slam/sensor: use MakeSensor.
+// Makes features of a stereo pair. Internal to slam/sensor: use MakeSensor.
 #ifndef CORBSLAM_SLAM_SENSOR_STEREO_SENSOR_H_
 #define CORBSLAM_SLAM_SENSOR_STEREO_SENSOR_H_
 

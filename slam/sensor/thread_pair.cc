@@ -10,11 +10,11 @@
 namespace corbslam {
 namespace {
 
-// Longer than what a caller does alone between two runs of a frame, shorter than what anybody would
-// notice of a processor's time.
+// The wait is longer than what a caller does alone between two runs of a frame, and shorter than
+// what anybody would notice of a processor's time.
 constexpr std::chrono::microseconds kAwake(500);
 
-// Lets others run while it waits.
+// Waits awake for at most kAwake, and lets other threads run meanwhile.
 void StayAwakeUntil(const std::atomic<bool>& ready) {
   const auto end = std::chrono::steady_clock::now() + kAwake;
   while (!ready.load(std::memory_order_acquire) && std::chrono::steady_clock::now() < end) {
@@ -23,7 +23,7 @@ void StayAwakeUntil(const std::atomic<bool>& ready) {
 }
 
 #ifdef __linux__
-// All that this process may use, but one; none: that is all there are.
+// Returns all processors that this process may use, but one; none if that is all there are.
 cpu_set_t ProcessorsBut(int one) {
   cpu_set_t processors;
   CPU_ZERO(&processors);
@@ -78,7 +78,7 @@ bool ThreadPair::RunOne() {
     if (begun_ == count_) return false;
     index = begun_++;
     to_begin_ = begun_ < count_;
-    // What it refers to lives until this one is done, too.
+    // The function that the task refers to lives until this task is done, too.
     task = task_;
   }
   (*task)(index);
@@ -109,7 +109,7 @@ void ThreadPair::KeepApart() {
   const int here = sched_getcpu();
   if (here == kept_off_) return;
   const cpu_set_t others = ProcessorsBut(here);
-  // Where there is no other it stays as it was, and so it does where this is refused.
+  // The thread stays as it was where there is no other processor, and where the system refuses.
   if (CPU_COUNT(&others) == 0) return;
   kept_off_ = here;
   pthread_setaffinity_np(thread_.native_handle(), sizeof(others), &others);

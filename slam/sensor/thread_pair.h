@@ -20,25 +20,25 @@ class ThreadPair {
  public:
   using Task = absl::FunctionRef<void(size_t)>;
 
-  // Without a thread beside it the caller does everything, in order.
+  // If not `parallel` there is no second thread, and the caller does everything, in order.
   explicit ThreadPair(bool parallel);
   ~ThreadPair();
   ThreadPair(const ThreadPair&) = delete;
   ThreadPair& operator=(const ThreadPair&) = delete;
 
-  // Runs task(0) to task(count - 1), each once, and returns when all are done. Whoever is free
-  // takes the next one: a thread that the machine does not let run delays nothing that it has not
-  // begun. Tasks must not throw.
+  // Runs task(0) to task(count - 1), each once, and returns when all are done. The thread that is
+  // free takes the next one: a thread that the machine does not let run delays nothing that it has
+  // not begun. Tasks must not throw.
   void Run(size_t count, Task task);
 
  private:
-  // False: none is left to begin.
+  // Returns false when no task is left to begin.
   bool RunOne();
   void Loop();
   void KeepApart();
 
   absl::Mutex mutex_;
-  // For threads that are awake: there is something to begin, or everything is done.
+  // They tell threads that are awake whether there is something to begin, and whether all is done.
   std::atomic<bool> to_begin_ = false;
   std::atomic<bool> all_done_ = true;
   int kept_off_ = -1;  // The processor that the thread must not use; -1: any will do.
@@ -47,7 +47,7 @@ class ThreadPair {
   size_t begun_ ABSL_GUARDED_BY(mutex_) = 0;
   size_t done_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
-  std::thread thread_;  // May be none.
+  std::thread thread_;  // There may be no thread.
 };
 
 }  // namespace corbslam

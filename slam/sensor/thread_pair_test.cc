@@ -26,7 +26,7 @@ TEST(ThreadPairTest, RunsEachTaskOnceAndWaitsForAll) {
 TEST(ThreadPairTest, BothThreadsWorkAtTheSameTime) {
   ThreadPair threads(true);
   absl::Notification of_task[2];
-  // Either waits for the other: one thread alone would wait for ever.
+  // Each task waits for the other: one thread alone would wait for ever.
   threads.Run(2, [&](size_t i) {
     of_task[i].Notify();
     of_task[1 - i].WaitForNotification();

@@ -1,5 +1,5 @@
-// Random numbers that are the same with every compiler and library: SplitMix64 (Steele, Lea, Flood:
-// Fast splittable pseudorandom number generators, OOPSLA 2014).
+// Makes random numbers that are the same with every compiler and library, by SplitMix64 (Steele,
+// Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014).
 #ifndef CORBSLAM_SLAM_SIMULATION_DICE_H_
 #define CORBSLAM_SLAM_SIMULATION_DICE_H_
 
@@ -7,12 +7,13 @@
 
 namespace corbslam {
 
-// Not thread-safe; cheap to make, one for each thing that is built.
+// Dice are cheap to make: each thing that is built has its own. Not thread-safe.
 class Dice {
  public:
   explicit Dice(uint64_t seed) : state_(seed) {}
 
-  // Those of one thing among many: `purpose` keeps kinds apart, `a` and `b` say which or where.
+  // Returns the dice of one thing among many: `purpose` keeps kinds apart, `a` and `b` say which or
+  // where.
   static Dice For(uint64_t seed, uint64_t purpose, int64_t a, int64_t b = 0) {
     Dice dice(seed);
     for (const uint64_t part : {purpose, static_cast<uint64_t>(a), static_cast<uint64_t>(b)}) {
@@ -29,12 +30,12 @@ class Dice {
     return bits ^ (bits >> 31);
   }
   uint32_t Seed() { return static_cast<uint32_t>(Next() >> 32); }
-  // low to high, high excluded.
+  // Returns a number from `low` to `high`, `high` excluded.
   double Uniform(double low, double high) {
     return low + (high - low) * (static_cast<double>(Next() >> 11) * 0x1p-53);
   }
   float Uniformf(double low, double high) { return static_cast<float>(Uniform(low, high)); }
-  // low to high, both included.
+  // Returns a number from `low` to `high`, both included.
   int Integer(int low, int high) {
     return low + static_cast<int>(Next() % static_cast<uint64_t>(high - low + 1));
   }

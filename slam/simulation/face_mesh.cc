@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Clusters are what is found hidden as a whole.
+// A cluster is found hidden as a whole.
 constexpr ptrdiff_t kMostFacesInCluster = 64;
 
 struct Face {
@@ -33,7 +33,7 @@ PatchSurface MakeSurface(const Patch& patch) {
 }
 
 bool IsFlatAndConvex(const std::array<Vector3f, 4>& corners) {
-  constexpr float kFlat = 1e-3F;  // Of the longest diagonal.
+  constexpr float kFlat = 1e-3F;  // Share of the longest diagonal.
   const Vector3f across = corners[2] - corners[0];
   const Vector3f other = corners[3] - corners[1];
   const Vector3f normal = across.cross(other).normalized();
@@ -105,7 +105,7 @@ void Divide(Face* first, Face* last, FaceMesh* mesh) {
   for (const Face* face = first; face != last; ++face) centres.extend(face->centre);
   int axis = 0;
   centres.sizes().maxCoeff(&axis);
-  // Whole groups of eight in the first half.
+  // The first half holds whole groups of eight.
   const ptrdiff_t half = (last - first) / 2 / kNumbers * kNumbers;
   std::nth_element(first, first + half, last, [axis](const Face& a, const Face& b) {
     return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis] : a.patch < b.patch;

@@ -45,7 +45,7 @@ struct PatchSurface {
 struct FaceMesh {
   std::vector<FaceGroup> groups;
   std::vector<FaceCluster> clusters;
-  std::vector<PatchSurface> surfaces;  // One a patch of the mesh.
+  std::vector<PatchSurface> surfaces;  // One surface for each patch of the mesh.
   Eigen::AlignedBox3f bounds;
 };
 

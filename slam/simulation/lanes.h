@@ -13,7 +13,7 @@ using Floats = float __attribute__((vector_size(32)));
 using Ints = int32_t __attribute__((vector_size(32)));
 using Uints = uint32_t __attribute__((vector_size(32)));
 
-// Must end up inside the functions that are compiled for each instruction set.
+// These functions must end up inside the ones that are compiled for each instruction set.
 #define CORBSLAM_LANES [[gnu::always_inline]] inline
 
 CORBSLAM_LANES Floats Load(const Eight<float>& from) {

@@ -20,7 +20,7 @@ absl::Status Require(double value, double least, double most, const char* field)
       absl::StrFormat("%s: %g, must be %g to %g", field, value, least, most));
 }
 
-// 255 light^gamma by interpolation in a table.
+// Computes 255 light^gamma by interpolation in a table.
 class ToneCurve {
  public:
   explicit ToneCurve(double gamma) {
@@ -43,17 +43,18 @@ class ToneCurve {
 
 uint64_t Mixed(uint64_t x) { return Dice(x).Next(); }
 
-// Nearly normal with variance 1: the sum of the eight bytes of a hash.
+// Returns a nearly normal number with variance 1: the sum of the eight bytes of a hash.
 float Noise(uint64_t key) {
   const uint64_t bits = Mixed(key);
   const uint64_t pairs = (bits & 0x00FF00FF00FF00FFU) + ((bits >> 8) & 0x00FF00FF00FF00FFU);
   const uint64_t sum = (pairs * 0x0001000100010001U) >> 48;
   constexpr float kMean = 8 * 127.5F;
-  constexpr float kDeviation = 209.02F;  // sqrt(8 (256^2 - 1) / 12)
+  constexpr float kDeviation = 209.02F;  // It is sqrt(8 (256^2 - 1) / 12).
   return (static_cast<float>(sum) - kMean) / kDeviation;
 }
 
-// 1 in the middle, 1 - vignetting in the corners; falls with the square of the distance.
+// Returns 1 in the middle and 1 - vignetting in the corners; it falls with the square of the
+// distance.
 float Transmission(float x, float y, const cv::Size& size, float vignetting) {
   const float dx = 2 * x / static_cast<float>(size.width) - 1;
   const float dy = 2 * y / static_cast<float>(size.height) - 1;

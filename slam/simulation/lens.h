@@ -21,11 +21,11 @@ struct Lens {
   uint64_t noise_seed = 1;
 };
 
-// INVALID_ARGUMENT, naming the field, its value and its range.
+// INVALID_ARGUMENT names the field, its value and its range.
 absl::Status Validate(const Lens& lens);
 
-// From light (CV_32FC1, 1: white) to grey levels (CV_8UC1). `time_s` drives the exposure's drift;
-// each `stream` has noise of its own, the same every time.
+// Turns light (CV_32FC1, 1: white) into grey levels (CV_8UC1). `time_s` drives the exposure's
+// drift; each `stream` has noise of its own, the same every time.
 cv::Mat Develop(const cv::Mat& light, const Lens& lens, double time_s, uint64_t stream,
                 int threads);
 

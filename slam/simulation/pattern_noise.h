@@ -17,7 +17,7 @@ struct SurfacePlace {
   Uints seed;
 };
 
-// Thirty-two well mixed bits of a cell's indices and a seed.
+// Returns thirty-two well mixed bits of a cell's indices and a seed.
 CORBSLAM_LANES Uints HashCell(const Ints& i, const Ints& j, const Uints& seed) {
   Uints h = (Uints)i * 0x9E3779B1U;
   h ^= (h >> 15) + seed;
@@ -27,15 +27,15 @@ CORBSLAM_LANES Uints HashCell(const Ints& i, const Ints& j, const Uints& seed) {
   return h ^ (h >> 16);
 }
 
-// -1 to 1.
+// Returns numbers from -1 to 1.
 CORBSLAM_LANES Floats SignedUnit(const Uints& hash) {
   const Ints bits = (Ints)hash >> 8;
   return ToFloats(bits) * (1.0F / (1 << 23));
 }
-// 0 to 1.
+// Returns numbers from 0 to 1.
 CORBSLAM_LANES Floats Unit(const Uints& hash) { return 0.5F * SignedUnit(hash) + 0.5F; }
 
-// How much of a feature of one cell's size is left when a pixel covers `cells` cells.
+// Returns how much of a feature of one cell's size is left when a pixel covers `cells` cells.
 CORBSLAM_LANES Floats Visible(const Floats& cells_u, const Floats& cells_v) {
   return Clamp01(2.0F - 2.0F * cells_u) * Clamp01(2.0F - 2.0F * cells_v);
 }
@@ -46,7 +46,7 @@ struct Lattice {
   Floats visible;
 };
 
-// `edge`: width of the transition between two cells in cells, 0 (sharp) to 1 (linear).
+// `edge` is the width of the transition between two cells in cells, 0 (sharp) to 1 (linear).
 CORBSLAM_LANES Lattice LatticeAt(const SurfacePlace& at, float size_u, float size_v, float edge) {
   const Floats x = at.u * (1 / size_u) - 0.5F;
   const Floats y = at.v * (1 / size_v) - 0.5F;
@@ -63,8 +63,8 @@ CORBSLAM_LANES Lattice LatticeAt(const SurfacePlace& at, float size_u, float siz
   return lattice;
 }
 
-// A random value a cell, -1 to 1; cells are rectangles with sharp edges (edge 0) or melt into each
-// other (edge 1).
+// Returns a random value a cell, -1 to 1; cells are rectangles with sharp edges (edge 0) or melt
+// into each other (edge 1).
 CORBSLAM_LANES Floats CellNoise(const SurfacePlace& at, float size_u, float size_v, float edge,
                                 uint32_t layer) {
   const Lattice l = LatticeAt(at, size_u, size_v, edge);
@@ -76,8 +76,8 @@ CORBSLAM_LANES Floats CellNoise(const SurfacePlace& at, float size_u, float size
   return Mix(Mix(a, b, l.s), Mix(c, d, l.s), l.t) * l.visible;
 }
 
-// The same place on axes turned by an angle whose cosine and sine are given, so that cells of
-// several layers don't line up.
+// Returns the same place on axes turned by an angle whose cosine and sine are given, so that cells
+// of several layers don't line up.
 CORBSLAM_LANES SurfacePlace Turned(const SurfacePlace& at, float cosine, float sine) {
   SurfacePlace turned;
   turned.u = at.u * cosine + at.v * sine;
@@ -88,8 +88,8 @@ CORBSLAM_LANES SurfacePlace Turned(const SurfacePlace& at, float cosine, float s
   return turned;
 }
 
-// Layers of cell noise from `size` down by factors of about three, sharp and soft in turn; about -1
-// to 1. Mottled: stone, asphalt, plaster.
+// Lays layers of cell noise over each other, from `size` down by factors of about three, sharp and
+// soft in turn; the result is about -1 to 1. It looks mottled, like stone, asphalt or plaster.
 CORBSLAM_LANES Floats Mottle(const SurfacePlace& at, float size, uint32_t layer) {
   const SurfacePlace turned = Turned(at, 0.8F, 0.6F);
   const SurfacePlace other = Turned(at, 0.28F, -0.96F);
@@ -99,8 +99,8 @@ CORBSLAM_LANES Floats Mottle(const SurfacePlace& at, float size, uint32_t layer)
          0.25F * CellNoise(other, 0.034F * size, 0.03F * size, 0.2F, layer + 3);
 }
 
-// Share of the pixel that lies on bars of width `width` that repeat every `period` from 0 on: exact
-// for a box of the pixel's size.
+// Returns the share of the pixel that lies on bars of width `width` that repeat every `period` from
+// 0 on: exact for a box of the pixel's size.
 CORBSLAM_LANES Floats Bars(const Floats& x, const Floats& pixel, const Floats& period,
                            const Floats& width) {
   const Floats half = Most(pixel, All(1e-4F)) * 0.5F;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr float kNearestDepth_m = 1 / VisibilityBuffer::kMostNearness;
 
-// Linear functions of a pixel's place, a x + b y + c: one for each side of a face, not negative
-// within; and the face's nearness.
+// Holds linear functions of a pixel's place, a x + b y + c: one for each side of a face, not
+// negative within; and the face's nearness.
 struct FaceLanes {
   std::array<Floats, 4> a, b, c;
   Floats near_a, near_b, near_c;
@@ -51,14 +51,14 @@ CORBSLAM_LANES void SetSides(const std::array<Corner, 4>& corners, FaceLanes& fa
     face.b[k] = edge.y * side;
     face.c[k] = edge.z * side;
   }
-  // Seen edge-on: nowhere.
+  // A face that is seen edge-on is nowhere.
   const Floats inverse = Magnitude(plane) > 1e-12F ? 1.0F / plane : All(0);
   face.near_a = normal.x * inverse;
   face.near_b = normal.y * inverse;
   face.near_c = normal.z * inverse;
 }
 
-// The pixels that may be covered; left > right where there are none.
+// Sets the bounds of pixels that may be covered; left > right where there are none.
 CORBSLAM_LANES void SetBounds(const std::array<Corner, 4>& corners, int width_px, int height_px,
                               FaceLanes& face) {
   constexpr float kFar = 1e6F;
@@ -77,7 +77,7 @@ CORBSLAM_LANES void SetBounds(const std::array<Corner, 4>& corners, int width_px
   }
   const Floats width = All(static_cast<float>(width_px - 1));
   const Floats height = All(static_cast<float>(height_px - 1));
-  // What reaches behind the camera may be anywhere, unless all of it is beyond one border.
+  // A face that reaches behind the camera may be anywhere, unless all of it is beyond one border.
   const Ints behind = least_z < kNearestDepth_m;
   Ints beyond = most_z < kNearestDepth_m;
   Ints all_left = Ints{} - 1, all_right = Ints{} - 1, all_above = Ints{} - 1,
@@ -125,7 +125,7 @@ CORBSLAM_LANES void NarrowRow(const FaceLanes& face, int lane, int y, int& left,
 // A linear function of a pixel's place.
 struct Plane {
   float a, b, c;
-  // At the samples instead of the pixels' centres.
+  // Returns the function at the samples instead of the pixels' centres.
   CORBSLAM_LANES Plane At(const SampleOffset& offset) const {
     return {a, b, a * offset.right_px + (b * offset.down_px + c)};
   }
@@ -172,7 +172,7 @@ CORBSLAM_LANES void DrawSample(const FaceLanes& face, int lane, size_t sample, i
   }
 }
 
-// Whether a sample of the face was seen.
+// Returns whether a sample of the face was seen.
 CORBSLAM_LANES bool DrawFace(const FaceLanes& face, int lane, int32_t id,
                              VisibilityBuffer& buffer) {
   const PixelRect rect = {face.left[lane], face.right[lane], face.top[lane], face.bottom[lane]};

@@ -1,4 +1,4 @@
-// Pictures of a scene.
+// Draws pictures of a scene.
 #ifndef CORBSLAM_SLAM_SIMULATION_RENDERER_H_
 #define CORBSLAM_SLAM_SIMULATION_RENDERER_H_
 
@@ -23,25 +23,25 @@ struct RenderOptions {
 // One picture to be taken.
 struct Shot {
   Rigid3d world_from_camera = {};
-  // Where the camera is when the shutter closes: what motion blur is drawn from.
+  // Pose of the camera when the shutter closes; motion blur is drawn from it.
   std::optional<Rigid3d> world_from_camera_at_close = {};
-  double time_s = 0;    // Of the sequence: where the movers are.
+  double time_s = 0;    // Time of the sequence, which says where the movers are.
   uint64_t stream = 0;  // Noise differs between streams: make one of frame and camera.
 };
 
 // Draws the same bytes for the same shot whatever the number of threads. Thread-safe.
 class Renderer {
  public:
-  // INVALID_ARGUMENT, naming the field, for a mesh index out of range, an empty mover path or
-  // numbers that aren't finite.
+  // INVALID_ARGUMENT names the field, for a mesh index out of range, an empty mover path or numbers
+  // that aren't finite.
   static absl::StatusOr<std::unique_ptr<Renderer>> Make(const Scene& scene,
                                                         const RenderOptions& options);
   virtual ~Renderer() = default;
 
-  // CV_8UC1 of the camera's size.
+  // Returns a CV_8UC1 picture of the camera's size.
   virtual cv::Mat DrawGrey(const Camera& camera, const Shot& shot) const = 0;
-  // CV_32FC1 of the camera's size: z of the first surface at each pixel's centre in metres, 0 where
-  // there is none.
+  // Returns a CV_32FC1 of the camera's size: z of the first surface at each pixel's centre in
+  // metres, 0 where there is none.
   virtual cv::Mat DrawDepth(const Camera& camera, const Shot& shot) const = 0;
 };
 

@@ -70,12 +70,12 @@ TEST(RendererTest, DepthIsTheDistanceAlongTheOpticalAxis) {
 }
 
 TEST(RendererTest, DepthOfASlantedGroundFollowsTheRow) {
-  // Ground 1.65 m below the camera: depth f h / (row - cy).
+  // The ground lies 1.65 m below the camera: its depth is f h / (row - cy).
   const Scene scene =
       SceneOf({Rectangle({-100, 1.65F, 0.5F}, {200, 0, 0}, {0, 0, 300}, Material::kAsphalt, 1)});
   const cv::Mat depth = MakeRenderer(scene, Lens())->DrawDepth(SmallCamera(), {});
   EXPECT_NEAR(depth.at<float>(80, 20), 100 * 1.65 / (80 - 39.5), 1e-3);
-  EXPECT_EQ(depth.at<float>(10, 20), 0);  // The sky.
+  EXPECT_EQ(depth.at<float>(10, 20), 0);  // There is only the sky.
 }
 
 TEST(RendererTest, TheNearerSurfaceHidesTheFarther) {
@@ -90,7 +90,8 @@ TEST(RendererTest, StereoViewsShowTheSameSurfaceOneDisparityApart) {
   const auto renderer = MakeRenderer(SceneOf({Wall(10, Material::kFacade)}), NoiselessLens());
   const cv::Mat left = renderer->DrawGrey(SmallCamera(), {});
   Shot shifted;
-  shifted.world_from_camera.translation.x() = 0.5;  // 100 px * 0.5 m / 10 m = 5 px.
+  // The picture shifts by 100 px * 0.5 m / 10 m = 5 px.
+  shifted.world_from_camera.translation.x() = 0.5;
   const cv::Mat right = renderer->DrawGrey(SmallCamera(), shifted);
   const cv::Mat overlap_left = left.colRange(5, 121);
   const cv::Mat overlap_right = right.colRange(0, 116);

@@ -44,7 +44,7 @@ enum class Material : uint8_t {
 
 // A flat convex quadrilateral, seen from both sides.
 struct Patch {
-  std::array<Eigen::Vector3f, 4> corners;  // In order round.
+  std::array<Eigen::Vector3f, 4> corners;  // The corners in order round.
   // Texture coordinates in metres of a point x of the mesh's frame:
   // u = u_axis . x + u_offset_m, v = v_axis . x + v_offset_m; the axes are unit vectors.
   Eigen::Vector3f u_axis;
@@ -56,8 +56,8 @@ struct Patch {
   float tone = 1;     // Multiplies the reflectance, 0 to 1.5.
 };
 
-// The patch with corners origin, +u, +u+v, +v and texture axes along its edges, texture origin at
-// `origin`.
+// Returns the patch with corners origin, +u, +u+v, +v and texture axes along its edges, texture
+// origin at `origin`.
 Patch Rectangle(const Eigen::Vector3f& origin, const Eigen::Vector3f& edge_u,
                 const Eigen::Vector3f& edge_v, Material material, uint32_t seed, float tone = 1);
 
@@ -82,17 +82,17 @@ struct Mover {
   };
   uint32_t mesh = 0;
   uint32_t seed = 0;
-  std::vector<Waypoint> path = {};  // At least one, times grow.
+  std::vector<Waypoint> path = {};  // It has at least one, and times grow.
 };
 
-// Where a mover is at a time of the sequence.
+// Returns where a mover is at a time of the sequence.
 Rigid3d PoseAt(const Mover& mover, double time_s);
 
 struct Light {
-  // Unit vector from the world to the sun.
+  // Unit vector that points from the world to the sun.
   Eigen::Vector3f towards_sun = Eigen::Vector3f(-0.45F, -0.75F, 0.48F);
   float ambient = 0.55F;  // Share of light that comes from everywhere, 0 to 1.
-  bool sky = true;        // Without: indoors, what no patch covers is black.
+  bool sky = true;        // False: indoors, what no patch covers is black.
 };
 
 struct Scene {

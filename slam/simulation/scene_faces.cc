@@ -59,7 +59,7 @@ PixelFromMesh Projection(const Camera& camera, const Rigid3d& world_from_camera,
   return projection;
 }
 
-// Draws the clusters that aren't hidden, the near ones first.
+// Draws the clusters that aren't hidden, near ones first.
 void DrawMesh(const FaceMesh& mesh, const PixelFromMesh& projection, uint32_t placement,
               SceneView* view) {
   VisibilityBuffer& buffer = view->buffer;

@@ -16,12 +16,12 @@
 
 namespace corbslam {
 
-// A mesh where it stands.
+// A mesh at its place in the scene.
 struct FacePlacement {
   uint32_t mesh = 0;
   Similarity3d world_from_mesh = {};
   uint32_t seed = 0;
-  Eigen::Vector3d centre = {};  // Of a ball round it.
+  Eigen::Vector3d centre = {};  // Centre of a ball round it.
   double radius_m = 0;
 };
 
@@ -31,21 +31,22 @@ struct SceneView {
   Rigid3d world_from_camera;
   VisibilityBuffer buffer;  // Its faces are indices into `drawn`.
   std::vector<DrawnFace> drawn;
-  std::vector<FacePlacement> movers;  // Placements from the still ones' count on.
+  // Placements of movers; their numbers go on after those that stand still.
+  std::vector<FacePlacement> movers;
 };
 
 // Immutable; See may be called from any thread.
 class SceneFaces {
  public:
-  // INVALID_ARGUMENT, naming the field, for a mesh index out of range, an empty mover path or
-  // numbers that aren't finite.
+  // INVALID_ARGUMENT names the field, for a mesh index out of range, an empty mover path or numbers
+  // that aren't finite.
   static absl::StatusOr<SceneFaces> Make(const Scene& scene);
 
   // The movers are where they are at `time_s` of the sequence.
   SceneView See(const Camera& camera, const Rigid3d& world_from_camera, double time_s,
                 std::vector<SampleOffset> samples) const;
 
-  // `index`: DrawnFace::placement.
+  // `index` is a DrawnFace::placement.
   const FacePlacement& PlacementAt(const SceneView& view, uint32_t index) const {
     const size_t still = placements_.size();
     return index < still ? placements_[index] : view.movers[index - still];

@@ -6,8 +6,8 @@
 
 namespace corbslam {
 
-// INVALID_ARGUMENT, naming the field, for a mesh index out of range, a mover's path that is empty
-// or goes back in time, a scale that isn't positive, or numbers that aren't finite.
+// INVALID_ARGUMENT names the field, for a mesh index out of range, a mover's path that is empty or
+// goes back in time, a scale that isn't positive, or numbers that aren't finite.
 absl::Status Validate(const Scene& scene);
 
 }  // namespace corbslam

@@ -32,7 +32,7 @@ struct SeenSurface {
   Material material = Material::kSky;
 };
 
-// From a pixel (x, y, 1) to the world's direction of its ray, which reaches depth 1.
+// Maps a pixel (x, y, 1) to the world's direction of its ray, which reaches depth 1.
 Eigen::Matrix3f RayFromPixel(const SceneView& view) {
   const Camera& camera = view.camera;
   Eigen::Matrix3d rays;
@@ -43,7 +43,7 @@ Eigen::Matrix3f RayFromPixel(const SceneView& view) {
 
 float LightOn(const PatchSurface& surface, const Vector3f& normal, const Vector3f& towards_face,
               const Light& light) {
-  // Two-sided: the side that the eye sees is lit when the sun is on it too.
+  // A face has two sides: the side that the eye sees is lit when the sun is on it too.
   const float facing = normal.dot(towards_face) > 0 ? -1.0F : 1.0F;
   float sun = facing * normal.dot(light.towards_sun);
   if (surface.material == Material::kLeaves) sun = 0.6F + 0.4F * sun;
@@ -71,13 +71,13 @@ SeenSurface Describe(const SceneFaces& scene, const SceneView& view, const Drawn
           .material = surface.material};
 }
 
-// Places of one material that wait for being shaded together.
+// Holds places of one material that wait for being shaded together.
 struct Batch {
   size_t count = 0;
   std::array<const SeenSurface*, kLanes> surface;
   std::array<float, kLanes> x;
   std::array<float, kLanes> y;
-  std::array<float, kLanes> share;   // Of the pixel.
+  std::array<float, kLanes> share;   // Share of the pixel.
   std::array<float*, kLanes> pixel;  // Light is added to it.
 };
 
@@ -210,7 +210,7 @@ class BandPainter {
     }
   }
 
-  // Places in a layer of clouds above the eye; without a sky it is dark.
+  // Shades places in a layer of clouds above the eye; without a sky it is dark.
   void ShadeSky(const Batch& batch) const {
     if (!scene_.light().sky) return;
     constexpr float kCloudHeight_m = 500;
@@ -241,7 +241,8 @@ class BandPainter {
   std::array<Batch, kMaterials> batches_;
 };
 
-// Where a sample sees each drawn face, as a pixel; those that something nearer hid again have none.
+// Returns as a pixel where a sample sees each drawn face; faces that something nearer hid again
+// have none.
 std::vector<int32_t> FindSeen(const SceneView& view) {
   const VisibilityBuffer& buffer = view.buffer;
   std::vector<int32_t> pixel_of(view.drawn.size(), -1);

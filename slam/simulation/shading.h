@@ -1,4 +1,4 @@
-// The light that comes to the eye from what is seen.
+// Computes the light that comes to the eye from what is seen.
 #ifndef CORBSLAM_SLAM_SIMULATION_SHADING_H_
 #define CORBSLAM_SLAM_SIMULATION_SHADING_H_
 
@@ -8,9 +8,9 @@
 
 namespace corbslam {
 
-// CV_32FC1 of the camera's size, 1: a white surface in full sun. Where several faces lie within a
-// pixel it is the mean over the samples; a face is shaded once a pixel. `threads` changes speed
-// only.
+// Returns light as CV_32FC1 of the camera's size; 1 is a white surface in full sun. Where several
+// faces lie within a pixel it is the mean over the samples; a face is shaded once a pixel.
+// `threads` changes speed only.
 cv::Mat ComputeLight(const SceneFaces& scene, const SceneView& view, int threads);
 
 }  // namespace corbslam

@@ -7,7 +7,7 @@
 namespace corbslam {
 namespace {
 
-// A number of the whole surface, 0 to 1.
+// Returns a number that the whole surface shares, 0 to 1.
 CORBSLAM_LANES Floats OfSurface(const SurfacePlace& at, int32_t which) {
   return Unit(HashCell(Ints{} + which, Ints{} + 7919, at.seed));
 }
@@ -20,7 +20,7 @@ CORBSLAM_LANES SurfacePlace Shifted(const SurfacePlace& at, const Floats& u, con
 }
 
 CORBSLAM_LANES Floats Asphalt(const SurfacePlace& at) {
-  // Patches where the road was mended, cracks, grains.
+  // The road has patches where it was mended, cracks, grains.
   const SurfacePlace turned = Turned(at, 0.955F, 0.296F);
   const Floats mended = CellNoise(turned, 4.1F, 2.3F, 0.02F, 11);
   return 0.30F + 0.05F * mended + 0.13F * Mottle(at, 1.3F, 12) +
@@ -56,7 +56,7 @@ CORBSLAM_LANES Floats Brick(const SurfacePlace& at) {
          0.12F * Mottle(at, 1.7F, 52);
 }
 
-// A window: frame, crossbars, and behind the glass a curtain or what the glass mirrors.
+// Draws a window: frame, crossbars, and behind the glass a curtain or what the glass mirrors.
 CORBSLAM_LANES Floats Window(const SurfacePlace& at, const Floats& pitch) {
   const Ints column = FloorToInts(at.u / pitch);
   const Ints storey = FloorToInts(at.v * (1 / 3.0F));
@@ -108,7 +108,7 @@ CORBSLAM_LANES Floats Wood(const SurfacePlace& at) {
          0.08F * CellNoise(at, 0.02F, 0.4F, 0.4F, 92) + 0.06F * Mottle(at, 0.8F, 93);
 }
 
-// Leaves in the sun and dark gaps between them.
+// Draws leaves in the sun and dark gaps between them.
 CORBSLAM_LANES Floats Foliage(const SurfacePlace& at, float leaf) {
   const SurfacePlace turned = Turned(at, 0.6F, 0.8F);
   const Floats leaves = CellNoise(turned, leaf, 1.4F * leaf, 0.12F, 102);
@@ -128,7 +128,7 @@ CORBSLAM_LANES Floats Metal(const SurfacePlace& at) {
 CORBSLAM_LANES Floats CarPaint(const SurfacePlace& at) {
   const Floats base = 0.06F + 0.7F * OfSurface(at, 1);
   const Floats seams = Bars(at.u, at.pixel_u, All(1.1F), All(0.012F));
-  // What the paint mirrors.
+  // The noise stands for what the paint mirrors.
   return base - 0.1F * seams + 0.08F * CellNoise(at, 0.9F, 0.35F, 0.5F, 131) +
          0.03F * CellNoise(at, 0.15F, 0.1F, 0.3F, 132);
 }
@@ -147,7 +147,7 @@ CORBSLAM_LANES Floats RoadMarking(const SurfacePlace& at) {
   return 0.6F + 0.25F * worn;
 }
 
-// Print: lines of words between margins.
+// Draws print: lines of words between margins.
 CORBSLAM_LANES Floats Sign(const SurfacePlace& at) {
   const Floats lines = Bars(at.v - 0.04F, at.pixel_v, All(0.16F), All(0.08F));
   const Floats words = 0.5F + 0.5F * CellNoise(at, 0.13F, 0.16F, 0.0F, 171);
@@ -193,7 +193,7 @@ CORBSLAM_LANES Floats Ceiling(const SurfacePlace& at) {
          0.07F * CellNoise(at, 0.025F, 0.025F, 0.1F, 226);
 }
 
-// Clouds, soft at every scale.
+// Draws clouds, which are soft at every scale.
 CORBSLAM_LANES Floats Sky(const SurfacePlace& at) {
   return 0.86F + 0.1F * CellNoise(at, 900, 700, 1.0F, 231) +
          0.05F * CellNoise(Turned(at, 0.8F, 0.6F), 310, 270, 1.0F, 232) +

@@ -23,8 +23,8 @@ struct alignas(64) SurfacePacket {
   std::array<bool, kLanes> hit;
 };
 
-// Reflectance, 0 to 1, of the lanes that hit something; the others' are left as they are. The same
-// on every processor.
+// Computes the reflectance, 0 to 1, of the lanes that hit something; it leaves the others as they
+// are. It is the same on every processor.
 void ComputeReflectance(const SurfacePacket& surface, std::array<float, kLanes>& reflectance);
 
 }  // namespace corbslam

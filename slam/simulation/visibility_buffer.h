@@ -1,4 +1,4 @@
-// Which face is seen at each sample of a picture, and how near it is.
+// Holds which face is seen at each sample of a picture, and how near it is.
 #ifndef CORBSLAM_SLAM_SIMULATION_VISIBILITY_BUFFER_H_
 #define CORBSLAM_SLAM_SIMULATION_VISIBILITY_BUFFER_H_
 
@@ -34,7 +34,7 @@ class VisibilityBuffer {
   int height_px() const { return height_px_; }
   const std::vector<SampleOffset>& samples() const { return samples_; }
 
-  // A row's pixels, eight a block. Behind the last column no face is drawn.
+  // Return a row's pixels, eight a block. Behind the last column no face is drawn.
   Eight<float>* NearnessRow(size_t sample, int y) { return &nearness_[RowStart(sample, y)]; }
   Eight<int32_t>* FaceRow(size_t sample, int y) { return &faces_[RowStart(sample, y)]; }
   const float* Nearness(size_t sample, int y) const {
@@ -44,7 +44,7 @@ class VisibilityBuffer {
     return faces_[RowStart(sample, y)].lanes.data();
   }
 
-  // Must be told where was written.
+  // Must be called for every place that was written.
   void MarkChanged(const PixelRect& rect) {
     for (int row = rect.top / kTileRows; row <= rect.bottom / kTileRows; ++row) {
       for (int block = rect.left / kNumbers; block <= rect.right / kNumbers; ++block) {
@@ -52,9 +52,9 @@ class VisibilityBuffer {
       }
     }
   }
-  // Whether something at least as near is drawn already at every sample.
+  // Returns whether something at least as near is drawn already at every sample.
   bool IsHidden(const PixelRect& rect, float nearness);
-  // The same from what IsHidden measured last: sometimes false when it is hidden.
+  // Answers the same from what IsHidden measured last: sometimes false when it is hidden.
   bool IsKnownHidden(const PixelRect& rect, float nearness) const {
     for (int row = rect.top / kTileRows; row <= rect.bottom / kTileRows; ++row) {
       for (int block = rect.left / kNumbers; block <= rect.right / kNumbers; ++block) {
@@ -83,7 +83,7 @@ class VisibilityBuffer {
   const std::vector<SampleOffset> samples_;
   std::vector<Eight<float>> nearness_;
   std::vector<Eight<int32_t>> faces_;
-  // Of tiles of a block's width: the least nearness in them, and whether it may have grown.
+  // Tiles of a block's width: the least nearness in each, and whether it may have grown.
   std::vector<float> farthest_;
   std::vector<uint8_t> changed_;
 };

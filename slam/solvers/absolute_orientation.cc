@@ -8,13 +8,14 @@
 namespace corbslam {
 namespace {
 
-// Smaller than this share of the largest spread, the second one is none: the points are on a line.
+// If the second spread is a smaller share of the largest one, it counts as none: the points are on
+// a line.
 constexpr double kMinSpreadShare = 1e-10;
 
 struct Moments {
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_b = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();         // Sum of a * b^T, Horn's M.
+  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();         // Sum of a * b^T, which is Horn's M.
   Eigen::Matrix3d spread_a = Eigen::Matrix3d::Zero();  // Sum of a * a^T.
   Eigen::Matrix3d spread_b = Eigen::Matrix3d::Zero();
 };
@@ -43,7 +44,7 @@ bool IsOnALine(const Eigen::Matrix3d& spread) {
   return !(solver.eigenvalues()[1] > kMinSpreadShare * solver.eigenvalues()[2]);
 }
 
-// Horn 1987, 4.A: the eigenvector of N's largest eigenvalue is the quaternion.
+// Returns the eigenvector of N's largest eigenvalue, which is the quaternion (Horn 1987, 4.A).
 Eigen::Quaterniond BestRotation(const Eigen::Matrix3d& M) {
   Eigen::Matrix4d N;
   const Eigen::Vector3d skew(M(1, 2) - M(2, 1), M(2, 0) - M(0, 2), M(0, 1) - M(1, 0));

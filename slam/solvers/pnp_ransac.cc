@@ -32,7 +32,7 @@ int CountInliers(const Camera& camera, const Rigid3d& pose,
   return inliers;
 }
 
-// P3P on the first three, in normalised pixels; up to four poses.
+// Solves P3P on the first three, in normalised pixels; there are up to four poses.
 std::vector<Rigid3d> SolveP3P(const Camera& camera, absl::Span<const PoseObservation> observations,
                               const Sample& sample) {
   std::vector<cv::Point3d> points;
@@ -62,7 +62,7 @@ std::vector<Rigid3d> SolveP3P(const Camera& camera, absl::Span<const PoseObserva
   return poses;
 }
 
-// The one of P3P's poses that the sample's fourth observation fits best.
+// Finds the one of P3P's poses that the sample's fourth observation fits best.
 bool SolveSample(const Camera& camera, absl::Span<const PoseObservation> observations,
                  const Sample& sample, Rigid3d& best) {
   double least = std::numeric_limits<double>::infinity();

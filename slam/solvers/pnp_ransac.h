@@ -1,4 +1,5 @@
-// The pose of a camera from 3D-2D matches of which many may be wrong, without an initial guess.
+// Finds the pose of a camera from 3D-2D matches of which many may be wrong, without an initial
+// guess.
 #ifndef CORBSLAM_SLAM_SOLVERS_PNP_RANSAC_H_
 #define CORBSLAM_SLAM_SOLVERS_PNP_RANSAC_H_
 
@@ -14,16 +15,16 @@ namespace corbslam {
 struct PnpRansacOptions {
   // What changes results.
   int min_inliers = 10;
-  // Squared reprojection error over variance (95 % of two degrees).
+  // Bound of squared reprojection error over variance (95 % of two degrees of freedom).
   double max_chi2 = 5.991;
   double confidence = 0.99;
   int max_iterations = 300;
   uint64_t seed = 0;
 };
 
-// P3P on samples of four (the fourth chooses among P3P's solutions), judged by reprojection errors
-// in the left picture; the best is refined with OptimisePose, which also uses disparities, and
-// `is_inlier` is that of the refined pose. NOT_FOUND, with the counts, where fewer than
+// Estimates a pose by P3P on samples of four (the fourth chooses among P3P's solutions), judged by
+// reprojection errors in the left picture. OptimisePose, which also uses disparities, refines the
+// best, and `is_inlier` is that of the refined pose. NOT_FOUND, with the counts, where fewer than
 // `min_inliers` agree; INVALID_ARGUMENT for fewer than 4 observations or values that are not
 // finite. The same input and seed give the same result. Pure; any thread.
 absl::StatusOr<PoseEstimate> EstimatePose(const Camera& camera,

@@ -9,12 +9,12 @@
 
 namespace corbslam {
 
-// Draws distinct indices; the same on every platform for a seed. Not thread-safe.
+// Draws distinct indices; a seed gives the same on every platform. Not thread-safe.
 class Sampler {
  public:
   explicit Sampler(uint64_t seed) : generator_(seed) {}
 
-  // kSize distinct indices below `count`, which must be at least kSize.
+  // Returns kSize distinct indices below `count`, which must be at least kSize.
   template <size_t kSize>
   std::array<size_t, kSize> Draw(size_t count) {
     std::array<size_t, kSize> sample{};
@@ -38,8 +38,8 @@ class Sampler {
   std::mt19937_64 generator_;
 };
 
-// Samples needed to draw one of inliers alone with this confidence (Fischler and Bolles 1981);
-// at most `max_iterations`.
+// Returns the samples needed to draw one of inliers alone with this confidence (Fischler and Bolles
+// 1981); at most `max_iterations`.
 int RequiredIterations(size_t inliers, size_t count, int sample_size, double confidence,
                        int max_iterations);
 

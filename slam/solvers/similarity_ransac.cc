@@ -24,7 +24,7 @@ SimilarityRansacResult Judge(const Input& input, const Similarity3d& b_from_a) {
   for (size_t i = 0; i < input.matches.size(); ++i) {
     const SimilarityErrors errors =
         ReprojectionErrors(input.camera_a, input.camera_b, b_from_a, input.matches[i]);
-    // Written so that NaN is no inlier.
+    // The comparison is written so that NaN is no inlier.
     if (!(errors.in_a <= input.options.max_chi2 && errors.in_b <= input.options.max_chi2)) continue;
     result.is_inlier[i] = 1;
     ++result.inliers;

@@ -1,4 +1,4 @@
-// A similarity between two cameras from 3D-3D matches of which many may be wrong.
+// Finds a similarity between two cameras from 3D-3D matches of which many may be wrong.
 #ifndef CORBSLAM_SLAM_SOLVERS_SIMILARITY_RANSAC_H_
 #define CORBSLAM_SLAM_SOLVERS_SIMILARITY_RANSAC_H_
 
@@ -17,7 +17,8 @@ struct SimilarityRansacOptions {
   // What changes results.
   bool fix_scale = true;
   int min_inliers = 20;
-  // Squared reprojection error over variance, in each of both pictures (99 % of two degrees).
+  // Bound of squared reprojection error over variance, in each of both pictures (99 % of two
+  // degrees of freedom).
   double max_chi2 = 9.21;
   double confidence = 0.99;
   int max_iterations = 300;
@@ -31,10 +32,10 @@ struct SimilarityRansacResult {
   int inliers = 0;
 };
 
-// Horn's closed form on samples of three, judged by the reprojection errors in both pictures; the
-// best is aligned again to all its inliers while that gains any. NOT_FOUND, with the counts, where
-// no sample has `min_inliers`; INVALID_ARGUMENT for fewer than 3 matches. The same input and seed
-// give the same result. Pure; any thread.
+// Estimates a similarity by Horn's closed form on samples of three, judged by the reprojection
+// errors in both pictures; the best is aligned again to all its inliers while that gains any.
+// NOT_FOUND, with the counts, where no sample has `min_inliers`; INVALID_ARGUMENT for fewer than 3
+// matches. The same input and seed give the same result. Pure; any thread.
 absl::StatusOr<SimilarityRansacResult> EstimateSimilarity(const Camera& camera_a,
                                                           const Camera& camera_b,
                                                           absl::Span<const SimilarityMatch> matches,

@@ -185,8 +185,8 @@ TEST(EstimateTwoViewTest, FindsDirectionAndPointsUpToScale) {
   EXPECT_FALSE(found->from_homography);
 }
 
-// Of the two motions that a plane allows, one puts half of these points behind a camera (sideways),
-// or both are one (towards the plane).
+// A plane allows two motions. Here one of them puts half of the points behind a camera (sideways),
+// or both are the same (towards the plane).
 TEST(EstimateTwoViewTest, FindsMotionsBeforeAPlane) {
   const Camera camera = testing::SyntheticCamera();
   auto points = RandomPoints(300);

@@ -1,4 +1,4 @@
-// A point from two views of it.
+// Computes a point from two views of it.
 #ifndef CORBSLAM_SLAM_SOLVERS_TRIANGULATION_H_
 #define CORBSLAM_SLAM_SOLVERS_TRIANGULATION_H_
 
@@ -20,9 +20,9 @@ struct TriangulatedPoint {
   double depth_2 = 0;
 };
 
-// Midpoint with inverse depths' weighting (Lee and Civera, "Triangulation: Why Optimize?", BMVC
-// 2019). Nothing where the rays are parallel or the point falls behind a camera. No reprojection
-// error is checked. Allocates nothing; pure; any thread.
+// Returns the midpoint with inverse depths' weighting (Lee and Civera, "Triangulation: Why
+// Optimize?", BMVC 2019); nothing where the rays are parallel or the point falls behind a camera.
+// It checks no reprojection error and allocates nothing. Pure; any thread.
 std::optional<TriangulatedPoint> TriangulatePoint(
     const Camera& camera_1, const Rigid3d& camera_1_from_map, const Eigen::Vector2d& pixel_1,
     const Camera& camera_2, const Rigid3d& camera_2_from_map, const Eigen::Vector2d& pixel_2);

@@ -41,7 +41,7 @@ Rigid3d ToRigid(const cv::Matx33d& R, const cv::Vec3d& t) {
 }
 
 std::vector<Rigid3d> PosesOfEssential(const cv::Mat& E) {
-  // More than three rows: several matrices, no clear one.
+  // More than three rows are several matrices, none of which is clear.
   if (E.rows != 3 || E.cols != 3) return {};
   cv::Matx33d R1;
   cv::Matx33d R2;

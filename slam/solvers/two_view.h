@@ -1,4 +1,4 @@
-// Relative pose of two views from pixel matches alone: how a monocular map begins.
+// Finds the relative pose of two views from pixel matches alone: how a monocular map begins.
 #ifndef CORBSLAM_SLAM_SOLVERS_TWO_VIEW_H_
 #define CORBSLAM_SLAM_SOLVERS_TWO_VIEW_H_
 
@@ -24,7 +24,7 @@ struct TwoViewOptions {
   double max_error_px = 1.0;
   double confidence = 0.999;
   int min_points = 50;
-  // Of the point at rank 50 (or the last) when sorted by parallax, largest first.
+  // Least parallax of the point at rank 50 (or the last) when sorted by parallax, largest first.
   double min_parallax_rad = 0.0175;
   uint64_t seed = 0;
 };
@@ -33,16 +33,16 @@ struct TwoViewResult {
   // The translation has length 1: two views know no scale.
   Rigid3d b_from_a;
   bool from_homography = false;
-  // One entry a match. Position in the frame of camera a where `is_triangulated`.
+  // One entry a match, and its position in the frame of camera a where it is true.
   std::vector<char> is_triangulated;
   std::vector<Eigen::Vector3d> x_in_a;
   int triangulated = 0;
   double parallax_rad = 0;
 };
 
-// Essential matrix, or a homography where the scene is flat (the model with the better support,
-// as in ORB-SLAM, Mur-Artal et al., T-RO 2015, IV). INVALID_ARGUMENT for fewer than 8 matches;
-// NOT_FOUND, with the reason, where geometry is not clear: too few points in front of both
+// Estimates an essential matrix, or a homography where the scene is flat (the model with the better
+// support, as in ORB-SLAM, Mur-Artal et al., T-RO 2015, IV). INVALID_ARGUMENT for fewer than 8
+// matches; NOT_FOUND, with the reason, where geometry is not clear: too few points in front of both
 // cameras, too little parallax or two solutions alike. Both cameras share `camera`. The same input
 // and seed give the same result; the seed of OpenCV's generator of the calling thread is set.
 absl::StatusOr<TwoViewResult> EstimateTwoView(const Camera& camera,

@@ -8,7 +8,7 @@ namespace corbslam {
 
 ByteBucket::ByteBucket(uint64_t bytes_per_second, absl::Duration depth)
     : rate_(static_cast<double>(bytes_per_second)),
-      // One byte at least, or nothing would ever be positive.
+      // The depth is one byte at least, or the level would never be positive.
       most_(std::max(1.0, rate_ * absl::ToDoubleSeconds(depth))),
       level_(most_) {}
 
@@ -33,7 +33,7 @@ void ByteBucket::Spend(int64_t bytes, absl::Time now) {
 
 absl::Duration ByteBucket::Wait(absl::Time now) {
   if (Level(now) > 0) return absl::ZeroDuration();
-  // Rounded up: who waits so long finds a whole byte.
+  // The wait is rounded up, so that a whole byte is there at its end.
   return absl::Seconds((1 - level_) / rate_) + absl::Microseconds(1);
 }
 

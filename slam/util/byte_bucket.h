@@ -8,20 +8,21 @@
 
 namespace corbslam {
 
-// Fills at its rate up to what comes in `depth`, full at first. More may be spent than is in it:
-// the level is negative then, and the debt is paid before anything is spent again, so that the mean
-// holds however long the lumps are. A clock that jumps back fills nothing. Not thread-safe.
+// A bucket of bytes that fills at its rate up to what comes in `depth`, and is full at first. More
+// may be spent than is in it: the level is negative then, and the debt is paid before anything is
+// spent again, so that the mean rate holds however large the lumps are. A clock that jumps back
+// fills nothing. Not thread-safe.
 class ByteBucket {
  public:
-  // 0: no bound; the level is always the highest number.
+  // A rate of 0 is no bound; the level is always the highest number then.
   explicit ByteBucket(uint64_t bytes_per_second, absl::Duration depth = absl::Seconds(1));
 
   bool is_bounded() const { return rate_ > 0; }
-  // What may be spent now; nothing unless positive.
+  // Returns what may be spent now; nothing unless positive.
   int64_t Level(absl::Time now);
-  // Negative: what was spent comes back, because it never left.
+  // A negative number gives back what was spent, because it never left.
   void Spend(int64_t bytes, absl::Time now);
-  // From now until the level is positive.
+  // Returns how long it takes from now until the level is positive.
   absl::Duration Wait(absl::Time now);
 
  private:

@@ -7,7 +7,7 @@
 namespace corbslam {
 namespace {
 
-// RFC 3720, appendix B.4.
+// The examples are those of RFC 3720, appendix B.4.
 TEST(ChecksumTest, AgreesWithThePublishedExamples) {
   EXPECT_EQ(ExtendCrc32c(0, std::string(32, '\0')), 0x8a9136aau);
   EXPECT_EQ(ExtendCrc32c(0, std::string(32, '\xff')), 0x62a8ab43u);

@@ -1,4 +1,4 @@
-// Folders of people's choice.
+// Makes and finds folders that people name.
 #ifndef CORBSLAM_SLAM_UTIL_FOLDERS_H_
 #define CORBSLAM_SLAM_UTIL_FOLDERS_H_
 
@@ -9,10 +9,10 @@
 
 namespace corbslam {
 
-// With those above it; it may be there. UNAVAILABLE names it.
+// Makes the folder and those above it; it may exist already. UNAVAILABLE names the path.
 absl::Status MakeFolder(const std::string& path);
 
-// The path itself, or the nearest above it that is there.
+// Returns the path itself, or the nearest folder above it that is there.
 std::filesystem::path NearestThere(const std::string& path);
 
 }  // namespace corbslam

@@ -46,9 +46,9 @@ struct ItemId {
 using KeyframeId = internal::ItemId<struct KeyframeTag>;
 using MapPointId = internal::ItemId<struct MapPointTag>;
 
-// "00c0ffee00c0ffee", 16 hexadecimal digits.
+// Writes 16 hexadecimal digits: "00c0ffee00c0ffee".
 std::string ToString(LocalMapId id);
-// "00c0ffee00c0ffee:12".
+// Writes the local map and the index: "00c0ffee00c0ffee:12".
 std::string ToString(KeyframeId id);
 std::string ToString(MapPointId id);
 

@@ -15,7 +15,8 @@
 namespace corbslam {
 namespace {
 
-// As a line of /proc/locks names the file: major and minor number of its device, and its inode.
+// Returns the file's name in a line of /proc/locks: major and minor number of its device, and its
+// inode.
 std::string NameOf(const struct stat& file) {
   return absl::StrFormat("%02x:%02x:%d", major(file.st_dev), minor(file.st_dev), file.st_ino);
 }
@@ -27,7 +28,8 @@ std::optional<pid_t> FindLockHolder(const std::string& path) {
   if (stat(path.c_str(), &file) != 0) return std::nullopt;
   const std::string name = NameOf(file);
   std::ifstream locks("/proc/locks");
-  // "1: POSIX  ADVISORY  WRITE 3568 fd:00:2531452 0 EOF"; "1: -> ..." for who waits.
+  // A line is "1: POSIX  ADVISORY  WRITE 3568 fd:00:2531452 0 EOF", or "1: -> ..." for a process
+  // that waits.
   for (std::string line; std::getline(locks, line);) {
     const std::vector<std::string> words = absl::StrSplit(line, ' ', absl::SkipEmpty());
     pid_t pid = 0;

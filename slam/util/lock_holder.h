@@ -1,4 +1,4 @@
-// Who has locked a file.
+// Finds out who has locked a file.
 #ifndef CORBSLAM_SLAM_UTIL_LOCK_HOLDER_H_
 #define CORBSLAM_SLAM_UTIL_LOCK_HOLDER_H_
 
@@ -9,12 +9,13 @@
 
 namespace corbslam {
 
-// The process that holds a lock on the file (flock's or fcntl's), as /proc/locks says. None where
-// nobody does, or it can't be seen from here: a process of another container, a file of another
-// machine. It doesn't open the file, which would give up a lock of fcntl that this process holds.
+// Returns the process that holds a lock on the file (flock's or fcntl's), as /proc/locks says.
+// There is none where nobody does, or it can't be seen from here: a process of another container, a
+// file of another machine. It doesn't open the file, which would give up a lock of fcntl that this
+// process holds.
 std::optional<pid_t> FindLockHolder(const std::string& path);
 
-// "process 4711 (map_store) has it", or that it can't be told which process has it.
+// Returns "process 4711 (map_store) has it", or that it can't be told which process has it.
 std::string DescribeLockHolder(const std::string& path);
 
 }  // namespace corbslam

@@ -7,8 +7,8 @@
 
 namespace corbslam {
 
-// The middle one of the values, the upper of the two middle ones of an even number. There must be
-// at least one.
+// Returns the middle one of the values, the upper of the two middle ones of an even number. There
+// must be at least one.
 template <typename T>
 T Median(std::vector<T> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -16,8 +16,8 @@ T Median(std::vector<T> values) {
   return *middle;
 }
 
-// The median that statistics report: of an even number of values the mean of the middle two. There
-// must be at least one.
+// Returns the median that statistics report: for an even number of values the mean of the middle
+// two. There must be at least one.
 inline double MeanMedian(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());

@@ -9,8 +9,8 @@
 namespace corbslam {
 namespace {
 
-// The last segment of the command, or what the system calls the process; empty: it is gone, or
-// hidden.
+// Returns the last segment of the command, or what the system calls the process; empty: it is gone,
+// or hidden.
 std::string ProgramOf(pid_t pid) {
   const std::string folder = absl::StrCat("/proc/", pid);
   std::string name;

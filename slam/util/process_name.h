@@ -1,4 +1,4 @@
-// Other processes, as people know them.
+// Describes other processes as people know them.
 #ifndef CORBSLAM_SLAM_UTIL_PROCESS_NAME_H_
 #define CORBSLAM_SLAM_UTIL_PROCESS_NAME_H_
 
@@ -8,8 +8,8 @@
 
 namespace corbslam {
 
-// "process 4711 (map_store)"; without the program where the system doesn't tell it; "this process
-// itself" for one's own.
+// Returns "process 4711 (map_store)"; without the program where the system doesn't tell it; "this
+// process itself" for one's own.
 std::string DescribeProcess(pid_t pid);
 
 }  // namespace corbslam

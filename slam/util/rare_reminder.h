@@ -1,4 +1,4 @@
-// When something that goes on is worth another line of the log.
+// Says when something that goes on is worth another line of the log.
 #ifndef CORBSLAM_SLAM_UTIL_RARE_REMINDER_H_
 #define CORBSLAM_SLAM_UTIL_RARE_REMINDER_H_
 
@@ -8,18 +8,18 @@
 
 namespace corbslam {
 
-// Due at once, then after a minute, after two more, four more and so on; in the end every quarter
-// of an hour. Not thread-safe.
+// A reminder that is due at once, then after a minute, after two more, four more and so on, and in
+// the end every quarter of an hour. Not thread-safe.
 class RareReminder {
  public:
-  // True: say it now. The next time is counted from `now`.
+  // Returns true when it is to be said now. The next time is counted from `now`.
   bool IsDue(absl::Time now) {
     if (now < next_) return false;
     next_ = now + wait_;
     wait_ = std::min(2 * wait_, kLongest);
     return true;
   }
-  // It is over: the next time is said at once.
+  // What went on is over: the next time is said at once.
   void Reset() { *this = RareReminder(); }
 
  private:

@@ -1,4 +1,4 @@
-// How much memory the process has.
+// Measures how much memory the process has.
 #ifndef CORBSLAM_SLAM_UTIL_RESIDENT_MEMORY_H_
 #define CORBSLAM_SLAM_UTIL_RESIDENT_MEMORY_H_
 
@@ -6,7 +6,7 @@
 
 namespace corbslam {
 
-// What the kernel counts as resident; 0 where it does not say.
+// Returns what the kernel counts as resident; 0 where it does not say.
 uint64_t ResidentBytes();
 
 }  // namespace corbslam

@@ -21,7 +21,7 @@ namespace {
 constexpr int64_t kNanosecondsPerSecond = 1'000'000'000;
 constexpr absl::string_view kUtf8Mark = "\xef\xbb\xbf";
 
-// Without a comment and the space around it.
+// Returns the line without a comment and the space around it.
 absl::string_view Content(absl::string_view line) {
   for (size_t at = line.find('#'); at != absl::string_view::npos; at = line.find('#', at + 1)) {
     if (at > 0 && !absl::ascii_isspace(static_cast<unsigned char>(line[at - 1]))) continue;
@@ -35,7 +35,7 @@ bool IsUtf16(absl::string_view text) {
   return absl::StartsWith(text, "\xff\xfe") || absl::StartsWith(text, "\xfe\xff");
 }
 
-// What lies between two LFs: one line, or several that end with CR.
+// Uses what lies between two LFs: one line, or several that end with CR.
 absl::Status UseLines(absl::string_view text, int& line,
                       const std::function<absl::Status(int, absl::string_view)>& use_line) {
   absl::ConsumeSuffix(&text, "\r");

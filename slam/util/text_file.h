@@ -1,5 +1,5 @@
-// Reading files of numbers a line. Errors name the file, the line and the field: NOT_FOUND when a
-// file can't be opened, INVALID_ARGUMENT when a line can't be understood.
+// Reads files of numbers, line by line. Errors name the file, the line and the field: NOT_FOUND
+// when a file can't be opened, INVALID_ARGUMENT when a line can't be understood.
 #ifndef CORBSLAM_SLAM_UTIL_TEXT_FILE_H_
 #define CORBSLAM_SLAM_UTIL_TEXT_FILE_H_
 
@@ -14,7 +14,7 @@
 
 namespace corbslam {
 
-// "path:line: what", INVALID_ARGUMENT.
+// Returns INVALID_ARGUMENT that says "path:line: what".
 absl::Status LineError(absl::string_view path, int line, absl::string_view what);
 
 // Calls `use_line` with the number of every line that holds something and is no comment, and with
@@ -24,17 +24,17 @@ absl::Status LineError(absl::string_view path, int line, absl::string_view what)
 absl::Status ForEachLine(const std::string& path,
                          const std::function<absl::Status(int, absl::string_view)>& use_line);
 
-// All fields as finite numbers.
+// Parses all fields as finite numbers.
 absl::StatusOr<std::vector<double>> ParseNumbers(const std::vector<absl::string_view>& fields,
                                                  absl::string_view path, int line);
 
-// Seconds as text to nanoseconds, exactly for plain decimals ("1305031102.175304"), to the nearest
-// otherwise ("1.037359e-01").
+// Converts seconds as text to nanoseconds, exactly for plain decimals ("1305031102.175304"), to the
+// nearest otherwise ("1.037359e-01").
 absl::StatusOr<int64_t> ParseSeconds(absl::string_view text);
-// Nine decimals: "1305031102.175304000".
+// Writes nine decimals: "1305031102.175304000".
 std::string FormatSeconds(int64_t timestamp_ns);
 
-// The shortest text that is read as the same number.
+// Returns the shortest text that is read as the same number.
 std::string FormatReal(double number);
 
 // Writes the lines, each with its end. UNAVAILABLE names the path.

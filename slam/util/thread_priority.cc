@@ -18,7 +18,7 @@ constexpr int kLowest = 19;
 
 absl::Status LowerThreadPriority(int steps) {
   CHECK_GE(steps, 0) << "to raise a priority takes privileges";
-  // On Linux a niceness is a thread's own.
+  // Linux keeps a niceness for each thread.
   const auto thread = static_cast<id_t>(gettid());
   const int niceness = std::min(kLowest, getpriority(PRIO_PROCESS, thread) + steps);
   if (setpriority(PRIO_PROCESS, thread, niceness) == 0) return absl::OkStatus();

@@ -1,4 +1,4 @@
-// Threads that have less of a processor than others.
+// Gives threads less of a processor than others have.
 #ifndef CORBSLAM_SLAM_UTIL_THREAD_PRIORITY_H_
 #define CORBSLAM_SLAM_UTIL_THREAD_PRIORITY_H_
 

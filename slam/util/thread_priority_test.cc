@@ -12,7 +12,7 @@ namespace {
 
 int NicenessOfThisThread() { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); }
 
-// In a thread of its own: a thread can't take back what it gave up.
+// Runs it in a thread of its own, because a thread can't take back what it gave up.
 template <typename Function>
 void InAThread(Function function) {
   std::thread(function).join();
@@ -27,7 +27,7 @@ TEST(ThreadPriorityTest, IsSoManyStepsBelowWhatTheThreadHad) {
   EXPECT_EQ(NicenessOfThisThread(), before) << "others keep theirs";
 }
 
-// A process that was started with niceness 15, as it were.
+// The process has niceness 15, as if it was started with that.
 TEST(ThreadPriorityTest, IsBelowTheProcessHoweverItWasStarted) {
   InAThread([] {
     const int process = std::max(15, NicenessOfThisThread());

@@ -1,5 +1,5 @@
-// A keyframe with what is covisible with it: the part of a map that place verification and fusing
-// look at.
+// Gathers a keyframe with what is covisible with it: the part of a map that place verification and
+// fusing look at.
 #ifndef CORBSLAM_SLAM_VERIFICATION_NEIGHBOURHOOD_H_
 #define CORBSLAM_SLAM_VERIFICATION_NEIGHBOURHOOD_H_
 
@@ -10,16 +10,16 @@
 
 namespace corbslam {
 
-// The keyframe first, then its `count` most covisible ones that are not in `except`. Empty where
-// `centre` is unknown.
+// Returns the keyframe first, then its `count` most covisible ones that are not in `except`. Empty
+// where `centre` is unknown.
 std::vector<const Keyframe*> Neighbourhood(const Map& map, KeyframeId centre, int count,
                                            const absl::btree_set<KeyframeId>& except = {});
 
-// A map of that neighbourhood alone, with the points that it sees and its part of the graph; empty
-// where `centre` is unknown.
+// Returns a map of that neighbourhood alone, with the points that it sees and its part of the
+// graph; empty where `centre` is unknown.
 Map ViewAround(const Map& map, KeyframeId centre, int count);
 
-// The points that any of the keyframes sees, sorted by id, each once.
+// Returns the points that any of the keyframes sees, sorted by id, each once.
 std::vector<const MapPoint*> PointsSeenBy(const Map& map,
                                           const std::vector<const Keyframe*>& keyframes);
 

@@ -17,20 +17,20 @@
 namespace corbslam {
 namespace {
 
-constexpr double kMaxChi2 = 9.21;  // 99 % of two degrees of freedom.
-// Of a pixel that is computed because the keyframe itself does not see the point.
+constexpr double kMaxChi2 = 9.21;  // 99 % bound with two degrees of freedom.
+// Variance of a pixel that is computed because the keyframe itself does not see the point.
 constexpr double kVirtualVariance_px2 = 4;
-// A fifth of the matches being right is found in 99 of 100 cases.
+// With so many samples a fifth of right matches is found in 99 of 100 cases.
 constexpr int kRansacIterations = 600;
 constexpr double kFirstRadius_px = 10;
 constexpr double kLastRadius_px = 5;
 
-// One side of the comparison.
+// The query's or the candidate's side of the comparison.
 struct Side {
   const Map& map;
   const Keyframe& centre;
-  std::vector<const Keyframe*> keyframes;  // The centre first.
-  std::vector<const MapPoint*> points;     // That they see.
+  std::vector<const Keyframe*> keyframes;  // The centre comes first.
+  std::vector<const MapPoint*> points;     // Points that these keyframes see.
 };
 
 // A pair of points that may be one, and how many pairs of keypoints say so.
@@ -51,7 +51,7 @@ void VoteByWords(const Keyframe& query, const Keyframe& candidate,
   }
 }
 
-// Each point of either side at most once: most votes first, then the nearest, then by id.
+// Elects each point of either side at most once: most votes first, then the nearest, then by id.
 std::vector<PointPair> ElectPairs(const std::map<PointPair, Votes>& votes) {
   std::vector<std::pair<PointPair, Votes>> ranked(votes.begin(), votes.end());
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) {
@@ -88,7 +88,7 @@ struct View {
   bool is_seen = false;
 };
 
-// How the side's central keyframe sees a point: its keypoint, else where it would be.
+// Returns how the side's central keyframe sees a point: its keypoint, else where it would be.
 std::optional<View> ViewOf(const Side& side, MapPointId id) {
   const MapPoint* point = side.map.FindPoint(id);
   if (point == nullptr) return std::nullopt;
@@ -125,8 +125,8 @@ std::vector<SimilarityMatch> MakeMatches(const Side& query, const Side& candidat
   return matches;
 }
 
-// Where depths are too poor for an alignment of points: the query's pose against the candidate's
-// points alone.
+// Estimates the query's pose against the candidate's points alone, where depths are too poor for an
+// alignment of points.
 std::optional<Similarity3d> EstimateByPose(const Side& query, const Side& candidate,
                                            const std::vector<PointPair>& pairs,
                                            const PlaceVerificationOptions& options, int& inliers) {
@@ -156,7 +156,7 @@ std::optional<Similarity3d> EstimateByRansac(const Side& query, const Side& cand
   if (matches.size() < 3) return std::nullopt;
   SimilarityRansacOptions ransac;
   ransac.fix_scale = options.fix_scale;
-  ransac.min_inliers = 3;  // The count is judged here, to be told whatever it is.
+  ransac.min_inliers = 3;  // The count is judged here, so that it can be told whatever it is.
   ransac.max_chi2 = kMaxChi2;
   ransac.seed = options.seed;
   ransac.max_iterations = kRansacIterations;
@@ -183,7 +183,7 @@ Rigid3d CandidateCameraFromQueryMap(const Similarity3d& candidate_from_query, co
                                      other_candidate);
 }
 
-// Pairs of points that project onto each other, looked for both ways.
+// Finds pairs of points that project onto each other, looked for both ways.
 std::vector<PointPair> SearchBothWays(const Side& query, const Side& candidate,
                                       const Similarity3d& candidate_from_query, double radius_px,
                                       bool check_disparity) {
@@ -212,7 +212,7 @@ std::vector<PointPair> SearchBothWays(const Side& query, const Side& candidate,
   return ElectPairs(votes);
 }
 
-// Guided search in a shrinking radius, each time refined on all that was found.
+// Searches, guided, in a shrinking radius, and refines each time on all that was found.
 bool Refine(const Side& query, const Side& candidate, const PlaceVerificationOptions& options,
             Overlap& overlap) {
   for (const double radius_px : {kFirstRadius_px, kLastRadius_px}) {
@@ -250,10 +250,10 @@ int CountProjected(const std::vector<const MapPoint*>& points, const Keyframe& k
   return static_cast<int>(FindByProjection(points, keyframe, camera_from_points, search).size());
 }
 
-// The most that is found right beside where it should be.
+// Returns the most that is found right beside where it should be.
 int CountByChance(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
                   const Rigid3d& camera_from_points, const PlaceVerificationOptions& options) {
-  constexpr double kAside = 2.0;  // The next window, without a gap.
+  constexpr double kAside = 2.0;  // The window beside it, without a gap.
   int most = 0;
   for (const Eigen::Vector2d& displacement_radii :
        {Eigen::Vector2d(kAside, 0), Eigen::Vector2d(-kAside, 0), Eigen::Vector2d(0, kAside),
@@ -267,7 +267,7 @@ int CountByChance(const std::vector<const MapPoint*>& points, const Keyframe& ke
   return most;
 }
 
-// Neighbours of either side that find the other side's points where they should be.
+// Counts neighbours of either side that find the other side's points where they should be.
 int CountConsistentKeyframes(const Side& query, const Side& candidate,
                              const PlaceVerificationOptions& options,
                              const Similarity3d& candidate_from_query) {
@@ -289,7 +289,7 @@ int CountConsistentKeyframes(const Side& query, const Side& candidate,
   return consistent;
 }
 
-// Whether the points found are more than another place that looks alike would have.
+// Returns whether the points found are more than another place that looks alike would have.
 bool IsMoreThanAlike(const OverlapEvidence& evidence, const PlaceVerificationOptions& options) {
   const bool few =
       evidence.projected_matches < options.min_projected_share * evidence.visible_points;
@@ -298,7 +298,7 @@ bool IsMoreThanAlike(const OverlapEvidence& evidence, const PlaceVerificationOpt
   return evidence.projected_matches >= to_chance * evidence.chance_matches;
 }
 
-// False where the inliers leave a direction open.
+// Returns false where the inliers leave a direction open.
 bool SetCovariance(const Side& query, const Side& candidate,
                    const PlaceVerificationOptions& options, Overlap& overlap) {
   std::vector<PointPair> pairs = overlap.inliers;

@@ -27,7 +27,7 @@ class PlaceVerificationTest : public ::testing::Test {
   SyntheticMap MakeA() const {
     return MakeSyntheticMap(world_, PosesOnRing(0, 3, 12), {.local_map = kA, .seed = 5});
   }
-  // Passes the same ground with other keyframes.
+  // B passes the same ground with other keyframes.
   SyntheticMap MakeB(SyntheticMapOptions options = {}) const {
     options.local_map = kB;
     options.seed = 6;
@@ -49,8 +49,8 @@ class PlaceVerificationTest : public ::testing::Test {
 
   const SyntheticWorld world_;
   const SyntheticMap a_;
-  const KeyframeId query_{kB, 2};      // At 19.5 degrees.
-  const KeyframeId candidate_{kA, 6};  // At 18 degrees.
+  const KeyframeId query_{kB, 2};      // It is at 19.5 degrees.
+  const KeyframeId candidate_{kA, 6};  // It is at 18 degrees.
 };
 
 TEST_F(PlaceVerificationTest, FindsHowTheKeyframesStand) {
@@ -66,7 +66,8 @@ TEST_F(PlaceVerificationTest, FindsHowTheKeyframesStand) {
   EXPECT_EQ(overlap.evidence.refined_inliers, static_cast<int>(overlap.inliers.size()));
 }
 
-// Of six degrees of freedom; the synthetic points have errors of their own besides the pixels'.
+// The error has six degrees of freedom; the synthetic points have errors of their own besides the
+// pixels'.
 TEST_F(PlaceVerificationTest, KnowsHowFarItMayBeOff) {
   const SyntheticMap b = MakeB();
   const Overlap overlap = Verify(b);
@@ -77,7 +78,7 @@ TEST_F(PlaceVerificationTest, KnowsHowFarItMayBeOff) {
   const Vector6d error =
       LogSE3(TrueCandidateFromQuery(b) * overlap.candidate_from_query.ToRigid().Inverse());
   EXPECT_LT(error.dot(covariance.inverse() * error), 60);
-  // No more certain than a tenth of a millimetre, and no less than 5 cm.
+  // The result claims a certainty between a tenth of a millimetre and 5 cm.
   const double sigma_m = std::sqrt(covariance.diagonal().head(3).sum());
   EXPECT_GT(sigma_m, 1e-4);
   EXPECT_LT(sigma_m, 0.05);
@@ -89,7 +90,7 @@ TEST_F(PlaceVerificationTest, ChanceFindsFarLessThanTheRightPose) {
   EXPECT_LT(5 * overlap.evidence.chance_matches, overlap.evidence.projected_matches);
 }
 
-// A world of which every point looks like many others matches wherever one looks.
+// The world's points all look like many others, so that some match wherever one looks.
 TEST_F(PlaceVerificationTest, RefusesWhatChanceFindsAsWell) {
   SyntheticWorld alike = MakeRingWorld(3, 24000);
   for (size_t i = 0; i < alike.descriptors.size(); ++i) {
@@ -105,7 +106,7 @@ TEST_F(PlaceVerificationTest, RefusesWhatChanceFindsAsWell) {
   EXPECT_EQ(ToString(overlap.verdict), "TOO_FEW_PROJECTED_MATCHES");
 }
 
-// Another place of which a part looks the same, among much that looks like many things.
+// Only a part of the other place looks the same, among much that looks like many things.
 TEST_F(PlaceVerificationTest, RefusesAPlaceOfWhichOnlyAPartLooksTheSame) {
   SyntheticWorld here = MakeRingWorld(3, 24000);
   SyntheticWorld there = here;
@@ -172,7 +173,7 @@ TEST_F(PlaceVerificationTest, RefusesWhatLooksAlikeInAnotherShape) {
 }
 
 TEST_F(PlaceVerificationTest, RefusesOnePictureAlone) {
-  // A poster that hangs in two places: one keyframe of either map agrees, and no other.
+  // A poster hangs in two places: one keyframe of either map agrees, and no other.
   const SyntheticMapOptions lone{.local_map = kB, .seed = 6, .min_observations = 1};
   const SyntheticMap b = MakeSyntheticMap(world_, PosesOnRing(19.5, 3, 1), lone);
   const SyntheticMapOptions other{.local_map = kA, .seed = 5, .min_observations = 1};

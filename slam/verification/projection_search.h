@@ -14,35 +14,36 @@
 namespace corbslam {
 
 struct ProjectionSearchOptions {
-  // At the finest level; grows with the level at which the point should appear.
+  // Radius at the finest level; it grows with the level at which the point should appear.
   double radius_px = 5;
   int max_distance = 50;
-  // Only keypoints that observe a point.
+  // True: only keypoints that observe a point are searched.
   bool only_keypoints_with_points = false;
   // Where a keypoint has a depth, the point's must agree within the same radius of disparity.
   bool check_disparity = true;
-  // Looks this many radii from where the points should be: what is found there is found by chance.
+  // The search looks this many radii from where the points should be: what is found there is found
+  // by chance.
   Eigen::Vector2d displacement_radii = Eigen::Vector2d::Zero();
 };
 
 struct ProjectionMatch {
   uint32_t point = 0;  // Index into the points that were given.
   uint32_t keypoint = 0;
-  int distance = 0;  // Hamming.
+  int distance = 0;  // Hamming distance.
 };
 
-// Each point and each keypoint at most once (the nearest descriptor wins, then the first point);
-// sorted by keypoint. `camera_from_points` maps the frame of the points into the keyframe's camera
-// with the points' own unit of length (Similarity3d::ToRigid). Points behind the camera, out of
-// the picture, far outside the range of distances or angles from which they were seen are left
-// out. Pure.
+// Finds each point and each keypoint at most once (the nearest descriptor wins, then the first
+// point); the matches are sorted by keypoint. `camera_from_points` maps the frame of the points
+// into the keyframe's camera with the points' own unit of length (Similarity3d::ToRigid). Points
+// are left out that lie behind the camera, out of the picture, or far outside the range of
+// distances or angles from which they were seen. Pure.
 std::vector<ProjectionMatch> FindByProjection(const std::vector<const MapPoint*>& points,
                                               const Keyframe& keyframe,
                                               const Rigid3d& camera_from_points,
                                               const ProjectionSearchOptions& options);
 
-// How many of the points FindByProjection looks for: those that should be in the picture, seen from
-// distances and angles like before. Whether something hides them is not asked.
+// Returns how many of the points FindByProjection looks for: those that should be in the picture,
+// seen from distances and angles like before. Whether something hides them is not asked.
 size_t CountVisible(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
                     const Rigid3d& camera_from_points);
 

@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-// kSpread[b] has bit i of b in its byte i.
+// Makes a table in which entry b has bit i of b in its byte i.
 constexpr std::array<uint64_t, 256> MakeSpread() {
   std::array<uint64_t, 256> spread = {};
   for (size_t byte = 0; byte < 256; ++byte) {
@@ -35,7 +35,7 @@ class BitCounter {
     if (++unflushed_ == 255) Flush();
   }
 
-  // Bits set in more than half; of exactly half, those of `otherwise`.
+  // Returns the bits set in more than half; where exactly half have it, the bit of `otherwise`.
   Descriptor Majority(const Descriptor& otherwise) {
     Flush();
     Descriptor majority;
@@ -63,7 +63,8 @@ class BitCounter {
   int unflushed_ = 0;
 };
 
-// Each next seed with probability in proportion to its squared distance from the seeds so far.
+// Chooses each next seed with probability in proportion to its squared distance from the seeds so
+// far.
 std::vector<Descriptor> ChooseSeeds(absl::Span<const Descriptor> descriptors,
                                     absl::Span<const uint32_t> indices, size_t count,
                                     uint64_t seed) {

@@ -14,14 +14,14 @@ namespace corbslam {
 struct BinaryClusters {
   // No two are equal.
   std::vector<Descriptor> centres;
-  // sizes[c] of the indices belong to centre c; they are sorted by centre, and within one as they
-  // were. Each is > 0.
+  // sizes[c] of the indices belong to centre c; they are sorted by centre, and within one they stay
+  // in order. Each is > 0.
   std::vector<uint32_t> sizes;
 };
 
-// At most `count` (up to 255) clusters of descriptors[indices[..]], whose indices are reordered.
-// Every index ends with the centre nearest to it, the first among equals. Depends on the
-// arguments alone.
+// Finds at most `count` (up to 255) clusters of descriptors[indices[..]], whose indices it
+// reorders. Every index ends with the centre nearest to it, the first among equals. The result
+// depends on the arguments alone.
 BinaryClusters ClusterDescriptors(absl::Span<const Descriptor> descriptors,
                                   absl::Span<uint32_t> indices, int count, int max_iterations,
                                   uint64_t seed);

@@ -11,15 +11,16 @@
 
 namespace corbslam {
 
-// What DescendTree does.
+// Does what DescendTree does.
 void DescendTreeKernel(const VocabularyTreeView& tree, const Descriptor* descriptors, size_t count,
                        TreePath* paths);
 
-// For each of descriptors[indices[i]]: the number of the nearest centre (the first among equals).
+// Writes for each of descriptors[indices[i]] the number of the nearest centre (the first among
+// equals).
 void AssignToNearest(const Descriptor* descriptors, absl::Span<const uint32_t> indices,
                      absl::Span<const Descriptor> centres, uint8_t* nearest);
 
-// distances[i] = min(distances[i], distance of descriptors[indices[i]] to `centre`).
+// Sets distances[i] = min(distances[i], distance of descriptors[indices[i]] to `centre`).
 void LowerDistances(const Descriptor* descriptors, absl::Span<const uint32_t> indices,
                     const Descriptor& centre, uint16_t* distances);
 

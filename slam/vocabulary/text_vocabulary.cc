@@ -1,4 +1,4 @@
-// ReadTextVocabulary and WriteTextVocabulary.
+// Implements ReadTextVocabulary and WriteTextVocabulary.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -30,7 +30,7 @@ class FieldReader {
  public:
   explicit FieldReader(absl::string_view line) : rest_(line) {}
 
-  // Empty at the end.
+  // Returns the next field, which is empty at the end of the line.
   absl::string_view Next() {
     const size_t begin = rest_.find_first_not_of(" \t\r");
     if (begin == absl::string_view::npos) return rest_ = {};
@@ -121,7 +121,7 @@ absl::Status CheckNodes(const std::vector<TextNode>& nodes, const std::vector<in
   return absl::OkStatus();
 }
 
-// Breadth first, children in order of lines.
+// Fills the tree breadth first, children in order of lines.
 void FillTree(const std::vector<TextNode>& nodes, VocabularyTree& tree) {
   std::vector<uint32_t> begin(nodes.size() + 1, 0);
   for (size_t i = 1; i < nodes.size(); ++i) ++begin[nodes[i].parent + 1];

@@ -35,7 +35,7 @@ std::vector<Descriptor> SampleDescriptors(const PictureDescriptors& pictures, si
   size_t seen = 0;
   for (const auto& picture : pictures) {
     for (const Descriptor& descriptor : picture) {
-      // Takes `wanted` of `total`, evenly: whenever the share due reaches the next whole number.
+      // `wanted` of `total` are taken evenly: whenever the share due reaches the next whole number.
       if (++seen * wanted / total > sample.size()) sample.push_back(descriptor);
     }
   }
@@ -64,7 +64,7 @@ std::vector<OpenNode> SplitLevel(const TrainingOptions& options,
     const OpenNode& open = level[i];
     const size_t size = open.end - open.begin;
     if (size < static_cast<size_t>(options.min_descriptors_to_split)) return;
-    // By number of node, so that neither order nor threads matter.
+    // The seed depends on the node's number, so that neither order nor threads matter.
     const uint64_t seed = options.seed * 0x9e3779b97f4a7c15u + open.node;
     clusters[i] = ClusterDescriptors(sample, absl::MakeSpan(indices).subspan(open.begin, size),
                                      options.branching, options.max_iterations, seed);
@@ -86,7 +86,8 @@ std::vector<OpenNode> SplitLevel(const TrainingOptions& options,
   return children;
 }
 
-// ln(pictures / pictures that show the word); a word that none shows is as rare as can be.
+// A word's weight is ln(pictures / pictures that show it); a word that none shows is as rare as can
+// be.
 void ComputeWeights(const TrainingOptions& options, const PictureDescriptors& pictures,
                     VocabularyTree& tree) {
   const VocabularyTreeView view(tree);

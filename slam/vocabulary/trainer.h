@@ -22,27 +22,28 @@ struct TrainingOptions {
   int levels = 5;
   // Depth of the direct index's nodes.
   int direct_level = 2;
-  // Of each clustering; it ends sooner when nothing changes.
+  // Iterations of each clustering; it ends sooner when nothing changes.
   int max_iterations = 12;
   // Nodes with fewer descriptors become words.
   int min_descriptors_to_split = 2;
   uint64_t seed = 1;
-  // Memory: of more, evenly spaced ones are used for clustering (all of them for the weights).
+  // Bounds the memory: of more descriptors, evenly spaced ones are used for clustering (all of them
+  // for the weights).
   size_t max_descriptors = 4'000'000;
-  // Speed only; the result is the same.
+  // Changes speed only; the result is the same.
   int threads = 2;
 
-  // INVALID_ARGUMENT, naming the field, its value and its limits.
+  // INVALID_ARGUMENT names the field, its value and its limits.
   absl::Status Validate() const;
 };
 
-// A vector a picture.
+// One vector of descriptors a picture.
 using PictureDescriptors = std::vector<std::vector<Descriptor>>;
-// Called from the caller's thread: what is going on, and how much of it is done.
+// It is called from the caller's thread and told what is going on, and how much of it is done.
 using TrainingProgress = std::function<void(const std::string& step, size_t done, size_t total)>;
 
-// Depends on the options (but not threads) and descriptors alone. INVALID_ARGUMENT without
-// descriptors.
+// Trains on the descriptors. The result depends on the options (but not threads) and descriptors
+// alone. INVALID_ARGUMENT without descriptors.
 absl::StatusOr<VocabularyTree> TrainVocabulary(const TrainingOptions& options,
                                                const PictureDescriptors& pictures,
                                                const TrainingProgress& progress = nullptr);
@@ -53,11 +54,12 @@ absl::StatusOr<VocabularyTree> TrainFromPictures(const std::vector<std::string>&
                                                  const OrbOptions& orb,
                                                  const TrainingOptions& options,
                                                  const TrainingProgress& progress = nullptr);
-// The first half of it.
+// Only extracts the features, as TrainFromPictures does first.
 absl::StatusOr<PictureDescriptors> ExtractDescriptors(const std::vector<std::string>& paths,
                                                       const OrbOptions& orb,
                                                       const TrainingProgress& progress = nullptr);
-// Image files (png, jpg, jpeg, pgm) directly in a folder, sorted. NOT_FOUND if there is none.
+// Returns the image files (png, jpg, jpeg, pgm) directly in a folder, sorted. NOT_FOUND if there is
+// none.
 absl::StatusOr<std::vector<std::string>> ListPictures(const std::string& folder);
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// TrainFromPictures, ExtractDescriptors and ListPictures.
+// Implements TrainFromPictures, ExtractDescriptors and ListPictures.
 #include <algorithm>
 #include <array>
 #include <filesystem>

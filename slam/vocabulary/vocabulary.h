@@ -32,18 +32,18 @@ class Vocabulary {
   Vocabulary& operator=(const Vocabulary&) = delete;
   ~Vocabulary();
 
-  // TF-IDF weights that sum to 1, and the direct index. Words of weight 0 (seen in every training
-  // picture) are not in the bag; their features are in the direct index.
+  // Returns TF-IDF weights that sum to 1, and the direct index. Words of weight 0 (seen in every
+  // training picture) are not in the bag; their features are in the direct index.
   Words Transform(absl::Span<const Descriptor> descriptors) const;
 
-  // Reads everything: DATA_LOSS unless the content is what was written.
+  // Reads the whole file: DATA_LOSS unless the content is what was written.
   absl::Status Verify() const;
 
   size_t nodes() const { return view_.nodes(); }
   size_t words() const { return words_; }
   int branching() const { return static_cast<int>(view_.branching); }
   int levels() const { return static_cast<int>(view_.levels); }
-  // Same for the same vocabulary, wherever it was loaded from.
+  // Returns the same number for the same vocabulary, wherever it was loaded from.
   uint64_t fingerprint() const { return fingerprint_; }
   const VocabularyTreeView& tree() const { return view_; }
 
@@ -58,8 +58,8 @@ class Vocabulary {
   uint64_t fingerprint_ = 0;
 };
 
-// 1 for the same bag, 0 for bags that share no word: equation 2 of Galvez-Lopez and Tardos 2012,
-// for bags whose weights sum to 1.
+// Returns 1 for the same bag and 0 for bags that share no word, by equation 2 of Galvez-Lopez and
+// Tardos 2012 for bags whose weights sum to 1.
 double Similarity(const BagOfWords& a, const BagOfWords& b);
 
 }  // namespace corbslam

@@ -154,7 +154,7 @@ absl::Status WriteVocabulary(const VocabularyTree& tree, const std::string& path
   header.words = CountWords(view);
   header.fingerprint = ComputeFingerprint(view);
 
-  // Renamed when complete: whoever has the old one mapped keeps it.
+  // The file is renamed when it is complete: a process that has the old one mapped keeps it.
   const std::string unfinished = path + ".part";
   std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
   file.write(reinterpret_cast<const char*>(&header), sizeof(header));

@@ -1,6 +1,6 @@
-// Files of vocabularies: our own binary form, to be mapped into memory, and ORB-SLAM2's text.
-// The binary form is little endian: a header of 64 bytes, then the arrays of VocabularyTree in the
-// order descriptors, first_child, weights.
+// Reads and writes files of vocabularies: our own binary form, to be mapped into memory, and
+// ORB-SLAM2's text. The binary form is little endian: a header of 64 bytes, then the arrays of
+// VocabularyTree in the order descriptors, first_child, weights.
 #ifndef CORBSLAM_SLAM_VOCABULARY_VOCABULARY_FILE_H_
 #define CORBSLAM_SLAM_VOCABULARY_VOCABULARY_FILE_H_
 
@@ -15,10 +15,10 @@
 
 namespace corbslam {
 
-// Read only. Immutable as long as nobody writes to the file.
+// A file mapped for reading. It is immutable as long as nobody writes to the file.
 class MappedFile {
  public:
-  // NOT_FOUND, naming the path and the system's reason.
+  // NOT_FOUND names the path and the system's reason.
   static absl::StatusOr<std::unique_ptr<const MappedFile>> Open(const std::string& path);
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -37,11 +37,11 @@ class MappedFile {
 };
 
 struct VocabularyFileContent {
-  VocabularyTreeView tree;  // Lives as long as the mapped file.
+  VocabularyTreeView tree;  // The view lives as long as the mapped file.
   uint32_t words = 0;
-  uint64_t fingerprint = 0;  // As the header says; not compared with the content.
+  uint64_t fingerprint = 0;  // The header's value, which is not compared with the content.
 };
-// DATA_LOSS naming the path and the fault: magic, version, limits, size, structure.
+// DATA_LOSS names the path and the fault: magic, version, limits, size, structure.
 absl::StatusOr<VocabularyFileContent> ParseVocabulary(const MappedFile& file);
 
 // Replaces the file as a whole. UNAVAILABLE names the path; INVALID_ARGUMENT for a malformed tree.
@@ -60,8 +60,8 @@ struct VocabularySummary {
   uint32_t direct_level = 0;
   size_t nodes = 0;
   size_t words = 0;
-  size_t direct_nodes = 0;  // Groups of the direct index.
-  size_t bytes = 0;         // Of the file.
+  size_t direct_nodes = 0;  // Number of groups of the direct index.
+  size_t bytes = 0;         // Size of the file.
   uint64_t fingerprint = 0;
   float min_weight = 0;
   float mean_weight = 0;

@@ -33,7 +33,7 @@ absl::Status CheckSizes(const VocabularyTreeView& tree) {
   return absl::OkStatus();
 }
 
-// Breadth first numbers: a level's nodes are side by side, and so are their children.
+// Nodes are numbered breadth first: a level's nodes are side by side, and so are their children.
 uint32_t CountLevels(const VocabularyTreeView& tree) {
   uint32_t levels = 0;
   uint32_t begin = 0;

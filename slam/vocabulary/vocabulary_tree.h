@@ -20,15 +20,15 @@ struct VocabularyTree {
   uint32_t levels = 0;
   // Depth of the nodes that the direct index groups features by.
   uint32_t direct_level = 0;
-  // One a node; the root's is unused.
+  // One descriptor a node; the root's is unused.
   std::vector<Descriptor> descriptors;
   // Node i's children are [first_child[i], first_child[i + 1]): one entry more than nodes.
   std::vector<uint32_t> first_child;
-  // One a node: inverse document frequency of words, 0 for inner nodes.
+  // One weight a node: inverse document frequency of words, 0 for inner nodes.
   std::vector<float> weights;
 };
 
-// The same, wherever the arrays live.
+// The same tree, wherever its arrays live.
 struct VocabularyTreeView {
   uint32_t branching = 0;
   uint32_t levels = 0;
@@ -49,20 +49,20 @@ constexpr uint32_t kMaxLevels = 16;
 constexpr uint32_t kMaxVocabularyNodes = 1u << 27;
 
 // INVALID_ARGUMENT, naming node and value, unless every descent from the root stays within the
-// arrays and ends after `levels` steps at the latest. Reads first_child only.
+// arrays and ends after `levels` steps at the latest. It reads first_child only.
 absl::Status ValidateStructure(const VocabularyTreeView& tree);
-// Weights are finite and not negative.
+// INVALID_ARGUMENT unless weights are finite and not negative.
 absl::Status ValidateWeights(const VocabularyTreeView& tree);
 
-// 64-bit digest of everything in the tree.
+// Returns a 64-bit digest of everything in the tree.
 uint64_t ComputeFingerprint(const VocabularyTreeView& tree);
 
-// Where one descriptor ends.
+// Node and leaf in which one descriptor ends.
 struct TreePath {
-  uint32_t direct_node = 0;  // At direct_level, or the leaf if that is nearer to the root.
+  uint32_t direct_node = 0;  // The node at direct_level, or the leaf if that is nearer to the root.
   uint32_t leaf = 0;
 };
-// Greedy descent to the nearest child, the first among equals. paths.size() ==
+// Descends greedily to the nearest child, the first among equals. paths.size() must equal
 // descriptors.size().
 void DescendTree(const VocabularyTreeView& tree, absl::Span<const Descriptor> descriptors,
                  absl::Span<TreePath> paths);

@@ -9,11 +9,11 @@ namespace corbslam {
 
 struct WordWeight {
   uint32_t word = 0;
-  float weight = 0;  // TF-IDF, the bag's weights sum to 1.
+  float weight = 0;  // TF-IDF; a bag's weights sum to 1.
   friend bool operator==(const WordWeight&, const WordWeight&) = default;
 };
 
-// Sorted by word, each word once.
+// The bag is sorted by word, with each word once.
 using BagOfWords = std::vector<WordWeight>;
 
 // Direct index: which features fell under which node of a middle level of the tree, so that

@@ -31,19 +31,19 @@ namespace {
 
 struct Flags {
   std::string source;
-  size_t every = 25;  // Frames between those that are measured.
+  size_t every = 25;  // Number of frames from one that is measured to the next.
 };
 
 enum Surface { kSmooth, kNearAnEdge, kAtAnEdge, kSurfaces };
 constexpr std::array<const char*, kSurfaces> kNames = {"smooth", "an edge within 5 px",
                                                        "an edge within 1.5 px"};
-constexpr double kPatchReach_px = 5;  // Of the octave: what stereo matching looks at.
+constexpr double kPatchReach_px = 5;  // Pixels of the octave that stereo matching looks at.
 constexpr double kSlant = 1.15;       // Depths of a slanted street differ by as much there.
 
 struct Measurement {
-  double error_px = 0;  // Measured less true.
+  double error_px = 0;  // Measured less true disparity.
   double true_px = 0;
-  double scale = 1;  // Of the octave.
+  double scale = 1;  // Scale of the octave.
 };
 
 struct DepthRange {
@@ -51,7 +51,7 @@ struct DepthRange {
   double farthest_m = 0;
 };
 
-// Nothing where the window leaves the image.
+// Returns nothing where the window leaves the image.
 std::optional<DepthRange> RangeAround(const cv::Mat& depth, const Keypoint& keypoint,
                                       double reach_px) {
   const int x = static_cast<int>(std::lround(keypoint.x_px));
@@ -117,7 +117,8 @@ absl::StatusOr<Measurements> Measure(const Flags& flags) {
   return measurements;
 }
 
-// The share by which least squares over these makes all depths too large, outliers left out.
+// Returns the share by which least squares over these makes all depths too large, outliers left
+// out.
 double MisjudgedScale(const std::vector<Measurement>& measurements) {
   double sum = 0;
   double weight = 0;

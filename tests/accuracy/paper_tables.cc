@@ -24,7 +24,7 @@ struct Run {
   Json report;
 };
 
-// "TITLE=PATH".
+// Reads "TITLE=PATH".
 absl::StatusOr<Run> ReadRun(const std::string& argument) {
   const size_t equals = argument.find('=');
   if (equals == std::string::npos) {
@@ -52,7 +52,7 @@ std::string Head(const std::vector<std::string>& cells) {
   return absl::StrCat(Row(cells), Row(std::vector<std::string>(cells.size(), "---")));
 }
 
-// Count, seconds and megabytes of one kind of item.
+// Writes count, seconds and megabytes of one kind of item.
 std::string Transferred(const Json& item) {
   return absl::StrFormat("%s / %.2f s / %.1f MB", Number(item["count"], 0),
                          item["ms"].get<double>() / 1e3, item["bytes"].get<double>() / 1e6);
@@ -89,7 +89,8 @@ std::string FusionTable(const std::vector<Run>& runs) {
     const Json& merges = run.report["merge_ms"];
     const Json& adjustments = run.report["global_ba_ms"];
     for (size_t i = 0; i < adjustments.size(); ++i) {
-      if (i >= merges.size() && i + 1 < adjustments.size()) continue;  // Between: left out.
+      // Adjustments between the merges and the last one are left out.
+      if (i >= merges.size() && i + 1 < adjustments.size()) continue;
       absl::StrAppend(&table, Row({run.title, Number(adjustments[i]["keyframes"], 0),
                                    i < merges.size() ? Seconds(merges[i]) : "-",
                                    Seconds(adjustments[i]["ms"])}));

@@ -35,18 +35,18 @@ struct Frame {
 struct Statistics {
   double grey_mean = 0;
   double grey_deviation = 0;
-  double keypoints = 0;    // A frame.
-  double fine_share = 0;   // Of these on the two finest levels.
-  double depth_share = 0;  // With a stereo match (or depth).
-  double close_share = 0;  // ... nearer than close_depth_m.
+  double keypoints = 0;    // Keypoints of a frame.
+  double fine_share = 0;   // Share of these on the two finest levels.
+  double depth_share = 0;  // Share with a stereo match (or depth).
+  double close_share = 0;  // Share of those that is nearer than close_depth_m.
   double median_depth_m = 0;
-  double matched_share = 0;      // Found again in the next frame.
+  double matched_share = 0;      // Share found again in the next frame.
   double track_length = 0;       // Mean number of frames a feature is followed.
-  double long_tracks_share = 0;  // Of tracks, those over at least five frames.
-  double self_recall = 0;        // Odd frames whose best even frame is a neighbour.
+  double long_tracks_share = 0;  // Share of tracks over at least five frames.
+  double self_recall = 0;        // Share of odd frames whose best even frame is a neighbour.
 };
 
-// Greedy search in a window: the nearest descriptor that is clearly nearer than the second.
+// Searches greedily in a window for the nearest descriptor that is clearly nearer than the second.
 std::vector<int> MatchNext(const Camera& camera, const Features& from, const Features& to) {
   const FeatureGrid grid(camera, to.keypoints);
   std::vector<int> matches(from.keypoints.size(), -1);
@@ -173,7 +173,7 @@ class Collector {
   Statistics sums_;
   std::vector<Frame> frames_;
   std::vector<double> depths_;
-  std::vector<int> lengths_;  // So far, of each feature of the last frame.
+  std::vector<int> lengths_;  // Length so far of the track of each feature of the last frame.
   double tracks_ = 0;
   double frames_followed_ = 0;
   double long_tracks_ = 0;

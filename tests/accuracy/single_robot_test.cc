@@ -1,4 +1,4 @@
-// One robot against the truth of recorded sequences: bars as in
+// Tests one robot against the truth of recorded sequences: bars as in
 // docs/lab/2026-11-24-accuracy-lockstep.md.
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ class SingleRobotTest : public ::testing::Test {
     data_ = folder;
   }
 
-  // Plays the whole source; the trajectory of every tracked frame.
+  // Plays the whole source and returns the trajectory of every tracked frame.
   static Trajectory Run(const std::string& spec, int features) {
     auto source = OpenSource(spec);
     EXPECT_TRUE(source.ok()) << source.status();
@@ -77,7 +77,7 @@ TEST_F(SingleRobotTest, TumDesk) {
   EXPECT_LE(Rmse(estimate, *truth), 0.011);
 }
 
-// Large steps between frames: half the frames are missing.
+// Half the frames are missing, so that the steps between frames are large.
 TEST_F(SingleRobotTest, TumDeskInLargeSteps) {
   const std::string folder = data_ + "/tum_fr1_xyz_15hz";
   const auto truth = ReadTumTrajectory(folder + "/groundtruth.txt");

@@ -13,7 +13,7 @@ std::string Number(const std::optional<double>& value, int decimals) {
   return value.has_value() ? absl::StrFormat("%.*f", decimals, *value) : "–";
 }
 
-// "0.2841 (0.2756 to 0.2878)".
+// Writes "0.2841 (0.2756 to 0.2878)".
 std::string Spread(const std::optional<double>& median, const std::vector<SplitRun>& runs) {
   if (!median.has_value()) return "–";
   const auto [least, most] =
@@ -43,7 +43,7 @@ std::string RobotRow(const SplitVerdict& verdict, const RobotVerdict& robot) {
                          robot.worse_runs, robot.runs, Judgement(verdict, robot.IsMet()));
 }
 
-// Null where there is no value.
+// Returns null where there is no value.
 Json OrNull(const std::optional<double>& value) {
   return value.has_value() ? Json(*value) : Json(nullptr);
 }

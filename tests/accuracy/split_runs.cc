@@ -24,7 +24,7 @@ RobotOfRun ReadRobot(const Json& json) {
   RobotOfRun robot;
   robot.name = json.at("name");
   robot.lost_frames = json.at("lost");
-  // Of several local maps `ate_m` is the global trajectory's.
+  // With several local maps `ate_m` is the global trajectory's.
   if (json.at("local_maps") == 1) robot.local_ate_m = Optional(json.at("ate_m"));
   robot.global_ate_m = Optional(json.at("ate_global_m"));
   return robot;
@@ -39,7 +39,7 @@ SplitRun ReadReport(const Json& json) {
   run.keyframes = fused.at("keyframes");
   run.ate_m = Optional(fused.at("ate_m"));
   run.ate_from_frame_m = Optional(fused.at("ate_from_frame_m"));
-  // Not in reports of before.
+  // Older reports don't have it.
   if (fused.contains("ate_without_scale_m")) {
     run.ate_without_scale_m = Optional(fused.at("ate_without_scale_m"));
   }

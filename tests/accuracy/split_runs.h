@@ -1,4 +1,4 @@
-// What runs of `corbslam run` say of their accuracy.
+// Reads what runs of `corbslam run` say of their accuracy.
 #ifndef CORBSLAM_TESTS_ACCURACY_SPLIT_RUNS_H_
 #define CORBSLAM_TESTS_ACCURACY_SPLIT_RUNS_H_
 
@@ -13,8 +13,8 @@ namespace corbslam {
 struct RobotOfRun {
   std::string name;
   int lost_frames = 0;
-  // After one rigid alignment each; none where it can't be told: several local maps have no common
-  // local frame, and what is not connected has no global one.
+  // Errors after one rigid alignment each; none where they can't be told: several local maps have
+  // no common local frame, and what is not connected has no global one.
   std::optional<double> local_ate_m;
   std::optional<double> global_ate_m;
 };
@@ -25,15 +25,15 @@ struct SplitRun {
   std::string command;
   int islands = 0;
   int keyframes = 0;
-  // Of all robots under one alignment; none unless all hang together.
+  // Errors of all robots under one alignment; none unless all hang together.
   std::optional<double> ate_m;
   std::optional<double> ate_from_frame_m;
   std::optional<double> ate_without_scale_m;
   std::vector<RobotOfRun> robots;
 };
 
-// Of FOLDER/NAME/*/report.json, in the order of the runs' names; none where there are none.
-// DATA_LOSS names the report that can't be understood.
+// Reads FOLDER/NAME/*/report.json, in the order of the runs' names; returns none where there are
+// none. DATA_LOSS names the report that can't be understood.
 absl::StatusOr<std::vector<SplitRun>> ReadRuns(const std::string& folder, const std::string& name);
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// What several robots map together against what one maps alone, and against its bars.
+// Judges what several robots map together against what one maps alone, and against its bars.
 #ifndef CORBSLAM_TESTS_ACCURACY_SPLIT_VERDICT_H_
 #define CORBSLAM_TESTS_ACCURACY_SPLIT_VERDICT_H_
 
@@ -15,16 +15,16 @@ namespace corbslam {
 struct RobotVerdict {
   std::string name;
   int runs = 0;
-  int worse_runs = 0;                 // In which the global layer's error is above the local one's.
+  int worse_runs = 0;  // Runs in which the global layer's error is above the local one's.
   std::optional<double> local_ate_m;  // Medians.
   std::optional<double> global_ate_m;
 
-  // The global layer's median is at most the local one's.
+  // True if the global layer's median is at most the local one's.
   bool IsMet() const { return runs > 0 && *global_ate_m <= *local_ate_m; }
 };
 
 struct SplitVerdict {
-  // The fused median at most this much of the single robot's.
+  // The fused median is at most this much of the single robot's.
   static constexpr double kMaxRatio = 1.05;
 
   std::string name;
@@ -43,9 +43,9 @@ struct SplitVerdict {
 
   bool IsComplete() const;
   std::optional<double> Ratio() const;
-  // One island in every run, and accurate enough.
+  // True if every run has one island, and is accurate enough.
   bool IsMapMet() const;
-  // That, and every robot's layers.
+  // True if that is so, and every robot's layers meet their bar.
   bool IsMet() const;
 };
 
@@ -53,7 +53,7 @@ SplitVerdict Judge(const std::string& name, const std::string& reference,
                    std::vector<SplitRun> runs, std::vector<SplitRun> reference_runs,
                    int wanted_runs);
 
-// Those without runs are left out of the tables.
+// Splits without runs are left out of the tables.
 std::string ToMarkdown(const std::vector<SplitVerdict>& verdicts);
 nlohmann::ordered_json ToJson(const std::vector<SplitVerdict>& verdicts);
 

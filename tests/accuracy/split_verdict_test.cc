@@ -66,7 +66,7 @@ TEST(SplitVerdictTest, CountsRunsWhoseGlobalLayerIsTheWorseOne) {
   std::vector<SplitRun> runs(3, RunOf(1));
   runs[0].robots = {RobotOf(1.0, 0.9)};
   runs[1].robots = {RobotOf(1.0, 1.1)};
-  runs[2].robots = {RobotOf(std::nullopt, 5)};  // Several local maps.
+  runs[2].robots = {RobotOf(std::nullopt, 5)};  // The robot has several local maps.
   const auto verdict = Judge("two", "one", runs, {}, 3);
   ASSERT_EQ(verdict.robots.size(), 1u);
   EXPECT_EQ(verdict.robots[0].runs, 2);
@@ -102,7 +102,7 @@ constexpr char kReport[] = R"({"version": "1", "command": "corbslam run",
 
 TEST_F(SplitRunsTest, ReadsReportsInTheOrderOfTheirNumbers) {
   for (const char* run : {"10", "9"}) Write(run, kReport);
-  std::filesystem::create_directories(folder_ + "/two/11");  // Stopped before its end.
+  std::filesystem::create_directories(folder_ + "/two/11");  // This run was stopped before its end.
   const auto runs = ReadRuns(folder_, "two");
   ASSERT_TRUE(runs.ok()) << runs.status();
   ASSERT_EQ(runs->size(), 2u);

@@ -33,17 +33,17 @@ struct Flags {
   std::string json;
 };
 
-// Of keyframes, under alignments of their own.
+// Errors of keyframes, each under an alignment of its own.
 struct MapError {
   size_t keyframes = 0;
   double rigid_m = 0;
   double without_scale_m = 0;
-  double scale = 1;  // What the map's lengths are to be multiplied by.
+  double scale = 1;  // Factor by which the map's lengths are to be multiplied.
 };
 
 struct Row {
   AdjustBundleResult result;
-  // Of all keyframes (""), and of each local map.
+  // Errors of all keyframes (""), and of each local map.
   std::map<std::string, MapError> before;
   std::map<std::string, MapError> after;
 };

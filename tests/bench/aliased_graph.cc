@@ -17,15 +17,15 @@ constexpr double kRadius_m = 30;
 constexpr double kStepDegrees = 5;
 // Both robots see so much of the ring where they meet.
 constexpr double kSharedDegrees = 40;
-// Of a step of 2.6 m.
+// Standard deviations of a step of 2.6 m.
 constexpr double kOdometrySigma_m = 0.025;
 constexpr double kOdometrySigma_rad = 0.002;
-constexpr double kOdometryTurnSigma_rad = 0.001;  // The same for all of a robot's steps.
+constexpr double kOdometryTurnSigma_rad = 0.001;  // All of a robot's steps have the same turn.
 constexpr double kOverlapSigma_m = 0.08;
 constexpr double kOverlapSigma_rad = 0.005;
 constexpr double kSamePlace_m = 3;
 constexpr double kOtherPlace_m = 10;
-// Two overlaps agree on where a map lies.
+// Two overlaps that agree to within this agree on where a map lies.
 constexpr double kAgreement_m = 1;
 constexpr double kAgreement_rad = 0.1;
 
@@ -71,7 +71,7 @@ class Maker {
 
   void Drive(int map) {
     const double arc = 360.0 / options_.maps;
-    // Off the others' keyframes, so that no two see exactly the same.
+    // Keyframes lie off the others', so that no two see exactly the same.
     const double begin = map * arc + 0.3 * kStepDegrees * map;
     const int count = static_cast<int>((arc + kSharedDegrees) / kStepDegrees);
     const auto poses = testing::PosesOnRing(begin, kStepDegrees, count, kRadius_m);
@@ -115,7 +115,7 @@ class Maker {
   void AddTrueOverlaps() {
     std::vector<Pair> pairs = FindPairs([](double m) { return m < kSamePlace_m; });
     std::shuffle(pairs.begin(), pairs.end(), random_);
-    // Every neighbour in turn, so that all maps hang together.
+    // Every neighbour comes in turn, so that all maps hang together.
     std::map<std::pair<LocalMapId, LocalMapId>, std::vector<Pair>> by_maps;
     for (const Pair& pair : pairs) {
       by_maps[{pair.first.local_map, pair.second.local_map}].push_back(pair);
@@ -142,7 +142,7 @@ class Maker {
       for (int i = 0; i < 3; ++i) tangent[i] = Even(kSamePlace_m / std::numbers::sqrt3);
       for (int i = 3; i < 6; ++i) tangent[i] = Even(0.2);
       const Rigid3d second_from_first = ExpSE3(tangent);
-      // As if the first's place were the second's: the world moved by so much.
+      // The first's place is taken for the second's: the world moves by so much.
       const Rigid3d world_from_world =
           Truth(pair.second).Inverse() * second_from_first * Truth(pair.first);
       for (uint32_t k = 0; k < static_cast<uint32_t>(options_.cluster) && left > 0; ++k) {
@@ -155,7 +155,7 @@ class Maker {
     }
   }
 
-  // first_map_from_map by one overlap between `map` and one that has its place.
+  // Returns first_map_from_map by one overlap between `map` and one that has its place.
   Rigid3d AlignBy(const PoseGraphEdge& overlap, LocalMapId map) const {
     const Rigid3d b_from_a = overlap.b_from_a.ToRigid();
     const Rigid3d a = graph_.initial.at(overlap.a).ToRigid();
@@ -173,7 +173,8 @@ class Maker {
   }
 
   void Place(LocalMapId map, const absl::btree_set<LocalMapId>& placed) {
-    std::vector<std::pair<Rigid3d, Eigen::Vector3d>> proposals;  // And where the mover is.
+    // The vector is where the mover is.
+    std::vector<std::pair<Rigid3d, Eigen::Vector3d>> proposals;
     for (const PoseGraphEdge& overlap : graph_.overlaps) {
       const bool a_moves = overlap.a.local_map == map;
       if (!a_moves && overlap.b.local_map != map) continue;

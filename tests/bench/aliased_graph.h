@@ -1,4 +1,4 @@
-// Pose graphs of several robots with true and wrong overlaps, and their truth.
+// Makes pose graphs of several robots with true and wrong overlaps, and their truth.
 #ifndef CORBSLAM_TESTS_BENCH_ALIASED_GRAPH_H_
 #define CORBSLAM_TESTS_BENCH_ALIASED_GRAPH_H_
 
@@ -14,24 +14,25 @@ namespace corbslam {
 struct AliasedGraphOptions {
   int maps = 2;
   int true_overlaps = 20;
-  double wrong_share = 0;  // Of all overlaps.
-  // How many neighbouring pairs of keyframes make the same mistake, as where two streets look
-  // alike; 1: each errs in its own way.
+  double wrong_share = 0;  // Share of all overlaps.
+  // How many neighbouring pairs of keyframes make the same mistake, as happens where two streets
+  // look alike; 1: each errs in its own way.
   int cluster = 1;
   uint64_t seed = 1;
 };
 
 struct AliasedGraph {
-  // camera_from_map of the first local map; odometry chained, and the other maps placed by the
-  // overlaps that most others agree with, as fusing does (AlignByConsensus).
+  // camera_from_map of the first local map. Odometry is chained, and the other maps are placed by
+  // the overlaps that most others agree with, as fusing does (AlignByConsensus).
   std::map<KeyframeId, Similarity3d> initial;
   std::map<KeyframeId, Rigid3d> true_camera_from_world;
-  // Odometry, then overlaps; both weighted by the inverse variance of their translation's noise.
+  // Edges of odometry and of overlaps; both are weighted by the inverse variance of their
+  // translation's noise.
   std::vector<PoseGraphEdge> odometry;
   std::vector<PoseGraphEdge> overlaps;
-  std::vector<bool> is_wrong;  // Of the overlaps.
+  std::vector<bool> is_wrong;  // One entry an overlap.
   absl::btree_set<KeyframeId> fixed;
-  double odometry_sigma_rad = 0;  // Of a step, with its systematic part.
+  double odometry_sigma_rad = 0;  // Standard deviation of a step, with its systematic part.
 };
 
 // The robots share a ring of 30 m radius, each a piece of it, and meet the next one at its end (and

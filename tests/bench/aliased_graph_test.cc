@@ -1,5 +1,5 @@
-// Graphs on which graduated non-convexity alone ended beside the least truncated cost: wrong
-// overlaps in clusters of four that agree with each other.
+// On these graphs graduated non-convexity alone ended beside the least truncated cost: they have
+// wrong overlaps in clusters of four that agree with each other.
 #include "tests/bench/aliased_graph.h"
 
 #include <gtest/gtest.h>

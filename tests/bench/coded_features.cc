@@ -1,5 +1,6 @@
-// What keyframes take uncoded and coded, by column, on the wire and in the journal, and how long
-// that takes: of what a robot uploads of each source, alone and in lockstep.
+// Measures what keyframes take uncoded and coded, by column, on the wire and in the journal, and
+// how long that takes. The keyframes are what a robot uploads of each source, alone and in
+// lockstep.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -22,7 +23,7 @@
 namespace corbslam {
 namespace {
 
-// Of this thread's processor: other programs don't count.
+// Returns the time of this thread's processor: other programs don't count.
 double Now_ms() {
   timespec time;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -40,7 +41,7 @@ struct Row {
   size_t without_disparities = 0;
   size_t journal_plain = 0;
   size_t journal_coded = 0;
-  // Of all points' descriptors.
+  // Number of all points' descriptors.
   size_t points = 0;
   size_t coded_points = 0;
   std::vector<double> encode_ms;
@@ -69,7 +70,7 @@ absl::Status AddKeyframe(const KeyframePayload& payload, Row& row) {
   for (const std::string& stream : EncodeDescriptors(columns.descriptors)) {
     row.coded_descriptors += stream.size();
   }
-  // As the store would have it: rounded by the wire.
+  // The store keeps this keyframe: the wire has rounded it.
   KeyframePayload kept;
   kept.camera = payload.camera;
   kept.features = FromColumns(columns);

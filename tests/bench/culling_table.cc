@@ -32,9 +32,9 @@ struct Flags {
 struct Row {
   double share = 0;
   size_t target = 0;
-  size_t stored = 0;  // Keyframes; the robots keep them all.
+  size_t stored = 0;  // Number of keyframes; the robots keep them all.
   FusedMapError error;
-  TimedWorker::Adjustment last;  // What it was given is the culled map.
+  TimedWorker::Adjustment last;  // The last adjustment, which was given the culled map.
   size_t adjustments = 0;
   double all_ms = 0;
 };

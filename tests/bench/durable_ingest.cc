@@ -38,7 +38,7 @@ struct Flags {
 
 struct Row {
   size_t agents = 0;
-  double pace = 0;  // Keyframes a second of each; 0: all they can.
+  double pace = 0;  // Keyframes a second of each robot; 0: all they can.
   double keyframes_per_s = 0;
   double bytes_per_s = 0;
   double p50_ms = 0;

@@ -37,11 +37,12 @@ using testing::SyntheticMap;
 using testing::TestAgent;
 
 constexpr char kMission[] = "table";
-// As on the street: a keyframe every 0.7 m that sees about 400 points, each of them six times.
+// The street has a keyframe every 0.7 m that sees about 400 points, each of them six times; so has
+// this ring.
 constexpr double kSpacing_m = 0.7;
 constexpr double kPointsPerMetre = 95;
 constexpr size_t kTrackLength = 6;
-// Both ends together, of keyframes.
+// Number of keyframes at both ends together that both robots see.
 constexpr int kShared = 40;
 
 struct Flags {
@@ -51,13 +52,13 @@ struct Flags {
 };
 
 struct Row {
-  TimedWorker::Adjustment adjustment;  // The first after the merge.
-  double merge_ms = 0;                 // From the verified overlap to the committed revision.
+  TimedWorker::Adjustment adjustment;  // The first adjustment after the merge.
+  double merge_ms = 0;                 // Time from the verified overlap to the committed revision.
   double fuse_maps_ms = 0;             // The worker's part of it.
   size_t revisions = 0;
   double robots_ate_m = 0;
   double fused_ate_m = 0;
-  double peak_rss_mb = 0;  // Of this program so far.
+  double peak_rss_mb = 0;  // Peak of this program so far.
 };
 
 struct World {
@@ -144,7 +145,7 @@ void Print(const Row& row) {
   std::fflush(stdout);
 }
 
-// The slope of log(y) over log(keyframes) by least squares.
+// Returns the slope of log(y) over log(keyframes) by least squares.
 double Exponent(const std::vector<Row>& rows, double (*value)(const Row&)) {
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
   for (const Row& row : rows) {

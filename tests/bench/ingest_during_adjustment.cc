@@ -48,7 +48,7 @@ class Windows {
  public:
   Windows(absl::Time begin, absl::Duration length) : begin_(begin), length_(length) {}
 
-  // Of a time that is not before the first.
+  // Returns the index of the window of a time that is not before the first one.
   int64_t IndexOf(absl::Time time) const {
     return static_cast<int64_t>(absl::FDivDuration(time - begin_, length_));
   }
@@ -107,7 +107,7 @@ class Gate : public FusionWorker {
   mutable absl::Mutex mutex_;
   absl::Duration adjusting_ ABSL_GUARDED_BY(mutex_);
   int adjustments_ ABSL_GUARDED_BY(mutex_) = 0;
-  size_t largest_ ABSL_GUARDED_BY(mutex_) = 0;  // In keyframes.
+  size_t largest_ ABSL_GUARDED_BY(mutex_) = 0;  // Number of keyframes.
 };
 
 struct Side {
@@ -121,13 +121,13 @@ struct Row {
   double keyframes_per_s = 0;
   int adjustments = 0;
   size_t largest = 0;
-  double adjusting_share = 0;  // Of the busy windows' time.
+  double adjusting_share = 0;  // Share of the busy windows' time.
   Side quiet;
   Side busy;
 };
 
-// Of batches that were due in windows of one kind; the first window, in which nothing is joined
-// yet, is left out.
+// Summarises batches that were due in windows of one kind; the first window, in which nothing is
+// joined yet, is left out.
 Side Summarise(const std::vector<ReplayLedger>& ledgers, const Windows& windows, bool busy) {
   std::vector<double> after_ms;
   for (const ReplayLedger& ledger : ledgers) {

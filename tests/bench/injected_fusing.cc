@@ -24,7 +24,7 @@ constexpr LocalMapId kA{0xa};
 constexpr LocalMapId kB{0xb};
 constexpr double kStepDegrees = 3;
 constexpr int kKeyframes = 30;
-// Keyframe k of B is where this one and the next of A are.
+// Keyframe k of B lies between keyframes k + kMeetAt of A and the next.
 constexpr uint32_t kMeetAt = 23;
 constexpr int kWrongPairs = 30;
 constexpr double kOtherPlace_m = 10;
@@ -96,7 +96,7 @@ class Experiment {
     return wrong;
   }
 
-  // A true one first, the others in any order.
+  // Makes the overlaps: a true one first, then the others in any order.
   std::vector<Injected> MakeOverlaps() {
     std::vector<Injected> overlaps;
     for (uint32_t k = 0; k + kMeetAt < kKeyframes; ++k) {
@@ -111,7 +111,7 @@ class Experiment {
     return overlaps;
   }
 
-  // As the store does: points that have become one say nothing any more.
+  // The store does so, too: points that have become one say nothing any more.
   Overlap Renamed(Overlap overlap) const {
     const auto survivor = [this](MapPointId id) {
       for (auto it = survivors_.find(id); it != survivors_.end(); it = survivors_.find(id)) {

@@ -1,4 +1,4 @@
-// Two synthetic local maps fused by true and wrong overlaps.
+// Fuses two synthetic local maps by true and wrong overlaps.
 #ifndef CORBSLAM_TESTS_BENCH_INJECTED_FUSING_H_
 #define CORBSLAM_TESTS_BENCH_INJECTED_FUSING_H_
 
@@ -9,9 +9,9 @@
 namespace corbslam {
 
 struct InjectionOptions {
-  double wrong_share = 0;  // Of all overlaps.
-  // All overlaps call for one fusing; else one after the other, a true one first, each with those
-  // that were accepted before it.
+  double wrong_share = 0;  // Share of all overlaps.
+  // True: all overlaps call for one fusing. False: one comes after the other, a true one first,
+  // each with those that were accepted before it.
   bool at_once = false;
   uint64_t seed = 1;
 };
@@ -21,7 +21,7 @@ struct InjectionResult {
   int wrong_overlaps = 0;
   int true_accepted = 0;
   int wrong_accepted = 0;
-  double ate_m = 0;  // Of both maps together; 0 where they were not fused.
+  double ate_m = 0;  // Error of both maps together; 0 where they were not fused.
 };
 
 // The true overlaps are what VerifyPlace finds where the maps meet; the wrong ones name keyframes

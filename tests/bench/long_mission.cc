@@ -77,7 +77,7 @@ class LockProbe {
   std::thread thread_;
 };
 
-// Since the last row.
+// What was measured since the last row.
 struct Spell {
   std::vector<double> apply_ms;
   std::vector<double> shared_ms;
@@ -88,7 +88,7 @@ class LongMission {
  public:
   LongMission(const Flags& flags, MapStore& store) : store_(store), fleet_(Options(flags)) {}
 
-  // The next row is about what comes from here on.
+  // Begins the next row: it is about what comes from here on.
   void Begin(LockProbe& probe) {
     spell_ = {};
     probe.Take();
@@ -171,7 +171,8 @@ class LongMission {
     return absl::OkStatus();
   }
 
-  // All that is new to the watcher, in pieces as the service takes them: the bytes.
+  // Takes all that is new to the watcher, in pieces as the service sends them, and returns the
+  // bytes.
   absl::StatusOr<size_t> Watch(MapWatcher& watcher) const {
     constexpr size_t kItemsInAPiece = 5000;
     size_t bytes = 0;
@@ -182,8 +183,8 @@ class LongMission {
     }
   }
 
-  // The whole map for somebody new, points too; and what one batch more, with what fusion makes of
-  // it, is to a watcher of keyframes who has seen all before: the median of some.
+  // Measures the whole map, with points, for a new watcher; and what one batch more, with what
+  // fusion makes of it, is to a watcher of keyframes who has seen all before (the median of some).
   absl::Status MeasureWatching(Json& row) {
     MapWatcher new_one(0, true);
     absl::Time begin = absl::Now();
@@ -268,7 +269,7 @@ absl::Status Run(const Flags& flags) {
     Print(row, rows.empty());
     rows.push_back(std::move(row));
     if (flags.json.empty()) continue;
-    // After each row: a long run may be stopped.
+    // Results are written after each row, because a long run may be stopped.
     RETURN_IF_ERROR(
         WriteLines({Json{{"robots", flags.robots}, {"rows", rows}}.dump(2)}, flags.json));
   }

@@ -40,7 +40,8 @@ Rigid3d LyingWorker::Step() {
   return ExpSE3(step);
 }
 
-// Of the first a step from the true pose, where that was found; the others are as the maps lie.
+// The first lie is a step from the true pose, where that was found; the others put the places where
+// the maps lie.
 Overlap LyingWorker::Lie(const VerifyOverlapRequest& request, const Overlap& honest) {
   Overlap lie = honest;
   if (told_.empty()) {

@@ -14,20 +14,20 @@
 namespace corbslam {
 
 struct LieOptions {
-  // Verified places of two different local maps before the first that is lied about.
+  // Number of verified places of two different local maps before the first that is lied about.
   int after = 0;
-  // One lie, and so many that stand by it: each says that its places are where the first one has
-  // led. As where two streets look alike for a while.
+  // Number of lies: one, and others that stand by it. Each of these says that its places are where
+  // the first one has led, as happens where two streets look alike for a while.
   int lies = 1;
-  // How far from where they are the two places are said to be, from each other.
+  // The two places are said to be so far from where they are, relative to each other.
   double shift_m = 5;
   double turn_rad = 0.2;
-  int wrong_pairs = 30;  // Of points that have nothing to do with each other.
+  int wrong_pairs = 30;  // Pairs of points that have nothing to do with each other.
   uint64_t seed = 1;
 };
 
-// All else is the local worker's. Fuses what the lie calls for even where it contradicts the graph.
-// Not thread-safe.
+// The local worker does everything else. It fuses what the lie calls for even where that
+// contradicts the graph. Not thread-safe.
 class LyingWorker : public FusionWorker {
  public:
   explicit LyingWorker(std::optional<LieOptions> lie);
@@ -41,9 +41,9 @@ class LyingWorker : public FusionWorker {
     return honest_->AdjustBundle(request, progress);
   }
 
-  // Places of different local maps that were verified.
+  // Number of places of different local maps that were verified.
   int verified() const { return verified_; }
-  // Whether the worker made it up.
+  // Returns whether the worker made it up.
   bool IsLie(const Overlap& overlap) const;
 
  private:
@@ -54,7 +54,7 @@ class LyingWorker : public FusionWorker {
   const std::unique_ptr<FusionWorker> honest_;
   std::mt19937_64 random_;
   int verified_ = 0;
-  std::set<std::pair<KeyframeId, KeyframeId>> told_;  // Query and candidate.
+  std::set<std::pair<KeyframeId, KeyframeId>> told_;  // Queries and candidates of the lies.
 };
 
 }  // namespace corbslam

@@ -26,7 +26,7 @@ bool Agree(const AliasedGraph& graph, const PoseGraphEdge& p, const PoseGraphEdg
   };
   const Similarity3d round =
       motion(q.a, p.a) * q.b_from_a.Inverse() * motion(p.b, q.b) * p.b_from_a;
-  // The turns of each step swing what comes after.
+  // The turns of each step move what comes after, so its variance grows with the way.
   double variance = 2 / p.weight;
   for (const auto& [from, to] : {std::pair(q.a, p.a), {p.b, q.b}}) {
     const double steps = StepsBetween(from, to);
@@ -38,7 +38,7 @@ bool Agree(const AliasedGraph& graph, const PoseGraphEdge& p, const PoseGraphEdg
   return round.translation.squaredNorm() < kMaxChi2 * variance;
 }
 
-// Adds whoever agrees with all members so far, those with most friends first.
+// Adds every overlap that agrees with all members so far, those with most friends first.
 Members GrowFrom(size_t first, const std::vector<std::vector<bool>>& agree, const Members& ranked) {
   Members members = {first};
   for (const size_t next : ranked) {

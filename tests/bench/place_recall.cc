@@ -44,11 +44,11 @@ struct Experiment {
   double bar_percent = 0;  // 0: none.
   std::vector<SeenPlace> database;
   std::vector<SeenPlace> queries;
-  // Pictures of B that have no place in the database: whatever they find is wrong.
+  // Pictures of B that have no place in the database, so that whatever they find is wrong.
   std::vector<SeenPlace> elsewhere;
 };
 
-// Makes words of pictures; each sequence's own scene.
+// Makes words of pictures; each sequence is a scene of its own.
 class FrameMaker {
  public:
   explicit FrameMaker(std::shared_ptr<const Vocabulary> vocabulary)
@@ -65,7 +65,7 @@ class FrameMaker {
     return SeenPlace{scene, picture.world_from_camera, std::move(words)};
   }
 
-  // Frames first, first + step, ... up to last.
+  // Appends frames first, first + step, ... up to last.
   absl::Status Append(const std::vector<Picture>& pictures, int scene, size_t first, size_t last,
                       size_t step, const Perturbation& perturbation,
                       std::vector<SeenPlace>& frames) {
@@ -107,7 +107,7 @@ absl::StatusOr<Recordings> FindRecordings(const std::string& folder) {
   return recordings;
 }
 
-// Frames that are nobody's place in `database`.
+// Keeps frames that are nobody's place in `database`.
 void KeepElsewhere(const std::vector<SeenPlace>& database, std::vector<SeenPlace>& frames) {
   std::erase_if(frames, [&database](const SeenPlace& frame) {
     return std::any_of(database.begin(), database.end(),

@@ -1,4 +1,4 @@
-// How many places are recognised by words alone.
+// Counts how many places are recognised by words alone.
 #ifndef CORBSLAM_TESTS_BENCH_RECOGNITION_H_
 #define CORBSLAM_TESTS_BENCH_RECOGNITION_H_
 
@@ -18,16 +18,17 @@ struct SeenPlace {
   std::shared_ptr<const Words> words;
 };
 
-// Within 5 m and 30 degrees.
+// Returns whether they are within 5 m and 30 degrees.
 bool IsSamePlace(const SeenPlace& a, const SeenPlace& b);
 
 struct Recognition {
-  size_t right = 0;        // The best of the database is the same place, whatever the score.
-  size_t found = 0;        // ... and better than all wrong ones: recall@1 at 100 % precision.
+  size_t right = 0;  // Queries whose best keyframe is the same place, whatever the score.
+  // Queries that also score better than all wrong ones: recall@1 at 100 % precision.
+  size_t found = 0;
   double worst_wrong = 0;  // Highest score of a wrong best.
 };
 
-// A query that has no place in the database finds what is wrong, or nothing.
+// A query that has no place in the database finds a wrong one, or nothing.
 Recognition Recognise(const std::vector<SeenPlace>& database,
                       const std::vector<SeenPlace>& queries);
 

@@ -1,5 +1,5 @@
-// A mission of recorded robots in one process: the same uploads again under other conditions, and
-// how far the fused map is from the truth.
+// Streams a mission of recorded robots in one process: the same uploads again under other
+// conditions. It says how far the fused map is from the truth.
 #ifndef CORBSLAM_TESTS_BENCH_REPLAYED_MISSION_H_
 #define CORBSLAM_TESTS_BENCH_REPLAYED_MISSION_H_
 
@@ -17,21 +17,21 @@ namespace corbslam {
 
 struct RecordedMission {
   std::shared_ptr<const Vocabulary> vocabulary;
-  std::vector<RecordedUploads> robots;  // Each with a local map of its own.
+  std::vector<RecordedUploads> robots;  // Uploads of each robot, which has a local map of its own.
   Trajectory truth;
 };
 
-// Each of `robots` robots runs alone over its part of the source (`corbslam run`'s split with 20
+// Records each of `robots` robots alone over its part of the source (`corbslam run`'s split with 20
 // frames of overlap). NOT_FOUND: the sequence has no truth.
 absl::StatusOr<RecordedMission> RecordMission(const std::string& source, size_t robots);
 
 struct FusedMapError {
   size_t islands = 0;
-  size_t frames = 0;  // In the reference island.
-  double ate_m = 0;   // Of these, under one rigid alignment.
+  size_t frames = 0;  // Frames in the reference island.
+  double ate_m = 0;   // Error of these under one rigid alignment.
 };
 
-// Deterministic: the same recording, options and worker give the same map to the bit.
+// A deterministic mission: the same recording, options and worker give the same map to the bit.
 class ReplayedMission {
  public:
   // `recorded` and `worker` must outlive it.

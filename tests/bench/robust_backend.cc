@@ -39,11 +39,11 @@ struct Flags {
   std::string json;
 };
 
-// Of one solver over the seeds.
+// Errors of one solver over the seeds.
 struct Errors {
   std::vector<double> ate_m;
-  std::vector<double> ratio;  // To the clean run.
-  double ms = 0;              // All together.
+  std::vector<double> ratio;  // Ratio to the clean run.
+  double ms = 0;              // Time of all together.
 };
 
 double MedianOrZero(const std::vector<double>& values) {
@@ -60,7 +60,7 @@ double Ate_m(const PoseGraphResult& result, const AliasedGraph& graph) {
   return testing::AteRmse_m(estimate, graph.true_camera_from_world);
 }
 
-// Those that were asked for; all if none was.
+// Returns the solvers that were asked for, or all if none was.
 std::vector<RobustSolver> Chosen(const Flags& flags) {
   std::vector<RobustSolver> chosen = RobustSolvers();
   std::erase_if(chosen, [&](const RobustSolver& solver) {

@@ -12,7 +12,7 @@
 namespace corbslam {
 namespace {
 
-// 95 % bound of chi2 with six degrees of freedom: as in OptimisePoseGraph.
+// 95 % bound of chi2 with six degrees of freedom, which OptimisePoseGraph has, too.
 constexpr double kMaxChi2 = 12.592;
 // A switched-off edge still holds the graph together.
 constexpr double kLeastWeight = 1e-9;
@@ -22,7 +22,7 @@ constexpr double kConverged = 1e-5;
 
 using Weights = std::vector<double>;
 
-// From `initial`, each overlap's weight multiplied; edge_chi2 is that of the overlaps,
+// Solves from `initial`, with each overlap's weight multiplied; edge_chi2 is that of the overlaps,
 // unmultiplied.
 absl::StatusOr<PoseGraphResult> SolveWeighted(const AliasedGraph& graph,
                                               const std::map<KeyframeId, Similarity3d>& initial,
@@ -78,8 +78,8 @@ absl::StatusOr<PoseGraphResult> SolveShipped(const AliasedGraph& graph) {
   return result;
 }
 
-// The losses of Yang et al.: how convex to begin, what comes next, the weight of a squared residual
-// (their equations 12 and 14).
+// The losses of Yang et al. say how convex to begin, what comes next, and the weight of a squared
+// residual (their equations 12 and 14).
 struct GemanMcClure {
   static double FirstMu(double worst_chi2) { return std::max(1.0, 2 * worst_chi2 / kMaxChi2); }
   static double NextMu(double mu) { return std::max(1.0, mu / kGraduation); }
@@ -103,7 +103,7 @@ struct TruncatedLeastSquares {
   }
 };
 
-// Algorithm 1 of Yang et al., from `result` on, which says the first residuals.
+// Runs algorithm 1 of Yang et al. from `result` on, which gives the first residuals.
 template <typename Loss>
 absl::StatusOr<PoseGraphResult> Graduate(const AliasedGraph& graph, PoseGraphResult result) {
   const auto worst = std::max_element(result.edge_chi2.begin(), result.edge_chi2.end());
@@ -122,15 +122,15 @@ absl::StatusOr<PoseGraphResult> Graduate(const AliasedGraph& graph, PoseGraphRes
   return result;
 }
 
-// As in the paper: the first residuals are those of least squares on all.
+// Begins as the paper does: the first residuals are those of least squares on all.
 template <typename Loss>
 absl::StatusOr<PoseGraphResult> SolveGnc(const AliasedGraph& graph) {
   ASSIGN_OR_RETURN(PoseGraphResult first, SolveLeastSquares(graph));
   return Graduate<Loss>(graph, std::move(first));
 }
 
-// The first residuals are those of the maps as they were placed (as Kimera-Multi begins, Tian et
-// al., T-RO 2022, section V.B).
+// Begins as Kimera-Multi does (Tian et al., T-RO 2022, section V.B): the first residuals are those
+// of the maps as they were placed.
 template <typename Loss>
 absl::StatusOr<PoseGraphResult> SolvePlacedGnc(const AliasedGraph& graph) {
   ASSIGN_OR_RETURN(PoseGraphResult first,

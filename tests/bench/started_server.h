@@ -1,4 +1,4 @@
-// What benchmarks with real servers begin with.
+// Starts what benchmarks with real servers begin with.
 #ifndef CORBSLAM_TESTS_BENCH_STARTED_SERVER_H_
 #define CORBSLAM_TESTS_BENCH_STARTED_SERVER_H_
 
@@ -17,16 +17,16 @@ inline constexpr absl::Duration kStopTimeout = absl::Seconds(30);
 
 struct StartedServer {
   std::unique_ptr<ChildProcess> process;
-  std::string address;  // On loopback.
+  std::string address;  // The address is on loopback.
 };
 
-// The program `name` beside this one, without TLS, once it listens. What it says goes to the file
-// `log`.
+// Starts the program `name` beside this one, without TLS, and returns once it listens. What it says
+// goes to the file `log`.
 absl::StatusOr<StartedServer> StartServer(const std::string& name,
                                           std::vector<std::string> arguments,
                                           const std::string& log);
 
-// What a robot uploads of each source, with the vocabulary that ships.
+// Returns what a robot uploads of each source, with the vocabulary that ships.
 absl::StatusOr<std::vector<RecordedUploads>> RecordAll(const std::vector<std::string>& sources);
 
 }  // namespace corbslam

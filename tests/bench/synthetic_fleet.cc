@@ -31,7 +31,7 @@ Rigid3d SyntheticFleet::CameraFromRing(size_t place) const {
   const double turn =
       2 * std::numbers::pi * static_cast<double>(place) / static_cast<double>(options_.places);
   const double radius = static_cast<double>(options_.places) / (2 * std::numbers::pi);
-  // Looks along the ring, its x axis outwards.
+  // The camera looks along the ring, its x axis outwards.
   Eigen::Matrix3d ring_from_camera;
   ring_from_camera << std::cos(turn), 0, -std::sin(turn), 0, 1, 0, std::sin(turn), 0,
       std::cos(turn);
@@ -112,7 +112,7 @@ void SyntheticFleet::Observe(KeyframeId keyframe, const Robot& robot, MapUpdateB
   }
 }
 
-// Points of its own give way to what another robot made of the same.
+// Some points of the robot's own give way to what another robot made of the same thing.
 void SyntheticFleet::ReplaceSome(size_t place, Robot& robot, MapUpdateBatch& batch) {
   const std::vector<MapPointId>& first = first_seen_[place];
   std::vector<MapPointId>& seen = robot.seen[place];

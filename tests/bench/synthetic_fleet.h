@@ -1,4 +1,4 @@
-// Robots that drive the same ring, as batches: maps of any size without pictures.
+// Makes batches of robots that drive the same ring: maps of any size without pictures.
 #ifndef CORBSLAM_TESTS_BENCH_SYNTHETIC_FLEET_H_
 #define CORBSLAM_TESTS_BENCH_SYNTHETIC_FLEET_H_
 
@@ -19,10 +19,11 @@ struct FleetOptions {
   size_t robots = 10;
   // Places of the ring, a metre apart; a keyframe is made at each.
   size_t places = 1000;
-  // So many places a robot begins behind the one after it.
+  // A robot begins so many places behind the one after it.
   size_t spacing = 25;
-  // What there is to see at a place. The first robot that comes makes points of all; of what others
-  // made, a robot sees a third as such, and makes points of its own of the rest.
+  // Number of things to see at a place. The first robot that comes makes points of all; a robot
+  // that comes later sees a third of these as what others made, and makes points of its own of the
+  // rest.
   size_t points_per_place = 150;
   size_t features = 1000;
   uint64_t seed = 1;
@@ -35,10 +36,10 @@ class SyntheticFleet {
 
   size_t robots() const { return robots_.size(); }
   LocalMapId local_map(size_t robot) const { return robots_[robot].local_map; }
-  // The robot's next keyframe: with new points, what it sees of this place and of those before,
-  // the last keyframes a little elsewhere, and points that replace one another.
+  // Returns the robot's next keyframe: with new points, what it sees of this place and of those
+  // before, the last keyframes a little elsewhere, and points that replace one another.
   MapUpdateBatch NextBatch(size_t robot);
-  // Of all that were made so far.
+  // Returns the number of all points made so far.
   size_t point_count() const { return points_; }
 
  private:
@@ -47,7 +48,7 @@ class SyntheticFleet {
     size_t begin = 0;
     uint32_t keyframes = 0;
     uint32_t points = 0;
-    // By place and what there is to see; invalid where the robot has not been.
+    // Points by place and by the thing to see; invalid where the robot has not been.
     std::vector<std::vector<MapPointId>> seen;
     std::deque<LightKeyframe> newest;
   };
@@ -69,7 +70,7 @@ class SyntheticFleet {
   const std::shared_ptr<const Camera> camera_;
   std::mt19937_64 random_;
   std::vector<Robot> robots_;
-  // What the first robot made of each place.
+  // Points that the first robot made of each place.
   std::vector<std::vector<MapPointId>> first_seen_;
   size_t points_ = 0;
 };

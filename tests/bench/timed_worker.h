@@ -35,7 +35,7 @@ class TimedWorker : public FusionWorker {
   absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest& request,
                                                   const ProgressCallback& progress) override;
 
-  // Of requests that were answered, in their order.
+  // Durations of requests that were answered, in their order.
   const std::vector<double>& fusings_ms() const { return fusings_ms_; }
   const std::vector<Adjustment>& adjustments() const { return adjustments_; }
 

@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of the error of the map that never had the lie.
+// Largest error, as a share of that of the map that never had the lie.
 constexpr double kMaxRatio = 1.02;
 
 struct Flags {
@@ -36,9 +36,9 @@ struct Flags {
 };
 
 struct Row {
-  int percent = 0;  // Of the honest mission's verified places, before the lie.
+  int percent = 0;  // Share of the honest mission's verified places before the lie.
   int seed = 0;
-  size_t believed = 0;  // Lies.
+  size_t believed = 0;  // Number of lies that were believed.
   FusedMapError never;
   FusedMapError with;
   FusedMapError after;
@@ -49,7 +49,7 @@ struct Row {
   }
 };
 
-// Those that were believed.
+// Returns the lies that were believed.
 absl::StatusOr<std::vector<uint64_t>> FindLies(const MapStore& store, const LyingWorker& worker) {
   OverlapFilter accepted;
   accepted.accepted = true;

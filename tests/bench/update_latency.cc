@@ -80,7 +80,7 @@ class Stopwatch {
  private:
   mutable absl::Mutex mutex_;
   std::map<KeyframeId, absl::Time> due_ ABSL_GUARDED_BY(mutex_);
-  // When an agent first heard of another's local map.
+  // Time at which an agent first heard of another's local map.
   std::map<std::pair<size_t, LocalMapId>, absl::Time> joined_ ABSL_GUARDED_BY(mutex_);
   std::vector<double> latencies_ms_ ABSL_GUARDED_BY(mutex_);
 };

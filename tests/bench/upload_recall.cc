@@ -37,7 +37,7 @@ struct Upload {
   size_t bytes = 0;
 };
 
-// What the store has in the end: keyframes that were removed again are left out.
+// Makes what the store has in the end: keyframes that were removed again are left out.
 absl::StatusOr<Upload> MakeUpload(const std::string& source, const FeatureSelection& selection,
                                   const std::shared_ptr<const Vocabulary>& vocabulary) {
   ASSIGN_OR_RETURN(const SourceSpec spec, ParseSourceSpec(source));
@@ -67,7 +67,7 @@ absl::StatusOr<Upload> MakeUpload(const std::string& source, const FeatureSelect
   return upload;
 }
 
-// Where the first robot was, too.
+// Counts the second robot's places where the first robot was, too.
 size_t CountPlacesOfBoth(const Upload& second, const Upload& first) {
   return static_cast<size_t>(std::ranges::count_if(second.places, [&](const SeenPlace& place) {
     return std::ranges::any_of(first.places,

@@ -22,10 +22,11 @@ namespace {
 constexpr int kFeatures = 2000;
 
 struct Profile {
-  size_t words = 0;  // Of the vocabulary.
+  size_t words = 0;  // Words of the vocabulary.
   size_t pictures = 0;
   double words_a_picture = 0;
-  std::vector<int> pictures_with;  // By rank, most first.
+  // Number of pictures that hold the word of each rank, most first.
+  std::vector<int> pictures_with;
 };
 
 absl::StatusOr<Profile> Count(const Vocabulary& vocabulary, const std::vector<std::string>& paths) {
@@ -51,7 +52,7 @@ absl::StatusOr<Profile> Count(const Vocabulary& vocabulary, const std::vector<st
   return profile;
 }
 
-// Of two different pictures, on average.
+// Returns the words that two different pictures share, on average.
 double SharedWords(const Profile& profile) {
   double pairs = 0;
   for (const int count : profile.pictures_with) pairs += static_cast<double>(count) * (count - 1);
@@ -65,7 +66,7 @@ struct Law {
   double error = INFINITY;  // Mean square of log(share) over ranks spaced evenly in log(rank).
 };
 
-// Least squares for the exponent and the factor at each of a row of shifts.
+// Fits the exponent and the factor by least squares at each of a row of shifts.
 Law Fit(const Profile& profile) {
   std::vector<std::pair<double, double>> rank_and_count;
   for (double rank = 1; rank <= static_cast<double>(profile.pictures_with.size()); rank *= 1.1) {

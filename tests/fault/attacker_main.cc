@@ -41,8 +41,8 @@ struct Flags {
 double NowInSeconds() { return absl::ToDoubleSeconds(absl::Now() - absl::UnixEpoch()); }
 
 // {"began", "ended", "attacks": [{"name", "began", "ended", "ends": {CODE: calls},
-// "own_keyframes"}]}, times in seconds since the epoch. The last is what the store has of it, where
-// that can be asked.
+// "own_keyframes"}]}, times in seconds since the epoch. "own_keyframes" is what the store has of
+// the attacker's, where that can be asked.
 class AttackLog {
  public:
   explicit AttackLog(const std::string& address)
@@ -54,7 +54,7 @@ class AttackLog {
     entry["ended"] = NowInSeconds();
     const auto statistics = own_.Statistics();
     if (statistics.ok()) entry["own_keyframes"] = statistics->mission().keyframes();
-    // To which nothing was written, that is none after its last session.
+    // The mission is not found when nothing was written to it and its last session has ended.
     if (absl::IsNotFound(statistics.status())) entry["own_keyframes"] = 0;
     attacks_.push_back(std::move(entry));
   }
@@ -131,8 +131,8 @@ int main(int argc, char** argv) {
   app.add_option("--calls", flags.calls, "Calls of each flood")->required();
   app.add_option("--out", flags.out, "File for how each attack ended")->required();
   CLI11_PARSE(app, argc, argv);
-  // What the attacker computes is not what the robots are to suffer from: it has a machine of its
-  // own, as it were.
+  // The attacker runs at the lowest priority: in the field it would compute on a machine of its
+  // own.
   setpriority(PRIO_PROCESS, 0, 19);
   const absl::Status status = corbslam::Run(flags);
   if (status.ok()) return 0;

@@ -23,9 +23,9 @@ namespace {
 
 constexpr char kOwnAgent[] = "mallory";
 constexpr LocalMapId kOwnMap{0xbad};
-// Of one stream before it is given up.
+// Messages of one stream before it is given up.
 constexpr int kMessagesOfAStream = 20;
-// At once. Of more, gRPC itself would keep some back.
+// Calls at once. gRPC itself would keep some of a larger number back.
 constexpr int kCallsOfAConnection = 100;
 constexpr absl::Duration kPatience = absl::Seconds(10);
 
@@ -33,7 +33,7 @@ std::string NameOf(const std::optional<absl::Status>& end) {
   return end.has_value() ? absl::StatusCodeToString(end->code()) : "open";
 }
 
-// A socket connected to "HOST:PORT"; -1 where that fails.
+// Returns a socket connected to "HOST:PORT", or -1 where that fails.
 int Connect(const std::string& address) {
   const size_t colon = address.rfind(':');
   addrinfo hints{};
@@ -61,7 +61,7 @@ std::string Frame(char type, char flags, char stream, const std::string& payload
   return frame + payload;
 }
 
-// Whether one of the frames ends a stream: the last headers, or a reset.
+// Returns whether one of the frames ends a stream: the last headers, or a reset.
 bool EndsStream(const std::string& frames) {
   constexpr size_t kHeadBytes = 9;
   size_t at = 0;
@@ -75,7 +75,7 @@ bool EndsStream(const std::string& frames) {
   return false;
 }
 
-// A header without compression (RFC 7541, 6.2.2), new name.
+// Encodes a header without compression (RFC 7541, 6.2.2) and with a new name.
 std::string Header(const std::string& name, const std::string& value) {
   std::string header(1, '\0');
   header += static_cast<char>(name.size());
@@ -144,7 +144,8 @@ Attacker::Ends Attacker::SendMutatedMessages(int messages) {
       stream.Send(Mutate(good[random_() % good.size()]));
       ++sent;
     }
-    // Changes may have left all of them acceptable, or a batch unfinished; one of no kind is not.
+    // Changes may have left all messages acceptable, or a batch unfinished; a message of no kind
+    // ends the stream in any case.
     stream.Send("");
     ++ends[NameOf(stream.WaitForEnd(kPatience))];
   }
@@ -193,7 +194,7 @@ Attacker::Ends Attacker::ReplayANumber(int times) {
     stream.Send(BatchMessage(batch));
   }
   const absl::Time deadline = absl::Now() + kPatience;
-  // And the grant.
+  // The session's grant is one answer more.
   while (stream.answers() <= times && !stream.has_ended() && absl::Now() < deadline) {
     absl::SleepFor(absl::Milliseconds(1));
   }

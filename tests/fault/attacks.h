@@ -1,4 +1,4 @@
-// What a hostile client does to a map store.
+// Does what a hostile client does to a map store.
 #ifndef CORBSLAM_TESTS_FAULT_ATTACKS_H_
 #define CORBSLAM_TESTS_FAULT_ATTACKS_H_
 
@@ -14,34 +14,36 @@
 
 namespace corbslam {
 
-// Not thread-safe. Attacks a store that serves without TLS; each attack ends by itself.
+// Attacks a store that serves without TLS; each attack ends by itself. Not thread-safe.
 class Attacker {
  public:
-  // How calls ended, by their code's name; "open" for those that did not.
+  // Says how calls ended, by their code's name; "open" for those that did not.
   using Ends = std::map<std::string, int>;
 
   // `victim` is a local map that a robot of `mission` uploads now; `uploads` are good batches.
   Attacker(std::string address, std::string mission, LocalMapId victim,
            const RecordedUploads* uploads, uint64_t seed);
 
-  // Messages of a good session with bytes changed, cut, doubled or made up; so many in all.
+  // Sends messages of a good session with bytes changed, cut, doubled or made up; `messages` in
+  // all.
   Ends SendMutatedMessages(int messages);
-  // Batches that the rules forbid: another's local map, numbers that are missing, values that are
-  // none. Returns the ends by attack.
+  // Sends batches that the rules forbid: another's local map, numbers that are missing, values that
+  // are none. Returns the ends by attack.
   std::map<std::string, std::string> SendForbiddenBatches();
-  // A good batch of its own, and its number again and again with other batches. Returns how many
-  // were acknowledged, as "OK".
+  // Sends a good batch of its own, and its number again and again with other batches. Returns how
+  // many were acknowledged, as "OK".
   Ends ReplayANumber(int times);
-  // Raw HTTP/2: a message that claims to have 2 GB, and no more comes. "ended" or "open".
+  // Sends a message in raw HTTP/2 that claims to have 2 GB, and no more comes. Ends are "ended" or
+  // "open".
   Ends ClaimTwoGigabytes(absl::Duration patience);
-  // Likewise, a small message that comes byte by byte and never ends.
+  // Sends a small message in the same way, byte by byte, that never ends.
   Ends Dribble(absl::Duration patience);
   // Opens streams of this method that say nothing, over as many connections as they need.
   Ends OpenSilentStreams(const std::string& method, int streams, absl::Duration patience);
-  // Look-ups that are all under way at once, likewise.
+  // Makes look-ups that are all under way at once, over as many connections as they need.
   Ends FloodWithLookups(int calls, absl::Duration patience);
 
-  // What it sends of its own goes here.
+  // The attacker sends what is its own to this mission.
   static constexpr char kOwnMission[] = "evil";
 
  private:
@@ -49,7 +51,7 @@ class Attacker {
   std::string BatchMessage(const MapUpdateBatch& batch) const;
   std::string Mutate(std::string bytes);
   Ends SendRawMessage(uint32_t claimed_bytes, bool dribbles, absl::Duration patience);
-  // Calls that are all under way at once, each with this message (empty: without any).
+  // Makes calls that are all under way at once, each with this message (empty: without any).
   Ends MakeCalls(const std::string& method, const std::string& message, int calls,
                  absl::Duration patience) const;
   std::string TryBatch(const std::string& mission, const std::string& agent,

@@ -31,33 +31,35 @@ namespace corbslam {
 
 // CORBSLAM_LONG_FAULTS=1: all cases, and long ones.
 bool WantsLongFaults();
-// A recording of 26 s at 15 Hz, for those. Where there is none, the test fails.
+// Returns a recording of 26 s at 15 Hz for the long tests. Where there is none, the test fails.
 std::string LongSource();
 
-// The number in an environment variable, else `otherwise`. What is no number fails the test.
+// Returns the number in an environment variable, or `otherwise` without one. A value that is no
+// number fails the test.
 int CountFromEnvironment(const char* variable, int otherwise);
 
 class FaultTest : public ::testing::Test {
  protected:
   FaultTest();
 
-  // One of our programs; its output is in NAME.log. Null when it does not start, which fails the
-  // test.
+  // Starts one of our programs; its output is in NAME.log. Returns null when it does not start,
+  // which fails the test.
   std::unique_ptr<ChildProcess> Start(const std::string& name, const std::string& program,
                                       std::vector<std::string> arguments,
                                       const std::vector<std::string>& security = {"--insecure"});
-  // Further environment variables of programs that are started from now on.
+  // Sets further environment variables for programs that are started from now on.
   void StartWith(std::vector<std::pair<std::string, std::string>> variables) {
     variables_ = std::move(variables);
   }
-  // Waits for the address that it says; empty when it says none, which fails the test.
+  // Waits for the address that it says; returns an empty one when it says none, which fails the
+  // test.
   static std::string AddressOf(ChildProcess* process);
-  // Of a process that was started under this name and has named its address.
+  // Returns the metrics address of a process that was started under this name and has named it.
   std::string MetricsAddressOf(const std::string& name) const;
 
   std::string LogOf(const std::string& name) const { return FileOf(name + ".log"); }
   std::string FileOf(const std::string& name) const { return (folder_ / name).string(); }
-  // What `client_agent --stats` wrote; null when there is nothing to read.
+  // Returns what `client_agent --stats` wrote, or null when there is nothing to read.
   static nlohmann::json ReadStatistics(const std::string& path);
 
   const std::filesystem::path folder_;

@@ -1,4 +1,4 @@
-// A real map store whose disk runs full under a robot's stream, and one whose disk can't be
+// Tests a real map store whose disk runs full under a robot's stream, and one whose disk can't be
 // written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 
 constexpr char kMission[] = "narrow";
 constexpr uint64_t kMiB = 1 << 20;
-// Too small for what the database would like to reserve for its log.
+// The disk is too small for what the database would like to reserve for its log.
 constexpr uint64_t kDiskBytes = 48 * kMiB;
 
 class FullDiskTest : public FaultTest {
@@ -91,7 +91,7 @@ class RefusalTest : public FullDiskTest, public ::testing::WithParamInterface<Re
                            "--stats", FileOf(name + ".json"), "--finish", "300"});
     ASSERT_NE(robots_[name], nullptr);
   }
-  // Look-ups go on, the robot waits, and nothing is stored in part.
+  // Expects that look-ups go on, the robot waits, and nothing is stored in part.
   void ExpectPatience(const std::string& name) {
     EXPECT_TRUE(Becomes([&] { return !IsReady(); })) << ReadText(LogOf("store"));
     EXPECT_TRUE(CheckHealth(channel_, "liveness").ok()) << "a restart would not help";
@@ -136,7 +136,7 @@ TEST_P(RefusalTest, RobotsWaitAndGoOnOnceTheDiskTakesRecordsAgain) {
   ASSERT_NO_FATAL_FAILURE(ExpectPatience("beta"));
   ASSERT_TRUE(GetParam().end(*disk_).ok());
   ASSERT_NO_FATAL_FAILURE(ExpectEverythingOnce());
-  // And it was written: a new process has it.
+  // What the store has was written, because a new process has it, too.
   store_->Stop(absl::ZeroDuration());
   ASSERT_NO_FATAL_FAILURE(StartStore("store_again", GetParam().min_free_mb));
   EXPECT_EQ(StoredKeyframes(), stored_);
@@ -148,7 +148,7 @@ INSTANTIATE_TEST_SUITE_P(Disks, RefusalTest,
                              Refusal{"FullButForItsReserve", 8, "RESOURCE_EXHAUSTED",
                                      [](SmallDisk& disk) { return disk.Fill(0); },
                                      [](SmallDisk& disk) { return disk.Empty(); }},
-                             // And that there is no room at all.
+                             // The store sees that there is no room at all.
                              Refusal{"Full", 0, "RESOURCE_EXHAUSTED",
                                      [](SmallDisk& disk) { return disk.Fill(0); },
                                      [](SmallDisk& disk) { return disk.Empty(); }},

@@ -1,5 +1,5 @@
-// A map store that robots stream to while somebody attacks it: nothing of theirs is touched, its
-// memory stays bounded, and they are acknowledged as before.
+// Tests a map store that robots stream to while somebody attacks it: nothing of theirs is touched,
+// its memory stays bounded, and they are acknowledged as before.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,7 +46,8 @@ int MessagesWanted() { return CountFromEnvironment("CORBSLAM_HOSTILE_MESSAGES", 
 
 class HostileClientTest : public ReplayFaultTest {
  protected:
-  // Robots come from one host, the attacker from another: a host has so many streams.
+  // Robots come from one host, the attacker from another, because a host may have only so many
+  // streams.
   void StartStore(const std::string& name) {
     store_ = Start(name, "map_store",
                    {"--listen", "[::]:0", "--data-dir", FileOf(name), "--open-timeout", "3",
@@ -83,8 +84,8 @@ class HostileClientTest : public ReplayFaultTest {
     return delays;
   }
 
-  // All that an attacker does (attacker_main.cc), one after the other, while the robots stream.
-  // Returns what it wrote of that.
+  // Runs all attacks (attacker_main.cc), one after the other, while the robots stream. Returns what
+  // the attacker wrote of them.
   nlohmann::json Attack(int messages) {
     const auto attacker = Start("attacker", "attacker",
                                 {"127.0.0.1" + port_, kMission, "--metrics", metrics_, "--victim",
@@ -98,7 +99,7 @@ class HostileClientTest : public ReplayFaultTest {
     return ReadStatistics(FileOf("attacks.json"));
   }
 
-  // How the calls of each attack must have ended, and what they left.
+  // Expects how the calls of each attack must have ended, and what they left.
   static void ExpectHeldOff(const nlohmann::json& attacks, size_t keyframes_of_a_batch) {
     for (const auto& attack : attacks["attacks"]) {
       const std::string name = attack["name"];
@@ -126,7 +127,7 @@ class HostileClientTest : public ReplayFaultTest {
     }
   }
 
-  // Of each attack: how its calls ended, and the robots' acknowledgements meanwhile.
+  // Prints of each attack how its calls ended, and the robots' acknowledgements meanwhile.
   static void PrintAttacks(const nlohmann::json& attacks, const std::vector<Delay>& delays) {
     for (const auto& attack : attacks["attacks"]) {
       const std::vector<double> meanwhile = DelaysWithin(attack, delays);
@@ -137,7 +138,7 @@ class HostileClientTest : public ReplayFaultTest {
     }
   }
 
-  // Of batches that were due between the beginning and the end of `span`.
+  // Returns the delays of batches that were due between the beginning and the end of `span`.
   static std::vector<double> DelaysWithin(const nlohmann::json& span,
                                           const std::vector<Delay>& delays) {
     const auto time = [&](const char* key) {
@@ -169,7 +170,7 @@ class HostileClientTest : public ReplayFaultTest {
 
 TEST_F(HostileClientTest, RobotsDoNotNotice) {
   const int messages = MessagesWanted();
-  // Longer than the attack lasts.
+  // The robots drive longer than the attack lasts.
   const int laps = std::max(5, messages / 6000);
   StartStore("undisturbed");
   const std::vector<Delay> undisturbed = WaitFor(StartVictims(laps));

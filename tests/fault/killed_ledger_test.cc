@@ -1,5 +1,5 @@
-// A map store that is killed while four robots stream recorded uploads to it: what it holds in the
-// end against what was acknowledged, and against a store that nobody disturbed.
+// Compares what a map store that is killed while four robots stream recorded uploads to it holds in
+// the end with what was acknowledged, and with a store that nobody disturbed.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -37,7 +37,7 @@ class KilledLedgerTest : public ReplayFaultTest {
     worker_address_ = AddressOf(worker_.get());
   }
 
-  // On the address of the one before it, if there was one.
+  // Starts the store on the address of the one before it, if there was one.
   void StartStore(const std::string& data_dir) {
     const std::string listen = address_.empty() ? "127.0.0.1:0" : address_;
     store_ = Start("store", "map_store",
@@ -46,7 +46,8 @@ class KilledLedgerTest : public ReplayFaultTest {
     ASSERT_NE(address_, "");
   }
 
-  // One after the other has its first batch stored: local maps arrive in the same order each time.
+  // Robots have their first batches stored one after the other: local maps arrive in the same order
+  // each time.
   std::vector<std::unique_ptr<ReplayingAgent>> StartAgents(const RecordedUploads& uploads,
                                                            double keyframes_per_s) {
     std::vector<std::unique_ptr<ReplayingAgent>> agents;
@@ -79,7 +80,7 @@ TEST_F(KilledLedgerTest, HoldsWhatTheUndisturbedStoreHolds) {
   for (const MapUpdateBatch& batch : uploads) {
     keyframes += batch.full_keyframes.size();
     for (const FullKeyframe& keyframe : batch.full_keyframes) kept.insert(keyframe.payload->id);
-    // Of provisional ones, too, which never came.
+    // Keyframes are also removed that were provisional and never came.
     for (const KeyframeRemoval& removal : batch.removed_keyframes) kept.erase(removal.id);
   }
   ASSERT_GT(kept.size(), 10u);

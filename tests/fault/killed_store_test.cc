@@ -1,4 +1,4 @@
-// Real processes: a map store that is killed again and again while robots stream to it.
+// Kills a real map store again and again while robots stream to it.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -24,12 +24,13 @@ using nlohmann::json;
 
 constexpr char kMission[] = "killed";
 
-// At most; in the long form as many as there are while the robots drive.
+// Returns the largest number of kills; in the long form there are as many as fit while the robots
+// drive.
 int KillsWanted() { return WantsLongFaults() ? 1000 : 6; }
 
 class KilledStoreTest : public FaultTest {
  protected:
-  // On the address of the one before it, if there was one.
+  // Starts the store on the address of the one before it, if there was one.
   void StartStore() {
     const std::string listen = address_.empty() ? "127.0.0.1:0" : address_;
     const std::string name = absl::StrCat("store", starts_++);
@@ -99,7 +100,7 @@ TEST_F(KilledStoreTest, EveryKeyframeIsThereOnce) {
     const json own = ReadStatistics(StatisticsOf(name));
     ASSERT_TRUE(own.is_object()) << name;
     keyframes += own["keyframes"].get<uint64_t>();
-    // Each frame once: more would be twice applied, fewer lost.
+    // Each frame counts once: more were applied twice, fewer were lost.
     EXPECT_EQ(frames->at(name), own["tracked"].get<uint64_t>() + own["lost"].get<uint64_t>())
         << name;
   }

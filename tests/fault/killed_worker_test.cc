@@ -1,5 +1,5 @@
-// Fusion workers that are killed in the middle of a request: another one, or the next one at the
-// address, takes over, and the map becomes the same.
+// Kills fusion workers in the middle of a request: another one, or the next one at the address,
+// takes over, and the map becomes the same.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -41,14 +41,14 @@ class KilledWorkerTest : public FaultTest {
   std::unique_ptr<ChildProcess> StartWorker(const std::string& listen = "127.0.0.1:0") {
     return Start(absl::StrCat("worker", workers_++), "fusion_worker", {"--listen", listen});
   }
-  // Dies in a request of the kind, "midway" or when it is "done".
+  // Starts a worker that dies in a request of the kind, "midway" or when it is "done".
   std::unique_ptr<ChildProcess> StartMortal(const std::string& kind, const std::string& moment) {
     return Start(absl::StrCat("worker", workers_++), "mortal_worker",
                  {kind, "1", moment, "--listen", "127.0.0.1:0"});
   }
 
-  // Two robots' maps keyframe by keyframe into a store in this process, fusion in between, all work
-  // at the workers.
+  // Streams two robots' maps keyframe by keyframe into a store in this process, with fusion in
+  // between, all of it done by the workers.
   class Run {
    public:
     Run(const KilledWorkerTest& test, const std::vector<std::string>& addresses)
@@ -104,7 +104,7 @@ class KilledWorkerTest : public FaultTest {
   int workers_ = 0;
 };
 
-// Kind of request, and the moment of death.
+// The parameters are the kind of request and the moment of death.
 class KindOfRequestTest
     : public KilledWorkerTest,
       public ::testing::WithParamInterface<std::tuple<const char*, const char*>> {
@@ -132,7 +132,7 @@ TEST_P(KindOfRequestTest, TheNextWorkerAtTheAddressTakesOverAndTheMapIsTheSame) 
   const std::string address = AddressOf(mortal.get());
   Run run(*this, {address});
   std::thread running([&run] { run.Finish(); });
-  // Started by this thread: a process ends with the thread that started it.
+  // This thread starts the worker, because a process ends with the thread that started it.
   const bool died = mortal->WaitForEnd(absl::Seconds(120));
   const auto next = died ? StartWorker(address) : nullptr;
   running.join();
@@ -149,8 +149,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, KindOfRequestTest,
                                                std::get<1>(info.param));
                          });
 
-// Everything real, and kills at any moment: not the same to the bit, because what robots say comes
-// at other times, but the same islands, robots and keyframes.
+// Everything is real, and kills come at any moment: the map is not the same to the bit, because
+// what robots say comes at other times, but has the same islands, robots and keyframes.
 TEST_F(KilledWorkerTest, RealRobotsAreFusedAllTheSame) {
   auto worker = StartWorker();
   const std::string worker_address = AddressOf(worker.get());

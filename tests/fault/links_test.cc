@@ -42,7 +42,7 @@ constexpr char kMission[] = "links";
 struct LinkCase {
   std::string name;
   LinkShape shape;
-  bool tls = false;  // Everybody shows a certificate.
+  bool tls = false;  // True: everybody shows a certificate.
 };
 
 LinkShape Delayed(int ms, double loss = 0) {
@@ -121,7 +121,7 @@ absl::Status EnterOwnNetwork() {
   return absl::OkStatus();
 }
 
-// What ends first is named last.
+// Members are destroyed in reverse order: the process ends before its link and its network.
 struct Robot {
   std::string name;
   std::unique_ptr<NetworkNamespace> place;
@@ -132,12 +132,12 @@ struct Robot {
 
 struct Outcome {
   std::string link;
-  double seconds = 0;          // From the robots' start until the store had everything.
-  LinkCounts packets;          // Of the bad link.
+  double seconds = 0;          // Time from the robots' start until the store had everything.
+  LinkCounts packets;          // Counts of the bad link.
   std::array<json, 2> robots;  // Statistics on the bad link, and on the perfect one.
 };
 
-// As a robot's network sees it.
+// Returns the store's address as a robot's network sees it.
 std::string AddressOfStore(int network) { return absl::StrCat("10.77.", network, ".1"); }
 
 std::string HostsOfStores() {
@@ -151,7 +151,7 @@ class LinksTest : public FaultTest {
  protected:
   void SetUp() override { SKIP_UNLESS_PERMITTED(EnterOwnNetwork()); }
 
-  // What a program of the case runs with; `name` is its certificate's.
+  // Returns the options by which a program of the case secures itself; `name` is its certificate's.
   std::vector<std::string> SecurityOf(const LinkCase& link_case, const std::string& name) const {
     return link_case.tls ? certificates_.Flags(name) : std::vector<std::string>{"--insecure"};
   }
@@ -159,7 +159,7 @@ class LinksTest : public FaultTest {
   // The robot's network is 10.77.NETWORK.x.
   Robot StartRobot(const LinkCase& link_case, const std::string& name, int network,
                    const LinkShape& shape, int port);
-  // Servers, both robots, and what must be true afterwards.
+  // Runs servers and both robots, and checks what must be true afterwards.
   Outcome RunCase(const LinkCase& link_case, int number);
   void FinishRobots(const LinkCase& link_case, std::array<Robot, 2>& robots);
   static void CheckStore(StoreReader& reader, const std::array<Robot, 2>& robots);

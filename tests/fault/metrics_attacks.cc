@@ -40,7 +40,7 @@ std::vector<std::string> Headers() {
           many};
 }
 
-// Whether the server has closed it by now.
+// Returns whether the server has closed it by now.
 bool HasEnded(RawConnection& connection) {
   connection.ReadToEnd(absl::ZeroDuration());
   return connection.has_ended();

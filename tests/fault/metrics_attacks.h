@@ -1,4 +1,4 @@
-// What a hostile client does to a program's metrics port.
+// Does what a hostile client does to a program's metrics port.
 #ifndef CORBSLAM_TESTS_FAULT_METRICS_ATTACKS_H_
 #define CORBSLAM_TESTS_FAULT_METRICS_ATTACKS_H_
 
@@ -12,32 +12,32 @@
 
 namespace corbslam {
 
-// Not thread-safe. Each attack ends by itself.
+// Each attack ends by itself. Not thread-safe.
 class MetricsAttacker {
  public:
-  // How many ended with this status, "closed" without an answer, or "open"; "scraped" counts good
-  // scrapes that were tried after the attack.
+  // Says how many ended with this status, "closed" without an answer, or "open"; "scraped" counts
+  // good scrapes that were tried after the attack.
   using Ends = std::map<std::string, int>;
 
-  // `address`: "IP:PORT".
+  // `address` is "IP:PORT".
   MetricsAttacker(std::string address, uint64_t seed)
       : address_(std::move(address)), random_(seed) {}
 
-  // Every method on every path, with headers that ask for something else or are too long.
+  // Asks for every method on every path, with headers that ask for something else or are too long.
   Ends AskForEverything();
-  // Requests with bytes changed, cut or made up.
+  // Sends requests with bytes changed, cut or made up.
   Ends SendMutatedRequests(int requests);
-  // Connections that say nothing, or their request byte by byte, all at once.
+  // Holds connections that say nothing, or their request byte by byte, all at once.
   Ends HoldConnections(int connections, absl::Duration patience);
-  // Connections that are opened and closed, one after the other.
+  // Opens and closes connections, one after the other.
   Ends OpenAndClose(int connections);
-  // Scrapes that are all asked for at once, and whose answers nobody reads.
+  // Asks for scrapes all at once, and reads no answer.
   Ends ScrapeWithoutReading(int connections, absl::Duration patience);
 
  private:
   // Asks, and counts how that ended.
   void Count(absl::string_view request, Ends& ends);
-  // With one scrape as Prometheus makes it.
+  // Adds one scrape as Prometheus makes it.
   Ends AndStillScraped(Ends ends);
   std::string Mutate(std::string request);
 

@@ -40,7 +40,7 @@ LocalMapId MapOf(size_t robot) { return LocalMapId{0xa0 + robot}; }
 using LastBatches = std::array<uint64_t, kRobots>;
 
 struct PowerCut {
-  std::string folder;  // What the disk holds.
+  std::string folder;  // Folder with what the disk holds.
   LastBatches acknowledged = {};
 };
 
@@ -66,7 +66,7 @@ class PowerCutTest : public ReplayFaultTest {
       if (acknowledged != nullptr) *acknowledged = stored->number;
     }
   }
-  // Local maps arrive in the same order each time.
+  // Sends first batches so that local maps arrive in the same order each time.
   void SendFirstBatches(MapStore& store) {
     for (size_t robot = 0; robot < kRobots; ++robot) Send(robot, 1, store, nullptr);
   }
@@ -75,7 +75,8 @@ class PowerCutTest : public ReplayFaultTest {
     for (size_t robot = 0; robot < kRobots; ++robot) Send(robot, uploads_.size(), store, nullptr);
   }
 
-  // Numbers of acknowledgements, in order: the first batches of all, to all but the last.
+  // Returns numbers of acknowledgements, in order, from the first batches of all to all batches but
+  // the last.
   std::vector<uint64_t> RandomMoments(int count, std::mt19937& random) const {
     std::uniform_int_distribution<uint64_t> any(kRobots, kRobots * uploads_.size() - 1);
     std::vector<uint64_t> moments;
@@ -110,10 +111,11 @@ class PowerCutTest : public ReplayFaultTest {
     for (const uint64_t moment : RandomMoments(cuts, random)) {
       const absl::Time deadline = absl::Now() + absl::Seconds(60);
       while (count() < moment && absl::Now() < deadline) absl::SleepFor(absl::Microseconds(50));
-      // In the middle of a batch, too.
+      // The power may also go in the middle of a batch.
       absl::SleepFor(absl::Microseconds(std::uniform_int_distribution<int>(0, 3000)(random)));
       PowerCut cut{.folder = FileOf(absl::StrCat("cut", made.size())), .acknowledged = {}};
-      // Before the disk is looked at: more may be there by then.
+      // Acknowledgements are copied before the disk is looked at, because there may be more by
+      // then.
       std::copy(acknowledged.begin(), acknowledged.end(), cut.acknowledged.begin());
       env.CopyAfterPowerCut(folder, cut.folder);
       made.push_back(cut);
@@ -122,7 +124,7 @@ class PowerCutTest : public ReplayFaultTest {
     return made;
   }
 
-  // Acknowledged batches that the store does not have.
+  // Counts acknowledged batches that the store does not have.
   static uint64_t CountLost(const PowerCut& cut, const MapStore* store) {
     uint64_t lost = 0;
     for (size_t robot = 0; robot < kRobots; ++robot) {

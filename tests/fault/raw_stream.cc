@@ -10,7 +10,7 @@ RawStream::RawStream(const std::shared_ptr<grpc::Channel>& channel, const std::s
   stub_.PrepareBidiStreamingCall(&context_, "/corbslam.v1.MapStore/" + method, grpc::StubOptions(),
                                  this);
   StartRead(&response_);
-  // Held until the end: Send starts writes from outside of reactions.
+  // The hold lasts until the end, because Send starts writes from outside of reactions.
   AddHold();
   StartCall();
 }
@@ -44,7 +44,7 @@ std::optional<absl::Status> RawStream::WaitForEnd(absl::Duration timeout) {
   const absl::Time deadline = absl::Now() + timeout;
   while (!has_ended() && absl::Now() < deadline) absl::SleepFor(absl::Milliseconds(1));
   if (!has_ended()) return std::nullopt;
-  // With nothing more to read or write.
+  // There is nothing more to read or write.
   LetGo();
   absl::MutexLock lock(&mutex_);
   mutex_.Await(absl::Condition(this, &RawStream::IsDone));

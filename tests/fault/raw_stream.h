@@ -1,4 +1,4 @@
-// A stream whose messages are any bytes at all: what a program that isn't ours may send.
+// Opens a stream whose messages are any bytes at all: what a program that isn't ours may send.
 #ifndef CORBSLAM_TESTS_FAULT_RAW_STREAM_H_
 #define CORBSLAM_TESTS_FAULT_RAW_STREAM_H_
 
@@ -19,27 +19,27 @@
 
 namespace corbslam {
 
-// One call of a method of MapStore. For one thread; all calls block.
+// One call of a method of MapStore. One thread may use it; all calls block.
 class RawStream : private grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
   explicit RawStream(const std::shared_ptr<grpc::Channel>& channel,
                      const std::string& method = "Sync");
-  // Cancels.
+  // Cancels the call.
   ~RawStream() override;
 
-  // Whether the message went out; false once the call has ended.
+  // Returns whether the message went out; false once the call has ended.
   bool Send(const std::string& bytes);
-  // How the store ends the call; none where it does not within the time.
+  // Returns how the store ends the call; none where it does not within the time.
   std::optional<absl::Status> WaitForEnd(absl::Duration timeout);
   bool has_ended() const;
-  // Messages that came.
+  // Returns the number of messages that came.
   int answers() const;
 
  private:
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
   void OnDone(const grpc::Status& status) override;
-  // Nothing more will be written.
+  // Says that nothing more will be written.
   void LetGo();
   bool IsWritten() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return !writing_; }
   bool IsDone() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return end_.has_value(); }

@@ -1,5 +1,5 @@
-// What fault tests share that stream a robot's recorded uploads, and then read the journal in their
-// own process.
+// Holds what fault tests share that stream a robot's recorded uploads, and then read the journal in
+// their own process.
 #ifndef CORBSLAM_TESTS_FAULT_REPLAY_FIXTURE_H_
 #define CORBSLAM_TESTS_FAULT_REPLAY_FIXTURE_H_
 
@@ -18,18 +18,18 @@ class ReplayFaultTest : public FaultTest {
  protected:
   ReplayFaultTest();
 
-  // What a robot uploaded on the demo's recording.
+  // Returns what a robot uploaded on the demo's recording.
   RecordedUploads RecordDemo() const;
 
-  // What the journal holds, in a store that fuses with `worker` (not owned; null: never), where it
-  // is deterministic on this thread when it is told to. Null, and why in the log, where it can't be
-  // opened.
+  // Opens what the journal holds in a store that fuses with `worker` (not owned; null: never). It
+  // is deterministic, on this thread, when it is told to be. Returns null, and says why in the log,
+  // where the journal can't be opened.
   std::unique_ptr<MapStore> Reopen(const RocksJournalOptions& journal, FusionWorker* worker,
                                    bool deterministic = true) const;
 
-  // All that owners said, of which fusion is made to know nothing.
+  // Returns all that owners said, of which fusion is made to know nothing.
   static std::string LocalLayer(const std::string& mission, MapStore& store);
-  // Where fusion then has everything.
+  // Fuses, and returns where everything is then.
   static std::string FuseAgain(const std::string& mission, MapStore& store);
 
   std::shared_ptr<const Vocabulary> vocabulary_;

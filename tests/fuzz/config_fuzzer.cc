@@ -1,4 +1,4 @@
-// A program's --config file: flags of every type, the limits among them.
+// Feeds a program's --config file: flags of every type, the limits among them.
 #include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     (void)command_line.DescribeConfiguration();
     (void)store.Validate();
   } catch (const CLI::Error&) {
-    // As ParseOrExit; anything else would end the program without a word.
+    // ParseOrExit catches this, too; any other exception would end the program without a word.
   }
   return 0;
 }

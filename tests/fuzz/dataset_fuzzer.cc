@@ -1,4 +1,4 @@
-// The files of recorded sequences. The first byte says whose; the others are its files.
+// Feeds the files of recorded sequences. The first byte says whose; the others are its files.
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
@@ -15,7 +15,7 @@
 namespace corbslam {
 namespace {
 
-// A small picture at each name that the readers open first.
+// Writes a small picture at each name that the readers open first.
 void WritePictures() {
   static const bool done = [] {
     const cv::Mat grey = cv::Mat::zeros(64, 64, CV_8UC1);
@@ -30,7 +30,7 @@ void WritePictures() {
   (void)done;
 }
 
-// What plays a sequence asks of it.
+// Asks of a sequence what playing it asks.
 void Play(const absl::StatusOr<std::unique_ptr<FrameReader>>& reader) {
   if (!reader.ok()) return;
   for (size_t i = 0; i < std::min<size_t>(2, (*reader)->frame_count()); ++i) {

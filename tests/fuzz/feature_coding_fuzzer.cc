@@ -1,4 +1,5 @@
-// Coded features and descriptors, alone. What can be read says the same when it is written again.
+// Feeds coded features and descriptors alone. What can be read says the same when it is written
+// again.
 #include <cstdlib>
 #include <string_view>
 #include <vector>
@@ -23,7 +24,7 @@ void ReadFeatures(std::string_view bytes) {
   if (!once_more.ok() || !(*once_more == *read)) std::abort();
 }
 
-// As many as the first byte says, some of a keyframe that isn't there.
+// Reads as many descriptors as the first byte says, some of a keyframe that isn't there.
 void ReadDescriptors(std::string_view bytes) {
   static const auto& source =
       *new std::vector<Descriptor>(testing::MakePlausibleFeatures(1, 50, {640, 480}).descriptors);

@@ -8,9 +8,9 @@
 
 namespace corbslam {
 
-// This process's own, made when first asked for and removed at its end.
+// Returns this process's own folder, made when first asked for and removed at its end.
 const std::string& FuzzFolder();
-// The path of FuzzFolder()/name, which now holds `content`. Folders in the name are made.
+// Returns the path of FuzzFolder()/name, which now holds `content`. Folders in the name are made.
 std::string WriteFuzzFile(const std::string& name, absl::string_view content);
 
 }  // namespace corbslam

@@ -57,7 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   LookAtEverything(**store);
   store->reset();
   MustOpen(bytes, &worker);
-  // And from a snapshot.
+  // The store must also open from a snapshot.
   bytes->wants_snapshot = true;
   store = Open(bytes, &worker);
   if (!store.ok()) std::abort();

@@ -1,4 +1,4 @@
-// A map store as fuzzers use it.
+// Makes a map store as fuzzers use it.
 #ifndef CORBSLAM_TESTS_FUZZ_LIVE_STORE_H_
 #define CORBSLAM_TESTS_FUZZ_LIVE_STORE_H_
 
@@ -10,7 +10,7 @@
 
 namespace corbslam {
 
-// Without threads. Limits are low, so that inputs of a few kB reach them.
+// The store has no threads, and low limits, so that inputs of a few kB reach them.
 inline MapStoreOptions LiveStoreOptions() {
   MapStoreOptions options;
   options.deterministic = true;
@@ -24,7 +24,7 @@ inline MapStoreOptions LiveStoreOptions() {
   return options;
 }
 
-// Without a worker, on a journal of bytes.
+// Makes a store without a worker, on a journal of bytes.
 inline std::unique_ptr<MapStore> MakeLiveStore(
     std::shared_ptr<testing::JournalBytes> bytes = std::make_shared<testing::JournalBytes>()) {
   return std::make_unique<MapStore>(LiveStoreOptions(), nullptr,
@@ -32,7 +32,7 @@ inline std::unique_ptr<MapStore> MakeLiveStore(
                                     nullptr, [] { return absl::UnixEpoch(); });
 }
 
-// Every look-up, and everything that is shared with another agent.
+// Makes every look-up, and everything that is shared with another agent.
 inline void LookAtEverything(MapStore& store) {
   const auto missions = store.ListMissions({});
   if (!missions.ok()) return;

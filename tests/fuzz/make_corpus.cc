@@ -66,7 +66,7 @@ v1::SyncRequest OpenRequest(const std::string& agent, std::vector<LocalMapId> lo
   return request;
 }
 
-// Such that they are coded.
+// Makes a payload whose features are coded.
 std::shared_ptr<const KeyframePayload> MakeCodablePayload(KeyframeId id) {
   return MakeKeyframePayload(id, 1'000'000'000'000 + id.index, 0, test_data::MakeCamera(),
                              testing::MakePlausibleFeatures(id.index, 40, {1241, 376}));

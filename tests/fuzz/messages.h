@@ -1,5 +1,5 @@
-// A fuzzer's input as a sequence of messages: two bytes of length, least significant first, and the
-// message, again and again.
+// Reads a fuzzer's input as a sequence of messages: two bytes of length, least significant first,
+// and the message, again and again.
 #ifndef CORBSLAM_TESTS_FUZZ_MESSAGES_H_
 #define CORBSLAM_TESTS_FUZZ_MESSAGES_H_
 
@@ -12,7 +12,7 @@
 
 namespace corbslam {
 
-// The next message, which may be cut by the end of the input.
+// Takes the next message, which may be cut by the end of the input.
 inline absl::string_view TakeMessage(absl::string_view& input) {
   if (input.size() < 2) {
     input = {};

@@ -1,4 +1,5 @@
-// What callers name: resources, grants, page tokens. What is taken is written again the same.
+// Feeds what callers name: resources, grants, page tokens. What is accepted is written again the
+// same.
 #include <cstdlib>
 #include <memory>
 #include <string>
@@ -54,7 +55,7 @@ std::unique_ptr<MapStore> MakeStoreOfTwo() {
   return store;
 }
 
-// Pages of one item, from this token on: there is an end.
+// Reads pages of one item from this token on, which must come to an end.
 template <typename List>
 void ReadPages(const List& list, const std::string& token) {
   PageRequest request = {1, token};
@@ -68,7 +69,7 @@ void ReadPages(const List& list, const std::string& token) {
   std::abort();
 }
 
-// The text is a token, or what a token of the list names.
+// Takes the text as a token, and as what a token of the list names.
 template <typename List>
 void ReadPagesOf(const std::string& name, const List& list, absl::string_view text) {
   ReadPages(list, std::string(text));

@@ -1,4 +1,4 @@
-// What comes down to a robot: SyncResponses, through conversion, into the robot's map.
+// Feeds what comes down to a robot: SyncResponses, through conversion, into the robot's map.
 #include <memory>
 
 #include "client_agent/shared/shared_map.h"
@@ -11,7 +11,7 @@ namespace {
 
 constexpr LocalMapId kOwn{1};
 
-// Two keyframes that see two points.
+// Makes two keyframes that see two points.
 Map MakeOwnMap() {
   Map map;
   const auto camera = std::make_shared<const Camera>(Camera{500, 500, 320, 240, 640, 480, 0.1, 4});

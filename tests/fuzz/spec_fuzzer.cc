@@ -1,5 +1,5 @@
-// How sources are named on the command line and in configurations, simulations included. What is
-// taken is written and read again the same.
+// Feeds names of sources as on the command line and in configurations, simulations included. What
+// is accepted is written and read again the same.
 #include <cstdlib>
 #include <string>
 

@@ -45,7 +45,7 @@ class MemoryFiles : public SpoolFiles {
   std::map<std::string, std::string> files;
 };
 
-// One that trusts its content to be a payload of one record.
+// Makes a segment that takes the content for the payload of one record.
 std::string MakeRightSegment(absl::string_view content) {
   SpoolRecord record;
   record.local_map = {content.empty() ? 1u : 1u + static_cast<uint8_t>(content[0]) % 3u};

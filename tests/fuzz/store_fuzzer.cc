@@ -1,5 +1,5 @@
-// Batches made of choices, not of bytes: most of them pass the wire's checks, and reach the graph.
-// Whatever comes of them, a store that reads the journal has the same.
+// Feeds batches made of choices, not of bytes: most of them pass the wire's checks, and reach the
+// graph. Whatever comes of them, a store that reads the journal has the same.
 #include <fuzzer/FuzzedDataProvider.h>
 
 #include <cstdlib>
@@ -115,7 +115,7 @@ class BatchMaker {
   LocalMapId own_;
 };
 
-// Of the local layer, what look-ups say.
+// Describes what look-ups say of the local layer.
 std::string DescribeMap(const MapStore& store) {
   std::string text;
   const auto maps = store.ListLocalMaps("m", {});

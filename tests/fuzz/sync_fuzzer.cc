@@ -1,4 +1,5 @@
-// An agent's stream as bytes: SyncRequests, through conversion and validation, to a live store.
+// Feeds an agent's stream as bytes: SyncRequests, through conversion and validation, to a live
+// store.
 #include <memory>
 #include <optional>
 
@@ -11,7 +12,7 @@
 namespace corbslam {
 namespace {
 
-// As SyncReactor, without its threads.
+// Does what SyncReactor does, without its threads.
 class FuzzedStream {
  public:
   explicit FuzzedStream(MapStore& store) : store_(store) {}

@@ -1,5 +1,5 @@
-// What strangers show as a token, and the keys and certificates in an operator's files. The first
-// byte says which.
+// Feeds what strangers show as a token, and the keys and certificates in an operator's files. The
+// first byte says which.
 #include <cstdlib>
 #include <string>
 

@@ -1,5 +1,5 @@
-// The loaders of vocabularies: the binary form, which is mapped into memory, and the text form. The
-// first byte says which.
+// Feeds the loaders of vocabularies: the binary form, which is mapped into memory, and the text
+// form. The first byte says which.
 #include <vector>
 
 #include "slam/vocabulary/vocabulary.h"
@@ -10,7 +10,7 @@
 namespace corbslam {
 namespace {
 
-// What no content may make leave the file.
+// Uses the vocabulary, whose content must not make any look-up leave the file.
 void Use(const Vocabulary& vocabulary) {
   std::vector<Descriptor> descriptors(8);
   for (size_t i = 0; i < descriptors.size(); ++i) {

@@ -1,5 +1,5 @@
-// Requests to fusion workers and their results, as streams of messages. The first byte says which;
-// its highest bit asks for a last message that is right about the chunks.
+// Feeds requests to fusion workers and their results, as streams of messages. The first byte says
+// which; its highest bit asks for a last message that is right about the chunks.
 #include <string>
 
 #include "services/convert/work.h"

@@ -1,4 +1,4 @@
-// How the programs are configured: what they print of it, refuse and log.
+// Tests how the programs are configured: what they print of it, refuse and log.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -98,7 +98,7 @@ TEST(ConfigTest, InvalidConfigurationsEndWithTwoAndSayAllThatIsWrong) {
   EXPECT_THAT(agent.text,
               AllOf(HasSubstr("/nowhere: there is no such folder"), HasSubstr("--agent is \"a b\""),
                     HasSubstr("--spool-dir needs --server"), HasSubstr("/nowhere/stats.json")));
-  // What can't even be parsed.
+  // This can't even be parsed.
   const Ended flag = RunToEnd("fusion_worker", {"--validate-config", "--threads", "none"});
   EXPECT_EQ(flag.exit_code, 2);
   EXPECT_THAT(flag.text, HasSubstr("--threads"));

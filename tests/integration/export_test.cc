@@ -1,4 +1,4 @@
-// What `corbslam mission show` and `mission export` write of a real mission, read back.
+// Reads back what `corbslam mission show` and `mission export` write of a real mission.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ class ExportTest : public ::testing::Test {
     const size_t begin = std::min(text.find_first_of("{["), text.size());
     return nlohmann::json::parse(text.substr(begin), nullptr, false);
   }
-  // Returns where.
+  // Returns where it was exported to.
   std::string Export(const std::string& format, std::vector<std::string> more = {}) {
     const std::string path = absl::StrCat(::testing::TempDir(), "/corbslam_export_test_", format);
     more.insert(more.begin(), {"export", "--mission", "lab", "--format", format, "--out", path});
@@ -87,7 +87,7 @@ void ExportTest::CheckTrajectories() {
   ExpectSame(ReadKittiTrajectory(kitti, kitti + ".times"), alpha);
   ExpectSame(ReadKittiTrajectory(kitti), alpha, /*times=*/false);
   ExpectSame(ReadEurocTrajectory(Export("euroc", {"--agent", "alpha"}), Rigid3d()), alpha);
-  // Everybody's, into a folder.
+  // Everybody's trajectories are exported into a folder.
   const std::string folder = ::testing::TempDir() + "/corbslam_export_test_all";
   Run({"export", "--mission", "lab", "--format", "euroc", "--out", folder});
   for (const char* name : {"alpha", "bravo"}) {
@@ -142,7 +142,7 @@ void ExportTest::CheckShow() {
   EXPECT_EQ(list[0]["name"], "missions/lab");
 }
 
-// One mission for all: it takes longer than what is read of it.
+// All checks share one mission, which takes longer than what is read of it.
 TEST_F(ExportTest, WhatIsWrittenIsWhatTheStoreHas) {
   ASSERT_NO_FATAL_FAILURE(CheckTrajectories());
   ASSERT_NO_FATAL_FAILURE(CheckPoints());

@@ -11,7 +11,7 @@
 namespace corbslam {
 namespace {
 
-// The texts between lines of three backquotes.
+// Returns the texts between lines of three backquotes.
 std::vector<std::string> ReadBlocks(const std::string& markdown) {
   std::vector<std::string> blocks;
   bool inside = false;
@@ -26,7 +26,7 @@ std::vector<std::string> ReadBlocks(const std::string& markdown) {
   return blocks;
 }
 
-// As a shell splits it; single quotes only.
+// Splits a line as a shell does; single quotes only.
 std::vector<std::string> SplitWords(const std::string& line) {
   std::vector<std::string> words;
   bool quoted = false;

@@ -12,9 +12,10 @@
 
 namespace corbslam {
 
-// grpcurl -plaintext [-max-time SECONDS] [-d 'JSON'] ADDRESS list [SERVICE] | SERVICE/METHOD
+// A call is: grpcurl -plaintext [-max-time SECONDS] [-d 'JSON'] ADDRESS list [SERVICE] |
+// SERVICE/METHOD
 struct GrpcurlCall {
-  std::string line;  // As written.
+  std::string line;  // The call as written.
   std::string address;
   std::string request = "{}";
   double max_time_s = 0;  // 0: not given.
@@ -26,10 +27,10 @@ struct GrpcurlCall {
 // INVALID_ARGUMENT shows the line that can't be understood, or has no answer.
 absl::StatusOr<std::vector<GrpcurlCall>> ReadGrpcurlCalls(const std::string& markdown);
 
-// JSON documents one after the other, as grpcurl prints streams. INVALID_ARGUMENT.
+// Parses JSON documents that come one after the other, as grpcurl prints streams. INVALID_ARGUMENT.
 absl::StatusOr<std::vector<nlohmann::json>> ParseDocuments(absl::string_view text);
 
-// Names of all fields, "missions[].name".
+// Returns the names of all fields, like "missions[].name".
 std::set<std::string> FieldPaths(const std::vector<nlohmann::json>& documents);
 
 }  // namespace corbslam

@@ -27,7 +27,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A robot on a part of the demo's sequence; `seed` decides the ids of its local maps.
+// Starts a robot on a part of the demo's sequence; `seed` decides the ids of its local maps.
 std::unique_ptr<ChildProcess> StartRobot(const std::string& name, const std::string& frames,
                                          const std::string& seed, const std::string& store,
                                          std::vector<std::string> more) {
@@ -136,17 +136,19 @@ class GrpcurlTest : public ::testing::Test {
       EXPECT_TRUE(live.contains(path)) << "the page shows " << path << ", which is not answered:\n"
                                        << (*answers)[0].substr(0, 2000);
     }
-    // Fields on top are few: all that are not default are shown.
+    // An answer has few fields on top: all that are not default are shown.
     for (const auto& [name, value] : documents[0].items()) {
       const bool is_default =
           value.empty() || value == 0 || value == false || value == "0" || value == "";
-      // Whether there is a next page is up to how much was found.
+      // Whether there is a next page depends on how much was found.
       const bool may_come = is_default || name == "nextPageToken";
       EXPECT_TRUE(may_come || shown.contains(name)) << "the page does not show " << name;
     }
   }
 
-  // "ERROR:\n  Code: NotFound\n  Message: ..."
+  // Parses "ERROR:
+  //   Code: NotFound
+  //   Message: ...".
   void CheckError(const GrpcurlCall& call, const absl::Status& status) {
     // "NOT_FOUND" here is "NotFound" there.
     const std::string code =

@@ -1,4 +1,4 @@
-// The program that containers' health checks run, against servers of every kind.
+// Runs the program of containers' health checks against servers of every kind.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -15,7 +15,7 @@
 namespace corbslam {
 namespace {
 
-// Its exit code; `environment` as "NAME=VALUE".
+// Returns its exit code; `environment` has entries "NAME=VALUE".
 int RunHealth(const std::vector<std::string>& environment,
               const std::vector<std::string>& arguments) {
   const std::string command =
@@ -50,7 +50,7 @@ TEST(HealthTest, NobodyIsNotHealthyAndNothingToAskIs) {
 }
 
 TEST(HealthTest, OfTlsOnlyTheAuthorityCounts) {
-  // Its certificate is for other names than the address.
+  // The server's certificate is for other names than the address.
   const test_data::TestCertificates certificates("lab");
   const test_data::TestCertificates others("lab");
   const auto security = MakeServerSecurity(certificates.Options("store"));

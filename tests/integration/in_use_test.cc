@@ -1,4 +1,4 @@
-// What a program says at its start where another one has its port or its folder.
+// Tests what a program says at its start where another one has its port or its folder.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,13 +32,13 @@ class InUseTest : public ::testing::Test {
     EXPECT_TRUE(process.ok()) << process.status();
     return process.ok() ? *std::move(process) : nullptr;
   }
-  // Until it serves; returns where.
+  // Waits until it serves; returns where.
   std::string AddressOf(ChildProcess& process) {
     const auto address = process.WaitForAddress(absl::Seconds(60));
     EXPECT_TRUE(address.ok()) << address.status();
     return address.value_or("");
   }
-  // What a program says that is to end by itself at once.
+  // Returns what a program says that is to end by itself at once.
   std::string FailureOf(const std::string& program, const std::vector<std::string>& arguments) {
     const auto process = Start("second", program, arguments);
     if (process == nullptr) return "";

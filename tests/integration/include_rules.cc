@@ -108,14 +108,14 @@ absl::string_view Part(absl::string_view path, size_t index) {
   return index + 1 < parts.size() ? parts[index] : absl::string_view();
 }
 
-// A folder of the top folder, or the name of a file right in it.
+// Returns the folder of the top folder, or the name of a file right in it.
 absl::string_view Room(absl::string_view path) {
   const std::vector<absl::string_view> parts = absl::StrSplit(path, '/');
   if (parts.size() < 2) return "";
   return parts[1].substr(0, parts[1].find('.'));
 }
 
-// The text between quotes or angle brackets of an #include line.
+// Returns the text between quotes or angle brackets of an #include line.
 std::optional<absl::string_view> ParseInclude(absl::string_view line) {
   absl::string_view rest = absl::StripLeadingAsciiWhitespace(line);
   if (!absl::ConsumePrefix(&rest, "#include")) return std::nullopt;
@@ -135,7 +135,7 @@ bool IsTestCode(absl::string_view path) {
          absl::StrContains(path, "/testing/");
 }
 
-// Why not; empty where it is allowed.
+// Returns why the include is not allowed; empty where it is.
 std::string WhyNot(absl::string_view path, absl::string_view include) {
   const absl::string_view top = Part(path, 0);
   if (IsWire(include) && top != "services" && top != "tests") {
@@ -145,7 +145,7 @@ std::string WhyNot(absl::string_view path, absl::string_view include) {
     return "only services/ knows Prometheus";
   }
   const absl::string_view target = Part(include, 0);
-  if (!TopRules().contains(target) || IsWire(include)) return "";  // Not ours.
+  if (!TopRules().contains(target) || IsWire(include)) return "";  // Such a file is not ours.
   if (target != top && !TopRules().at(top).contains(target)) {
     return absl::StrCat(top, "/ may not include ", target, "/");
   }

@@ -1,4 +1,4 @@
-// Who may include whom: the layers of docs/architecture.md.
+// Says who may include whom: the layers of docs/architecture.md.
 #ifndef CORBSLAM_TESTS_INTEGRATION_INCLUDE_RULES_H_
 #define CORBSLAM_TESTS_INTEGRATION_INCLUDE_RULES_H_
 
@@ -9,8 +9,8 @@
 
 namespace corbslam {
 
-// One line for each include of the file at `path` (relative to the repository) that its place in
-// the layers does not allow: "path:line: includes X: why".
+// Returns one line for each include of the file at `path` (relative to the repository) that its
+// place in the layers does not allow: "path:line: includes X: why".
 std::vector<std::string> FindForbiddenIncludes(absl::string_view path, absl::string_view text);
 
 }  // namespace corbslam

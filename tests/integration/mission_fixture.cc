@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Empty, and of this test alone.
+// Makes an empty folder of this test alone.
 std::string MakeFolder(const std::string& name) {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   const std::string leaf =
@@ -67,7 +67,7 @@ RunningServers::RunningServers() : log_folder_(MakeFolder("servers")) {
 }
 
 RunningServers::~RunningServers() {
-  // The store first, so that it does not miss its worker.
+  // The store stops first, so that it does not miss its worker.
   for (auto server = servers_.rbegin(); server != servers_.rend(); ++server) {
     (*server)->Stop(absl::Seconds(10));
   }

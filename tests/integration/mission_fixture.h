@@ -15,11 +15,11 @@
 
 namespace corbslam {
 
-// The part of TUM fr1_xyz that ships.
+// Returns the part of TUM fr1_xyz that ships.
 std::string DemoSource();
 
-// A folder of the shared recordings (CORBSLAM_DATA_DIR); nullopt where there are none. Without them
-// a test must skip, or fail under continuous integration: see SKIP_WITHOUT_RECORDINGS.
+// Returns a folder of the shared recordings (CORBSLAM_DATA_DIR); nullopt where there are none.
+// Without them a test must skip, or fail under continuous integration: see SKIP_WITHOUT_RECORDINGS.
 std::optional<std::string> RecordingsFolder();
 
 #define SKIP_WITHOUT_RECORDINGS()                                              \
@@ -36,10 +36,10 @@ std::string RunTool(const std::vector<std::string>& arguments, int timeout_s = 6
 
 struct Mission {
   nlohmann::json report;
-  std::string folder;  // Of all results.
+  std::string folder;  // Folder of all results.
 };
 
-// `corbslam run` with the arguments and an --out folder of its own, named after the test and
+// Runs `corbslam run` with the arguments and an --out folder of its own, named after the test and
 // `name`.
 Mission RunMission(std::vector<std::string> arguments, const std::string& name = "run",
                    int timeout_s = 900);
@@ -54,11 +54,11 @@ class RunningServers {
   RunningServers& operator=(const RunningServers&) = delete;
 
   const std::string& store_address() const { return store_address_; }
-  // Neither has ended.
+  // Returns whether neither has ended.
   bool Run() const;
 
  private:
-  // Empty when it does not start.
+  // Returns an empty address when it does not start.
   std::string Start(const std::string& program, std::vector<std::string> arguments);
 
   const std::string log_folder_;

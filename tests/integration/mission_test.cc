@@ -1,5 +1,5 @@
-// Two robots and one map, by the real programs on ports that the system chooses, on the recording
-// that ships.
+// Tests two robots and one map, by the real programs on ports that the system chooses, on the
+// recording that ships.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-// The demo's bound: some robots' width of a thumb.
+// The demo's bound on the error is 3 cm.
 constexpr double kMaxAte_m = 0.03;
 
 void ExpectFields(const json& object, const std::vector<std::string>& fields) {
@@ -44,7 +44,7 @@ void ExpectWholeReport(const json& report) {
                {"full_keyframes", "full_map_points", "light_keyframes", "light_map_points"});
 }
 
-// Rows of a file in TUM's format, without comments.
+// Counts the rows of a file in TUM's format, without comments.
 int CountPoses(const std::string& path) {
   const std::string text = ReadText(path);
   int poses = 0;
@@ -80,7 +80,7 @@ TEST(MissionTest, TwoRobotsMakeOneMap) {
   EXPECT_GE(report["overlaps"]["accepted"], 1);
   EXPECT_GE(report["merge_ms"].size(), 1u);
   EXPECT_GE(report["global_ba_ms"].size(), 1u);
-  // Each once, also those that a robot found redundant afterwards.
+  // Each keyframe counts once, also those that a robot found redundant afterwards.
   const int kept =
       report["robots"][0]["keyframes"].get<int>() + report["robots"][1]["keyframes"].get<int>();
   EXPECT_GE(report["transfer"]["full_keyframes"]["count"], kept);
@@ -96,7 +96,7 @@ TEST(MissionTest, TwoRobotsMakeOneMap) {
   EXPECT_THAT(ReadText(mission.folder + "/report.md"), ::testing::HasSubstr("| alpha |"));
 }
 
-// All poses in an answer, each by "agent nanoseconds".
+// Returns all poses in an answer, each by "agent nanoseconds".
 std::map<std::string, Rigid3d> ReadPoses(const std::vector<std::string>& answers) {
   std::map<std::string, Rigid3d> poses;
   for (const std::string& answer : answers) {
@@ -128,7 +128,7 @@ double Ate_m(const std::map<std::string, Rigid3d>& poses) {
   return error.ok() ? error->rmse_m : 1e9;
 }
 
-// The servers outlive the tool and the agents. Whoever knows no more than the store's address
+// The servers outlive the tool and the agents. A client that knows no more than the store's address
 // learns from its reflection how to ask, and gets every robot's poses in the one global frame.
 TEST(MissionTest, ARunningStoreTellsAGenericClientWhereTheRobotsAre) {
   RunningServers servers;

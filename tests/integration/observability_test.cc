@@ -1,4 +1,5 @@
-// What the running programs say of themselves is what happened: metrics, traces and logs.
+// Tests that what the running programs say of themselves is what happened: metrics, traces and
+// logs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +25,7 @@ using ::testing::IsSupersetOf;
 
 constexpr char kStatistics[] = "corbslam.v1.MapStore/GetStatistics";
 constexpr char kSync[] = "corbslam.v1.MapStore/Sync";
-// Of gRPC, before each message; robots count it.
+// gRPC puts so much before each message; robots count it.
 constexpr double kFrameBytes = 5;
 
 // protobuf's JSON has 64-bit numbers as text, and leaves out zeros.
@@ -69,7 +70,7 @@ class MetricsTest : public ObservedMissionTest {
     EXPECT_EQ(store.Value("corbslam_batches_waiting"), 0);
   }
 
-  // What went up and came down, as both ends have counted it.
+  // Expects that both ends have counted the same bytes up and down.
   void ExpectBothEndsAgree(const Scrape& store, const std::vector<Scrape>& robots) {
     const auto of_robots = [&robots](const std::string& name) {
       double sum = 0;
@@ -118,7 +119,7 @@ class MetricsTest : public ObservedMissionTest {
 
 TEST_F(MetricsTest, SayWhatHappened) {
   const json statistics = Statistics();
-  // Asked for once, so that robots' calls are in their metrics, too.
+  // The state is asked for once, so that robots' calls are in their metrics, too.
   for (const char* name : {"alpha", "bravo"}) {
     GenericClient robot(MakeChannel(AddressOf(name)));
     ASSERT_TRUE(robot.Call("corbslam.v1.Agent/GetStatus", "{}").ok());
@@ -148,7 +149,7 @@ TEST_F(MetricsTest, SayWhatHappened) {
   WriteJson("store.json", store.families());
   WriteJson("worker.json", worker.families());
   WriteJson("alpha.json", robots[0].families());
-  // Fails where docs/metrics.md is not what was scraped.
+  // The script fails where docs/metrics.md is not what was scraped.
   RunScript("check_metric_table.py", {absl::StrCat(CORBSLAM_SOURCE_DIR, "/docs/metrics.md"),
                                       absl::StrCat("map_store=", FileOf("store.json")),
                                       absl::StrCat("fusion_worker=", FileOf("worker.json")),
@@ -168,7 +169,7 @@ TEST_F(MetricsTest, GoWithWhatTheyAreAbout) {
             1);
 }
 
-// Any of these ended a program once.
+// Each of these requests ended a program once.
 TEST_F(MetricsTest, AreAllThereIsAndNoRequestEndsAProgram) {
   for (const char* name : {"store", "worker", "alpha"}) {
     const std::string address = MetricsAddressOf(name);

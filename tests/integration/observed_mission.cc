@@ -24,7 +24,7 @@ bool Has(const json& sample, const std::map<std::string, std::string>& labels) {
   return true;
 }
 
-// The address behind these words in a log.
+// Returns the address behind these words in a log.
 std::string FindAddress(const std::string& log, const std::string& words) {
   const size_t at = log.find(words);
   if (at == std::string::npos) return "";

@@ -1,4 +1,4 @@
-// A mission by the real programs with everything on by which they can be watched.
+// Runs a mission by the real programs with everything on by which they can be watched.
 #ifndef CORBSLAM_TESTS_INTEGRATION_OBSERVED_MISSION_H_
 #define CORBSLAM_TESTS_INTEGRATION_OBSERVED_MISSION_H_
 
@@ -14,19 +14,19 @@
 
 namespace corbslam {
 
-// A fusion worker, a map store with a journal and the robots alpha and bravo on the recording that
-// ships: done, all acknowledged and fused, and all still running.
+// Has a fusion worker, a map store with a journal and the robots alpha and bravo on the recording
+// that ships: done, all acknowledged and fused, and all still running.
 class ObservedMissionTest : public ::testing::Test {
  protected:
   // What one endpoint said, as scrape.py prints it.
   class Scrape {
    public:
     explicit Scrape(nlohmann::json families) : families_(std::move(families)) {}
-    // Of the one series with these labels; a histogram's have the endings _count and _sum. Fails
-    // the test where there is no such series.
+    // Returns the value of the one series with these labels; a histogram's series have the endings
+    // _count and _sum. Fails the test where there is no such series.
     double Value(const std::string& name,
                  const std::map<std::string, std::string>& labels = {}) const;
-    // Of all series that have these labels among theirs; 0 where none has.
+    // Returns the sum of all series that have these labels among theirs; 0 where none has.
     double Sum(const std::string& name,
                const std::map<std::string, std::string>& labels = {}) const;
     size_t Count(const std::string& name,
@@ -43,20 +43,20 @@ class ObservedMissionTest : public ::testing::Test {
   void SetUp() override;
   void TearDown() override;
 
-  // By the name that it was started under. Fails the test where a parser objects.
+  // Scrapes the program that was started under this name. Fails the test where a parser objects.
   Scrape ScrapeOf(const std::string& name);
-  // Where its metrics are.
+  // Returns where its metrics are.
   std::string MetricsAddressOf(const std::string& name) const;
   // Calls the store, which answers once.
   nlohmann::json Ask(const std::string& method, const nlohmann::json& request);
-  // Runs one of this folder's scripts; what it printed.
+  // Runs one of this folder's scripts and returns what it printed.
   std::string RunScript(const std::string& script, const std::vector<std::string>& arguments);
   // Ends all programs, robots first.
   void StopAll();
 
   std::string FileOf(const std::string& name) const { return folder_ + "/" + name; }
   std::string LogOf(const std::string& name) const { return FileOf(name + ".log"); }
-  // Of the robots' own services.
+  // Returns the address of a robot's own services.
   std::string AddressOf(const std::string& name);
 
  private:
@@ -67,7 +67,7 @@ class ObservedMissionTest : public ::testing::Test {
 
   std::string folder_;
   std::string store_address_;
-  // In the order of starting.
+  // Processes in the order of their start.
   std::vector<std::unique_ptr<ChildProcess>> processes_;
 };
 

@@ -1,5 +1,5 @@
-// Servers that are not reached, robots of one name, workers that are away: what the real programs
-// say.
+// Tests what the real programs say of servers that are not reached, robots of one name, and workers
+// that are away.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ class Program {
   Program& operator=(const Program&) = delete;
 
   std::string Address() { return process_->WaitForAddress(kPatience).value_or(""); }
-  // With the text as its log has it.
+  // Returns whether its log comes to have the text.
   bool Says(const std::string& text) {
     const absl::Time deadline = absl::Now() + kPatience;
     while (!absl::StrContains(Log(), text) && absl::Now() < deadline) {
@@ -56,7 +56,7 @@ class Program {
     }
     return absl::StrContains(Log(), text);
   }
-  // Its exit code, once it has ended by itself; else -1.
+  // Returns its exit code, once it has ended by itself; else -1.
   int End() {
     if (!process_->WaitForEnd(kPatience)) return -1;
     return process_->Stop(absl::ZeroDuration()).exit_code;
@@ -85,7 +85,7 @@ struct AddressCase {
 
 class WrongAddressTest : public ::testing::TestWithParam<AddressCase> {};
 
-// The tool, the doctor, a robot before its first frame.
+// The programs are the tool, the doctor, and a robot before its first frame.
 TEST_P(WrongAddressTest, IsNamedByEveryProgram) {
   const std::string address = GetParam().address;
   Program list("corbslam", {"mission", "list", "--insecure", "--server", address});
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return std::string(info.param.name); });
 
 TEST(ReachTest, AnUnknownHostIsNamed) {
-  // Reserved never to be found (RFC 6761); where DNS is away, nobody can say so.
+  // The name is reserved never to be found (RFC 6761); where DNS is away, nobody can say so.
   Program list("corbslam",
                {"mission", "list", "--insecure", "--server", "no-such-host.invalid:50051"});
   EXPECT_EQ(list.End(), 1);

@@ -1,4 +1,4 @@
-// The accuracy bars of the project on the shared recordings, in the deterministic run.
+// Tests the accuracy bars of the project on the shared recordings, in the deterministic run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// A small mission by the real programs, each with a certificate of its own, and what happens to
-// those without.
+// Tests a small mission by the real programs, each with a certificate of its own, and what happens
+// to those without.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ class SecureMissionTest : public ::testing::Test {
   }
   std::string Log(const std::string& name) const { return certificates_.Path(name + ".log"); }
 
-  // A worker and a store; sets the store's address.
+  // Starts a worker and a store; sets the store's address.
   void StartServers() {
     worker_ = Start("worker", "fusion_worker", {"--listen", "127.0.0.1:0"},
                     certificates_.Flags("worker"));
@@ -66,7 +66,7 @@ class SecureMissionTest : public ::testing::Test {
                  identity);
   }
 
-  // Its exit code is 1; what it said.
+  // Expects the exit code 1, and returns what the program said.
   std::string Complaint(ChildProcess& process) {
     EXPECT_TRUE(process.WaitForEnd(kEnd)) << process.name() << " still runs";
     EXPECT_EQ(process.Stop(absl::ZeroDuration()).exit_code, 1) << process.name();
@@ -88,7 +88,7 @@ class SecureMissionTest : public ::testing::Test {
 TEST_F(SecureMissionTest, TwoRobotsMakeOneMapOverMutualTls) {
   ASSERT_NO_FATAL_FAILURE(StartServers());
   const auto alpha = StartAgent("alpha", "0:60", certificates_.Flags("alpha"));
-  // With a token instead of a certificate.
+  // The robot has a token instead of a certificate.
   const std::string token = certificates_.Path("bravo.token");
   RunTool({"token", "--key", certificates_.Path("token.key"), "--mission", "lab", "--role", "agent",
            "--agent", "bravo", "--lifetime", "1h", "--out", token});

@@ -1,4 +1,4 @@
-// Two robots in a simulated town, with no file in between.
+// Tests two robots in a simulated town, with no file in between.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -10,10 +10,10 @@ namespace {
 
 using nlohmann::json;
 
-// Round one block in two fifths of the cameras' resolution.
+// The way goes round one block, in two fifths of the cameras' resolution.
 constexpr char kBlock[] = "sim:city?seed=3&length=100&picture_scale=0.4&frames=:110";
 
-// Robots of different pictures: half a frame apart, in other light, with other noise.
+// The robots have different pictures: half a frame apart, in other light, with other noise.
 TEST(SimulatedMissionTest, TwoRobotsMakeOneMapOfATown) {
   const Mission mission = RunMission({"--source", kBlock, "--robots", "2", "--overlap", "20",
                                       "--perturb", "2:phase=0.5,exposure=0.85,noise_seed=2"});

@@ -1,4 +1,4 @@
-// What the tool says where nobody watches, and what it refuses before anything starts.
+// Tests what the tool says where nobody watches, and what it refuses before anything starts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ using ::testing::StartsWith;
 // Nobody listens there: it is reserved for tcpmux, which nobody runs.
 constexpr char kNobody[] = "127.0.0.1:1";
 
-// What `program` says when it fails, as it must, within `limit`.
+// Returns what `program` says when it fails, as it must, within `limit`.
 std::string Complaint(const std::string& program, std::vector<std::string> command,
                       absl::Duration limit) {
   command.insert(command.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
@@ -87,7 +87,7 @@ TEST(ToolTest, SaysThatThereIsNoSuchMission) {
               AllOf(HasSubstr("NOT_FOUND"), HasSubstr("there is no mission nowhere")));
 }
 
-// Lines that say what a source is: its name, and what is known of it, indented.
+// Recognises lines that say what a source is: its name, and what is known of it, indented.
 bool IsOfSource(const std::string& line) {
   return absl::StartsWith(line, "  ") || absl::StartsWith(line, "tum:");
 }

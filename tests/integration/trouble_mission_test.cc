@@ -1,5 +1,5 @@
-// What goes wrong on the road: each in a simulated town or floor, two fifths or three of the
-// cameras' resolution, in one deterministic process.
+// Tests what goes wrong on the road: each trouble in a simulated town or floor, in two fifths or
+// three of the cameras' resolution, in one deterministic process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 
 constexpr char kBlock[] = "sim:city?seed=3&length=100&picture_scale=0.4";
-// Another robot's pictures of the same way.
+// Options of another robot's pictures of the same way.
 constexpr char kOther[] = "&phase=0.5&noise_seed=2";
 
 std::string Block(const std::string& options) { return absl::StrCat(kBlock, options); }
@@ -34,7 +34,7 @@ void ExpectOneMap(const json& report, double most_ate_m) {
   EXPECT_LE(report["fused"]["ate_m"], most_ate_m);
 }
 
-// No frame of one map is placed in another's frame.
+// Expects that no frame of one map is placed in another's frame.
 void ExpectTwoMaps(const json& report, double most_ate_m) {
   EXPECT_EQ(report["fused"]["islands"], 2);
   EXPECT_EQ(report["overlaps"]["accepted"], 0);
@@ -82,7 +82,7 @@ TEST(TroubleMissionTest, RobotsThatNeverMeetStayApart) {
                 0.3);
 }
 
-// The same few houses, over and over: a part of what is seen matches, and is wrong.
+// The way has the same few houses, over and over: a part of what is seen matches, and is wrong.
 TEST(TroubleMissionTest, StreetsThatLookAlikeAreNotOne) {
   const std::string street = "sim:city?seed=5&length=400&look_alike=1&picture_scale=0.4&frames=";
   ExpectTwoMaps(RunRobots({street + ":110", street + "220:330"}), 0.5);

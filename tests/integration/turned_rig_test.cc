@@ -1,5 +1,5 @@
-// A rig both of whose cameras look aside: what is written are poses of the camera that recorded, as
-// the truth's are, and not of the rectified one that the map is made of.
+// Tests a rig both of whose cameras look aside: what is written are poses of the camera that
+// recorded, as the truth's are, and not of the rectified one that the map is made of.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -113,7 +113,7 @@ class TurnedRig {
   Camera camera_;
 };
 
-// The way from the first pose to the last one, as the first sees it.
+// Returns the way from the first pose to the last one, as the first sees it.
 Eigen::Vector3d WayOf(const Trajectory& trajectory) {
   return (trajectory.front().world_from_camera.Inverse() * trajectory.back().world_from_camera)
       .translation;

@@ -1,4 +1,4 @@
-// Quantiles of what was measured.
+// Computes quantiles of what was measured.
 #ifndef CORBSLAM_TESTS_REPLAY_QUANTILE_H_
 #define CORBSLAM_TESTS_REPLAY_QUANTILE_H_
 
@@ -9,7 +9,8 @@
 
 namespace corbslam {
 
-// The smallest value that at least this share (0 to 1) of the values do not exceed; 0 for none.
+// Returns the smallest value that at least this share (0 to 1) of the values do not exceed; 0 for
+// none.
 inline double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());

@@ -14,16 +14,16 @@
 
 namespace corbslam {
 
-// All of one local map, numbered from 1; the last closes it.
+// All batches of one local map, numbered from 1; the last closes it.
 using RecordedUploads = std::vector<MapUpdateBatch>;
 
 // Runs an agent on the source (as `client_agent --source`) alone and in lockstep, as fast as it
-// goes. The same every time. FAILED_PRECONDITION: it made more than one local map.
+// goes. The result is the same every time. FAILED_PRECONDITION: it made more than one local map.
 absl::StatusOr<RecordedUploads> RecordUploads(const std::string& source,
                                               std::shared_ptr<const Vocabulary> vocabulary,
                                               const FeatureSelection& features = {});
 
-// The same batch as another local map's: every id of its own map is renamed.
+// Returns the same batch as another local map's: every id of its own map is renamed.
 MapUpdateBatch AsLocalMap(const MapUpdateBatch& batch, LocalMapId local_map);
 
 }  // namespace corbslam

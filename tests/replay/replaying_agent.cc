@@ -9,7 +9,7 @@
 namespace corbslam {
 namespace {
 
-// How soon a full queue is tried again.
+// A full queue is tried again so soon.
 constexpr absl::Duration kTryAgain = absl::Milliseconds(2);
 
 bool IsFinal(const absl::Status& reason) {
@@ -154,7 +154,7 @@ void ReplayingAgent::MakeSession() {
   {
     absl::MutexLock lock(&mutex_);
     is_opening_ = true;
-    // The local map of the last acknowledged batch, or the first.
+    // A session opens the local map of the last acknowledged batch, or the first.
     request.local_maps = {LocalMapOf(std::max<uint64_t>(ledger_.acknowledged, 1))};
   }
   request.mission = options_.mission;
@@ -162,7 +162,7 @@ void ReplayingAgent::MakeSession() {
   uplink_->Open(request, this);
 }
 
-// The batch behind the last one sent, if it is due and the store keeps up.
+// Sends the batch behind the last one sent, if it is due and the store keeps up.
 void ReplayingAgent::SendNext() {
   uint64_t count = 0;
   absl::Time due;
@@ -171,7 +171,7 @@ void ReplayingAgent::SendNext() {
     count = sent_ + 1;
     if (count > batches() || waiting_.size() >= options_.max_waiting) return;
     if (DueTime(count) > absl::Now()) return;
-    // What had to wait its turn has waited, too.
+    // The delay counts the time that the batch had to wait its turn, too.
     due = options_.keyframes_per_s > 0 ? DueTime(count) : absl::Now();
     waiting_[count] = due;
     sent_ = count;

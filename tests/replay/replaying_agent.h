@@ -25,33 +25,34 @@ namespace corbslam {
 struct ReplayOptions {
   std::string mission;
   std::string agent;
-  // Of the first lap; each further lap is the next id's.
+  // Local map of the first lap; each further lap has the next id.
   LocalMapId local_map;
   int laps = 1;
   // Full keyframes a second; 0: as fast as they are acknowledged.
   double keyframes_per_s = 0;
-  // With a pace: later than its construction.
+  // With a pace, the robot starts so much later than it is constructed.
   absl::Duration start_after = absl::ZeroDuration();
-  // Sent and not acknowledged at most.
+  // At most so many batches are sent and not acknowledged.
   size_t max_waiting = 16;
-  // After a session ended the next is opened so much later.
+  // The next session is opened so much later after one ended.
   absl::Duration retry_after = absl::Milliseconds(50);
-  // Called, where set, with each batch as it is sent and when it was due (see the ledger), and with
-  // what comes back; on threads of the agent's, without locks.
+  // They are called, where set, with each batch as it is sent and when it was due (see the ledger),
+  // and with what comes back; on threads of the agent's, without locks.
   std::function<void(const MapUpdateBatch& batch, absl::Time due)> on_sent = nullptr;
   std::function<void(const SharedUpdate& update)> on_shared = nullptr;
 };
 
-// Of robot `index` of `count` in one mission, each with a name and a local map of its own. Robots
-// don't see their frames at the same moment: with a pace they start out of step.
+// Returns the options of robot `index` of `count` in one mission, each with a name and a local map
+// of its own. Robots don't see their frames at the same moment: with a pace they start out of step.
 ReplayOptions OptionsOfOne(const std::string& mission, size_t index, size_t count,
                            double keyframes_per_s);
 
 struct ReplayLedger {
-  uint64_t acknowledged = 0;  // Batches, over all laps.
-  uint64_t keyframes = 0;     // In those.
+  uint64_t acknowledged = 0;  // Number of batches over all laps.
+  uint64_t keyframes = 0;     // Number of keyframes in those.
   int sessions = 0;
-  // Of one batch with keyframes: when it was due (without a pace: sent), and when acknowledged.
+  // The delay of one batch with keyframes: when it was due (without a pace: sent), and when it was
+  // acknowledged.
   struct Delay {
     absl::Time due;
     absl::Time acknowledged;
@@ -64,16 +65,17 @@ struct ReplayLedger {
 // Adds the ledger's delays to `delays_ms`.
 void AppendDelays(const ReplayLedger& ledger, std::vector<double>& delays_ms);
 
-// Thread-safe. Streams from its construction on, on a thread of its own.
+// Streams from its construction on, on a thread of its own. Thread-safe.
 class ReplayingAgent : private UplinkListener {
  public:
   // `uploads` (not owned) must outlive it.
   ReplayingAgent(const ReplayOptions& options, const RecordedUploads* uploads,
                  std::unique_ptr<Uplink> uplink);
-  // Stops where it is.
+  // Stops wherever it is.
   ~ReplayingAgent() override;
 
-  // All was acknowledged. DEADLINE_EXCEEDED, or why the store does not want to hear more.
+  // Returns OK when all was acknowledged; DEADLINE_EXCEEDED, or why the store does not want to hear
+  // more.
   absl::Status WaitUntilDone(absl::Duration timeout);
   // Sends no more batches.
   void Stop();
@@ -106,7 +108,7 @@ class ReplayingAgent : private UplinkListener {
   const ReplayOptions options_;
   const RecordedUploads& uploads_;
   const absl::Time start_;
-  // Of one lap, up to and with batch i.
+  // Number of keyframes of one lap, up to and with batch i.
   std::vector<uint64_t> keyframes_up_to_ = {0};
 
   mutable absl::Mutex mutex_;

@@ -58,7 +58,7 @@ Change KeepLines(const std::string& name, size_t count) {
   };
 }
 
-// Local files of a folder that no link leads away from.
+// Detaches the folder: its files become local, and no link leads away from it.
 void Detach(const std::string& folder) {
   for (const char* kind : {"rgb", "depth"}) {
     ChangeBytes(folder, kind, [](const std::string& bytes) { return bytes; });
@@ -92,7 +92,7 @@ class Recordings {
     };
   }
 
-  // ETH3D's: calibration.txt with four numbers, associated.txt.
+  // Makes ETH3D's layout: calibration.txt with four numbers, associated.txt.
   Make Eth3d(const Change& change, const std::string& suffix = "") const {
     return Tum(
         [=](const std::string& folder) {
@@ -105,7 +105,8 @@ class Recordings {
         suffix);
   }
 
-  // ICL-NUIM's: associations.txt with numbers for times and the depth image first; no calibration.
+  // Makes ICL-NUIM's layout: associations.txt with numbers for times and the depth image first; no
+  // calibration.
   Make Icl(const Change& change, const std::string& suffix = "?camera=icl-nuim") const {
     return Tum(
         [=](const std::string& folder) {
@@ -123,7 +124,7 @@ class Recordings {
         suffix);
   }
 
-  // 7-Scenes': numbered pictures, depth in millimetres.
+  // Makes 7-Scenes' layout: numbered pictures, depth in millimetres.
   Make SevenScenes(const Change& change,
                    const std::string& suffix = "?fps=30&camera=7-scenes") const {
     return [=, recording = recording_](const std::string& name) {

@@ -12,14 +12,14 @@ namespace corbslam {
 
 struct NewcomerMistake {
   std::string dataset;
-  std::string mistake;  // In words.
+  std::string mistake;  // The mistake in words.
   // Makes the recording in a folder of this name, and returns what the newcomer calls it.
   std::function<std::string(const std::string&)> make;
-  Level level = Level::kFail;  // Of the worst that corbslam doctor --source says.
-  std::string says;            // A part of it.
+  Level level = Level::kFail;  // Worst level that corbslam doctor --source says.
+  std::string says;            // A part of the text of that finding.
 };
 
-// `recording`: the TUM RGB-D recording in tests/data.
+// `recording` is the TUM RGB-D recording in tests/data.
 std::vector<NewcomerMistake> NewcomerMistakes(const std::string& recording);
 
 // The worst finding's level and text.

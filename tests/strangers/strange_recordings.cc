@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Rows and columns enough for the checks, few enough to be drawn in seconds.
+// The town has rows and columns enough for the checks, and few enough to be drawn in seconds.
 constexpr char kDrawn[] = "sim:city?seed=7&length=40&picture_scale=0.4&rig=kitti";
 
 std::string ReadBytes(const std::string& path) {
@@ -33,7 +33,7 @@ void ReplaceFile(const std::string& path, const std::string& bytes) {
 
 bool IsPicture(const fs::path& path) { return path.extension() == ".png"; }
 
-// Links for pictures, copies of everything else.
+// Makes links for pictures, and copies of everything else.
 void CopyFolder(const fs::path& from, const fs::path& to) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(from)) {
     const fs::path there = to / fs::relative(entry.path(), from);
@@ -47,7 +47,7 @@ void CopyFolder(const fs::path& from, const fs::path& to) {
   }
 }
 
-// One for each process: tests run at the same time.
+// Each process has a folder of its own, because tests run at the same time.
 std::string DrawnFolder(SourceLayout layout) {
   return absl::StrCat(::testing::TempDir(), "/strangers_drawn_", getpid(), "_",
                       static_cast<int>(layout));

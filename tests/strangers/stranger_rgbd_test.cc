@@ -1,4 +1,4 @@
-// RGB-D recordings as strangers bring them: what corbslam doctor --source says of each.
+// Tests what corbslam doctor --source says of RGB-D recordings as strangers bring them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,9 +30,9 @@ using Change = std::function<void(const std::string&)>;
 
 struct Stranger {
   const char* name;
-  Change change;     // Of a sound recording in this folder.
-  Level level;       // Of the worst that is found.
-  const char* says;  // In one of the findings of that level; empty: not looked at.
+  Change change;     // Changes a sound recording in this folder.
+  Level level;       // Level of the worst finding.
+  const char* says;  // Text in one of the findings of that level; empty: not looked at.
   const char* options = "";
 };
 
@@ -90,7 +90,7 @@ Change Calibration(const std::vector<std::string>& lines) {
   return [lines](const std::string& folder) { WriteAllLines(folder + "/calibration.yaml", lines); };
 }
 
-// The depth image of `behind` frames later.
+// Makes the depth image the one of `behind` frames later.
 void MakeDepthLate(const std::string& folder, size_t behind) {
   std::vector<std::string> lines = ReadAllLines(folder + "/associated.txt");
   std::vector<std::string> late;
@@ -175,7 +175,8 @@ INSTANTIATE_TEST_SUITE_P(
         Stranger{"no_calibration",
                  [](const std::string& folder) {
                    fs::remove(folder + "/calibration.yaml");
-                   // Not links: nothing leads to the recording that knows its camera.
+                   // The pictures are no links, so that nothing leads to the recording that knows
+                   // its camera.
                    for (const char* kind : {"rgb", "depth"}) {
                      ChangeBytes(folder, kind, [](const std::string& bytes) { return bytes; });
                    }

@@ -1,4 +1,4 @@
-// Stereo recordings as strangers bring them: what corbslam doctor --source says of each.
+// Tests what corbslam doctor --source says of stereo recordings as strangers bring them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,9 +27,9 @@ using Change = std::function<void(const std::string&)>;
 
 struct Stranger {
   const char* name;
-  Change change;     // Of a sound recording in this folder.
-  Level level;       // Of the worst that is found.
-  const char* says;  // In one of the findings of that level.
+  Change change;     // Changes a sound recording in this folder.
+  Level level;       // Level of the worst finding.
+  const char* says;  // Text in one of the findings of that level.
   const char* options = "";
 };
 
@@ -53,7 +53,7 @@ void Exchange(const std::string& folder, const char* a, const char* b) {
   fs::rename(folder + "/aside", folder + b);
 }
 
-// Number `index` of the twelve of row P1.
+// Sets number `index` of the twelve of row P1.
 Change SetRightProjection(size_t index, const std::function<double(double)>& change) {
   return [=](const std::string& folder) {
     std::vector<std::string> lines = ReadAllLines(folder + "/calib.txt");
@@ -77,7 +77,7 @@ cv::Mat Moved(const cv::Mat& image, double x_px, double y_px) {
   return moved;
 }
 
-// The right picture is the one of a frame later.
+// Makes the right picture the one of a frame later.
 void MakeRightLate(const std::string& folder) {
   std::vector<std::string> files = FilesOf(folder + "/image_1");
   for (size_t i = 0; i + 1 < files.size(); ++i) fs::rename(files[i + 1], files[i]);
@@ -186,7 +186,7 @@ TEST_P(StrangerEurocTest, IsTakenRightlyOrNamed) {
   Expect(GetParam(), "euroc:" + folder);
 }
 
-// Another time in nanoseconds for the picture of line i.
+// Gives the picture of line i another time in nanoseconds.
 Change RetimeRight(const std::function<int64_t(size_t, int64_t)>& retime) {
   return [=](const std::string& folder) {
     const std::string list = folder + "/mav0/cam1/data.csv";

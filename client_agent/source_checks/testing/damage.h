@@ -1,4 +1,4 @@
-// Sources with something wrong, made of good ones. For tests and measurements.
+// Makes sources with something wrong of good ones, for tests and measurements.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_TESTING_DAMAGE_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_TESTING_DAMAGE_H_
 

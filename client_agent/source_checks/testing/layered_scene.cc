@@ -20,11 +20,12 @@ constexpr double kMoveY_baselines = 1.0;
 
 struct Card {
   cv::Mat texture;
-  cv::Point corner;  // Of its upper left pixel for a camera in the middle.
+  cv::Point corner;  // Place of its upper left pixel for a camera in the middle.
   int disparity_px = 0;
 };
 
-// Weaker than the steps of brightness from card to card, so that outlines are edges.
+// The contrast is weaker than the steps of brightness from card to card, so that outlines are
+// edges.
 cv::Mat MakeTexture(const cv::Size& size, double contrast, cv::RNG& random) {
   cv::Mat coarse(size / 9 + cv::Size(2, 2), CV_8UC1);
   random.fill(coarse, cv::RNG::UNIFORM, 0, 256);
@@ -53,7 +54,7 @@ class LayeredScene {
     }
   }
 
-  // What a camera sees that is `baselines` to the right of the left one.
+  // Draws what a camera sees that is `baselines` to the right of the left one.
   cv::Mat Grey(size_t frame, int baselines) const {
     cv::Mat picture(kHeight_px, kWidth_px, CV_8UC1);
     for (const Card& card : cards_) {
@@ -71,7 +72,8 @@ class LayeredScene {
       const double depth_m = kFocal_px * kBaseline_m / card.disparity_px;
       depth(Place(card, frame, 0)) = cv::Scalar::all(kUnitsPerM * depth_m);
     }
-    depth(cv::Rect(0, 0, 20, kHeight_px)) = cv::Scalar::all(0);  // As a depth camera's blind side.
+    // A depth camera has such a blind side.
+    depth(cv::Rect(0, 0, 20, kHeight_px)) = cv::Scalar::all(0);
     return depth;
   }
 
@@ -102,7 +104,7 @@ class LayeredScene {
   }
 
   const LayeredSceneOptions options_;
-  std::vector<Card> cards_;  // The farthest first.
+  std::vector<Card> cards_;  // The farthest card comes first.
 };
 
 Camera MakeCamera() {

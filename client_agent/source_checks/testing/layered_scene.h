@@ -15,10 +15,10 @@ namespace corbslam {
 struct LayeredSceneOptions {
   uint64_t seed = 1;
   double moving = 1;    // Multiplies the camera's motion; 0: it stands still.
-  double noise = 2;     // Of grey levels, another in each picture.
-  double contrast = 1;  // Multiplies the texture's; 0: a bare wall.
+  double noise = 2;     // Standard deviation in grey levels, another draw in each picture.
+  double contrast = 1;  // Multiplies the texture's contrast; 0: a bare wall.
   int farthest_px = 4;  // Disparity of the farthest card, the background.
-  int nearest_px = 40;  // And of the nearest.
+  int nearest_px = 40;  // Disparity of the nearest card.
 };
 
 // 60 frames of 640 x 360 pixels; a rectified pair of baseline 0.1 m, or grey and depth in units of

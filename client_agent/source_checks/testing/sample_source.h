@@ -1,4 +1,4 @@
-// Where tests and measurements take samples from.
+// Opens what tests and measurements take samples from.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_TESTING_SAMPLE_SOURCE_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_TESTING_SAMPLE_SOURCE_H_
 
@@ -19,14 +19,14 @@ struct SampleSource {
   ReadFrame read;
 };
 
-// A source by its name, as programs take it.
+// Opens a source by its name, as programs take it.
 absl::StatusOr<SampleSource> OpenSampleSource(const std::string& spec);
 
-// The frames that ChooseSampleFrames says, damaged.
+// Takes the frames that ChooseSampleFrames chooses, damaged.
 absl::StatusOr<Sample> TakeSample(const SampleSource& source, const std::string& damage = "",
                                   double amount = 0, const SampleOptions& options = {});
 
-// "error pair-exchanged", "warning pair-late".
+// Writes findings like "error pair-exchanged", "warning pair-late".
 std::vector<std::string> CodesOf(const SourceFindings& findings);
 
 }  // namespace corbslam

@@ -8,7 +8,7 @@
 
 namespace corbslam::testing {
 
-// A stereo camera of 640 x 480 pixels without distortion.
+// Returns a stereo camera of 640 x 480 pixels without distortion.
 inline std::shared_ptr<const Camera> TestCamera() {
   static const auto camera = std::make_shared<const Camera>(Camera{.fx_px = 500,
                                                                    .fy_px = 500,

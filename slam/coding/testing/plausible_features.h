@@ -11,7 +11,8 @@
 
 namespace corbslam::testing {
 
-// Rounded as on the wire; two thirds with a disparity. The same for the same seed.
+// Makes features that are rounded as on the wire, two thirds with a disparity. A seed always gives
+// the same.
 Features MakePlausibleFeatures(uint32_t seed, size_t count, const PictureSize& picture);
 
 }  // namespace corbslam::testing

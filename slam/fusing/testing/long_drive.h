@@ -7,11 +7,12 @@
 
 namespace corbslam::testing {
 
-// Keyframes 0 to `count` - 1, in a chain, from x = `start` on. With `depth_m` above 0 each sees a
-// point of its own that far away.
+// Adds keyframes 0 to `count` - 1, in a chain, from x = `start` on. With `depth_m` above 0 each
+// sees a point of its own that far away.
 void AddDrive(LocalMapId id, uint32_t start, uint32_t count, double depth_m, Map& map);
 
-// An accepted overlap of two keyframes, which says where they are in the map but for an error.
+// Makes an accepted overlap of two keyframes, which says where they are in the map but for an
+// error.
 Overlap SayOverlap(const Map& map, KeyframeId query, KeyframeId candidate,
                    const Eigen::Vector3d& wrong_by, double turned_by_rad = 0);
 

@@ -11,7 +11,7 @@
 namespace corbslam::testing {
 namespace {
 
-// std's distributions differ between libraries; these do not.
+// std's distributions differ between libraries; these are the same everywhere.
 class Random {
  public:
   explicit Random(uint64_t seed) : generator_(seed) {}
@@ -102,7 +102,7 @@ class SceneBuilder {
     return {options_.local_map, static_cast<uint32_t>(index)};
   }
 
-  // Which keyframes see which point, with exact pixels.
+  // Decides which keyframes see which point, with exact pixels.
   void SeePoints() {
     std::vector<Rigid3d> poses;
     for (int i = 0; i < options_.keyframes; ++i) poses.push_back(TruePose(options_, i));
@@ -144,7 +144,7 @@ class SceneBuilder {
     return {point, keypoint};
   }
 
-  // Draws nothing where there are none: other scenes stay what they were.
+  // It draws no random number where there are none, so that other scenes stay what they were.
   double FalseDepth_px(int octave) {
     if (options_.share_of_false_depths == 0) return 0;
     if (random_.Uniform(0, 1) >= options_.share_of_false_depths) return 0;

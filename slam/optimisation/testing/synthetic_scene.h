@@ -1,4 +1,4 @@
-// Seeded synthetic scenes with known truth, as maps, for tests and benchmarks.
+// Makes seeded synthetic scenes with known truth, as maps, for tests and benchmarks.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_TESTING_SYNTHETIC_SCENE_H_
 #define CORBSLAM_SLAM_OPTIMISATION_TESTING_SYNTHETIC_SCENE_H_
 
@@ -35,7 +35,7 @@ struct SyntheticSceneOptions {
   // Share of disparities that are 1.5 to 2 px of the octave too small, as where what is behind an
   // edge was measured; these are not among the scene's outliers.
   double share_of_false_depths = 0;
-  // Put on poses and positions of the map (not on the root's pose).
+  // Noise of poses and positions of the map (the root's pose has none).
   double pose_noise_m = 0;
   double pose_noise_rad = 0;
   double point_noise_m = 0;
@@ -46,15 +46,15 @@ struct SyntheticScene {
   Map map;
   std::map<KeyframeId, Rigid3d> true_camera_from_map;
   std::map<MapPointId, Eigen::Vector3d> true_position_in_map;
-  // Of the observations in the map; sorted.
+  // The false observations in the map, sorted.
   std::vector<std::pair<MapPointId, KeyframeId>> outliers;
 };
 
-// 752 x 480 px, f = 458 px, baseline 0.11 m.
+// Returns a camera of 752 x 480 px, f = 458 px and baseline 0.11 m.
 Camera SyntheticCamera();
 
-// Keyframes 0 to keyframes - 1 (0 is the root, each hangs on the one before), points seen by at
-// least two keyframes, random descriptors (nearly equal for one point), octaves by distance.
+// Makes keyframes 0 to keyframes - 1 (0 is the root, each hangs on the one before), points seen by
+// at least two keyframes, random descriptors (nearly equal for one point), and octaves by distance.
 SyntheticScene MakeSyntheticScene(const SyntheticSceneOptions& options);
 
 size_t CountObservations(const Map& map);

@@ -16,7 +16,7 @@ constexpr int kRobustRounds = 2;
 constexpr int kIterations = 10;
 constexpr int kMinObservations = 3;
 
-// r -> g r with |g r|^2 = Huber(|r|^2), and the derivative of g by |r|^2.
+// The factor g makes |g r|^2 = Huber(|r|^2); the derivative is that of g by |r|^2.
 struct Scaling {
   double g = 1;
   double derivative = 0;
@@ -85,7 +85,7 @@ PoseEstimate OptimisePoseTiny(const Camera& camera, const Rigid3d& initial_camer
                         static_cast<int>(observations.size())};
   ceres::TinySolver<TinyPoseCost> solver;
   solver.options.max_num_iterations = kIterations;
-  // Of the change itself, not its share.
+  // TinySolver compares the cost's change itself with the tolerance, not its share.
   solver.options.function_tolerance = 1e-6 * static_cast<double>(observations.size());
   for (int round = 0; round < kRounds && estimate.inliers >= kMinObservations; ++round) {
     const Rigid3d base = round < kRobustRounds ? initial_camera_from_map : estimate.camera_from_map;

@@ -1,4 +1,4 @@
-// Pose optimisation by Ceres' TinySolver: what OptimisePose is measured against.
+// Optimises poses by Ceres' TinySolver: OptimisePose is measured against it.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_TESTING_TINY_POSE_SOLVER_H_
 #define CORBSLAM_SLAM_OPTIMISATION_TESTING_TINY_POSE_SOLVER_H_
 
@@ -14,14 +14,15 @@
 namespace corbslam::testing {
 
 struct PoseMeasurement {
-  // Under the pose about which the cost function's parameters are.
+  // Position under the pose about which the cost function's parameters are.
   Eigen::Vector3d x_in_base;
   PixelMeasurement pixel;
 };
 
-// For TinySolver: six parameters (translation, rotation vector) that move x_in_base to
-// Exp(rotation) x_in_base + translation in the camera; three residuals a measurement, the third 0
-// without depth. TinySolver knows no losses, so each residual is scaled to have Huber's cost.
+// A cost for TinySolver: six parameters (translation, rotation vector) move x_in_base to
+// Exp(rotation) x_in_base + translation in the camera; each measurement has three residuals, the
+// third 0 without depth. TinySolver knows no losses, so each residual is scaled to have Huber's
+// cost.
 struct TinyPoseCost {
   using Scalar = double;
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 6 };
@@ -35,7 +36,7 @@ struct TinyPoseCost {
   bool operator()(const double* parameters, double* residuals, double* jacobian) const;
 };
 
-// The same rounds, bounds and result as OptimisePose.
+// Has the same rounds, bounds and result as OptimisePose.
 PoseEstimate OptimisePoseTiny(const Camera& camera, const Rigid3d& initial_camera_from_map,
                               absl::Span<const PoseObservation> observations);
 

@@ -18,7 +18,7 @@ enum Purpose : uint64_t { kCorners = 100, kSpeeds, kHills, kHeight, kPitch, kRol
 
 uint64_t SeedFor(uint64_t seed, Purpose purpose) { return Dice::For(seed, purpose, 0).Next(); }
 
-// Nose up and right side down are positive.
+// Pitch is positive with the nose up, roll with the right side down.
 Rigid3d MakePose(const Eigen::Vector3d& position, double yaw, double pitch, double roll) {
   return {(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()) *
            Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX()) *
@@ -33,7 +33,7 @@ Eigen::Vector3d InSpace(const Eigen::Vector2d& place, double height_m) {
 Eigen::Vector2d Forward(double heading) { return {std::sin(heading), std::cos(heading)}; }
 Eigen::Vector2d Right(double heading) { return {std::cos(heading), -std::sin(heading)}; }
 
-// So that the first point is the origin and the way begins along z.
+// Moves the path so that the first point is the origin and the way begins along z.
 PlanePath StartAtOrigin(PlanePath path) {
   if (path.points.empty()) return path;
   const double heading = path.headings_rad.front();
@@ -57,7 +57,7 @@ PlanePath PathThroughTown(const CarDriveOptions& options) {
   return StartAtOrigin(MakePlanePath(tour.crossings, path, corners_m));
 }
 
-// What the driver feels like: not every street is driven as fast.
+// Draws speeds as the driver feels like: not every street is driven as fast.
 std::vector<double> StreetSpeeds(const CarDriveOptions& options, const PlanePath& path) {
   const Waves mood(SeedFor(options.seed, kSpeeds), 1.2, 80, 400);
   std::vector<double> speeds;
@@ -95,7 +95,7 @@ std::vector<TravelSample> PlanDriveThroughTown(const CarDriveOptions& options) {
 }
 
 std::vector<Rigid3d> DriveThroughTown(const CarDriveOptions& options) {
-  // Radians of the body for each m/s^2.
+  // The body turns by so many radians for each m/s^2.
   constexpr double kPitchPerForward = 0.007;
   constexpr double kRollPerLateral = -0.009;
   const double sway = options.sway;

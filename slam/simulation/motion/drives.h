@@ -1,7 +1,7 @@
-// How a car, a walker and a drone carry their camera along a way.
+// Says how a car, a walker and a drone carry their camera along a way.
 //
-// Frame of scene.h: x right, y DOWN, z forward. Poses are world_from_camera of a camera that looks
-// along the way. The same options give the same poses to the bit.
+// The frame is that of scene.h: x right, y DOWN, z forward. Poses are world_from_camera of a camera
+// that looks along the way. The same options give the same poses to the bit.
 #ifndef CORBSLAM_SLAM_SIMULATION_MOTION_DRIVES_H_
 #define CORBSLAM_SLAM_SIMULATION_MOTION_DRIVES_H_
 
@@ -28,23 +28,23 @@ struct CarDriveOptions {
   double lead_out_m = 40;
 };
 
-// Along MakeStreetTour(seed, length_m), at kCarRate_hz. The first camera is at the origin of x and
-// z and looks along z.
+// Drives along MakeStreetTour(seed, length_m), at kCarRate_hz. The first camera is at the origin of
+// x and z and looks along z.
 std::vector<Rigid3d> DriveThroughTown(const CarDriveOptions& options);
 
-// The same drive without what the suspension does: what the bounds on speed and acceleration are
-// about.
+// Plans the same drive without what the suspension does: the bounds on speed and acceleration are
+// about this.
 std::vector<TravelSample> PlanDriveThroughTown(const CarDriveOptions& options);
 
 struct WalkOptions {
   uint64_t seed = 1;
-  double camera_height_m = 1.5;  // Above the floor at y = 0.
+  double camera_height_m = 1.5;  // Height above the floor at y = 0.
   double speed_mps = 1.2;
   double look_around_rad = 0.35;  // Largest angle between the way and the camera, about.
   double bob = 1;                 // Multiplies what the steps do.
 };
 
-// Waypoints are (x, z). At kWalkerRate_hz.
+// Waypoints are (x, z). Poses come at kWalkerRate_hz.
 std::vector<Rigid3d> WalkAlong(const std::vector<Eigen::Vector2d>& waypoints,
                                const WalkOptions& options);
 
@@ -55,7 +55,7 @@ struct FlightOptions {
   double speed_mps = 1.5;
 };
 
-// At kDroneRate_hz. Banks into turns and tilts with its acceleration.
+// Poses come at kDroneRate_hz. The drone banks into turns and tilts with its acceleration.
 std::vector<Rigid3d> FlyAlong(const std::vector<Eigen::Vector2d>& waypoints,
                               const FlightOptions& options);
 

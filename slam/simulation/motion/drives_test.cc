@@ -69,7 +69,7 @@ TEST(DriveThroughTownTest, KeepsTheLawsOfDriving) {
     EXPECT_THAT(
         drive, Each(Field(&TravelSample::lateral_mps2,
                           AllOf(Ge(-limits.lateral_mps2 - 1e-6), Le(limits.lateral_mps2 + 1e-6)))));
-    // As the positions have it, not only as the profile says.
+    // The limits hold for the positions, not only for the profile.
     for (size_t i = 1; i + 1 < drive.size(); ++i) {
       const Eigen::Vector2d acceleration =
           (drive[i + 1].position - 2 * drive[i].position + drive[i - 1].position) *
@@ -97,7 +97,7 @@ TEST(DriveThroughTownTest, BeginsAtTheOriginAndComesBackToIt) {
       });
   EXPECT_LT(closest_later->translation.norm(), 1.0);
   EXPECT_LT(TurnBetween(poses.front(), *closest_later), 0.05);
-  // The lead-out.
+  // The rest is the lead-out.
   EXPECT_NEAR((poses.back().translation - closest_later->translation).norm(), 40, 5);
 }
 
@@ -109,7 +109,7 @@ TEST(DriveThroughTownTest, IsSmoothAndLooksAhead) {
   for (size_t i = 1; i + 1 < poses.size(); ++i) {
     const Eigen::Vector3d way = (poses[i + 1].translation - poses[i - 1].translation).normalized();
     EXPECT_GT(way.dot(poses[i].rotation * Eigen::Vector3d::UnitZ()), 0.99) << i;
-    // Upright: the camera's y points down.
+    // The camera is upright when its y points down.
     EXPECT_GT((poses[i].rotation * Eigen::Vector3d::UnitY()).y(), 0.99) << i;
   }
 }
@@ -123,7 +123,7 @@ TEST(DriveThroughTownTest, SeedsGiveOtherDrives) {
   EXPECT_GT((one[300].translation - other[300].translation).norm(), 0.5);
 }
 
-// With a way that is walked back again.
+// The way is walked back again.
 const std::vector<Eigen::Vector2d> kRooms = {{0, 0}, {0, 8}, {6, 8}, {6, 11},
                                              {6, 8}, {0, 8}, {0, 0}};
 

@@ -27,7 +27,7 @@ std::vector<Corner> DropRepeated(const std::vector<Corner>& corners) {
   return distinct;
 }
 
-// From the middle of the first leg once round and on: an open way.
+// Opens the way: it leads from the middle of the first leg once round, and on.
 std::vector<Corner> OpenUp(const std::vector<Corner>& corners, double lead_out_m) {
   const size_t n = corners.size();
   const Eigen::Vector2d middle = 0.5 * (corners[0].place + corners[1].place);
@@ -48,7 +48,7 @@ std::vector<Corner> OpenUp(const std::vector<Corner>& corners, double lead_out_m
   }
 }
 
-// The arc that replaces `corner` on the way from `before` to `after`.
+// Appends the arc that replaces `corner` on the way from `before` to `after`.
 void AppendArc(const Corner& corner, const Eigen::Vector2d& before, const Eigen::Vector2d& after,
                double least_radius_m, std::vector<Eigen::Vector2d>& line) {
   constexpr double kArcStep_rad = 0.02;
@@ -86,7 +86,7 @@ std::vector<Eigen::Vector2d> RoundCorners(const std::vector<Corner>& corners,
   return line;
 }
 
-// Points `spacing_m` apart along the line, the first one first.
+// Returns points `spacing_m` apart along the line, beginning with the first one.
 std::vector<Eigen::Vector2d> Resample(const std::vector<Eigen::Vector2d>& line, double spacing_m) {
   std::vector<Eigen::Vector2d> points;
   double passed_m = 0;
@@ -101,13 +101,14 @@ std::vector<Eigen::Vector2d> Resample(const std::vector<Eigen::Vector2d>& line, 
   return points;
 }
 
-// Gaussian along the path; the ends stay where they are.
+// Smooths by a Gaussian along the path; the ends stay where they are.
 template <typename Value>
 std::vector<Value> Smooth(const std::vector<Value>& values, double deviation) {
   const auto reach = static_cast<ptrdiff_t>(std::ceil(3 * deviation));
   const auto count = static_cast<ptrdiff_t>(values.size());
   if (reach < 1 || count < 2) return values;
-  const auto at = [&](ptrdiff_t i) -> Value {  // Mirrored at the ends through the end points.
+  // The values are mirrored at the ends through the end points.
+  const auto at = [&](ptrdiff_t i) -> Value {
     const ptrdiff_t last = count - 1;
     if (i < 0) {
       return 2 * values.front() - values[static_cast<size_t>(std::min(-i, last))];
@@ -163,7 +164,7 @@ PlanePath MakePlanePath(const std::vector<Eigen::Vector2d>& waypoints,
   if (options.closed) corners = DropRepeated(OpenUp(corners, options.lead_out_m));
   const std::vector<Eigen::Vector2d> round = RoundCorners(corners, options.least_radius_m);
   const double point_deviation = options.point_smoothing_m / options.spacing_m;
-  // Smoothing pulls points together in corners: hence once more.
+  // Smoothing pulls points together in corners, so they are resampled once more.
   path.points =
       Resample(Smooth(Resample(round, options.spacing_m), point_deviation), options.spacing_m);
   path.headings_rad =

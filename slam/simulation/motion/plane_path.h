@@ -7,8 +7,8 @@
 
 namespace corbslam {
 
-// Samples `spacing_m` apart. Headings are those of travel, radians from +z towards +x, and run on
-// beyond pi: a full turn to the right ends 2 pi higher.
+// The samples are `spacing_m` apart. Headings are those of travel, radians from +z towards +x, and
+// run on beyond pi: a full turn to the right ends 2 pi higher.
 struct PlanePath {
   double spacing_m = 0.1;
   std::vector<Eigen::Vector2d> points;  // (x, z), metres.
@@ -21,8 +21,8 @@ struct PlanePath {
 
 struct PlanePathOptions {
   double spacing_m = 0.1;
-  // Corners are replaced by arcs that begin and end this far before and behind, or as far as half
-  // of the shorter leg allows.
+  // Arcs replace corners; they begin and end this far before and behind, or as far as half of the
+  // shorter leg allows.
   double corner_m = 8;
   // Least radius of those arcs, where the legs are long enough.
   double least_radius_m = 6;
@@ -35,11 +35,11 @@ struct PlanePathOptions {
 };
 
 // `corners_m`, when not empty, overrides corner_m for each waypoint. Waypoints that coincide with
-// the one before are left out; an empty path for fewer than two.
+// the one before are left out; fewer than two give an empty path.
 PlanePath MakePlanePath(const std::vector<Eigen::Vector2d>& waypoints,
                         const PlanePathOptions& options, const std::vector<double>& corners_m = {});
 
-// Of travel along points, by central differences; they run on beyond pi.
+// Returns the headings of travel along points, by central differences; they run on beyond pi.
 std::vector<double> ComputeHeadings(const std::vector<Eigen::Vector2d>& points);
 
 }  // namespace corbslam

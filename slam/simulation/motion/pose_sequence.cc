@@ -14,14 +14,14 @@
 namespace corbslam {
 namespace {
 
-// Slope at the middle of three values: that of the parabola through them.
+// Returns the slope at the middle of three values: that of the parabola through them.
 Eigen::Vector3d Slope(const Eigen::Vector3d& step_before, double before_s,
                       const Eigen::Vector3d& step_after, double after_s) {
   return (after_s * step_before / before_s + before_s * step_after / after_s) /
          (before_s + after_s);
 }
 
-// From 0 to `step` over `duration_s`, at share u.
+// Returns the way from 0 to `step` over `duration_s`, at share u.
 Eigen::Vector3d Hermite(const Eigen::Vector3d& step, const Eigen::Vector3d& slope_at_start,
                         const Eigen::Vector3d& slope_at_end, double duration_s, double u) {
   const double v = 1 - u;
@@ -43,7 +43,7 @@ Step StepFrom(const Trajectory& trajectory, size_t i) {
           1e-9 * static_cast<double>(to.timestamp_ns - from.timestamp_ns)};
 }
 
-// Between poses i and i + 1.
+// Returns the pose at share u of the way from pose i to i + 1.
 Rigid3d Interpolate(const Trajectory& trajectory, size_t i, double u) {
   const Step own = StepFrom(trajectory, i);
   // At the ends the path is taken to go on as it does.

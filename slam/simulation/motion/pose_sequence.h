@@ -1,4 +1,4 @@
-// A camera's path as a function of time.
+// Makes a camera's path a function of time.
 #ifndef CORBSLAM_SLAM_SIMULATION_MOTION_POSE_SEQUENCE_H_
 #define CORBSLAM_SLAM_SIMULATION_MOTION_POSE_SEQUENCE_H_
 
@@ -12,21 +12,21 @@
 
 namespace corbslam {
 
-// Immutable. Times are from the first pose on, in nanoseconds: the first is 0.
+// Immutable. Times count from the first pose, in nanoseconds: the first is 0.
 class PoseSequence {
  public:
-  // INVALID_ARGUMENT, naming the pose, for fewer than two poses or times that don't grow.
+  // INVALID_ARGUMENT names the pose, for fewer than two poses or times that don't grow.
   static absl::StatusOr<PoseSequence> Make(const Trajectory& trajectory);
-  // Poses `period_ns` apart.
+  // Makes a sequence of poses `period_ns` apart.
   static absl::StatusOr<PoseSequence> Make(const std::vector<Rigid3d>& world_from_camera,
                                            int64_t period_ns);
 
   int64_t duration_ns() const { return trajectory_.back().timestamp_ns; }
   const Trajectory& trajectory() const { return trajectory_; }
 
-  // Smooth in between (cubic Hermite splines of position and of rotation, whose slopes are the
-  // neighbours' finite differences); exactly the pose given where there is one. Before the start
-  // and beyond the end the first and the last pose.
+  // Returns exactly the pose given where there is one, and a smooth path in between (cubic Hermite
+  // splines of position and of rotation, whose slopes are the neighbours' finite differences).
+  // Before the start and beyond the end it is the first and the last pose.
   Rigid3d PoseAt(int64_t time_ns) const;
 
  private:
@@ -35,11 +35,11 @@ class PoseSequence {
   Trajectory trajectory_;
 };
 
-// The same place, looking back.
+// Returns a pose at the same place that looks back.
 Rigid3d TurnedBack(const Rigid3d& world_from_camera);
 
-// A file of poses: twelve numbers a line are KITTI's (10 Hz, or the times of `times_path` when it
-// is not empty), eight are TUM's. NOT_FOUND and INVALID_ARGUMENT, naming file, line and field.
+// Reads a file of poses: twelve numbers a line are KITTI's (10 Hz, or the times of `times_path`
+// when it is not empty), eight are TUM's. NOT_FOUND and INVALID_ARGUMENT name file, line and field.
 absl::StatusOr<PoseSequence> ReadPoseSequence(const std::string& path,
                                               const std::string& times_path = "");
 

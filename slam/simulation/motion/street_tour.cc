@@ -22,7 +22,7 @@ constexpr double kStreetShare = 0.7;
 constexpr double kSlack_m = 60;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-// Four directions: +z, +x, -z, -x.
+// The four directions are +z, +x, -z, -x.
 constexpr int kDirections = 4;
 int Opposite(int direction) { return (direction + 2) % kDirections; }
 
@@ -47,7 +47,7 @@ class StreetGrid {
   const Eigen::Vector2d& place(int crossing) const {
     return places_[static_cast<size_t>(crossing)];
   }
-  // -1: there is no street.
+  // Returns -1 where there is no street.
   int Next(int crossing, int direction) const {
     const int column = crossing % columns_ + (direction == 1) - (direction == 3);
     const int row = crossing / columns_ + (direction == 0) - (direction == 2);
@@ -83,13 +83,14 @@ class StreetGrid {
   std::vector<Eigen::Vector2d> places_;
 };
 
-// At a crossing, having come in a direction.
+// An arrival is at a crossing, from a direction.
 struct Arrival {
   int crossing = 0;
   int direction = 0;
 };
 
-// The walk of MakeStreetTour: at random while it can still be home in time, then straight home.
+// Takes the walk of MakeStreetTour: at random while it can still be home in time, then straight
+// home.
 class TourWalk {
  public:
   TourWalk(const StreetGrid& grid, double length_m, Dice& dice)
@@ -125,7 +126,7 @@ class TourWalk {
     return home_m_[static_cast<size_t>(at.crossing)][static_cast<size_t>(at.direction)];
   }
 
-  // Distances home from every arrival, without turning back in a street.
+  // Finds the distances home from every arrival, without turning back in a street.
   void FindWaysHome() {
     home_m_.assign(static_cast<size_t>(grid_.crossings()),
                    {kInfinite, kInfinite, kInfinite, kInfinite});
@@ -161,7 +162,7 @@ class TourWalk {
     return best;
   }
 
-  // Streets that are new are taken more often. -1: the way would get too long.
+  // Streets that are new are taken more often. Returns -1 when the way would get too long.
   int ChooseAtRandom(const Arrival& at) {
     std::array<double, kDirections> weights = {};
     double sum = 0;

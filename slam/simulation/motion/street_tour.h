@@ -10,14 +10,15 @@ namespace corbslam {
 
 struct StreetTourOptions {
   uint64_t seed = 1;
-  // Of the closed way, from crossing to crossing; the arcs of corners make it a little shorter.
+  // Length of the closed way, from crossing to crossing; the arcs of corners make it a little
+  // shorter.
   double length_m = 1500;
 };
 
 struct StreetTour {
   std::vector<Eigen::Vector2d> crossings;  // (x, z) in the order they are passed; closed.
-  double length_m = 0;                     // Straight from crossing to crossing.
-  double repeated_m = 0;  // Of which on streets that were driven before, either way.
+  double length_m = 0;                     // Length straight from crossing to crossing.
+  double repeated_m = 0;  // The part of it on streets that were driven before, either way.
 };
 
 // From about 500 m on, the way has streets that are driven twice and crossings that are passed in

@@ -23,7 +23,7 @@ std::vector<double> Derivative(const std::vector<double>& values, double spacing
   return derivative;
 }
 
-// Least of the values up to `reach` before and behind.
+// Returns the least of the values up to `reach` before and behind.
 std::vector<double> SlidingLeast(const std::vector<double>& values, size_t reach) {
   std::vector<double> least(values.size());
   for (size_t i = 0; i < values.size(); ++i) {
@@ -40,14 +40,14 @@ std::vector<double> SlidingMean(const std::vector<double>& values, size_t reach)
   for (size_t i = 0; i < values.size(); ++i) sums[i + 1] = sums[i] + values[i];
   std::vector<double> means(values.size());
   for (size_t i = 0; i < values.size(); ++i) {
-    // As far on both sides, so that the mean of a ramp lies on it.
+    // The mean reaches as far on both sides, so that the mean of a ramp lies on it.
     const size_t own = std::min({reach, i, values.size() - 1 - i});
     means[i] = (sums[i + own + 1] - sums[i - own]) / static_cast<double>(2 * own + 1);
   }
   return means;
 }
 
-// Squares of the speeds that the path allows at each of its points.
+// Returns the squares of the speeds that the path allows at each of its points.
 std::vector<double> LimitSquares(const PlanePath& path, const std::vector<double>& curvatures,
                                  const TravelLimits& limits,
                                  const std::vector<double>& speeds_mps) {
@@ -65,8 +65,9 @@ std::vector<double> LimitSquares(const PlanePath& path, const std::vector<double
   return squares;
 }
 
-// The fastest profile within the limits: least over a window, then as accelerating and braking
-// allow, then the mean over the same window, which stays below what the window's middle allows.
+// Returns the fastest profile within the limits: least over a window, then as accelerating and
+// braking allow, then the mean over the same window, which stays below what the window's middle
+// allows.
 std::vector<double> ProfileSquares(std::vector<double> squares, double spacing_m,
                                    const TravelLimits& limits) {
   const double reach_m =

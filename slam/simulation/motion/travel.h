@@ -1,4 +1,4 @@
-// When something that drives, walks or flies along a path is where.
+// Says when something that drives, walks or flies along a path is where.
 #ifndef CORBSLAM_SLAM_SIMULATION_MOTION_TRAVEL_H_
 #define CORBSLAM_SLAM_SIMULATION_MOTION_TRAVEL_H_
 
@@ -15,7 +15,7 @@ struct TravelLimits {
   double brake_mps2 = 2.5;
   double lateral_mps2 = 2.0;      // Speed squared times the path's curvature.
   double yaw_rate_radps = 1.2;    // Speed times the change of heading.
-  double least_speed_mps = 0.05;  // Goes before the others.
+  double least_speed_mps = 0.05;  // This limit goes before the others.
 };
 
 struct TravelSample {
@@ -25,11 +25,11 @@ struct TravelSample {
   double heading_rad = 0;
   double speed_mps = 0;
   double forward_mps2 = 0;
-  double lateral_mps2 = 0;  // To the right.
+  double lateral_mps2 = 0;  // Acceleration to the right.
 };
 
-// Samples 1 / rate_hz apart from the path's start, at speed, to its end. `speeds_mps`, when not
-// empty, has a further limit for each point of the path. Empty for an empty path.
+// Returns samples 1 / rate_hz apart from the path's start, at speed, to its end. `speeds_mps`, when
+// not empty, has a further limit for each point of the path. An empty path has no samples.
 std::vector<TravelSample> SampleTravel(const PlanePath& path, const TravelLimits& limits,
                                        double rate_hz, const std::vector<double>& speeds_mps = {});
 

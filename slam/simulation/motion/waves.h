@@ -12,8 +12,8 @@
 
 namespace corbslam {
 
-// Of mean 0 and the given standard deviation over a long stretch, with wavelengths between two
-// bounds, in whatever unit the argument has. Deterministic in `seed`.
+// A random function of mean 0 and the given standard deviation over a long stretch, with
+// wavelengths between two bounds, in whatever unit the argument has. Deterministic in `seed`.
 class Waves {
  public:
   Waves(uint64_t seed, double deviation, double shortest, double longest) {
@@ -40,7 +40,7 @@ class Waves {
     for (const Sine& sine : sines_) sum += sine.height * std::sin(sine.rate * x + sine.phase);
     return sum;
   }
-  // Over a plane: each sine runs in a direction of its own.
+  // Makes waves over a plane: each sine runs in a direction of its own.
   double operator()(const Eigen::Vector2d& place) const {
     double sum = 0;
     for (const Sine& sine : sines_) {

@@ -5,7 +5,8 @@
 namespace corbslam {
 namespace {
 
-// Sequence 00 of KITTI's odometry benchmark; nearer than 35 baselines is close, as for recordings.
+// The camera of sequence 00 of KITTI's odometry benchmark; nearer than 35 baselines is close, as
+// for recordings.
 constexpr Camera kKitti = {718.856, 718.856, 607.1928, 185.2157,
                            1241,    376,     0.537166, 35 * 0.537166};
 constexpr Camera kEuroc = {458.0, 458.0, 367.2, 248.4, 752, 480, 0.11, 50 * 0.11};

@@ -21,7 +21,7 @@ struct SimulatedRig {
   double rate_hz = 10;
 };
 
-// Of a valid spec.
+// The spec must be valid.
 SimulatedRig MakeRig(const SimulationSpec& spec);
 
 }  // namespace corbslam

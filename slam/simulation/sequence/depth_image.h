@@ -1,4 +1,4 @@
-// What a depth camera makes of true depths.
+// Makes of true depths what a depth camera would see.
 #ifndef CORBSLAM_SLAM_SIMULATION_SEQUENCE_DEPTH_IMAGE_H_
 #define CORBSLAM_SLAM_SIMULATION_SEQUENCE_DEPTH_IMAGE_H_
 
@@ -11,12 +11,12 @@ struct DepthImageOptions {
   double units_per_m = 5000;
   double nearest_m = 0.5;
   double farthest_m = 8;
-  double noise_m = 1.425e-3;  // Standard deviation at 1 m; grows with the square.
+  double noise_m = 1.425e-3;  // Standard deviation at 1 m; it grows with the square of the depth.
   uint64_t noise_seed = 1;
 };
 
-// From CV_32FC1 in metres to CV_16UC1 in units; 0 outside the range. Each stream has noise of its
-// own, the same every time. May throw cv::Exception.
+// Turns CV_32FC1 in metres into CV_16UC1 in units; 0 outside the range. Each stream has noise of
+// its own, the same every time. May throw cv::Exception.
 cv::Mat MakeDepthImage(const cv::Mat& depth_m, const DepthImageOptions& options, uint64_t stream);
 
 }  // namespace corbslam

@@ -8,7 +8,7 @@ namespace {
 
 int64_t ToNanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
-// Frames that are taken from the phase on while time lasts.
+// Counts the frames that are taken from the phase on while time lasts.
 size_t CountFrames(double rate_hz, double phase, int64_t lasts_ns) {
   if (lasts_ns < 0) return 0;
   // Half a nanosecond that rounding took must not cost a frame.
@@ -28,7 +28,7 @@ FrameClock::FrameClock(const SimulationSpec& spec, double rate_hz, int64_t way_n
   const int64_t at_ns = ToNanoseconds(spec.kidnap->at_s);
   const int64_t to_ns = ToNanoseconds(spec.kidnap->to_s);
   if (at_ns > way_ns) return;
-  // What is left of the way from there on.
+  // The frames take what is left of the way from there on.
   frame_count_ = CountFrames(rate_hz, spec.phase, at_ns + std::max<int64_t>(way_ns - to_ns, 0));
 }
 

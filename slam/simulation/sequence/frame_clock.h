@@ -1,4 +1,4 @@
-// Which place of the way each frame is taken at, and when.
+// Says at which place of the way each frame is taken, and when.
 #ifndef CORBSLAM_SLAM_SIMULATION_SEQUENCE_FRAME_CLOCK_H_
 #define CORBSLAM_SLAM_SIMULATION_SEQUENCE_FRAME_CLOCK_H_
 
@@ -9,17 +9,18 @@
 
 namespace corbslam {
 
-// Immutable. Times in nanoseconds.
+// Immutable. Times are in nanoseconds.
 class FrameClock {
  public:
   // Frames are taken `rate_hz` a second while the way, `way_ns` long, lasts.
   FrameClock(const SimulationSpec& spec, double rate_hz, int64_t way_ns);
 
   size_t frame_count() const { return frame_count_; }
-  // Since the sequence began; what movers and the lens go by.
+  // Returns the time since the sequence began, which movers and the lens go by.
   int64_t ElapsedAt(size_t frame) const;
   int64_t TimestampAt(size_t frame) const;
-  // Time of the way, `since_ns` after the frame's shutter opened. Runs backwards when turned.
+  // Returns the time of the way, `since_ns` after the frame's shutter opened. It runs backwards
+  // when turned.
   int64_t WayTimeAt(size_t frame, int64_t since_ns = 0) const;
   bool IsDark(size_t frame) const;
 
@@ -27,7 +28,7 @@ class FrameClock {
   const SimulationSpec spec_;
   const double rate_hz_;
   size_t frame_count_ = 0;
-  int64_t turning_ns_ = 0;  // Turned: times on the way are those of going forward, from here.
+  int64_t turning_ns_ = 0;  // When turned, times on the way are those of going forward, from here.
 };
 
 }  // namespace corbslam

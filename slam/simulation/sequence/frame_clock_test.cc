@@ -17,7 +17,7 @@ TEST(FrameClockTest, HasAFrameAtBothEnds) {
 }
 
 TEST(FrameClockTest, CountsAtOddRates) {
-  // 3 frames of a thirtieth of a second.
+  // There are 3 frames, a thirtieth of a second apart.
   EXPECT_EQ(FrameClock({}, 30, 66'666'667).frame_count(), 3u);
   EXPECT_EQ(FrameClock({}, 30, 66'000'000).frame_count(), 2u);
 }

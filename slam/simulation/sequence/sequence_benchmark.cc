@@ -1,4 +1,5 @@
-// How fast pictures of a simulated town are drawn: one iteration is one frame of the rig's.
+// Measures how fast pictures of a simulated town are drawn: one iteration is one frame of the
+// rig's.
 #include <benchmark/benchmark.h>
 
 #include <cstddef>
@@ -14,11 +15,11 @@ void DrawFrames(benchmark::State& state) {
   spec.rig = static_cast<CameraRig>(state.range(0));
   spec.threads = static_cast<int>(state.range(1));
   const auto sequence = SimulatedSequence::Make(spec);
-  if (!sequence.ok() || !(*sequence)->Render(0).ok()) {  // The first builds the world, too.
+  if (!sequence.ok() || !(*sequence)->Render(0).ok()) {  // The first picture builds the world, too.
     state.SkipWithError("no sequence");
     return;
   }
-  // Places all along the way.
+  // The frames lie all along the way.
   constexpr size_t kStep = 37;
   size_t frame = 0;
   for (auto _ : state) {

@@ -39,11 +39,11 @@ class DrawnSequence : public SimulatedSequence {
 
  private:
   Rigid3d PoseAt(size_t frame, int64_t since_ns) const;
-  // The renderer's shot of the left or right (1) camera.
+  // Returns the renderer's shot of the left or right (1) camera.
   Shot ShotOf(size_t frame, int camera) const;
   absl::StatusOr<const Renderer*> GetRenderer() const;
   SensorImages Draw(const Renderer& renderer, size_t frame) const;
-  // The right picture, or the depths.
+  // Draws the right picture, or the depths.
   cv::Mat DrawOther(const Renderer& renderer, size_t frame) const;
   SensorImages Dark(size_t frame) const;
 
@@ -51,7 +51,7 @@ class DrawnSequence : public SimulatedSequence {
   const PoseSequence way_;
   const SimulatedRig rig_;
   const FrameClock clock_;
-  // Set once, under once_.
+  // The first call sets it, under once_.
   mutable std::once_flag once_;
   mutable absl::StatusOr<std::unique_ptr<Renderer>> renderer_;
 };
@@ -76,7 +76,7 @@ Shot DrawnSequence::ShotOf(size_t frame, int camera) const {
 
 absl::StatusOr<const Renderer*> DrawnSequence::GetRenderer() const {
   std::call_once(once_, [this] {
-    // A frame's two pictures are drawn at a time.
+    // A frame's two pictures are drawn at the same time.
     renderer_ =
         Renderer::Make(BuildWorld(spec_, way_), {spec_.lens, std::max(1, spec_.threads / 2)});
   });

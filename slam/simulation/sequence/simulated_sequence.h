@@ -14,30 +14,30 @@
 
 namespace corbslam {
 
-// Thread-safe. The same spec gives the same bytes, whoever asks in whatever order and however many
-// threads draw. The world is built when the first picture is asked for: calibration, times and
-// poses cost little.
+// A sequence is thread-safe. The same spec gives the same bytes, whoever asks in whatever order and
+// however many threads draw. The world is built when the first picture is asked for: calibration,
+// times and poses cost little.
 class SimulatedSequence {
  public:
-  // INVALID_ARGUMENT, naming the option; NOT_FOUND for a file of poses that is not there.
+  // INVALID_ARGUMENT names the option; NOT_FOUND is for a file of poses that is not there.
   static absl::StatusOr<std::unique_ptr<SimulatedSequence>> Make(const SimulationSpec& spec);
   virtual ~SimulatedSequence() = default;
 
   virtual const SimulationSpec& spec() const = 0;
-  // What the robot is told; the pictures differ from it by the spec's errors.
+  // Returns what the robot is told; the pictures differ from it by the spec's errors.
   virtual const SensorCalibration& calibration() const = 0;
   virtual double rate_hz() const = 0;
   virtual size_t frame_count() const = 0;
-  // Grows by one over the rate.
+  // Times grow by one over the rate.
   virtual int64_t timestamp_ns(size_t frame) const = 0;
-  // The truth: of the left or the only camera. In the frame of the world, which is the same for
-  // specs of the same WorldName.
+  // Returns the true pose of the left or the only camera. It is in the frame of the world, which is
+  // the same for specs of the same WorldName.
   virtual Rigid3d world_from_camera(size_t frame) const = 0;
-  // Stamped with the frame's time.
+  // Returns images that are stamped with the frame's time.
   virtual absl::StatusOr<SensorImages> Render(size_t frame) const = 0;
 };
 
-// The poses of all frames, in the order of time.
+// Returns the poses of all frames, in the order of time.
 Trajectory TrueTrajectory(const SimulatedSequence& sequence);
 
 }  // namespace corbslam

@@ -12,7 +12,7 @@
 namespace corbslam {
 namespace {
 
-// Small pictures of a short way.
+// Draws small pictures of a short way.
 SimulationSpec SmallCity() {
   SimulationSpec spec;
   spec.seed = 3;
@@ -96,8 +96,8 @@ TEST(SimulatedSequenceTest, IsBlackDuringABlackout) {
   EXPECT_EQ(sequence->Render(5)->right.size(), sequence->Render(7)->right.size());
 }
 
-// Mean rows and columns by which `moved` must be shifted to fit `still`: by normal equations of
-// brightness constancy over the whole picture.
+// Returns the mean rows and columns by which `moved` must be shifted to fit `still`, by normal
+// equations of brightness constancy over the whole picture.
 cv::Point2d Shift(const cv::Mat& still, const cv::Mat& moved) {
   double xx = 0, xy = 0, yy = 0, xt = 0, yt = 0;
   for (int row = 1; row + 1 < still.rows; ++row) {

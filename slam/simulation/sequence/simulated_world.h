@@ -1,4 +1,4 @@
-// The way of a simulation and the world around it.
+// Makes the way of a simulation and the world around it.
 #ifndef CORBSLAM_SLAM_SIMULATION_SEQUENCE_SIMULATED_WORLD_H_
 #define CORBSLAM_SLAM_SIMULATION_SEQUENCE_SIMULATED_WORLD_H_
 
@@ -9,10 +9,12 @@
 
 namespace corbslam {
 
-// As driven undisturbed, forwards. INVALID_ARGUMENT, NOT_FOUND: the file of poses.
+// Returns the way as driven undisturbed, forwards. INVALID_ARGUMENT and NOT_FOUND are about the
+// file of poses.
 absl::StatusOr<PoseSequence> MakeWay(const SimulationSpec& spec);
 
-// Depends on the spec's options of world and way only, not on those of robot and pictures.
+// The world depends on the spec's options of world and way only, not on those of robot and
+// pictures.
 Scene BuildWorld(const SimulationSpec& spec, const PoseSequence& way);
 
 }  // namespace corbslam

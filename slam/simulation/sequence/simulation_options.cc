@@ -52,7 +52,7 @@ struct Option {
   absl::string_view name;
   absl::string_view wants;
   std::function<bool(absl::string_view, SimulationSpec&)> parse;
-  std::function<std::string(const SimulationSpec&)> format;  // Empty: none.
+  std::function<std::string(const SimulationSpec&)> format;  // Empty: the option is not written.
 };
 
 template <typename Field>
@@ -99,7 +99,7 @@ Option Text(absl::string_view name, Access<std::string> access) {
           [access](const SimulationSpec& spec) { return Get(access, spec); }};
 }
 
-// "A:B".
+// Parses "A:B".
 bool ParsePair(absl::string_view value, double& first, double& second) {
   const std::pair<absl::string_view, absl::string_view> parts =
       absl::StrSplit(value, absl::MaxSplits(':', 1));

@@ -13,19 +13,19 @@
 
 namespace corbslam {
 
-// "city", "path" or "floor". INVALID_ARGUMENT, naming those that there are.
+// Parses "city", "path" or "floor". INVALID_ARGUMENT names those that there are.
 absl::StatusOr<SimulatedWorld> ParseSimulatedWorld(absl::string_view name);
 absl::string_view FormatSimulatedWorld(SimulatedWorld world);
 
 bool IsSimulationOption(absl::string_view key);
 std::vector<absl::string_view> SimulationOptionNames();
 
-// `key` must be an option. INVALID_ARGUMENT, naming it, its value and what it wants.
+// `key` must be an option. INVALID_ARGUMENT names it, its value and what it wants.
 absl::Status ApplySimulationOption(absl::string_view key, absl::string_view value,
                                    SimulationSpec& spec);
 
-// Those that differ from the defaults, in the order of SimulationOptionNames; applied to the
-// defaults they give `spec` again.
+// Returns the options that differ from the defaults, in the order of SimulationOptionNames; applied
+// to the defaults they give `spec` again.
 std::vector<std::pair<std::string, std::string>> FormatSimulationOptions(
     const SimulationSpec& spec);
 

@@ -11,7 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// One that is not the default, for every option there is.
+// Holds a value that is not the default for every option there is.
 const std::map<std::string, std::string> kOthers = {{"seed", "7"},
                                                     {"world", "12345678901234"},
                                                     {"length", "812.3456789"},

@@ -25,7 +25,7 @@ enum class CameraRig {
 
 enum class FloorMotion { kWalk, kFly };
 
-// Seconds of the sequence's own time, from its first frame on.
+// Times are seconds of the sequence's own time, from its first frame on.
 struct Blackout {
   double from_s = 0;
   double duration_s = 0;  // 0: none.
@@ -43,23 +43,23 @@ struct SimulationSpec {
   SimulatedWorld world = SimulatedWorld::kCity;
 
   // The world and the way: robots with the same of these are in the same place.
-  uint64_t seed = 1;                   // Of the way, and of the world unless:
-  std::optional<uint64_t> world_seed;  // option world=
-  double length_m = 1500;              // kCity: of the tour.
+  uint64_t seed = 1;  // Seed of the way, and of the world unless world_seed is set.
+  std::optional<uint64_t> world_seed;  // The option is called world=.
+  double length_m = 1500;              // kCity: length of the tour.
   double hills_m = 2;                  // kCity.
   std::string poses;                   // kPath: a file in KITTI's or TUM's form.
   std::string times;                   // kPath: the times.txt of a KITTI file.
-  double camera_height_m = 1.65;       // kPath: of the poses above the ground.
+  double camera_height_m = 1.65;       // kPath: height of the poses above the ground.
   int rooms_x = 4;                     // kFloor.
   int rooms_z = 3;                     // kFloor.
   bool look_alike = false;
   int moving_cars = 0;  // kCity and kPath.
 
-  // The robot. Absent: rgbd for floors, else kitti.
+  // The robot's rig. Absent: rgbd for floors, else kitti.
   std::optional<CameraRig> rig;
   FloorMotion motion = FloorMotion::kWalk;  // kFloor.
   double rate_hz = 0;                       // 0: the rig's.
-  double picture_scale = 1;                 // Of the rig's width and height.
+  double picture_scale = 1;                 // Share of the rig's width and height.
   double phase = 0;     // Pictures are taken this share of a frame later on the way.
   bool turned = false;  // Drives the way from its end to its start, looking ahead.
   double start_s = 0;   // Time of the first frame.
@@ -68,7 +68,7 @@ struct SimulationSpec {
 
   // The pictures.
   Lens lens;
-  double shutter_s = 0.005;  // What lens.motion_blur_samples are spread over.
+  double shutter_s = 0.005;  // lens.motion_blur_samples are spread over this time.
   // Errors of the calibration that the robot believes in.
   double epipolar_error_px = 0;   // The right picture lies lower by this in its middle.
   double disparity_error_px = 0;  // Disparities are too small by this.
@@ -77,7 +77,7 @@ struct SimulationSpec {
   // and Elberink, Sensors 2012).
   double depth_noise_m = 1.425e-3;
 
-  // Of the ground truth that goes with the pictures; 0: exact.
+  // Standard deviations of the ground truth that goes with the pictures; 0: exact.
   double truth_error_m = 0;
   double truth_error_deg = 0;
 
@@ -86,11 +86,11 @@ struct SimulationSpec {
 
 CameraRig RigOf(const SimulationSpec& spec);
 
-// INVALID_ARGUMENT, naming the option and its value.
+// INVALID_ARGUMENT names the option and its value.
 absl::Status Validate(const SimulationSpec& spec);
 
-// The part of a spec that says where its frame of the world is: equal for specs whose poses may be
-// held against each other.
+// Returns the part of a spec that says where its frame of the world is: equal for specs whose poses
+// may be held against each other.
 std::string WorldName(const SimulationSpec& spec);
 
 }  // namespace corbslam

@@ -15,7 +15,7 @@ double Phase(uint64_t seed, uint64_t axis, uint64_t wave) {
   return Dice((seed * 31 + axis) * 31 + wave).Uniform(0, 2 * std::numbers::pi);
 }
 
-// Of variance 1 over long times: each oscillation has variance 1/3.
+// The sum has variance 1 over long times: each oscillation has variance 1/3.
 double Wander(uint64_t seed, uint64_t axis, double time_s) {
   double sum = 0;
   for (uint64_t wave = 0; wave < kPeriods_s.size(); ++wave) {

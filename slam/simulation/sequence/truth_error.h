@@ -14,8 +14,8 @@ struct TruthError {
   uint64_t seed = 1;
 };
 
-// The pose that the instrument reports: each of the six errors is a sum of three oscillations with
-// periods of 11 to 83 s and phases of the seed. Pure.
+// Returns the pose that the instrument reports: each of the six errors is a sum of three
+// oscillations with periods of 11 to 83 s and phases of the seed. Pure.
 Rigid3d MeasuredPose(const Rigid3d& world_from_camera, double time_s, const TruthError& error);
 
 }  // namespace corbslam

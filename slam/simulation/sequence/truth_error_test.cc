@@ -32,7 +32,7 @@ TEST(TruthErrorTest, DeviatesByWhatIsAskedAndSlowly) {
   }
   EXPECT_NEAR(std::sqrt(squares / kSteps / 3), 0.2, 0.02);
   EXPECT_NEAR(std::sqrt(turns / kSteps / 3), 0.5, 0.05);
-  EXPECT_LT(fastest, 0.05);  // In a tenth of a second.
+  EXPECT_LT(fastest, 0.05);  // Metres in a tenth of a second.
 }
 
 TEST(TruthErrorTest, SeedsErrDifferently) {

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// The side view, heights above the ground; z from the tail (negative) to the nose.
+// The side view has heights above the ground, and z from the tail (negative) to the nose.
 struct CarShape {
   float length;
   float width;
@@ -36,7 +36,7 @@ struct Paints {
   Finish plate;
 };
 
-// A stretch of the body between two heights' profiles, seen from both sides and above.
+// Adds a stretch of the body between two heights' profiles, seen from both sides and above.
 void AddStretch(float z0, float y0, float z1, float y1, float half, float sill, const Paints& paint,
                 Mesh* mesh) {
   AddQuad({-half, -y0, z0}, {half, -y0, z0}, {half, -y1, z1}, {-half, -y1, z1}, paint.body, mesh);
@@ -48,8 +48,8 @@ void AddStretch(float z0, float y0, float z1, float y1, float half, float sill, 
 
 // The cabin's half width at the roof is less than at the belt.
 void AddCabin(const CarShape& car, const Paints& paint, Mesh* mesh) {
-  // No ledge at the belt: in the sun it would be a bright line thinner than a pixel, which comes
-  // and goes along its length.
+  // There is no ledge at the belt: in the sun it would be a bright line thinner than a pixel, which
+  // comes and goes along its length.
   const float low = car.width / 2;
   const float high = car.width / 2 - 0.2F;
   const Vector3f screen_low(low, -car.belt, car.windscreen);
@@ -63,7 +63,7 @@ void AddCabin(const CarShape& car, const Paints& paint, Mesh* mesh) {
   for (const float side : {-1.0F, 1.0F}) {
     const auto at = [&](const Vector3f& p) { return Vector3f(side * p.x(), p.y(), p.z()); };
     AddQuad(at(screen_low), at(screen_high), at(rear_high), at(rear_low), paint.body, mesh);
-    // Two panes in the painted side.
+    // The painted side has two panes.
     const auto within = [&](float along, float up) -> Vector3f {
       const Vector3f below = screen_low + along * (rear_low - screen_low);
       const Vector3f above = screen_high + along * (rear_high - screen_high);
@@ -98,7 +98,7 @@ void AddWheels(const CarShape& car, const Paints& paint, Mesh* mesh) {
   }
 }
 
-// Slopes out from the body: a flat top would be a ledge as well.
+// The bumper slopes out from the body: a flat top would be a ledge as well.
 void AddBumper(float half, float z, float way, const Paints& paint, Mesh* mesh) {
   const float out = z + way * 0.09F;
   const auto across = [&](float top, float top_z, float low, float low_z) {
@@ -175,7 +175,7 @@ Mesh BuildCar(const CarShape& car, uint64_t seed) {
 
 std::vector<CarPrototype> BuildCarPrototypes(uint64_t seed) {
   static constexpr CarShape kShapes[] = {
-      // length width sill bonnet belt roof boot screen front back rear
+      // The columns are: length width sill bonnet belt roof boot screen front back rear.
       {4.05F, 1.74F, 0.26F, 0.80F, 0.95F, 1.45F, 0.92F, 0.95F, 0.25F, -1.45F, -1.95F},
       {4.60F, 1.78F, 0.24F, 0.78F, 0.94F, 1.42F, 0.98F, 0.95F, 0.20F, -0.95F, -1.60F},
       {4.65F, 1.78F, 0.25F, 0.80F, 0.96F, 1.46F, 0.93F, 1.00F, 0.30F, -1.95F, -2.25F},

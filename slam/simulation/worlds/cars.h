@@ -1,4 +1,4 @@
-// Cars as prototypes, to be parked and to be driven.
+// Builds cars as prototypes, to be parked and to be driven.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_CARS_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_CARS_H_
 
@@ -10,12 +10,12 @@
 namespace corbslam {
 
 struct CarPrototype {
-  Mesh mesh;  // Origin on the ground below the middle, z ahead, y down.
+  Mesh mesh;  // The origin is on the ground below the middle, z points ahead, y down.
   float length = 4.2F;
   float width = 1.76F;
 };
 
-// Hatchback, saloon, estate, van, off-roader and a small car.
+// Builds a hatchback, saloon, estate, van, off-roader and a small car.
 std::vector<CarPrototype> BuildCarPrototypes(uint64_t seed);
 
 }  // namespace corbslam

@@ -13,7 +13,7 @@ constexpr uint64_t kRoomDice = 201;
 constexpr uint64_t kCorridorDice = 202;
 constexpr uint64_t kPosterDice = 203;
 
-// A little more than what is promised.
+// The distance is a little more than what is promised.
 constexpr double kOffLanesM = kFloorClearanceM + 0.1;
 constexpr double kBetweenM = 0.04;
 
@@ -54,7 +54,7 @@ class Furnisher {
     }
   }
 
-  // With its back to the side that it faces away from: `turns` as in Furniture.
+  // Puts a piece with its back to the side that it faces away from: `turns` is as in Furniture.
   bool PutAtWall(const FloorBox& space, int turns, double share, const Piece& piece,
                  uint32_t seed) {
     const bool along_x = turns % 2 == 0;
@@ -140,7 +140,7 @@ void FurnishCorridor(const FloorPlan& plan, int index, Furnisher* furnisher) {
   }
 }
 
-// The same for walls of the same seed: look-alike corridors have the same posters.
+// Walls of the same seed are hung the same way: look-alike corridors have the same posters.
 void HangPosters(FloorPlan* plan) {
   for (const Wall& wall : plan->walls) {
     const Vector2d along = (wall.to - wall.from).normalized();

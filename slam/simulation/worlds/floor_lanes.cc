@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector2d;
 using Kind = FloorNode::Kind;
 
-constexpr double kInsideM = 1.0;  // How far into a room one walks before turning.
+constexpr double kInsideM = 1.0;  // A walker goes so far into a room before turning.
 
 int AddNode(const FloorNode& node, FloorLanes* lanes) {
   lanes->nodes.push_back(node);
@@ -21,7 +21,7 @@ void Join(int a, int b, FloorLanes* lanes) {
   lanes->neighbours[static_cast<size_t>(b)].push_back(a);
 }
 
-// Corridor `corridor` along x: its doors' places in order, between its two ends.
+// Adds the nodes of corridor `corridor` along x: its doors' places in order, between its two ends.
 std::vector<int> CorridorNodes(const FloorPlan& plan, int corridor, const std::vector<int>& stops,
                                FloorLanes* lanes) {
   const size_t along_z = plan.corridors.size() - 2;

@@ -50,7 +50,7 @@ void LayOutRooms(FloorPlan* plan) {
   plan->corridors.push_back({{right - kCorridorM, 0}, plan->outline.high});
 }
 
-// Front doors everywhere, back doors in the first room of a row and most others.
+// Every room has a front door; the first room of a row and most others have a back door.
 void AddDoors(FloorPlan* plan) {
   const FloorOptions& options = plan->options;
   for (size_t i = 0; i < plan->rooms.size(); ++i) {
@@ -71,7 +71,7 @@ void AddDoors(FloorPlan* plan) {
   }
 }
 
-// The wall of a room along x, with its doorway if it has one.
+// Adds the wall of a room along x, with its doorway if it has one.
 void AddWallWithDoor(const FloorBox& room, int room_index, int corridor, FloorPlan* plan) {
   const bool front = corridor == room_index / plan->options.rooms_x;
   const double z = front ? room.low.y() : room.high.y();
@@ -149,7 +149,7 @@ void AddWalls(FloorPlan* plan) {
 }  // namespace
 
 double DistanceBetween(const FloorLane& lane, const FloorBox& box) {
-  // Sampled every few centimetres; lanes are short.
+  // The lane is sampled every few centimetres; lanes are short.
   const double length = (lane.to - lane.from).norm();
   const int steps = std::max(1, static_cast<int>(std::ceil(length / 0.05)));
   double nearest = std::numeric_limits<double>::max();

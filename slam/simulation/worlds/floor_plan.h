@@ -1,4 +1,4 @@
-// How MakeFloorPlan goes about it. Internal to slam/simulation/worlds.
+// Declares the steps of MakeFloorPlan. Internal to slam/simulation/worlds.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_FLOOR_PLAN_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_FLOOR_PLAN_H_
 
@@ -34,7 +34,7 @@ FloorLanes LanesOf(const FloorPlan& plan);
 // Puts furniture and posters into the plan, off the lanes.
 void Furnish(FloorPlan* plan);
 
-// Which corridor a corridor looks like: itself, but for look-alike ones.
+// Returns which corridor a corridor looks like: itself, but for look-alike ones.
 inline int LookOf(const FloorOptions& options, int corridor) {
   return options.look_alike_corridors && corridor == 2 ? 1 : corridor;
 }

@@ -29,7 +29,7 @@ Finish FloorFinish(Dice* dice) {
   return {material, dice->Seed(), dice->Uniformf(0.8, 1.3)};
 }
 
-// Floor, ceiling and the lamps below it.
+// Adds floor, ceiling and the lamps below it.
 void AddLevels(const FloorPlan& plan, const FloorBox& box, const Finish& floor, uint32_t seed,
                Mesh* mesh) {
   const Vector2d size = box.high - box.low;
@@ -50,7 +50,7 @@ void AddLevels(const FloorPlan& plan, const FloorBox& box, const Finish& floor, 
   }
 }
 
-// One face of a wall between two heights above the floor; its texture hangs from the ceiling.
+// Adds one face of a wall between two heights above the floor; its texture hangs from the ceiling.
 void AddFace(const FloorPlan& plan, const Vector2d& from, const Vector2d& to, double low_m,
              double high_m, const Finish& finish, Mesh* mesh) {
   const Vector3f along = At(to - from, 0);
@@ -74,7 +74,7 @@ void AddDoorway(const FloorPlan& plan, const Wall& wall, const Vector2d& normal,
   using Post = std::pair<Vector2d, Vector2d>;
   for (const auto& [post, inward] : {Post(wall.from, along), Post(wall.to, -along)}) {
     AddFace(plan, post - out * normal, post + out * normal, 0, height, frame, mesh);
-    for (const double side : {-1.0, 1.0}) {  // What frames the opening on the wall's faces.
+    for (const double side : {-1.0, 1.0}) {  // Adds what frames the opening on the wall's faces.
       AddFace(plan, post + side * out * normal - 0.08 * inward, post + side * out * normal, 0,
               height + 0.08, frame, mesh);
     }
@@ -90,7 +90,7 @@ void AddDoorway(const FloorPlan& plan, const Wall& wall, const Vector2d& normal,
   }
 }
 
-// Panes with what is outside painted on them, frames that stand out.
+// Adds panes with what is outside painted on them, and frames that stand out.
 void AddWindows(const FloorPlan& plan, const Wall& wall, const Vector2d& normal, Mesh* mesh) {
   const Vector2d along = (wall.to - wall.from).normalized();
   const double length = (wall.to - wall.from).norm();
@@ -108,7 +108,7 @@ void AddWindows(const FloorPlan& plan, const Wall& wall, const Vector2d& normal,
     }
     AddFace(plan, from + out, to + out, 2.25, 2.32, frame, mesh);
     AddFace(plan, from + 3 * out, to + 3 * out, 0.9, 0.96, frame, mesh);
-    if (dice.Chance(0.6)) {  // A radiator.
+    if (dice.Chance(0.6)) {  // This is a radiator.
       AddFace(plan, from + 3 * out, to + 3 * out, 0.15, 0.75, {Material::kWood, frame.seed, 1.4F},
               mesh);
     }
@@ -140,7 +140,7 @@ void AddFloors(const FloorPlan& plan, Mesh* mesh) {
     const Finish floor = FloorFinish(&dice);
     AddLevels(plan, plan.corridors[static_cast<size_t>(i)], floor, dice.Seed(), mesh);
   }
-  // The corridors along z between those along x.
+  // The corridors along z are laid in pieces between those along x.
   for (size_t side = plan.corridors.size() - 2; side < plan.corridors.size(); ++side) {
     Dice dice = dice_for(-1 - static_cast<int>(side));
     const Finish floor = FloorFinish(&dice);

@@ -13,7 +13,8 @@ using Kind = FloorNode::Kind;
 
 constexpr uint64_t kTourDice = 301;
 
-// Nodes after `from` up to `to`, by the shortest way (Dijkstra; a floor has some dozens of nodes).
+// Returns the nodes after `from` up to `to`, by the shortest way (Dijkstra; a floor has some dozens
+// of nodes).
 std::vector<int> WayBetween(const FloorLanes& lanes, int from, int to) {
   const size_t count = lanes.nodes.size();
   std::vector<double> distance(count, std::numeric_limits<double>::max());
@@ -55,7 +56,7 @@ int FindNode(const FloorLanes& lanes, Kind kind, int room, int corridor, bool la
   return found;
 }
 
-// Of a row's rooms with two doors, any.
+// Picks any of a row's rooms with two doors.
 int RoomToCross(const FloorPlan& plan, const FloorLanes& lanes, int row, Dice* dice) {
   std::vector<int> rooms;
   for (int column = 0; column < plan.options.rooms_x; ++column) {
@@ -73,7 +74,8 @@ std::vector<Eigen::Vector2d> TourOfFloor(const FloorPlan& plan, uint64_t seed) {
   const auto junction = [&](int corridor, bool right) {
     return FindNode(lanes, Kind::kJunction, -1, corridor, right);
   };
-  // Down the rows: along the corridor to one end, through a room to the next, then the other end.
+  // The tour goes down the rows: along the corridor to one end, through a room to the next, then to
+  // the other end.
   std::vector<int> targets = {junction(0, false), junction(0, true)};
   bool right = true;
   for (int row = 0; row < plan.options.rooms_z; ++row) {
@@ -84,7 +86,7 @@ std::vector<Eigen::Vector2d> TourOfFloor(const FloorPlan& plan, uint64_t seed) {
     targets.push_back(junction(row + 1, !right));
     right = !right;
   }
-  // Back to the start, and the first corridor once more.
+  // It goes back to the start, and along the first corridor once more.
   targets.push_back(junction(0, false));
   targets.push_back(junction(0, true));
   std::vector<Vector2d> tour = {lanes.nodes[static_cast<size_t>(targets[0])].at};

@@ -1,6 +1,6 @@
-// An indoor floor: rooms left and right of corridors, with furniture, and a walk through it.
+// Makes an indoor floor: rooms left and right of corridors, with furniture, and a walk through it.
 //
-// Frame of scene.h: x right, y down, z forward. The floor lies at y = 0, the ceiling at
+// The frame is that of scene.h: x right, y down, z forward. The floor lies at y = 0, the ceiling at
 // y = -wall_height_m.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_FLOOR_WORLD_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_FLOOR_WORLD_H_
@@ -44,7 +44,7 @@ struct Poster {
   Eigen::Vector2d along;  // Unit vector of the wall that it hangs on.
   double width_m = 0.8;
   double height_m = 1.0;
-  double middle_m = 1.6;  // Above the floor.
+  double middle_m = 1.6;  // Height of its middle above the floor.
   uint32_t seed = 0;
 };
 
@@ -53,8 +53,8 @@ struct Wall {
   Eigen::Vector2d from;
   Eigen::Vector2d to;
   bool doorway = false;  // The wall reaches from the lintel to the ceiling only.
-  bool windows = false;  // An outer wall.
-  // Of the side that (-z, x) of the direction (x, z) points to, and of the other.
+  bool windows = false;  // True for an outer wall.
+  // Seeds of the side that (-z, x) of the direction (x, z) points to, and of the other.
   std::array<uint32_t, 2> seeds = {};
 };
 constexpr double kWallM = 0.12;
@@ -80,17 +80,18 @@ struct FloorPlan {
   std::vector<Poster> posters;
 };
 
-// What may not be built over: the walk's straight lines keep this far from furniture.
+// The walk's straight lines keep this far from furniture.
 constexpr double kFloorClearanceM = 0.4;
 
-// Deterministic in the options; counts below 1 are taken as 1. Pure, as are the other two.
+// The plan depends on the options alone; counts below 1 are taken as 1. This function is pure, as
+// are the other two.
 FloorPlan MakeFloorPlan(const FloorOptions& options);
 
 Scene BuildFloorScene(const FloorPlan& plan);
 
-// Waypoints (x, z) in metres of a walk that comes through every corridor along x and through rooms,
-// comes back to where it began and passes some places twice. Straight lines between the waypoints
-// stay 0.4 m off walls and furniture.
+// Returns waypoints (x, z) in metres of a walk that comes through every corridor along x and
+// through rooms, comes back to where it began and passes some places twice. Straight lines between
+// the waypoints stay 0.4 m off walls and furniture.
 std::vector<Eigen::Vector2d> TourOfFloor(const FloorPlan& plan, uint64_t seed);
 
 }  // namespace corbslam

@@ -19,7 +19,7 @@ double DistanceToLine(const Vector2d& from, const Vector2d& to, const Vector2d& 
   return (from + share * way - at).norm();
 }
 
-// To the nearest piece of furniture or wall, but for the open doorways.
+// Returns the distance to the nearest piece of furniture or wall, but for the open doorways.
 double Clearance(const FloorPlan& plan, const Vector2d& at) {
   double nearest = 100;
   for (const Furniture& piece : plan.furniture) {
@@ -91,14 +91,15 @@ TEST(FloorWorld, FollowsTheSeed) {
   EXPECT_NE(corners(1), corners(2));
 }
 
-// Furniture of a corridor relative to its corner.
+// Returns a corridor's furniture relative to its corner.
 std::vector<std::array<double, 4>> FurnitureOf(const FloorPlan& plan, int corridor) {
   const FloorBox& box = plan.corridors[static_cast<size_t>(corridor)];
   std::vector<std::array<double, 4>> pieces;
   for (const Furniture& piece : plan.furniture) {
     const Vector2d at = Middle(piece.footprint);
     if ((at - box.low).minCoeff() < 0 || (box.high - at).minCoeff() < 0) continue;
-    if (at.x() < 2.5 || at.x() > box.high.x() - 2.5) continue;  // The corridors along z.
+    // The corridors along z are skipped.
+    if (at.x() < 2.5 || at.x() > box.high.x() - 2.5) continue;
     pieces.push_back(
         {at.x(), at.y() - box.low.y(), piece.height_m, static_cast<double>(piece.seed)});
   }

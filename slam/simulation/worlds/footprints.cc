@@ -14,7 +14,7 @@ double Reach(const Footprint& footprint) {
   return std::hypot(footprint.half_length, footprint.half_width);
 }
 
-// Half of the footprint's shadow on a line.
+// Returns half of the footprint's shadow on a line.
 double HalfShadow(const Footprint& footprint, const Vector2d& line) {
   return footprint.half_length * std::abs(footprint.ahead.dot(line)) +
          footprint.half_width * std::abs(Side(footprint).dot(line));

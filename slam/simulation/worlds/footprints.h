@@ -1,4 +1,4 @@
-// Who stands where: upright boxes on the ground plane that may not overlap.
+// Keeps who stands where: upright boxes on the ground plane that may not overlap.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_FOOTPRINTS_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_FOOTPRINTS_H_
 
@@ -18,20 +18,20 @@ struct Footprint {
   double half_width = 0;
 };
 
-// Zero inside.
+// Returns 0 inside the footprint.
 double DistanceTo(const Footprint& footprint, const Eigen::Vector2d& from);
 bool Overlap(const Footprint& a, const Footprint& b);
 
 // Not thread-safe.
 class Footprints {
  public:
-  // Keeps a reference: the path must outlive this.
+  // It keeps a reference: the path must outlive it.
   explicit Footprints(const StreetPath& path) : path_(path), index_(16) {}
 
-  // Takes the place if it is free and no station lies within the clearance; else false.
+  // Takes the place if it is free and no station lies within the clearance; else returns false.
   bool Take(const Footprint& footprint, double clearance_m);
   bool IsFree(const Footprint& footprint, double clearance_m) const;
-  // Those that may overlap it.
+  // Visits those that may overlap it.
   void VisitNear(const Footprint& footprint,
                  const std::function<void(const Footprint&)>& visit) const;
   const std::vector<Footprint>& taken() const { return taken_; }

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Half extents across and along the way it faces, and the height.
+// Half extents across and along the way that a piece faces, and its height.
 struct Extent {
   float x;
   float z;
@@ -57,7 +57,7 @@ void AddTable(const Extent& e, Dice* dice, Mesh* mesh) {
   for (int i = 0; i < things; ++i) {
     const float x = dice->Uniformf(-0.8, 0.8) * e.x;
     const float z = dice->Uniformf(-0.7, 0.6) * e.z;
-    if (i == 0) {  // A screen.
+    if (i == 0) {  // This is a screen.
       const float half = 0.27F;
       AddBox({x - half, -e.height - 0.42F, z - 0.02F}, {x + half, -e.height - 0.08F, z + 0.02F},
              {Material::kGlass, dice->Seed(), dice->Uniformf(0.5, 2)}, mesh, true);
@@ -112,7 +112,7 @@ void AddPlant(const Extent& e, Dice* dice, Mesh* mesh) {
   AddTube({0, 0, 0}, {0, -0.3F, 0}, 0.7F * e.x, 0.85F * e.x, 8,
           {Material::kPlaster, dice->Seed(), dice->Uniformf(0.5, 1.4)}, mesh);
   AddDisc({0, -0.27F, 0}, -Vector3f::UnitY(), 0.8F * e.x, {Material::kBark, 1, 0.5F}, mesh);
-  for (int i = 0; i < 70; ++i) {  // Long leaves that hang outward.
+  for (int i = 0; i < 70; ++i) {  // The leaves are long and hang outward.
     const float angle = dice->Uniformf(0, 2 * std::numbers::pi);
     const Vector3f out(std::cos(angle), 0, std::sin(angle));
     const Vector3f side(-out.z(), 0, out.x());

@@ -1,4 +1,4 @@
-// Pieces of furniture as meshes.
+// Builds pieces of furniture as meshes.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_FURNITURE_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_FURNITURE_H_
 
@@ -7,7 +7,8 @@
 
 namespace corbslam {
 
-// Origin on the floor in the middle of the footprint, y down, the front towards +z.
+// The mesh has its origin on the floor in the middle of the footprint, y down, the front towards
+// +z.
 Mesh BuildFurniture(const Furniture& furniture);
 
 }  // namespace corbslam

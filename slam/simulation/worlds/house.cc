@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Back and sides, painted windows on some.
+// Adds the back and the sides, with painted windows on some.
 void AddWalls(const HouseStyle& style, const Finish& wall, Dice* dice, Mesh* mesh) {
   const float half = style.width / 2;
   const float top = -EavesM(style);

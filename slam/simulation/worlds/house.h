@@ -1,4 +1,4 @@
-// One house as a mesh.
+// Builds one house as a mesh.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_H_
 
@@ -23,11 +23,11 @@ struct HouseStyle {
   RoofKind roof = RoofKind::kRidgeAlongStreet;
   float roof_pitch_rad = 0.7F;
   Material wall = Material::kPlaster;
-  bool windows_in_relief = true;  // Otherwise the front's windows are painted (kFacade).
+  bool windows_in_relief = true;  // False: the front's windows are painted (kFacade).
   bool balconies = false;
   bool bay = false;      // A bay window over all storeys.
-  bool dormers = false;  // On a ridge along the street.
-  uint64_t seed = 1;     // Of surfaces and small things.
+  bool dormers = false;  // Dormers stand on a ridge along the street.
+  uint64_t seed = 1;     // Seed of surfaces and small things.
 };
 
 constexpr float kStoreyM = 3.0F;

@@ -11,7 +11,7 @@ using Eigen::Vector3f;
 struct Columns {
   int count = 1;
   float pitch = 2;
-  float first = 0;  // Middle of the leftmost.
+  float first = 0;  // Middle of the leftmost column.
 
   float Middle(int column) const { return first + pitch * static_cast<float>(column); }
 };
@@ -43,7 +43,7 @@ void AddDoor(float x, const Finish& wall, Dice* dice, Mesh* mesh) {
     AddBox({x - half - 0.4F, top - 0.4F, -0.95F}, {x + half + 0.4F, top - 0.25F, 0},
            {Material::kPlaster, wall.seed, 0.9F}, mesh, true);
   }
-  // Letter boxes, a bell and a number beside the door.
+  // Letter boxes, a bell and a number hang beside the door.
   AddBox({x + half + 0.3F, -kPlinthM - 1.5F, -0.08F}, {x + half + 0.75F, -kPlinthM - 1.0F, 0},
          {Material::kSign, dice->Seed(), dice->Uniformf(0.5, 1.2)}, mesh);
 }
@@ -132,7 +132,7 @@ void AddWindow(const WindowShape& shape, float x, float y, float z, Mesh* mesh) 
   const float rim = 0.09F;
   const float w = shape.width;
   const float h = shape.height;
-  // A frame that stands out and panes set back behind it.
+  // A window is a frame that stands out and panes set back behind it.
   const auto bar = [&](float left, float up, float right, float low) {
     AddBox({x + left, y + up, z - 0.07F}, {x + right, y + low, z}, shape.frame, mesh, true);
   };
@@ -148,7 +148,7 @@ void AddWindow(const WindowShape& shape, float x, float y, float z, Mesh* mesh) 
   if (shape.cross) {
     AddQuad({x, y + h / 3, z - 0.03F}, {x + w, y + h / 3, z - 0.03F},
             {x + w, y + h / 3 + 0.06F, z - 0.03F}, {x, y + h / 3 + 0.06F, z - 0.03F}, bars, mesh);
-  } else if (shape.seed % 4U == 0) {  // A blind let down some way.
+  } else if (shape.seed % 4U == 0) {  // This is a blind let down some way.
     const float drop = h * (0.25F + 0.6F * static_cast<float>(shape.seed / 4U % 64U) / 64.0F);
     mesh->patches.push_back(
         Rectangle({x, y, z - 0.05F}, {0, drop, 0}, {w, 0, 0}, Material::kWood, shape.seed, 1.1F));
@@ -172,7 +172,7 @@ void AddFront(const HouseStyle& style, const Finish& wall, Dice* dice, Mesh* mes
   if (bay >= 0) AddBay(style, columns.Middle(bay), wall, dice, mesh);
   AddStoreyBands(style, dice, mesh);
   if (style.windows_in_relief) AddWindows(style, columns, door, bay, dice, mesh);
-  // The rain pipe.
+  // Adds the rain pipe.
   const float side = dice->Chance(0.5) ? 1.0F : -1.0F;
   const float x = side * (style.width / 2 - 0.2F);
   AddBox({x - 0.05F, -EavesM(style), -0.12F}, {x + 0.05F, 0.5F, -0.02F},

@@ -1,4 +1,4 @@
-// The parts that BuildHouse puts together. Frame of house.h.
+// Declares the parts that BuildHouse puts together, in the frame of house.h.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_PARTS_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_HOUSE_PARTS_H_
 
@@ -13,10 +13,10 @@ inline float EavesM(const HouseStyle& style) {
   return kPlinthM + kStoreyM * static_cast<float>(style.storeys);
 }
 
-// Windows, door with steps, balconies and bay of the front.
+// Adds windows, door with steps, balconies and bay of the front.
 void AddFront(const HouseStyle& style, const Finish& wall, Dice* dice, Mesh* mesh);
 
-// Roof, gables, dormers, chimneys and gutters.
+// Adds roof, gables, dormers, chimneys and gutters.
 void AddRoof(const HouseStyle& style, const Finish& wall, Dice* dice, Mesh* mesh);
 
 // A window that stands out of the wall z = `z` a little; (x, y) is its upper left corner.
@@ -24,7 +24,7 @@ struct WindowShape {
   float width = 1.2F;
   float height = 1.4F;
   bool shutters = false;
-  bool cross = false;  // Bars both ways, otherwise one upright.
+  bool cross = false;  // True: bars go both ways, otherwise there is one upright.
   Finish frame = {Material::kPlaster, 0, 1.4F};
   uint32_t seed = 0;
 };

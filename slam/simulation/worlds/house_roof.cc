@@ -86,7 +86,7 @@ void AddChimneys(const HouseStyle& style, const RoofShape& at, Dice* dice, Mesh*
     AddBox({x - half, top, z - half}, {x + half, at.ridge + 1.2F, z + half},
            {dice->Chance(0.6) ? Material::kBrick : Material::kPlaster, dice->Seed(), 0.9F}, mesh);
   }
-  if (dice->Chance(0.5)) {  // An aerial.
+  if (dice->Chance(0.5)) {  // This is an aerial.
     const float x = dice->Uniformf(-0.3, 0.3) * style.width;
     const float z = (at.front + at.back) / 2;
     const Finish metal = {Material::kMetal, dice->Seed(), 0.5F};
@@ -96,7 +96,7 @@ void AddChimneys(const HouseStyle& style, const RoofShape& at, Dice* dice, Mesh*
   }
 }
 
-// The front slope's z at a height, and what stands on it.
+// Adds dormers to the front slope.
 void AddDormers(const HouseStyle& style, const RoofShape& at, const Finish& tiles, Dice* dice,
                 Mesh* mesh) {
   const int count = std::max(1, static_cast<int>(style.width / dice->Uniformf(3.2, 5.5)));

@@ -12,7 +12,7 @@ using Eigen::Vector3f;
 // Faces of one shape are of one stuff and colour, but no two have the same pattern.
 constexpr float kBetweenFacesM = 37;
 
-// Whether the first three corners say which plane it is.
+// Returns whether the first three corners say which plane it is.
 bool SpansPlane(const std::vector<Vector3f>& corners) {
   return (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm() > 1e-7F;
 }

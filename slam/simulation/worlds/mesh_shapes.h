@@ -1,4 +1,5 @@
-// Simple shapes added to meshes. Frames as in scene.h: y runs down, so a box's top has the least y.
+// Adds simple shapes to meshes. Frames are as in scene.h: y runs down, so a box's top has the least
+// y.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_MESH_SHAPES_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_MESH_SHAPES_H_
 
@@ -18,30 +19,32 @@ struct Finish {
   float tone = 1;
 };
 
-// Corners in order round, in one plane; texture origin at `a`, u towards `b`. A triangle has
-// `d` == `c`.
+// Adds corners in order round, in one plane; the texture has its origin at `a`, u towards `b`. A
+// triangle has `d` == `c`.
 void AddQuad(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c,
              const Eigen::Vector3f& d, const Finish& finish, Mesh* mesh);
 
-// A flat convex polygon of at least three corners, as quads; texture as in AddQuad.
+// Adds a flat convex polygon of at least three corners, as quads; its texture is laid as in
+// AddQuad.
 void AddPolygon(const std::vector<Eigen::Vector3f>& corners, const Finish& finish, Mesh* mesh);
 
-// Sides and top, each with its own pattern; the bottom too if it can be seen.
+// Adds sides and top, each with its own pattern; the bottom too if it can be seen.
 void AddBox(const Eigen::Vector3f& low, const Eigen::Vector3f& high, const Finish& finish,
             Mesh* mesh, bool bottom = false);
 
-// The sides of a prism that tapers from one radius to the other.
+// Adds the sides of a prism that tapers from one radius to the other.
 void AddTube(const Eigen::Vector3f& from, const Eigen::Vector3f& to, float from_radius,
              float to_radius, int sides, const Finish& finish, Mesh* mesh);
 
-// A regular octagon across `normal`.
+// Adds a regular octagon across `normal`.
 void AddDisc(const Eigen::Vector3f& centre, const Eigen::Vector3f& normal, float radius,
              const Finish& finish, Mesh* mesh);
 
 // Adds `mesh` moved by `to_from_mesh`, textures with it.
 void AppendMoved(const Mesh& mesh, const Rigid3d& to_from_mesh, Mesh* to);
 
-// The pose of a mesh that stands upright at `origin` and whose z axis points along `ahead` (x, z).
+// Returns the pose of a mesh that stands upright at `origin` and whose z axis points along `ahead`
+// (x, z).
 Rigid3d Upright(const Eigen::Vector3d& origin, const Eigen::Vector2d& ahead);
 
 }  // namespace corbslam

@@ -20,7 +20,7 @@ Vector3f RandomDirection(Dice* dice) {
   return {flat * std::cos(angle), up, flat * std::sin(angle)};
 }
 
-// A patch of leaves that faces any way.
+// Adds a patch of leaves that faces any way.
 void AddClump(const Vector3f& centre, float size, float tone, Dice* dice, Mesh* mesh) {
   const Vector3f normal = RandomDirection(dice);
   const Vector3f u = normal.unitOrthogonal();
@@ -28,7 +28,7 @@ void AddClump(const Vector3f& centre, float size, float tone, Dice* dice, Mesh* 
   const float turn = dice->Uniformf(0, 2 * std::numbers::pi);
   const Vector3f along = std::cos(turn) * u + std::sin(turn) * v;
   const Vector3f across = normal.cross(along);
-  // A kite: no two sides the same, so that no row of clumps looks like tiles.
+  // The clump is a kite: no two sides are the same, so that no row of clumps looks like tiles.
   const float half = size / 2;
   AddQuad(centre - half * dice->Uniformf(0.7, 1.2) * along,
           centre - half * dice->Uniformf(0.5, 1.0) * across,
@@ -77,7 +77,8 @@ void AddConifer(const TreeShape& shape, Dice* dice, Mesh* mesh) {
   const Finish bark = {Material::kBark, dice->Seed(), 0.7F};
   AddTube({0, 0.4F, 0}, {0, -0.95F * shape.height, 0}, shape.trunk_radius, 0.03F, 6, bark, mesh);
   for (int i = 0; i < shape.clumps; ++i) {
-    // Denser below, where the cone is wide; layers of boughs with gaps between.
+    // Clumps are denser below, where the cone is wide; there are layers of boughs with gaps
+    // between.
     const float share = 1 - std::sqrt(dice->Uniformf(0, 1));
     const float up = shape.trunk + share * (shape.height - shape.trunk);
     const float layer = 0.75F + 0.25F * std::cos(up * 7);
@@ -121,7 +122,7 @@ Mesh BuildHedge(float length, float height, float thickness, uint64_t seed) {
   const int clumps = static_cast<int>(length * (2 * height + thickness) * 9);
   for (int i = 0; i < clumps; ++i) {
     const float x = dice.Uniformf(0, length);
-    const float way = dice.Uniformf(-height, height + thickness);  // Up one side, over, down.
+    const float way = dice.Uniformf(-height, height + thickness);  // It goes up, over and down.
     const bool top = way > height;
     const float y = top ? -height : -std::abs(way);
     const float z = top ? way - height - half : (way < 0 ? -half : half);

@@ -1,4 +1,4 @@
-// Trees, bushes and hedges as prototypes, to be placed many times.
+// Builds trees, bushes and hedges as prototypes, to be placed many times.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_PLANTS_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_PLANTS_H_
 
@@ -9,10 +9,10 @@
 
 namespace corbslam {
 
-// Origin at the foot, y down. Heights in metres.
+// The origin is at the foot, y points down. Heights are in metres.
 struct TreeShape {
   float height = 8;
-  float trunk = 2.4F;  // Bare up to here.
+  float trunk = 2.4F;  // The trunk is bare up to here.
   float crown_radius = 2.6F;
   float trunk_radius = 0.17F;
   int branches = 8;
@@ -22,13 +22,13 @@ struct TreeShape {
 };
 Mesh BuildTree(const TreeShape& shape, uint64_t seed);
 
-// A round bush; radius as wide as it is high.
+// Builds a round bush, whose radius is as wide as it is high.
 Mesh BuildBush(float radius, int clumps, uint64_t seed);
 
-// A clipped hedge along x from 0 to `length`, its middle at z = 0.
+// Builds a clipped hedge along x from 0 to `length`, its middle at z = 0.
 Mesh BuildHedge(float length, float height, float thickness, uint64_t seed);
 
-// Street trees first (round crowns over a bare trunk), then garden trees (all sorts).
+// Street trees come first (round crowns over a bare trunk), then garden trees (all sorts).
 struct TreePrototypes {
   std::vector<Mesh> street;
   std::vector<Mesh> garden;

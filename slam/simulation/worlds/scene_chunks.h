@@ -1,4 +1,4 @@
-// Patches of what stands still, gathered by place, so that a mesh covers a small part of the world.
+// Gathers patches of what stands still by place, so that a mesh covers a small part of the world.
 #ifndef CORBSLAM_SLAM_SIMULATION_WORLDS_SCENE_CHUNKS_H_
 #define CORBSLAM_SLAM_SIMULATION_WORLDS_SCENE_CHUNKS_H_
 
@@ -16,7 +16,7 @@ class SceneChunks {
  public:
   static constexpr double kSizeM = 48;
 
-  // The mesh of the square that (x, z) lies in.
+  // Returns the mesh of the square that (x, z) lies in.
   Mesh* At(const Eigen::Vector2d& at) {
     return &meshes_[{static_cast<int>(std::floor(at.x() / kSizeM)),
                      static_cast<int>(std::floor(at.y() / kSizeM))}];

@@ -1,4 +1,5 @@
-// What divides the front gardens from the pavement and from each other: hedges, walls and fences.
+// Builds what divides the front gardens from the pavement and from each other: hedges, walls and
+// fences.
 #include <algorithm>
 
 #include "slam/simulation/worlds/mesh_shapes.h"
@@ -67,7 +68,8 @@ BorderKind KindOf(Dice* dice) {
                        : BorderKind::kPlanks;
 }
 
-// From one place to another, along x of the mesh. False if something is in the way.
+// Puts a border up from one place to another, along x of the mesh. False if something is in the
+// way.
 bool PutUp(const Vector2d& from, const Vector2d& to, BorderKind kind, Dice* dice,
            StreetSite* site) {
   const double length = (to - from).norm();
@@ -92,7 +94,7 @@ void AlongPavement(int side, StreetSite* site) {
     const double length = dice.Uniform(3.5, 8);
     const size_t last = i + static_cast<size_t>(length / StreetPath::kStepM);
     if (last >= stations.size() || stations[last].driven != stations[i].driven) continue;
-    way = length + (dice.Chance(0.7) ? 0.05 : dice.Uniform(1.2, 4));  // A gate.
+    way = length + (dice.Chance(0.7) ? 0.05 : dice.Uniform(1.2, 4));  // A larger gap is a gate.
     const StreetBlock block = BlockAt(*site, stations[i]);
     if (!dice.Chance(block.border)) continue;
     const double bays = side < 0 && block.bays_left ? 2.9 : 0;
@@ -104,7 +106,7 @@ void AlongPavement(int side, StreetSite* site) {
   }
 }
 
-// Across the gaps between houses, further back, so that they don't open onto nothing.
+// Closes the gaps between houses, further back, so that they don't open onto nothing.
 void BehindGardens(int side, StreetSite* site) {
   const std::vector<Station>& stations = site->path.stations();
   for (size_t i = 0; i + 8 < stations.size(); i += 8) {

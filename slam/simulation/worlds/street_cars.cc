@@ -1,4 +1,4 @@
-// Parked cars.
+// Parks cars.
 #include "slam/simulation/worlds/cars.h"
 #include "slam/simulation/worlds/street_site.h"
 
@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-// From a car's side to any station: half of one's own car and then some.
+// Least distance from a car's side to any station: half of one's own car and then some.
 constexpr double kCarClearanceM = 1.85;
 
 struct CarMeshes {
@@ -34,7 +34,7 @@ bool Park(const CarMeshes& cars, const Vector2d& at, const Vector2d& ahead, Dice
   return true;
 }
 
-// Gives the way to the next place.
+// Returns the way to the next place.
 double TryPlace(const CarMeshes& cars, const Station& station, int side, int64_t number,
                 StreetSite* site) {
   const StreetBlock block = BlockAt(*site, station);
@@ -46,7 +46,7 @@ double TryPlace(const CarMeshes& cars, const Station& station, int side, int64_t
   const double middle = bay ? 6.9 : 3.95 + dice.Uniform(-0.1, 0.25);
   const Vector2d at = Beside(station, LateralOf(side, middle));
   const double found = site->ground.MiddleDistance(at);
-  if (found < middle - 0.5) return 1;  // A crossing's mouth.
+  if (found < middle - 0.5) return 1;  // This is a crossing's mouth.
   const double turn = dice.Uniform(-0.03, 0.03);
   const Vector2d along = station.ahead + turn * station.Right();
   const bool turned = dice.Chance(side > 0 ? 0.1 : 0.75);

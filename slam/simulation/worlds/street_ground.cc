@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3f;
 
-constexpr double kReachM = 72;  // Ground this far from the path.
+constexpr double kReachM = 72;  // The ground reaches this far from the path.
 // Where passes of one street disagree in height, no camera comes closer to the ground than this.
 constexpr double kLowestCameraM = 1.22;
 constexpr double kSameGroundM = 4;
@@ -33,7 +33,7 @@ void VisitLattice(const Vector2d& at, double reach_m, double step_m, int corners
   }
 }
 
-// In parts of a right angle.
+// Returns the heading in parts of a right angle.
 int HeadingOf(const Vector2d& ahead, int parts) {
   const double quarters = std::atan2(ahead.y(), ahead.x()) / (std::numbers::pi / 2);
   const double share = quarters - std::floor(quarters);

@@ -1,4 +1,4 @@
-// The ground along the streets: carriageway, kerb, pavement and the gardens' soil.
+// Makes the ground along the streets: carriageway, kerb, pavement and the gardens' soil.
 //
 // Where the carriageway lies is a field of distances to the middle of all streets, so that
 // crossings and streets driven several times join without seams. Heights are linear over the
@@ -18,9 +18,9 @@ namespace corbslam {
 // The street's cross-section in metres. Left and right are those of the direction of travel.
 struct StreetProfile {
   static constexpr double kMiddleLeftOfPath = 1.0;
-  static constexpr double kKerb = 4.2;  // From the middle to the kerb.
+  static constexpr double kKerb = 4.2;  // Distance from the middle to the kerb.
   static constexpr double kKerbStone = 0.18;
-  static constexpr double kPavement = 6.6;  // From the middle to the pavement's far edge.
+  static constexpr double kPavement = 6.6;  // Distance from the middle to the pavement's far edge.
   static constexpr double kKerbHeight = 0.12;
 };
 
@@ -29,11 +29,11 @@ class StreetGround {
  public:
   StreetGround(const StreetPath& path, double camera_height_m);
 
-  // Height (y, down) of the carriageway's level at (x, z).
+  // Returns the height (y, down) of the carriageway's level at (x, z).
   double RoadY(const Eigen::Vector2d& at) const;
-  // Of what is there to stand on.
+  // Returns the height of what is there to stand on.
   double GroundY(const Eigen::Vector2d& at) const;
-  // To the nearest street's middle; at most kFarM.
+  // Returns the distance to the nearest street's middle; at most kFarM.
   double MiddleDistance(const Eigen::Vector2d& at) const;
 
   void AddTo(uint64_t seed, SceneChunks* chunks) const;
@@ -59,7 +59,7 @@ class StreetGround {
   void MeasureMiddles(const StreetPath& path);
   void MeasureHeights(const StreetPath& path, double camera_height_m);
 
-  // Of the fine lattice.
+  // Returns a corner of the fine lattice.
   Corner CornerAt(int fine_x, int fine_z) const;
   void AddCell(int cell_x, int cell_z, uint64_t seed, Mesh* mesh) const;
   static void AddTriangle(const std::vector<Corner>& triangle, const Soil& soil, Mesh* mesh);
@@ -68,11 +68,12 @@ class StreetGround {
   static void AddKerb(const std::vector<Corner>& polygon, const Soil& soil, Mesh* mesh);
 
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
-  int cells_x_ = 0;  // Of the coarse lattice.
+  int cells_x_ = 0;  // Number of cells of the coarse lattice.
   int cells_z_ = 0;
-  std::vector<float> height_;     // y at the coarse lattice's corners, NaN far from any street.
-  std::vector<float> middle_m_;   // Distances at the fine lattice's corners.
-  std::vector<uint8_t> heading_;  // Of the nearest street there, in sixths of a right angle.
+  std::vector<float> height_;    // y at the coarse lattice's corners, NaN far from any street.
+  std::vector<float> middle_m_;  // Distances at the fine lattice's corners.
+  // Heading of the nearest street there, in sixths of a right angle.
+  std::vector<uint8_t> heading_;
 };
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// How the fields of the ground become patches.
+// Turns the fields of the ground into patches.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -25,7 +25,7 @@ void AlignTexture(double angle_rad, Patch* patch) {
   patch->v_offset_m = 0;
 }
 
-// The part of a polygon where the distance is at least `limit_m`, or at most.
+// Returns the part of a polygon where the distance is at least `limit_m`, or at most.
 template <typename Corner>
 std::vector<Corner> Clip(const std::vector<Corner>& polygon, double limit_m, bool at_least) {
   const auto limit = static_cast<float>(limit_m);

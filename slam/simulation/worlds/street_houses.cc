@@ -1,4 +1,4 @@
-// Houses along the street, garages between them, and a row behind.
+// Builds houses along the street, garages between them, and a row behind.
 #include <algorithm>
 #include <cmath>
 
@@ -23,7 +23,8 @@ Footprint FootprintOf(const Lot& lot) {
   return {lot.front + lot.depth / 2 * lot.away, lot.away, lot.depth / 2, lot.width / 2};
 }
 
-// The last station of the same stretch within `length_m` after `first`; `first` if it ends before.
+// Returns the last station of the same stretch within `length_m` after `first`; `first` if it ends
+// before.
 size_t StretchEnd(const std::vector<Station>& stations, size_t first, double length_m) {
   const size_t last = first + static_cast<size_t>(std::ceil(length_m / StreetPath::kStepM));
   if (last >= stations.size()) return first;
@@ -66,7 +67,7 @@ void BuildOn(const Lot& lot, uint64_t seed, bool plain, StreetSite* site) {
 
 constexpr double kHouseClearanceM = 6.4;
 
-// Tries the lot wide, then narrower, then further back. Gives the way to go on from there.
+// Tries the lot wide, then narrower, then further back. Returns the way to go on from there.
 double TryHouse(size_t first, int side, int64_t number, StreetSite* site) {
   const std::vector<Station>& stations = site->path.stations();
   const StreetBlock block = BlockAt(*site, stations[first]);

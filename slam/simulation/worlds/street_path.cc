@@ -11,7 +11,7 @@ using Eigen::Vector2d;
 // Poses further back than this on the same stretch belong to an earlier pass.
 constexpr double kSamePassM = 40;
 constexpr double kSameStreetM = 6;
-// Streets that lead on.
+// Streets that lead on where the path begins, turns or ends.
 constexpr double kBranchM = 110;
 constexpr double kShortestBranchM = 45;
 constexpr double kBranchClearanceM = 16;
@@ -75,7 +75,8 @@ void StreetPath::Resample(const std::vector<Rigid3d>& world_from_camera) {
     station.camera_y = world_from_camera[0].translation.y();
     stations_.push_back(station);
   }
-  // The direction over two metres each way: single poses jitter, most of all where a car stands.
+  // The direction is taken over two metres each way: single poses jitter, most of all where a car
+  // stands.
   const size_t reach = 4;
   for (size_t i = 0; i < stations_.size(); ++i) {
     const size_t last = std::min(i + reach, stations_.size() - 1);

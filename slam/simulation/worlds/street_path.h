@@ -18,10 +18,10 @@ struct Station {
   Eigen::Vector2d at;
   Eigen::Vector2d ahead;  // Unit vector of the direction of travel.
   double camera_y = 0;
-  double frame = 0;    // Index of the pose, between poses a fraction.
+  double frame = 0;    // Index of the pose, with a fraction between poses.
   double along_m = 0;  // Way from the first pose.
   bool again = false;  // This stretch of street has been driven before.
-  bool driven = true;  // Otherwise a street that leads on where the path begins, turns or ends.
+  bool driven = true;  // False for a street that leads on where the path begins, turns or ends.
 
   Eigen::Vector2d Right() const { return {ahead.y(), -ahead.x()}; }
 };
@@ -33,7 +33,7 @@ class PlaneIndex {
   explicit PlaneIndex(double cell_m) : cell_m_(cell_m) {}
 
   void Add(const Eigen::Vector2d& at, uint32_t id);
-  // Every id within the square of half width `reach_m` round `centre`, and some beyond.
+  // Visits every id within the square of half width `reach_m` round `centre`, and some beyond.
   void Visit(const Eigen::Vector2d& centre, double reach_m,
              const std::function<void(uint32_t)>& visit) const;
 
@@ -52,11 +52,11 @@ class StreetPath {
 
   explicit StreetPath(const std::vector<Rigid3d>& world_from_camera);
 
-  // The driven ones in order, then those of the streets that lead on.
+  // Returns the driven stations in order, then those of the streets that lead on.
   const std::vector<Station>& stations() const { return stations_; }
   void VisitNear(const Eigen::Vector2d& centre, double reach_m,
                  const std::function<void(const Station&)>& visit) const;
-  // To the nearest station, `limit_m` if there is none so near.
+  // Returns the distance to the nearest station, or `limit_m` if there is none so near.
   double Distance(const Eigen::Vector2d& from, double limit_m) const;
 
  private:

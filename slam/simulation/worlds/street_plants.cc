@@ -1,4 +1,4 @@
-// Street trees, garden trees and bushes.
+// Plants street trees, garden trees and bushes.
 #include <numbers>
 
 #include "slam/simulation/worlds/plants.h"
@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kStreetTreeMiddleM = 5.45;  // Beyond the parked cars.
+constexpr double kStreetTreeMiddleM = 5.45;  // Street trees stand beyond the parked cars.
 
 // Meshes of the scene.
 struct TreeMeshes {
@@ -58,7 +58,7 @@ void PlantStreet(const TreeMeshes& trees, StreetSite* site) {
   }
 }
 
-// Whatever room is left on both sides gets trees and bushes, tried at random places.
+// The room that is left on both sides gets trees and bushes, tried at random places.
 void PlantGardens(const TreeMeshes& trees, StreetSite* site) {
   const std::vector<Station>& stations = site->path.stations();
   for (size_t i = 0; i < stations.size(); i += 2) {

@@ -1,4 +1,4 @@
-// Lamp posts, signs, bins, cabinets and bollards.
+// Puts up lamp posts, signs, bins, cabinets and bollards.
 #include "slam/simulation/worlds/mesh_shapes.h"
 #include "slam/simulation/worlds/street_site.h"
 
@@ -11,7 +11,7 @@ using Eigen::Vector3f;
 constexpr double kPoleMiddleM = 4.95;
 constexpr double kPoleClearanceM = 2.6;
 
-// Things at the kerb; z of a mesh points away from the road.
+// Things that stand at the kerb; z of a mesh points away from the road.
 struct KerbThings {
   uint32_t lamp = 0;
   std::vector<uint32_t> signs;
@@ -29,13 +29,13 @@ Mesh MakeLamp() {
   return mesh;
 }
 
-// 0: round, 1: triangle, 2: rectangle, 3: two shields, 4: street name.
+// The kinds are 0: round, 1: triangle, 2: rectangle, 3: two shields, 4: street name.
 Mesh MakeSign(int kind, uint32_t seed) {
   Mesh mesh;
   const Finish metal = {Material::kMetal, seed, 1.1F};
   const Finish print = {Material::kSign, seed, 1.3F};
   AddTube({0, 0.2F, 0}, {0, -2.9F, 0}, 0.035F, 0.035F, 5, metal, &mesh);
-  // Shields face those who come along the road: across x, a little before the pole.
+  // Shields face those who come along the road: they stand across x, a little before the pole.
   const float x = -0.05F;
   switch (kind) {
     case 0:
@@ -139,7 +139,7 @@ void PutUpAt(const KerbThings& things, const Station& station, int64_t number, S
 void PutUpPoles(StreetSite* site) {
   const KerbThings things = AddPrototypes(site);
   const std::vector<Station>& stations = site->path.stations();
-  const size_t lamps = 56;  // Stations between.
+  const size_t lamps = 56;  // Number of stations between two lamps.
   const size_t others = 17;
   const size_t bollards = 3;
   for (size_t i = 0; i < stations.size(); ++i) {

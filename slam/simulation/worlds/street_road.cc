@@ -1,4 +1,5 @@
-// What lies on the carriageway: lines, zebra crossings, manholes, mended places and seams of tar.
+// Lays what lies on the carriageway: lines, zebra crossings, manholes, mended places and seams of
+// tar.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,9 +13,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3f;
 
-constexpr double kPaintM = 0.015;  // Above the road.
+constexpr double kPaintM = 0.015;  // Height of paint above the road.
 
-// A parallelogram on the road, its middle at `at`; false where the road ends.
+// Lays a parallelogram on the road, its middle at `at`; false where the road ends.
 bool Lay(const Vector2d& at, const Vector2d& ahead, double half_length, double half_width,
          const Finish& finish, StreetSite* site) {
   const Vector2d side(ahead.y(), -ahead.x());
@@ -39,11 +40,12 @@ bool Lay(const Vector2d& at, const Vector2d& ahead, double half_length, double h
   return true;
 }
 
-// A zebra where another street comes in soon: bars along the street, side by side across it.
+// Adds a zebra where another street comes in soon: bars along the street, side by side across it.
 void AddZebra(const Station& station, Dice* dice, StreetSite* site) {
   const Finish paint = {Material::kRoadMarking, dice->Seed(), 1};
   for (double across = -3.6; across < 3.7; across += 0.9) {
-    for (const double along : {-1.0, 0.0, 1.0}) {  // In pieces: the road bends under them.
+    // The stripes are in pieces, because the road bends under them.
+    for (const double along : {-1.0, 0.0, 1.0}) {
       const Vector2d at =
           Beside(station, across - StreetProfile::kMiddleLeftOfPath) + along * station.ahead;
       Lay(at, station.ahead, 0.5, 0.22, paint, site);
@@ -51,7 +53,7 @@ void AddZebra(const Station& station, Dice* dice, StreetSite* site) {
   }
 }
 
-// A dark seam that wanders along the road, where a crack was filled.
+// Adds a dark seam that wanders along the road, where a crack was filled.
 void AddSeam(const std::vector<Station>& stations, size_t first, Dice* dice, StreetSite* site) {
   const Finish tar = {Material::kAsphalt, dice->Seed(), dice->Uniformf(0.2, 0.5)};
   double across = dice->Uniform(-3.8, 2.2);

@@ -50,7 +50,8 @@ struct StreetSite {
   Dice DiceFor(StreetDice purpose, int64_t a, int64_t b = 0) const {
     return Dice::For(options.seed, static_cast<uint64_t>(purpose), a, b);
   }
-  // Which of the few things that a look-alike street repeats, or each its own.
+  // Returns which of the few things a look-alike street repeats; in other streets each thing is its
+  // own kind.
   int64_t Kind(int64_t number) const { return options.look_alike ? number % 4 : number; }
 
   Eigen::Vector3d Foot(const Eigen::Vector2d& at) const {
@@ -65,10 +66,10 @@ struct StreetSite {
 
 // A hundred metres of street have a character of their own.
 struct StreetBlock {
-  double setback_m = 8;  // Of the houses' fronts from the path on its right.
-  double gap_low_m = 2;  // Between houses.
+  double setback_m = 8;  // Distance of the houses' fronts from the path on its right.
+  double gap_low_m = 2;  // Least gap between houses.
   double gap_high_m = 6;
-  double width_low_m = 9;  // Of houses.
+  double width_low_m = 9;  // Least width of houses.
   double width_high_m = 16;
   double parked_right = 0.5;  // Share of places where a car is parked.
   double parked_left = 0.5;
@@ -79,13 +80,14 @@ struct StreetBlock {
 };
 StreetBlock BlockAt(const StreetSite& site, const Station& station);
 
-// On one side of the station, `lateral_m` to the right of the path (negative: left).
+// Returns a place beside the station, `lateral_m` to the right of the path (negative: left).
 Eigen::Vector2d Beside(const Station& station, double lateral_m);
 
-// Where `middle_m` from the street's middle is on a side (1: right, -1: left), from the path.
+// Returns where `middle_m` from the street's middle is on a side (1: right, -1: left), from the
+// path.
 double LateralOf(int side, double middle_m);
 
-// The builders, in the order in which they take their places.
+// The builders are listed in the order in which they take their places.
 void BuildFrontHouses(StreetSite* site);
 void ParkCars(StreetSite* site);
 void BuildGarages(StreetSite* site);
@@ -96,7 +98,7 @@ void PlantTrees(StreetSite* site);
 void PaintRoad(StreetSite* site);
 void DriveMovers(const std::vector<Rigid3d>& world_from_camera, StreetSite* site);
 
-// A car's pose on the slope of the road.
+// Returns a car's pose on the slope of the road.
 Rigid3d OnRoad(const StreetGround& ground, const Eigen::Vector2d& at, const Eigen::Vector2d& ahead);
 
 }  // namespace corbslam

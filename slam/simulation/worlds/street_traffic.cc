@@ -1,4 +1,4 @@
-// Cars that drive along the path: oncoming, overtaking and leading ones.
+// Drives cars along the path: oncoming, overtaking and leading ones.
 #include <algorithm>
 #include <cmath>
 
@@ -10,11 +10,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kOtherLaneM = 3.1;  // Left of the path.
+constexpr double kOtherLaneM = 3.1;  // The other lane is left of the path.
 constexpr double kSeenAheadM = 95;   // A mover comes into being this far ahead,
 constexpr double kGoneBehindM = 25;  // and vanishes this far behind.
 constexpr double kSideClearanceM = 0.25;
-constexpr double kBuriedM = 60;  // Where movers are that aren't there.
+constexpr double kBuriedM = 60;  // Movers that aren't there lie this deep.
 constexpr double kStepS = 0.2;
 
 enum class Manner { kOncoming, kOvertaking, kLeading };
@@ -54,7 +54,8 @@ struct Drive {
   double speed = 9;
 };
 
-// Along the path and to its right at a time since the start; false once it is over.
+// Returns the place along the path and to its right at a time since the start; false once the drive
+// is over.
 bool PlaceAt(const Drive& drive, const Timeline& timeline, double start_m, double since_s,
              double* way_m, double* lateral_m) {
   const double ego_m = timeline.WayAt(drive.start_s + since_s);
@@ -68,7 +69,7 @@ bool PlaceAt(const Drive& drive, const Timeline& timeline, double start_m, doubl
       *lateral_m = -kOtherLaneM;
       return *way_m < ego_m + kSeenAheadM;
     case Manner::kLeading: {
-      // Comes into being far ahead, lets the robot come nearer, and drives off again.
+      // The car comes into being far ahead, lets the robot come nearer, and drives off again.
       const double gap = 14 + 4 * std::abs(since_s - 20);
       *way_m = ego_m + gap;
       *lateral_m = 0;
@@ -87,8 +88,8 @@ bool IsClear(const StreetSite& site, const Vector2d& at, const Vector2d& ahead,
   return clear;
 }
 
-// `whole`: only if the path is long enough for all of it; otherwise it may come from where the path
-// begins and go on behind its end.
+// With `whole` the drive is planned only if the path is long enough for all of it; otherwise it may
+// come from where the path begins and go on behind its end.
 bool PlanDrive(const Drive& drive, const Timeline& timeline, const CarPrototype& car,
                const StreetSite& site, bool whole, Mover* mover) {
   const double start_m = timeline.WayAt(drive.start_s);
@@ -143,8 +144,8 @@ void DriveMovers(const std::vector<Rigid3d>& world_from_camera, StreetSite* site
       drive.manner = i % 5 == 4   ? Manner::kLeading
                      : i % 5 == 2 ? Manner::kOvertaking
                                   : Manner::kOncoming;
-      // Each has its share of the time; those that find no room there look anywhere, and at last
-      // take less of the path.
+      // Each drive has its share of the time; a drive that finds no room there looks anywhere, and
+      // at last takes less of the path.
       const double share = timeline.end_s() / count;
       drive.start_s = attempt < kTries / 3 ? share * (i + dice.Uniform(0, 1))
                                            : dice.Uniform(0, timeline.end_s());

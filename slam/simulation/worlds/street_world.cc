@@ -7,7 +7,7 @@
 namespace corbslam {
 namespace {
 
-constexpr float kAmbient = 0.3F;  // A sunny day.
+constexpr float kAmbient = 0.3F;  // The ambient light of a sunny day.
 
 }  // namespace
 

@@ -25,8 +25,8 @@ Rigid3d PoseTowards(const Vector3d& at, double yaw_rad) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3d::UnitY())), at};
 }
 
-// Round a block twice and a half, 0.8 m a frame, uphill on one side; the second time `drift_m`
-// higher (y is down) and half a metre to the side.
+// The path goes round a block twice and a half, 0.8 m a frame, uphill on one side; the second time
+// `drift_m` higher (y is down) and half a metre to the side.
 std::vector<Rigid3d> RoundTheBlock(double drift_m) {
   std::vector<Rigid3d> poses;
   const double side = 90;
@@ -51,7 +51,7 @@ std::vector<Rigid3d> RoundTheBlock(double drift_m) {
   return poses;
 }
 
-// Distance from a point to a patch along a ray, if it hits.
+// Returns the distance from a point to a patch along a ray, if it hits.
 double HitDistance(const Patch& patch, const Rigid3d& world_from_mesh, double scale,
                    const Vector3d& from, const Vector3d& direction) {
   std::array<Vector3d, 4> corners;
@@ -59,7 +59,7 @@ double HitDistance(const Patch& patch, const Rigid3d& world_from_mesh, double sc
     corners[i] = world_from_mesh * (scale * patch.corners[i].cast<double>());
   }
   for (const auto& [b, c] : {std::pair<size_t, size_t>(1, 2), std::pair<size_t, size_t>(2, 3)}) {
-    // Möller and Trumbore.
+    // The intersection is Möller and Trumbore's.
     const Vector3d e1 = corners[b] - corners[0];
     const Vector3d e2 = corners[c] - corners[0];
     const Vector3d p = direction.cross(e2);
@@ -151,7 +151,7 @@ TEST(StreetWorld, NothingReachesIntoTheCorridorOfAnyPass) {
   const Scene scene = BuildStreetScene(poses, {});
   const StreetPath path(poses);
   const StreetGround ground(path, 1.65);
-  // Corners of whatever stands within a metre of the path and higher than a kerb, lower than
+  // Counts corners of whatever stands within a metre of the path, higher than a kerb and lower than
   // crowns and lamps.
   int wrong = 0;
   for (const Instance& instance : scene.instances) {
@@ -223,7 +223,7 @@ TEST(StreetWorld, MoversKeepTheirDistance) {
     }
   }
   EXPECT_GT(nearest, 1.5);
-  EXPECT_LT(nearest, 8);  // They do meet.
+  EXPECT_LT(nearest, 8);  // Robot and movers do meet.
 }
 
 TEST(StreetWorld, EveryNumberIsFinite) {

@@ -29,7 +29,7 @@ std::shared_ptr<const Camera> MakeCamera(bool is_metric) {
                                          .close_depth_m = is_metric ? 12.0 : 0});
 }
 
-// The descriptor that each of the world's points has for one map.
+// Returns the descriptor that each of the world's points has for one map.
 std::vector<size_t> Looks(const SyntheticWorld& world, double share_of_mistaken,
                           std::mt19937_64& random) {
   std::vector<size_t> looks(world.positions_m.size());
@@ -39,7 +39,7 @@ std::vector<size_t> Looks(const SyntheticWorld& world, double share_of_mistaken,
   for (size_t i = 0; i < looks.size(); ++i) {
     if (unit(random) < share_of_mistaken) mistaken.push_back(i);
   }
-  // Neighbours in the list swap looks: points far apart.
+  // Neighbours in the list, which are far apart in the world, swap looks.
   for (size_t k = 0; k < mistaken.size(); ++k) {
     looks[mistaken[k]] = mistaken[(k + 1) % mistaken.size()];
   }
@@ -99,7 +99,7 @@ Rigid3d Drifted(Rigid3d next_from_previous, const SyntheticMapOptions& options) 
   return next_from_previous;
 }
 
-// Keyframe and keypoint.
+// A track's entries are a keyframe and a keypoint.
 using Track = std::vector<std::pair<uint32_t, uint32_t>>;
 
 void AddPoint(const SyntheticWorld& world, size_t world_point, const Track& track,
@@ -108,7 +108,7 @@ void AddPoint(const SyntheticWorld& world, size_t world_point, const Track& trac
   MapPoint point;
   point.id = {options.local_map, static_cast<uint32_t>(result.map.points().size())};
   point.reference = reference;
-  // Where the drifting map puts it.
+  // The position is where the drifting map puts the point.
   const Eigen::Vector3d x_in_camera =
       result.true_camera_from_world.at(reference) * world.positions_m[world_point];
   point.position_in_map =

@@ -1,5 +1,5 @@
-// Preloaded into a program (LD_PRELOAD), makes a disk read-only under it: as long as the file
-// FOLDER.read_only is there, whatever would change something in FOLDER
+// This library, preloaded into a program (LD_PRELOAD), makes a disk read-only under it: as long as
+// the file FOLDER.read_only is there, whatever would change something in FOLDER
 // (CORBSLAM_TEST_DISK) is refused with EROFS, also through files that are open. The system itself
 // does so only after a disk's errors: it doesn't let anybody remount what is in use.
 #include <dlfcn.h>
@@ -16,7 +16,8 @@
 
 namespace {
 
-// Null before the program has its environment: sanitizers open their logs earlier than that.
+// Returns null before the program has its environment: sanitizers open their logs earlier than
+// that.
 const char* Folder() { return std::getenv("CORBSLAM_TEST_DISK"); }
 
 bool IsSwitchedOn() {

@@ -1,4 +1,4 @@
-// A disk that a test can fill.
+// Makes a disk that a test can fill.
 #ifndef CORBSLAM_TESTS_FAULT_DISK_SMALL_DISK_H_
 #define CORBSLAM_TESTS_FAULT_DISK_SMALL_DISK_H_
 
@@ -12,11 +12,12 @@
 
 namespace corbslam {
 
-// In memory (tmpfs). Only this thread, and the processes that it starts, see it; it goes with them.
+// The disk is in memory (tmpfs). Only this thread, and the processes that it starts, see it; it
+// goes with them.
 class SmallDisk {
  public:
-  // On the folder, which must be there. PERMISSION_DENIED where this process may not (it needs to
-  // be root); UNAVAILABLE with the system's word otherwise.
+  // Mounts the disk on the folder, which must be there. PERMISSION_DENIED where this process may
+  // not (it needs to be root); UNAVAILABLE with the system's word otherwise.
   static absl::StatusOr<std::unique_ptr<SmallDisk>> Mount(const std::string& folder,
                                                           uint64_t bytes);
   ~SmallDisk();
@@ -24,12 +25,12 @@ class SmallDisk {
   SmallDisk& operator=(const SmallDisk&) = delete;
 
   const std::string& folder() const { return folder_; }
-  // Takes what is free but for so much, and gives it back.
+  // Fills the disk but for so much.
   absl::Status Fill(uint64_t left_bytes);
   absl::Status Empty();
-  // Nobody must have a file of it open for writing.
+  // Makes the disk read-only. No process may have a file of it open for writing.
   absl::Status MakeReadOnly();
-  // For programs that were started with read_only_switch.cc, also while they write.
+  // Does the same for programs that were started with read_only_switch.cc, also while they write.
   absl::Status SwitchReadOnly(bool on);
 
  private:

@@ -32,7 +32,7 @@ ifreq RequestFor(const std::string& name) {
   return request;
 }
 
-// One setting of a device, through a socket as the system wants it.
+// Makes one setting of a device, through a socket as the system wants it.
 absl::Status Configure(const std::string& name, unsigned long setting, ifreq& request,
                        absl::string_view what) {
   const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);

@@ -1,4 +1,4 @@
-// Network devices of the namespace that the calling thread is in.
+// Handles network devices of the namespace that the calling thread is in.
 #ifndef CORBSLAM_TESTS_FAULT_NETWORK_INTERFACE_H_
 #define CORBSLAM_TESTS_FAULT_NETWORK_INTERFACE_H_
 
@@ -9,11 +9,12 @@
 
 namespace corbslam {
 
-// Switches a device on. Errors: UNAVAILABLE, naming the device and the system's word.
+// Switches a device on. UNAVAILABLE names the device and the system's word.
 absl::Status BringUp(const std::string& name);
 
-// A device whose packets this process reads and writes, from `address` to `peer` (IPv4), switched
-// on. Returns its file, which is not inherited by other programs; closing it removes the device.
+// Opens a device whose packets this process reads and writes, from `address` to `peer` (IPv4),
+// switched on. Returns its file, which is not inherited by other programs; closing it removes the
+// device.
 absl::StatusOr<int> OpenTunnel(const std::string& name, const std::string& address,
                                const std::string& peer);
 

@@ -29,7 +29,7 @@ std::optional<std::string> LinkQueue::Pop(absl::Time now) {
   while (!packets_.empty() && packets_.front().due <= now) {
     Packet packet = std::move(packets_.front());
     packets_.pop_front();
-    // What was on its way when the link went is gone too.
+    // A packet that was on its way when the link went is gone too.
     if (!shape_.IsUp(packet.due - start_)) {
       ++counts_.lost;
       continue;

@@ -1,4 +1,4 @@
-// The packets that are on their way through one direction of a link.
+// Holds the packets that are on their way through one direction of a link.
 #ifndef CORBSLAM_TESTS_FAULT_NETWORK_LINK_QUEUE_H_
 #define CORBSLAM_TESTS_FAULT_NETWORK_LINK_QUEUE_H_
 
@@ -16,21 +16,21 @@ namespace corbslam {
 
 struct LinkCounts {
   uint64_t passed = 0;
-  uint64_t lost = 0;  // By chance, for want of room, or during an outage.
+  uint64_t lost = 0;  // Packets lost by chance, for want of room, or during an outage.
 };
 
-// Knows no clock: the same packets at the same times meet the same fate. Not thread-safe.
+// The queue knows no clock: the same packets at the same times meet the same fate. Not thread-safe.
 class LinkQueue {
  public:
   // `shape` must be valid. `salt` makes the losses of several queues differ.
   LinkQueue(const LinkShape& shape, uint64_t salt, absl::Time start)
       : shape_(shape), start_(start), random_(shape.seed ^ salt), free_(start) {}
 
-  // A packet comes in. Times never fall.
+  // Takes a packet that comes in. Times never fall.
   void Push(std::string packet, absl::Time now);
-  // The next one that is through by now; none before NextDue.
+  // Returns the next packet that is through by now; none before NextDue.
   std::optional<std::string> Pop(absl::Time now);
-  // Infinite when nothing is on its way.
+  // Returns the infinite future when nothing is on its way.
   absl::Time NextDue() const;
 
   const LinkCounts& counts() const { return counts_; }
@@ -46,7 +46,7 @@ class LinkQueue {
   const LinkShape shape_;
   const absl::Time start_;
   std::mt19937_64 random_;
-  // When the last packet has left at the link's rate.
+  // Time at which the last packet has left at the link's rate.
   absl::Time free_;
   std::deque<Packet> packets_;
   LinkCounts counts_;

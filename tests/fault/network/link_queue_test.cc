@@ -32,7 +32,7 @@ TEST(LinkQueueTest, DelayHoldsEachPacketBack) {
 
 TEST(LinkQueueTest, RateSpacesPacketsAndTheRoomIsBounded) {
   LinkShape shape;
-  shape.rate = 8000;  // A thousand bytes a second.
+  shape.rate = 8000;  // The rate is a thousand bytes a second.
   shape.max_waiting_bytes = 2500;
   LinkQueue queue(shape, 0, kStart);
   for (int i = 0; i < 3; ++i) queue.Push(std::string(1000, 'x'), kStart);

@@ -1,4 +1,4 @@
-// Network namespaces: a network of its own for a robot, on the test's machine.
+// Makes network namespaces: a network of its own for a robot, on the test's machine.
 #ifndef CORBSLAM_TESTS_FAULT_NETWORK_NETWORK_NAMESPACE_H_
 #define CORBSLAM_TESTS_FAULT_NETWORK_NETWORK_NAMESPACE_H_
 
@@ -10,14 +10,15 @@
 
 namespace corbslam {
 
-// Has no name and leaves nothing behind: it goes with this object and the processes in it. All
-// calls must come from one thread.
+// A namespace has no name and leaves nothing behind: it goes with this object and the processes in
+// it. All calls must come from one thread.
 class NetworkNamespace {
  public:
-  // With its loopback device up. PERMISSION_DENIED where this process may not (it needs to be
-  // root); UNAVAILABLE with the system's word otherwise.
+  // Creates a namespace whose loopback device is up. PERMISSION_DENIED where this process may not
+  // (it needs to be root); UNAVAILABLE with the system's word otherwise.
   static absl::StatusOr<std::unique_ptr<NetworkNamespace>> Create();
-  // Likewise, and this thread stays in it, with all threads and processes that it starts.
+  // Creates one in the same way, in which this thread stays, with all threads and processes that it
+  // starts.
   static absl::Status Enter();
   ~NetworkNamespace();
   NetworkNamespace(const NetworkNamespace&) = delete;
@@ -31,7 +32,7 @@ class NetworkNamespace {
   NetworkNamespace(int own, int outside) : own_(own), outside_(outside) {}
 
   const int own_;
-  const int outside_;  // Where Create was called.
+  const int outside_;  // The namespace in which Create was called.
 };
 
 }  // namespace corbslam

@@ -23,7 +23,7 @@ namespace {
 
 constexpr size_t kMaxPacketBytes = 2048;
 
-// All that has come to a device, into the queue.
+// Reads all that has come to a device into the queue.
 void ReadPackets(int device, LinkQueue& queue) {
   std::array<char, kMaxPacketBytes> buffer;
   while (true) {
@@ -35,7 +35,7 @@ void ReadPackets(int device, LinkQueue& queue) {
 
 void WritePackets(LinkQueue& queue, int device) {
   while (const std::optional<std::string> packet = queue.Pop(absl::Now())) {
-    // A device that takes no more has lost it, as networks do.
+    // A device that takes no more has lost the packet, as networks do.
     if (write(device, packet->data(), packet->size()) < 0) continue;
   }
 }
@@ -51,7 +51,7 @@ absl::StatusOr<int> OpenEnd(NetworkNamespace* place, const std::string& name,
   return file;
 }
 
-// Of a device: each link has others, in a namespace of many links too.
+// Returns the name of a device. Each link has other names, also in a namespace of many links.
 std::string NameOf(const std::string& peer) { return absl::StrCat("t", peer); }
 
 }  // namespace

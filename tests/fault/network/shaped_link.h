@@ -1,4 +1,4 @@
-// A bad radio link between two network namespaces.
+// Makes a bad radio link between two network namespaces.
 #ifndef CORBSLAM_TESTS_FAULT_NETWORK_SHAPED_LINK_H_
 #define CORBSLAM_TESTS_FAULT_NETWORK_SHAPED_LINK_H_
 
@@ -16,15 +16,15 @@
 
 namespace corbslam {
 
-// A device in each namespace, and a thread that carries packets between the two as the shape says:
-// what `tc netem` does in the kernel, where the kernel has it. An outage swallows packets; nobody
-// is told. Goes with the object.
+// A link has a device in each namespace, and a thread that carries packets between the two as the
+// shape says: what `tc netem` does in the kernel, where the kernel has it. An outage swallows
+// packets, and nobody is told. The link goes with the object.
 class ShapedLink {
  public:
   struct Ends {
-    NetworkNamespace* here = nullptr;  // Null: the calling thread's.
+    NetworkNamespace* here = nullptr;  // Null: the calling thread's namespace.
     NetworkNamespace* there = nullptr;
-    // IPv4, not used by anything else in the two.
+    // IPv4 addresses that nothing else in the two namespaces uses.
     std::string address_here;
     std::string address_there;
   };
@@ -37,7 +37,7 @@ class ShapedLink {
   ShapedLink(const ShapedLink&) = delete;
   ShapedLink& operator=(const ShapedLink&) = delete;
 
-  // Of both directions together.
+  // Returns the counts of both directions together.
   LinkCounts counts() const;
 
  private:
@@ -46,7 +46,7 @@ class ShapedLink {
 
   const int here_;
   const int there_;
-  const int stop_;  // An eventfd.
+  const int stop_;  // An eventfd that ends the thread.
   mutable absl::Mutex mutex_;
   LinkCounts counts_ ABSL_GUARDED_BY(mutex_);
   std::thread thread_;

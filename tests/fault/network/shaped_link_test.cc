@@ -19,7 +19,7 @@ namespace {
 
 constexpr char kHere[] = "10.78.0.1";
 constexpr char kThere[] = "10.78.0.2";
-constexpr int kPort = 5000;  // In networks where nobody else is.
+constexpr int kPort = 5000;  // A port in networks where nobody else is.
 
 sockaddr_in Address(const char* text) {
   sockaddr_in address = {};
@@ -29,7 +29,7 @@ sockaddr_in Address(const char* text) {
   return address;
 }
 
-// Datagrams, so that nothing is repaired.
+// The test sends datagrams, so that nothing is repaired.
 class Socket {
  public:
   explicit Socket(const char* address) : file_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -46,7 +46,7 @@ class Socket {
                      reinterpret_cast<const sockaddr*>(&address), sizeof(address)),
               static_cast<ssize_t>(text.size()));
   }
-  // Empty when nothing comes for half a second.
+  // Returns an empty text when nothing comes for half a second.
   std::string Receive() const {
     std::array<char, 2000> buffer;
     const ssize_t bytes = recv(file_, buffer.data(), buffer.size(), 0);
