@@ -10,6 +10,8 @@ namespace {
 
 class MemoryLimitTest : public ::testing::Test {
  protected:
+  // An earlier run's files are no part of this one's.
+  void SetUp() override { std::filesystem::remove_all(root_); }
   void Write(const std::string& file, const std::string& text) {
     const std::filesystem::path path = root_ + file;
     std::filesystem::create_directories(path.parent_path());
