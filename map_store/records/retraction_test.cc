@@ -1,4 +1,6 @@
 // What somebody takes back is gone with all that followed from it, and is not believed again.
+#include "map_store/records/retraction.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +11,6 @@
 #include <vector>
 
 #include "map_store/map_store.h"
-#include "map_store/records/retraction.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
