@@ -145,7 +145,8 @@ TEST_F(MapWatcherTest, HoldsTheMapThroughAllThatHappensToIt) {
   Fuse();
   Check();
   uint64_t accepted = 0;
-  for (const OverlapInfo& overlap : store_.ListOverlaps(kMission, {}, {})->items) {
+  const auto overlaps = store_.ListOverlaps(kMission, {}, {});
+  for (const OverlapInfo& overlap : overlaps->items) {
     if (overlap.overlap.IsAccepted()) accepted = overlap.id;
   }
   ASSERT_NE(accepted, 0u);
