@@ -256,11 +256,10 @@ size_t CountAdjusted(const RevisionPlan& plan, const MissionState& state,
   return count;
 }
 
-// Keyframes that stand by more than `threshold_px` elsewhere than they did, and those that their
-// owners had displaced.
+// Keyframes that the plan puts by more than `threshold_px` elsewhere than they stood.
 std::set<KeyframeId> FindMoved(const RevisionPlan& plan, double threshold_px,
                                const MissionState& state) {
-  std::set<KeyframeId> moved = state.global.islands.at(plan.target).displaced;
+  std::set<KeyframeId> moved;
   for (const auto& [id, planned] : plan.keyframes) {
     const auto placed = state.global.keyframes.find(id);
     const Keyframe* keyframe = state.FindKeyframe(id);
@@ -426,6 +425,10 @@ void CommitRevision(const RevisionPlan& plan, RevisionLayers& layers, MissionSta
   MergeLandmarks(plan, state);
   Island& island = state.global.islands.at(plan.target);
   island.fused = true;
+  if (plan.IsWelding()) {
+    island.moved.merge(layers.moved);
+    island.moved.insert(island.displaced.begin(), island.displaced.end());
+  }
   island.displaced = std::move(layers.displaced);
   for (const LocalMapId& id : island.local_maps) {
     const auto frame = layers.island_from_local.find(id);

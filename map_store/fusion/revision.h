@@ -50,8 +50,7 @@ struct RevisionLayers {
   std::map<LocalMapId, Similarity3d> island_from_local;  // Of the local maps of the plan's islands.
   // Of the target: what owners moved while the worker was busy.
   std::set<KeyframeId> displaced;
-  // Of a welding: keyframes that it moves by more than the options' residual, and those that owners
-  // had displaced.
+  // Of a welding: keyframes that it moves by more than the options' residual.
   std::set<KeyframeId> moved;
   // Of an adjustment: how many keyframes of the target are placed or culled then.
   size_t adjusted = 0;

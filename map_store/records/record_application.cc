@@ -90,7 +90,6 @@ bool Apply(const FuseRecord& record, RevisionLayers& layers, MissionState& state
   const bool merged = plan.source.IsValid();
   CommitRevision(plan, layers, state);
   Island& island = state.global.islands.at(plan.target);
-  island.moved.merge(layers.moved);
   const bool urgent = IsUrgent(record, state);
   for (const LocalMapId& id : record.relaxed) island.relaxed.erase(id);
   island.overlaps_since_adjustment += plan.overlaps.size();
