@@ -9,10 +9,10 @@
 #include "absl/synchronization/mutex.h"
 #include "services/convert/resource_names.h"
 #include "services/convert/status.h"
-#include "services/logging/log_fields.h"
 #include "services/map_store_service/lookups_to_proto.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/map_store_service/read_timer.h"
+#include "services/observe/logging/log_fields.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {

@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "services/tool/report/report.h"
+#include "services/tool/report/report_cost.h"
+
+namespace corbslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Null where there is no value.
+Json OrNull(const std::optional<double>& value) {
+  return value.has_value() ? Json(*value) : Json(nullptr);
+}
+
+Json ToJson(const Spread& spread) {
+  return {{"median", spread.median}, {"mean", spread.mean}, {"p99", spread.p99}};
+}
+
+Json ToJson(const ReportWarning& warning) {
+  return {{"robot", warning.robot.empty() ? Json(nullptr) : Json(warning.robot)},
+          {"code", warning.code},
+          {"text", warning.text}};
+}
+
+Json ToJson(const RobotReport& robot) {
+  return {{"name", robot.name},
+          {"source", robot.source},
+          {"source_description", robot.source_description},
+          {"frames", robot.frames},
+          {"tracked", robot.tracked},
+          {"dropped", robot.dropped},
+          {"lost", robot.lost},
+          {"left_out", robot.left_out},
+          {"pictures_s", robot.pictures_s},
+          {"local_maps", robot.local_maps},
+          {"first_upload_s", OrNull(robot.first_upload_s)},
+          {"shared",
+           {{"keyframes_held", robot.keyframes_held},
+            {"points_matched_percent", robot.points_matched_percent},
+            {"loops_closed", robot.shared_loops_closed}}},
+          {"loops_closed", robot.loops_closed},
+          {"keyframes", robot.keyframes},
+          {"map_points", robot.map_points},
+          {"ate_m", OrNull(robot.ate_m)},
+          {"ate_from_frame_m", OrNull(robot.ate_from_frame_m)},
+          {"ate_global_m", OrNull(robot.ate_global_m)},
+          {"t_rel_percent", OrNull(robot.t_rel_percent)},
+          {"r_rel_deg_per_100m", OrNull(robot.r_rel_deg_per_100m)},
+          {"tracking_ms", ToJson(robot.tracking_ms)},
+          {"local_ba_ms", robot.local_ba_ms.median},
+          {"local_ba",
+           {{"count", robot.local_ba_count},
+            {"mean_ms", robot.local_ba_ms.mean},
+            {"p99_ms", robot.local_ba_ms.p99}}},
+          {"peak_rss_mb", OrNull(robot.peak_rss_mb)},
+          {"cpu_s", OrNull(robot.cpu_s)},
+          {"bytes_up", robot.bytes_up},
+          {"bytes_down", robot.bytes_down}};
+}
+
+Json ToJson(const FusedReport& fused) {
+  return {{"islands", fused.islands},
+          {"robots", fused.robots},
+          {"keyframes", fused.keyframes},
+          {"map_points", fused.map_points},
+          {"ate_m", OrNull(fused.ate_m)},
+          {"ate_from_frame_m", OrNull(fused.ate_from_frame_m)},
+          {"ate_without_scale_m", OrNull(fused.ate_without_scale_m)},
+          {"scale", OrNull(fused.scale)},
+          {"t_rel_percent", OrNull(fused.t_rel_percent)},
+          {"r_rel_deg_per_100m", OrNull(fused.r_rel_deg_per_100m)}};
+}
+
+Json ToJson(const AdjustmentReport& adjustment) {
+  return {{"keyframes", adjustment.keyframes},
+          {"map_points", adjustment.map_points},
+          {"iterations", adjustment.iterations},
+          {"ms", adjustment.ms}};
+}
+
+Json ToJson(const TransferReport& transfer) {
+  return {{"count", transfer.count}, {"bytes", transfer.bytes}, {"ms", transfer.ms}};
+}
+
+Json ToJson(const std::optional<RobotMinuteCost>& cost) {
+  if (!cost.has_value()) return nullptr;
+  return {{"pictures_s", cost->pictures_s},
+          {"robot_cpu_s", OrNull(cost->robot_cpu_s)},
+          {"servers_cpu_s", Json(cost->servers_cpu_s)},
+          {"global_adjustments", cost->global_adjustments}};
+}
+
+template <typename T>
+Json ToJsonArray(const std::vector<T>& items) {
+  Json array = Json::array();
+  for (const T& item : items) array.push_back(ToJson(item));
+  return array;
+}
+
+}  // namespace
+
+Spread ComputeSpread(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const size_t count = values.size();
+  const auto p99 = static_cast<size_t>(std::ceil(0.99 * static_cast<double>(count))) - 1;
+  return {(values[(count - 1) / 2] + values[count / 2]) / 2,
+          std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(count),
+          values[p99]};
+}
+
+std::vector<ReportWarning> AllWarnings(const RunReport& report) {
+  std::vector<ReportWarning> all;
+  for (const RobotReport& robot : report.robots) {
+    for (ReportWarning warning : robot.warnings) {
+      warning.robot = robot.name;
+      all.push_back(std::move(warning));
+    }
+  }
+  all.insert(all.end(), report.warnings.begin(), report.warnings.end());
+  return all;
+}
+
+nlohmann::ordered_json ToJson(const RunReport& report) {
+  Json servers = Json::object();
+  for (const auto& [name, server] : report.servers) {
+    servers[name] = {{"peak_rss_mb", server.peak_rss_mb}, {"cpu_s", server.cpu_s}};
+  }
+  return {{"mission", report.mission},
+          {"pace", report.pace},
+          {"from_frame", report.from_frame},
+          {"robots", ToJsonArray(report.robots)},
+          {"warnings", ToJsonArray(AllWarnings(report))},
+          {"fused", ToJson(report.fused)},
+          {"overlaps",
+           {{"queried", report.overlaps.queried},
+            {"verified", report.overlaps.verified},
+            {"accepted", report.overlaps.accepted}}},
+          {"merge_ms", report.merge_ms},
+          {"global_ba_ms", ToJsonArray(report.global_ba_ms)},
+          {"transfer",
+           {{"full_keyframes", ToJson(report.full_keyframes)},
+            {"full_map_points", ToJson(report.full_map_points)},
+            {"light_keyframes", ToJson(report.light_keyframes)},
+            {"light_map_points", ToJson(report.light_map_points)}}},
+          {"servers", servers},
+          {"per_robot_minute", ToJson(ComputeRobotMinuteCost(report))},
+          {"wall_s", report.wall_s},
+          {"version", report.version},
+          {"command", report.command}};
+}
+
+}  // namespace corbslam
