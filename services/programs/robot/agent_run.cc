@@ -2,19 +2,13 @@
 
 #include <glog/logging.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
-#include <numeric>
 #include <optional>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "services/programs/robot/pictures_time.h"
-#include "services/programs/robot/source_json.h"
 #include "services/server/process_usage.h"
 #include "slam/util/status_macros.h"
 
@@ -41,28 +35,6 @@ class Schedule {
   const ImageSource& source_;
   const absl::Time start_;
 };
-
-nlohmann::ordered_json Spread(std::vector<double> values) {
-  if (values.empty()) return {{"median", 0.0}, {"mean", 0.0}, {"p99", 0.0}};
-  std::sort(values.begin(), values.end());
-  const size_t count = values.size();
-  const auto p99 = static_cast<size_t>(std::ceil(0.99 * static_cast<double>(count))) - 1;
-  return {{"median", (values[(count - 1) / 2] + values[count / 2]) / 2},
-          {"mean", std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(count)},
-          {"p99", values[p99]}};
-}
-
-nlohmann::ordered_json ToJson(const HeldBack& held) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  for (size_t kind = 0; kind < kUpdateKinds; ++kind) {
-    json[kUpdateKindNames[kind]] = held.items[kind];
-  }
-  return json;
-}
-
-}  // namespace
-
-namespace {
 
 // Of a source whose Next has just returned: says what it passed over.
 void TellLeftOut(const ImageSource& source, PlayedFrames& frames) {
@@ -138,46 +110,17 @@ SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agen
   return warnings;
 }
 
-std::string StatisticsJson(const RunStatistics& run, const Agent& agent) {
-  using Json = nlohmann::ordered_json;
-  const AgentStatus status = agent.GetStatus();
-  const AgentTimings timings = agent.GetTimings();
-  const Json local_ba = Spread(timings.local_ba_ms);
-  const Json statistics = {
-      {"name", run.name},
-      {"frames", run.played.played + run.played.dropped},
-      {"tracked", status.tracked},
-      {"dropped", run.played.dropped},
-      {"left_out", run.played.left_out},
-      {"pictures_s", run.played.time_s},
-      {"lost", status.lost},
-      {"local_maps", status.local_maps},
-      {"first_upload_s", status.first_upload_s ? Json(*status.first_upload_s) : Json(nullptr)},
-      {"shared",
-       {{"keyframes_held", status.foreign_keyframes},
-        {"points_matched_percent", status.foreign_points_percent},
-        {"loops_closed", status.foreign_loops_closed}}},
-      {"loops_closed", status.loops_closed},
-      {"keyframes", status.keyframes},
-      {"map_points", status.map_points},
-      {"tracking_ms", Spread(timings.tracking_ms)},
-      {"local_ba_ms", local_ba["median"]},
-      {"local_ba",
-       {{"count", timings.local_ba_ms.size()},
-        {"mean_ms", local_ba["mean"]},
-        {"p99_ms", local_ba["p99"]}}},
-      {"peak_rss_mb", static_cast<double>(GetProcessUsage().peak_rss_bytes) / (1 << 20)},
-      {"outbox",
-       {{"batches", status.upload.batches},
-        {"memory_bytes", status.upload.memory_bytes},
-        {"spool_bytes", status.upload.spool_bytes},
-        {"lost_local_maps", status.upload.lost_local_maps}}},
-      {"held_back", ToJson(status.upload.held_back)},
-      {"bytes_up", run.bytes_up},
-      {"bytes_down", run.bytes_down},
-      {"source_description", ToJson(run.source)},
-      {"warnings", ToJson(run.warnings)}};
-  return statistics.dump(2) + "\n";
+void AddRun(const ImageSource& source, const PlayedFrames& played, const SourceFindings& warnings,
+            RobotReport& report) {
+  const uint64_t frames = played.played + played.dropped;
+  report.frames = static_cast<int>(frames);
+  report.dropped = static_cast<int>(played.dropped);
+  report.left_out = static_cast<int>(played.left_out);
+  report.pictures_s = PicturesTime_s(source, frames);
+  report.warnings = ToReportWarnings(warnings);
+  const ProcessUsage usage = GetProcessUsage();
+  report.peak_rss_mb = static_cast<double>(usage.peak_rss_bytes) / (1 << 20);
+  report.cpu_s = usage.cpu_s;
 }
 
 }  // namespace corbslam

@@ -10,6 +10,7 @@
 #include "absl/synchronization/notification.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/image_source.h"
+#include "services/programs/robot/robot_report.h"
 
 namespace corbslam {
 
@@ -22,7 +23,6 @@ struct PlayedFrames {
   uint64_t played = 0;
   uint64_t dropped = 0;
   uint64_t left_out = 0;  // They could not be read.
-  double time_s = 0;      // That the camera took for those played and dropped.
 };
 
 // Until the last frame, or until `stop`. `on_frame` hears each result and the frames dropped so
@@ -38,17 +38,10 @@ absl::Status PlaySource(
 SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agent,
                                const ImageSource& source, const PlayedFrames& played);
 
-struct RunStatistics {
-  std::string name;
-  PlayedFrames played;
-  uint64_t bytes_up = 0;
-  uint64_t bytes_down = 0;
-  SourceDescription source;
-  SourceFindings warnings;
-};
-
-// The agent's part of report.json (docs/report.md) as JSON text.
-std::string StatisticsJson(const RunStatistics& run, const Agent& agent);
+// What the run adds to the report of the agent that played: its frames and the time they took, what
+// looked wrong and what this process used.
+void AddRun(const ImageSource& source, const PlayedFrames& played, const SourceFindings& warnings,
+            RobotReport& report);
 
 }  // namespace corbslam
 

@@ -1,27 +1,20 @@
-#include "services/tool/report/agent_report.h"
+#include "services/programs/robot/robot_report.h"
 
-#include "absl/strings/str_cat.h"
+#include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace corbslam {
-namespace {
 
-// May throw nlohmann::json::exception.
-Spread ParseSpread(const nlohmann::json& json) {
-  return {json.at("median").get<double>(), json.at("mean").get<double>(),
-          json.at("p99").get<double>()};
+Spread ComputeSpread(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const size_t count = values.size();
+  const auto p99 = static_cast<size_t>(std::ceil(0.99 * static_cast<double>(count))) - 1;
+  return {(values[(count - 1) / 2] + values[count / 2]) / 2,
+          std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(count),
+          values[p99]};
 }
-
-// Likewise.
-std::vector<ReportWarning> ParseWarnings(const nlohmann::json& json) {
-  std::vector<ReportWarning> warnings;
-  for (const nlohmann::json& warning : json) {
-    warnings.push_back(
-        {"", warning.at("code").get<std::string>(), warning.at("text").get<std::string>()});
-  }
-  return warnings;
-}
-
-}  // namespace
 
 RobotReport MakeRobotReport(const Agent& agent) {
   const AgentStatus status = agent.GetStatus();
@@ -41,48 +34,18 @@ RobotReport MakeRobotReport(const Agent& agent) {
   report.tracking_ms = ComputeSpread(timings.tracking_ms);
   report.local_ba_ms = ComputeSpread(timings.local_ba_ms);
   report.local_ba_count = static_cast<int>(timings.local_ba_ms.size());
+  report.outbox = {status.upload.batches, status.upload.memory_bytes, status.upload.spool_bytes,
+                   status.upload.lost_local_maps};
+  report.held_back = status.upload.held_back.items;
   return report;
 }
 
 std::vector<ReportWarning> ToReportWarnings(const SourceFindings& findings) {
   std::vector<ReportWarning> warnings;
-  for (const SourceFinding& finding : findings)
+  for (const SourceFinding& finding : findings) {
     warnings.push_back({"", finding.code, finding.text});
-  return warnings;
-}
-
-absl::StatusOr<RobotReport> ParseRobotReport(const nlohmann::json& json) {
-  try {
-    RobotReport report;
-    json.at("frames").get_to(report.frames);
-    json.at("tracked").get_to(report.tracked);
-    json.at("dropped").get_to(report.dropped);
-    json.at("lost").get_to(report.lost);
-    json.at("left_out").get_to(report.left_out);
-    json.at("pictures_s").get_to(report.pictures_s);
-    report.source_description = json.at("source_description");
-    report.warnings = ParseWarnings(json.at("warnings"));
-    json.at("local_maps").get_to(report.local_maps);
-    if (const auto& first = json.at("first_upload_s"); !first.is_null()) {
-      report.first_upload_s = first.get<double>();
-    }
-    json.at("shared").at("keyframes_held").get_to(report.keyframes_held);
-    json.at("shared").at("points_matched_percent").get_to(report.points_matched_percent);
-    json.at("shared").at("loops_closed").get_to(report.shared_loops_closed);
-    json.at("loops_closed").get_to(report.loops_closed);
-    json.at("keyframes").get_to(report.keyframes);
-    json.at("map_points").get_to(report.map_points);
-    report.tracking_ms = ParseSpread(json.at("tracking_ms"));
-    report.local_ba_ms = {json.at("local_ba_ms").get<double>(),
-                          json.at("local_ba").at("mean_ms").get<double>(),
-                          json.at("local_ba").at("p99_ms").get<double>()};
-    json.at("local_ba").at("count").get_to(report.local_ba_count);
-    json.at("bytes_up").get_to(report.bytes_up);
-    json.at("bytes_down").get_to(report.bytes_down);
-    return report;
-  } catch (const nlohmann::json::exception& exception) {
-    return absl::DataLossError(absl::StrCat("an agent's statistics: ", exception.what()));
   }
+  return warnings;
 }
 
 }  // namespace corbslam

@@ -9,57 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "services/programs/robot/robot_report.h"
+
 namespace corbslam {
-
-struct Spread {
-  double median = 0;
-  double mean = 0;
-  double p99 = 0;
-};
-// Zeros without values.
-Spread ComputeSpread(std::vector<double> values);
-
-// Something that looks wrong; docs/sources.md lists the codes.
-struct ReportWarning {
-  std::string robot;  // Empty: of the run as a whole.
-  std::string code;
-  std::string text;
-};
-
-struct RobotReport {
-  std::string name;
-  std::string source;
-  // What the robot knew of its source (services/programs/source_json.h); null where it didn't get
-  // as far.
-  nlohmann::ordered_json source_description;
-  std::vector<ReportWarning> warnings;
-  int frames = 0;
-  int tracked = 0;
-  int dropped = 0;
-  int lost = 0;
-  int left_out = 0;       // Frames that could not be read.
-  double pictures_s = 0;  // That its camera took for `frames`.
-  int local_maps = 0;
-  std::optional<double> first_upload_s;
-  int keyframes_held = 0;
-  double points_matched_percent = 0;
-  int shared_loops_closed = 0;
-  int loops_closed = 0;
-  int keyframes = 0;
-  int map_points = 0;
-  std::optional<double> ate_m;
-  std::optional<double> ate_from_frame_m;
-  std::optional<double> ate_global_m;
-  std::optional<double> t_rel_percent;
-  std::optional<double> r_rel_deg_per_100m;
-  Spread tracking_ms;
-  Spread local_ba_ms;
-  int local_ba_count = 0;
-  std::optional<double> peak_rss_mb;
-  std::optional<double> cpu_s;
-  uint64_t bytes_up = 0;
-  uint64_t bytes_down = 0;
-};
 
 struct FusedReport {
   int islands = 0;

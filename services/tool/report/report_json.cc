@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "services/tool/report/report.h"
@@ -16,50 +13,10 @@ Json OrNull(const std::optional<double>& value) {
   return value.has_value() ? Json(*value) : Json(nullptr);
 }
 
-Json ToJson(const Spread& spread) {
-  return {{"median", spread.median}, {"mean", spread.mean}, {"p99", spread.p99}};
-}
-
 Json ToJson(const ReportWarning& warning) {
   return {{"robot", warning.robot.empty() ? Json(nullptr) : Json(warning.robot)},
           {"code", warning.code},
           {"text", warning.text}};
-}
-
-Json ToJson(const RobotReport& robot) {
-  return {{"name", robot.name},
-          {"source", robot.source},
-          {"source_description", robot.source_description},
-          {"frames", robot.frames},
-          {"tracked", robot.tracked},
-          {"dropped", robot.dropped},
-          {"lost", robot.lost},
-          {"left_out", robot.left_out},
-          {"pictures_s", robot.pictures_s},
-          {"local_maps", robot.local_maps},
-          {"first_upload_s", OrNull(robot.first_upload_s)},
-          {"shared",
-           {{"keyframes_held", robot.keyframes_held},
-            {"points_matched_percent", robot.points_matched_percent},
-            {"loops_closed", robot.shared_loops_closed}}},
-          {"loops_closed", robot.loops_closed},
-          {"keyframes", robot.keyframes},
-          {"map_points", robot.map_points},
-          {"ate_m", OrNull(robot.ate_m)},
-          {"ate_from_frame_m", OrNull(robot.ate_from_frame_m)},
-          {"ate_global_m", OrNull(robot.ate_global_m)},
-          {"t_rel_percent", OrNull(robot.t_rel_percent)},
-          {"r_rel_deg_per_100m", OrNull(robot.r_rel_deg_per_100m)},
-          {"tracking_ms", ToJson(robot.tracking_ms)},
-          {"local_ba_ms", robot.local_ba_ms.median},
-          {"local_ba",
-           {{"count", robot.local_ba_count},
-            {"mean_ms", robot.local_ba_ms.mean},
-            {"p99_ms", robot.local_ba_ms.p99}}},
-          {"peak_rss_mb", OrNull(robot.peak_rss_mb)},
-          {"cpu_s", OrNull(robot.cpu_s)},
-          {"bytes_up", robot.bytes_up},
-          {"bytes_down", robot.bytes_down}};
 }
 
 Json ToJson(const FusedReport& fused) {
@@ -102,16 +59,6 @@ Json ToJsonArray(const std::vector<T>& items) {
 }
 
 }  // namespace
-
-Spread ComputeSpread(std::vector<double> values) {
-  if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
-  const size_t count = values.size();
-  const auto p99 = static_cast<size_t>(std::ceil(0.99 * static_cast<double>(count))) - 1;
-  return {(values[(count - 1) / 2] + values[count / 2]) / 2,
-          std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(count),
-          values[p99]};
-}
 
 std::vector<ReportWarning> AllWarnings(const RunReport& report) {
   std::vector<ReportWarning> all;

@@ -11,8 +11,8 @@
 #include "client_agent/source/frame_reader.h"
 #include "corbslam/v1/agent_service.grpc.pb.h"
 #include "services/client/remote/channel.h"
+#include "services/programs/robot/robot_report.h"
 #include "services/runtime/child_process.h"
-#include "services/tool/report/agent_report.h"
 #include "services/tool/run/mission_run.h"
 #include "slam/util/status_macros.h"
 
@@ -219,8 +219,8 @@ void ProcessRun::ShowProgress(const std::string& stage) {
 
 absl::StatusOr<RobotReport> ReadStatistics(const RunningAgent& agent) {
   std::ifstream file(agent.statistics_path);
-  const nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
-  if (!json.is_discarded()) return ParseRobotReport(json);
+  const auto json = nlohmann::ordered_json::parse(file, nullptr, false);
+  if (!json.is_discarded()) return RobotReportFromJson(json);
   return absl::DataLossError(
       absl::StrCat(agent.plan.name, " left no statistics in ", agent.statistics_path));
 }
