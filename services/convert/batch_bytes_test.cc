@@ -5,7 +5,7 @@
 #include <random>
 
 #include "services/convert/limits.h"
-#include "services/convert/test_data.h"
+#include "services/convert/testing/test_data.h"
 
 namespace corbslam {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "services/convert/limits.h"
-#include "services/convert/test_data.h"
+#include "services/convert/testing/test_data.h"
 #include "slam/coding/testing/plausible_features.h"
 
 namespace corbslam {

@@ -72,6 +72,8 @@ std::string OverlapName(absl::string_view mission, uint64_t overlap) {
   return absl::StrCat("missions/", mission, "/overlaps/", overlap);
 }
 
+std::string LastSegment(const std::string& name) { return name.substr(name.rfind('/') + 1); }
+
 absl::Status CheckNameSegment(absl::string_view field, absl::string_view segment) {
   const auto fits = [](char c) {
     return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_';

@@ -18,6 +18,9 @@ std::string LocalMapName(absl::string_view mission, LocalMapId local_map);
 std::string KeyframeName(absl::string_view mission, KeyframeId keyframe);
 std::string OverlapName(absl::string_view mission, uint64_t overlap);
 
+// "alpha" of "missions/lab/agents/alpha"; the whole name where it has no slash.
+std::string LastSegment(const std::string& name);
+
 struct AgentPath {
   std::string mission;
   std::string agent;  // Empty for "-", all.

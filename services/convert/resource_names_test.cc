@@ -45,6 +45,12 @@ TEST(ResourceNamesTest, OthersAreRefusedWithTheFormThatIsWanted) {
   }
 }
 
+TEST(ResourceNamesTest, LastSegmentIsWhatComesAfterTheLastSlash) {
+  EXPECT_EQ(LastSegment("missions/lab/agents/alpha"), "alpha");
+  EXPECT_EQ(LastSegment("alpha"), "alpha");
+  EXPECT_EQ(LastSegment("missions/"), "");
+}
+
 TEST(ResourceNamesTest, HostileBytesAreEscapedInTheMessage) {
   const absl::Status status = ParseMissionName("missions/\x01\n\xff").status();
   EXPECT_THAT(std::string(status.message()), HasSubstr("\\x01\\n\\xff"));

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "services/convert/limits.h"
-#include "services/convert/test_data.h"
+#include "services/convert/testing/test_data.h"
 
 namespace corbslam {
 namespace {

@@ -12,10 +12,10 @@
 
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
-#include "services/convert/test_data.h"
-#include "services/convert/work.h"
-#include "services/remote/channel.h"
-#include "services/remote/remote_fusion_worker.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/remote_fusion_worker.h"
+#include "services/convert/testing/test_data.h"
+#include "services/convert/work/work.h"
 #include "services/server/server.h"
 
 namespace corbslam {

@@ -14,7 +14,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "services/convert/status.h"
-#include "services/convert/work.h"
+#include "services/convert/work/work.h"
 #include "services/server/task_pool.h"
 #include "slam/util/status_macros.h"
 

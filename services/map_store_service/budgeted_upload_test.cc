@@ -6,9 +6,9 @@
 #include <random>
 
 #include "client_agent/link/store_link.h"
-#include "services/convert/test_data.h"
+#include "services/client/remote/remote_uplink.h"
+#include "services/convert/testing/test_data.h"
 #include "services/map_store_service/map_store_service.h"
-#include "services/remote/remote_uplink.h"
 #include "services/server/server.h"
 
 namespace corbslam {

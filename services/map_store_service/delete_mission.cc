@@ -1,10 +1,10 @@
 #include <glog/logging.h>
 
 #include "services/convert/resource_names.h"
-#include "services/logging/log_fields.h"
 #include "services/map_store_service/lookups_to_proto.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/map_store_service/paging.h"
+#include "services/observe/logging/log_fields.h"
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "services/client/remote/channel.h"
+#include "services/client/remote/remote_uplink.h"
 #include "services/map_store_service/map_store_service.h"
-#include "services/remote/channel.h"
-#include "services/remote/remote_uplink.h"
 #include "services/server/server.h"
 #include "services/testing/uplink_notes.h"
 

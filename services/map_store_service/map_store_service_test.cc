@@ -11,14 +11,14 @@
 #include <vector>
 
 #include "absl/time/time.h"
+#include "services/client/reflection/generic_client.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/remote_uplink.h"
 #include "services/convert/limits.h"
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"
-#include "services/convert/test_data.h"
+#include "services/convert/testing/test_data.h"
 #include "services/programs/default_vocabulary.h"
-#include "services/reflection/generic_client.h"
-#include "services/remote/channel.h"
-#include "services/remote/remote_uplink.h"
 #include "services/server/server.h"
 #include "services/testing/uplink_notes.h"
 

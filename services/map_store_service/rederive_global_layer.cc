@@ -1,8 +1,8 @@
 #include <glog/logging.h>
 
 #include "services/convert/resource_names.h"
-#include "services/logging/log_fields.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/observe/logging/log_fields.h"
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 

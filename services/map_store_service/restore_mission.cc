@@ -9,34 +9,35 @@
 #include "absl/synchronization/mutex.h"
 #include "services/convert/resource_names.h"
 #include "services/convert/status.h"
-#include "services/logging/log_fields.h"
 #include "services/map_store_service/lookups_to_proto.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/map_store_service/read_timer.h"
+#include "services/observe/logging/log_fields.h"
+#include "services/server/stream_task.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
 
-// Reads the next piece when the one before was taken. As SyncReactor: reactions note, Work works.
-class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest> {
+enum class RestoreJob { kNone, kTake, kRestore, kFinish };
+
+// Reads the next piece when the one before was taken. Owns itself.
+class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>,
+                       private StreamTask<RestoreJob> {
  public:
   using Check = std::function<absl::Status(const std::string& mission)>;
 
   RestoreReactor(MapStore& store, TaskPool& pool, StreamLimits& limits, absl::string_view peer,
                  Check may_restore, v1::Mission* response)
-      : store_(store),
-        pool_(pool),
+      : StreamTask(pool, Threads::kLookUps),
+        store_(store),
         limits_(limits.options()),
         ticket_(limits.Enter(peer)),
         may_restore_(std::move(may_restore)),
         response_(*response),
         restorer_(store.StartRestoring()) {
     if (!ticket_.ok()) {
-      {
-        absl::MutexLock lock(&mutex_);
-        finished_ = true;
-      }
+      NeverWork();
       Finish(ToGrpcStatus(ticket_.status()));
       return;
     }
@@ -52,55 +53,38 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
   void OnDone() override { delete this; }
 
  private:
-  enum class Job { kNone, kTake, kRestore, kFinish };
-
-  template <typename Change>
-  void Note(const Change& change) {
-    {
-      absl::MutexLock lock(&mutex_);
-      change();
-      if (working_ || finished_ || NextJob() == Job::kNone) return;
-      working_ = true;
-    }
-    pool_.ScheduleLookUp([this] { Work(); });
-  }
-
   void End(const absl::Status& status) {
     Note([this, &status]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
       if (!end_) end_ = status;
     });
   }
 
-  Job NextJob() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    if (end_) return Job::kFinish;
-    if (has_piece_) return Job::kTake;
-    return read_to_end_ ? Job::kRestore : Job::kNone;
+  RestoreJob NextJob() const override ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    if (end_) return RestoreJob::kFinish;
+    if (has_piece_) return RestoreJob::kTake;
+    return read_to_end_ ? RestoreJob::kRestore : RestoreJob::kNone;
   }
 
-  void Work() {
-    while (true) {
-      Job job;
-      absl::Status end;
-      {
-        absl::MutexLock lock(&mutex_);
-        job = NextJob();
-        working_ = job != Job::kNone;
-        finished_ = job == Job::kFinish;
-        if (end_) end = *end_;
-      }
-      if (job == Job::kNone) return;
-      if (job == Job::kTake) TakePiece();
-      if (job == Job::kRestore) {
-        timer_.Disarm();
-        const absl::Status restored = Restore();
-        absl::MutexLock lock(&mutex_);
-        if (!end_) end_ = restored;
-      }
-      if (job != Job::kFinish) continue;
-      if (ticket_.ok()) ticket_->reset();
-      // The reactor may be gone once this is called.
-      return Finish(ToGrpcStatus(end));
+  void DoJob(RestoreJob job) override {
+    if (job == RestoreJob::kTake) TakePiece();
+    if (job == RestoreJob::kRestore) {
+      timer_.Disarm();
+      const absl::Status restored = Restore();
+      absl::MutexLock lock(&mutex_);
+      if (!end_) end_ = restored;
     }
+    // The reactor may be gone once this returns.
+    if (job == RestoreJob::kFinish) Leave();
+  }
+
+  void Leave() {
+    absl::Status end;
+    {
+      absl::MutexLock lock(&mutex_);
+      end = *end_;
+    }
+    if (ticket_.ok()) ticket_->reset();
+    Finish(ToGrpcStatus(end));
   }
 
   void TakePiece() {
@@ -135,23 +119,19 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
   }
 
   MapStore& store_;
-  TaskPool& pool_;
   const StreamLimitOptions& limits_;
   // An error: there were too many streams before this one.
   absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket_;
   const Check may_restore_;
   v1::Mission& response_;
-  // Of Work, and of gRPC while it reads.
+  // gRPC owns it between StartRead and OnReadDone, DoJob otherwise.
   v1::RestoreMissionRequest request_;
-  // Of Work.
+  // DoJob alone uses these.
   std::string mission_;
   MissionRestorer restorer_;
 
-  absl::Mutex mutex_;
-  bool working_ ABSL_GUARDED_BY(mutex_) = false;
   bool has_piece_ ABSL_GUARDED_BY(mutex_) = false;
   bool read_to_end_ ABSL_GUARDED_BY(mutex_) = false;
-  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
 
   // Last: ends while the rest is there.

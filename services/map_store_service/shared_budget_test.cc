@@ -8,8 +8,8 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "map_store/testing/sharing_mission.h"
+#include "services/client/remote/remote_uplink.h"
 #include "services/map_store_service/map_store_service.h"
-#include "services/remote/remote_uplink.h"
 #include "services/server/server.h"
 
 namespace corbslam {

@@ -8,11 +8,11 @@
 #include <string>
 
 #include "client_agent/link/store_link.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/remote_uplink.h"
 #include "services/convert/batch_bytes.h"
-#include "services/convert/test_data.h"
+#include "services/convert/testing/test_data.h"
 #include "services/map_store_service/map_store_service.h"
-#include "services/remote/channel.h"
-#include "services/remote/remote_uplink.h"
 #include "services/server/server.h"
 
 namespace corbslam {

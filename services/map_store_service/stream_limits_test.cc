@@ -11,7 +11,7 @@
 
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"
-#include "services/convert/test_data.h"
+#include "services/convert/testing/test_data.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/server/server.h"
 

@@ -25,30 +25,21 @@ constexpr char kBroken[] = "the stream broke: the robot's process or its link is
 SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
                          const MapStoreServiceOptions& options, OpenCheck may_open,
                          absl::string_view peer)
-    : store_(store),
-      pool_(pool),
+    : StreamTask(pool, Threads::kTasks),
+      store_(store),
       shared_bytes_(options.shared_bytes),
       observers_(options.observers),
       may_open_(std::move(may_open)),
       peer_(absl::StrReplaceAll(peer, {{"%5B", "["}, {"%5D", "]"}})),
-      link_(std::make_shared<Link>()),
       limits_(limits.options()) {
-  {
-    absl::MutexLock lock(&link_->mutex);
-    link_->reactor = this;
-  }
   absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket = limits.Enter(peer);
   if (!ticket.ok()) {
     Refuse(ticket.status());
     return;
   }
   ticket_ = *std::move(ticket);
-  const absl::Status open = ticket_->SetCloseListener([link = link_] {
-    absl::MutexLock lock(&link->mutex);
-    if (link->reactor == nullptr) return;
-    link->reactor->End(absl::UnavailableError("the map store is stopping"));
-    link->reactor->Kick();
-  });
+  const absl::Status open = ticket_->SetCloseListener(
+      link_.Guard([this] { End(absl::UnavailableError("the map store is stopping")); }));
   if (!open.ok()) {
     Refuse(open);
     return;
@@ -58,120 +49,81 @@ SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
 }
 
 void SyncReactor::Refuse(const absl::Status& status) {
-  {
-    absl::MutexLock lock(&mutex_);
-    finished_ = true;
-  }
+  NeverWork();
   ticket_.reset();
   Finish(ToGrpcStatus(status));
 }
 
 void SyncReactor::OnOverdue(const absl::Status& overdue) {
-  {
-    absl::MutexLock lock(&mutex_);
-    // It came in time, and waits for a thread.
-    if (has_request_ || read_to_end_) return;
-  }
-  End(overdue);
-  Kick();
+  Note([this, &overdue]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    // Else the message came in time, and waits for a thread.
+    if (!has_request_ && !read_to_end_ && !end_) end_ = overdue;
+  });
 }
 
 void SyncReactor::OnReadDone(bool ok) {
-  {
-    absl::MutexLock lock(&mutex_);
+  Note([this, ok]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     (ok ? has_request_ : read_to_end_) = true;
     read_at_ = absl::Now();
-  }
-  Kick();
+  });
 }
 
 void SyncReactor::OnWriteDone(bool ok) {
-  {
-    absl::MutexLock lock(&mutex_);
+  Note([this, ok]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     writing_ = false;
     replies_.pop_front();
     cancelled_ |= !ok;
-  }
-  Kick();
+  });
 }
 
 void SyncReactor::OnCancel() {
-  {
-    absl::MutexLock lock(&mutex_);
-    cancelled_ = true;
-  }
-  Kick();
+  Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { cancelled_ = true; });
 }
 
 void SyncReactor::OnShareable() {
-  {
-    absl::MutexLock lock(&mutex_);
-    shareable_ = true;
-  }
-  Kick();
+  Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { shareable_ = true; });
 }
 
 void SyncReactor::OnDone() {
-  {
-    absl::MutexLock lock(&link_->mutex);
-    link_->reactor = nullptr;
-  }
+  link_.Cut();
   delete this;
 }
 
-void SyncReactor::Kick() {
+SyncJob SyncReactor::NextJob() const {
+  if (cancelled_) return writing_ ? SyncJob::kNone : SyncJob::kFinish;
+  if (!writing_ && !replies_.empty()) return SyncJob::kWrite;
+  if (end_) return writing_ ? SyncJob::kNone : SyncJob::kFinish;
+  if (has_request_ && replies_.size() < kMaxReplies) return SyncJob::kRequest;
+  if (read_to_end_ && !has_request_) return writing_ ? SyncJob::kNone : SyncJob::kFinish;
+  if (shareable_ && !paced_ && replies_.empty()) return SyncJob::kShare;
+  return SyncJob::kNone;
+}
+
+void SyncReactor::BeginJob(SyncJob job) { writing_ |= job == SyncJob::kWrite; }
+
+void SyncReactor::DoJob(SyncJob job) {
+  switch (job) {
+    case SyncJob::kNone:
+      return;
+    case SyncJob::kWrite:
+      return WriteReply();
+    case SyncJob::kRequest:
+      return HandleRequest();
+    case SyncJob::kShare:
+      return Share();
+    case SyncJob::kFinish:
+      // The reactor may be gone once this is called.
+      return Finish(ToGrpcStatus(Leave()));
+  }
+}
+
+void SyncReactor::WriteReply() {
+  const grpc::ByteBuffer* reply = nullptr;
   {
     absl::MutexLock lock(&mutex_);
-    if (working_ || finished_ || NextJob() == Job::kNone) return;
-    working_ = true;
+    reply = &replies_.front();
   }
-  pool_.Schedule([this] { Work(); });
-}
-
-SyncReactor::Job SyncReactor::NextJob() const {
-  if (cancelled_) return writing_ ? Job::kNone : Job::kFinish;
-  if (!writing_ && !replies_.empty()) return Job::kWrite;
-  if (end_) return writing_ ? Job::kNone : Job::kFinish;
-  if (has_request_ && replies_.size() < kMaxReplies) return Job::kRequest;
-  if (read_to_end_ && !has_request_) return writing_ ? Job::kNone : Job::kFinish;
-  if (shareable_ && !paced_ && replies_.empty()) return Job::kShare;
-  return Job::kNone;
-}
-
-void SyncReactor::Work() {
-  while (true) {
-    Job job;
-    {
-      absl::MutexLock lock(&mutex_);
-      job = NextJob();
-      working_ = job != Job::kNone;
-      writing_ |= job == Job::kWrite;
-      finished_ |= job == Job::kFinish;
-    }
-    switch (job) {
-      case Job::kNone:
-        return;
-      case Job::kWrite: {
-        const grpc::ByteBuffer* reply = nullptr;
-        {
-          absl::MutexLock lock(&mutex_);
-          reply = &replies_.front();
-        }
-        StartWrite(reply);
-        break;
-      }
-      case Job::kRequest:
-        HandleRequest();
-        break;
-      case Job::kShare:
-        Share();
-        break;
-      case Job::kFinish:
-        // The reactor may be gone once this is called.
-        Finish(ToGrpcStatus(Leave()));
-        return;
-    }
-  }
+  StartWrite(reply);
 }
 
 absl::Status SyncReactor::Leave() {
@@ -247,10 +199,7 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   v1::SyncResponse response;
   ToProto(opened.grant, response.mutable_grant());
   Reply(response);
-  store_.SetSharedListener(opened.session_id, [link = link_] {
-    absl::MutexLock lock(&link->mutex);
-    if (link->reactor != nullptr) link->reactor->OnShareable();
-  });
+  store_.SetSharedListener(opened.session_id, link_.Guard([this] { OnShareable(); }));
   // What was shareable before anybody listened.
   absl::MutexLock lock(&mutex_);
   shareable_ = true;
@@ -313,11 +262,7 @@ bool SyncReactor::MayShare() {
 }
 
 void SyncReactor::OnBudget() {
-  {
-    absl::MutexLock lock(&mutex_);
-    paced_ = false;
-  }
-  Kick();
+  Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { paced_ = false; });
 }
 
 void SyncReactor::Share() {
@@ -371,8 +316,9 @@ void SyncReactor::Reply(const v1::SyncResponse& response) {
 }
 
 void SyncReactor::End(const absl::Status& status) {
-  absl::MutexLock lock(&mutex_);
-  if (!end_) end_ = status;
+  Note([this, &status]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (!end_) end_ = status;
+  });
 }
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MapStoreService::Sync(

@@ -27,15 +27,18 @@
 #include "services/map_store_service/stream_limits.h"
 #include "services/map_store_service/sync_observer.h"
 #include "services/map_store_service/wake_timer.h"
+#include "services/server/stream_task.h"
 #include "services/server/task_pool.h"
 
 namespace corbslam {
 
-// gRPC's reactions only note what happened; all work is done by Work, which the pool runs once at a
-// time. Back-pressure: the next message is read when the one before was applied, and the next
-// shared update is asked for when the one before was written and the budget of the agent's link has
-// paid for it. Owns itself.
-class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+enum class SyncJob { kNone, kWrite, kFinish, kRequest, kShare };
+
+// Back-pressure: the next message is read when the one before was applied, and the next shared
+// update is asked for when the one before was written and the budget of the agent's link has paid
+// for it. Owns itself.
+class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
+                    private StreamTask<SyncJob> {
  public:
   // Whether the caller may open this session.
   using OpenCheck = std::function<absl::Status(const SessionRequest&)>;
@@ -50,22 +53,15 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   void OnDone() override;
 
  private:
-  // What the store's listener holds: it may be called when the reactor is gone.
-  struct Link {
-    absl::Mutex mutex;
-    SyncReactor* reactor ABSL_GUARDED_BY(mutex) = nullptr;
-  };
-  enum class Job { kNone, kWrite, kFinish, kRequest, kShare };
-
   void OnShareable();
   void OnOverdue(const absl::Status& overdue);
   // In the constructor: nothing has begun.
   void Refuse(const absl::Status& status);
-  // Makes sure that Work will see what was noted.
-  void Kick();
-  void Work();
-  Job NextJob() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  SyncJob NextJob() const override ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  void BeginJob(SyncJob job) override ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void DoJob(SyncJob job) override;
 
+  void WriteReply();
   void HandleRequest();
   absl::Status ReadRequest(v1::SyncRequest& request);
   absl::Status Handle(const v1::SyncRequest& request);
@@ -83,20 +79,18 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   void End(const absl::Status& status);
 
   MapStore& store_;
-  TaskPool& pool_;
   const size_t shared_bytes_;
   const std::vector<SyncObserver*>& observers_;
   const OpenCheck may_open_;
   const std::string peer_;
-  const std::shared_ptr<Link> link_;
 
   const StreamLimitOptions& limits_;
   // Null: there were too many streams before this one.
   std::unique_ptr<StreamLimits::Ticket> ticket_;
 
-  // Of Work, and of gRPC while it reads.
+  // gRPC owns it between StartRead and OnReadDone, DoJob otherwise.
   grpc::ByteBuffer request_;
-  // Of Work.
+  // DoJob alone uses these.
   std::optional<uint64_t> session_id_;
   SessionAgent who_;                        // Once the session is open.
   FeatureForm form_ = FeatureForm::kPlain;  // Of what is sent.
@@ -106,8 +100,6 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   BatchTransfer transfer_;
   SharePacer pacer_;
 
-  absl::Mutex mutex_;
-  bool working_ ABSL_GUARDED_BY(mutex_) = false;
   bool has_request_ ABSL_GUARDED_BY(mutex_) = false;
   absl::Time read_at_ ABSL_GUARDED_BY(mutex_);
   bool shareable_ ABSL_GUARDED_BY(mutex_) = false;
@@ -115,7 +107,6 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   bool read_to_end_ ABSL_GUARDED_BY(mutex_) = false;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
-  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   std::deque<grpc::ByteBuffer> replies_ ABSL_GUARDED_BY(mutex_);
 

@@ -12,6 +12,7 @@
 #include "services/convert/status.h"
 #include "services/map_store_service/map_changes_to_proto.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/server/stream_task.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -20,27 +21,22 @@ namespace {
 // Keyframes and points that are read under one lock: some two milliseconds.
 constexpr size_t kItemsInAPiece = 5000;
 
-// As SyncReactor: reactions note, Work works.
-class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
+enum class WatchJob { kNone, kWrite, kFinish, kLook };
+
+// Sends what changed once the part before was written. Owns itself.
+class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse>,
+                        private StreamTask<WatchJob> {
  public:
   WatchMapReactor(MapStore& store, TaskPool& pool, const v1::WatchMapRequest& request,
                   absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket)
-      : store_(store),
-        pool_(pool),
+      : StreamTask(pool, Threads::kLookUps),
+        store_(store),
         name_(request.mission()),
         watcher_(request.from_version(), request.include_points()),
-        ticket_(std::move(ticket)),
-        link_(std::make_shared<Link>()) {
-    {
-      absl::MutexLock lock(&link_->mutex);
-      link_->reactor = this;
-    }
+        ticket_(std::move(ticket)) {
     ListenForClose();
     if (!ticket_.ok()) {
-      {
-        absl::MutexLock lock(&mutex_);
-        finished_ = true;
-      }
+      NeverWork();
       Finish(ToGrpcStatus(ticket_.status()));
       return;
     }
@@ -58,70 +54,47 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
     Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { cancelled_ = true; });
   }
   void OnDone() override {
-    {
-      absl::MutexLock lock(&link_->mutex);
-      link_->reactor = nullptr;
-    }
+    link_.Cut();
     delete this;
   }
 
  private:
-  struct Link {
-    absl::Mutex mutex;
-    WatchMapReactor* reactor ABSL_GUARDED_BY(mutex) = nullptr;
-  };
-  enum class Job { kNone, kWrite, kFinish, kLook };
-
   void ListenForClose() {
     if (!ticket_.ok()) return;
-    const absl::Status open = (*ticket_)->SetCloseListener([link = link_] {
-      absl::MutexLock lock(&link->mutex);
-      if (link->reactor != nullptr) link->reactor->OnClose();
-    });
+    const absl::Status open = (*ticket_)->SetCloseListener(link_.Guard([this] { OnClose(); }));
     if (!open.ok()) ticket_ = open;
   }
 
-  template <typename Change>
-  void Note(const Change& change) {
+  WatchJob NextJob() const override ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    if (writing_) return WatchJob::kNone;
+    if (cancelled_ || end_) return WatchJob::kFinish;
+    if (!parts_.empty()) return WatchJob::kWrite;
+    return changed_ ? WatchJob::kLook : WatchJob::kNone;
+  }
+
+  void BeginJob(WatchJob job) override ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (job == WatchJob::kWrite) writing_ = true;
+    if (job == WatchJob::kLook) changed_ = false;
+  }
+
+  void DoJob(WatchJob job) override {
+    if (job == WatchJob::kWrite) WritePart();
+    if (job == WatchJob::kLook) {
+      const absl::Status status = Look();
+      absl::MutexLock lock(&mutex_);
+      if (!status.ok()) end_ = status;
+    }
+    // The reactor may be gone once this returns.
+    if (job == WatchJob::kFinish) End();
+  }
+
+  void WritePart() {
+    const v1::WatchMapResponse* part = nullptr;
     {
       absl::MutexLock lock(&mutex_);
-      change();
-      if (working_ || finished_ || NextJob() == Job::kNone) return;
-      working_ = true;
+      part = &parts_.front();
     }
-    pool_.ScheduleLookUp([this] { Work(); });
-  }
-
-  Job NextJob() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    if (writing_) return Job::kNone;
-    if (cancelled_ || end_) return Job::kFinish;
-    if (!parts_.empty()) return Job::kWrite;
-    return changed_ ? Job::kLook : Job::kNone;
-  }
-
-  void Work() {
-    while (true) {
-      Job job;
-      const v1::WatchMapResponse* part = nullptr;
-      {
-        absl::MutexLock lock(&mutex_);
-        job = NextJob();
-        working_ = job != Job::kNone;
-        writing_ = writing_ || job == Job::kWrite;
-        finished_ = job == Job::kFinish;
-        if (job == Job::kWrite) part = &parts_.front();
-        if (job == Job::kLook) changed_ = false;
-      }
-      if (job == Job::kNone) return;
-      // The reactor may be gone once this returns.
-      if (job == Job::kFinish) return End();
-      if (job == Job::kWrite) StartWrite(part);
-      if (job == Job::kLook) {
-        const absl::Status status = Look();
-        absl::MutexLock lock(&mutex_);
-        if (!status.ok()) end_ = status;
-      }
-    }
+    StartWrite(part);
   }
 
   absl::Status Look() {
@@ -139,12 +112,7 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
 
   absl::Status Subscribe() {
     ASSIGN_OR_RETURN(mission_, ParseMissionName(name_));
-    ASSIGN_OR_RETURN(token_, store_.AddMapListener(mission_, [link = link_] {
-      absl::MutexLock lock(&link->mutex);
-      WatchMapReactor* reactor = link->reactor;
-      if (reactor == nullptr) return;
-      reactor->OnChange();
-    }));
+    ASSIGN_OR_RETURN(token_, store_.AddMapListener(mission_, link_.Guard([this] { OnChange(); })));
     return absl::OkStatus();
   }
 
@@ -171,22 +139,17 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse> {
   }
 
   MapStore& store_;
-  TaskPool& pool_;
   const std::string name_;
-  // These three are used by Work alone.
+  // DoJob alone uses these three.
   MapWatcher watcher_;
   std::string mission_;
   std::optional<uint64_t> token_;
   // An error: there were too many streams before this one.
   absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket_;
-  const std::shared_ptr<Link> link_;
 
-  absl::Mutex mutex_;
-  bool working_ ABSL_GUARDED_BY(mutex_) = false;
   bool changed_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
-  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   std::deque<v1::WatchMapResponse> parts_ ABSL_GUARDED_BY(mutex_);
 };

@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
-#include "services/metrics/metrics_endpoint.h"
+#include "services/observe/metrics/metrics_endpoint.h"
 #include "services/runtime/address.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"

@@ -13,23 +13,24 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/image_source.h"
 #include "services/agent_service/agent_service.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/remote_uplink.h"
 #include "services/command_line/help_formatter.h"
 #include "services/convert/batch_bytes.h"
 #include "services/convert/errors.h"
 #include "services/convert/resource_names.h"
-#include "services/logging/log_fields.h"
-#include "services/programs/agent_run.h"
-#include "services/programs/agent_trajectories.h"
+#include "services/observe/logging/log_fields.h"
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
-#include "services/programs/inspected_source.h"
 #include "services/programs/link_flags.h"
 #include "services/programs/observe_flags.h"
-#include "services/programs/pictures_time.h"
 #include "services/programs/program.h"
+#include "services/programs/robot/agent_run.h"
+#include "services/programs/robot/agent_trajectories.h"
+#include "services/programs/robot/inspected_source.h"
+#include "services/programs/robot/robot_report.h"
+#include "services/programs/robot/source_json.h"
 #include "services/programs/robot_observers.h"
-#include "services/remote/channel.h"
-#include "services/remote/remote_uplink.h"
 #include "services/security/flags.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
@@ -124,27 +125,27 @@ absl::Status WriteText(const std::string& path, const std::string& text) {
   return absl::OkStatus();
 }
 
-RunStatistics MakeStatistics(const Flags& flags, const Agent& agent, const InspectedSource& source,
-                             const PlayedFrames& played, const Uplink* uplink) {
-  RunStatistics run;
-  run.name = flags.agent;
-  run.played = played;
-  run.played.time_s = PicturesTime_s(*source.source, played.played + played.dropped);
+RobotReport MakeReport(const Flags& flags, const Agent& agent, const InspectedSource& source,
+                       const PlayedFrames& played, const Uplink* uplink) {
+  RobotReport report = MakeRobotReport(agent);
+  report.name = flags.agent;
+  report.source = flags.source;
+  report.source_description = ToJson(source.description);
+  AddRun(*source.source, played, CollectWarnings(source.warnings, agent, *source.source, played),
+         report);
   if (uplink != nullptr) {
-    run.bytes_up = uplink->bytes_up();
-    run.bytes_down = uplink->bytes_down();
+    report.bytes_up = uplink->bytes_up();
+    report.bytes_down = uplink->bytes_down();
   }
-  run.source = source.description;
-  run.warnings = CollectWarnings(source.warnings, agent, *source.source, played);
-  return run;
+  return report;
 }
 
 absl::Status WriteResults(const Flags& flags, const Agent& agent,
-                          const SensorCalibration& calibration, const RunStatistics& run) {
+                          const SensorCalibration& calibration, const RobotReport& report) {
   if (!flags.trajectory.empty()) {
     RETURN_IF_ERROR(WriteAgentTrajectories(agent, calibration, flags.poses_of, flags.trajectory));
   }
-  const std::string statistics = StatisticsJson(run, agent);
+  const std::string statistics = ToJson(report).dump(2) + "\n";
   LOG(INFO) << LogFields{.mission = flags.mission, .agent = flags.agent} << "done\n" << statistics;
   return flags.stats.empty() ? absl::OkStatus() : WriteText(flags.stats, statistics);
 }
@@ -172,8 +173,8 @@ absl::StatusOr<ServerSecurity> MakeListenSecurity(const Flags& flags) {
 }
 
 // A run that mapped nothing is no success.
-absl::Status CheckTracked(const RunStatistics& run) {
-  for (const SourceFinding& warning : run.warnings) {
+absl::Status CheckTracked(const RobotReport& report) {
+  for (const ReportWarning& warning : report.warnings) {
     if (warning.code == "nothing-tracked") return absl::FailedPreconditionError(warning.text);
   }
   return absl::OkStatus();
@@ -260,10 +261,10 @@ absl::Status Run(const Flags& flags) {
     AnnounceFinished();
     stop.stopped().WaitForNotification();
   }
-  const RunStatistics run = MakeStatistics(flags, *agent, source, frames, uplink.get());
-  RETURN_IF_ERROR(WriteResults(flags, *agent, calibration, run));
+  const RobotReport report = MakeReport(flags, *agent, source, frames, uplink.get());
+  RETURN_IF_ERROR(WriteResults(flags, *agent, calibration, report));
   RETURN_IF_ERROR(played);
-  RETURN_IF_ERROR(CheckTracked(run));
+  RETURN_IF_ERROR(CheckTracked(report));
   return finished;
 }
 

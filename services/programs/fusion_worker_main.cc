@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
-#include "services/kept_work/keeping_fusion_worker.h"
+#include "services/observe/kept_work/keeping_fusion_worker.h"
 #include "services/programs/checks.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"

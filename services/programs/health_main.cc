@@ -9,8 +9,8 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
-#include "services/remote/channel.h"
-#include "services/remote/health_client.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/health_client.h"
 #include "services/runtime/address.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"

@@ -14,7 +14,7 @@
 #include <string>
 
 #include "services/command_line/command_line.h"
-#include "services/logging/log_format.h"
+#include "services/observe/logging/log_format.h"
 #include "services/server/server.h"
 
 namespace corbslam {

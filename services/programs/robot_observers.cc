@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "services/metrics/process_collector.h"
-#include "services/metrics/robot_collector.h"
+#include "services/observe/metrics/process_collector.h"
+#include "services/observe/metrics/robot_collector.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 

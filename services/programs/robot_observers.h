@@ -11,13 +11,13 @@
 
 #include "absl/status/statusor.h"
 #include "client_agent/agent/agent.h"
-#include "services/event_log/uplink_log.h"
-#include "services/metrics/metrics_endpoint.h"
-#include "services/metrics/robot_metrics.h"
-#include "services/metrics/rpc_metrics.h"
+#include "services/client/reachability/cause.h"
+#include "services/observe/event_log/uplink_log.h"
+#include "services/observe/metrics/metrics_endpoint.h"
+#include "services/observe/metrics/robot_metrics.h"
+#include "services/observe/metrics/rpc_metrics.h"
+#include "services/observe/tracing/robot_trace.h"
 #include "services/programs/observe_flags.h"
-#include "services/reachability/cause.h"
-#include "services/tracing/robot_trace.h"
 
 namespace corbslam {
 

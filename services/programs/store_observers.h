@@ -9,14 +9,14 @@
 
 #include "absl/status/statusor.h"
 #include "map_store/map_store.h"
-#include "services/event_log/sync_log.h"
 #include "services/map_store_service/map_store_service.h"
-#include "services/metrics/ingest_metrics.h"
-#include "services/metrics/journal_metrics.h"
-#include "services/metrics/metrics_endpoint.h"
-#include "services/metrics/rpc_metrics.h"
+#include "services/observe/event_log/sync_log.h"
+#include "services/observe/metrics/ingest_metrics.h"
+#include "services/observe/metrics/journal_metrics.h"
+#include "services/observe/metrics/metrics_endpoint.h"
+#include "services/observe/metrics/rpc_metrics.h"
+#include "services/observe/tracing/store_trace.h"
 #include "services/programs/observe_flags.h"
-#include "services/tracing/store_trace.h"
 
 namespace corbslam {
 

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "services/reachability/failure_explainer.h"
-#include "services/remote/channel.h"
-#include "services/remote/remote_fusion_worker.h"
+#include "services/client/reachability/failure_explainer.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/remote_fusion_worker.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {

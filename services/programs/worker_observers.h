@@ -8,8 +8,8 @@
 
 #include "absl/status/statusor.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
-#include "services/metrics/metrics_endpoint.h"
-#include "services/metrics/rpc_metrics.h"
+#include "services/observe/metrics/metrics_endpoint.h"
+#include "services/observe/metrics/rpc_metrics.h"
 #include "services/programs/observe_flags.h"
 #include "slam/exchange/fusion_worker.h"
 

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "absl/time/clock.h"
-#include "services/reflection/generic_client.h"
-#include "services/remote/health_client.h"
+#include "services/client/reflection/generic_client.h"
+#include "services/client/remote/health_client.h"
 #include "services/server/process_usage.h"
 #include "services/server/readiness_watch.h"
 

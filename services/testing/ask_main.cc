@@ -6,8 +6,8 @@
 #include <iostream>
 #include <string>
 
-#include "services/reflection/generic_client.h"
-#include "services/remote/channel.h"
+#include "services/client/reflection/generic_client.h"
+#include "services/client/remote/channel.h"
 #include "services/runtime/address.h"
 #include "services/security/flags.h"
 #include "slam/util/status_macros.h"

@@ -16,10 +16,10 @@
 
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/remote_fusion_worker.h"
+#include "services/client/remote/remote_uplink.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
-#include "services/remote/channel.h"
-#include "services/remote/remote_fusion_worker.h"
-#include "services/remote/remote_uplink.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"

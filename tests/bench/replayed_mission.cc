@@ -6,9 +6,9 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "services/corbslam/accuracy.h"
-#include "services/corbslam/plan.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/tool/evaluation/accuracy.h"
+#include "services/tool/run/plan.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/util/status_macros.h"
 

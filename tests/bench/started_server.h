@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "services/corbslam/child_process.h"
+#include "services/runtime/child_process.h"
 #include "tests/replay/recorded_uploads.h"
 
 namespace corbslam {

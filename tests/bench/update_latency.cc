@@ -15,8 +15,8 @@
 
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
-#include "services/remote/channel.h"
-#include "services/remote/remote_uplink.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/remote_uplink.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 #include "tests/bench/started_server.h"

@@ -13,9 +13,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "corbslam/v1/map_store_service.pb.h"
+#include "services/client/remote/channel.h"
 #include "services/convert/map_update.h"
 #include "services/convert/resource_names.h"
-#include "services/remote/channel.h"
 #include "tests/fault/raw_stream.h"
 
 namespace corbslam {

@@ -15,7 +15,7 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
-#include "services/corbslam/child_process.h"
+#include "services/runtime/child_process.h"
 
 namespace corbslam {
 

@@ -9,9 +9,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "services/corbslam/store_reader.h"
-#include "services/remote/channel.h"
-#include "services/remote/health_client.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/health_client.h"
+#include "services/client/store/store_reader.h"
 #include "tests/fault/disk/small_disk.h"
 #include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"

@@ -17,9 +17,9 @@
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
 #include "map_store/testing/test_agent.h"
-#include "services/corbslam/store_reader.h"
-#include "services/remote/channel.h"
-#include "services/remote/remote_fusion_worker.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/remote_fusion_worker.h"
+#include "services/client/store/store_reader.h"
 #include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"
 

@@ -2,7 +2,7 @@
 // which; its highest bit asks for a last message that is right about the chunks.
 #include <string>
 
-#include "services/convert/work.h"
+#include "services/convert/work/work.h"
 #include "tests/fuzz/messages.h"
 
 namespace corbslam {

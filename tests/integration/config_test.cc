@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "services/corbslam/child_process.h"
+#include "services/runtime/child_process.h"
 #include "services/security/testing/test_certificates.h"
 #include "tests/integration/mission_fixture.h"
 

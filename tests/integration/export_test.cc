@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "services/corbslam/store_reader.h"
-#include "services/mission_export/testing/colmap_reader.h"
+#include "services/client/store/store_reader.h"
+#include "services/tool/export/testing/colmap_reader.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "tests/integration/mission_fixture.h"
 

@@ -17,8 +17,8 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
-#include "services/reflection/generic_client.h"
-#include "services/remote/channel.h"
+#include "services/client/reflection/generic_client.h"
+#include "services/client/remote/channel.h"
 #include "tests/integration/grpcurl_page.h"
 #include "tests/integration/mission_fixture.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "services/corbslam/child_process.h"
+#include "services/runtime/child_process.h"
 #include "tests/integration/mission_fixture.h"
 
 namespace corbslam {

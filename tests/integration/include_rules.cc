@@ -29,77 +29,69 @@ const std::map<absl::string_view, Folders>& TopRules() {
 using Heights = std::map<absl::string_view, int>;
 
 // Height of each folder of a top folder, or of a file right in it by its name before the dot. Each
-// may include itself and what lies lower.
+// may include itself and what lies lower. A folder within a folder that has no height of its own
+// belongs to the outer one.
 const std::map<absl::string_view, Heights>& Ladders() {
-  static const auto& ladders =
-      *new std::map<absl::string_view, Heights>{{"slam",
-                                                 {{"util", 0},
-                                                  {"geometry", 1},
-                                                  {"camera", 2},
-                                                  {"evaluation", 3},
-                                                  {"rendering", 3},
-                                                  {"features", 3},
-                                                  {"coding", 4},
-                                                  {"sensor", 4},
-                                                  {"vocabulary", 4},
-                                                  {"map", 5},
-                                                  {"simulation", 5},
-                                                  {"place", 6},
-                                                  {"matching", 6},
-                                                  {"optimisation", 6},
-                                                  {"solvers", 7},
-                                                  {"exchange", 7},
-                                                  {"verification", 8},
-                                                  {"fusing", 9}}},
-                                                {"client_agent",
-                                                 {{"map", 0},
-                                                  {"source", 0},
-                                                  {"mapping", 1},
-                                                  {"shared", 1},
-                                                  {"upload", 1},
-                                                  {"link", 2},
-                                                  {"source_checks", 1},
-                                                  {"loop_closing", 2},
-                                                  {"tracking", 2},
-                                                  {"agent", 3}}},
-                                                {"map_store",
-                                                 {{"options", 0},
-                                                  {"state", 1},
-                                                  {"ingest", 2},
-                                                  {"view", 2},
-                                                  {"fusion", 3},
-                                                  {"sharing", 3},
-                                                  {"records", 4},
-                                                  {"archive", 5},
-                                                  {"rocks", 6},
-                                                  {"mission", 6},
-                                                  {"map_store", 7},
-                                                  {"map_store_lists", 8},
-                                                  {"map_store_lookups", 8}}},
-                                                {"services",
-                                                 {{"command_line", 0},
-                                                  {"convert", 0},
-                                                  {"logging", 0},
-                                                  {"mission_export", 0},
-                                                  {"observe", 0},
-                                                  {"runtime", 0},
-                                                  {"http", 1},
-                                                  {"kept_work", 1},
-                                                  {"lockstep", 1},
-                                                  {"reflection", 1},
-                                                  {"remote", 1},
-                                                  {"server", 1},
-                                                  {"agent_service", 2},
-                                                  {"fusion_worker_service", 2},
-                                                  {"map_store_service", 2},
-                                                  {"security", 3},
-                                                  {"tracing", 3},
-                                                  {"event_log", 4},
-                                                  {"metrics", 4},
-                                                  {"reachability", 4},
-                                                  {"programs", 5},
-                                                  {"doctor", 6},
-                                                  {"corbslam", 7}}}};
+  static const auto& ladders = *new std::map<absl::string_view, Heights>{
+      {"slam",
+       {{"util", 0},
+        {"geometry", 1},
+        {"camera", 2},
+        {"evaluation", 3},
+        {"rendering", 3},
+        {"features", 3},
+        {"coding", 4},
+        {"sensor", 4},
+        {"vocabulary", 4},
+        {"map", 5},
+        {"simulation", 5},
+        {"place", 6},
+        {"matching", 6},
+        {"optimisation", 6},
+        {"solvers", 7},
+        {"exchange", 7},
+        {"verification", 8},
+        {"fusing", 9}}},
+      {"client_agent",
+       {{"map", 0},
+        {"source", 0},
+        {"mapping", 1},
+        {"shared", 1},
+        {"upload", 1},
+        {"link", 2},
+        {"source_checks", 1},
+        {"loop_closing", 2},
+        {"tracking", 2},
+        {"agent", 3}}},
+      {"map_store",
+       {{"options", 0},
+        {"state", 1},
+        {"ingest", 2},
+        {"view", 2},
+        {"fusion", 3},
+        {"sharing", 3},
+        {"records", 4},
+        {"archive", 5},
+        {"rocks", 6},
+        {"mission", 6},
+        {"map_store", 7},
+        {"map_store_lists", 8},
+        {"map_store_lookups", 8}}},
+      {"services", {{"command_line", 0},      {"convert", 0},
+                    {"observe", 0},           {"observe/logging", 0},
+                    {"runtime", 0},           {"tool/export", 0},
+                    {"convert/work", 1},      {"http", 1},
+                    {"client/reflection", 2}, {"client/remote", 2},
+                    {"observe/kept_work", 2}, {"server", 2},
+                    {"agent_service", 3},     {"fusion_worker_service", 3},
+                    {"map_store_service", 3}, {"security", 4},
+                    {"observe/tracing", 4},   {"client/reachability", 5},
+                    {"observe/event_log", 5}, {"observe/metrics", 5},
+                    {"client/store", 6},      {"programs/robot", 6},
+                    {"programs", 7},          {"tool/doctor", 8},
+                    {"tool/evaluation", 8},   {"tool/mission", 8},
+                    {"tool/report", 8},       {"tool/run", 9},
+                    {"tool/sequence", 9},     {"tool/commands", 10}}}};
   return ladders;
 }
 
@@ -108,11 +100,16 @@ absl::string_view Part(absl::string_view path, size_t index) {
   return index + 1 < parts.size() ? parts[index] : absl::string_view();
 }
 
-// Returns the folder of the top folder, or the name of a file right in it.
-absl::string_view Room(absl::string_view path) {
+// Returns the entry of `heights` for a file: that of the innermost folder that has one, or that of
+// the file's own name.
+Heights::const_iterator FindRoom(const Heights& heights, absl::string_view path) {
   const std::vector<absl::string_view> parts = absl::StrSplit(path, '/');
-  if (parts.size() < 2) return "";
-  return parts[1].substr(0, parts[1].find('.'));
+  if (parts.size() < 2) return heights.end();
+  if (parts.size() > 3) {
+    const std::string inner = absl::StrCat(parts[1], "/", parts[2]);
+    if (const auto room = heights.find(inner); room != heights.end()) return room;
+  }
+  return heights.find(parts[1].substr(0, parts[1].find('.')));
 }
 
 // Returns the text between quotes or angle brackets of an #include line.
@@ -151,8 +148,8 @@ std::string WhyNot(absl::string_view path, absl::string_view include) {
   }
   const auto ladder = Ladders().find(top);
   if (target != top || ladder == Ladders().end() || IsTestCode(path)) return "";
-  const auto from = ladder->second.find(Room(path));
-  const auto to = ladder->second.find(Room(include));
+  const auto from = FindRoom(ladder->second, path);
+  const auto to = FindRoom(ladder->second, include);
   if (from == ladder->second.end() || to == ladder->second.end()) {
     return absl::StrCat("a part of ", top, "/ that include_rules.cc does not know");
   }

@@ -8,8 +8,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "services/reflection/generic_client.h"
-#include "services/remote/channel.h"
+#include "services/client/reflection/generic_client.h"
+#include "services/client/remote/channel.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "tests/integration/mission_fixture.h"

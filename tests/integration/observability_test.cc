@@ -10,10 +10,10 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "services/client/reflection/generic_client.h"
+#include "services/client/remote/channel.h"
 #include "services/http/testing/raw_http.h"
-#include "services/reflection/generic_client.h"
-#include "services/remote/channel.h"
-#include "services/tracing/testing/read_trace.h"
+#include "services/observe/tracing/testing/read_trace.h"
 #include "tests/integration/mission_fixture.h"
 #include "tests/integration/observed_mission.h"
 

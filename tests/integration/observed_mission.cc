@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "services/reflection/generic_client.h"
-#include "services/remote/channel.h"
+#include "services/client/reflection/generic_client.h"
+#include "services/client/remote/channel.h"
 #include "tests/integration/mission_fixture.h"
 
 namespace corbslam {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "services/corbslam/child_process.h"
+#include "services/runtime/child_process.h"
 
 namespace corbslam {
 

@@ -11,7 +11,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "services/corbslam/child_process.h"
+#include "services/runtime/child_process.h"
 #include "services/security/testing/test_certificates.h"
 #include "services/testing/test_path.h"
 #include "tests/integration/mission_fixture.h"

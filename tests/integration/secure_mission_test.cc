@@ -9,10 +9,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "services/corbslam/child_process.h"
-#include "services/corbslam/store_reader.h"
-#include "services/reflection/generic_client.h"
-#include "services/remote/channel.h"
+#include "services/client/reflection/generic_client.h"
+#include "services/client/remote/channel.h"
+#include "services/client/store/store_reader.h"
+#include "services/runtime/child_process.h"
 #include "services/security/testing/test_certificates.h"
 #include "tests/integration/mission_fixture.h"
 

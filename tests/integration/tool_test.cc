@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
-#include "services/corbslam/child_process.h"
+#include "services/runtime/child_process.h"
 #include "services/testing/test_path.h"
 #include "tests/integration/mission_fixture.h"
 

@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source/frame_reader.h"
-#include "services/corbslam/ground_truth.h"
+#include "services/tool/evaluation/ground_truth.h"
 #include "slam/evaluation/trajectory_file.h"
 #include "slam/util/text_file.h"
 #include "tests/integration/mission_fixture.h"

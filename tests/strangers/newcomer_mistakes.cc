@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
-#include "services/doctor/local_checks.h"
+#include "services/tool/doctor/local_checks.h"
 #include "tests/strangers/strange_recordings.h"
 
 namespace corbslam {

@@ -11,7 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "services/corbslam/sequence_writer.h"
+#include "services/tool/sequence/sequence_writer.h"
 
 namespace corbslam {
 namespace {

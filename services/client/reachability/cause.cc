@@ -1,0 +1,137 @@
+#include "services/client/reachability/cause.h"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "absl/algorithm/container.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "services/client/reachability/proxy.h"
+#include "services/client/reflection/generic_client.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/health_client.h"
+#include "services/runtime/address.h"
+#include "services/server/server.h"
+
+namespace corbslam {
+namespace {
+
+struct NamedService {
+  absl::string_view service;
+  absl::string_view name;
+  absl::string_view advice;  // To who wants this one and has met another.
+};
+
+constexpr std::array<NamedService, 3> kServices = {{
+    {kMapStoreService, "map store",
+     "give the address that map_store says it is \"listening on\" (its port is 50051, unless told; "
+     "fusion workers are named to the map store, by --worker)"},
+    {kFusionWorkerService, "fusion worker",
+     "give the address that fusion_worker says it is \"listening on\" (its port is 50052, unless "
+     "told)"},
+    {"corbslam.v1.Agent", "robot", "give the robot's --listen address"},
+}};
+
+const NamedService* FindService(absl::string_view service) {
+  const auto it = absl::c_find_if(
+      kServices, [service](const NamedService& known) { return known.service == service; });
+  return it == kServices.end() ? nullptr : it;
+}
+
+// What answers, by the services that it offers.
+std::string NameOfAny(const std::vector<std::string>& services) {
+  for (const std::string& service : services) {
+    const NamedService* known = FindService(service);
+    if (known != nullptr) return std::string(known->name);
+  }
+  return "gRPC server of another kind";
+}
+
+// Without the warning of --insecure: causes are looked for again and again.
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeQuietly(
+    const SecurityOptions& security) {
+  if (security.insecure) return grpc::InsecureChannelCredentials();
+  return MakeChannelCredentials(security);
+}
+
+// How a call that every server of ours answers went.
+absl::Status AskHow(const std::shared_ptr<grpc::Channel>& channel, absl::Duration patience) {
+  const absl::Status status = CheckHealth(channel, kLiveness, patience);
+  const bool is_answer = !absl::IsUnavailable(status) && !absl::IsDeadlineExceeded(status);
+  return is_answer ? absl::OkStatus() : status;
+}
+
+// Every probe went well, and gRPC still gets no answer.
+Cause CauseInGrpcsWords(const ServerTarget& target, const absl::Status& status) {
+  Cause cause{std::string(status.message()), "", /*is_certain=*/false};
+  const bool has_identity = target.security.insecure || !target.security.certificate_file.empty();
+  if (!has_identity) {
+    cause.advice = "it may want a certificate of its callers: --tls-cert and --tls-key";
+  }
+  const absl::StatusOr<HostPort> address = ParseServerAddress(target.address);
+  const std::optional<Proxy> proxy = address.ok() ? FindProxy(address->host) : std::nullopt;
+  if (proxy.has_value()) {
+    cause.advice = absl::StrCat(proxy->variable, " is ", proxy->url,
+                                ": if the server is not to be "
+                                "reached through that proxy, add its host to no_proxy");
+  }
+  return cause;
+}
+
+}  // namespace
+
+std::string NameOfService(const std::string& service) {
+  const NamedService* known = FindService(service);
+  return known == nullptr ? service : std::string(known->name);
+}
+
+absl::Status ToStatus(const ServerTarget& target, const Cause& cause) {
+  if (cause.is_bad_address) return absl::InvalidArgumentError(cause.text);
+  return absl::UnavailableError(absl::StrCat("no ", NameOfService(target.service), " answers at ",
+                                             target.address, ": ", cause.text,
+                                             cause.advice.empty() ? "" : "; ", cause.advice));
+}
+
+std::optional<Cause> FindCauseOfService(const ServerTarget& target,
+                                        const std::shared_ptr<grpc::Channel>& channel,
+                                        absl::Duration patience) {
+  const absl::StatusOr<std::vector<std::string>> services =
+      GenericClient(channel).ListServices(patience);
+  if (!services.ok() || absl::c_linear_search(*services, target.service)) return std::nullopt;
+  const NamedService* wanted = FindService(target.service);
+  return Cause{
+      absl::StrCat("a ", NameOfAny(*services), " does, which does not offer ", target.service),
+      wanted == nullptr ? "" : std::string(wanted->advice)};
+}
+
+std::optional<Cause> FindCause(const ServerTarget& target, absl::Duration patience) {
+  if (auto cause = FindCauseOfWay(target, patience); cause.has_value()) return cause;
+  if (auto cause = FindCauseOfTransport(target, patience); cause.has_value()) return cause;
+  const auto credentials = MakeQuietly(target.security);
+  if (!credentials.ok()) return Cause{std::string(credentials.status().message()), ""};
+  const std::shared_ptr<grpc::Channel> channel = MakeChannel(target.address, *credentials);
+  const absl::Status asked = AskHow(channel, patience);
+  if (!asked.ok()) return CauseInGrpcsWords(target, asked);
+  return FindCauseOfService(target, channel, patience);
+}
+
+absl::Status ExplainFailure(const ServerTarget& target, const absl::Status& seen) {
+  switch (seen.code()) {
+    // What gRPC answers where no server of the kind does.
+    case absl::StatusCode::kOk:
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kDeadlineExceeded:
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kUnimplemented:
+    case absl::StatusCode::kUnknown: {
+      const std::optional<Cause> cause = FindCause(target);
+      return cause.has_value() ? ToStatus(target, *cause) : seen;
+    }
+    default:
+      return seen;
+  }
+}
+
+}  // namespace corbslam

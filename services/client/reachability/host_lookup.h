@@ -1,0 +1,36 @@
+// Looks up the addresses of a host, and does not wait for ever.
+#ifndef CORBSLAM_SERVICES_CLIENT_REACHABILITY_HOST_LOOKUP_H_
+#define CORBSLAM_SERVICES_CLIENT_REACHABILITY_HOST_LOOKUP_H_
+
+#include <sys/socket.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "services/runtime/address.h"
+
+namespace corbslam {
+
+struct SocketAddress {
+  sockaddr_storage bytes = {};
+  socklen_t size = 0;
+};
+
+// May take as long as it likes. NOT_FOUND: there is no such host. UNAVAILABLE: nobody can say.
+using ResolveHost = std::function<absl::StatusOr<std::vector<SocketAddress>>(const HostPort&)>;
+
+// getaddrinfo, which reads /etc/hosts and asks DNS.
+absl::StatusOr<std::vector<SocketAddress>> ResolveBySystem(const HostPort& address);
+
+// What `resolve` says; DEADLINE_EXCEEDED when it takes longer than `timeout`. It then goes on, on a
+// thread of its own, and who asks for the same host again waits for that one: there is one thread a
+// host at most, however often a server that is not reached is asked for. Thread-safe.
+absl::StatusOr<std::vector<SocketAddress>> LookUpHost(
+    const HostPort& address, absl::Duration timeout, const ResolveHost& resolve = &ResolveBySystem);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CLIENT_REACHABILITY_HOST_LOOKUP_H_

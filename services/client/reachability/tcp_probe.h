@@ -1,0 +1,40 @@
+// Connects to a server and says why it can't.
+#ifndef CORBSLAM_SERVICES_CLIENT_REACHABILITY_TCP_PROBE_H_
+#define CORBSLAM_SERVICES_CLIENT_REACHABILITY_TCP_PROBE_H_
+
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "services/runtime/address.h"
+
+namespace corbslam {
+
+// An open connection, closed with the object.
+class Connection {
+ public:
+  explicit Connection(int socket) : socket_(socket) {}
+  ~Connection();
+  Connection(Connection&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+  Connection& operator=(Connection&&) = delete;
+
+  int socket() const { return socket_; }
+  // From now on calls wait, at most so long.
+  void MakeBlocking(absl::Duration timeout) const;
+
+ private:
+  int socket_;
+};
+
+// Tries the host's addresses one after the other, looking up and connecting for `timeout` each.
+// NOT_FOUND: there is no such host. UNAVAILABLE: what the network said, "Connection refused".
+// DEADLINE_EXCEEDED: neither said anything; the message says which.
+absl::StatusOr<Connection> Connect(const HostPort& address, absl::Duration timeout);
+
+// Whether somebody listens there. Errors as above.
+absl::Status ProbeTcp(const HostPort& address, absl::Duration timeout);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CLIENT_REACHABILITY_TCP_PROBE_H_

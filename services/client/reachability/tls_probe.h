@@ -1,0 +1,19 @@
+// What a server shows of itself, to whoever connects.
+#ifndef CORBSLAM_SERVICES_CLIENT_REACHABILITY_TLS_PROBE_H_
+#define CORBSLAM_SERVICES_CLIENT_REACHABILITY_TLS_PROBE_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "services/runtime/address.h"
+
+namespace corbslam {
+
+// The certificates that the server sends, as PEM, its own first; nothing of them is verified.
+// UNAVAILABLE: it speaks no TLS, or nobody listens.
+absl::StatusOr<std::string> FetchCertificates(const HostPort& address, absl::Duration timeout);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CLIENT_REACHABILITY_TLS_PROBE_H_

@@ -1,0 +1,52 @@
+// Calls any method of a server that has reflection on, knowing no proto of it.
+#ifndef CORBSLAM_SERVICES_CLIENT_REFLECTION_GENERIC_CLIENT_H_
+#define CORBSLAM_SERVICES_CLIENT_REFLECTION_GENERIC_CLIENT_H_
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/dynamic_message.h>
+#include <grpcpp/channel.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+
+namespace corbslam {
+
+struct GenericCallOptions {
+  absl::Duration max_time = absl::Seconds(30);
+  // What came within `max_time` is the answer, for streams that don't end; else it is
+  // DEADLINE_EXCEEDED.
+  bool may_be_cut = false;
+  // Fields that have their default value are printed, too.
+  bool defaults = true;
+};
+
+// Not thread-safe. All calls block.
+class GenericClient {
+ public:
+  explicit GenericClient(std::shared_ptr<grpc::Channel> channel);
+  ~GenericClient();
+
+  // Full names.
+  absl::StatusOr<std::vector<std::string>> ListServices(
+      absl::Duration max_time = GenericCallOptions().max_time);
+  // Of one service, "corbslam.v1.MapStore"; their names alone. NOT_FOUND: the server has none such.
+  absl::StatusOr<std::vector<std::string>> ListMethods(const std::string& service);
+  // `method` as "corbslam.v1.MapStore/GetMission"; the request and each response as JSON.
+  absl::StatusOr<std::vector<std::string>> Call(const std::string& method,
+                                                const std::string& request_json,
+                                                const GenericCallOptions& options = {});
+
+ private:
+  const std::shared_ptr<grpc::Channel> channel_;
+  const std::unique_ptr<google::protobuf::DescriptorDatabase> database_;
+  google::protobuf::DescriptorPool pool_;
+  google::protobuf::DynamicMessageFactory factory_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CLIENT_REFLECTION_GENERIC_CLIENT_H_

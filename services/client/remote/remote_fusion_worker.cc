@@ -1,0 +1,207 @@
+#include "services/client/remote/remote_fusion_worker.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "corbslam/v1/fusion_worker_service.grpc.pb.h"
+#include "services/convert/status.h"
+#include "services/convert/work/work.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
+
+absl::Status Cancelled() { return absl::CancelledError("the caller cancelled"); }
+
+// Asks whether a call is still wanted, again and again until it is destroyed, and cancels it when
+// it is not: also while it is sent, and while it waits for its turn in the worker. Thread-safe.
+class CallWatch {
+ public:
+  // Both must outlive it.
+  CallWatch(grpc::ClientContext& context, const ProgressCallback& progress)
+      : context_(context), progress_(progress) {
+    if (progress_ != nullptr) thread_ = std::thread([this] { Run(); });
+  }
+  ~CallWatch() {
+    {
+      absl::MutexLock lock(&mutex_);
+      ended_ = true;
+    }
+    if (thread_.joinable()) thread_.join();
+  }
+
+  void Report(double fraction) {
+    absl::MutexLock lock(&mutex_);
+    fraction_ = fraction;
+    Ask();
+  }
+  bool cancelled() const {
+    absl::MutexLock lock(&mutex_);
+    return cancelled_;
+  }
+
+ private:
+  void Run() {
+    absl::MutexLock lock(&mutex_);
+    while (!mutex_.AwaitWithTimeout(absl::Condition(&ended_), kAskAgain)) Ask();
+  }
+  void Ask() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (cancelled_ || progress_ == nullptr || progress_(fraction_)) return;
+    cancelled_ = true;
+    context_.TryCancel();
+  }
+
+  grpc::ClientContext& context_;
+  const ProgressCallback& progress_;
+  mutable absl::Mutex mutex_;
+  double fraction_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool ended_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
+// The work was not looked at: another worker, or this one once it is set up right, may take it.
+bool IsNotTaken(const absl::Status& status) {
+  return absl::IsUnavailable(status) || absl::IsUnimplemented(status) ||
+         absl::IsUnauthenticated(status) || absl::IsPermissionDenied(status);
+}
+
+// Reads progress and the result.
+template <typename Result, typename Stream, typename Response>
+absl::StatusOr<Result> ReadResult(Stream& stream, grpc::ClientContext& context, CallWatch& watch) {
+  WorkReader<ResultReader<Response>, v1::ResultChunk> reader;
+  absl::Status failure;
+  Response response;
+  while (failure.ok() && stream.Read(&response)) {
+    if (response.has_progress()) {
+      watch.Report(response.progress().fraction());
+    } else {
+      failure = reader.Add(response);
+    }
+  }
+  if (!failure.ok()) context.TryCancel();
+  const absl::Status status = FromGrpcStatus(stream.Finish());
+  if (watch.cancelled()) return Cancelled();
+  if (!failure.ok()) return failure;
+  // Nobody here cancelled: the worker is being stopped.
+  if (absl::IsCancelled(status)) return absl::UnavailableError(status.message());
+  RETURN_IF_ERROR(status);
+  if (!reader.ended()) return absl::UnavailableError("the worker ended before its result did");
+  return reader.Finish();
+}
+
+class RemoteFusionWorker : public FusionWorker {
+ public:
+  RemoteFusionWorker(const std::vector<std::shared_ptr<grpc::Channel>>& channels,
+                     const RemoteFusionWorkerOptions& options)
+      : options_(options) {
+    for (const auto& channel : channels) stubs_.push_back(v1::FusionWorker::NewStub(channel));
+    running_.resize(stubs_.size(), 0);
+  }
+
+  absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
+                                                    const ProgressCallback& progress) override {
+    return Run<VerifyOverlapResult, v1::VerifyOverlapRequest, v1::VerifyOverlapResponse>(
+        request, progress, &v1::FusionWorker::Stub::VerifyOverlap);
+  }
+  absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
+                                          const ProgressCallback& progress) override {
+    return Run<FuseMapsResult, v1::FuseMapsRequest, v1::FuseMapsResponse>(
+        request, progress, &v1::FusionWorker::Stub::FuseMaps);
+  }
+  absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest& request,
+                                                  const ProgressCallback& progress) override {
+    return Run<AdjustBundleResult, v1::AdjustBundleRequest, v1::AdjustBundleResponse>(
+        request, progress, &v1::FusionWorker::Stub::AdjustBundle);
+  }
+
+ private:
+  // Tries the workers, the least busy first, until one answers.
+  template <typename Result, typename RequestMessage, typename ResponseMessage, typename Request,
+            typename Method>
+  absl::StatusOr<Result> Run(const Request& request, const ProgressCallback& progress,
+                             Method method) {
+    if (stubs_.empty()) return absl::UnavailableError("there are no workers");
+    absl::Status last;
+    size_t last_worker = 0;
+    std::vector<bool> tried(stubs_.size(), false);
+    for (size_t attempt = 0; attempt < stubs_.size(); ++attempt) {
+      if (progress != nullptr && !progress(0)) return Cancelled();
+      const size_t worker = Acquire(tried);
+      tried[worker] = true;
+      absl::StatusOr<Result> result = RunOn<Result, RequestMessage, ResponseMessage>(
+          *stubs_[worker], request, progress, method);
+      Release(worker);
+      if (!IsNotTaken(result.status())) return result;
+      last = result.status();
+      last_worker = worker;
+    }
+    return Explain(last_worker, last);
+  }
+
+  // UNAVAILABLE, whatever it was.
+  absl::Status Explain(size_t worker, const absl::Status& seen) const {
+    const absl::Status explained =
+        options_.explain == nullptr ? seen : options_.explain(worker, seen);
+    const bool has_words = absl::IsUnavailable(explained);
+    return absl::UnavailableError(has_words ? std::string(explained.message())
+                                            : explained.ToString());
+  }
+
+  template <typename Result, typename RequestMessage, typename ResponseMessage, typename Request,
+            typename Method>
+  absl::StatusOr<Result> RunOn(v1::FusionWorker::Stub& stub, const Request& request,
+                               const ProgressCallback& progress, Method method) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() +
+                         absl::ToChronoMilliseconds(options_.deadline));
+    const auto stream = (stub.*method)(&context);
+    CallWatch watch(context, progress);
+    // A worker that refuses the request early ends the stream: then writing fails, and reading
+    // tells why.
+    WriteWork<RequestMessage>(request,
+                              std::function<bool(RequestMessage)>(
+                                  [&](RequestMessage message) { return stream->Write(message); }));
+    stream->WritesDone();
+    return ReadResult<Result, std::remove_reference_t<decltype(*stream)>, ResponseMessage>(
+        *stream, context, watch);
+  }
+
+  size_t Acquire(const std::vector<bool>& tried) {
+    absl::MutexLock lock(&mutex_);
+    size_t best = stubs_.size();
+    for (size_t i = 0; i < stubs_.size(); ++i) {
+      if (tried[i]) continue;
+      if (best == stubs_.size() || running_[i] < running_[best]) best = i;
+    }
+    ++running_[best];
+    return best;
+  }
+  void Release(size_t worker) {
+    absl::MutexLock lock(&mutex_);
+    --running_[worker];
+  }
+
+  const RemoteFusionWorkerOptions options_;
+  std::vector<std::unique_ptr<v1::FusionWorker::Stub>> stubs_;
+  absl::Mutex mutex_;
+  // Requests under way, one entry a stub.
+  std::vector<int> running_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace
+
+std::unique_ptr<FusionWorker> MakeRemoteFusionWorker(
+    std::vector<std::shared_ptr<grpc::Channel>> workers, const RemoteFusionWorkerOptions& options) {
+  return std::make_unique<RemoteFusionWorker>(workers, options);
+}
+
+}  // namespace corbslam

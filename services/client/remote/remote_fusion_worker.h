@@ -1,0 +1,40 @@
+// A pool of fusion workers elsewhere.
+#ifndef CORBSLAM_SERVICES_CLIENT_REMOTE_REMOTE_FUSION_WORKER_H_
+#define CORBSLAM_SERVICES_CLIENT_REMOTE_REMOTE_FUSION_WORKER_H_
+
+#include <grpcpp/channel.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+#include "slam/exchange/fusion_worker.h"
+
+namespace corbslam {
+
+struct RemoteFusionWorkerOptions {
+  // After this a request is given up (DEADLINE_EXCEEDED).
+  absl::Duration deadline = absl::Minutes(10);
+  // For people: what is the matter with a worker, by its index, whose call ended as `seen`. May
+  // block. Null: `seen` says it.
+  std::function<absl::Status(size_t worker, const absl::Status& seen)> explain = nullptr;
+};
+
+// Thread contract and errors are those of FusionWorker. A request goes to the channel with the
+// fewest requests under way; when that one is UNAVAILABLE, is no fusion worker (UNIMPLEMENTED) or
+// takes none of this caller (UNAUTHENTICATED, PERMISSION_DENIED), it goes to each of the others
+// once. Where none takes it, that is UNAVAILABLE: another address or certificate can mend it. While
+// it is sent and waits for its turn, progress is asked about ten times a second with what it was
+// last told.
+// Keyframes are sent without what the work does not look at: descriptors for AdjustBundle,
+// keypoints without a point for AdjustBundle and for the candidates of VerifyOverlap.
+std::unique_ptr<FusionWorker> MakeRemoteFusionWorker(
+    std::vector<std::shared_ptr<grpc::Channel>> workers,
+    const RemoteFusionWorkerOptions& options = {});
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CLIENT_REMOTE_REMOTE_FUSION_WORKER_H_

@@ -1,0 +1,113 @@
+#include "services/client/remote/remote_uplink.h"
+
+#include <memory>
+#include <random>
+#include <utility>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "services/client/remote/sync_session.h"
+
+namespace corbslam {
+namespace {
+
+constexpr absl::Duration kGoodbye = absl::Seconds(1);
+
+// Outlives the uplink where a session's last reaction is still running.
+struct Sessions {
+  absl::Mutex mutex;
+  std::shared_ptr<SyncSession> current ABSL_GUARDED_BY(mutex);
+  // Started and not done, the current one included.
+  int live ABSL_GUARDED_BY(mutex) = 0;
+
+  bool HaveEnded() const ABSL_SHARED_LOCKS_REQUIRED(mutex) { return live == 0; }
+  void OnDone(const SyncSession* session) {
+    absl::MutexLock lock(&mutex);
+    if (current.get() == session) current = nullptr;
+    --live;
+  }
+};
+
+class RemoteUplink : public Uplink {
+ public:
+  RemoteUplink(const std::shared_ptr<grpc::Channel>& channel, const RemoteUplinkOptions& options)
+      : options_(options),
+        transport_(std::make_shared<SyncTransport>()),
+        sessions_(std::make_shared<Sessions>()) {
+    transport_->stub = v1::MapStore::NewStub(channel);
+  }
+  ~RemoteUplink() override { Close(); }
+
+  void Open(const SessionRequest& request, UplinkListener* listener) override {
+    SessionRequest own = request;
+    own.instance = options_.instance;
+    own.take_over = options_.take_over && !transport_->was_granted;
+    auto session = std::make_shared<SyncSession>(
+        transport_, own, listener, options_.max_queued_bytes,
+        [sessions = sessions_](const SyncSession* done) { sessions->OnDone(done); });
+    const std::shared_ptr<SyncSession> previous = Replace(session);
+    if (previous != nullptr) previous->Cancel();
+    session->Start(session);
+  }
+
+  bool Send(const MapUpdateBatch& batch) override {
+    const std::shared_ptr<SyncSession> session = Current();
+    return session != nullptr && session->Send(batch);
+  }
+
+  void Close() override {
+    const std::shared_ptr<SyncSession> session = Replace(nullptr);
+    if (session != nullptr && !(session->Leave() && HaveEndedWithin(kGoodbye))) session->Cancel();
+    HaveEndedWithin(absl::InfiniteDuration());
+  }
+
+  uint64_t bytes_up() const override { return transport_->bytes_up; }
+  uint64_t bytes_waiting() const override {
+    const std::shared_ptr<SyncSession> session = Current();
+    return session != nullptr ? session->bytes_waiting() : 0;
+  }
+  uint64_t bytes_down() const override { return transport_->bytes_down; }
+
+ private:
+  std::shared_ptr<SyncSession> Current() const {
+    absl::MutexLock lock(&sessions_->mutex);
+    return sessions_->current;
+  }
+  // Returns the one before.
+  std::shared_ptr<SyncSession> Replace(std::shared_ptr<SyncSession> session) {
+    absl::MutexLock lock(&sessions_->mutex);
+    if (session != nullptr) ++sessions_->live;
+    return std::exchange(sessions_->current, std::move(session));
+  }
+
+  bool HaveEndedWithin(absl::Duration patience) {
+    absl::MutexLock lock(&sessions_->mutex);
+    return sessions_->mutex.AwaitWithTimeout(absl::Condition(sessions_.get(), &Sessions::HaveEnded),
+                                             patience);
+  }
+
+  const RemoteUplinkOptions options_;
+  const std::shared_ptr<SyncTransport> transport_;
+  const std::shared_ptr<Sessions> sessions_;
+};
+
+uint64_t DrawInstance() {
+  std::random_device random;
+  const uint64_t drawn = (uint64_t{random()} << 32) | random();
+  return drawn == 0 ? 1 : drawn;
+}
+
+}  // namespace
+
+uint64_t ProcessInstance() {
+  static const uint64_t instance = DrawInstance();
+  return instance;
+}
+
+std::unique_ptr<Uplink> MakeRemoteUplink(std::shared_ptr<grpc::Channel> channel,
+                                         const RemoteUplinkOptions& options) {
+  return std::make_unique<RemoteUplink>(channel, options);
+}
+
+}  // namespace corbslam

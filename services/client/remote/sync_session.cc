@@ -1,0 +1,199 @@
+#include "services/client/remote/sync_session.h"
+
+#include <utility>
+
+#include "services/convert/limits.h"
+#include "services/convert/map_update.h"
+#include "services/convert/status.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// Of gRPC before each message.
+constexpr size_t kFrameBytes = 5;
+
+}  // namespace
+
+SyncSession::SyncSession(std::shared_ptr<SyncTransport> transport, const SessionRequest& request,
+                         UplinkListener* listener, size_t max_queued_bytes, DoneCallback on_done)
+    : transport_(std::move(transport)),
+      listener_(listener),
+      max_queued_bytes_(max_queued_bytes),
+      on_done_(std::move(on_done)) {
+  v1::SyncRequest open;
+  ToProto(request, open.mutable_open());
+  absl::MutexLock lock(&mutex_);
+  Push(std::move(open));
+}
+
+void SyncSession::Start(std::shared_ptr<SyncSession> self) {
+  self_ = std::move(self);
+  transport_->stub->async()->Sync(&context_, this);
+  AddHold();
+  StartRead(&response_);
+  StartCall();
+  WriteNext();
+}
+
+bool SyncSession::Send(const MapUpdateBatch& batch) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!granted_ || broken_ || leaving_ || queued_bytes_ > max_queued_bytes_) return false;
+    for (v1::MapUpdateBatch& part : ToProto(batch, sent_cameras_, kPartBytes, form_)) {
+      v1::SyncRequest request;
+      *request.mutable_batch() = std::move(part);
+      Push(std::move(request));
+    }
+  }
+  WriteNext();
+  return true;
+}
+
+uint64_t SyncSession::bytes_waiting() const {
+  absl::MutexLock lock(&mutex_);
+  if (broken_ || queue_.empty()) return 0;
+  // What is being written is on the wire.
+  return writing_ ? queued_bytes_ - (queue_.front().ByteSizeLong() + kFrameBytes) : queued_bytes_;
+}
+
+bool SyncSession::Leave() {
+  {
+    absl::MutexLock lock(&mutex_);
+    silenced_ = true;
+    if (!granted_ || broken_ || writing_ || !queue_.empty()) return false;
+    // Keeps the call alive until OnWritesDoneDone.
+    writing_ = leaving_ = true;
+  }
+  StartWritesDone();
+  return true;
+}
+
+void SyncSession::OnWritesDoneDone(bool) {
+  bool release = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    writing_ = false;
+    release = TakeHold();
+  }
+  if (release) RemoveHold();
+}
+
+void SyncSession::Cancel() {
+  {
+    absl::MutexLock lock(&mutex_);
+    silenced_ = true;
+  }
+  context_.TryCancel();
+}
+
+void SyncSession::Push(v1::SyncRequest request) {
+  queued_bytes_ += request.ByteSizeLong() + kFrameBytes;
+  queue_.push_back(std::move(request));
+}
+
+const v1::SyncRequest* SyncSession::NextWrite() {
+  if (writing_ || broken_ || leaving_ || queue_.empty()) return nullptr;
+  writing_ = true;
+  // Counted before the store can answer.
+  transport_->bytes_up += queue_.front().ByteSizeLong() + kFrameBytes;
+  return &queue_.front();
+}
+
+void SyncSession::WriteNext() {
+  const v1::SyncRequest* next = nullptr;
+  {
+    absl::MutexLock lock(&mutex_);
+    next = NextWrite();
+  }
+  if (next != nullptr) StartWrite(next);
+}
+
+bool SyncSession::TakeHold() { return broken_ && !writing_ && std::exchange(held_, false); }
+
+bool SyncSession::IsSilenced() const {
+  absl::MutexLock lock(&mutex_);
+  return silenced_;
+}
+
+void SyncSession::OnWriteDone(bool ok) {
+  bool release = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    queued_bytes_ -= queue_.front().ByteSizeLong() + kFrameBytes;
+    queue_.pop_front();
+    writing_ = false;
+    broken_ |= !ok;
+    release = TakeHold();
+  }
+  if (release) return RemoveHold();
+  WriteNext();
+}
+
+void SyncSession::OnReadDone(bool ok) {
+  if (ok) {
+    transport_->bytes_down += response_.ByteSizeLong() + kFrameBytes;
+    if (!IsSilenced()) failure_.Update(Handle(response_));
+    if (failure_.ok()) return StartRead(&response_);
+    context_.TryCancel();
+  }
+  bool release = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    broken_ = true;
+    release = TakeHold();
+  }
+  if (release) RemoveHold();
+}
+
+absl::Status SyncSession::Handle(const v1::SyncResponse& response) {
+  switch (response.part_case()) {
+    case v1::SyncResponse::kGrant: {
+      ASSIGN_OR_RETURN(const SessionGrant grant, FromProto(response.grant()));
+      {
+        absl::MutexLock lock(&mutex_);
+        granted_ = true;
+        if (grant.capabilities.coded_features) form_ = FeatureForm::kCoded;
+      }
+      transport_->was_granted = true;
+      listener_->OnSessionOpened(grant);
+      return absl::OkStatus();
+    }
+    case v1::SyncResponse::kAcknowledgement: {
+      ASSIGN_OR_RETURN(const Acknowledgement entry, FromProto(response.acknowledgement()));
+      listener_->OnAcknowledged(entry);
+      return absl::OkStatus();
+    }
+    case v1::SyncResponse::kShared:
+      return HandleShared(response.shared());
+    case v1::SyncResponse::kExactPlaces:
+      listener_->OnExactPlacesWanted();
+      return absl::OkStatus();
+    case v1::SyncResponse::PART_NOT_SET:
+      break;
+  }
+  // From a newer store: nothing that this agent knows.
+  return absl::OkStatus();
+}
+
+absl::Status SyncSession::HandleShared(const v1::SharedUpdate& part) {
+  ASSIGN_OR_RETURN(std::optional<SharedUpdate> update, assembler_.Add(part, received_cameras_));
+  if (update) listener_->OnShared(*std::move(update));
+  return absl::OkStatus();
+}
+
+void SyncSession::OnDone(const grpc::Status& status) {
+  if (!IsSilenced()) {
+    absl::Status reason = FromGrpcStatus(status);
+    if (reason.ok()) reason = absl::UnavailableError("the map store closed the stream");
+    // What the store sent was wrong, not what was sent to it: trying again may help.
+    if (!failure_.ok()) reason = absl::InternalError(failure_.message());
+    listener_->OnSessionClosed(reason);
+  }
+  // Destroys this session at the end, unless somebody else holds it.
+  const std::shared_ptr<SyncSession> self = std::move(self_);
+  const DoneCallback on_done = std::move(on_done_);
+  on_done(this);
+}
+
+}  // namespace corbslam

@@ -1,0 +1,98 @@
+// One session of an agent: one call of MapStore.Sync.
+#ifndef CORBSLAM_SERVICES_CLIENT_REMOTE_SYNC_SESSION_H_
+#define CORBSLAM_SERVICES_CLIENT_REMOTE_SYNC_SESSION_H_
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/convert/features.h"
+#include "services/convert/shared_update.h"
+#include "slam/exchange/uplink.h"
+
+namespace corbslam {
+
+// What the sessions of one uplink share.
+struct SyncTransport {
+  std::unique_ptr<v1::MapStore::Stub> stub;
+  // Bytes on the wire.
+  std::atomic<uint64_t> bytes_up{0};
+  std::atomic<uint64_t> bytes_down{0};
+  // A session stood.
+  std::atomic<bool> was_granted{false};
+};
+
+// Thread-safe. Started, it keeps itself alive until its call has ended.
+class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncResponse> {
+ public:
+  // Called last, after the last call of the listener.
+  using DoneCallback = std::function<void(const SyncSession*)>;
+
+  SyncSession(std::shared_ptr<SyncTransport> transport, const SessionRequest& request,
+              UplinkListener* listener, size_t max_queued_bytes, DoneCallback on_done);
+
+  // Starts the call. `self` is this session.
+  void Start(std::shared_ptr<SyncSession> self);
+  // As Uplink::Send.
+  bool Send(const MapUpdateBatch& batch);
+  // As Uplink::bytes_waiting; nothing once the call has broken.
+  uint64_t bytes_waiting() const;
+  // Closes the sending side, so that the store ends the call in good order. The listener hears
+  // nothing more, though a call of it may still run. False: no session stands, or something is
+  // unsent; then only Cancel ends it.
+  bool Leave();
+  // Ends the call soon; the listener as above.
+  void Cancel();
+
+ private:
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnWritesDoneDone(bool ok) override;
+  void OnDone(const grpc::Status& status) override;
+
+  absl::Status Handle(const v1::SyncResponse& response);
+  absl::Status HandleShared(const v1::SharedUpdate& part);
+  void Push(v1::SyncRequest request) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // The message to write next, if none is being written.
+  const v1::SyncRequest* NextWrite() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void WriteNext();
+  bool IsSilenced() const;
+  // Whether the hold that keeps the call alive for Send is to be given up now.
+  bool TakeHold() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const std::shared_ptr<SyncTransport> transport_;
+  UplinkListener* const listener_;
+  const size_t max_queued_bytes_;
+  DoneCallback on_done_;
+  std::shared_ptr<SyncSession> self_;
+  grpc::ClientContext context_;
+
+  // Of the reading side, one reaction at a time.
+  v1::SyncResponse response_;
+  CameraBook received_cameras_;
+  SharedUpdateAssembler assembler_;
+  absl::Status failure_;
+
+  mutable absl::Mutex mutex_;
+  std::deque<v1::SyncRequest> queue_ ABSL_GUARDED_BY(mutex_);
+  size_t queued_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  CameraBook sent_cameras_ ABSL_GUARDED_BY(mutex_);
+  FeatureForm form_ ABSL_GUARDED_BY(mutex_) = FeatureForm::kPlain;
+  bool granted_ ABSL_GUARDED_BY(mutex_) = false;
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;  // A message, or that there are no more.
+  bool leaving_ ABSL_GUARDED_BY(mutex_) = false;  // No more writes.
+  bool broken_ ABSL_GUARDED_BY(mutex_) = false;   // No more reads or writes.
+  bool held_ ABSL_GUARDED_BY(mutex_) = true;
+  bool silenced_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CLIENT_REMOTE_SYNC_SESSION_H_

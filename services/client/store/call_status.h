@@ -1,0 +1,32 @@
+// Calls of a map store: how long they may take, and how they ended, for people.
+#ifndef CORBSLAM_SERVICES_CLIENT_STORE_CALL_STATUS_H_
+#define CORBSLAM_SERVICES_CLIENT_STORE_CALL_STATUS_H_
+
+#include <grpcpp/client_context.h>
+#include <grpcpp/support/status.h>
+
+#include <chrono>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+
+namespace corbslam {
+
+// Of a call that answers at once.
+inline void SetDeadline(grpc::ClientContext& context) {
+  context.set_deadline(absl::ToChronoTime(absl::Now() + absl::Seconds(60)));
+}
+
+// With the name of the call that met the error.
+inline absl::Status ToStatus(const grpc::Status& status, absl::string_view call) {
+  if (status.ok()) return absl::OkStatus();
+  return absl::Status(static_cast<absl::StatusCode>(status.error_code()),
+                      absl::StrCat(call, ": ", status.error_message()));
+}
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CLIENT_STORE_CALL_STATUS_H_

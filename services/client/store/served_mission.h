@@ -1,0 +1,45 @@
+// A mission as a map store holds it, read once and kept: for reports, trajectories and pictures.
+#ifndef CORBSLAM_SERVICES_CLIENT_STORE_SERVED_MISSION_H_
+#define CORBSLAM_SERVICES_CLIENT_STORE_SERVED_MISSION_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "slam/evaluation/trajectory.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+struct ServedPose {
+  int64_t timestamp_ns = 0;
+  // "Frame" is that of `local_map` in a local trajectory, the mission's in a global one.
+  Rigid3d frame_from_camera;
+  std::string local_map;  // Name of the resource.
+};
+
+// Every tracked frame of one agent, by local map, in time. A global one leaves out local maps that
+// are not connected to the global frame.
+using ServedTrajectory = std::vector<ServedPose>;
+
+Trajectory ToTrajectory(const ServedTrajectory& stored);
+size_t CountLocalMaps(const ServedTrajectory& stored);
+
+// What lies in the mission's global frame.
+struct ServedMap {
+  struct Keyframe {
+    KeyframeId id;
+    KeyframeId parent;  // Invalid: none.
+    std::string agent;
+    Rigid3d global_from_camera;
+  };
+  std::vector<Keyframe> keyframes;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::string> point_agents;  // Who made each of them; "" where that is not known.
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CLIENT_STORE_SERVED_MISSION_H_

@@ -1,0 +1,173 @@
+#include "services/client/store/store_reader.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "services/client/store/call_status.h"
+#include "services/convert/columns.h"
+#include "services/convert/geometry.h"
+#include "services/convert/ids.h"
+#include "services/convert/resource_names.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// How often a store is asked whether it is idle; it has no call that waits for that.
+constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
+
+// Of a whole map or way on a slow link: long, but not for ever.
+constexpr absl::Duration kReadPatience = absl::Minutes(10);
+
+void WaitForStream(grpc::ClientContext& context) {
+  context.set_deadline(absl::ToChronoTime(absl::Now() + kReadPatience));
+  context.set_wait_for_ready(true);
+}
+
+// It may be starting.
+void WaitForAnswer(grpc::ClientContext& context) {
+  SetDeadline(context);
+  context.set_wait_for_ready(true);
+}
+
+// Adds the keyframes and points of an island in the global frame.
+absl::Status AddIsland(const v1::WatchMapResponse::Island& island, const SlotReader& slots,
+                       const std::map<LocalMapId, std::string>& agents, ServedMap& map) {
+  for (const v1::WatchMapResponse::IslandKeyframe& proto : island.keyframes()) {
+    ServedMap::Keyframe& keyframe = map.keyframes.emplace_back();
+    ASSIGN_OR_RETURN(keyframe.id, slots.Keyframe(proto.id()));
+    if (proto.parent().slot() != 0) {
+      ASSIGN_OR_RETURN(keyframe.parent, slots.Keyframe(proto.parent()));
+    }
+    ASSIGN_OR_RETURN(const Rigid3d camera_from_island, FromProto(proto.camera_from_island()));
+    keyframe.global_from_camera = camera_from_island.Inverse();
+    const auto agent = agents.find(keyframe.id.local_map);
+    if (agent != agents.end()) keyframe.agent = agent->second;
+  }
+  ASSIGN_OR_RETURN(const std::vector<LightMapPoint> points,
+                   ReadLightPoints(island.points(), slots));
+  for (const LightMapPoint& point : points) {
+    map.points.push_back(point.position_in_local);
+    const auto agent = agents.find(point.id.local_map);
+    map.point_agents.push_back(agent == agents.end() ? "" : agent->second);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status AddResponse(const v1::WatchMapResponse& response, ServedMap& map) {
+  ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(response.local_maps()));
+  std::map<LocalMapId, std::string> agents;
+  for (int i = 0; i < std::min(response.local_maps_size(), response.local_map_agents_size()); ++i) {
+    agents[LocalMapId{response.local_maps(i)}] = LastSegment(response.local_map_agents(i));
+  }
+  for (const v1::WatchMapResponse::Island& island : response.islands()) {
+    if (island.in_global_frame()) RETURN_IF_ERROR(AddIsland(island, slots, agents, map));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+StoreReader::StoreReader(std::shared_ptr<grpc::Channel> channel, std::string mission)
+    : mission_(std::move(mission)), stub_(v1::MapStore::NewStub(channel)) {}
+
+absl::StatusOr<v1::GetStatisticsResponse> StoreReader::Statistics() {
+  grpc::ClientContext context;
+  WaitForAnswer(context);
+  v1::GetStatisticsRequest request;
+  request.set_mission(MissionName(mission_));
+  v1::GetStatisticsResponse response;
+  RETURN_IF_ERROR(ToStatus(stub_->GetStatistics(&context, request, &response), "GetStatistics"));
+  return response;
+}
+
+absl::Status StoreReader::WaitUntilFused(absl::Duration timeout) {
+  const absl::Time deadline = absl::Now() + timeout;
+  while (true) {
+    ASSIGN_OR_RETURN(const v1::GetStatisticsResponse response, Statistics());
+    if (response.mission().fusion_idle()) return absl::OkStatus();
+    if (absl::Now() > deadline) {
+      return absl::DeadlineExceededError(
+          absl::StrCat("fusion is not idle after ", absl::FormatDuration(timeout)));
+    }
+    absl::SleepFor(kAskAgain);
+  }
+}
+
+absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames() {
+  v1::ListLocalMapsRequest request;
+  request.set_parent(MissionName(mission_));
+  std::map<std::string, uint64_t> frames;
+  do {
+    grpc::ClientContext context;
+    WaitForAnswer(context);
+    v1::ListLocalMapsResponse response;
+    const grpc::Status status = stub_->ListLocalMaps(&context, request, &response);
+    if (status.error_code() == grpc::StatusCode::NOT_FOUND) return frames;
+    RETURN_IF_ERROR(ToStatus(status, "ListLocalMaps"));
+    for (const v1::LocalMap& local_map : response.local_maps()) {
+      frames[LastSegment(local_map.agent())] +=
+          local_map.tracked_frames() + local_map.lost_frames();
+    }
+    request.set_page_token(response.next_page_token());
+  } while (!request.page_token().empty());
+  return frames;
+}
+
+absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& agent,
+                                                             v1::TrajectoryFrame frame,
+                                                             PosesOf poses_of) {
+  grpc::ClientContext context;
+  WaitForStream(context);
+  v1::GetTrajectoryRequest request;
+  request.set_name(AgentName(mission_, agent));
+  request.set_frame(frame);
+  request.set_poses_of(ToProto(poses_of));
+  ServedTrajectory trajectory;
+  const auto reader = stub_->GetTrajectory(&context, request);
+  v1::GetTrajectoryResponse response;
+  bool is_wanted = true;
+  while (reader->Read(&response)) {
+    is_wanted = is_wanted && response.poses_of() == request.poses_of();
+    for (const v1::TrajectoryPose& pose : response.poses()) {
+      ASSIGN_OR_RETURN(const Rigid3d frame_from_camera, FromProto(pose.frame_from_camera()));
+      trajectory.push_back({pose.timestamp_ns(), frame_from_camera, pose.local_map()});
+    }
+  }
+  RETURN_IF_ERROR(ToStatus(reader->Finish(), absl::StrCat("GetTrajectory of ", agent)));
+  if (!is_wanted && poses_of != PosesOf::kRectifiedCamera) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("the map store is older than this program and gives poses of ",
+                     Describe(PosesOf::kRectifiedCamera), " only, not of ", Describe(poses_of)));
+  }
+  return trajectory;
+}
+
+absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
+  grpc::ClientContext context;
+  WaitForStream(context);
+  v1::WatchMapRequest request;
+  request.set_mission(MissionName(mission_));
+  request.set_include_points(true);
+  const auto reader = stub_->WatchMap(&context, request);
+  ServedMap map;
+  v1::WatchMapResponse response;
+  bool is_whole = false;
+  absl::Status added;
+  while (!is_whole && added.ok() && reader->Read(&response)) {
+    added = AddResponse(response, map);
+    is_whole = !response.continues();
+  }
+  // Later revisions would follow. A stream that the store ended keeps its own reason.
+  if (is_whole || !added.ok()) context.TryCancel();
+  const grpc::Status status = reader->Finish();
+  RETURN_IF_ERROR(added);
+  if (is_whole) return map;
+  if (status.ok()) return absl::DataLossError("WatchMap: the map came only in part");
+  return ToStatus(status, "WatchMap");
+}
+
+}  // namespace corbslam

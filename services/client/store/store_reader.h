@@ -1,0 +1,55 @@
+// Reads a mission from a running map store.
+#ifndef CORBSLAM_SERVICES_CLIENT_STORE_STORE_READER_H_
+#define CORBSLAM_SERVICES_CLIENT_STORE_STORE_READER_H_
+
+#include <grpcpp/channel.h>
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/client/store/served_mission.h"
+#include "services/security/security_options.h"
+#include "slam/camera/recorded_camera.h"
+
+namespace corbslam {
+
+// A channel to the map store at HOST:PORT, connected. INVALID_ARGUMENT for what is no address.
+// UNAVAILABLE where no map store answers, with the cause: within a second or so where it is certain
+// (nobody listens, TLS on one side, another server); where the network may be slow that is logged,
+// and the error comes after `patience`.
+absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(
+    const std::string& address, const SecurityOptions& security,
+    absl::Duration patience = absl::Seconds(10));
+
+// Thread-safe. Each call has a deadline of its own. Errors are those of the store, with the call
+// that met them.
+class StoreReader {
+ public:
+  StoreReader(std::shared_ptr<grpc::Channel> channel, std::string mission);
+
+  absl::StatusOr<v1::GetStatisticsResponse> Statistics();
+  // Returns once everything that came was looked up, verified, fused and adjusted.
+  absl::Status WaitUntilFused(absl::Duration timeout);
+  // Frames that the agents reported so far, tracked or lost, by agent; empty before the first.
+  absl::StatusOr<std::map<std::string, uint64_t>> CountReportedFrames();
+
+  // FAILED_PRECONDITION: the store doesn't know the frame that `poses_of` wants.
+  absl::StatusOr<ServedTrajectory> ReadTrajectory(const std::string& agent,
+                                                  v1::TrajectoryFrame frame,
+                                                  PosesOf poses_of = PosesOf::kRecordedCamera);
+  // The island in the global frame.
+  absl::StatusOr<ServedMap> ReadGlobalMap();
+
+ private:
+  const std::string mission_;
+  const std::unique_ptr<v1::MapStore::Stub> stub_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CLIENT_STORE_STORE_READER_H_

@@ -1,0 +1,53 @@
+// Views of the map as streams of chunks, for fusion workers.
+#ifndef CORBSLAM_SERVICES_CONVERT_WORK_MAP_VIEW_H_
+#define CORBSLAM_SERVICES_CONVERT_WORK_MAP_VIEW_H_
+
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "corbslam/v1/fusion_worker_service.pb.h"
+#include "services/convert/features.h"
+#include "slam/map/map.h"
+
+namespace corbslam {
+
+// What of a view is sent.
+struct MapViewContent {
+  bool descriptors = true;
+  // False: only keypoints that see a point, numbered anew; results never name keypoints.
+  bool all_keypoints = true;
+  bool covisibility = false;
+};
+
+// Gets serialised messages one after the other; false ends the writing.
+using ChunkSink = std::function<bool(std::string chunk)>;
+
+// Writes the view as MapChunks: keyframes first, then points, observations and edges; each with the
+// node ids of the direct index where the keyframes have words. False if the sink said so.
+bool WriteMapView(const Map& map, v1::MapView view, const MapViewContent& content,
+                  const ChunkSink& sink);
+
+// Builds a Map from its chunks. Not thread-safe.
+class MapViewReader {
+ public:
+  // `descriptors_optional`: keyframes and points may come without their looks. `covisibility`:
+  // whether it is counted, or comes with the view.
+  MapViewReader(bool descriptors_optional, Covisibility covisibility)
+      : descriptors_optional_(descriptors_optional), map_(covisibility) {}
+
+  // INVALID_ARGUMENT names the item. After an error the reader is of no use.
+  absl::Status Add(const v1::MapChunk& chunk);
+  Map Take() && { return std::move(map_); }
+  const Map& map() const { return map_; }
+
+ private:
+  const bool descriptors_optional_;
+  CameraBook cameras_;
+  Map map_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_CONVERT_WORK_MAP_VIEW_H_

@@ -1,0 +1,64 @@
+#include "services/observe/event_log/sync_log.h"
+
+#include <glog/logging.h>
+
+#include <string>
+
+#include "absl/time/clock.h"
+#include "services/observe/logging/log_fields.h"
+#include "services/observe/tracing/keyframe_events.h"
+
+namespace corbslam {
+namespace {
+
+constexpr size_t kMaxRefused = 1000;
+
+LogFields Fields(const SessionAgent& agent) {
+  return {.mission = agent.mission, .agent = agent.agent};
+}
+
+// Its first keyframe stands for a batch.
+std::string TraceOf(const MapUpdateBatch& batch) {
+  return batch.full_keyframes.empty() ? "" : TraceId(batch.full_keyframes.front().payload->id);
+}
+
+}  // namespace
+
+bool SyncLog::IsWorthALine(const SessionAgent& agent) {
+  absl::MutexLock lock(&mutex_);
+  // Whoever makes up names fills it.
+  if (refused_.size() >= kMaxRefused && !refused_.contains(agent)) refused_.clear();
+  return refused_[agent].IsDue(absl::Now());
+}
+
+void SyncLog::OnOpened(const SessionAgent& agent) {
+  {
+    absl::MutexLock lock(&mutex_);
+    refused_.erase(agent);
+  }
+  LOG(INFO) << Fields(agent) << "session opened";
+}
+
+void SyncLog::OnRefused(const SessionAgent& agent, const absl::Status& status) {
+  if (!IsWorthALine(agent)) return;
+  LOG(WARNING) << Fields(agent) << "session refused, and again when it is asked for: " << status;
+}
+
+void SyncLog::OnClosed(const SessionAgent& agent, const absl::Status& status) {
+  if (status.ok()) {
+    LOG(INFO) << Fields(agent) << "session ended by the robot";
+  } else {
+    LOG(INFO) << Fields(agent) << "session ended: " << status;
+  }
+}
+
+void SyncLog::OnApplied(const SessionAgent& agent, const MapUpdateBatch& batch, absl::Duration,
+                        const absl::Status& status) {
+  if (status.ok()) return;
+  LogFields fields = Fields(agent);
+  fields.trace = TraceOf(batch);
+  LOG(WARNING) << fields << "batch " << batch.number << " of local map "
+               << ToString(batch.local_map) << " is refused: " << status;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,117 @@
+#include "services/observe/event_log/uplink_log.h"
+
+#include <glog/logging.h>
+
+#include <utility>
+
+namespace corbslam {
+namespace {
+
+// The robot does not ask again after these.
+bool IsForGood(const absl::Status& status) {
+  return absl::IsAborted(status) || absl::IsPermissionDenied(status);
+}
+
+}  // namespace
+
+UplinkLog::UplinkLog(LogFields who, Explain explain, const UplinkLogOptions& options)
+    : who_(std::move(who)),
+      explain_(std::move(explain)),
+      options_(options),
+      without_since_(options_.clock()),
+      thread_([this] { Run(); }) {}
+
+UplinkLog::~UplinkLog() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stop_ = true;
+  }
+  thread_.join();
+}
+
+absl::Status UplinkLog::status() const {
+  absl::MutexLock lock(&mutex_);
+  if (connected_) return absl::OkStatus();
+  if (!cause_.ok()) return cause_;
+  return seen_.ok() ? absl::UnavailableError("no session stands yet") : seen_;
+}
+
+void UplinkLog::OnOpening() {
+  absl::MutexLock lock(&mutex_);
+  opening_ = true;
+}
+
+void UplinkLog::OnOpened() {
+  absl::MutexLock lock(&mutex_);
+  connected_ = true;
+  opening_ = trouble_ = false;
+  if (said_.ok()) {
+    LOG(INFO) << who_ << "a session with the map store stands";
+  } else {
+    LOG(WARNING) << who_ << "a session with the map store stands again, after "
+                 << absl::Trunc(options_.clock() - without_since_, absl::Seconds(1)) << " without";
+  }
+  seen_ = cause_ = said_ = absl::OkStatus();
+  explained_at_ = absl::InfinitePast();
+  reminder_.Reset();
+}
+
+void UplinkLog::OnClosed(const absl::Status& reason) {
+  absl::MutexLock lock(&mutex_);
+  if (connected_) without_since_ = options_.clock();
+  connected_ = opening_ = false;
+  seen_ = reason;
+  trouble_ = true;
+}
+
+void UplinkLog::Run() {
+  while (const std::optional<absl::Status> seen = WaitForTrouble()) {
+    NoteCause(*seen, explain_(*seen));
+  }
+}
+
+std::optional<absl::Status> UplinkLog::WaitForTrouble() {
+  absl::MutexLock lock(&mutex_);
+  const auto is_any = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return trouble_ || stop_; };
+  const auto may_come = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    return trouble_ || stop_ || opening_;
+  };
+  while (true) {
+    mutex_.Await(absl::Condition(&may_come));
+    const bool happened = mutex_.AwaitWithTimeout(absl::Condition(&is_any), options_.slow_attempt);
+    if (stop_) return std::nullopt;
+    // An attempt that takes long is trouble, too, though it may succeed yet.
+    if (!happened && !opening_) continue;
+    trouble_ = false;
+    if (NeedsExplanation()) return seen_;
+    WarnIfDue();
+  }
+}
+
+bool UplinkLog::NeedsExplanation() const {
+  return explained_ != seen_ || options_.clock() - explained_at_ >= options_.explain_again;
+}
+
+void UplinkLog::NoteCause(const absl::Status& seen, const absl::Status& cause) {
+  absl::MutexLock lock(&mutex_);
+  explained_ = seen;
+  explained_at_ = options_.clock();
+  cause_ = cause.ok() ? seen : cause;
+  WarnIfDue();
+}
+
+void UplinkLog::WarnIfDue() {
+  if (connected_ || cause_.ok()) return;
+  const absl::Time now = options_.clock();
+  const bool is_new = cause_ != said_ && now - said_at_ >= options_.explain_again;
+  if (!reminder_.IsDue(now) && !is_new) return;
+  said_ = cause_;
+  said_at_ = now;
+  LOG(WARNING) << who_ << "no session with the map store since "
+               << absl::Trunc(now - without_since_, absl::Seconds(1)) << ": " << cause_
+               << (IsForGood(cause_)
+                       ? "; the robot maps on, and does not try again"
+                       : "; the robot maps on, keeps what the store lacks, and tries again");
+}
+
+}  // namespace corbslam

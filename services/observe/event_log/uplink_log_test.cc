@@ -1,0 +1,142 @@
+#include "services/observe/event_log/uplink_log.h"
+
+#include <glog/logging.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "absl/strings/match.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr absl::Duration kPatience = absl::Seconds(20);
+
+// What is logged of robots.
+class Lines : public google::LogSink {
+ public:
+  Lines() { google::AddLogSink(this); }
+  ~Lines() override { google::RemoveLogSink(this); }
+
+  void send(google::LogSeverity, const char*, const char*, int, const google::LogMessageTime&,
+            const char* message, size_t length) override {
+    absl::MutexLock lock(&mutex_);
+    lines_.emplace_back(message, length);
+  }
+  // Once there are so many.
+  std::vector<std::string> WaitFor(size_t count) {
+    absl::MutexLock lock(&mutex_);
+    const auto come = [this, count]()
+                          ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return lines_.size() >= count; };
+    EXPECT_TRUE(mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience));
+    lines_.resize(std::max(lines_.size(), count));
+    return lines_;
+  }
+
+ private:
+  absl::Mutex mutex_;
+  std::vector<std::string> lines_ ABSL_GUARDED_BY(mutex_);
+};
+
+class UplinkLogTest : public ::testing::Test {
+ protected:
+  absl::Status Explain(const absl::Status& seen) {
+    absl::MutexLock lock(&mutex_);
+    ++explained_;
+    return cause_.ok() ? seen : cause_;
+  }
+  void SetCause(const absl::Status& cause) {
+    absl::MutexLock lock(&mutex_);
+    cause_ = cause;
+  }
+  void Fail(const absl::Status& reason) {
+    log_.OnOpening();
+    log_.OnClosed(reason);
+  }
+  void Advance(absl::Duration duration) {
+    absl::MutexLock lock(&mutex_);
+    now_ += duration;
+  }
+  int explained() {
+    absl::MutexLock lock(&mutex_);
+    return explained_;
+  }
+  static UplinkLogOptions Options(UplinkLogTest* test) {
+    UplinkLogOptions options;
+    options.slow_attempt = absl::Milliseconds(1);
+    options.clock = [test] {
+      absl::MutexLock lock(&test->mutex_);
+      return test->now_;
+    };
+    return options;
+  }
+
+  absl::Mutex mutex_;
+  absl::Status cause_ ABSL_GUARDED_BY(mutex_);
+  absl::Time now_ ABSL_GUARDED_BY(mutex_) = absl::UnixEpoch();
+  int explained_ ABSL_GUARDED_BY(mutex_) = 0;
+  Lines lines_;
+  UplinkLog log_{{.mission = "lab", .agent = "alpha"},
+                 [this](const absl::Status& seen) { return Explain(seen); },
+                 Options(this)};
+};
+
+TEST_F(UplinkLogTest, SaysTheCauseOnceAndWhenItIsOver) {
+  SetCause(absl::UnavailableError("Connection refused"));
+  for (int i = 0; i < 5; ++i) Fail(absl::UnavailableError("gRPC's words"));
+  EXPECT_THAT(
+      lines_.WaitFor(1)[0],
+      AllOf(HasSubstr("mission=lab agent=alpha no session with the map store"),
+            HasSubstr("Connection refused"), HasSubstr("maps on"), HasSubstr("tries again")));
+  EXPECT_EQ(log_.status(), absl::UnavailableError("Connection refused"));
+  Advance(absl::Seconds(34));
+  log_.OnOpening();
+  log_.OnOpened();
+  EXPECT_THAT(lines_.WaitFor(2)[1], HasSubstr("stands again, after 34s"));
+  EXPECT_EQ(log_.status(), absl::OkStatus());
+  EXPECT_EQ(lines_.WaitFor(2).size(), 2u);
+}
+
+TEST_F(UplinkLogTest, LooksIntoAnAttemptThatDoesNotEnd) {
+  SetCause(absl::UnavailableError("looking up store.lan takes longer than 1s"));
+  log_.OnOpening();
+  EXPECT_THAT(lines_.WaitFor(1)[0], HasSubstr("store.lan takes longer"));
+}
+
+TEST_F(UplinkLogTest, SaysAnotherCauseAndRemindsRarely) {
+  SetCause(absl::UnavailableError("first"));
+  Fail(absl::UnavailableError("x"));
+  lines_.WaitFor(1);
+  SetCause(absl::UnavailableError("second"));
+  Advance(absl::Seconds(20));
+  Fail(absl::UnavailableError("x"));
+  EXPECT_THAT(lines_.WaitFor(2)[1], HasSubstr("second"));
+  Advance(absl::Minutes(1));
+  Fail(absl::UnavailableError("x"));
+  EXPECT_THAT(lines_.WaitFor(3)[2], HasSubstr("since 1m20s"));
+}
+
+TEST_F(UplinkLogTest, SaysThatAFencedRobotDoesNotTryAgain) {
+  log_.OnOpening();
+  log_.OnOpened();
+  log_.OnClosed(absl::AbortedError("a newer session"));
+  EXPECT_THAT(lines_.WaitFor(2)[1],
+              AllOf(HasSubstr("a newer session"), HasSubstr("does not try again")));
+}
+
+TEST_F(UplinkLogTest, IsNotConnectedBeforeTheFirstSession) {
+  EXPECT_TRUE(absl::IsUnavailable(log_.status()));
+  log_.OnOpening();
+  log_.OnOpened();
+  EXPECT_THAT(lines_.WaitFor(1)[0], HasSubstr("a session with the map store stands"));
+  EXPECT_TRUE(log_.status().ok());
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,54 @@
+#include "services/observe/kept_work/keeping_fusion_worker.h"
+
+#include <glog/logging.h>
+
+#include <atomic>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "services/observe/kept_work/kept_adjustment.h"
+
+namespace corbslam {
+namespace {
+
+class KeepingFusionWorker : public FusionWorker {
+ public:
+  KeepingFusionWorker(FusionWorker* worker, std::string folder)
+      : worker_(*worker), folder_(std::move(folder)) {}
+
+  absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
+                                                    const ProgressCallback& progress) override {
+    return worker_.VerifyOverlap(request, progress);
+  }
+  absl::StatusOr<FuseMapsResult> FuseMaps(const FuseMapsRequest& request,
+                                          const ProgressCallback& progress) override {
+    return worker_.FuseMaps(request, progress);
+  }
+  absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest& request,
+                                                  const ProgressCallback& progress) override {
+    const absl::Status kept = WriteAdjustment(request, NextPath());
+    if (!kept.ok()) LOG(WARNING) << kept;
+    return worker_.AdjustBundle(request, progress);
+  }
+
+ private:
+  std::string NextPath() {
+    const std::string time = absl::FormatTime("%Y%m%dT%H%M%E3SZ", absl::Now(), absl::UTCTimeZone());
+    return absl::StrCat(folder_, "/", time, "_", absl::StrFormat("%06d", ++kept_), ".adjustment");
+  }
+
+  FusionWorker& worker_;
+  const std::string folder_;
+  std::atomic<int> kept_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FusionWorker> MakeKeepingFusionWorker(FusionWorker* worker, std::string folder) {
+  return std::make_unique<KeepingFusionWorker>(worker, std::move(folder));
+}
+
+}  // namespace corbslam

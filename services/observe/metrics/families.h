@@ -1,0 +1,36 @@
+// Metrics that are read from what is there when somebody asks.
+#ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_FAMILIES_H_
+#define CORBSLAM_SERVICES_OBSERVE_METRICS_FAMILIES_H_
+
+#include <prometheus/metric_family.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace corbslam {
+
+using MetricLabels = std::vector<prometheus::ClientMetric::Label>;
+
+// Collects one answer. A family has its series one after the other, and stands in the order in
+// which it was first named. Not thread-safe.
+class Families {
+ public:
+  void Gauge(const std::string& name, const std::string& help, double value,
+             MetricLabels labels = {});
+  // `value` only ever grows; the name ends with "_total".
+  void Counter(const std::string& name, const std::string& help, double value,
+               MetricLabels labels = {});
+
+  std::vector<prometheus::MetricFamily> Take() { return std::move(families_); }
+
+ private:
+  prometheus::ClientMetric& Add(const std::string& name, const std::string& help,
+                                prometheus::MetricType type, MetricLabels labels);
+
+  std::vector<prometheus::MetricFamily> families_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_FAMILIES_H_

@@ -1,0 +1,92 @@
+#include "services/observe/metrics/mission_collector.h"
+
+#include <set>
+#include <string>
+
+#include "map_store/mission/mission_load.h"
+#include "services/observe/metrics/families.h"
+
+namespace corbslam {
+namespace {
+
+double Number(uint64_t value) { return static_cast<double>(value); }
+
+void AddContents(const MissionLoad& load, Families& families) {
+  const MetricLabels mission = {{"mission", load.mission}};
+  families.Gauge("corbslam_mission_keyframes", "Keyframes stored.", Number(load.keyframes),
+                 mission);
+  families.Gauge("corbslam_mission_map_points",
+                 "Points of all local maps; a landmark counts once for each robot's point of it.",
+                 Number(load.map_points), mission);
+  families.Gauge("corbslam_mission_local_maps", "Local maps.", Number(load.local_maps), mission);
+  families.Gauge("corbslam_mission_islands", "Islands: sets of local maps fused into one frame.",
+                 Number(load.islands), mission);
+  families.Gauge("corbslam_mission_agents", "Agents that were ever in the mission.",
+                 Number(load.agents), mission);
+  families.Gauge("corbslam_mission_agents_connected", "Agents with a session now.",
+                 Number(load.connected_agents), mission);
+  families.Gauge("corbslam_mission_revision", "Changes of the global layer committed so far.",
+                 Number(load.revision), mission);
+}
+
+void AddFusion(const MissionLoad& load, Families& families) {
+  const auto stage = [&](const std::string& name, uint64_t value) {
+    families.Counter("corbslam_mission_overlaps_total",
+                     "Keyframes queried, candidates verified by a worker.", Number(value),
+                     {{"mission", load.mission}, {"stage", name}});
+  };
+  stage("queried", load.overlaps_queried);
+  stage("verified", load.overlaps_verified);
+  families.Gauge("corbslam_mission_overlaps_accepted",
+                 "Overlaps that hold islands together; fewer once one is refused or taken back.",
+                 Number(load.overlaps_accepted), {{"mission", load.mission}});
+  families.Counter("corbslam_mission_failed_requests_total",
+                   "Requests that a fusion worker answered with an error.",
+                   Number(load.failed_requests), {{"mission", load.mission}});
+  const auto waiting = [&](const std::string& kind, size_t value) {
+    families.Gauge("corbslam_fusion_requests_waiting",
+                   "Requests to fusion workers that no worker has taken yet.", Number(value),
+                   {{"mission", load.mission}, {"kind", kind}});
+  };
+  waiting("verify", load.waiting.verify);
+  waiting("fuse", load.waiting.fuse);
+  waiting("adjust", load.waiting.adjust);
+}
+
+}  // namespace
+
+std::vector<prometheus::MetricFamily> MissionCollector::Collect() const {
+  Families families;
+  std::set<std::string> missions;
+  const std::vector<MissionLoad> loads = store_.ListLoads();
+  families.Gauge("corbslam_missions", "Missions in the store.", Number(loads.size()));
+  const MapStore::Memory memory = store_.memory();
+  families.Gauge("corbslam_memory_budget_bytes",
+                 "Resident memory beyond which nothing is taken in; 0: no limit.",
+                 Number(memory.budget_bytes));
+  families.Counter("corbslam_memory_refused_total",
+                   "Batches and backups' pieces that were refused for want of memory.",
+                   Number(memory.refused));
+  if (store_.has_worker()) {
+    families.Gauge("corbslam_fusion_workers_answer",
+                   "0 while no fusion worker takes the store's requests.",
+                   store_.worker_outage().has_value() ? 0 : 1);
+  }
+  for (const MissionLoad& load : loads) {
+    AddContents(load, families);
+    AddFusion(load, families);
+    missions.insert(load.mission);
+  }
+  ingest_.AddAgents(missions, families);
+  families.Gauge("corbslam_service_tasks_waiting",
+                 "Calls and messages that no thread of the store has begun with.",
+                 Number(service_.waiting_tasks()));
+  families.Gauge("corbslam_streams_open", "Open streams of agents and viewers.",
+                 Number(service_.streams().open_streams()));
+  families.Gauge("corbslam_unfinished_batches_bytes",
+                 "Bytes held of batches of which not all parts are there.",
+                 Number(service_.streams().unfinished_bytes()));
+  return families.Take();
+}
+
+}  // namespace corbslam

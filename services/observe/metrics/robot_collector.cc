@@ -1,0 +1,65 @@
+#include "services/observe/metrics/robot_collector.h"
+
+#include "services/observe/metrics/families.h"
+
+namespace corbslam {
+namespace {
+
+double Number(uint64_t value) { return static_cast<double>(value); }
+
+void AddMap(const AgentStatus& status, Families& families) {
+  families.Counter("corbslam_robot_local_maps_total", "Local maps begun.", status.local_maps);
+  families.Gauge("corbslam_robot_keyframes", "Own keyframes of all local maps.", status.keyframes);
+  families.Gauge("corbslam_robot_map_points", "Own points of all local maps.", status.map_points);
+  families.Gauge("corbslam_robot_shared_keyframes", "Keyframes of other robots that are held.",
+                 status.foreign_keyframes);
+  families.Gauge("corbslam_robot_in_global_frame",
+                 "Whether it is known where the local map is in the global frame.",
+                 status.global_from_local.has_value());
+  families.Counter("corbslam_robot_loops_closed_total", "Loops closed.", status.loops_closed);
+}
+
+void AddOutbox(const UploadStatus& upload, Families& families) {
+  families.Gauge("corbslam_robot_outbox_batches", "Batches that the store has not acknowledged.",
+                 Number(upload.batches));
+  families.Gauge("corbslam_robot_outbox_bytes", "Their bytes, in memory and in the spool.",
+                 Number(upload.memory_bytes), {{"place", "memory"}});
+  families.Gauge("corbslam_robot_outbox_bytes", "", Number(upload.spool_bytes),
+                 {{"place", "spool"}});
+  families.Gauge("corbslam_robot_outbox_has_room",
+                 "0 while changes wait in the map because memory and spool are full or fail.",
+                 upload.room.ok());
+  families.Counter("corbslam_robot_local_maps_lost_total",
+                   "Local maps that could not go on at the store.", upload.lost_local_maps);
+}
+
+void AddHeldBack(const HeldBack& held, Families& families) {
+  for (size_t kind = 0; kind < kUpdateKinds; ++kind) {
+    families.Gauge("corbslam_robot_held_back_items",
+                   "What waits in the map to be told to the store.", Number(held.items[kind]),
+                   {{"kind", kUpdateKindNames[kind]}});
+  }
+  for (size_t kind = 0; kind < kUpdateKinds; ++kind) {
+    families.Gauge("corbslam_robot_held_back_seconds", "For how long the oldest of it has waited.",
+                   absl::ToDoubleSeconds(held.waited[kind]), {{"kind", kUpdateKindNames[kind]}});
+  }
+}
+
+}  // namespace
+
+std::vector<prometheus::MetricFamily> RobotCollector::Collect() const {
+  Families families;
+  const AgentStatus status = agent_.GetStatus();
+  families.Gauge("corbslam_robot_info", "Which robot this is; always 1.", 1,
+                 {{"mission", mission_}, {"agent", name_}});
+  AddMap(status, families);
+  AddOutbox(status.upload, families);
+  AddHeldBack(status.upload.held_back, families);
+  families.Counter("corbslam_robot_sent_bytes_total", "Bytes sent to the map store.",
+                   uplink_ != nullptr ? Number(uplink_->bytes_up()) : 0);
+  families.Counter("corbslam_robot_received_bytes_total", "Bytes received from the map store.",
+                   uplink_ != nullptr ? Number(uplink_->bytes_down()) : 0);
+  return families.Take();
+}
+
+}  // namespace corbslam

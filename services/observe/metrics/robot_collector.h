@@ -1,0 +1,34 @@
+// What a robot holds, read when somebody asks.
+#ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_ROBOT_COLLECTOR_H_
+#define CORBSLAM_SERVICES_OBSERVE_METRICS_ROBOT_COLLECTOR_H_
+
+#include <prometheus/collectable.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client_agent/agent/agent.h"
+
+namespace corbslam {
+
+// Asks Agent::GetStatus, which counts the map's keyframes and points under its reader lock.
+// Thread-safe.
+class RobotCollector : public prometheus::Collectable {
+ public:
+  // `agent` and `uplink` (which may be null) are not owned and must outlive it.
+  RobotCollector(const Agent* agent, const Uplink* uplink, std::string mission, std::string name)
+      : agent_(*agent), uplink_(uplink), mission_(std::move(mission)), name_(std::move(name)) {}
+
+  std::vector<prometheus::MetricFamily> Collect() const override;
+
+ private:
+  const Agent& agent_;
+  const Uplink* const uplink_;
+  const std::string mission_;
+  const std::string name_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_ROBOT_COLLECTOR_H_

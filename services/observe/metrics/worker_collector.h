@@ -1,0 +1,26 @@
+// What waits at a fusion worker.
+#ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_WORKER_COLLECTOR_H_
+#define CORBSLAM_SERVICES_OBSERVE_METRICS_WORKER_COLLECTOR_H_
+
+#include <prometheus/collectable.h>
+
+#include <vector>
+
+#include "services/fusion_worker_service/fusion_worker_service.h"
+
+namespace corbslam {
+
+// Thread-safe. `service` is not owned and must outlive it.
+class WorkerCollector : public prometheus::Collectable {
+ public:
+  explicit WorkerCollector(const FusionWorkerService* service) : service_(*service) {}
+
+  std::vector<prometheus::MetricFamily> Collect() const override;
+
+ private:
+  const FusionWorkerService& service_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_WORKER_COLLECTOR_H_

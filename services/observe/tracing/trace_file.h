@@ -1,0 +1,70 @@
+// A file of trace events, written beside the work that they are about.
+#ifndef CORBSLAM_SERVICES_OBSERVE_TRACING_TRACE_FILE_H_
+#define CORBSLAM_SERVICES_OBSERVE_TRACING_TRACE_FILE_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "absl/synchronization/mutex.h"
+#include "services/observe/tracing/keyframe_events.h"
+
+namespace corbslam {
+
+struct TraceFileOptions {
+  // Events that wait for the disk at most; further ones are dropped.
+  size_t max_waiting = 1 << 16;
+};
+
+// A JSON array of which the closing bracket is left out, as Chrome's format allows: "[" and then a
+// line an event. So it can be read at any time, also after a crash. Thread-safe. Events that it
+// can't take or write are counted, and the log says so: at the first, and at the end.
+class TraceFile {
+ public:
+  // Begins the file anew; one that is there becomes PATH.before. `process` is how viewers call this
+  // one. UNAVAILABLE where it can't be written.
+  static absl::StatusOr<std::unique_ptr<TraceFile>> Open(const std::string& path,
+                                                         absl::string_view process,
+                                                         const TraceFileOptions& options = {});
+  // Writes what waits.
+  ~TraceFile();
+  TraceFile(const TraceFile&) = delete;
+  TraceFile& operator=(const TraceFile&) = delete;
+
+  // Never waits for the disk.
+  void Add(const KeyframeEvent& event);
+  void Add(const std::vector<KeyframeEvent>& events);
+
+  // Events that are not in the file.
+  uint64_t dropped() const;
+
+ private:
+  TraceFile(std::string path, std::ofstream file, int process, const TraceFileOptions& options);
+
+  void Run();
+  void AddLine(std::string line) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // False: they are not all there.
+  bool Write(const std::vector<std::string>& lines);
+  bool HasNews() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return stop_ || !waiting_.empty(); }
+
+  const std::string path_;
+  const int process_;
+  const TraceFileOptions options_;
+  std::ofstream file_;  // Of the thread.
+  mutable absl::Mutex mutex_;
+  std::vector<std::string> waiting_ ABSL_GUARDED_BY(mutex_);
+  uint64_t dropped_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool stop_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_OBSERVE_TRACING_TRACE_FILE_H_

@@ -1,0 +1,62 @@
+#include "services/programs/robot/agent_trajectories.h"
+
+#include <map>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "slam/evaluation/pose_header.h"
+#include "slam/evaluation/trajectory_io.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+absl::StatusOr<std::optional<Rigid3d>> FindWanted(const SensorCalibration& calibration,
+                                                  PosesOf poses_of) {
+  ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
+  return CameraFromWanted(recorded, poses_of);
+}
+
+struct LocalMapPath {
+  LocalMapId id;
+  Trajectory poses;
+};
+
+// In the order in which they were begun; one without poses where nothing was tracked.
+std::vector<LocalMapPath> SplitByLocalMap(const std::vector<TrajectoryPose>& poses,
+                                          const std::optional<Rigid3d>& camera_from_wanted) {
+  std::vector<LocalMapPath> paths;
+  std::map<LocalMapId, size_t> numbers;
+  for (const TrajectoryPose& pose : poses) {
+    const auto [it, added] = numbers.try_emplace(pose.local_map, paths.size());
+    if (added) paths.push_back({pose.local_map, {}});
+    paths[it->second].poses.push_back(
+        {pose.timestamp_ns, camera_from_wanted ? pose.local_from_camera * *camera_from_wanted
+                                               : pose.local_from_camera});
+  }
+  if (paths.empty()) paths.emplace_back();
+  return paths;
+}
+
+}  // namespace
+
+absl::Status CheckPosesOf(const SensorCalibration& calibration, PosesOf poses_of) {
+  return FindWanted(calibration, poses_of).status();
+}
+
+absl::Status WriteAgentTrajectories(const Agent& agent, const SensorCalibration& calibration,
+                                    PosesOf poses_of, const std::string& path) {
+  ASSIGN_OR_RETURN(const auto camera_from_wanted, FindWanted(calibration, poses_of));
+  const std::vector<LocalMapPath> paths =
+      SplitByLocalMap(agent.LocalTrajectory(), camera_from_wanted);
+  for (size_t i = 0; i < paths.size(); ++i) {
+    const std::string comment =
+        absl::StrCat(PoseHeaderLine(poses_of), " in the frame of local map ", ToString(paths[i].id),
+                     " (", i + 1, " of ", paths.size(), "): timestamp tx ty tz qx qy qz qw");
+    RETURN_IF_ERROR(WriteTumTrajectory(paths[i].poses,
+                                       i == 0 ? path : absl::StrCat(path, ".", i + 1), comment));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace corbslam

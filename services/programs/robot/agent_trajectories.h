@@ -1,0 +1,26 @@
+// Where an agent's frames were, as files.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_AGENT_TRAJECTORIES_H_
+#define CORBSLAM_SERVICES_PROGRAMS_ROBOT_AGENT_TRAJECTORIES_H_
+
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "client_agent/agent/agent.h"
+#include "slam/camera/recorded_camera.h"
+#include "slam/sensor/sensor.h"
+
+namespace corbslam {
+
+// Whether poses of the frame can be had from the calibration: FAILED_PRECONDITION.
+absl::Status CheckPosesOf(const SensorCalibration& calibration, PosesOf poses_of);
+
+// TUM files that say what their poses are of and in which frame. Local maps have frames of their
+// own: the first one's poses go to `path`, the next one's to path.2 and so on. UNAVAILABLE names
+// the path.
+absl::Status WriteAgentTrajectories(const Agent& agent, const SensorCalibration& calibration,
+                                    PosesOf poses_of, const std::string& path);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_AGENT_TRAJECTORIES_H_

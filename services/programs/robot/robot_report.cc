@@ -1,0 +1,51 @@
+#include "services/programs/robot/robot_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace corbslam {
+
+Spread ComputeSpread(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const size_t count = values.size();
+  const auto p99 = static_cast<size_t>(std::ceil(0.99 * static_cast<double>(count))) - 1;
+  return {(values[(count - 1) / 2] + values[count / 2]) / 2,
+          std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(count),
+          values[p99]};
+}
+
+RobotReport MakeRobotReport(const Agent& agent) {
+  const AgentStatus status = agent.GetStatus();
+  const AgentTimings timings = agent.GetTimings();
+  RobotReport report;
+  report.frames = status.frames;
+  report.tracked = status.tracked;
+  report.lost = status.lost;
+  report.local_maps = status.local_maps;
+  report.first_upload_s = status.first_upload_s;
+  report.keyframes_held = status.foreign_keyframes;
+  report.points_matched_percent = status.foreign_points_percent;
+  report.shared_loops_closed = status.foreign_loops_closed;
+  report.loops_closed = status.loops_closed;
+  report.keyframes = status.keyframes;
+  report.map_points = status.map_points;
+  report.tracking_ms = ComputeSpread(timings.tracking_ms);
+  report.local_ba_ms = ComputeSpread(timings.local_ba_ms);
+  report.local_ba_count = static_cast<int>(timings.local_ba_ms.size());
+  report.outbox = {status.upload.batches, status.upload.memory_bytes, status.upload.spool_bytes,
+                   status.upload.lost_local_maps};
+  report.held_back = status.upload.held_back.items;
+  return report;
+}
+
+std::vector<ReportWarning> ToReportWarnings(const SourceFindings& findings) {
+  std::vector<ReportWarning> warnings;
+  for (const SourceFinding& finding : findings) {
+    warnings.push_back({"", finding.code, finding.text});
+  }
+  return warnings;
+}
+
+}  // namespace corbslam

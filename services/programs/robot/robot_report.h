@@ -1,0 +1,103 @@
+// What a robot's run measured: the robot writes it (client_agent --stats), the tool reads it, adds
+// what only the tool knows, and puts it into report.json. docs/report.md says what each field is.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_REPORT_H_
+#define CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_REPORT_H_
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client_agent/agent/agent.h"
+#include "client_agent/source/source_finding.h"
+#include "client_agent/upload/held_back.h"
+
+namespace corbslam {
+
+struct Spread {
+  double median = 0;
+  double mean = 0;
+  double p99 = 0;
+
+  bool operator==(const Spread&) const = default;
+};
+// Zeros without values.
+Spread ComputeSpread(std::vector<double> values);
+
+// Something that looks wrong; docs/sources.md lists the codes.
+struct ReportWarning {
+  std::string robot;  // Empty: of the run as a whole, or of the robot whose report it is in.
+  std::string code;
+  std::string text;
+
+  bool operator==(const ReportWarning&) const = default;
+};
+
+// What had not reached the store when the robot ended.
+struct OutboxReport {
+  uint64_t batches = 0;
+  uint64_t memory_bytes = 0;
+  uint64_t spool_bytes = 0;
+  int lost_local_maps = 0;
+
+  bool operator==(const OutboxReport&) const = default;
+};
+
+// Optional values are null where they could not be measured; a robot cannot know how accurate it
+// is.
+struct RobotReport {
+  std::string name;
+  std::string source;
+  // What the robot knew of its source (services/programs/robot/source_json.h); null where it
+  // didn't get as far.
+  nlohmann::ordered_json source_description;
+  std::vector<ReportWarning> warnings;
+  int frames = 0;
+  int tracked = 0;
+  int dropped = 0;
+  int lost = 0;
+  int left_out = 0;       // Frames that could not be read.
+  double pictures_s = 0;  // That its camera took for `frames`.
+  int local_maps = 0;
+  std::optional<double> first_upload_s;
+  int keyframes_held = 0;
+  double points_matched_percent = 0;
+  int shared_loops_closed = 0;
+  int loops_closed = 0;
+  int keyframes = 0;
+  int map_points = 0;
+  std::optional<double> ate_m;
+  std::optional<double> ate_from_frame_m;
+  std::optional<double> ate_global_m;
+  std::optional<double> t_rel_percent;
+  std::optional<double> r_rel_deg_per_100m;
+  Spread tracking_ms;
+  Spread local_ba_ms;
+  int local_ba_count = 0;
+  std::optional<double> peak_rss_mb;
+  std::optional<double> cpu_s;
+  OutboxReport outbox;
+  UpdateCounts held_back = {};  // Items that were in no batch yet.
+  uint64_t bytes_up = 0;
+  uint64_t bytes_down = 0;
+
+  bool operator==(const RobotReport&) const = default;
+};
+
+// Without what only those know who play the pictures: name, source and its description, dropped and
+// unread frames, the pictures' time, warnings, bytes, memory, processor time and accuracy.
+RobotReport MakeRobotReport(const Agent& agent);
+
+// As a report has them.
+std::vector<ReportWarning> ToReportWarnings(const SourceFindings& findings);
+
+// The names of the fields are a stable interface.
+nlohmann::ordered_json ToJson(const RobotReport& report);
+// DATA_LOSS names the field that is missing, of another kind or out of range.
+absl::StatusOr<RobotReport> RobotReportFromJson(const nlohmann::ordered_json& json);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_REPORT_H_

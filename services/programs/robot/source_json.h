@@ -1,0 +1,18 @@
+// A source's description and what looks wrong in it as JSON (docs/report.md).
+#ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_SOURCE_JSON_H_
+#define CORBSLAM_SERVICES_PROGRAMS_ROBOT_SOURCE_JSON_H_
+
+#include <nlohmann/json.hpp>
+
+#include "client_agent/source/source_description.h"
+#include "client_agent/source/source_finding.h"
+
+namespace corbslam {
+
+nlohmann::ordered_json ToJson(const SourceDescription& description);
+// An array of {"code", "text"}.
+nlohmann::ordered_json ToJson(const SourceFindings& findings);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_SOURCE_JSON_H_

@@ -1,0 +1,33 @@
+// The tool's commands; each adds itself to the command line.
+#ifndef CORBSLAM_SERVICES_TOOL_COMMANDS_COMMANDS_H_
+#define CORBSLAM_SERVICES_TOOL_COMMANDS_COMMANDS_H_
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace corbslam {
+
+// The one that was chosen.
+using Command = std::function<absl::Status()>;
+
+// Each sets `chosen` when its sub-command is on the command line.
+void AddMissionCommand(CLI::App& app, Command& chosen);
+void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chosen);
+// Not in --help.
+void AddCompletionCommand(CLI::App& app, Command& chosen);
+// `run` of a simulated town, with the report printed.
+void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& chosen);
+void AddDoctorCommand(CLI::App& app, Command& chosen);
+void AddEvalCommand(CLI::App& app, Command& chosen);
+void AddRenderCommand(CLI::App& app, Command& chosen);
+void AddSimulateCommand(CLI::App& app, Command& chosen);
+void AddSplitCommand(CLI::App& app, Command& chosen);
+void AddTokenCommand(CLI::App& app, Command& chosen);
+void AddVocabularyCommand(CLI::App& app, Command& chosen);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_COMMANDS_COMMANDS_H_

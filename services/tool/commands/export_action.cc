@@ -1,0 +1,168 @@
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/archive/mission_archive.h"
+#include "services/client/store/store_reader.h"
+#include "services/convert/resource_names.h"
+#include "services/tool/commands/export_trajectories.h"
+#include "services/tool/commands/mission_arguments.h"
+#include "services/tool/export/colmap_model.h"
+#include "services/tool/export/ply_file.h"
+#include "services/tool/mission/mission_admin.h"
+#include "services/tool/mission/mission_summary.h"
+#include "slam/camera/recorded_camera.h"
+#include "slam/evaluation/pose_header.h"
+#include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
+
+namespace corbslam {
+namespace {
+
+absl::Status ExportPoints(const MissionArguments& arguments,
+                          const std::shared_ptr<grpc::Channel>& channel) {
+  ASSIGN_OR_RETURN(const auto agents, ReadAgents(channel, arguments.mission));
+  std::set<std::string> names;
+  for (const v1::MissionAgent& agent : agents) names.insert(LastSegment(agent.name()));
+  if (!arguments.poses_of.empty()) {
+    return absl::InvalidArgumentError("--poses-of: a PLY file holds points and no poses");
+  }
+  if (!arguments.agent.empty() && !names.contains(arguments.agent)) {
+    return absl::NotFoundError(
+        absl::StrCat("mission ", arguments.mission, " has no robot ", arguments.agent));
+  }
+  StoreReader store(channel, arguments.mission);
+  ASSIGN_OR_RETURN(const ServedMap map, store.ReadGlobalMap());
+  const auto colours = ChooseColours(names);
+  std::vector<ColouredPoint> points;
+  for (size_t i = 0; i < map.points.size(); ++i) {
+    if (!arguments.agent.empty() && map.point_agents[i] != arguments.agent) continue;
+    // One that has joined since is drawn as nobody's.
+    const auto colour = colours.find(map.point_agents[i]);
+    points.push_back({map.points[i], colour == colours.end() ? Colour{} : colour->second});
+  }
+  std::vector<std::string> comments;
+  for (const auto& [agent, colour] : colours) {
+    if (!arguments.agent.empty() && agent != arguments.agent) continue;
+    comments.push_back(absl::StrCat("robot ", agent, " ", ToString(colour)));
+    std::printf("%s\n", comments.back().c_str());
+  }
+  RETURN_IF_ERROR(WritePly(points, comments, arguments.file));
+  RETURN_IF_ERROR(WriteLines(
+      {absl::StrCat("Landmarks of mission ", arguments.mission,
+                    ", coloured by the robot that made them (the PLY's comments say which),"),
+       "in the mission's global frame, that of its first local map; metres."},
+      arguments.file + ".README.md"));
+  std::printf("%s: %zu points\n", arguments.file.c_str(), points.size());
+  return absl::OkStatus();
+}
+
+// All that the store has: no other call tells which keypoint sees which point.
+absl::StatusOr<map_store::MissionState> ReadState(const MissionArguments& arguments,
+                                                  const std::shared_ptr<grpc::Channel>& channel) {
+  MissionAdmin admin(channel);
+  MissionRestorer restorer(std::numeric_limits<uint64_t>::max());
+  const auto show = ShowBytes("read");
+  uint64_t bytes = 0;
+  RETURN_IF_ERROR(admin.ReadBackup(arguments.mission, [&](const std::string& piece) {
+    bytes += piece.size();
+    if (show != nullptr) show(bytes);
+    return restorer.Add(piece);
+  }));
+  return restorer.Finish();
+}
+
+absl::Status WriteColmapReadme(const std::string& mission, const ColmapSource& source,
+                               const std::string& folder) {
+  return WriteLines(
+      {absl::StrCat("Mission ", mission,
+                    " as COLMAP's text model: ", PoseHeaderLine(source.poses_of), ","),
+       "in the mission's global frame, that of its first local map; metres.",
+       source.poses_of == PosesOf::kRecordedCamera
+           ? "Pictures are the recorded left ones, cameras have their distortion: link each robot's"
+           : "Pictures are the left ones undistorted and rectified, which nobody wrote: link each",
+       "to images/ROBOT/NANOSECONDS.png, called after its time. ROBOT+2 holds pictures of times "
+       "that",
+       "ROBOT has already: the robot was started again and saw the same recording."},
+      folder + "/README.md");
+}
+
+ColmapSource MakeColmapSource(const map_store::MissionState& state, PosesOf poses_of) {
+  ColmapSource source;
+  source.poses_of = poses_of;
+  for (const auto& [id, local_map] : state.local_maps) {
+    source.robots[id] = local_map.agent;
+    for (size_t i = 0; i < local_map.cameras.size(); ++i) {
+      const std::optional<RecordedCamera> recorded = local_map.Recorded(i);
+      if (recorded.has_value()) source.recorded[{id, static_cast<uint32_t>(i)}] = *recorded;
+    }
+  }
+  return source;
+}
+
+absl::Status ExportColmap(const MissionArguments& arguments,
+                          const std::shared_ptr<grpc::Channel>& channel) {
+  if (!arguments.agent.empty()) {
+    return absl::InvalidArgumentError("--agent: a COLMAP model is of all robots");
+  }
+  ASSIGN_OR_RETURN(const PosesOf poses_of,
+                   ParsePosesOf(arguments.poses_of.empty() ? "camera" : arguments.poses_of));
+  if (poses_of == PosesOf::kBody) {
+    return absl::InvalidArgumentError(
+        "--poses-of body: a COLMAP model's poses are those of its pictures' camera");
+  }
+  ASSIGN_OR_RETURN(const map_store::MissionState state, ReadState(arguments, channel));
+  ASSIGN_OR_RETURN(const Map map, GlobalMapOf(state));
+  const ColmapSource source = MakeColmapSource(state, poses_of);
+  ASSIGN_OR_RETURN(const ColmapCounts counts, WriteColmapModel(map, source, arguments.file));
+  RETURN_IF_ERROR(WriteColmapReadme(arguments.mission, source, arguments.file));
+  std::printf("%s: %zu cameras, %zu images, %zu points, %zu observations\n", arguments.file.c_str(),
+              counts.cameras, counts.images, counts.points, counts.observations);
+  return absl::OkStatus();
+}
+
+absl::Status Export(const MissionArguments& arguments) {
+  RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
+  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  // What follows finds nothing where there is no keyframe; say so at once.
+  ASSIGN_OR_RETURN(const v1::GetStatisticsResponse statistics,
+                   StoreReader(channel, arguments.mission).Statistics());
+  if (statistics.mission().keyframes() == 0) {
+    return absl::NotFoundError("mission " + arguments.mission + " has no keyframes yet");
+  }
+  if (arguments.format == "colmap") return ExportColmap(arguments, channel);
+  if (arguments.format == "ply") return ExportPoints(arguments, channel);
+  return ExportTrajectories(arguments, channel);
+}
+
+}  // namespace
+
+void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                     Command& chosen) {
+  CLI::App* action = AddMissionAction(
+      mission, "export", "Write trajectories or the map for other programs (a store's own: backup)",
+      &Export, arguments, chosen);
+  AddMissionFlag(*action, *arguments);
+  action
+      ->add_option("--format", arguments->format,
+                   "tum, kitti (its times beside it, in FILE.times), euroc: trajectories; ply: "
+                   "points coloured by robot; colmap: a text model (operators only)")
+      ->check(CLI::IsMember({"tum", "kitti", "euroc", "ply", "colmap"}))
+      ->required();
+  action
+      ->add_option("--out", arguments->file,
+                   "File to write; a folder for colmap, and for trajectories without --agent")
+      ->required();
+  action->add_option("--agent", arguments->agent, "Only this robot's");
+  action
+      ->add_option("--poses-of", arguments->poses_of,
+                   "camera (as recorded; of a stereo pair the left one, the default), rectified "
+                   "(the rectified camera) or body (where the robots know it)")
+      ->check(CLI::IsMember({"camera", "rectified", "body"}));
+}
+
+}  // namespace corbslam

@@ -1,0 +1,21 @@
+// `corbslam mission export` of trajectories.
+#ifndef CORBSLAM_SERVICES_TOOL_COMMANDS_EXPORT_TRAJECTORIES_H_
+#define CORBSLAM_SERVICES_TOOL_COMMANDS_EXPORT_TRAJECTORIES_H_
+
+#include <grpcpp/channel.h>
+
+#include <memory>
+
+#include "absl/status/status.h"
+#include "services/tool/commands/mission_arguments.h"
+
+namespace corbslam {
+
+// One robot's into the file, or everybody's into files of a folder, and beside them a README that
+// says what they hold. A robot whose local maps repeat times has several (trajectory_files.h).
+absl::Status ExportTrajectories(const MissionArguments& arguments,
+                                const std::shared_ptr<grpc::Channel>& channel);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_COMMANDS_EXPORT_TRAJECTORIES_H_

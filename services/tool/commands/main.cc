@@ -1,0 +1,41 @@
+// corbslam: the tool for people. Runs missions, simulates, measures, draws, and makes tokens and
+// vocabularies.
+#include <glog/logging.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_join.h"
+#include "services/command_line/command_line.h"
+#include "services/tool/commands/commands.h"
+
+int main(int argc, char** argv) {
+  google::InitGoogleLogging(argv[0]);
+  FLAGS_logtostderr = true;
+  FLAGS_minloglevel = google::GLOG_WARNING;
+  const std::string command_line = absl::StrJoin(std::vector<std::string>(argv, argv + argc), " ");
+  CLI::App app("Several robots, one map", "corbslam");
+  app.require_subcommand(1);
+  corbslam::Command chosen;
+  corbslam::AddCompletionCommand(app, chosen);
+  corbslam::AddDemoCommand(app, command_line, chosen);
+  corbslam::AddDoctorCommand(app, chosen);
+  corbslam::AddRunCommand(app, command_line, chosen);
+  corbslam::AddMissionCommand(app, chosen);
+  corbslam::AddEvalCommand(app, chosen);
+  corbslam::AddRenderCommand(app, chosen);
+  corbslam::AddSimulateCommand(app, chosen);
+  corbslam::AddSplitCommand(app, chosen);
+  corbslam::AddTokenCommand(app, chosen);
+  corbslam::AddVocabularyCommand(app, chosen);
+  corbslam::CommandLine flags(&app, "tool");
+  if (const auto exit_code = flags.ParseOrExit(argc, argv); exit_code.has_value()) {
+    return *exit_code;
+  }
+  const absl::Status status = chosen();
+  if (status.ok()) return 0;
+  std::fprintf(stderr, "corbslam: %s\n", status.ToString().c_str());
+  return 1;
+}

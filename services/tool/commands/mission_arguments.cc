@@ -1,0 +1,49 @@
+#include "services/tool/commands/mission_arguments.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "absl/strings/str_format.h"
+#include "services/client/store/store_reader.h"
+#include "services/security/flags.h"
+
+namespace corbslam {
+
+absl::StatusOr<std::shared_ptr<grpc::Channel>> Connect(const MissionArguments& arguments) {
+  return ConnectToStore(arguments.server, arguments.security);
+}
+
+std::function<void(uint64_t bytes)> ShowBytes(const char* what, uint64_t total) {
+  if (isatty(STDERR_FILENO) == 0) return nullptr;
+  return [what, total](uint64_t bytes) {
+    const double share = total == 0 ? 0 : static_cast<double>(bytes) / static_cast<double>(total);
+    const std::string of = total == 0
+                               ? ""
+                               : absl::StrFormat(" of %.1f MB, %.0f %%",
+                                                 1e-6 * static_cast<double>(total), 100 * share);
+    std::fprintf(stderr, "\r%s: %.1f MB%s   %s", what, 1e-6 * static_cast<double>(bytes),
+                 of.c_str(), bytes == total ? "\n" : "");
+  };
+}
+
+CLI::App* AddMissionAction(CLI::App& mission, const char* name, const char* what,
+                           absl::Status (*run)(const MissionArguments&),
+                           const std::shared_ptr<MissionArguments>& arguments, Command& chosen) {
+  CLI::App* action = mission.add_subcommand(name, what);
+  action->add_option("--server", arguments->server, "HOST:PORT of the map store")->required();
+  AddTlsFlags(*action, arguments->security);
+  AddClientFlags(*action, arguments->security);
+  action->callback([run, arguments, &chosen] { chosen = [=] { return run(*arguments); }; });
+  return action;
+}
+
+void AddMissionFlag(CLI::App& action, MissionArguments& arguments) {
+  action.add_option("--mission", arguments.mission, "Its name")->required();
+}
+
+void AddJsonFlag(CLI::App& action, MissionArguments& arguments) {
+  action.add_flag("--json", arguments.json, "Print JSON, for scripts");
+}
+
+}  // namespace corbslam

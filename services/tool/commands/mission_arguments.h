@@ -1,0 +1,54 @@
+// What the commands for the missions of a running store share.
+#ifndef CORBSLAM_SERVICES_TOOL_COMMANDS_MISSION_ARGUMENTS_H_
+#define CORBSLAM_SERVICES_TOOL_COMMANDS_MISSION_ARGUMENTS_H_
+
+#include <grpcpp/channel.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "services/security/security_options.h"
+#include "services/tool/commands/commands.h"
+
+namespace corbslam {
+
+struct MissionArguments {
+  std::string server;
+  SecurityOptions security;
+  std::string mission;
+  std::string file;
+  bool json = false;
+  // Of `export`.
+  std::string format;
+  std::string agent;
+  std::string poses_of;  // Empty: not said.
+};
+
+// A channel to the store that the flags name.
+absl::StatusOr<std::shared_ptr<grpc::Channel>> Connect(const MissionArguments& arguments);
+
+// Shows bytes on a terminal, of a total that is known or not (0), in a line that is written over;
+// null where nobody looks.
+std::function<void(uint64_t bytes)> ShowBytes(const char* what, uint64_t total = 0);
+
+// A command below `mission` with the flags that say which store.
+CLI::App* AddMissionAction(CLI::App& mission, const char* name, const char* what,
+                           absl::Status (*run)(const MissionArguments&),
+                           const std::shared_ptr<MissionArguments>& arguments, Command& chosen);
+void AddMissionFlag(CLI::App& action, MissionArguments& arguments);
+void AddJsonFlag(CLI::App& action, MissionArguments& arguments);
+
+// `mission show` and `mission export`.
+void AddShowAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                   Command& chosen);
+void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                     Command& chosen);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_COMMANDS_MISSION_ARGUMENTS_H_

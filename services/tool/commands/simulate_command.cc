@@ -1,0 +1,139 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "client_agent/source/frame_reader.h"
+#include "services/tool/commands/commands.h"
+#include "services/tool/run/plan.h"
+#include "services/tool/sequence/sequence_writer.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+struct SimulateArguments {
+  std::string source;
+  std::string layout = "kitti";
+  std::string out;
+  int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+};
+
+struct SplitArguments {
+  SimulateArguments simulate;
+  size_t robots = 2;
+  size_t overlap = 20;
+};
+
+// One line that is written over.
+void ShowBar(absl::Time start, size_t done, size_t total) {
+  constexpr size_t kWidth = 40;
+  const double elapsed_s = absl::ToDoubleSeconds(absl::Now() - start);
+  const double rate = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0;
+  const double left_s = rate > 0 ? static_cast<double>(total - done) / rate : 0;
+  std::string bar(kWidth * done / total, '#');
+  bar.resize(kWidth, '.');
+  std::fprintf(stderr, "\r[%s] %zu/%zu  %.1f frames/s  %.0f s left   ", bar.c_str(), done, total,
+               rate, left_s);
+}
+
+SourceLayout LayoutOf(const std::string& name) {
+  if (name == "euroc") return SourceLayout::kEuroc;
+  return name == "tum" ? SourceLayout::kTum : SourceLayout::kKitti;
+}
+
+absl::Status Write(const SourceSpec& source, const SimulateArguments& arguments,
+                   const std::string& folder) {
+  WriteSequenceOptions options;
+  options.layout = LayoutOf(arguments.layout);
+  options.folder = folder;
+  options.threads = arguments.threads;
+  const bool is_terminal = isatty(STDERR_FILENO) != 0;
+  const absl::Time start = absl::Now();
+  if (is_terminal) {
+    options.on_progress = [start](size_t done, size_t total) { ShowBar(start, done, total); };
+  }
+  const absl::StatusOr<size_t> frames = WriteSequence(source, options);
+  if (is_terminal) std::fprintf(stderr, "\r%-100s\r", "");
+  RETURN_IF_ERROR(frames.status());
+  const double elapsed_s = absl::ToDoubleSeconds(absl::Now() - start);
+  std::printf("%s: %zu frames in %.1f s, %.1f frames/s\n", folder.c_str(), *frames, elapsed_s,
+              static_cast<double>(*frames) / elapsed_s);
+  return absl::OkStatus();
+}
+
+absl::Status Simulate(const SimulateArguments& arguments) {
+  ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(arguments.source));
+  return Write(source, arguments, arguments.out);
+}
+
+absl::Status PrintPart(const RobotPlan& robot) {
+  ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(robot.source));
+  const std::vector<size_t> frames = FramesOf(robot.source, reader->frame_count());
+  std::printf("%-10s %6zu %6zu %6zu %12.3f %s\n", robot.name.c_str(), frames.front(), frames.back(),
+              frames.size(), 1e-9 * static_cast<double>(reader->timestamp_ns(frames.front())),
+              FormatSourceSpec(robot.source).c_str());
+  return absl::OkStatus();
+}
+
+absl::Status Split(const SplitArguments& arguments) {
+  PlanOptions options;
+  ASSIGN_OR_RETURN(options.sources.emplace_back(), ParseSourceSpec(arguments.simulate.source));
+  options.split.robots = arguments.robots;
+  options.split.overlap = arguments.overlap;
+  ASSIGN_OR_RETURN(const std::vector<RobotPlan> robots, PlanRobots(options));
+  std::printf("%-10s %6s %6s %6s %12s %s\n", "robot", "first", "last", "frames", "start, s",
+              "source");
+  for (const RobotPlan& robot : robots) RETURN_IF_ERROR(PrintPart(robot));
+  if (arguments.simulate.out.empty()) return absl::OkStatus();
+  for (const RobotPlan& robot : robots) {
+    RETURN_IF_ERROR(Write(robot.source, arguments.simulate,
+                          absl::StrCat(arguments.simulate.out, "/", robot.name)));
+  }
+  return absl::OkStatus();
+}
+
+void AddWriteOptions(CLI::App& app, SimulateArguments& arguments) {
+  app.add_option("--layout", arguments.layout, "Of the files: kitti, euroc or tum")
+      ->check(CLI::IsMember({"kitti", "euroc", "tum"}))
+      ->capture_default_str();
+  app.add_option("--threads", arguments.threads, "Frames drawn at a time; changes speed only")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<SimulateArguments>();
+  CLI::App* simulate = app.add_subcommand(
+      "simulate", "Write a simulated sequence with calibration and ground truth");
+  simulate->add_option("--source", arguments->source, "sim:city, sim:path or sim:floor, ?OPTIONS")
+      ->required();
+  simulate->add_option("--out", arguments->out, "Folder of the sequence")->required();
+  AddWriteOptions(*simulate, *arguments);
+  simulate->callback(
+      [arguments, &chosen] { chosen = [arguments] { return Simulate(*arguments); }; });
+}
+
+void AddSplitCommand(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<SplitArguments>();
+  CLI::App* split = app.add_subcommand(
+      "split", "The parts of a sequence that robots play, as in the paper's experiments");
+  split->add_option("--source", arguments->simulate.source, "The whole sequence")->required();
+  split->add_option("--robots", arguments->robots, "Among how many")->capture_default_str();
+  split
+      ->add_option("--overlap", arguments->overlap,
+                   "Frames by which parts reach beyond their share")
+      ->capture_default_str();
+  split->add_option("--out", arguments->simulate.out,
+                    "Write a simulation's parts, each to a folder in this one");
+  AddWriteOptions(*split, arguments->simulate);
+  split->callback([arguments, &chosen] { chosen = [arguments] { return Split(*arguments); }; });
+}
+
+}  // namespace corbslam

@@ -1,0 +1,74 @@
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "services/security/pem_files.h"
+#include "services/security/token.h"
+#include "services/tool/commands/commands.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+struct TokenArguments {
+  std::string key;
+  std::string mission;
+  std::string role;
+  std::string agent;
+  std::string lifetime = "24h";
+  std::string out;
+};
+
+// Only its owner can read it.
+absl::Status WriteSecret(const std::string& text, const std::string& path) {
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  bool good = file >= 0 && fchmod(file, S_IRUSR | S_IWUSR) == 0;
+  good = good && write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  if (file >= 0) good = close(file) == 0 && good;
+  if (good) return absl::OkStatus();
+  return absl::UnavailableError(absl::StrCat("can't write ", path));
+}
+
+absl::Status MakeToken(const TokenArguments& arguments) {
+  absl::Duration lifetime;
+  if (!absl::ParseDuration(arguments.lifetime, &lifetime) || lifetime < absl::Seconds(1)) {
+    return absl::InvalidArgumentError(absl::StrCat("--lifetime is \"", arguments.lifetime,
+                                                   "\", must be at least 1s, as 90m or 720h"));
+  }
+  Grant grant = {.role = Role::kViewer, .mission = arguments.mission, .name = arguments.agent};
+  ASSIGN_OR_RETURN(grant.role, ParseMissionRole(arguments.role));
+  // As whoever reads it will.
+  RETURN_IF_ERROR(ParseGrant(FormatGrant(grant)).status());
+  ASSIGN_OR_RETURN(const std::string key, ReadSecurityFile("--key", arguments.key));
+  ASSIGN_OR_RETURN(const std::string token,
+                   SignToken({.grants = {grant}, .expires = absl::Now() + lifetime}, key));
+  if (!arguments.out.empty()) return WriteSecret(token + "\n", arguments.out);
+  std::printf("%s\n", token.c_str());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddTokenCommand(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<TokenArguments>();
+  CLI::App* token = app.add_subcommand("token", "Make a signed token for a robot or a person");
+  token->add_option("--key", arguments->key, "PEM file of the Ed25519 private key that signs")
+      ->required();
+  token->add_option("--mission", arguments->mission, "The mission; - means all")->required();
+  token->add_option("--role", arguments->role, "agent, viewer or operator")->required();
+  token
+      ->add_option("--agent,--name", arguments->agent,
+                   "The agent; - means all. Of a viewer or an operator: a name for the logs")
+      ->required();
+  token->add_option("--lifetime", arguments->lifetime, "How long it is good, as 90m or 720h")
+      ->capture_default_str();
+  token->add_option("--out", arguments->out, "File to write; else it is printed");
+  token->callback([arguments, &chosen] { chosen = [arguments] { return MakeToken(*arguments); }; });
+}
+
+}  // namespace corbslam

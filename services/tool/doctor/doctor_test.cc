@@ -1,0 +1,225 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "absl/time/clock.h"
+#include "fusion_worker/local_fusion_worker.h"
+#include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/programs/default_vocabulary.h"
+#include "services/security/certificate_checks.h"
+#include "services/security/testing/test_certificates.h"
+#include "services/testing/test_path.h"
+#include "services/tool/doctor/fusion_check.h"
+#include "services/tool/doctor/local_checks.h"
+#include "services/tool/doctor/server_checks.h"
+
+namespace corbslam {
+namespace {
+
+namespace fs = std::filesystem;
+using test_data::TestCertificates;
+using ::testing::HasSubstr;
+
+// Nobody listens there: it is reserved for tcpmux, which nobody runs.
+constexpr char kNobody[] = "127.0.0.1:1";
+constexpr char kWorker[] = "corbslam.v1.FusionWorker";
+
+Level LevelOf(const Findings& findings, const std::string& text) {
+  for (const Finding& finding : findings) {
+    if (finding.text.find(text) != std::string::npos) return finding.level;
+  }
+  ADD_FAILURE() << "nothing of \"" << text << "\" in\n" << FormatFindings(findings);
+  return Level::kOk;
+}
+
+TEST(DoctorTest, FormatsALineEachAndAdvice) {
+  const Findings findings = {{Level::kOk, "clock", "ticks", ""},
+                             {Level::kFail, "source", "is gone", "look for it"}};
+  EXPECT_EQ(FormatFindings(findings),
+            "ok    clock         ticks\n"
+            "fail  source        is gone\n"
+            "                    look for it\n");
+  EXPECT_EQ(ToJson(findings)[1]["level"], "fail");
+  EXPECT_EQ(ToJson(findings)[1]["advice"], "look for it");
+  EXPECT_TRUE(AnyFailed(findings));
+  EXPECT_FALSE(AnyFailed({findings[0]}));
+}
+
+TEST(DoctorTest, NoticesAClockOfThePast) {
+  EXPECT_FALSE(AnyFailed(CheckClock(absl::Now())));
+  EXPECT_EQ(LevelOf(CheckClock(absl::FromCivil(absl::CivilDay(1970, 1, 2), absl::UTCTimeZone())),
+                    "before this program"),
+            Level::kFail);
+}
+
+TEST(DoctorTest, ReadsVocabularies) {
+  EXPECT_EQ(CheckVocabularyFile(DefaultVocabularyPath()).level, Level::kOk);
+  EXPECT_EQ(CheckVocabularyFile("/nowhere.voc").level, Level::kFail);
+}
+
+TEST(DoctorTest, LooksIntoDataFolders) {
+  const fs::path folder = TestPath("folder");
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  EXPECT_FALSE(AnyFailed(CheckDataFolder(folder / "new/deep")));
+  EXPECT_TRUE(fs::is_empty(folder));
+  std::ofstream(folder / "file") << "x";
+  EXPECT_TRUE(AnyFailed(CheckDataFolder(folder / "file")));
+  // No file can be made there, whoever one is.
+  EXPECT_TRUE(AnyFailed(CheckDataFolder("/proc")));
+}
+
+TEST(DoctorTest, ReadsSources) {
+  EXPECT_FALSE(AnyFailed(CheckSource("sim:city?length=40", true)));
+  EXPECT_TRUE(AnyFailed(CheckSource("tum:/nowhere", false)));
+  EXPECT_TRUE(AnyFailed(CheckSource("nonsense", false)));
+}
+
+TEST(DoctorTest, LooksIntoCertificates) {
+  const TestCertificates certificates("lab");
+  const SecurityOptions options = certificates.Options("alpha");
+  EXPECT_FALSE(AnyFailed(CheckSecurityFiles(options, absl::Now())));
+  EXPECT_EQ(LevelOf(CheckSecurityFiles(options, absl::Now() + absl::Hours(24 * 20)), "expires at"),
+            Level::kWarn);
+  EXPECT_EQ(LevelOf(CheckSecurityFiles(options, absl::Now() + absl::Hours(24 * 40)), "expired at"),
+            Level::kFail);
+  EXPECT_EQ(LevelOf(CheckSecurityFiles(options, absl::Now() - absl::Hours(24)), "is good from"),
+            Level::kFail);
+  const TestCertificates others("lab");
+  SecurityOptions mixed = options;
+  mixed.ca_file = others.Path("ca.pem");
+  EXPECT_EQ(LevelOf(CheckSecurityFiles(mixed, absl::Now()), "does not lead to an authority"),
+            Level::kFail);
+  mixed.key_file = others.Path("alpha.key");
+  EXPECT_EQ(LevelOf(CheckSecurityFiles(mixed, absl::Now()), "does not belong to"), Level::kFail);
+  mixed.ca_file = "/nowhere.pem";
+  EXPECT_EQ(LevelOf(CheckSecurityFiles(mixed, absl::Now()), "/nowhere.pem"), Level::kFail);
+}
+
+TEST(DoctorTest, KnowsHosts) {
+  const TestCertificates certificates("lab", "store.lan");
+  std::ifstream file(certificates.Path("store.pem"));
+  const std::string pem{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  for (const char* host : {"store.lan", "localhost", "127.0.0.1", "::1"}) {
+    EXPECT_EQ(CheckHost("x", pem, host).level, Level::kOk) << host;
+  }
+  for (const char* host : {"other.lan", "10.0.0.5"}) {
+    EXPECT_EQ(CheckHost("x", pem, host).level, Level::kFail) << host;
+  }
+}
+
+class ServerChecksTest : public ::testing::Test {
+ protected:
+  // A worker without anybody to compute: only what all servers share is asked.
+  void Start(const SecurityOptions& options) {
+    auto security = MakeServerSecurity(options);
+    ASSERT_TRUE(security.ok()) << security.status();
+    auto server = Server::Start("127.0.0.1:0", {&service_}, security->server);
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+  }
+  Findings Check(const SecurityOptions& options, const std::string& service = kWorker) {
+    return CheckServer("worker", server_->address(), service, options, absl::Now());
+  }
+
+  const std::unique_ptr<FusionWorker> worker_ = MakeLocalFusionWorker();
+  FusionWorkerService service_{worker_.get()};
+  std::unique_ptr<Server> server_;
+  SecurityOptions insecure_ = [] {
+    SecurityOptions options;
+    options.insecure = true;
+    return options;
+  }();
+};
+
+TEST_F(ServerChecksTest, PraisesAGoodOne) {
+  const TestCertificates certificates("lab");
+  Start(certificates.Options("worker"));
+  const Findings findings = Check(certificates.Options("store"));
+  for (const Finding& finding : findings) EXPECT_EQ(finding.level, Level::kOk) << finding.text;
+  EXPECT_EQ(LevelOf(findings, "issued by an authority"), Level::kOk);
+  EXPECT_EQ(LevelOf(findings, "is for 127.0.0.1"), Level::kOk);
+  EXPECT_EQ(LevelOf(findings, "is ready"), Level::kOk);
+  EXPECT_EQ(LevelOf(findings, "speaks the same interface"), Level::kOk);
+}
+
+TEST_F(ServerChecksTest, SaysThatNobodyListens) {
+  EXPECT_EQ(
+      LevelOf(CheckServer("store", kNobody, kWorker, insecure_, absl::Now()), "Connection refused"),
+      Level::kFail);
+  EXPECT_TRUE(
+      AnyFailed(CheckServer("store", "no.such.host.invalid:1", kWorker, insecure_, absl::Now())));
+}
+
+TEST_F(ServerChecksTest, SaysThatTheServerIsNotReady) {
+  Start(insecure_);
+  server_->SetReady(false);
+  EXPECT_EQ(LevelOf(Check(insecure_), "is not ready"), Level::kFail);
+}
+
+TEST_F(ServerChecksTest, SaysThatOneSideSpeaksNoTls) {
+  const TestCertificates certificates("lab");
+  Start(insecure_);
+  EXPECT_EQ(LevelOf(Check(certificates.Options("store")), "speaks no TLS"), Level::kFail);
+}
+
+TEST_F(ServerChecksTest, SaysWhoseAuthorityIsAnother) {
+  const TestCertificates certificates("lab");
+  const TestCertificates others("lab");
+  Start(certificates.Options("worker"));
+  EXPECT_EQ(LevelOf(Check(others.Options("store")), "does not lead to an authority"), Level::kFail);
+}
+
+TEST_F(ServerChecksTest, NoticesAnotherService) {
+  Start(insecure_);
+  EXPECT_EQ(
+      LevelOf(Check(insecure_, "corbslam.v1.MapStore"), "does not offer corbslam.v1.MapStore"),
+      Level::kFail);
+}
+
+TEST_F(ServerChecksTest, CantCompareWithoutReflection) {
+  SecurityOptions silent = insecure_;
+  silent.reflection = false;
+  Start(silent);
+  EXPECT_EQ(LevelOf(Check(insecure_), "does not say what it offers"), Level::kWarn);
+}
+
+TEST(DoctorTest, NoticesThatNobodyFuses) {
+  EXPECT_TRUE(CheckFusionOf("store", {}).empty());
+  std::vector<v1::Mission> missions(2);
+  EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "take its requests"), Level::kOk);
+  for (v1::Mission& mission : missions) {
+    mission.set_waiting_queries(6);
+    mission.set_worker_away_since_ns(1'700'000'000'000'000'000);
+    mission.set_worker_error("Connection refused");
+  }
+  EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "look-ups waiting: 12 (Connection refused)"),
+            Level::kFail);
+  missions[0].set_lacks_fusion_worker(true);
+  EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "never fused"), Level::kWarn);
+}
+
+TEST_F(ServerChecksTest, SaysWhatIsWrongWithAnAddress) {
+  EXPECT_EQ(LevelOf(CheckServer("store", "http://127.0.0.1:1", kWorker, insecure_, absl::Now()),
+                    "give 127.0.0.1:1"),
+            Level::kFail);
+}
+
+TEST_F(ServerChecksTest, SaysThatTheOtherSideSpeaksTls) {
+  const TestCertificates certificates("lab");
+  Start(certificates.Options("worker"));
+  EXPECT_EQ(LevelOf(Check(insecure_), "speaks TLS"), Level::kFail);
+}
+
+TEST(DoctorTest, NoticesAnotherVersion) {
+  EXPECT_EQ(CompareMethods("store", {"A", "B"}, {"A", "B"}).level, Level::kOk);
+  const Finding finding = CompareMethods("store", {"A", "B"}, {"B", "C"});
+  EXPECT_EQ(finding.level, Level::kWarn);
+  EXPECT_EQ(finding.text, "is of another version: it lacks A, this program lacks C");
+}
+
+}  // namespace
+}  // namespace corbslam

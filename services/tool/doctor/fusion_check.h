@@ -1,0 +1,26 @@
+// Whether a map store gets its maps fused.
+#ifndef CORBSLAM_SERVICES_TOOL_DOCTOR_FUSION_CHECK_H_
+#define CORBSLAM_SERVICES_TOOL_DOCTOR_FUSION_CHECK_H_
+
+#include <grpcpp/channel.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/time/time.h"
+#include "corbslam/v1/resources.pb.h"
+#include "services/security/finding.h"
+
+namespace corbslam {
+
+// What the missions of a store say of its fusion workers; nothing where there is no mission.
+Findings CheckFusionOf(const std::string& name, const std::vector<v1::Mission>& missions);
+
+// Likewise, asked of the store; nothing where this caller may not ask.
+Findings CheckFusion(const std::string& name, const std::shared_ptr<grpc::Channel>& channel,
+                     absl::Duration patience);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_DOCTOR_FUSION_CHECK_H_

@@ -1,0 +1,190 @@
+#include "services/tool/evaluation/accuracy.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/frame_reader.h"
+#include "slam/simulation/sequence/simulated_sequence.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// One sequence: its truth and the time from which errors count again.
+struct Sequence {
+  std::optional<Trajectory> truth;
+  std::optional<int64_t> from_ns;  // None: it is shorter than that.
+};
+
+using Sequences = std::map<std::string, Sequence>;
+
+// Equal for sources that share times and truth.
+std::string KeyOf(const SourceSpec& source) {
+  SourceSpec sequence;
+  sequence.layout = source.layout;
+  sequence.directory = source.directory;
+  sequence.simulation = source.simulation;
+  sequence.simulation.lens = {};
+  sequence.simulation.threads = 1;
+  return FormatSourceSpec(sequence);
+}
+
+// Equal for sources whose truths are in one frame.
+std::string WorldOf(const SourceSpec& source) {
+  if (source.layout == SourceLayout::kSim) return WorldName(source.simulation);
+  return source.truth_frame.empty() ? KeyOf(source) : absl::StrCat("truth ", source.truth_frame);
+}
+
+absl::StatusOr<Sequence> ReadSequence(const SourceSpec& source, size_t from_frame) {
+  Sequence sequence;
+  ASSIGN_OR_RETURN(std::optional<GroundTruth> truth, ReadGroundTruth(source));
+  if (truth.has_value()) sequence.truth = std::move(truth->trajectory);
+  ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(source));
+  if (from_frame < reader->frame_count()) sequence.from_ns = reader->timestamp_ns(from_frame);
+  return sequence;
+}
+
+absl::StatusOr<Sequences> ReadSequences(const std::vector<RobotPaths>& robots, size_t from_frame) {
+  Sequences sequences;
+  for (const RobotPaths& robot : robots) {
+    if (sequences.contains(KeyOf(robot.source))) continue;
+    ASSIGN_OR_RETURN(sequences[KeyOf(robot.source)], ReadSequence(robot.source, from_frame));
+  }
+  return sequences;
+}
+
+// Nullopt where there are too few poses.
+std::optional<AbsoluteError> ErrorOf(const std::vector<PosePair>& pairs, Alignment alignment) {
+  const absl::StatusOr<AbsoluteError> error = ComputeAbsoluteError(pairs, alignment);
+  return error.ok() ? std::optional(*error) : std::nullopt;
+}
+
+std::optional<double> AteOf(const Trajectory& estimate, const Sequence& sequence,
+                            Alignment alignment) {
+  const auto error = ErrorOf(AssociateByTime(estimate, *sequence.truth), alignment);
+  return error.has_value() ? std::optional(error->rmse_m) : std::nullopt;
+}
+
+RobotAccuracy ComputeRobotAccuracy(const RobotPaths& robot, const Sequence& sequence,
+                                   Alignment alignment) {
+  if (!sequence.truth.has_value()) return {};
+  const Trajectory global = ToTrajectory(robot.global);
+  const Trajectory estimate = CountLocalMaps(robot.local) == 1 ? ToTrajectory(robot.local) : global;
+  RobotAccuracy accuracy;
+  accuracy.ate_m = AteOf(estimate, sequence, alignment);
+  accuracy.ate_global_m = AteOf(global, sequence, alignment);
+  accuracy.relative =
+      ComputeRelativeError(AssociateByTime(estimate, *sequence.truth), *sequence.truth);
+  if (sequence.from_ns.has_value()) {
+    accuracy.ate_from_frame_m = AteOf(KeepFrom(estimate, *sequence.from_ns), sequence, alignment);
+  }
+  return accuracy;
+}
+
+// The pairs of all robots that were in `world`; only from the frame on that counts again, if so
+// wished.
+std::vector<PosePair> PairToTruth(const std::vector<RobotPaths>& robots, const Sequences& sequences,
+                                  const std::string& world, bool from_frame) {
+  std::vector<PosePair> pairs;
+  for (const RobotPaths& robot : robots) {
+    const Sequence& sequence = sequences.at(KeyOf(robot.source));
+    if (WorldOf(robot.source) != world || !sequence.truth.has_value()) continue;
+    if (from_frame && !sequence.from_ns.has_value()) continue;
+    const int64_t from_ns = from_frame ? *sequence.from_ns : std::numeric_limits<int64_t>::min();
+    const std::vector<PosePair> own =
+        AssociateByTime(KeepFrom(ToTrajectory(robot.global), from_ns), *sequence.truth);
+    pairs.insert(pairs.end(), own.begin(), own.end());
+  }
+  return pairs;
+}
+
+// For each sequence over one path that runs through all its robots' parts.
+std::optional<RelativeError> FusedRelativeError(const std::vector<RobotPaths>& robots,
+                                                const Sequences& sequences) {
+  RelativeError sum;
+  for (const auto& [key, sequence] : sequences) {
+    if (!sequence.truth.has_value()) continue;
+    std::vector<Trajectory> parts;
+    for (const RobotPaths& robot : robots) {
+      if (KeyOf(robot.source) == key) parts.push_back(ToTrajectory(robot.global));
+    }
+    const std::optional<RelativeError> error =
+        ComputeRelativeError(AssociateByTime(MergeByTime(parts), *sequence.truth), *sequence.truth);
+    if (!error.has_value()) continue;
+    sum.translation_percent += error->segments * error->translation_percent;
+    sum.rotation_deg_per_100m += error->segments * error->rotation_deg_per_100m;
+    sum.segments += error->segments;
+  }
+  if (sum.segments == 0) return std::nullopt;
+  return RelativeError{sum.translation_percent / sum.segments,
+                       sum.rotation_deg_per_100m / sum.segments, sum.segments};
+}
+
+// The truth while the robots that played `key` were on their way.
+Trajectory CutTruth(const std::vector<RobotPaths>& robots, const std::string& key,
+                    const Trajectory& truth) {
+  int64_t first_ns = std::numeric_limits<int64_t>::max();
+  int64_t last_ns = std::numeric_limits<int64_t>::min();
+  for (const RobotPaths& robot : robots) {
+    if (KeyOf(robot.source) != key) continue;
+    for (const StampedPose& pose : ToTrajectory(robot.global)) {
+      first_ns = std::min(first_ns, pose.timestamp_ns);
+      last_ns = std::max(last_ns, pose.timestamp_ns);
+    }
+  }
+  Trajectory cut;
+  for (const StampedPose& pose : truth) {
+    if (pose.timestamp_ns >= first_ns && pose.timestamp_ns <= last_ns) cut.push_back(pose);
+  }
+  return cut;
+}
+
+// Every local map of the robot is connected to the global frame.
+bool IsAllGlobal(const RobotPaths& robot) {
+  return !robot.global.empty() && CountLocalMaps(robot.global) == CountLocalMaps(robot.local);
+}
+
+FusedAccuracy ComputeFusedAccuracy(const std::vector<RobotPaths>& robots,
+                                   const Sequences& sequences, Alignment alignment) {
+  const auto in_global = std::find_if(
+      robots.begin(), robots.end(), [](const RobotPaths& robot) { return !robot.global.empty(); });
+  if (in_global == robots.end()) return {};
+  const Sequence& sequence = sequences.at(KeyOf(in_global->source));
+  if (!sequence.truth.has_value()) return {};
+  FusedAccuracy accuracy;
+  accuracy.truth = CutTruth(robots, KeyOf(in_global->source), *sequence.truth);
+  const std::string world = WorldOf(in_global->source);
+  const std::vector<PosePair> pairs = PairToTruth(robots, sequences, world, false);
+  const std::optional<AbsoluteError> all = ErrorOf(pairs, alignment);
+  if (all.has_value()) accuracy.truth_from_global = all->truth_from_estimate;
+  const auto belongs = [&](const RobotPaths& robot) {
+    return WorldOf(robot.source) == world && IsAllGlobal(robot) &&
+           sequences.at(KeyOf(robot.source)).truth.has_value();
+  };
+  if (!std::all_of(robots.begin(), robots.end(), belongs)) return accuracy;
+  accuracy.all = all;
+  accuracy.without_scale = ErrorOf(pairs, Alignment::kSim3);
+  accuracy.from_frame = ErrorOf(PairToTruth(robots, sequences, world, true), alignment);
+  accuracy.relative = FusedRelativeError(robots, sequences);
+  return accuracy;
+}
+
+}  // namespace
+
+absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,
+                                         Alignment alignment) {
+  ASSIGN_OR_RETURN(const Sequences sequences, ReadSequences(robots, from_frame));
+  Accuracy accuracy;
+  for (const RobotPaths& robot : robots) {
+    accuracy.robots.push_back(
+        ComputeRobotAccuracy(robot, sequences.at(KeyOf(robot.source)), alignment));
+  }
+  accuracy.fused = ComputeFusedAccuracy(robots, sequences, alignment);
+  return accuracy;
+}
+
+}  // namespace corbslam

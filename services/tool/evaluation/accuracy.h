@@ -1,0 +1,63 @@
+// Holds what the store serves against the truth.
+#ifndef CORBSLAM_SERVICES_TOOL_EVALUATION_ACCURACY_H_
+#define CORBSLAM_SERVICES_TOOL_EVALUATION_ACCURACY_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client_agent/source/source_spec.h"
+#include "services/client/store/served_mission.h"
+#include "services/tool/evaluation/ground_truth.h"
+#include "slam/evaluation/trajectory.h"
+#include "slam/evaluation/trajectory_error.h"
+
+namespace corbslam {
+
+// Poses are of the camera as recorded, as the truth's are.
+struct RobotPaths {
+  std::string name;
+  SourceSpec source;
+  ServedTrajectory local;
+  ServedTrajectory global;
+};
+
+struct RobotAccuracy {
+  // Of the local trajectory under an alignment of its own; of the global one where tracking began
+  // more than one local map.
+  std::optional<double> ate_m;
+  std::optional<double> ate_from_frame_m;
+  // Of the global trajectory under an alignment of its own.
+  std::optional<double> ate_global_m;
+  // Of what ate_m is of.
+  std::optional<RelativeError> relative;
+};
+
+struct FusedAccuracy {
+  // Of all robots under one alignment; only when all local maps are connected to the global
+  // frame and all are of one sequence or of one simulated world.
+  std::optional<AbsoluteError> all;
+  std::optional<AbsoluteError> from_frame;
+  // As `all`, but under one similarity: what is left when the map's size does not count.
+  std::optional<AbsoluteError> without_scale;
+  // Over the path that robots of one sequence drove together; of several sequences in one world
+  // the mean over all segments.
+  std::optional<RelativeError> relative;
+  // For pictures: from whatever lies in the global frame, and the truth of that time.
+  std::optional<Similarity3d> truth_from_global;
+  std::optional<Trajectory> truth;
+};
+
+struct Accuracy {
+  std::vector<RobotAccuracy> robots;  // In the order of the paths.
+  FusedAccuracy fused;
+};
+
+// `from_frame` is a frame's number in its sequence.
+absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,
+                                         Alignment alignment);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_EVALUATION_ACCURACY_H_

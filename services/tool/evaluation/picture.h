@@ -1,0 +1,27 @@
+// The picture of a fused map.
+#ifndef CORBSLAM_SERVICES_TOOL_EVALUATION_PICTURE_H_
+#define CORBSLAM_SERVICES_TOOL_EVALUATION_PICTURE_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "services/client/store/served_mission.h"
+#include "services/tool/evaluation/accuracy.h"
+#include "slam/rendering/map_picture.h"
+
+namespace corbslam {
+
+// Who is drawn as own: `wanted`, or the first where nobody is. INVALID_ARGUMENT names the robots
+// there are when none is called so.
+absl::StatusOr<std::string> ChooseOwn(const std::string& wanted,
+                                      const std::vector<std::string>& robots);
+
+// Robots in the order of their names; `own` is the one shown as own. The truth, where there is one,
+// is moved into the map's frame.
+MapPicture ComposePicture(const ServedMap& map, const std::string& own,
+                          const FusedAccuracy& accuracy);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_EVALUATION_PICTURE_H_

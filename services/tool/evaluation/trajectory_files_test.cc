@@ -1,0 +1,85 @@
+#include "services/tool/evaluation/trajectory_files.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "services/testing/test_path.h"
+#include "slam/evaluation/trajectory_file.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::ElementsAre;
+
+void AddPoses(const std::string& local_map, std::initializer_list<int64_t> times_ns,
+              ServedTrajectory& served) {
+  for (const int64_t time_ns : times_ns) served.push_back({time_ns, Rigid3d(), local_map});
+}
+
+std::vector<std::vector<int64_t>> TimesOf(const std::vector<TrajectoryFile>& files) {
+  std::vector<std::vector<int64_t>> times;
+  for (const TrajectoryFile& file : files) {
+    times.emplace_back();
+    for (const StampedPose& pose : Join(file)) times.back().push_back(pose.timestamp_ns);
+  }
+  return times;
+}
+
+TEST(TrajectoryFilesTest, LocalMapsThatFollowEachOtherShareAFile) {
+  ServedTrajectory served;
+  AddPoses("b", {5, 6}, served);
+  AddPoses("a", {1, 2, 3}, served);
+  const std::vector<TrajectoryFile> files = ShareFiles(PartsOf(served));
+  EXPECT_THAT(TimesOf(files), ElementsAre(ElementsAre(1, 2, 3, 5, 6)));
+  EXPECT_THAT(DescribeParts(files[0]),
+              ElementsAre("local map a: poses 1 to 3", "local map b: poses 4 to 5"));
+  EXPECT_THAT(TimesOf(OwnFiles(PartsOf(served))),
+              ElementsAre(ElementsAre(1, 2, 3), ElementsAre(5, 6)));
+}
+
+TEST(TrajectoryFilesTest, ARobotThatWasStartedAgainHasAnotherFile) {
+  ServedTrajectory served;
+  AddPoses("a", {1, 2, 3}, served);
+  AddPoses("b", {1, 2, 3}, served);
+  AddPoses("c", {3, 4}, served);
+  AddPoses("d", {9}, served);
+  EXPECT_THAT(TimesOf(ShareFiles(PartsOf(served))),
+              ElementsAre(ElementsAre(1, 2, 3, 9), ElementsAre(1, 2, 3), ElementsAre(3, 4)));
+}
+
+TEST(TrajectoryFilesTest, TimesAscendWithinALocalMap) {
+  ServedTrajectory served;
+  AddPoses("a", {3, 1, 3, 2}, served);
+  EXPECT_THAT(TimesOf(ShareFiles(PartsOf(served))), ElementsAre(ElementsAre(1, 2, 3)));
+}
+
+TEST(TrajectoryFilesTest, NothingIsAnEmptyFile) {
+  EXPECT_THAT(TimesOf(ShareFiles({})), ElementsAre(ElementsAre()));
+  EXPECT_THAT(TimesOf(OwnFiles({})), ElementsAre(ElementsAre()));
+}
+
+TEST(TrajectoryFilesTest, NumbersStandBeforeTheEnding) {
+  EXPECT_EQ(NumberedPath("out/alpha.txt", 1), "out/alpha.txt");
+  EXPECT_EQ(NumberedPath("out/alpha.local.tum", 2), "out/alpha.local+2.tum");
+  EXPECT_EQ(NumberedPath("out.d/alpha", 3), "out.d/alpha+3");
+}
+
+TEST(TrajectoryFilesTest, FilesSayWhatTheyHold) {
+  ServedTrajectory served;
+  AddPoses("a", {1, 2}, served);
+  AddPoses("b", {1}, served);
+  const std::string path = TestPath("poses.tum");
+  ASSERT_TRUE(
+      WriteTumFiles(ShareFiles(PartsOf(served)), PosesOf::kBody, "in some frame", path).ok());
+  const auto first = ReadTrajectoryFile(path);
+  const auto second = ReadTrajectoryFile(NumberedPath(path, 2));
+  ASSERT_TRUE(first.ok() && second.ok()) << first.status() << second.status();
+  EXPECT_EQ(first->trajectory.size(), 2u);
+  EXPECT_EQ(second->trajectory.size(), 1u);
+  EXPECT_EQ(first->poses_of, PosesOf::kBody);
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,192 @@
+#include "services/tool/export/colmap_model.h"
+
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "map_store/view/island_view.h"
+#include "services/tool/export/robot_colours.h"
+#include "slam/evaluation/pose_header.h"
+#include "slam/util/folders.h"
+#include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
+
+namespace corbslam {
+namespace {
+
+// From our pixels to COLMAP's.
+constexpr double kHalfPixel = 0.5;
+
+// COLMAP numbers from 1.
+struct Numbers {
+  std::map<std::pair<LocalMapId, uint32_t>, size_t> cameras;
+  std::map<KeyframeId, size_t> images;
+  std::map<MapPointId, size_t> points;
+};
+
+std::pair<LocalMapId, uint32_t> CameraKey(const Keyframe& keyframe) {
+  return {keyframe.id().local_map, keyframe.payload->camera_index};
+}
+
+Numbers NumberAll(const Map& map) {
+  Numbers numbers;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    numbers.images.emplace(id, numbers.images.size() + 1);
+    numbers.cameras.emplace(CameraKey(keyframe), numbers.cameras.size() + 1);
+  }
+  for (const auto& [id, point] : map.points()) {
+    if (!point.observations.empty()) numbers.points.emplace(id, numbers.points.size() + 1);
+  }
+  return numbers;
+}
+
+std::string RobotOf(const ColmapSource& source, LocalMapId local_map) {
+  const auto it = source.robots.find(local_map);
+  return it == source.robots.end() ? ToString(local_map) : it->second;
+}
+
+// What recorded the keyframe's picture; its own camera where the recorded one isn't known or
+// wanted.
+RecordedCamera RecordedOf(const ColmapSource& source, const Keyframe& keyframe) {
+  const auto it = source.recorded.find(CameraKey(keyframe));
+  const bool is_wanted = source.poses_of == PosesOf::kRecordedCamera;
+  return it != source.recorded.end() && is_wanted ? it->second : AsRecorded(keyframe.camera());
+}
+
+// PINHOLE, or COLMAP's two models of OpenCV's distortion.
+std::string CameraLine(size_t number, const Camera& camera, const RawCamera& lens) {
+  const RadialTangential& d = lens.distortion;
+  const char* const model = d.IsZero() ? "PINHOLE" : d.k3 == 0 ? "OPENCV" : "FULL_OPENCV";
+  std::string line = absl::StrFormat("%d %s %d %d %.9g %.9g %.9g %.9g", number, model,
+                                     camera.width_px, camera.height_px, lens.fx_px, lens.fy_px,
+                                     lens.cx_px + kHalfPixel, lens.cy_px + kHalfPixel);
+  if (!d.IsZero()) absl::StrAppendFormat(&line, " %.9g %.9g %.9g %.9g", d.k1, d.k2, d.p1, d.p2);
+  if (d.k3 != 0) absl::StrAppendFormat(&line, " %.9g 0 0 0", d.k3);
+  return line;
+}
+
+absl::Status WriteCameras(const Map& map, const Numbers& numbers, const ColmapSource& source,
+                          const std::string& path) {
+  std::vector<std::string> lines = {"# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY (K1 K2 P1 P2 ...)"};
+  std::set<size_t> written;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    const size_t number = numbers.cameras.at(CameraKey(keyframe));
+    if (!written.insert(number).second) continue;
+    lines.push_back(CameraLine(number, keyframe.camera(), RecordedOf(source, keyframe).lens));
+  }
+  return WriteLines(lines, path);
+}
+
+// Gives each picture a name of its own.
+class PictureNames {
+ public:
+  std::string Take(const std::string& robot, int64_t timestamp_ns) {
+    const size_t number = ++used_[{robot, timestamp_ns}];
+    const std::string suffix = number == 1 ? "" : absl::StrCat("+", number);
+    return absl::StrCat(robot, suffix, "/", timestamp_ns, ".png");
+  }
+
+ private:
+  std::map<std::pair<std::string, int64_t>, size_t> used_;
+};
+
+// The line of its pose, then that of its keypoints.
+void AddImage(const Keyframe& keyframe, const Numbers& numbers, const RecordedCamera& recorded,
+              const std::string& name, std::vector<std::string>& lines) {
+  const Rigid3d pose = recorded.camera_from_recorded.Inverse() * keyframe.camera_from_map;
+  const Eigen::Quaterniond& q = pose.rotation;
+  const Eigen::Vector3d& t = pose.translation;
+  lines.push_back(absl::StrFormat(
+      "%d %.12g %.12g %.12g %.12g %.9g %.9g %.9g %d %s", numbers.images.at(keyframe.id()), q.w(),
+      q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), numbers.cameras.at(CameraKey(keyframe)), name));
+  std::string& keypoints = lines.emplace_back();
+  for (size_t i = 0; i < keyframe.keypoints().size(); ++i) {
+    const Eigen::Vector2d pixel =
+        RecordedPixel(keyframe.camera(), recorded, keyframe.keypoints()[i].Pixel());
+    const auto point = numbers.points.find(keyframe.points[i]);
+    absl::StrAppendFormat(&keypoints, "%s%.3f %.3f ", keypoints.empty() ? "" : " ",
+                          pixel.x() + kHalfPixel, pixel.y() + kHalfPixel);
+    absl::StrAppend(&keypoints, point == numbers.points.end() ? "-1" : absl::StrCat(point->second));
+  }
+}
+
+absl::Status WriteImages(const Map& map, const Numbers& numbers, const ColmapSource& source,
+                         const std::string& path) {
+  std::vector<std::string> lines = {absl::StrCat("# ", PoseHeaderLine(source.poses_of)),
+                                    "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME",
+                                    "# X Y POINT3D_ID of each keypoint, -1: none"};
+  PictureNames names;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    const std::string name =
+        names.Take(RobotOf(source, id.local_map), keyframe.payload->timestamp_ns);
+    AddImage(keyframe, numbers, RecordedOf(source, keyframe), name, lines);
+  }
+  return WriteLines(lines, path);
+}
+
+// Pixels; the mean over all who see it with the point before them.
+double MeanReprojectionError(const Map& map, const MapPoint& point) {
+  double sum_px = 0;
+  size_t count = 0;
+  for (const auto& [id, keypoint] : point.observations) {
+    const Keyframe& keyframe = *map.FindKeyframe(id);
+    const Eigen::Vector3d x_in_camera = keyframe.camera_from_map * point.position_in_map;
+    if (x_in_camera.z() <= 0) continue;
+    sum_px +=
+        (Project(keyframe.camera(), x_in_camera) - keyframe.keypoints()[keypoint].Pixel()).norm();
+    ++count;
+  }
+  return count == 0 ? 0 : sum_px / static_cast<double>(count);
+}
+
+absl::Status WritePoints(const Map& map, const Numbers& numbers, const ColmapSource& source,
+                         const std::string& path) {
+  std::set<std::string> names;
+  for (const auto& [local_map, name] : source.robots) names.insert(name);
+  const std::map<std::string, Colour> colours = ChooseColours(names);
+  std::vector<std::string> lines = {
+      "# POINT3D_ID X Y Z R G B ERROR, then IMAGE_ID POINT2D_IDX of each that sees it"};
+  for (const auto& [id, number] : numbers.points) {
+    const MapPoint& point = *map.FindPoint(id);
+    const auto colour = colours.find(RobotOf(source, id.local_map));
+    const Colour rgb = colour == colours.end() ? Colour() : colour->second;
+    const Eigen::Vector3d& x = point.position_in_map;
+    std::string& line = lines.emplace_back(
+        absl::StrFormat("%d %.9g %.9g %.9g %d %d %d %.4f", number, x.x(), x.y(), x.z(), rgb.red,
+                        rgb.green, rgb.blue, MeanReprojectionError(map, point)));
+    for (const auto& [keyframe, keypoint] : point.observations) {
+      absl::StrAppend(&line, " ", numbers.images.at(keyframe), " ", keypoint);
+    }
+  }
+  return WriteLines(lines, path);
+}
+
+}  // namespace
+
+absl::StatusOr<Map> GlobalMapOf(const map_store::MissionState& state) {
+  const auto island = state.global.islands.find(state.ReferenceIsland());
+  if (island == state.global.islands.end()) {
+    return absl::NotFoundError(absl::StrCat("mission ", state.name, " has no keyframes yet"));
+  }
+  map_store::UnbrokenRead read;
+  ASSIGN_OR_RETURN(map_store::IslandSnapshot snapshot,
+                   map_store::TakeWholeSnapshot(state, island->second, {},
+                                                map_store::Rejected::kLeaveOut, read));
+  return std::move(snapshot.view);
+}
+
+absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map, const ColmapSource& source,
+                                              const std::string& folder) {
+  RETURN_IF_ERROR(MakeFolder(folder));
+  const Numbers numbers = NumberAll(map);
+  RETURN_IF_ERROR(WriteCameras(map, numbers, source, folder + "/cameras.txt"));
+  RETURN_IF_ERROR(WriteImages(map, numbers, source, folder + "/images.txt"));
+  RETURN_IF_ERROR(WritePoints(map, numbers, source, folder + "/points3D.txt"));
+  ColmapCounts counts = {numbers.cameras.size(), numbers.images.size(), numbers.points.size()};
+  for (const auto& [id, point] : map.points()) counts.observations += point.observations.size();
+  return counts;
+}
+
+}  // namespace corbslam

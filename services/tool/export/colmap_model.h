@@ -1,0 +1,58 @@
+// A mission's map as COLMAP's sparse model in text (cameras.txt, images.txt, points3D.txt): every
+// keyframe an image, every landmark a point, every observation a part of its track.
+//
+// The model is of the pictures as they were recorded: cameras have their lens distortion, keypoints
+// are where the recorded pictures have them, poses are of the recorded (left) camera. Where a robot
+// never said what recorded its pictures, or the rectified camera is wanted, it is of the
+// undistorted pictures that keyframes are of.
+//
+// COLMAP's conventions: poses are camera_from_world with w first; the first pixel's centre is at
+// (0.5, 0.5), ours at (0, 0), so that principal points and keypoints move by half a pixel.
+#ifndef CORBSLAM_SERVICES_TOOL_EXPORT_COLMAP_MODEL_H_
+#define CORBSLAM_SERVICES_TOOL_EXPORT_COLMAP_MODEL_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "map_store/state/mission_state.h"
+#include "slam/camera/recorded_camera.h"
+#include "slam/map/map.h"
+#include "slam/util/ids.h"
+
+namespace corbslam {
+
+struct ColmapCounts {
+  size_t cameras = 0;
+  size_t images = 0;
+  size_t points = 0;
+  size_t observations = 0;
+};
+
+// What lies in the mission's global frame, as fusion holds it: landmarks are one point, culled
+// keyframes and rejected observations are left out. NOT_FOUND: there is no keyframe.
+absl::StatusOr<Map> GlobalMapOf(const map_store::MissionState& state);
+
+// What a map doesn't say.
+struct ColmapSource {
+  std::map<LocalMapId, std::string> robots;
+  // By local map and camera index; those that are not here are not known.
+  std::map<std::pair<LocalMapId, uint32_t>, RecordedCamera> recorded;
+  // kRecordedCamera or kRectifiedCamera.
+  PosesOf poses_of = PosesOf::kRecordedCamera;
+};
+
+// Writes the three files into a folder, which is made. An image is called ROBOT/NANOSECONDS.png
+// after its time, or ROBOT+2/NANOSECONDS.png and so on where the robot has a picture of that time
+// already; a point has the colour of the robot that made it (robot_colours.h). Points that nobody
+// sees are left out. UNAVAILABLE names the path.
+absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map, const ColmapSource& source,
+                                              const std::string& folder);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_EXPORT_COLMAP_MODEL_H_

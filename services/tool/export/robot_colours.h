@@ -1,0 +1,27 @@
+// A colour for each robot, the same in every export of a mission.
+#ifndef CORBSLAM_SERVICES_TOOL_EXPORT_ROBOT_COLOURS_H_
+#define CORBSLAM_SERVICES_TOOL_EXPORT_ROBOT_COLOURS_H_
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+
+namespace corbslam {
+
+struct Colour {
+  uint8_t red = 0;
+  uint8_t green = 0;
+  uint8_t blue = 0;
+  friend bool operator==(const Colour&, const Colour&) = default;
+};
+
+// By name: in the order of the names, each far in hue from the one before.
+std::map<std::string, Colour> ChooseColours(const std::set<std::string>& robots);
+
+// "#1f77b4".
+std::string ToString(const Colour& colour);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_EXPORT_ROBOT_COLOURS_H_

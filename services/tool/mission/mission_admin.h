@@ -1,0 +1,47 @@
+// What operators do with the missions of a running map store.
+#ifndef CORBSLAM_SERVICES_TOOL_MISSION_MISSION_ADMIN_H_
+#define CORBSLAM_SERVICES_TOOL_MISSION_MISSION_ADMIN_H_
+
+#include <grpcpp/channel.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "corbslam/v1/map_store_service.grpc.pb.h"
+
+namespace corbslam {
+
+// Thread-safe. Errors are those of the store, with the call that met them, and those of files, with
+// their names.
+class MissionAdmin {
+ public:
+  // Bytes so far.
+  using Progress = std::function<void(uint64_t bytes)>;
+
+  explicit MissionAdmin(const std::shared_ptr<grpc::Channel>& channel);
+
+  absl::StatusOr<std::vector<v1::Mission>> List();
+  // Writes the mission to a file, durably. ALREADY_EXISTS: there is one of that name. A file that
+  // is there under this name is whole. Returns its size in bytes.
+  absl::StatusOr<uint64_t> BackUp(const std::string& mission, const std::string& path,
+                                  const Progress& on_progress = nullptr);
+  // Gives the mission's backup to `sink`, piece by piece, which ends it with an error of its own.
+  absl::Status ReadBackup(const std::string& mission,
+                          const std::function<absl::Status(const std::string& piece)>& sink);
+  absl::StatusOr<v1::Mission> Restore(const std::string& path, const std::string& mission,
+                                      const Progress& on_progress = nullptr);
+  // Local maps that went with it.
+  absl::StatusOr<uint32_t> Delete(const std::string& mission);
+
+ private:
+  std::unique_ptr<v1::MapStore::Stub> stub_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_MISSION_MISSION_ADMIN_H_

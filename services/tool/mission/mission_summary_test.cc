@@ -1,0 +1,159 @@
+#include "services/tool/mission/mission_summary.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "absl/strings/str_cat.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string MapName(int id) { return absl::StrCat("missions/lab/localMaps/", id); }
+
+void AddLocalMap(int id, const std::string& agent, int island, MissionSummary& summary) {
+  v1::LocalMap& local_map = summary.local_maps.emplace_back();
+  local_map.set_name(MapName(id));
+  local_map.set_agent("missions/lab/agents/" + agent);
+  local_map.set_island(MapName(island));
+  local_map.set_in_global_frame(island == 1);
+  local_map.set_keyframes(10);
+  local_map.set_settled_keyframes(7);
+  local_map.set_map_points(100);
+  local_map.set_tracked_frames(50);
+}
+
+void AddOverlap(int query, int candidate, v1::OverlapVerdict verdict, uint32_t inliers,
+                MissionSummary& summary) {
+  v1::Overlap& overlap = summary.overlaps.emplace_back();
+  overlap.set_query(MapName(query) + "/keyframes/3");
+  overlap.set_candidate(MapName(candidate) + "/keyframes/4");
+  overlap.set_verdict(verdict);
+  overlap.set_inliers(inliers);
+}
+
+// Alpha's first local map and bravo's are fused, alpha's second one is apart.
+MissionSummary MakeSummary() {
+  MissionSummary summary;
+  summary.mission.set_name("missions/lab");
+  summary.mission.set_agents(2);
+  summary.mission.set_local_maps(3);
+  summary.mission.set_islands(2);
+  summary.mission.set_keyframes(30);
+  for (const char* name : {"alpha", "bravo"}) {
+    summary.agents.emplace_back().set_name(absl::StrCat("missions/lab/agents/", name));
+  }
+  summary.agents[0].set_connected(true);
+  AddLocalMap(1, "alpha", 1, summary);
+  AddLocalMap(2, "bravo", 1, summary);
+  AddLocalMap(3, "alpha", 3, summary);
+  summary.agents[0].add_local_maps(MapName(1));
+  summary.agents[0].add_local_maps(MapName(3));
+  AddOverlap(2, 1, v1::OVERLAP_VERDICT_ACCEPTED, 45, summary);
+  AddOverlap(1, 2, v1::OVERLAP_VERDICT_ACCEPTED, 31, summary);
+  AddOverlap(2, 1, v1::OVERLAP_VERDICT_TOO_FEW_WORD_MATCHES, 3, summary);
+  AddOverlap(3, 1, v1::OVERLAP_VERDICT_NO_SECOND_KEYFRAME, 0, summary);
+  AddOverlap(1, 1, v1::OVERLAP_VERDICT_ACCEPTED, 60, summary);
+  return summary;
+}
+
+TEST(MissionSummaryTest, SaysWhatWasFusedAndWhyTheRestWasNot) {
+  EXPECT_THAT(
+      FormatSummary(MakeSummary()),
+      AllOf(HasSubstr("Mission lab: 2 robots, 3 local maps in 2 islands, 30 keyframes, "),
+            HasSubstr("alpha            yes                2        20       200       100"),
+            HasSubstr("alpha/2          3                alpha/2          no"),
+            HasSubstr("5 overlaps verified, 3 accepted\n"),
+            HasSubstr("  alpha/1 and bravo/1, fused: 2 accepted (up to 45 inliers); 1 refused: too "
+                      "few keypoints look alike\n"),
+            HasSubstr("  alpha/1 and alpha/2, apart: 1 refused: no second pair of keyframes "
+                      "agrees\n"),
+            HasSubstr("  alpha/1, loops: 1 accepted (up to 60 inliers)\n"),
+            HasSubstr("  bravo/1 and alpha/2, apart: no two keyframes share enough words to be "
+                      "compared\n")));
+}
+
+constexpr char kNoWords[] = "no two keyframes share enough words";
+
+void AddUncompared(int query, int against, uint64_t waiting, uint64_t failed,
+                   MissionSummary& summary) {
+  v1::UncomparedPair& pair = *summary.statistics.add_uncompared();
+  pair.set_query(MapName(query));
+  pair.set_against(MapName(against));
+  pair.set_waiting(waiting);
+  pair.set_failed(failed);
+}
+
+// Bravo's first local map and alpha's second one: nothing was found, because nobody looked.
+TEST(MissionSummaryTest, NeverSpeaksOfWordsWhereNobodyLooked) {
+  MissionSummary summary = MakeSummary();
+  summary.mission.set_waiting_queries(12);
+  summary.mission.set_worker_away_since_ns(1'700'000'000'000'000'000);
+  summary.mission.set_worker_error("no fusion worker answers at w:1: Connection refused");
+  AddUncompared(3, 2, 5, 0, summary);
+  AddUncompared(2, 3, 7, 1, summary);
+  AddUncompared(1, 1, 4, 0, summary);
+  const std::string text = FormatSummary(summary);
+  EXPECT_THAT(
+      text, AllOf(HasSubstr("fusion waits for a worker"),
+                  HasSubstr("12 look-ups waiting: no fusion worker takes requests since 2023-11-1"),
+                  HasSubstr("(no fusion worker answers at w:1: Connection refused)"),
+                  HasSubstr("bravo/1 and alpha/2, apart: 12 look-ups waiting for a fusion "
+                            "worker; 1 look-up given up because fusion workers failed\n")));
+  EXPECT_EQ(text.find(kNoWords), std::string::npos) << text;
+  const nlohmann::ordered_json json = ToJson(summary);
+  EXPECT_EQ(json["mission"]["waiting_queries"], 12);
+  for (const auto& pair : json["pairs"]) {
+    if (pair["local_maps"].dump() == R"(["bravo/1","alpha/2"])") {
+      EXPECT_EQ(pair["waiting"], 12);
+    }
+  }
+}
+
+TEST(MissionSummaryTest, NeverSpeaksOfWordsWhereNothingCouldBeLookedAt) {
+  MissionSummary none = MakeSummary();
+  none.mission.set_lacks_fusion_worker(true);
+  none.mission.set_waiting_queries(3);
+  AddUncompared(3, 2, 3, 0, none);
+  EXPECT_THAT(FormatSummary(none), AllOf(HasSubstr("3 look-ups waiting: the store has no fusion"),
+                                         ::testing::Not(HasSubstr(kNoWords))));
+  MissionSummary early = MakeSummary();
+  early.local_maps[2].set_settled_keyframes(0);
+  EXPECT_THAT(FormatSummary(early), AllOf(HasSubstr("too few keyframes to be compared yet"),
+                                          ::testing::Not(HasSubstr(kNoWords))));
+  MissionSummary failed = MakeSummary();
+  failed.statistics.set_failed_requests(9);
+  EXPECT_THAT(FormatSummary(failed), AllOf(HasSubstr("9 requests of this mission failed"),
+                                           ::testing::Not(HasSubstr(kNoWords))));
+}
+
+TEST(MissionSummaryTest, HasTheSameAsJson) {
+  const nlohmann::ordered_json json = ToJson(MakeSummary());
+  EXPECT_EQ(json["mission"]["name"], "missions/lab");
+  EXPECT_EQ(json["agents"].size(), 2u);
+  EXPECT_EQ(json["agents"][0]["local_maps"].size(), 2u);
+  EXPECT_EQ(json["local_maps"][2]["short_name"], "alpha/2");
+  EXPECT_EQ(json["overlaps"], 5);
+  EXPECT_EQ(json["pairs"].size(), 4u);
+  for (const auto& pair : json["pairs"]) {
+    if (pair["local_maps"].dump() != R"(["alpha/1","bravo/1"])") continue;
+    EXPECT_EQ(pair["accepted"], 2);
+    EXPECT_EQ(pair["verdicts"]["OVERLAP_VERDICT_TOO_FEW_WORD_MATCHES"], 1);
+    EXPECT_EQ(pair["same_island"], true);
+    return;
+  }
+  ADD_FAILURE() << "no pair of alpha/1 and bravo/1 in " << json.dump(2);
+}
+
+TEST(MissionSummaryTest, DescribesEveryVerdict) {
+  for (int i = v1::OverlapVerdict_MIN; i <= v1::OverlapVerdict_MAX; ++i) {
+    if (!v1::OverlapVerdict_IsValid(i) || i == v1::OVERLAP_VERDICT_UNSPECIFIED) continue;
+    EXPECT_THAT(DescribeVerdict(static_cast<v1::OverlapVerdict>(i)),
+                ::testing::Not(HasSubstr("verdict ")));
+  }
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,173 @@
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "absl/time/time.h"
+#include "services/convert/resource_names.h"
+#include "services/tool/mission/mission_summary.h"
+#include "services/tool/mission/summary_pairs.h"
+
+namespace corbslam {
+namespace {
+
+std::string Count(uint64_t count, const std::string& what) {
+  return absl::StrCat(count, " ", what, count == 1 ? "" : "s");
+}
+
+// Empty where fusion goes on.
+std::string FormatWorkers(const v1::Mission& mission) {
+  const std::string waiting = Count(mission.waiting_queries(), "look-up") + " waiting";
+  if (mission.lacks_fusion_worker()) {
+    if (mission.waiting_queries() == 0) return "";
+    return waiting +
+           ": the store has no fusion worker (map_store --worker or "
+           "--in-process-worker)\n";
+  }
+  if (mission.worker_away_since_ns() == 0) return "";
+  return absl::StrCat(
+      waiting, ": no fusion worker takes requests since ",
+      absl::FormatTime("%Y-%m-%d %H:%M:%S", absl::FromUnixNanos(mission.worker_away_since_ns()),
+                       absl::LocalTimeZone()),
+      " (", mission.worker_error(), ")\n");
+}
+
+std::string FormatMission(const v1::Mission& mission) {
+  return absl::StrCat(
+      "Mission ", LastSegment(mission.name()), ": ", Count(mission.agents(), "robot"), ", ",
+      Count(mission.local_maps(), "local map"), " in ", Count(mission.islands(), "island"), ", ",
+      Count(mission.keyframes(), "keyframe"), ", ", Count(mission.map_points(), "map point"),
+      "; revision ", mission.revision(), ", fusion ", DescribeFusion(mission), "\n",
+      FormatWorkers(mission));
+}
+
+// One line a robot, its local maps added up.
+std::string FormatRobots(const MissionSummary& summary) {
+  std::string text = absl::StrFormat("\n%-16s %-9s %10s %9s %9s %9s %9s\n", "robot", "connected",
+                                     "local maps", "keyframes", "points", "tracked", "lost");
+  for (const v1::MissionAgent& agent : summary.agents) {
+    v1::LocalMap sum;
+    for (const v1::LocalMap& local_map : summary.local_maps) {
+      if (local_map.agent() != agent.name()) continue;
+      sum.set_keyframes(sum.keyframes() + local_map.keyframes());
+      sum.set_map_points(sum.map_points() + local_map.map_points());
+      sum.set_tracked_frames(sum.tracked_frames() + local_map.tracked_frames());
+      sum.set_lost_frames(sum.lost_frames() + local_map.lost_frames());
+    }
+    absl::StrAppendFormat(&text, "%-16s %-9s %10d %9d %9d %9d %9d\n", LastSegment(agent.name()),
+                          agent.connected() ? "yes" : "no", agent.local_maps_size(),
+                          sum.keyframes(), sum.map_points(), sum.tracked_frames(),
+                          sum.lost_frames());
+  }
+  return text;
+}
+
+std::string FormatLocalMaps(const MissionSummary& summary) {
+  const std::map<std::string, std::string> names = ShortNames(summary);
+  std::string text = absl::StrFormat("\n%-16s %-16s %-16s %-6s %9s %9s %s\n", "local map", "id",
+                                     "island", "global", "keyframes", "points", "closed");
+  for (const v1::LocalMap& local_map : summary.local_maps) {
+    const auto island = names.find(local_map.island());
+    absl::StrAppendFormat(&text, "%-16s %-16s %-16s %-6s %9d %9d %s\n", names.at(local_map.name()),
+                          LastSegment(local_map.name()),
+                          island == names.end() ? "-" : island->second,
+                          local_map.in_global_frame() ? "yes" : "no", local_map.keyframes(),
+                          local_map.map_points(), local_map.closed() ? "yes" : "no");
+  }
+  return text;
+}
+
+// What was never looked at says nothing of the places.
+std::string DescribeUncompared(const PairOverlaps& pair) {
+  std::vector<std::string> parts;
+  if (pair.waiting > 0) {
+    parts.push_back(Count(pair.waiting, "look-up") + " waiting for a fusion worker");
+  }
+  if (pair.failed > 0) {
+    parts.push_back(Count(pair.failed, "look-up") + " given up because fusion workers failed");
+  }
+  return absl::StrJoin(parts, "; ");
+}
+
+std::string DescribeNoOverlap(const PairOverlaps& pair, const MissionSummary& summary) {
+  if (pair.is_too_early) return "too few keyframes to be compared yet";
+  if (summary.statistics.failed_requests() > 0) {
+    return absl::StrCat("no overlap found, but ", summary.statistics.failed_requests(),
+                        " requests of this mission failed");
+  }
+  return "no two keyframes share enough words to be compared";
+}
+
+std::string FormatPair(const PairOverlaps& pair, const MissionSummary& summary) {
+  std::vector<std::string> parts;
+  if (pair.accepted > 0) {
+    parts.push_back(
+        absl::StrCat(pair.accepted, " accepted (up to ", pair.most_inliers, " inliers)"));
+  }
+  for (const auto& [verdict, count] : pair.verdicts) {
+    if (verdict == v1::OVERLAP_VERDICT_ACCEPTED) continue;
+    parts.push_back(absl::StrCat(count, " refused: ", DescribeVerdict(verdict)));
+  }
+  if (const std::string uncompared = DescribeUncompared(pair); !uncompared.empty()) {
+    parts.push_back(uncompared);
+  }
+  if (parts.empty()) parts.push_back(DescribeNoOverlap(pair, summary));
+  return absl::StrJoin(parts, "; ");
+}
+
+std::string FormatOverlaps(const MissionSummary& summary) {
+  const auto pairs = CountPairs(summary);
+  int accepted = 0;
+  for (const auto& [names, pair] : pairs) accepted += pair.accepted;
+  std::string text = absl::StrCat("\n", Count(summary.overlaps.size(), "overlap"), " verified, ",
+                                  accepted, " accepted\n");
+  for (const auto& [names, pair] : pairs) {
+    absl::StrAppend(&text, "  ", names.first, names.first == names.second ? ", loops" : "");
+    if (names.first != names.second) {
+      absl::StrAppend(&text, " and ", names.second, pair.same_island ? ", fused" : ", apart");
+    }
+    absl::StrAppend(&text, ": ", FormatPair(pair, summary), "\n");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string DescribeFusion(const v1::Mission& mission) {
+  if (mission.lacks_fusion_worker()) return "has no worker";
+  if (mission.worker_away_since_ns() != 0) return "waits for a worker";
+  return mission.fusion_idle() ? "idle" : "busy";
+}
+
+std::string DescribeVerdict(v1::OverlapVerdict verdict) {
+  switch (verdict) {
+    case v1::OVERLAP_VERDICT_ACCEPTED:
+      return "accepted";
+    case v1::OVERLAP_VERDICT_TOO_FEW_WORD_MATCHES:
+      return "too few keypoints look alike";
+    case v1::OVERLAP_VERDICT_TOO_FEW_RANSAC_INLIERS:
+      return "no motion explains enough of what looks alike";
+    case v1::OVERLAP_VERDICT_TOO_FEW_REFINED_INLIERS:
+      return "too few pairs stayed after refinement";
+    case v1::OVERLAP_VERDICT_TOO_FEW_PROJECTED_MATCHES:
+      return "too few neighbouring points are where they should be";
+    case v1::OVERLAP_VERDICT_NO_SECOND_KEYFRAME:
+      return "no second pair of keyframes agrees";
+    case v1::OVERLAP_VERDICT_WRONG_SCALE:
+      return "the scales disagree";
+    case v1::OVERLAP_VERDICT_BENDS_GRAPH:
+      return "contradicts what is known";
+    case v1::OVERLAP_VERDICT_TAKEN_BACK:
+      return "taken back by somebody";
+    default:
+      return absl::StrCat("verdict ", static_cast<int>(verdict));
+  }
+}
+
+std::string FormatSummary(const MissionSummary& summary) {
+  return absl::StrCat(FormatMission(summary.mission), FormatRobots(summary),
+                      FormatLocalMaps(summary), FormatOverlaps(summary));
+}
+
+}  // namespace corbslam

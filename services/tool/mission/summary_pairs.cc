@@ -1,0 +1,104 @@
+#include "services/tool/mission/summary_pairs.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "services/convert/resource_names.h"
+
+namespace corbslam {
+namespace {
+
+// missions/M/localMaps/L of missions/M/localMaps/L/keyframes/K.
+std::string LocalMapOf(const std::string& keyframe) {
+  return keyframe.substr(0, keyframe.find("/keyframes/"));
+}
+
+}  // namespace
+
+std::map<std::string, std::string> ShortNames(const MissionSummary& summary) {
+  std::map<std::string, std::string> names;
+  std::map<std::string, int> counts;
+  for (const v1::LocalMap& local_map : summary.local_maps) {
+    const std::string robot = LastSegment(local_map.agent());
+    names[local_map.name()] = absl::StrCat(robot, "/", ++counts[robot]);
+  }
+  return names;
+}
+
+namespace {
+
+using Pairs = std::map<std::pair<std::string, std::string>, PairOverlaps>;
+
+// Finds the pair of two local maps by the names of their resources. Null: one came after the local
+// maps were listed.
+class PairFinder {
+ public:
+  PairFinder(const MissionSummary& summary, Pairs& pairs)
+      : names_(ShortNames(summary)), pairs_(pairs) {
+    for (const v1::LocalMap& local_map : summary.local_maps) {
+      order_.emplace(local_map.name(), order_.size());
+    }
+  }
+
+  PairOverlaps* Find(std::string first, std::string second) {
+    if (!order_.contains(first) || !order_.contains(second)) return nullptr;
+    if (order_.at(first) > order_.at(second)) std::swap(first, second);
+    return &pairs_[{names_.at(first), names_.at(second)}];
+  }
+
+ private:
+  const std::map<std::string, std::string> names_;
+  std::map<std::string, size_t> order_;
+  Pairs& pairs_;
+};
+
+// What waits or failed, of pairs that are listed.
+void AddUncompared(const MissionSummary& summary, Pairs& pairs) {
+  Pairs all = pairs;
+  PairFinder finder(summary, all);
+  for (const v1::UncomparedPair& uncompared : summary.statistics.uncompared()) {
+    PairOverlaps* pair = finder.Find(uncompared.query(), uncompared.against());
+    if (pair == nullptr) continue;
+    pair->waiting += uncompared.waiting();
+    pair->failed += uncompared.failed();
+  }
+  for (auto& [names, pair] : pairs) pair = all.at(names);
+}
+
+void AddVerdict(const v1::Overlap& overlap, PairOverlaps& pair) {
+  ++pair.verdicts[overlap.verdict()];
+  const bool accepted = overlap.verdict() == v1::OVERLAP_VERDICT_ACCEPTED;
+  ++(accepted ? pair.accepted : pair.refused);
+  if (accepted) pair.most_inliers = std::max(pair.most_inliers, overlap.inliers());
+}
+
+}  // namespace
+
+Pairs CountPairs(const MissionSummary& summary) {
+  Pairs pairs;
+  PairFinder finder(summary, pairs);
+  std::map<std::string, std::string> islands;
+  for (const v1::LocalMap& second : summary.local_maps) {
+    for (const v1::LocalMap& first : summary.local_maps) {
+      if (first.name() == second.name()) break;
+      if (first.agent() == second.agent()) continue;
+      PairOverlaps& pair = *finder.Find(first.name(), second.name());
+      pair.same_island = first.island() == second.island();
+      pair.is_too_early = std::min(first.settled_keyframes(), second.settled_keyframes()) == 0;
+    }
+    islands[second.name()] = second.island();
+  }
+  for (const v1::Overlap& overlap : summary.overlaps) {
+    const std::string first = LocalMapOf(overlap.query());
+    const std::string second = LocalMapOf(overlap.candidate());
+    PairOverlaps* pair = finder.Find(first, second);
+    if (pair == nullptr) continue;
+    pair->same_island = islands.at(first) == islands.at(second);
+    AddVerdict(overlap, *pair);
+  }
+  AddUncompared(summary, pairs);
+  return pairs;
+}
+
+}  // namespace corbslam

@@ -1,0 +1,38 @@
+// A file that is there under its name only once it is whole.
+#ifndef CORBSLAM_SERVICES_TOOL_MISSION_WHOLE_FILE_H_
+#define CORBSLAM_SERVICES_TOOL_MISSION_WHOLE_FILE_H_
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+
+namespace corbslam {
+
+// Not thread-safe. Errors name the file: RESOURCE_EXHAUSTED for a full disk, else UNAVAILABLE.
+class WholeFile {
+ public:
+  // Writes beside it, under the name with ".part" at its end. ALREADY_EXISTS: there is such a file.
+  static absl::StatusOr<WholeFile> Create(const std::string& path);
+  WholeFile(WholeFile&& other) noexcept;
+  WholeFile& operator=(WholeFile&&) = delete;
+  // Removes what was not finished.
+  ~WholeFile();
+
+  absl::Status Append(absl::string_view bytes);
+  // Gives it its name, durably. Once, and the last call.
+  absl::Status Finish();
+
+ private:
+  WholeFile(std::string path, int fd) : path_(std::move(path)), fd_(fd) {}
+  std::string PartPath() const { return path_ + ".part"; }
+  absl::Status Failed(absl::string_view action) const;
+
+  std::string path_;
+  int fd_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_MISSION_WHOLE_FILE_H_

@@ -1,0 +1,82 @@
+// What a run measured. As JSON it is a stable interface: docs/report.md says what each field is.
+#ifndef CORBSLAM_SERVICES_TOOL_REPORT_REPORT_H_
+#define CORBSLAM_SERVICES_TOOL_REPORT_REPORT_H_
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/programs/robot/robot_report.h"
+
+namespace corbslam {
+
+struct FusedReport {
+  int islands = 0;
+  int robots = 0;  // Of which something lies in the global frame.
+  uint64_t keyframes = 0;
+  uint64_t map_points = 0;
+  std::optional<double> ate_m;
+  std::optional<double> ate_from_frame_m;
+  std::optional<double> ate_without_scale_m;
+  std::optional<double> scale;  // Truth by estimate.
+  std::optional<double> t_rel_percent;
+  std::optional<double> r_rel_deg_per_100m;
+};
+
+struct OverlapReport {
+  uint64_t queried = 0;
+  uint64_t verified = 0;
+  uint64_t accepted = 0;
+};
+
+struct AdjustmentReport {
+  uint64_t keyframes = 0;
+  uint64_t map_points = 0;
+  uint64_t iterations = 0;
+  double ms = 0;
+};
+
+struct TransferReport {
+  uint64_t count = 0;
+  uint64_t bytes = 0;
+  double ms = 0;
+};
+
+struct ServerReport {
+  double peak_rss_mb = 0;
+  double cpu_s = 0;
+};
+
+struct RunReport {
+  std::string mission;
+  std::string pace;
+  size_t from_frame = 0;  // What the ..._from_frame values begin with.
+  std::vector<RobotReport> robots;
+  std::vector<ReportWarning> warnings;  // Beside those of the robots.
+  FusedReport fused;
+  OverlapReport overlaps;
+  std::vector<double> merge_ms;
+  std::vector<AdjustmentReport> global_ba_ms;
+  TransferReport full_keyframes;
+  TransferReport full_map_points;
+  TransferReport light_keyframes;
+  TransferReport light_map_points;
+  std::map<std::string, ServerReport> servers;
+  double wall_s = 0;
+  std::string version;
+  std::string command;
+};
+
+// The robots' warnings in their order, then the run's.
+std::vector<ReportWarning> AllWarnings(const RunReport& report);
+
+nlohmann::ordered_json ToJson(const RunReport& report);
+// Tables for people.
+std::string ToMarkdown(const RunReport& report);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_REPORT_REPORT_H_

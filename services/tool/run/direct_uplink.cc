@@ -1,0 +1,77 @@
+#include "services/tool/run/direct_uplink.h"
+
+#include <utility>
+
+#include "services/convert/map_update.h"
+#include "services/convert/shared_update.h"
+
+namespace corbslam {
+namespace {
+
+constexpr size_t kSharedBudget_bytes = 1 << 20;
+
+// Of the messages that would carry `update`.
+template <typename Update>
+uint64_t WireBytes(const Update& update, FeatureForm form, CameraBook& sent) {
+  uint64_t bytes = 0;
+  for (const auto& part : ToProto(update, sent, kSharedBudget_bytes, form)) {
+    bytes += part.ByteSizeLong();
+  }
+  return bytes;
+}
+
+FeatureForm FormOf(const Capabilities& understood) {
+  return understood.coded_features ? FeatureForm::kCoded : FeatureForm::kPlain;
+}
+
+}  // namespace
+
+void DirectUplink::Open(const SessionRequest& request, UplinkListener* listener) {
+  listener_ = listener;
+  absl::StatusOr<MapStore::OpenedSession> opened = store_->OpenSession(request);
+  if (!opened.ok()) return End(opened.status());
+  session_ = opened->session_id;
+  agent_understands_ = request.capabilities;
+  store_understands_ = opened->grant.capabilities;
+  sent_up_ = {};
+  sent_down_ = {};
+  listener_->OnSessionOpened(opened->grant);
+}
+
+bool DirectUplink::Send(const MapUpdateBatch& batch) {
+  if (!session_.has_value()) return false;
+  const absl::StatusOr<Acknowledgement> stored = store_->Apply(*session_, batch);
+  if (!stored.ok()) {
+    End(stored.status());
+    return false;
+  }
+  bytes_up_ += WireBytes(batch, FormOf(store_understands_), sent_up_);
+  listener_->OnAcknowledged(*stored);
+  return true;
+}
+
+void DirectUplink::DeliverShared() {
+  if (session_.has_value() && store_->TakeExactPlacesWanted(*session_)) {
+    listener_->OnExactPlacesWanted();
+  }
+  while (session_.has_value()) {
+    absl::StatusOr<std::optional<SharedUpdate>> update =
+        store_->NextShared(*session_, kSharedBudget_bytes);
+    if (!update.ok()) return End(update.status());
+    if (!update->has_value()) return;
+    bytes_down_ += WireBytes(**update, FormOf(agent_understands_), sent_down_);
+    listener_->OnShared(std::move(**update));
+  }
+}
+
+void DirectUplink::Close() {
+  if (session_.has_value()) store_->CloseSession(*session_);
+  session_.reset();
+}
+
+void DirectUplink::End(const absl::Status& reason) {
+  Close();
+  listener_->OnSessionClosed(reason);
+}
+
+}  // namespace corbslam

@@ -1,0 +1,49 @@
+// An agent's connection to a map store in the same process, without a thread or a socket: for a
+// deterministic run in lockstep.
+#ifndef CORBSLAM_SERVICES_TOOL_RUN_DIRECT_UPLINK_H_
+#define CORBSLAM_SERVICES_TOOL_RUN_DIRECT_UPLINK_H_
+
+#include <optional>
+
+#include "map_store/map_store.h"
+#include "services/convert/features.h"
+#include "slam/exchange/uplink.h"
+
+namespace corbslam {
+
+// Everything happens on the caller's thread; the listener is called from inside Open, Send and
+// DeliverShared. Not thread-safe.
+class DirectUplink : public Uplink {
+ public:
+  // `store` is not owned and outlives this.
+  explicit DirectUplink(MapStore* store) : store_(store) {}
+  ~DirectUplink() override { Close(); }
+
+  void Open(const SessionRequest& request, UplinkListener* listener) override;
+  bool Send(const MapUpdateBatch& batch) override;
+  void Close() override;
+  // Sizes of the messages as the wire would carry them.
+  uint64_t bytes_up() const override { return bytes_up_; }
+  uint64_t bytes_down() const override { return bytes_down_; }
+
+  // Hands the agent everything that the store has for it now.
+  void DeliverShared();
+
+ private:
+  void End(const absl::Status& reason);
+
+  MapStore* const store_;
+  UplinkListener* listener_ = nullptr;
+  std::optional<uint64_t> session_;
+  Capabilities agent_understands_;
+  Capabilities store_understands_;
+  // Cameras that a stream would have named already.
+  CameraBook sent_up_;
+  CameraBook sent_down_;
+  uint64_t bytes_up_ = 0;
+  uint64_t bytes_down_ = 0;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_RUN_DIRECT_UPLINK_H_

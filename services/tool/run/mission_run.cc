@@ -1,0 +1,46 @@
+#include "services/tool/run/mission_run.h"
+
+#include <utility>
+
+#include "services/tool/report/store_statistics.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+
+namespace {
+
+// Empty where the store knows nothing of the robot.
+absl::StatusOr<ServedTrajectory> ReadPath(StoreReader& store, const std::string& robot,
+                                          v1::TrajectoryFrame frame) {
+  absl::StatusOr<ServedTrajectory> path = store.ReadTrajectory(robot, frame);
+  return absl::IsNotFound(path.status()) ? ServedTrajectory() : std::move(path);
+}
+
+// Of a mission that is there.
+absl::Status ReadMission(StoreReader& store, MissionOutcome& outcome) {
+  absl::StatusOr<v1::GetStatisticsResponse> statistics = store.Statistics();
+  if (absl::IsNotFound(statistics.status())) return absl::OkStatus();
+  RETURN_IF_ERROR(statistics.status());
+  AddStatistics(statistics->mission(), outcome.report);
+  ASSIGN_OR_RETURN(outcome.map, store.ReadGlobalMap());
+  outcome.report.fused.map_points = outcome.map.points.size();
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status ReadOutcome(StoreReader& store, const std::vector<RobotPlan>& robots,
+                         MissionOutcome& outcome) {
+  RETURN_IF_ERROR(ReadMission(store, outcome));
+  for (const RobotPlan& robot : robots) {
+    RobotPaths paths;
+    paths.name = robot.name;
+    paths.source = robot.source;
+    ASSIGN_OR_RETURN(paths.local, ReadPath(store, robot.name, v1::TRAJECTORY_FRAME_LOCAL));
+    ASSIGN_OR_RETURN(paths.global, ReadPath(store, robot.name, v1::TRAJECTORY_FRAME_GLOBAL));
+    outcome.paths.push_back(std::move(paths));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace corbslam

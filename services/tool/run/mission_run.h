@@ -1,0 +1,79 @@
+// Lets robots map a mission, and reads what came of it.
+#ifndef CORBSLAM_SERVICES_TOOL_RUN_MISSION_RUN_H_
+#define CORBSLAM_SERVICES_TOOL_RUN_MISSION_RUN_H_
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "services/client/store/served_mission.h"
+#include "services/client/store/store_reader.h"
+#include "services/security/security_options.h"
+#include "services/tool/evaluation/accuracy.h"
+#include "services/tool/report/report.h"
+#include "services/tool/run/plan.h"
+
+namespace corbslam {
+
+struct MissionRunOptions {
+  std::string mission = "demo";
+  std::vector<RobotPlan> robots;
+  // One robot after the other instead of all at once.
+  bool sequential = false;
+  // Of local map ids and of every random choice. None: 1 in lockstep, another one each time for
+  // processes, so that a mission can be taken up again.
+  std::optional<uint64_t> seed;
+  std::string vocabulary_path;  // Empty: the one that ships.
+  // Processes only. A running map store; empty: one is started, with a worker.
+  std::string server;
+  // Towards that store, of this process and of the agents. What is started here listens on loopback
+  // without TLS.
+  SecurityOptions security;
+  std::string pace = "max";
+  std::string log_folder;
+  // Robots refuse a source in which something looks wrong.
+  bool strict = false;
+  // How long the store may take to fuse after the last robot ended.
+  absl::Duration fusion_timeout = absl::Minutes(20);
+};
+
+// What a run left behind, with everything of the report but accuracy.
+struct MissionOutcome {
+  RunReport report;
+  std::vector<RobotPaths> paths;  // In the order of the robots.
+  ServedMap map;
+  // What went wrong with single robots: "alpha: ...". The others' results stand all the same.
+  std::vector<std::string> failures;
+};
+
+// Frames done so far, by robot; what a progress line shows.
+struct Progress {
+  std::string stage;
+  std::vector<std::pair<std::string, std::string>> robots;  // Name, "54/121".
+};
+using ProgressListener = std::function<void(const Progress&)>;
+
+// Map store, fusion worker and agents each as a process of their own. Errors name the process and
+// show the end of its log.
+absl::StatusOr<MissionOutcome> RunProcesses(const MissionRunOptions& options,
+                                            const ProgressListener& on_progress);
+
+// All in this process, in lockstep, on one thread: every agent takes a frame, then the store fuses
+// until idle, then shared updates go to the agents in the order of the robots. The same to the bit
+// every time.
+absl::StatusOr<MissionOutcome> RunLockstep(const MissionRunOptions& options,
+                                           const ProgressListener& on_progress);
+
+// Fills paths, map and what the store's statistics know. Where no robot brought anything the store
+// knows no such mission: the outcome is empty then, and so are the paths of a robot of which it
+// knows nothing.
+absl::Status ReadOutcome(StoreReader& store, const std::vector<RobotPlan>& robots,
+                         MissionOutcome& outcome);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_RUN_MISSION_RUN_H_

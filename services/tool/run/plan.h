@@ -1,0 +1,56 @@
+// Which robot plays which part of which sequence.
+#ifndef CORBSLAM_SERVICES_TOOL_RUN_PLAN_H_
+#define CORBSLAM_SERVICES_TOOL_RUN_PLAN_H_
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "client_agent/source/source_spec.h"
+
+namespace corbslam {
+
+enum class SplitMode {
+  kHalves,       // Each robot its part, as in the paper.
+  kInterleaved,  // Of its part, robot k of n takes the frames whose number leaves k mod n.
+};
+
+struct SplitOptions {
+  size_t robots = 2;
+  // Frames by which a part reaches beyond its share, on each side where there is another.
+  size_t overlap = 20;
+  SplitMode mode = SplitMode::kHalves;
+};
+
+// Frames [begin, end) in `robots` parts: TakePart's.
+std::vector<FrameSelection> SplitFrames(size_t begin, size_t end, const SplitOptions& options);
+
+struct RobotPlan {
+  std::string name;
+  SourceSpec source;
+};
+
+struct PlanOptions {
+  std::vector<SourceSpec> sources;
+  SplitOptions split;
+  // Robot (1 the first) -> "gamma=0.8,noise=4,reverse".
+  std::map<size_t, std::string> perturbations;
+};
+
+// One source is split among the robots; of several sources each goes to a robot of its own, whole.
+// INVALID_ARGUMENT for a split that leaves a robot fewer than 10 frames of its own share, for a
+// source that is already one robot's part, and for a perturbation of a robot that is not there.
+absl::StatusOr<std::vector<RobotPlan>> PlanRobots(const PlanOptions& options);
+
+// alpha, bravo, charlie, ...; from the 27th on robot27, ...
+std::string RobotName(size_t index);
+
+// "2:gamma=0.8" to robot and options. INVALID_ARGUMENT.
+absl::StatusOr<std::pair<size_t, std::string>> ParsePerturbation(absl::string_view text);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_RUN_PLAN_H_

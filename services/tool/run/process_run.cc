@@ -1,0 +1,282 @@
+#include <grpcpp/channel.h>
+
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "client_agent/source/frame_reader.h"
+#include "corbslam/v1/agent_service.grpc.pb.h"
+#include "services/client/remote/channel.h"
+#include "services/programs/robot/robot_report.h"
+#include "services/runtime/child_process.h"
+#include "services/tool/run/mission_run.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+constexpr absl::Duration kStartTimeout = absl::Seconds(60);
+constexpr absl::Duration kStopGrace = absl::Seconds(10);
+constexpr absl::Duration kProgressInterval = absl::Seconds(1);
+// After fusion an agent has all that is for it when nothing came for this long.
+constexpr absl::Duration kQuiet = absl::Seconds(1);
+constexpr absl::Duration kSharingTimeout = absl::Seconds(30);
+constexpr absl::Duration kAgentStopGrace = absl::Seconds(60);
+
+struct RunningAgent {
+  RobotPlan plan;
+  size_t frames = 0;
+  std::string statistics_path;
+  std::unique_ptr<ChildProcess> process;
+  std::unique_ptr<v1::Agent::Stub> stub;  // Null: it does not stay.
+  absl::Status failure;                   // How it ended, where that was no success.
+};
+
+class ProcessRun {
+ public:
+  ProcessRun(const MissionRunOptions& options, const ProgressListener& on_progress)
+      : options_(options), on_progress_(on_progress) {}
+
+  absl::StatusOr<MissionOutcome> Run();
+
+ private:
+  // Program, then arguments; the vocabulary, when one is named, comes with it.
+  absl::StatusOr<std::vector<std::string>> MakeCommand(const std::string& program,
+                                                       std::vector<std::string> arguments,
+                                                       bool needs_vocabulary) const;
+  absl::StatusOr<std::string> StartServer(const std::string& program,
+                                          std::vector<std::string> arguments,
+                                          bool needs_vocabulary);
+  absl::Status StartServers();
+  // One that stays is connected until it is stopped, and takes in what others made.
+  absl::Status StartAgent(const RobotPlan& plan, bool stays);
+  // Until every agent that was started has mapped its last frame.
+  void WaitForAgents();
+  // Until the agents that stay have what the store has for them.
+  void WaitUntilShared();
+  void StopAgents();
+  absl::Status WaitUntilFused();
+  void ShowProgress(const std::string& stage);
+  void StopServers(MissionOutcome& outcome);
+
+  const MissionRunOptions& options_;
+  const ProgressListener& on_progress_;
+  std::string store_address_;
+  std::vector<std::unique_ptr<ChildProcess>> servers_;
+  std::vector<RunningAgent> agents_;
+  std::unique_ptr<StoreReader> store_;
+};
+
+absl::StatusOr<std::vector<std::string>> ProcessRun::MakeCommand(const std::string& program,
+                                                                 std::vector<std::string> arguments,
+                                                                 bool needs_vocabulary) const {
+  ASSIGN_OR_RETURN(const std::string path, FindProgramBeside(program));
+  arguments.insert(arguments.begin(), path);
+  if (needs_vocabulary && !options_.vocabulary_path.empty()) {
+    arguments.insert(arguments.end(), {"--vocabulary", options_.vocabulary_path});
+  }
+  return arguments;
+}
+
+absl::StatusOr<std::string> ProcessRun::StartServer(const std::string& program,
+                                                    std::vector<std::string> arguments,
+                                                    bool needs_vocabulary) {
+  arguments.insert(arguments.end(), {"--listen", "127.0.0.1:0", "--insecure"});
+  ASSIGN_OR_RETURN(const std::vector<std::string> command,
+                   MakeCommand(program, std::move(arguments), needs_vocabulary));
+  ASSIGN_OR_RETURN(std::unique_ptr<ChildProcess> server,
+                   ChildProcess::Start(program, command,
+                                       absl::StrCat(options_.log_folder, "/", program, ".log")));
+  servers_.push_back(std::move(server));
+  return servers_.back()->WaitForAddress(kStartTimeout);
+}
+
+absl::Status ProcessRun::StartServers() {
+  store_address_ = options_.server;
+  if (!store_address_.empty()) {
+    ASSIGN_OR_RETURN(std::shared_ptr<grpc::Channel> channel,
+                     ConnectToStore(store_address_, options_.security));
+    store_ = std::make_unique<StoreReader>(std::move(channel), options_.mission);
+    return absl::OkStatus();
+  }
+  ASSIGN_OR_RETURN(const std::string worker, StartServer("fusion_worker", {}, false));
+  ASSIGN_OR_RETURN(store_address_, StartServer("map_store", {"--worker", worker}, true));
+  return absl::OkStatus();
+}
+
+void AppendFlags(const SecurityOptions& security, std::vector<std::string>& arguments) {
+  if (security.insecure) arguments.push_back("--insecure");
+  for (const auto& [flag, value] : {std::pair("--tls-cert", security.certificate_file),
+                                    {"--tls-key", security.key_file},
+                                    {"--tls-ca", security.ca_file},
+                                    {"--token-file", security.token_file}}) {
+    if (!value.empty()) arguments.insert(arguments.end(), {flag, value});
+  }
+}
+
+absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
+  RunningAgent agent;
+  agent.plan = plan;
+  {
+    ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(plan.source));
+    agent.frames = FramesOf(plan.source, reader->frame_count()).size();
+  }
+  agent.statistics_path = absl::StrCat(options_.log_folder, "/", plan.name, ".json");
+  std::vector<std::string> arguments = {"--source",  FormatSourceSpec(plan.source),
+                                        "--server",  store_address_,
+                                        "--mission", options_.mission,
+                                        "--agent",   plan.name,
+                                        "--pace",    options_.pace,
+                                        "--stats",   agent.statistics_path};
+  if (options_.seed.has_value()) {
+    arguments.insert(arguments.end(), {"--seed", absl::StrCat(*options_.seed)});
+  }
+  // The store is this run's own, on loopback, or one that the flags say how to reach.
+  SecurityOptions own;
+  own.insecure = true;
+  AppendFlags(options_.server.empty() ? own : options_.security, arguments);
+  if (options_.strict) arguments.push_back("--strict");
+  if (stays) {
+    arguments.insert(arguments.end(), {"--stay", "--listen", "127.0.0.1:0", "--listen-insecure"});
+  }
+  ASSIGN_OR_RETURN(const std::vector<std::string> command,
+                   MakeCommand("client_agent", std::move(arguments), true));
+  ASSIGN_OR_RETURN(agent.process,
+                   ChildProcess::Start(plan.name, command,
+                                       absl::StrCat(options_.log_folder, "/", plan.name, ".log")));
+  if (stays) {
+    const absl::StatusOr<std::string> address = agent.process->WaitForAddress(kStartTimeout);
+    agent.failure.Update(address.status());
+    if (address.ok()) {
+      agent.stub =
+          v1::Agent::NewStub(std::shared_ptr<grpc::ChannelInterface>(MakeChannel(*address)));
+    }
+  }
+  agents_.push_back(std::move(agent));
+  return absl::OkStatus();
+}
+
+void ProcessRun::WaitForAgents() {
+  if (store_ == nullptr) {
+    store_ = std::make_unique<StoreReader>(MakeChannel(store_address_), options_.mission);
+  }
+  for (RunningAgent& agent : agents_) {
+    while (!agent.process->WaitUntilFinished(kProgressInterval)) ShowProgress("mapping");
+    if (agent.process->end().has_value()) agent.failure.Update(agent.process->EndStatus());
+  }
+}
+
+// 0 where it does not answer.
+uint64_t AskBytesDown(v1::Agent::Stub& stub) {
+  grpc::ClientContext context;
+  context.set_deadline(absl::ToChronoTime(absl::Now() + absl::Seconds(10)));
+  v1::AgentStatus status;
+  return stub.GetStatus(&context, {}, &status).ok() ? status.bytes_down() : 0;
+}
+
+void ProcessRun::WaitUntilShared() {
+  const absl::Time deadline = absl::Now() + kSharingTimeout;
+  for (const RunningAgent& agent : agents_) {
+    if (agent.stub == nullptr || agent.process->end().has_value()) continue;
+    uint64_t before = AskBytesDown(*agent.stub);
+    for (uint64_t now = before + 1; now != before && absl::Now() < deadline;) {
+      before = now;
+      absl::SleepFor(kQuiet);
+      now = AskBytesDown(*agent.stub);
+    }
+  }
+}
+
+void ProcessRun::StopAgents() {
+  for (RunningAgent& agent : agents_) {
+    agent.process->Stop(kAgentStopGrace);
+    agent.failure.Update(agent.process->EndStatus());
+  }
+}
+
+// The store knows no mission where no robot brought anything.
+absl::Status ProcessRun::WaitUntilFused() {
+  const absl::Status fused = store_->WaitUntilFused(options_.fusion_timeout);
+  return absl::IsNotFound(fused) ? absl::OkStatus() : fused;
+}
+
+void ProcessRun::ShowProgress(const std::string& stage) {
+  if (on_progress_ == nullptr) return;
+  Progress progress;
+  progress.stage = stage;
+  const auto frames = store_->CountReportedFrames();
+  for (const RunningAgent& agent : agents_) {
+    const auto found = frames.ok() ? frames->find(agent.plan.name) : decltype(frames->end()){};
+    const uint64_t done = frames.ok() && found != frames->end() ? found->second : 0;
+    progress.robots.push_back({agent.plan.name, absl::StrCat(done, "/", agent.frames)});
+  }
+  on_progress_(progress);
+}
+
+absl::StatusOr<RobotReport> ReadStatistics(const RunningAgent& agent) {
+  std::ifstream file(agent.statistics_path);
+  const auto json = nlohmann::ordered_json::parse(file, nullptr, false);
+  if (!json.is_discarded()) return RobotReportFromJson(json);
+  return absl::DataLossError(
+      absl::StrCat(agent.plan.name, " left no statistics in ", agent.statistics_path));
+}
+
+// A robot that failed has a report all the same, with what it left and why it failed.
+RobotReport ReadRobotReport(RunningAgent& agent) {
+  absl::StatusOr<RobotReport> read = ReadStatistics(agent);
+  agent.failure.Update(read.status());
+  RobotReport report = read.ok() ? *std::move(read) : RobotReport();
+  if (!agent.failure.ok()) {
+    report.warnings.push_back({"", "robot-failed", std::string(agent.failure.message())});
+  }
+  report.name = agent.plan.name;
+  report.source = FormatSourceSpec(agent.plan.source);
+  const std::optional<ProcessEnd> end = agent.process->end();
+  report.peak_rss_mb = end->peak_rss_mb;
+  report.cpu_s = end->cpu_s;
+  return report;
+}
+
+void ProcessRun::StopServers(MissionOutcome& outcome) {
+  // The store first, so that it does not miss its worker.
+  for (auto server = servers_.rbegin(); server != servers_.rend(); ++server) {
+    const ProcessEnd end = (*server)->Stop(kStopGrace);
+    outcome.report.servers[(*server)->name()] = {end.peak_rss_mb, end.cpu_s};
+  }
+}
+
+absl::StatusOr<MissionOutcome> ProcessRun::Run() {
+  RETURN_IF_ERROR(StartServers());
+  for (const RobotPlan& plan : options_.robots) {
+    const bool is_last = agents_.size() + 1 == options_.robots.size();
+    RETURN_IF_ERROR(StartAgent(plan, is_last || !options_.sequential));
+    if (options_.sequential) WaitForAgents();
+  }
+  WaitForAgents();
+  ShowProgress("fusing");
+  RETURN_IF_ERROR(WaitUntilFused());
+  WaitUntilShared();
+  StopAgents();
+  MissionOutcome outcome;
+  RETURN_IF_ERROR(ReadOutcome(*store_, options_.robots, outcome));
+  for (RunningAgent& agent : agents_) {
+    outcome.report.robots.push_back(ReadRobotReport(agent));
+    if (agent.failure.ok()) continue;
+    outcome.failures.push_back(absl::StrCat(agent.plan.name, ": ", agent.failure.message()));
+  }
+  StopServers(outcome);
+  return outcome;
+}
+
+}  // namespace
+
+absl::StatusOr<MissionOutcome> RunProcesses(const MissionRunOptions& options,
+                                            const ProgressListener& on_progress) {
+  return ProcessRun(options, on_progress).Run();
+}
+
+}  // namespace corbslam

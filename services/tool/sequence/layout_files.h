@@ -1,0 +1,33 @@
+// The files of the public layouts as text: what the readers of client_agent/source read.
+#ifndef CORBSLAM_SERVICES_TOOL_SEQUENCE_LAYOUT_FILES_H_
+#define CORBSLAM_SERVICES_TOOL_SEQUENCE_LAYOUT_FILES_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "absl/status/status.h"
+#include "client_agent/source/source_spec.h"
+#include "slam/evaluation/trajectory.h"
+#include "slam/sensor/sensor.h"
+
+namespace corbslam {
+
+// Where a frame's two pictures go below the folder: left and right, or grey and depth.
+struct FramePaths {
+  std::string first;
+  std::string second;
+};
+FramePaths PathsOfFrame(SourceLayout layout, size_t index, int64_t timestamp_ns);
+
+// Makes the folders that the pictures go to. UNAVAILABLE.
+absl::Status MakeLayoutFolders(SourceLayout layout, const std::string& folder);
+
+// Everything but the pictures: calibration, times, truth. The cameras must be the layout's:
+// rectified stereo for kKitti and kEuroc, RGB-D for kTum. UNAVAILABLE.
+absl::Status WriteLayoutFiles(SourceLayout layout, const std::string& folder,
+                              const SensorCalibration& calibration, const Trajectory& truth);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_TOOL_SEQUENCE_LAYOUT_FILES_H_

@@ -1,0 +1,121 @@
+#include "services/tool/sequence/sequence_writer.h"
+
+#include <atomic>
+#include <fstream>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <thread>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
+#include "client_agent/source/frame_reader.h"
+#include "services/tool/evaluation/accuracy.h"
+#include "services/tool/sequence/layout_files.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+// Little is gained by more: it is mostly noise that is packed.
+constexpr int kPngCompression = 1;
+
+absl::Status WritePicture(const cv::Mat& image, const std::string& path) {
+  std::vector<uint8_t> bytes;
+  try {
+    if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, kPngCompression})) {
+      return absl::InternalError(absl::StrCat("cannot encode ", path));
+    }
+  } catch (const cv::Exception& exception) {
+    return absl::InternalError(absl::StrCat(path, ": ", exception.what()));
+  }
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  return file ? absl::OkStatus() : absl::UnavailableError(absl::StrCat("cannot write ", path));
+}
+
+// The frames of one source, drawn and written by several threads.
+class FrameWriter {
+ public:
+  FrameWriter(const SourceSpec& source, const WriteSequenceOptions& options,
+              const FrameReader& reader, const std::vector<size_t>& frames)
+      : source_(source), options_(options), reader_(reader), frames_(frames) {}
+
+  absl::Status WriteAll() {
+    std::vector<std::thread> threads;
+    for (int i = 1; i < options_.threads; ++i) threads.emplace_back([this] { Work(); });
+    Work();
+    for (std::thread& thread : threads) thread.join();
+    absl::MutexLock lock(&mutex_);
+    return status_;
+  }
+
+ private:
+  absl::Status Write(size_t index) const {
+    const size_t frame = frames_[index];
+    ASSIGN_OR_RETURN(const SensorImages images,
+                     ReadPerturbed(reader_, frame, source_.perturbation));
+    const FramePaths paths = PathsOfFrame(options_.layout, index, images.timestamp_ns);
+    const cv::Mat& second = images.right.empty() ? images.depth : images.right;
+    RETURN_IF_ERROR(WritePicture(images.grey, absl::StrCat(options_.folder, "/", paths.first)));
+    return WritePicture(second, absl::StrCat(options_.folder, "/", paths.second));
+  }
+
+  // Takes frames until none is left or one could not be written.
+  void Work() {
+    for (size_t index = next_++; index < frames_.size(); index = next_++) {
+      const absl::Status status = Write(index);
+      absl::MutexLock lock(&mutex_);
+      if (status_.ok()) status_ = status;
+      if (!status_.ok()) return;
+      ++done_;
+      if (options_.on_progress != nullptr) options_.on_progress(done_, frames_.size());
+    }
+  }
+
+  const SourceSpec& source_;
+  const WriteSequenceOptions& options_;
+  const FrameReader& reader_;
+  const std::vector<size_t>& frames_;
+  std::atomic<size_t> next_ = 0;
+  absl::Mutex mutex_;
+  size_t done_ ABSL_GUARDED_BY(mutex_) = 0;
+  absl::Status status_ ABSL_GUARDED_BY(mutex_);
+};
+
+CameraRig RigOfLayout(SourceLayout layout) {
+  if (layout == SourceLayout::kTum) return CameraRig::kRgbd;
+  return layout == SourceLayout::kEuroc ? CameraRig::kEuroc : CameraRig::kKitti;
+}
+
+}  // namespace
+
+absl::StatusOr<size_t> WriteSequence(const SourceSpec& source,
+                                     const WriteSequenceOptions& options) {
+  if (source.layout != SourceLayout::kSim || options.layout == SourceLayout::kSim) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(FormatSourceSpec(source), " is no simulation that can be written"));
+  }
+  if (source.selection.reverse) {
+    return absl::InvalidArgumentError("reverse=1: recordings are written forwards; try turned=1");
+  }
+  SourceSpec drawn = source;
+  if (!drawn.simulation.rig.has_value()) drawn.simulation.rig = RigOfLayout(options.layout);
+  // Frames are drawn side by side, each by one thread.
+  drawn.simulation.threads = 1;
+  ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(drawn));
+  const std::vector<size_t> frames = FramesOf(drawn, reader->frame_count());
+  ASSIGN_OR_RETURN(const std::optional<GroundTruth> truth, ReadGroundTruth(drawn));
+  Trajectory written;
+  for (const size_t frame : frames) written.push_back(truth->trajectory[frame]);
+  RETURN_IF_ERROR(MakeLayoutFolders(options.layout, options.folder));
+  RETURN_IF_ERROR(WriteLayoutFiles(options.layout, options.folder, reader->calibration(), written));
+  RETURN_IF_ERROR(FrameWriter(drawn, options, *reader, frames).WriteAll());
+  return frames.size();
+}
+
+}  // namespace corbslam
