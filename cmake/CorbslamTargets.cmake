@@ -6,6 +6,7 @@ function(corbslam_library NAME)
     add_library(${NAME} STATIC ${ARG_SOURCES})
     target_include_directories(${NAME} PUBLIC "${CMAKE_SOURCE_DIR}")
     target_link_libraries(${NAME} PUBLIC ${ARG_DEPS} PRIVATE corbslam_warnings)
+    corbslam_precompile(${NAME})
   else()
     add_library(${NAME} INTERFACE)
     target_include_directories(${NAME} INTERFACE "${CMAKE_SOURCE_DIR}")
@@ -30,6 +31,18 @@ function(corbslam_program NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(${NAME} ${ARG_SOURCES})
   target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} ${CORBSLAM_IN_EXECUTABLES})
+  corbslam_precompile(${NAME})
+endfunction()
+
+# A test program's executable, with GoogleTest.
+function(corbslam_test_program NAME)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  add_executable(${NAME} ${ARG_SOURCES})
+  set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
+  target_compile_options(${NAME} PRIVATE ${CORBSLAM_TEST_OPTIONS})
+  target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} GTest::gmock GTest::gtest_main
+                                        ${CORBSLAM_IN_EXECUTABLES})
+  corbslam_precompile(${NAME} TEST)
 endfunction()
 
 # A test binary; each of its cases is a test of ctest's own.
@@ -42,10 +55,7 @@ function(corbslam_test NAME)
     set(ARG_TIMEOUT 300)
   endif()
   math(EXPR ARG_TIMEOUT "${CORBSLAM_TIMEOUT_FACTOR} * ${ARG_TIMEOUT}")
-  add_executable(${NAME} ${ARG_SOURCES})
-  set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
-  target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} GTest::gmock GTest::gtest_main
-                                        ${CORBSLAM_IN_EXECUTABLES})
+  corbslam_test_program(${NAME} SOURCES ${ARG_SOURCES} DEPS ${ARG_DEPS})
   gtest_discover_tests(${NAME} TEST_PREFIX "${NAME}." DISCOVERY_MODE PRE_TEST
                        PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()

@@ -1,0 +1,1 @@
+// Compiled by the owners of precompiled headers, which must compile something.
