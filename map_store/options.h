@@ -79,7 +79,10 @@ struct MapStoreOptions {
   // Of what its camera saw: keypoints and descriptors.
   size_t max_keyframe_bytes = 2u << 20;
   size_t max_cameras_per_local_map = 16;
-  size_t max_items_per_batch = 1000000;
+  // While a batch is applied, all other robots of the mission wait.
+  size_t max_items_per_batch = 200000;
+  // Beside its items: map_store/ingest/batch_cost.h.
+  uint64_t max_pair_steps_per_batch = 1000000;
   // References of one local map to what has not arrived: how many wait, and how long.
   size_t max_parked_references = 200000;
   double max_parked_s = 3600;

@@ -3,7 +3,10 @@
 #define CORBSLAM_MAP_STORE_ARCHIVE_STATE_FIELDS_H_
 
 #include <cstdint>
+#include <deque>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "absl/time/time.h"
 #include "map_store/archive/value_fields.h"
@@ -60,6 +63,24 @@ template <typename Archive, MayBeConst<ParkedParent> T>
 void Fields(Archive& archive, T& parked) {
   archive(parked.parent);
   Time(archive, parked.since);
+}
+// As the lists that they were before they knew what they wait for.
+template <typename Archive, MayBeConst<WaitingTable<uint64_t, ParkedReference>> T>
+void Fields(Archive& archive, T& parked) {
+  std::deque<ParkedReference> list;
+  for (const auto& [order, reference] : parked.Values()) list.push_back(reference);
+  archive(list);
+  if constexpr (Archive::kReads) {
+    std::map<uint64_t, ParkedReference> values;
+    for (const ParkedReference& reference : list) values.emplace(values.size(), reference);
+    parked = T(std::move(values));
+  }
+}
+template <typename Archive, MayBeConst<WaitingTable<KeyframeId, ParkedParent>> T>
+void Fields(Archive& archive, T& parked) {
+  std::map<KeyframeId, ParkedParent> values = parked.Values();
+  archive(values);
+  if constexpr (Archive::kReads) parked = T(std::move(values));
 }
 template <typename Archive, MayBeConst<PlacedKeyframe> T>
 void Fields(Archive& archive, T& placed) {

@@ -48,6 +48,8 @@ void AddKeyframe(const FullKeyframe& full, const BatchWords& words, LocalMapStat
   if (const auto it = words.find(id); it != words.end()) keyframe.words = it->second;
   if (keyframe.words != nullptr) local_map.database.Add(id, keyframe.words);
   local_map.map.AddKeyframe(std::move(keyframe));
+  local_map.parked.Release(id);
+  local_map.parked_parents.Release(id);
   local_map.arrival[id] = local_map.arrived.size();
   local_map.arrived.push_back(id);
 }
@@ -65,6 +67,7 @@ void AddPoint(const FullMapPoint& full, LocalMapState& local_map) {
   point.min_distance = full.min_distance;
   point.max_distance = full.max_distance;
   if (!local_map.map.AddPoint(std::move(point))) return;
+  local_map.parked.Release(full.id);
   local_map.followers.Add(full.reference, full.id);
   local_map.changes.NotePoint(full.id);
 }
@@ -125,7 +128,7 @@ void ChangeGraph(const MapUpdateBatch& batch, MissionState& state, LocalMapState
     ApplyReplacement(replacement, state, local_map);
   }
   for (const ObservationChange& change : batch.observations) {
-    if (!ApplyObservation(change, state, local_map)) Park(change, local_map);
+    TakeReference({change}, state, local_map);
   }
   for (const MapPointId& point : batch.removed_points) {
     ApplyPointRemoval(point, state, local_map);
@@ -134,7 +137,7 @@ void ChangeGraph(const MapUpdateBatch& batch, MissionState& state, LocalMapState
     ApplyKeyframeRemoval(removal, state, local_map);
   }
   for (const LoopEdge& edge : batch.loop_edges) {
-    if (!ApplyLoopEdge(edge, state, local_map)) Park(edge, local_map);
+    TakeReference({edge}, state, local_map);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "map_store/ingest/batch_cost.h"
 #include "map_store/ingest/item_validation.h"
 #include "slam/util/status_macros.h"
 
@@ -289,7 +290,8 @@ absl::Status ValidateName(const std::string& what, const std::string& name) {
 absl::Status ValidateBatch(const LocalMapState* local_map, const MapUpdateBatch& batch,
                            const MapStoreOptions& options) {
   RETURN_IF_ERROR(ValidateValues(local_map, batch, options));
-  return ValidateLightItemsOnce(batch);
+  RETURN_IF_ERROR(ValidateLightItemsOnce(batch));
+  return ValidateCost(local_map, batch, options);
 }
 
 absl::Status ValidateRecordedBatch(const LocalMapState* local_map, const MapUpdateBatch& batch) {

@@ -26,6 +26,7 @@ MapStoreOptions Options() {
   MapStoreOptions options;
   options.max_keypoints_per_keyframe = 10;
   options.max_items_per_batch = 50;
+  options.max_pair_steps_per_batch = 20;
   options.max_parked_references = 2;
   options.max_cameras_per_local_map = 2;
   return options;
@@ -328,6 +329,17 @@ std::vector<Case> GraphCases() {
        [](B b) { b.lost_frames_ns.resize(100, 1); },
        kTooMuch,
        {"items", "limit is 50"}},
+      {"TooManySteps",
+       [](B b) {
+         for (int i = 0; i < 6; ++i) {
+           for (const auto kind :
+                {ObservationChange::Kind::kAdded, ObservationChange::Kind::kRemoved}) {
+             b.observations.push_back({kind, Pt(0), Kf(0), 1});
+           }
+         }
+       },
+       kTooMuch,
+       {"steps", "limit is 20"}},
       {"TooManyParkedObservations",
        [](B b) {
          b.observations.resize(4, {ObservationChange::Kind::kAdded, Pt(90), Kf(0), 1});

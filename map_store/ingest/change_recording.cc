@@ -1,6 +1,6 @@
 #include "map_store/ingest/change_recording.h"
 
-#include <span>
+#include <vector>
 
 namespace corbslam::map_store {
 namespace {
@@ -18,7 +18,7 @@ void NoteOwnSightings(MapPointId id, MissionState& state) {
 // Keyframes of other local maps that see a member of the landmark, by any name that it ever had.
 void NoteForeignSightings(MapPointId member, MapPointId landmark, MissionState& state) {
   for (const MapPointId& name : state.points.NamesOf(member)) {
-    const std::span<const KeyframeId> viewers = state.points.ViewersOf(name);
+    const std::vector<KeyframeId> viewers = state.points.ViewersOf(name);
     // Taken apart since, it may stand for another landmark now.
     if (viewers.empty() || ResolvePoint(state, name) != landmark) continue;
     for (const KeyframeId& viewer : viewers) {

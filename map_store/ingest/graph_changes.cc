@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_set.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -14,7 +17,7 @@ void RemoveForeignObservation(KeyframeId keyframe, uint32_t keypoint, MissionSta
   local_map.changes.NoteSights(keyframe);
   const auto seen = it->second.find(keypoint);
   if (seen == it->second.end()) return;
-  state.points.RemoveViewer(seen->second, keyframe);
+  state.points.RemoveViewer(seen->second, keyframe, keypoint);
   it->second.erase(seen);
   if (it->second.empty()) local_map.foreign_observations.erase(it);
 }
@@ -22,19 +25,10 @@ void RemoveForeignObservation(KeyframeId keyframe, uint32_t keypoint, MissionSta
 void ForgetForeignObservations(KeyframeId keyframe, MissionState& state, LocalMapState& local_map) {
   const auto it = local_map.foreign_observations.find(keyframe);
   if (it == local_map.foreign_observations.end()) return;
-  for (const auto& [keypoint, point] : it->second) state.points.RemoveViewer(point, keyframe);
-  local_map.foreign_observations.erase(it);
-}
-
-// The keypoint of `keyframe` that sees one of another local map's points.
-std::optional<uint32_t> FindForeignObservation(const LocalMapState& local_map, KeyframeId keyframe,
-                                               MapPointId point) {
-  const auto it = local_map.foreign_observations.find(keyframe);
-  if (it == local_map.foreign_observations.end()) return std::nullopt;
-  for (const auto& [keypoint, seen] : it->second) {
-    if (seen == point) return keypoint;
+  for (const auto& [keypoint, point] : it->second) {
+    state.points.RemoveViewer(point, keyframe, keypoint);
   }
-  return std::nullopt;
+  local_map.foreign_observations.erase(it);
 }
 
 void ClearKeypoint(KeyframeId keyframe, uint32_t keypoint, MissionState& state,
@@ -46,12 +40,12 @@ void ClearKeypoint(KeyframeId keyframe, uint32_t keypoint, MissionState& state,
 
 void ObserveForeign(KeyframeId keyframe, uint32_t keypoint, MapPointId point, MissionState& state,
                     LocalMapState& local_map) {
-  if (const auto old = FindForeignObservation(local_map, keyframe, point)) {
+  if (const auto old = state.points.FindSight(point, keyframe)) {
     RemoveForeignObservation(keyframe, *old, state, local_map);
   }
   ClearKeypoint(keyframe, keypoint, state, local_map);
   local_map.foreign_observations[keyframe][keypoint] = point;
-  state.points.AddViewer(point, keyframe);
+  state.points.AddViewer(point, keyframe, keypoint);
   local_map.changes.NoteSights(keyframe);
 }
 
@@ -87,8 +81,32 @@ void RemoveObservation(const ObservationChange& change, MissionState& state,
                        LocalMapState& local_map) {
   const MapPointId point = FollowReplacements(local_map, change.point);
   if (local_map.map.RemoveObservation(point, change.keyframe)) return;
-  if (const auto keypoint = FindForeignObservation(local_map, change.keyframe, point)) {
+  if (const auto keypoint = state.points.FindSight(point, change.keyframe)) {
     RemoveForeignObservation(change.keyframe, *keypoint, state, local_map);
+  }
+}
+
+// The keyframe, its children, and so on.
+absl::flat_hash_set<KeyframeId> FindFamily(const Map& map, const Keyframe& keyframe) {
+  absl::flat_hash_set<KeyframeId> family = {keyframe.id()};
+  std::vector<KeyframeId> open = {keyframe.id()};
+  while (!open.empty()) {
+    const Keyframe& next = *map.FindKeyframe(open.back());
+    open.pop_back();
+    for (const KeyframeId& child : next.children) {
+      if (family.insert(child).second) open.push_back(child);
+    }
+  }
+  return family;
+}
+
+// The tree of a local map is its own: what hangs on another's keyframe hangs on the last one that
+// came before it, and that does not hang on it.
+void HangOnOneBefore(const Keyframe& child, LocalMapState& local_map) {
+  const absl::flat_hash_set<KeyframeId> family = FindFamily(local_map.map, child);
+  for (size_t before = local_map.arrival.at(child.id()); before > 0; --before) {
+    const KeyframeId& id = local_map.arrived[before - 1];
+    if (!family.contains(id) && local_map.map.SetParent(child.id(), id)) return;
   }
 }
 
@@ -103,75 +121,75 @@ void HandOverPosition(MapPointId from, MapPointId to, GlobalLayer& global) {
 
 }  // namespace
 
-bool ApplyObservation(const ObservationChange& change, MissionState& state,
-                      LocalMapState& local_map) {
-  if (local_map.removed_keyframes.contains(change.keyframe)) return true;
+std::optional<MissingItem> ApplyObservation(const ObservationChange& change, MissionState& state,
+                                            LocalMapState& local_map) {
+  if (local_map.removed_keyframes.contains(change.keyframe)) return std::nullopt;
   const Keyframe* keyframe = local_map.map.FindKeyframe(change.keyframe);
-  if (keyframe == nullptr) return false;
+  if (keyframe == nullptr) return change.keyframe;
   if (change.kind == ObservationChange::Kind::kRemoved) {
     RemoveObservation(change, state, local_map);
-    return true;
+    return std::nullopt;
   }
-  if (change.keypoint >= keyframe->points.size()) return true;
+  if (change.keypoint >= keyframe->points.size()) return std::nullopt;
   MapPointId point = change.point;
   const MapPoint* own = local_map.map.FindPoint(point);
   // A point that is in the map was neither replaced nor removed.
   if (own == nullptr) {
     point = FollowReplacements(local_map, change.point);
-    if (!point.IsValid() || local_map.removed_points.contains(point)) return true;
+    if (!point.IsValid() || local_map.removed_points.contains(point)) return std::nullopt;
     if (point.local_map != local_map.id) {
       ObserveForeign(change.keyframe, change.keypoint, point, state, local_map);
-      return true;
+      return std::nullopt;
     }
     own = local_map.map.FindPoint(point);
-    if (own == nullptr) return false;
+    if (own == nullptr) return point;
   }
-  if (keyframe->points[change.keypoint] == point) return true;
+  if (keyframe->points[change.keypoint] == point) return std::nullopt;
   ClearKeypoint(change.keyframe, change.keypoint, state, local_map);
   if (own->observations.contains(change.keyframe)) {
     local_map.map.RemoveObservation(point, change.keyframe);
   }
   local_map.map.AddObservation(point, change.keyframe, change.keypoint);
-  return true;
+  return std::nullopt;
 }
 
-bool ApplyParent(KeyframeId child_id, KeyframeId parent, LocalMapState& local_map) {
+std::optional<MissingItem> ApplyParent(KeyframeId child_id, KeyframeId parent,
+                                       LocalMapState& local_map) {
   const Keyframe* child = local_map.map.FindKeyframe(child_id);
-  if (child == nullptr || !parent.IsValid()) return true;
+  if (child == nullptr || !parent.IsValid()) return std::nullopt;
   if (parent.local_map != local_map.id) {
-    // The tree of a local map is its own: hang it on the keyframe before.
-    const size_t order = local_map.arrival.at(child_id);
-    for (size_t before = order; before > 0; --before) {
-      if (local_map.map.SetParent(child_id, local_map.arrived[before - 1])) break;
-    }
-    return true;
+    HangOnOneBefore(*child, local_map);
+    return std::nullopt;
   }
   // A removed parent's children hang where it hung; how far up that is, is limited.
   constexpr int kMaxSteps = 1000;
   int step = 0;
   for (auto it = local_map.removed_keyframes.find(parent); it != local_map.removed_keyframes.end();
        it = local_map.removed_keyframes.find(parent)) {
-    if (++step > kMaxSteps) return true;
+    if (++step > kMaxSteps) return std::nullopt;
     parent = it->second.parent;
   }
-  if (!parent.IsValid()) return true;
-  if (local_map.map.FindKeyframe(parent) == nullptr) return false;
+  if (!parent.IsValid()) return std::nullopt;
+  if (local_map.map.FindKeyframe(parent) == nullptr) return parent;
   local_map.map.SetParent(child_id, parent);
-  return true;
+  return std::nullopt;
 }
 
-bool ApplyLoopEdge(const LoopEdge& edge, MissionState& state, LocalMapState& local_map) {
-  if (local_map.removed_keyframes.contains(edge.a)) return true;
+std::optional<MissingItem> ApplyLoopEdge(const LoopEdge& edge, MissionState& state,
+                                         LocalMapState& local_map) {
+  if (local_map.removed_keyframes.contains(edge.a)) return std::nullopt;
   if (edge.b.local_map != local_map.id) {
     local_map.foreign_loop_edges.push_back(edge);
   } else {
-    if (local_map.removed_keyframes.contains(edge.b)) return true;
-    if (!local_map.map.FindKeyframe(edge.a) || !local_map.map.FindKeyframe(edge.b)) return false;
-    if (!local_map.map.AddLoopEdge(edge.a, edge.b)) return true;
+    if (local_map.removed_keyframes.contains(edge.b)) return std::nullopt;
+    for (const KeyframeId& end : {edge.a, edge.b}) {
+      if (local_map.map.FindKeyframe(end) == nullptr) return end;
+    }
+    if (!local_map.map.AddLoopEdge(edge.a, edge.b)) return std::nullopt;
   }
   Island& island = *state.FindIslandOf(local_map.id);
   if (island.fused) island.relaxed.insert(local_map.id);
-  return true;
+  return std::nullopt;
 }
 
 void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
@@ -193,11 +211,12 @@ void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
     const auto observations = point->observations;
     local_map.map.RemovePoint(replaced);
     for (const auto& [keyframe, keypoint] : observations) {
-      if (FindForeignObservation(local_map, keyframe, survivor).has_value()) continue;
+      if (state.points.FindSight(survivor, keyframe).has_value()) continue;
       ObserveForeign(keyframe, keypoint, survivor, state, local_map);
     }
   }
   local_map.replaced_points[replaced] = survivor;
+  local_map.parked.Release(replaced);
   state.points.NoteReplaced(replaced, survivor);
   // A landmark lies in one island, and its points are there.
   const bool joins =
@@ -212,6 +231,7 @@ void ApplyPointRemoval(MapPointId point, MissionState& state, LocalMapState& loc
   if (local_map.replaced_points.contains(point)) return;
   if (!local_map.removed_points.insert(point).second) return;
   local_map.map.RemovePoint(point);
+  local_map.parked.Release(point);
   const MapPointId elected = state.global.landmarks.Remove(point);
   HandOverPosition(point, elected, state.global);
   // Others' keyframes that saw this very point still see the landmark.
@@ -227,6 +247,9 @@ void ApplyKeyframeRemoval(const KeyframeRemoval& removal, MissionState& state,
           .try_emplace(removal.id, Tombstone{removal.parent, removal.parent_from_removed})
           .second;
   if (!is_new) return;
+  local_map.parked.Release(removal.id);
+  local_map.parked_parents.Release(removal.id);
+  local_map.parked_parents.Erase(removal.id);
   local_map.database.Remove(removal.id);
   local_map.map.RemoveKeyframe(removal.id);
   local_map.followers.Forget(removal.id);

@@ -3,17 +3,22 @@
 #ifndef CORBSLAM_MAP_STORE_INGEST_GRAPH_CHANGES_H_
 #define CORBSLAM_MAP_STORE_INGEST_GRAPH_CHANGES_H_
 
+#include <optional>
+
 #include "map_store/state/mission_state.h"
 #include "slam/exchange/map_update.h"
 
 namespace corbslam::map_store {
 
-// False when it refers to what has not arrived: to be parked. What refers to removed items is
-// dropped, and is no reason to wait. The owner's latest word wins over its earlier ones.
-bool ApplyObservation(const ObservationChange& change, MissionState& state,
-                      LocalMapState& local_map);
-bool ApplyParent(KeyframeId child, KeyframeId parent, LocalMapState& local_map);
-bool ApplyLoopEdge(const LoopEdge& edge, MissionState& state, LocalMapState& local_map);
+// These return the item that the change refers to and that has not arrived: it is to be parked.
+// What refers to removed items is dropped, and is no reason to wait. The owner's latest word wins
+// over its earlier ones.
+std::optional<MissingItem> ApplyObservation(const ObservationChange& change, MissionState& state,
+                                            LocalMapState& local_map);
+std::optional<MissingItem> ApplyParent(KeyframeId child, KeyframeId parent,
+                                       LocalMapState& local_map);
+std::optional<MissingItem> ApplyLoopEdge(const LoopEdge& edge, MissionState& state,
+                                         LocalMapState& local_map);
 
 void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
                       LocalMapState& local_map);

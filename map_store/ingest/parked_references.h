@@ -9,14 +9,14 @@
 
 namespace corbslam::map_store {
 
-void Park(const ObservationChange& change, LocalMapState& local_map);
-void Park(const LoopEdge& edge, LocalMapState& local_map);
+// Applies an observation or a loop edge, or lets it wait for what it refers to.
+void TakeReference(const ParkedReference& reference, MissionState& state, LocalMapState& local_map);
 
 // Hangs the child on its parent, or waits for the parent. An older word about the child's parent
 // that still waits counts no more.
 void TakeParent(KeyframeId child, KeyframeId parent, LocalMapState& local_map);
 
-// Applies what no longer refers to anything that is missing.
+// Applies what waited for an item that came, or that is known never to come.
 void RetryParked(MissionState& state, LocalMapState& local_map);
 
 // Forgets what has waited for longer than `max_parked_s`; it is counted in `expired_references`.

@@ -41,6 +41,9 @@ rocksdb::Options MakeOptions(rocksdb::Env* env) {
   // data before its own journal waits for whatever is under way.
   made.bytes_per_sync = 1 << 20;
   made.strict_bytes_per_sync = true;
+  // A burst of uploads fills one while another is flushed; with two, which is the default, all
+  // writers then wait for the disk.
+  made.max_write_buffer_number = 4;
   // Features are large and never change: compaction leaves them where they are.
   made.enable_blob_files = true;
   made.min_blob_size = 16 << 10;

@@ -58,7 +58,9 @@ void IndexPoints(MissionState& state) {
   state.points = PointIndex();
   for (const auto& [id, local_map] : state.local_maps) {
     for (const auto& [keyframe, seen] : local_map.foreign_observations) {
-      for (const auto& [keypoint, point] : seen) state.points.AddViewer(point, keyframe);
+      for (const auto& [keypoint, point] : seen) {
+        state.points.AddViewer(point, keyframe, keypoint);
+      }
     }
     for (const auto& [replaced, by] : local_map.replaced_points) {
       state.points.NoteReplaced(replaced, by);

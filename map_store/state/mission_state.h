@@ -23,6 +23,7 @@
 #include "map_store/state/pose_table.h"
 #include "map_store/state/query_queue.h"
 #include "map_store/state/sights_table.h"
+#include "map_store/state/waiting_table.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
 #include "slam/exchange/point_followers.h"
@@ -78,8 +79,8 @@ struct LocalMapState {
 
   std::vector<TrackedFrame> frames;
   std::vector<int64_t> lost_frames_ns;
-  std::deque<ParkedReference> parked;
-  std::map<KeyframeId, ParkedParent> parked_parents;  // By child; the newest word counts.
+  WaitingTable<uint64_t, ParkedReference> parked;         // By the order in which they came.
+  WaitingTable<KeyframeId, ParkedParent> parked_parents;  // By child; the newest word counts.
   size_t expired_references = 0;
   uint64_t stored_bytes = 0;  // As StoredBytes counts them.
   // Words -> keyframes of `map`.

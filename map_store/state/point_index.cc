@@ -1,27 +1,36 @@
 #include "map_store/state/point_index.h"
 
-#include <algorithm>
-
 #include "absl/container/flat_hash_set.h"
 
 namespace corbslam::map_store {
 
-void PointIndex::AddViewer(MapPointId point, KeyframeId keyframe) {
-  viewers_[point].push_back(keyframe);
+void PointIndex::AddViewer(MapPointId point, KeyframeId keyframe, uint32_t keypoint) {
+  viewers_[point].try_emplace(keyframe, keypoint);
 }
 
-void PointIndex::RemoveViewer(MapPointId point, KeyframeId keyframe) {
+void PointIndex::RemoveViewer(MapPointId point, KeyframeId keyframe, uint32_t keypoint) {
   const auto it = viewers_.find(point);
   if (it == viewers_.end()) return;
-  const auto viewer = std::ranges::find(it->second, keyframe);
-  if (viewer != it->second.end()) it->second.erase(viewer);
+  const auto viewer = it->second.find(keyframe);
+  if (viewer == it->second.end() || viewer->second != keypoint) return;
+  it->second.erase(viewer);
   if (it->second.empty()) viewers_.erase(it);
 }
 
-std::span<const KeyframeId> PointIndex::ViewersOf(MapPointId point) const {
+std::vector<KeyframeId> PointIndex::ViewersOf(MapPointId point) const {
+  std::vector<KeyframeId> viewers;
   const auto it = viewers_.find(point);
-  if (it == viewers_.end()) return {};
-  return it->second;
+  if (it == viewers_.end()) return viewers;
+  for (const auto& [keyframe, keypoint] : it->second) viewers.push_back(keyframe);
+  return viewers;
+}
+
+std::optional<uint32_t> PointIndex::FindSight(MapPointId point, KeyframeId keyframe) const {
+  const auto it = viewers_.find(point);
+  if (it == viewers_.end()) return std::nullopt;
+  const auto viewer = it->second.find(keyframe);
+  if (viewer == it->second.end()) return std::nullopt;
+  return viewer->second;
 }
 
 void PointIndex::NoteReplaced(MapPointId replaced, MapPointId by) {

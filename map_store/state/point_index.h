@@ -3,9 +3,11 @@
 #ifndef CORBSLAM_MAP_STORE_STATE_POINT_INDEX_H_
 #define CORBSLAM_MAP_STORE_STATE_POINT_INDEX_H_
 
-#include <span>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "absl/container/btree_map.h"
 #include "absl/container/flat_hash_map.h"
 #include "slam/util/ids.h"
 
@@ -14,11 +16,14 @@ namespace corbslam::map_store {
 // Derived from what the owners say, and never written down.
 class PointIndex {
  public:
-  // The keyframe's owner says that it sees the point, which is another local map's.
-  void AddViewer(MapPointId point, KeyframeId keyframe);
-  void RemoveViewer(MapPointId point, KeyframeId keyframe);
-  // In the order in which they came, each as often as it sees the point.
-  std::span<const KeyframeId> ViewersOf(MapPointId point) const;
+  // The keyframe's owner says that its keypoint sees the point, which is another local map's. A
+  // keyframe sees a point by one keypoint: the first one counts.
+  void AddViewer(MapPointId point, KeyframeId keyframe, uint32_t keypoint);
+  void RemoveViewer(MapPointId point, KeyframeId keyframe, uint32_t keypoint);
+  // In the order of their ids.
+  std::vector<KeyframeId> ViewersOf(MapPointId point) const;
+  // The keypoint by which the keyframe sees it; nullopt: it doesn't.
+  std::optional<uint32_t> FindSight(MapPointId point, KeyframeId keyframe) const;
 
   // Whoever sees `replaced` sees `by` from now on. That is never taken back, as ids never return.
   void NoteReplaced(MapPointId replaced, MapPointId by);
@@ -26,7 +31,7 @@ class PointIndex {
   std::vector<MapPointId> NamesOf(MapPointId point) const;
 
  private:
-  absl::flat_hash_map<MapPointId, std::vector<KeyframeId>> viewers_;
+  absl::flat_hash_map<MapPointId, absl::btree_map<KeyframeId, uint32_t>> viewers_;
   absl::flat_hash_map<MapPointId, std::vector<MapPointId>> replaced_by_;
 };
 

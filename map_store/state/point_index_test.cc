@@ -17,17 +17,29 @@ constexpr KeyframeId Kb(uint32_t index) { return {kB, index}; }
 
 TEST(PointIndexTest, KnowsWhoSeesAPoint) {
   PointIndex index;
-  index.AddViewer(Pa(1), Kb(1));
-  index.AddViewer(Pa(1), Kb(2));
-  index.AddViewer(Pa(2), Kb(1));
+  index.AddViewer(Pa(1), Kb(1), 10);
+  index.AddViewer(Pa(1), Kb(2), 20);
+  index.AddViewer(Pa(2), Kb(1), 30);
   EXPECT_THAT(index.ViewersOf(Pa(1)), ElementsAre(Kb(1), Kb(2)));
-  index.RemoveViewer(Pa(1), Kb(1));
-  index.RemoveViewer(Pa(1), Kb(7));
-  index.RemoveViewer(Pa(9), Kb(1));
+  index.RemoveViewer(Pa(1), Kb(1), 10);
+  index.RemoveViewer(Pa(1), Kb(7), 10);
+  index.RemoveViewer(Pa(9), Kb(1), 10);
   EXPECT_THAT(index.ViewersOf(Pa(1)), ElementsAre(Kb(2)));
-  index.RemoveViewer(Pa(1), Kb(2));
+  index.RemoveViewer(Pa(1), Kb(2), 20);
   EXPECT_THAT(index.ViewersOf(Pa(1)), IsEmpty());
   EXPECT_THAT(index.ViewersOf(Pa(2)), ElementsAre(Kb(1)));
+}
+
+TEST(PointIndexTest, KnowsByWhichKeypoint) {
+  PointIndex index;
+  index.AddViewer(Pa(1), Kb(1), 10);
+  index.AddViewer(Pa(1), Kb(1), 11);
+  EXPECT_EQ(index.FindSight(Pa(1), Kb(1)), 10);
+  index.RemoveViewer(Pa(1), Kb(1), 11);
+  EXPECT_EQ(index.FindSight(Pa(1), Kb(1)), 10);
+  index.RemoveViewer(Pa(1), Kb(1), 10);
+  EXPECT_EQ(index.FindSight(Pa(1), Kb(1)), std::nullopt);
+  EXPECT_EQ(index.FindSight(Pa(2), Kb(1)), std::nullopt);
 }
 
 TEST(PointIndexTest, KnowsAllNamesThatAPointHas) {

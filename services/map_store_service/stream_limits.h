@@ -28,7 +28,7 @@ struct StreamLimitOptions {
   size_t max_streams_per_agent = 8;
   // Of one message, of a batch that comes in parts, and of all unfinished batches together.
   size_t max_message_bytes = 4u << 20;
-  size_t max_batch_bytes = kMaxUpdateBytes;
+  size_t max_batch_bytes = 16u << 20;
   size_t max_unfinished_bytes = 512u << 20;
   // Within which the first message must come, and the next part of an unfinished batch or backup.
   double open_timeout_s = 30;
