@@ -1,9 +1,11 @@
 #include "services/command_line/command_line.h"
 
+#include <cstdio>
 #include <cstdlib>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "services/command_line/advice.h"
 #include "services/command_line/completion.h"
 #include "services/command_line/environment.h"
 #include "services/command_line/help_formatter.h"
@@ -30,6 +32,13 @@ bool Names(const std::string& message, const CLI::Option& option) {
   if (at == std::string::npos) return false;
   const size_t end = at + flag.size();
   return end == message.size() || (message[end] != '-' && std::isalnum(message[end]) == 0);
+}
+
+// Of words that are missing or unknown; empty: what the error says must do.
+std::string AdviseOn(const CLI::ParseError& error, const CLI::App& app) {
+  if (error.get_name() != "RequiredError" && error.get_name() != "ExtrasError") return "";
+  const std::string advice = DescribeWrongCommand(app);
+  return advice.empty() ? DescribeWrongFlag(app) : advice;
 }
 
 bool HasRareFlags(const CLI::App& app) {
@@ -102,8 +111,13 @@ void CommandLine::Parse(int argc, const char* const* argv) {
 std::optional<int> CommandLine::ParseOrExit(int argc, const char* const* argv) {
   try {
     Parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app_->exit(success);
   } catch (const CLI::ParseError& error) {
-    return app_->exit(error);
+    const std::string advice = AdviseOn(error, *app_);
+    if (advice.empty()) return app_->exit(error);
+    std::fputs(advice.c_str(), stderr);
+    return error.get_exit_code();
   }
   return std::nullopt;
 }
