@@ -36,7 +36,8 @@ bool Names(const std::string& message, const CLI::Option& option) {
 
 // Of words that are missing or unknown; empty: what the error says must do.
 std::string AdviseOn(const CLI::ParseError& error, const CLI::App& app) {
-  if (error.get_name() != "RequiredError" && error.get_name() != "ExtrasError") return "";
+  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  if (code != CLI::ExitCodes::RequiredError && code != CLI::ExitCodes::ExtrasError) return "";
   const std::string advice = DescribeWrongCommand(app);
   return advice.empty() ? DescribeWrongFlag(app) : advice;
 }
