@@ -220,9 +220,9 @@ void Tracker::MakeKeyframe(Frame& frame) {
   EnsureWords(frame);
   const KeyframeId id = parts_.map->NewKeyframeId();
   NewKeyframe keyframe;
-  keyframe.payload =
-      MakeKeyframePayload(id, frame.payload->timestamp_ns, frame.payload->camera_index, camera_,
-                          frame.payload->features);
+  KeyframePayload payload = *frame.payload;
+  payload.id = id;
+  keyframe.payload = std::make_shared<const KeyframePayload>(std::move(payload));
   keyframe.words = frame.words;
   keyframe.reference = frame.reference;
   keyframe.camera_from_reference =

@@ -60,9 +60,7 @@ SelectedFeatures SelectFeatures(const Keyframe& keyframe, const FeatureSelection
     features.keypoints.push_back(all.keypoints[i]);
     features.descriptors.push_back(all.descriptors[i]);
   }
-  const KeyframePayload& payload = *keyframe.payload;
-  selected.payload = MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index,
-                                         payload.camera, std::move(features));
+  selected.payload = WithFeatures(*keyframe.payload, std::move(features));
   return selected;
 }
 

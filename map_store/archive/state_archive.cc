@@ -127,8 +127,7 @@ absl::StatusOr<std::shared_ptr<const KeyframePayload>> WithFeatures(const Stored
   const absl::Status valid = ValidateFullKeyframe({payload, stored.camera_from_map, stored.parent},
                                                   *camera, MapStoreOptions::WithoutBatchLimits());
   if (!valid.ok()) return absl::DataLossError(valid.message());
-  return MakeKeyframePayload(id, payload->timestamp_ns, index, camera,
-                             std::move(payload->features));
+  return MakeKeyframePayload(std::move(*payload));
 }
 
 absl::Status AddKeyframes(const std::vector<StoredKeyframe>& keyframes, const FeatureLoader& load,

@@ -16,15 +16,6 @@ namespace {
 
 Rigid3d Normalised(const Rigid3d& pose) { return {pose.rotation.normalized(), pose.translation}; }
 
-// The payload with the store's own camera: batches from the wire may come without.
-std::shared_ptr<const KeyframePayload> WithCamera(std::shared_ptr<const KeyframePayload> payload,
-                                                  const LocalMapState& local_map) {
-  if (payload->camera != nullptr) return payload;
-  return MakeKeyframePayload(payload->id, payload->timestamp_ns, payload->camera_index,
-                             local_map.cameras[payload->camera_index], payload->features,
-                             payload->code);
-}
-
 void AddCameras(const MapUpdateBatch& batch, LocalMapState& local_map) {
   for (size_t i = 0; i < batch.cameras.size(); ++i) {
     if (batch.first_camera_index + i < local_map.cameras.size()) continue;
@@ -43,7 +34,11 @@ void AddKeyframe(const FullKeyframe& full, const BatchWords& words, LocalMapStat
   const KeyframeId id = full.payload->id;
   if (IsKnown(id, local_map)) return;
   Keyframe keyframe;
-  keyframe.payload = WithCamera(full.payload, local_map);
+  keyframe.payload = full.payload;
+  // Batches from the wire may come without; the camera is the store's own then.
+  if (keyframe.payload->camera == nullptr) {
+    keyframe.payload = WithCamera(*full.payload, local_map.cameras[full.payload->camera_index]);
+  }
   keyframe.camera_from_map = Normalised(full.camera_from_local);
   if (const auto it = words.find(id); it != words.end()) keyframe.words = it->second;
   if (keyframe.words != nullptr) local_map.database.Add(id, keyframe.words);

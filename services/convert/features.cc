@@ -203,15 +203,20 @@ absl::StatusOr<std::shared_ptr<const KeyframePayload>> FromProto(
     const v1::KeyframePayload& proto, KeyframeId id, const CameraBook& cameras,
     bool descriptors_optional, std::weak_ptr<const std::string> code) {
   RETURN_IF_ERROR(CheckTimestamp(proto.timestamp_ns()));
-  std::shared_ptr<const Camera> camera = cameras.Find(id.local_map, proto.camera_index());
-  if (camera == nullptr) {
+  KeyframePayload payload;
+  payload.id = id;
+  payload.timestamp_ns = proto.timestamp_ns();
+  payload.camera_index = proto.camera_index();
+  payload.camera = cameras.Find(id.local_map, proto.camera_index());
+  payload.code = std::move(code);
+  if (payload.camera == nullptr) {
     return absl::InvalidArgumentError(absl::StrCat("camera_index is ", proto.camera_index(),
                                                    ", but that camera of local map ",
                                                    ToString(id.local_map), " was never sent"));
   }
-  ASSIGN_OR_RETURN(Features features, FromProto(proto.features(), *camera, descriptors_optional));
-  return MakeKeyframePayload(id, proto.timestamp_ns(), proto.camera_index(), std::move(camera),
-                             std::move(features), std::move(code));
+  ASSIGN_OR_RETURN(payload.features,
+                   FromProto(proto.features(), *payload.camera, descriptors_optional));
+  return MakeKeyframePayload(std::move(payload));
 }
 
 }  // namespace corbslam

@@ -187,10 +187,9 @@ MapUpdateBatch MakeCodableBatch() {
   std::mt19937 random(6);
   MapUpdateBatch batch = MakeFullBatch(random);
   for (FullKeyframe& keyframe : batch.full_keyframes) {
-    const KeyframePayload& payload = *keyframe.payload;
+    const uint32_t index = keyframe.payload->id.index;
     keyframe.payload =
-        MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index, payload.camera,
-                            testing::MakePlausibleFeatures(payload.id.index, 400, {1241, 376}));
+        WithFeatures(*keyframe.payload, testing::MakePlausibleFeatures(index, 400, {1241, 376}));
   }
   const KeyframePayload& first = *batch.full_keyframes[0].payload;
   for (size_t i = 0; i < batch.full_points.size(); ++i) {
@@ -248,9 +247,9 @@ TEST(CodedMapUpdateTest, WhatCameCodedGoesOnAsItCame) {
 
   // Another string in its place shows that it is sent, and to those alone who read code.
   const auto marked = std::make_shared<const std::string>("as it came");
-  const KeyframePayload& payload = *keyframe.payload;
-  const auto other = MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index,
-                                         payload.camera, payload.features, marked);
+  KeyframePayload payload = *keyframe.payload;
+  payload.code = marked;
+  const auto other = MakeKeyframePayload(std::move(payload));
   v1::KeyframePayload coded;
   ToProto(*other, &coded, FeatureForm::kCoded);
   EXPECT_EQ(coded.features().coded(), "as it came");

@@ -35,11 +35,17 @@ struct KeyframePayload {
   std::weak_ptr<const std::string> code;
 };
 
-// `code` must be of these very features.
-std::shared_ptr<const KeyframePayload> MakeKeyframePayload(
-    KeyframeId id, int64_t timestamp_ns, uint32_t camera_index,
-    std::shared_ptr<const Camera> camera, Features features,
-    std::weak_ptr<const std::string> code = {});
+// The grid is built here; all the rest is taken as it is.
+std::shared_ptr<const KeyframePayload> MakeKeyframePayload(KeyframePayload payload);
+std::shared_ptr<const KeyframePayload> MakeKeyframePayload(KeyframeId id, int64_t timestamp_ns,
+                                                           uint32_t camera_index,
+                                                           std::shared_ptr<const Camera> camera,
+                                                           Features features);
+// The same payload but for its features, of which there is no code then; or but for its camera.
+std::shared_ptr<const KeyframePayload> WithFeatures(const KeyframePayload& payload,
+                                                    Features features);
+std::shared_ptr<const KeyframePayload> WithCamera(const KeyframePayload& payload,
+                                                  std::shared_ptr<const Camera> camera);
 
 struct Keyframe {
   std::shared_ptr<const KeyframePayload> payload;

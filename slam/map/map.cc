@@ -81,9 +81,7 @@ void Map::SetWords(KeyframeId id, std::shared_ptr<const Words> words) {
 void Map::DropFeatures(KeyframeId id) {
   Keyframe* keyframe = keyframes_.Find(id);
   if (keyframe == nullptr) return;
-  const KeyframePayload& payload = *keyframe->payload;
-  keyframe->payload = MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index,
-                                          payload.camera, Features());
+  keyframe->payload = WithFeatures(*keyframe->payload, Features());
 }
 
 bool Map::SetKeypoints(KeyframeId id, std::vector<Keypoint> keypoints) {
@@ -92,8 +90,7 @@ bool Map::SetKeypoints(KeyframeId id, std::vector<Keypoint> keypoints) {
   if (observer_ != nullptr && !observer_->MayChangeKeypoints(id)) return false;
   const KeyframePayload& payload = *keyframe->payload;
   keyframe->payload =
-      MakeKeyframePayload(payload.id, payload.timestamp_ns, payload.camera_index, payload.camera,
-                          Features{std::move(keypoints), payload.features.descriptors});
+      WithFeatures(payload, Features{std::move(keypoints), payload.features.descriptors});
   return true;
 }
 
