@@ -14,10 +14,13 @@
 #include "services/programs/default_vocabulary.h"
 #include "services/security/certificate_checks.h"
 #include "services/security/testing/test_certificates.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/testing/test_path.h"
 
 namespace corbslam {
 namespace {
+
+[[maybe_unused]] const bool registered = RegisterSimulatedSources();
 
 namespace fs = std::filesystem;
 using test_data::TestCertificates;

@@ -16,6 +16,7 @@
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/corbslam/accuracy.h"
 #include "services/kept_work/kept_adjustment.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -149,6 +150,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   corbslam::Flags flags;
   CLI::App app("Global adjustments done again", "adjust_again");
   app.add_option("files", flags.files, "What fusion_worker --keep-adjustments wrote")->required();

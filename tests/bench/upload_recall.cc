@@ -16,6 +16,7 @@
 #include "services/convert/batch_bytes.h"
 #include "services/corbslam/ground_truth.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/evaluation/trajectory.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -106,6 +107,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   corbslam::Flags flags;
   CLI::App app("Places that are recognised among features that were left out", "upload_recall");
   app.add_option("--first", flags.first, "What the first robot has seen: kitti:DIR, ...")

@@ -99,6 +99,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
                                                   {"reachability", 4},
                                                   {"programs", 5},
                                                   {"doctor", 6},
+                                                  {"simulated_source", 6},
                                                   {"corbslam", 7}}}};
   return ladders;
 }
@@ -143,6 +144,9 @@ std::string WhyNot(absl::string_view path, absl::string_view include) {
   }
   if (absl::StartsWith(include, "prometheus/") && top != "services") {
     return "only services/ knows Prometheus";
+  }
+  if (absl::StartsWith(include, "slam/simulation/") && top == "client_agent") {
+    return "a robot carries no simulator";
   }
   const absl::string_view target = Part(include, 0);
   if (!TopRules().contains(target) || IsWire(include)) return "";  // Not ours.

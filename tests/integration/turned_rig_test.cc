@@ -14,12 +14,15 @@
 #include "absl/strings/str_format.h"
 #include "client_agent/source/frame_reader.h"
 #include "services/corbslam/ground_truth.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/evaluation/trajectory_file.h"
 #include "slam/util/text_file.h"
 #include "tests/integration/mission_fixture.h"
 
 namespace corbslam {
 namespace {
+
+[[maybe_unused]] const bool registered = RegisterSimulatedSources();
 
 namespace fs = std::filesystem;
 

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "services/corbslam/sequence_writer.h"
+#include "services/simulated_source/simulated_source.h"
 
 namespace corbslam {
 namespace {
@@ -109,6 +110,7 @@ std::string CopyStereo(SourceLayout layout, const std::string& name) {
     WriteSequenceOptions options;
     options.layout = layout;
     options.folder = drawn;
+    RegisterSimulatedSources();
     const auto written = WriteSequence(*ParseSourceSpec(kDrawn), options);
     EXPECT_TRUE(written.ok()) << written.status();
   }
