@@ -69,3 +69,33 @@ function(corbslam_benchmark NAME)
   target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} benchmark::benchmark
                                         ${CORBSLAM_IN_EXECUTABLES})
 endfunction()
+
+# Ends the configuration with an error where the program NAME links, over however many libraries, a
+# target whose whole name matches REGEX.
+function(corbslam_keep_apart NAME REGEX)
+  # Only at the end is every target there.
+  cmake_language(EVAL CODE
+    "cmake_language(DEFER DIRECTORY [[${CMAKE_SOURCE_DIR}]] CALL corbslam_check_apart [[${NAME}]] [[${REGEX}]])")
+endfunction()
+
+function(corbslam_check_apart NAME REGEX)
+  set(WAITING ${NAME})
+  set(SEEN)
+  # A list that ends with X-NOTFOUND would count as false.
+  while(NOT WAITING STREQUAL "")
+    list(POP_FRONT WAITING LINKED)
+    if(NOT TARGET "${LINKED}" OR LINKED IN_LIST SEEN)
+      continue()
+    endif()
+    list(APPEND SEEN "${LINKED}")
+    if(LINKED MATCHES "^(${REGEX})$")
+      message(FATAL_ERROR "${NAME} links ${LINKED}, and must not (${REGEX})")
+    endif()
+    get_target_property(LIBRARIES "${LINKED}" LINK_LIBRARIES)
+    get_target_property(INTERFACE "${LINKED}" INTERFACE_LINK_LIBRARIES)
+    foreach(LIBRARY IN LISTS LIBRARIES INTERFACE)
+      string(REGEX REPLACE "^\\$<LINK_ONLY:(.*)>$" "\\1" LIBRARY "${LIBRARY}")
+      list(APPEND WAITING "${LIBRARY}")
+    endforeach()
+  endwhile()
+endfunction()

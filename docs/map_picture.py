@@ -31,7 +31,7 @@ def read_ladders(text):
     body = text[text.index("Ladders() {"):]
     body = body[:body.index("return ladders;")]
     ladders, top = {}, None
-    for name, height in re.findall(r'\{\s*"(\w+)",\s*(\d+|\{)', body):
+    for name, height in re.findall(r'\{\s*"([\w/]+)",\s*(\d+|\{)', body):
         if height == "{":
             top = ladders.setdefault(name, {})
         else:

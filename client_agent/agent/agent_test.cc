@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "client_agent/source/image_source.h"
+#include "client_agent/source/recorded_sequence.h"
 
 namespace corbslam {
 namespace {
@@ -77,7 +77,7 @@ class RecordedAgentTest : public ::testing::Test {
   // Plays up to `count` frames; the images are kept.
   void Play(Agent& agent, int count) {
     for (int i = 0; i < count; ++i) {
-      const auto images = source_images_->Next();
+      const auto images = source_images_->NextImages();
       ASSERT_TRUE(images.ok()) << images.status();
       if (!images->has_value()) return;
       played_.push_back(**images);
@@ -93,7 +93,7 @@ class RecordedAgentTest : public ::testing::Test {
   }
 
   std::string source_;
-  std::unique_ptr<ImageSource> source_images_;
+  std::unique_ptr<RecordedSequence> source_images_;
   std::vector<SensorImages> played_;
 };
 

@@ -40,8 +40,6 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec);
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec);
 // 7-Scenes: DIR/frame-000000.color.png and frame-000000.depth.png; the times come from ?fps.
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenSevenScenes(const SourceSpec& spec);
-// Drawn, not read: Read's errors are those of SimulatedSequence::Render.
-absl::StatusOr<std::unique_ptr<FrameReader>> OpenSimulation(const SimulationSpec& spec);
 
 // The one that `spec` names; its selection and perturbation are not applied.
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec);

@@ -35,7 +35,7 @@ std::vector<absl::string_view> OpeningOptionNames(SourceLayout layout) {
       return {"camera", "calibration", "trust_calibration"};
     case SourceLayout::kSevenScenes:
       return {"camera", "calibration", "trust_calibration", "fps"};
-    case SourceLayout::kSim:
+    case SourceLayout::kRegistered:
       break;
   }
   return {};

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "absl/strings/str_cat.h"
+
 namespace corbslam {
 namespace {
 
@@ -42,6 +44,16 @@ cv::Mat Perturb(const cv::Mat& image, const Perturbation& perturbation, uint64_t
     result = AddNoise(result, perturbation.noise_sigma, Mix(perturbation.seed, stream));
   }
   return result;
+}
+
+absl::Status PerturbImages(const Perturbation& perturbation, size_t number, SensorImages& images) {
+  try {
+    images.grey = Perturb(images.grey, perturbation, 2 * number);
+    if (!images.right.empty()) images.right = Perturb(images.right, perturbation, 2 * number + 1);
+  } catch (const cv::Exception& exception) {
+    return absl::InternalError(absl::StrCat("frame ", number, ": ", exception.what()));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace corbslam

@@ -7,10 +7,10 @@
 
 namespace corbslam {
 
-ReadAhead::ReadAhead(size_t count, size_t capacity, Read read)
+ReadAhead::ReadAhead(size_t capacity, Read read)
     : capacity_(std::max<size_t>(capacity, 1)),
       read_(std::move(read)),
-      thread_([this, count] { Run(count); }) {}
+      thread_([this] { Run(); }) {}
 
 ReadAhead::~ReadAhead() {
   {
@@ -23,26 +23,30 @@ ReadAhead::~ReadAhead() {
 bool ReadAhead::HasRoom() const { return stopping_ || ready_.size() < capacity_; }
 bool ReadAhead::HasSomething() const { return finished_ || !ready_.empty(); }
 
-void ReadAhead::Run(size_t count) {
-  for (size_t i = 0; i < count; ++i) {
-    absl::StatusOr<SensorImages> images = read_(i);
+void ReadAhead::Run() {
+  for (size_t i = 0;; ++i) {
+    absl::StatusOr<std::optional<StreamFrame>> frame = read_(i);
     absl::MutexLock lock(&mutex_);
+    finished_ = frame.ok() && !frame->has_value();
+    if (finished_) return;
     mutex_.Await(absl::Condition(this, &ReadAhead::HasRoom));
     if (stopping_) return;
-    ready_.push_back(std::move(images));
+    if (frame.ok()) {
+      ready_.push_back(**std::move(frame));
+    } else {
+      ready_.push_back(frame.status());
+    }
   }
-  absl::MutexLock lock(&mutex_);
-  finished_ = true;
 }
 
-absl::StatusOr<std::optional<SensorImages>> ReadAhead::Next() {
+absl::StatusOr<std::optional<StreamFrame>> ReadAhead::Next() {
   absl::MutexLock lock(&mutex_);
   mutex_.Await(absl::Condition(this, &ReadAhead::HasSomething));
   if (ready_.empty()) return std::nullopt;
-  absl::StatusOr<SensorImages> images = std::move(ready_.front());
+  absl::StatusOr<StreamFrame> frame = std::move(ready_.front());
   ready_.pop_front();
-  RETURN_IF_ERROR(images.status());
-  return *std::move(images);
+  RETURN_IF_ERROR(frame.status());
+  return *std::move(frame);
 }
 
 }  // namespace corbslam

@@ -12,7 +12,6 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "client_agent/source/opening_options.h"
-#include "slam/simulation/sequence/simulation_options.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
@@ -69,21 +68,22 @@ absl::Status ParseRobot(absl::string_view value, SequencePart& part) {
 std::string ListKnownOptions(const SourceSpec& spec) {
   std::vector<absl::string_view> names = {"frames", "stride",  "offset", "reverse",
                                           "robot",  "overlap", "gamma",  "noise"};
-  if (spec.layout != SourceLayout::kSim) {
-    names.insert(names.end(), {"seed", "truth_frame"});
-    const std::vector<absl::string_view> more = OpeningOptionNames(spec.layout);
-    names.insert(names.end(), more.begin(), more.end());
-  } else {
-    const std::vector<absl::string_view> more = SimulationOptionNames();
-    names.insert(names.end(), more.begin(), more.end());
-  }
+  if (spec.settings == nullptr) names.insert(names.end(), {"seed", "truth_frame"});
+  const std::vector<absl::string_view> more =
+      spec.settings == nullptr ? OpeningOptionNames(spec.layout) : spec.settings->OptionNames();
+  names.insert(names.end(), more.begin(), more.end());
   return absl::StrJoin(names, ", ");
 }
 
+bool IsOptionOf(const KindSettings& settings, absl::string_view key) {
+  const std::vector<absl::string_view> names = settings.OptionNames();
+  return std::find(names.begin(), names.end(), key) != names.end();
+}
+
 absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceSpec& spec) {
-  if (spec.layout == SourceLayout::kSim && IsSimulationOption(key)) {
-    RETURN_IF_ERROR(ApplySimulationOption(key, value, spec.simulation));
-    spec.perturbation.seed = spec.simulation.lens.noise_seed;
+  if (spec.settings != nullptr && IsOptionOf(*spec.settings, key)) {
+    ASSIGN_OR_RETURN(spec.settings, spec.settings->With(key, value));
+    spec.perturbation.seed = spec.settings->noise_seed();
     return absl::OkStatus();
   }
   if (IsOpeningOption(spec.layout, key)) return ApplyOpeningOption(key, value, spec.opening);
@@ -102,11 +102,11 @@ absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceS
   if (key == "overlap") return ParseCount(key, value, PartOf(spec).overlap);
   if (key == "gamma") return ParseReal(key, value, 0.05, 20, spec.perturbation.gamma);
   if (key == "noise") return ParseReal(key, value, 0, 100, spec.perturbation.noise_sigma);
-  if (key == "seed" && spec.layout != SourceLayout::kSim) {
+  if (key == "seed" && spec.settings == nullptr) {
     if (absl::SimpleAtoi(value, &spec.perturbation.seed)) return absl::OkStatus();
     return BadOption(key, value, "a number from 0 on");
   }
-  if (key == "truth_frame" && spec.layout != SourceLayout::kSim) {
+  if (key == "truth_frame" && spec.settings == nullptr) {
     spec.truth_frame = std::string(value);
     return absl::OkStatus();
   }
@@ -118,25 +118,40 @@ constexpr std::pair<absl::string_view, SourceLayout> kLayouts[] = {
     {"kitti", SourceLayout::kKitti},
     {"euroc", SourceLayout::kEuroc},
     {"tum", SourceLayout::kTum},
-    {"7scenes", SourceLayout::kSevenScenes},
-    {"sim", SourceLayout::kSim}};
+    {"7scenes", SourceLayout::kSevenScenes}};
 
-absl::StatusOr<SourceLayout> ParseLayout(absl::string_view name) {
+// `spec` has a place: sets its layout, and what goes with a registered kind.
+absl::Status ParseKind(absl::string_view name, SourceSpec& spec) {
   for (const auto& [known, layout] : kLayouts) {
-    if (name == known) return layout;
+    if (name != known) continue;
+    spec.layout = layout;
+    return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(absl::StrCat("unknown source layout '", name,
-                                                 "': known are kitti, euroc, tum, 7scenes, sim"));
+  const std::optional<SourceKind> kind = FindSourceKind(name);
+  if (!kind.has_value()) {
+    return absl::InvalidArgumentError(absl::StrCat("unknown source layout '", name, "': known are ",
+                                                   absl::StrJoin(KnownSourceKinds(), ", ")));
+  }
+  spec.layout = SourceLayout::kRegistered;
+  ASSIGN_OR_RETURN(spec.settings, kind->make(spec.directory));
+  return absl::OkStatus();
 }
 
-absl::string_view LayoutName(SourceLayout layout) {
+absl::string_view KindName(const SourceSpec& spec) {
+  if (spec.settings != nullptr) return spec.settings->kind();
   for (const auto& [name, known] : kLayouts) {
-    if (layout == known) return name;
+    if (spec.layout == known) return name;
   }
   return "";
 }
 
 }  // namespace
+
+std::vector<absl::string_view> RecordedLayoutNames() {
+  std::vector<absl::string_view> names;
+  for (const auto& [name, layout] : kLayouts) names.push_back(name);
+  return names;
+}
 
 FrameRange TakePart(const FrameRange& frames, const SequencePart& part) {
   if (frames.end <= frames.begin) return frames;
@@ -170,7 +185,7 @@ std::vector<size_t> SelectFrames(const FrameSelection& selection, size_t frame_c
 
 std::vector<size_t> FramesOf(const SourceSpec& spec, size_t frame_count) {
   std::vector<size_t> frames = SelectFrames(spec.selection, frame_count);
-  if (spec.layout != SourceLayout::kSim || !spec.simulation.turned) return frames;
+  if (spec.settings == nullptr || !spec.settings->turned()) return frames;
   for (size_t& frame : frames) frame = frame_count - 1 - frame;
   std::reverse(frames.begin(), frames.end());
   return frames;
@@ -216,17 +231,14 @@ absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text) {
   const KeyAndValue layout_and_rest = absl::StrSplit(text, absl::MaxSplits(':', 1));
   const KeyAndValue directory_and_options = SplitOffOptions(layout_and_rest.second);
   SourceSpec spec;
-  ASSIGN_OR_RETURN(spec.layout, ParseLayout(layout_and_rest.first));
   spec.directory = std::string(directory_and_options.first);
   if (spec.directory.empty()) {
     return absl::InvalidArgumentError(absl::StrCat("source '", text, "' names no directory"));
   }
   while (spec.directory.size() > 1 && spec.directory.back() == '/') spec.directory.pop_back();
-  if (spec.layout == SourceLayout::kSim) {
-    ASSIGN_OR_RETURN(spec.simulation.world, ParseSimulatedWorld(spec.directory));
-  }
+  RETURN_IF_ERROR(ParseKind(layout_and_rest.first, spec));
   RETURN_IF_ERROR(ApplyOptions(directory_and_options.second, spec));
-  if (spec.layout == SourceLayout::kSim) RETURN_IF_ERROR(Validate(spec.simulation));
+  if (spec.settings != nullptr) RETURN_IF_ERROR(spec.settings->Validate());
   return spec;
 }
 
@@ -255,10 +267,9 @@ std::vector<std::string> FormatSelection(const FrameSelection& selection) {
 
 std::string FormatSourceSpec(const SourceSpec& spec) {
   const SourceSpec plain;
-  const bool is_simulated = spec.layout == SourceLayout::kSim;
   std::vector<std::string> options;
-  if (is_simulated) {
-    for (const auto& [key, value] : FormatSimulationOptions(spec.simulation)) {
+  if (spec.settings != nullptr) {
+    for (const auto& [key, value] : spec.settings->FormatOptions()) {
       options.push_back(absl::StrCat(key, "=", value));
     }
   }
@@ -272,14 +283,14 @@ std::string FormatSourceSpec(const SourceSpec& spec) {
   if (spec.perturbation.noise_sigma != plain.perturbation.noise_sigma) {
     options.push_back(absl::StrCat("noise=", FormatReal(spec.perturbation.noise_sigma)));
   }
-  if (!is_simulated && spec.perturbation.seed != plain.perturbation.seed) {
+  if (spec.settings == nullptr && spec.perturbation.seed != plain.perturbation.seed) {
     options.push_back(absl::StrCat("seed=", spec.perturbation.seed));
   }
   if (!spec.truth_frame.empty()) {
     options.push_back(absl::StrCat("truth_frame=", spec.truth_frame));
   }
   const bool is_plain = options.empty() && !absl::StrContains(spec.directory, '?');
-  return absl::StrCat(LayoutName(spec.layout), ":", spec.directory, is_plain ? "" : "?",
+  return absl::StrCat(KindName(spec), ":", spec.directory, is_plain ? "" : "?",
                       absl::StrJoin(options, "&"));
 }
 

@@ -1,6 +1,6 @@
 // How a sequence is named: "LAYOUT:DIR?OPTIONS", for example
-// "kitti:DIR?frames=0:120&stride=2&offset=1&gamma=0.8&noise=4"; or one that is made when it is
-// played: "sim:WORLD?OPTIONS", for example "sim:city?seed=7&robot=2/3&phase=0.5".
+// "kitti:DIR?frames=0:120&stride=2&offset=1&gamma=0.8&noise=4"; or, of a kind that the program has
+// registered (source_kinds.h), "KIND:PLACE?OPTIONS".
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_SPEC_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_SPEC_H_
 
@@ -12,7 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "slam/simulation/sequence/simulation_spec.h"
+#include "client_agent/source/source_kinds.h"
 
 namespace corbslam {
 
@@ -21,7 +21,7 @@ enum class SourceLayout {
   kEuroc,        // ASL: mav0/cam0, mav0/cam1 (or cam0, cam1 directly).
   kTum,          // TUM RGB-D: associated.txt, or rgb.txt and depth.txt.
   kSevenScenes,  // 7-Scenes: frame-000000.color.png and frame-000000.depth.png.
-  kSim,          // Drawn from a simulated world.
+  kRegistered,   // None of them: of a registered kind, as SourceSpec::settings say.
 };
 
 // A robot's part of a sequence that several share, in the order in which it was driven.
@@ -87,9 +87,9 @@ struct SourceOpening {
 
 struct SourceSpec {
   SourceLayout layout = SourceLayout::kKitti;
-  std::string directory;      // Of kSim the world's name.
-  SimulationSpec simulation;  // kSim only.
-  SourceOpening opening;      // Recorded sequences only.
+  std::string directory;        // Of kRegistered what the kind calls its place.
+  SharedKindSettings settings;  // kRegistered only; else null.
+  SourceOpening opening;        // Recorded sequences only.
   FrameSelection selection;
   Perturbation perturbation;
   // truth_frame=NAME, of recorded sequences: those with the same name have their ground truth in
@@ -101,6 +101,9 @@ struct SourceSpec {
 // a way that is driven the other way round, the selection counts frames as if it weren't: it means
 // the same places.
 std::vector<size_t> FramesOf(const SourceSpec& spec, size_t frame_count);
+
+// "kitti" and so on, without the registered kinds.
+std::vector<absl::string_view> RecordedLayoutNames();
 
 // A folder whose name holds '?' is recognised where it exists; names of options may be written with
 // '-' or '_'. INVALID_ARGUMENT, naming the option and its value.

@@ -29,10 +29,7 @@ TEST(SourceSpecTest, ComesBackAsFormatted) {
   for (const char* text :
        {"kitti:a", "euroc:/b/c?frames=5:", "tum:d?frames=1:2&stride=2&offset=1&reverse=1",
         "kitti:e?gamma=0.8&noise=4&seed=9", "kitti:e?gamma=0.123456789", "kitti:g?truth_frame=town",
-        "kitti:f?robot=2/3", "tum:g?frames=10:90&robot=1/2&overlap=5", "sim:city",
-        "sim:floor?rig=rgbd&motion=fly",
-        "sim:city?seed=7&world=3&length=812.5&turned=1&noise_seed=5&frames=3:9&robot=2/3&noise=2",
-        "sim:path?poses=/a/00.txt&blackout=10:2&kidnap=5:20.25&threads=2"}) {
+        "kitti:f?robot=2/3", "tum:g?frames=10:90&robot=1/2&overlap=5"}) {
     EXPECT_EQ(FormatSourceSpec(*ParseSourceSpec(text)), text);
   }
 }
@@ -53,14 +50,7 @@ TEST(SourceSpecTest, NamesWhatItDoesNotUnderstand) {
                                                        {"kitti:a?robot=3/2", "robot=3/2"},
                                                        {"kitti:a?robot=0/2", "robot=0/2"},
                                                        {"kitti:a?robot=2", "robot"},
-                                                       {"kitti:a?phase=0.5", "'phase'"},
-                                                       {"sim:moon", "city, path, floor"},
-                                                       {"sim:city?sead=7", "'sead': known are"},
-                                                       {"sim:city?sead=7", "blackout"},
-                                                       {"sim:city?seed=x", "seed=x"},
-                                                       {"sim:city?rig=gopro", "rig=gopro"},
-                                                       {"sim:city?phase=2", "phase=2"},
-                                                       {"sim:path", "poses"}};
+                                                       {"kitti:a?phase=0.5", "'phase'"}};
   for (const auto& [text, expected] : cases) {
     const absl::Status status = ParseSourceSpec(text).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
@@ -73,14 +63,6 @@ TEST(SourceSpecTest, TakesOptionsWithCommas) {
   ASSERT_TRUE(ApplyOptions("gamma=0.8,noise=4,reverse", spec).ok());
   EXPECT_TRUE(spec.selection.reverse);
   EXPECT_EQ(spec.perturbation.noise_sigma, 4);
-}
-
-TEST(SourceSpecTest, SimulationsHaveASeedOfTheirPictures) {
-  const SourceSpec spec = *ParseSourceSpec("sim:city?seed=7&noise_seed=5&gamma=0.9");
-  EXPECT_EQ(spec.simulation.seed, 7u);
-  EXPECT_EQ(spec.simulation.lens.noise_seed, 5u);
-  EXPECT_EQ(spec.perturbation.seed, 5u);
-  EXPECT_EQ(spec.perturbation.gamma, 0.9);
 }
 
 TEST(SourceSpecTest, ZeroBytesAreRefused) {
@@ -124,15 +106,6 @@ TEST(TakePartTest, TogetherAllFramesAreTaken) {
       EXPECT_EQ(reached, count);
     }
   }
-}
-
-TEST(FramesOfTest, TurnedMeansTheSamePlaces) {
-  const auto frames = [](const char* text) { return FramesOf(*ParseSourceSpec(text), 10); };
-  EXPECT_THAT(frames("sim:city?frames=1:3"), ElementsAre(1, 2, 3));
-  EXPECT_THAT(frames("sim:city?frames=1:3&turned"), ElementsAre(6, 7, 8));
-  EXPECT_THAT(frames("sim:city?frames=1:3&turned&reverse"), ElementsAre(8, 7, 6));
-  EXPECT_THAT(frames("sim:city?robot=2/2&overlap=1"), ElementsAre(4, 5, 6, 7, 8, 9));
-  EXPECT_THAT(frames("sim:city?robot=2/2&overlap=1&turned"), ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
 TEST(SelectFramesTest, StrideCountsFromTheSequencesStart) {

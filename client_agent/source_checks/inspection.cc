@@ -46,7 +46,7 @@ void TellUnreadable(const ReadSample& sample, SourceFindings& findings) {
 SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
                              const SampleOptions& options) {
   SourceFindings findings = reader.description().remarks.findings;
-  if (spec.layout == SourceLayout::kSim) return findings;
+  if (spec.layout == SourceLayout::kRegistered) return findings;
   const FrameRange range = SelectRange(spec.selection, reader.frame_count());
   const ReadSample sample =
       ReadFrames(reader, ChooseSampleFrames(reader.calibration(), range.begin,

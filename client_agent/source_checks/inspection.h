@@ -9,9 +9,9 @@
 namespace corbslam {
 
 // Returns what the source's files and a sample of the frames that `spec` selects show: the reader's
-// own findings, then those of CheckSample, then frames of the sample that can't be read. A
-// simulation is not looked into: it draws what it was asked for. Thread-safe; decodes the sample's
-// pictures.
+// own findings, then those of CheckSample, then frames of the sample that can't be read. A source
+// of a registered kind is not looked into: what a simulation draws is as it was asked for.
+// Thread-safe; decodes the sample's pictures.
 SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
                              const SampleOptions& options = {});
 

@@ -81,7 +81,9 @@ std::string FormatManPage(const CLI::App& app, const std::string& environment_pr
                            Bold("--vocabulary"), " names one.\n")),
       Section("FILES", absl::StrCat(".TP\n", Italic("../share/corbslam/corbslam.voc"),
                                     "\nThe vocabulary, seen from the program's folder.\n")),
-      Section("SEE ALSO", "corbslam(1), map_store(1), fusion_worker(1), client_agent(1)\n"));
+      Section(
+          "SEE ALSO",
+          "corbslam(1), map_store(1), fusion_worker(1), client_agent(1), simulated_agent(1)\n"));
 }
 
 }  // namespace corbslam

@@ -18,6 +18,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source/source_spec.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/sensor/corner_depth.h"
 #include "slam/sensor/sensor.h"
 #include "slam/simulation/renderer.h"
@@ -95,11 +96,12 @@ cv::Mat WithFarSky(cv::Mat depth) {
 
 absl::StatusOr<Measurements> Measure(const Flags& flags) {
   ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(flags.source));
-  if (source.layout != SourceLayout::kSim || source.simulation.moving_cars > 0) {
+  const SimulationSpec* simulation = FindSimulation(source);
+  if (simulation == nullptr || simulation->moving_cars > 0) {
     return absl::InvalidArgumentError(
         absl::StrCat("--source ", flags.source, ": must be sim:WORLD without moving_cars"));
   }
-  ASSIGN_OR_RETURN(const auto sequence, SimulatedSequence::Make(source.simulation));
+  ASSIGN_OR_RETURN(const auto sequence, SimulatedSequence::Make(*simulation));
   ASSIGN_OR_RETURN(const PoseSequence way, MakeWay(sequence->spec()));
   const Scene scene = BuildWorld(sequence->spec(), way);
   ASSIGN_OR_RETURN(const auto renderer, Renderer::Make(scene, {}));
@@ -160,6 +162,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   corbslam::Flags flags;
   CLI::App app("Errors of disparities against a simulated world", "disparity_errors");
   app.add_option("--source", flags.source, "sim:WORLD?OPTIONS")->required();

@@ -12,7 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "client_agent/source/image_source.h"
+#include "client_agent/source/recorded_sequence.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/map/feature_grid.h"
 #include "slam/place/keyframe_database.h"
 #include "slam/sensor/sensor.h"
@@ -186,7 +187,7 @@ absl::StatusOr<Statistics> Compute(const std::string& spec, const Vocabulary& vo
   ASSIGN_OR_RETURN(auto sensor, MakeSensor(source->calibration(), options));
   Collector collector(sensor->camera());
   while (true) {
-    ASSIGN_OR_RETURN(const std::optional<SensorImages> images, source->Next());
+    ASSIGN_OR_RETURN(const std::optional<SensorImages> images, source->NextImages());
     if (!images.has_value()) break;
     ASSIGN_OR_RETURN(Features features, sensor->Process(*images));
     auto words = std::make_shared<Words>(vocabulary.Transform(features.descriptors));
@@ -240,6 +241,7 @@ absl::Status Run(const std::string& vocabulary_path, const std::vector<std::stri
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   if (argc < 3) {
     std::fprintf(stderr, "usage: picture_statistics VOCABULARY SOURCE...\n");
     return 2;

@@ -11,7 +11,8 @@
 #include "absl/strings/match.h"
 #include "absl/time/clock.h"
 #include "client_agent/agent/agent.h"
-#include "client_agent/source/image_source.h"
+#include "client_agent/source/recorded_sequence.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/median.h"
@@ -99,7 +100,7 @@ absl::Status Run(const Options& options) {
                    Agent::Create(agent_options, source->calibration(), vocabulary, nullptr));
   const absl::Time start = absl::Now();
   while (true) {
-    ASSIGN_OR_RETURN(const std::optional<SensorImages> images, source->Next());
+    ASSIGN_OR_RETURN(const std::optional<SensorImages> images, source->NextImages());
     if (!images.has_value()) break;
     ASSIGN_OR_RETURN(const TrackingResult result, agent->Track(*images));
     if (options.frames) PrintResult(result);
@@ -113,6 +114,7 @@ absl::Status Run(const Options& options) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   if (argc < 4) {
     std::fprintf(stderr,
                  "usage: single_robot SOURCE VOCABULARY TRUTH [FEATURES] [--threads] [--frames]\n");

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "client_agent/agent/agent.h"
-#include "client_agent/source/image_source.h"
+#include "client_agent/source/recorded_sequence.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/evaluation/trajectory_io.h"
 
@@ -38,7 +38,7 @@ class SingleRobotTest : public ::testing::Test {
     auto agent = Agent::Create(options, (*source)->calibration(), *vocabulary, nullptr);
     EXPECT_TRUE(agent.ok()) << agent.status();
     for (size_t i = 0; i < (*source)->size(); ++i) {
-      const auto images = (*source)->Next();
+      const auto images = (*source)->NextImages();
       EXPECT_TRUE(images.ok()) << images.status();
       EXPECT_TRUE((*agent)->Track(**images).ok());
     }

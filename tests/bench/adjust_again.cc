@@ -15,6 +15,7 @@
 #include "absl/strings/str_format.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/observe/kept_work/kept_adjustment.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/tool/evaluation/accuracy.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/util/status_macros.h"
@@ -149,6 +150,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   corbslam::Flags flags;
   CLI::App app("Global adjustments done again", "adjust_again");
   app.add_option("files", flags.files, "What fusion_worker --keep-adjustments wrote")->required();

@@ -13,6 +13,7 @@
 #include "map_store/archive/value_fields.h"
 #include "services/convert/limits.h"
 #include "services/convert/map_update.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/coding/descriptor_streams.h"
 #include "slam/coding/feature_coding.h"
 #include "slam/coding/feature_columns.h"
@@ -136,6 +137,7 @@ absl::Status Run(const std::vector<std::string>& sources) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   std::vector<std::string> sources;
   CLI::App app("Bytes and times of coded features", "coded_features");
   app.add_option("--source", sources, "What robots have seen: kitti:DIR, tum:DIR, sim:WORLD, ...")

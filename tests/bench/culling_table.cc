@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "fusion_worker/local_fusion_worker.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 #include "tests/bench/replayed_mission.h"
@@ -104,6 +105,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   corbslam::Flags flags;
   CLI::App app("Culling redundant keyframes", "culling_table");
   app.add_option("--source", flags.source, "What the robots share: kitti:DIR, tum:DIR, ...")

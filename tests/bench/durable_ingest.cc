@@ -14,6 +14,7 @@
 #include "absl/time/clock.h"
 #include "services/client/remote/channel.h"
 #include "services/client/remote/remote_uplink.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 #include "tests/bench/started_server.h"
@@ -134,6 +135,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   corbslam::Flags flags;
   CLI::App app("Durable ingest of the map store", "durable_ingest");
   app.add_option("--source", flags.source, "What the robots have seen: kitti:DIR, sim:WORLD, ...")

@@ -21,6 +21,7 @@
 #include "services/client/remote/remote_uplink.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/server/server.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 #include "tests/bench/started_server.h"
@@ -230,6 +231,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   corbslam::Flags flags;
   CLI::App app("Acknowledgements while bundles are adjusted, and while not",
                "ingest_during_adjustment");

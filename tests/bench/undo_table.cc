@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 #include "tests/bench/lying_worker.h"
@@ -136,6 +137,7 @@ absl::StatusOr<bool> Run(const Flags& flags) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   corbslam::Flags flags;
   CLI::App app("Taking back a wrong overlap", "undo_table");
   app.add_option("--source", flags.source, "What the robots share: kitti:DIR, tum:DIR, ...")

@@ -15,6 +15,7 @@
 #include "client_agent/source/source_spec.h"
 #include "services/convert/batch_bytes.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/tool/evaluation/ground_truth.h"
 #include "slam/evaluation/trajectory.h"
 #include "slam/util/status_macros.h"
@@ -106,6 +107,7 @@ absl::Status Run(const Flags& flags) {
 }  // namespace corbslam
 
 int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
   corbslam::Flags flags;
   CLI::App app("Places that are recognised among features that were left out", "upload_recall");
   app.add_option("--first", flags.first, "What the first robot has seen: kitti:DIR, ...")

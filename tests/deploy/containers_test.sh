@@ -10,7 +10,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
 programs=$(cd "$1" && pwd)
-source="sim:city?seed=3&length=100&picture_scale=0.4"
+street="sim:city?seed=3&length=100&picture_scale=0.4"
 # Of what this run makes.
 name=corbslam-test-$$
 tag=${CORBSLAM_IMAGE_TAG:-test-$$}
@@ -53,8 +53,11 @@ for program in map_store fusion_worker client_agent; do
 done
 
 HOSTS="$name-store $name-worker" "$root/deploy/make_test_certificates.sh" "$work/certificates"
+# A robot's image holds no simulator: the street is drawn before.
+"$programs/corbslam" simulate --source "$street" --layout kitti --out "$work/street" \
+  > "$work/street.log" || fail "the street can't be drawn"
 # Containers run as a user of their own.
-chown -R 10001:10001 "$work/certificates"
+chown -R 10001:10001 "$work/certificates" "$work/street"
 podman network create "$name" >/dev/null || skip "no network for containers can be made"
 podman volume create "$name" >/dev/null
 
@@ -90,8 +93,8 @@ start_store() {
 }
 
 start_robot() {
-  run "$1" client_agent "$1" -- --source "$source&frames=$2" --server "$name-store:50051" \
-    --mission lab --agent "$1"
+  run "$1" client_agent "$1" -v "$work/street:/street:ro" -- --source "kitti:/street?frames=$2" \
+    --server "$name-store:50051" --mission lab --agent "$1"
 }
 
 # Prints "MAPS ISLANDS KEYFRAMES POINTS" of the mission; fails while fusion has something to do.

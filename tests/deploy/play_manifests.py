@@ -3,7 +3,7 @@
 
 Each workload's pod, as its template has it, is played by `podman kube play`, with the images
 localhost/corbslam/*:TAG (deploy/containers/build.sh) and certificates made for the occasion. Two
-robots then map a simulated street through them, and the two maps have to become one. Ends with 77,
+robots then map a recorded desk through them, and the two maps have to become one. Ends with 77,
 "skipped", where containers can't be run.
 
 What is not as in a cluster: one worker, which the store finds by the pod's name; no services, no
@@ -32,7 +32,7 @@ SECRETS = {
 NETWORK = "corbslam-pods"
 PAUSE = "localhost/corbslam/pause"
 USER = 10001
-SOURCE = "sim:city?seed=3&length=100&picture_scale=0.4&frames="
+RECORDING = ROOT / "tests" / "data" / "tum_fr1_xyz"
 ENGINE = """
 [containers]
 default_ulimits = ["nofile=1024:1024", "nproc=1024:1024"]
@@ -116,7 +116,8 @@ def wait_until_ready(container):
 
 def drive(work, tag, robot, frames):
     run("podman", "run", "--rm", "--network", NETWORK, "-v", f"{work}/certificates:/certificates:ro",
-        f"localhost/corbslam/client_agent:{tag}", "--source", SOURCE + frames,
+        "-v", f"{RECORDING}:/recording:ro",
+        f"localhost/corbslam/client_agent:{tag}", "--source", f"tum:/recording?frames={frames}",
         "--server", "map-store:50051", "--mission", "lab", "--agent", robot,
         "--tls-ca", "/certificates/ca.pem", "--tls-cert", f"/certificates/{robot}.pem",
         "--tls-key", f"/certificates/{robot}.key", timeout=300)
@@ -161,8 +162,8 @@ def play(work, tag, yaml):
     run("podman", "kube", "play", "--network", NETWORK, played)
     wait_until_ready("fusion-worker-fusion-worker")
     wait_until_ready("map-store-map-store")
-    drive(work, tag, "alpha", "0:70")
-    drive(work, tag, "bravo", "40:110")
+    drive(work, tag, "alpha", "0:85")
+    drive(work, tag, "bravo", "46:131")
     for _ in range(60):
         counts = count_maps()
         if counts == (2, 1):

@@ -4,11 +4,13 @@
 #include <string>
 
 #include "client_agent/source/source_spec.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/simulation/sequence/simulation_options.h"
 #include "tests/fuzz/messages.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace corbslam;  // NOLINT
+  RegisterSimulatedSources();
   const absl::string_view text = AsText(data, size);
   const auto spec = ParseSourceSpec(text);
   if (spec.ok()) {

@@ -84,14 +84,15 @@ const std::map<absl::string_view, Heights>& Ladders() {
                     {"client/reflection", 2}, {"client/remote", 2},
                     {"observe/kept_work", 2}, {"server", 2},
                     {"agent_service", 3},     {"fusion_worker_service", 3},
-                    {"map_store_service", 3}, {"security", 4},
-                    {"observe/tracing", 4},   {"client/reachability", 5},
+                    {"map_store_service", 3}, {"observe/tracing", 4},
+                    {"security", 4},          {"client/reachability", 5},
                     {"observe/event_log", 5}, {"observe/metrics", 5},
                     {"client/store", 6},      {"programs/robot", 6},
-                    {"programs", 7},          {"tool/doctor", 8},
-                    {"tool/evaluation", 8},   {"tool/mission", 8},
-                    {"tool/report", 8},       {"tool/run", 9},
-                    {"tool/sequence", 9},     {"tool/commands", 10}}}};
+                    {"programs", 7},          {"simulated_source", 8},
+                    {"tool/doctor", 8},       {"tool/mission", 8},
+                    {"tool/report", 8},       {"tool/evaluation", 9},
+                    {"tool/run", 10},         {"tool/sequence", 10},
+                    {"tool/commands", 11}}}};
   return ladders;
 }
 
@@ -140,6 +141,9 @@ std::string WhyNot(absl::string_view path, absl::string_view include) {
   }
   if (absl::StartsWith(include, "prometheus/") && top != "services") {
     return "only services/ knows Prometheus";
+  }
+  if (absl::StartsWith(include, "slam/simulation/") && top == "client_agent") {
+    return "a robot carries no simulator";
   }
   const absl::string_view target = Part(include, 0);
   if (!TopRules().contains(target) || IsWire(include)) return "";  // Such a file is not ours.

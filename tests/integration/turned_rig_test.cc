@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source/frame_reader.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/tool/evaluation/ground_truth.h"
 #include "slam/evaluation/trajectory_file.h"
 #include "slam/util/text_file.h"
@@ -20,6 +21,8 @@
 
 namespace corbslam {
 namespace {
+
+[[maybe_unused]] const bool registered = RegisterSimulatedSources();
 
 namespace fs = std::filesystem;
 

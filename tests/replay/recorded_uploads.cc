@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/agent/agent.h"
-#include "client_agent/source/image_source.h"
+#include "client_agent/source/recorded_sequence.h"
 #include "client_agent/source/source_spec.h"
 #include "slam/util/status_macros.h"
 
@@ -106,7 +106,7 @@ absl::StatusOr<RecordedUploads> RecordUploads(const std::string& source,
                                               std::shared_ptr<const Vocabulary> vocabulary,
                                               const FeatureSelection& features) {
   ASSIGN_OR_RETURN(const SourceSpec spec, ParseSourceSpec(source));
-  ASSIGN_OR_RETURN(const std::unique_ptr<ImageSource> images, OpenSource(spec));
+  ASSIGN_OR_RETURN(const std::unique_ptr<RecordedSequence> images, OpenSource(spec));
   AgentOptions options;
   options.deterministic = true;
   options.upload_features = features;
@@ -116,7 +116,7 @@ absl::StatusOr<RecordedUploads> RecordUploads(const std::string& source,
   ASSIGN_OR_RETURN(const std::unique_ptr<Agent> agent,
                    Agent::Create(options, images->calibration(), std::move(vocabulary), &uplink));
   while (true) {
-    ASSIGN_OR_RETURN(const std::optional<SensorImages> next, images->Next());
+    ASSIGN_OR_RETURN(const std::optional<SensorImages> next, images->NextImages());
     if (!next.has_value()) break;
     RETURN_IF_ERROR(agent->Track(*next).status());
   }

@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/tool/sequence/sequence_writer.h"
 
 namespace corbslam {
@@ -109,6 +110,7 @@ std::string CopyStereo(SourceLayout layout, const std::string& name) {
     WriteSequenceOptions options;
     options.layout = layout;
     options.folder = drawn;
+    RegisterSimulatedSources();
     const auto written = WriteSequence(*ParseSourceSpec(kDrawn), options);
     EXPECT_TRUE(written.ok()) << written.status();
   }

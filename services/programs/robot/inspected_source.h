@@ -8,14 +8,14 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client_agent/source/image_source.h"
+#include "client_agent/source/recorded_sequence.h"
 #include "client_agent/source/source_description.h"
 #include "client_agent/source/source_finding.h"
 
 namespace corbslam {
 
 struct InspectedSource {
-  std::unique_ptr<ImageSource> source;
+  std::unique_ptr<RecordedSequence> source;
   SourceDescription description;
   SourceFindings warnings;  // Of opening it and of a sample of its frames.
 };

@@ -4,14 +4,13 @@
 
 #include <cstddef>
 
-#include "client_agent/source/image_source.h"
+#include "client_agent/source/frame_stream.h"
 
 namespace corbslam {
 
-// Seconds that the camera takes for `frames` frames at the pace of `source`: of its median
-// interval, so that pauses and several drives count by their frames alone. 0 where the source has
-// no two frames of one drive.
-double PicturesTime_s(const ImageSource& source, size_t frames);
+// Seconds that the camera takes for `frames` frames at the interval of `stream`, so that pauses and
+// several drives count by their frames alone. 0 where the interval is not known.
+double PicturesTime_s(const FrameStream& stream, size_t frames);
 
 }  // namespace corbslam
 

@@ -2,23 +2,23 @@
 
 #include <gtest/gtest.h>
 
-#include <optional>
 #include <utility>
 #include <vector>
+
+#include "client_agent/source/recorded_sequence.h"
 
 namespace corbslam {
 namespace {
 
 // Has times, and no pictures.
-class TimedSource : public ImageSource {
+class TimedSource : public RecordedSequence {
  public:
   explicit TimedSource(std::vector<SourceFrame> frames) : frames_(std::move(frames)) {}
 
   const SensorCalibration& calibration() const override { return calibration_; }
   size_t size() const override { return frames_.size(); }
   SourceFrame frame(size_t i) const override { return frames_.at(i); }
-  absl::StatusOr<std::optional<SensorImages>> Next() override { return std::nullopt; }
-  size_t position() const override { return 0; }
+  absl::StatusOr<NextFrame> Next(absl::Time /*deadline*/) override { return StreamEnd(); }
   LeftOutFrames left_out() const override { return {}; }
 
  private:

@@ -30,7 +30,8 @@ void AddCompletionCommand(CLI::App& app, Command& chosen) {
       ->check(CLI::IsMember({"bash", "zsh"}))
       ->required();
   completion->add_option("program", *program, "Of which of our programs")
-      ->check(CLI::IsMember({"corbslam", "map_store", "fusion_worker", "client_agent"}))
+      ->check(CLI::IsMember(
+          {"corbslam", "map_store", "fusion_worker", "client_agent", "simulated_agent"}))
       ->capture_default_str();
   completion->callback([shell, program, &chosen] {
     chosen = [shell, program] { return PrintCompletion(*shell, *program); };

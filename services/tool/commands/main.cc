@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_join.h"
 #include "services/command_line/command_line.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/tool/commands/commands.h"
 
 int main(int argc, char** argv) {
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
   FLAGS_logtostderr = true;
   FLAGS_minloglevel = google::GLOG_WARNING;
   const std::string command_line = absl::StrJoin(std::vector<std::string>(argv, argv + argc), " ");
+  corbslam::RegisterSimulatedSources();
   CLI::App app("Several robots, one map", "corbslam");
   app.require_subcommand(1);
   corbslam::Command chosen;

@@ -13,6 +13,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/source_kinds.h"
 #include "services/command_line/command_line.h"
 #include "services/convert/resource_names.h"
 #include "services/programs/robot/inspected_source.h"
@@ -254,9 +255,7 @@ void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chos
   arguments->command_line = command_line;
   CLI::App* run = app.add_subcommand("run", "Let robots map sequences together");
   run->add_option("--source", arguments->sources,
-                  "kitti:DIR, euroc:DIR, tum:DIR, 7scenes:DIR or sim:WORLD, each with ?OPTIONS; "
-                  "several: one "
-                  "robot each")
+                  SourceUsage() + ", each with ?OPTIONS; several: one robot each")
       ->required();
   run->add_option("--robots", arguments->robots, "Among how many one source is split (2)");
   run->add_option("--overlap", arguments->overlap, "Frames by which parts reach beyond their share")

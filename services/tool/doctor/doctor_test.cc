@@ -11,6 +11,7 @@
 #include "services/programs/default_vocabulary.h"
 #include "services/security/certificate_checks.h"
 #include "services/security/testing/test_certificates.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/testing/test_path.h"
 #include "services/tool/doctor/fusion_check.h"
 #include "services/tool/doctor/local_checks.h"
@@ -18,6 +19,8 @@
 
 namespace corbslam {
 namespace {
+
+[[maybe_unused]] const bool registered = RegisterSimulatedSources();
 
 namespace fs = std::filesystem;
 using test_data::TestCertificates;

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/frame_reader.h"
-#include "slam/simulation/sequence/simulated_sequence.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -27,15 +27,19 @@ std::string KeyOf(const SourceSpec& source) {
   SourceSpec sequence;
   sequence.layout = source.layout;
   sequence.directory = source.directory;
-  sequence.simulation = source.simulation;
-  sequence.simulation.lens = {};
-  sequence.simulation.threads = 1;
+  if (const SimulationSpec* simulation = FindSimulation(source); simulation != nullptr) {
+    SimulationSpec plain = *simulation;
+    plain.lens = {};
+    plain.threads = 1;
+    SetSimulation(plain, sequence);
+  }
   return FormatSourceSpec(sequence);
 }
 
 // Equal for sources whose truths are in one frame.
 std::string WorldOf(const SourceSpec& source) {
-  if (source.layout == SourceLayout::kSim) return WorldName(source.simulation);
+  const SimulationSpec* simulation = FindSimulation(source);
+  if (simulation != nullptr) return WorldName(*simulation);
   return source.truth_frame.empty() ? KeyOf(source) : absl::StrCat("truth ", source.truth_frame);
 }
 

@@ -11,11 +11,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/text_file.h"
 
 namespace corbslam {
 namespace {
+
+[[maybe_unused]] const bool registered = RegisterSimulatedSources();
 
 namespace fs = std::filesystem;
 using ::testing::DoubleNear;

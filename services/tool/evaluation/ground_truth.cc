@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/calibration/euroc_calibration.h"
 #include "client_agent/source/frame_reader.h"
+#include "services/simulated_source/simulated_source.h"
 #include "slam/evaluation/trajectory_file.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/simulation/sequence/simulated_sequence.h"
@@ -120,11 +121,15 @@ absl::StatusOr<GroundTruth> Read(const SourceSpec& source) {
       return ReadEuroc(source.directory);
     case SourceLayout::kSevenScenes:
       return ReadSevenScenes(source);
-    case SourceLayout::kSim:
+    case SourceLayout::kRegistered:
       break;
   }
+  const SimulationSpec* simulation = FindSimulation(source);
+  if (simulation == nullptr) {
+    return absl::NotFoundError(absl::StrCat(FormatSourceSpec(source), " has no ground truth"));
+  }
   ASSIGN_OR_RETURN(const std::unique_ptr<SimulatedSequence> sequence,
-                   SimulatedSequence::Make(source.simulation));
+                   SimulatedSequence::Make(*simulation));
   return GroundTruth{TrueTrajectory(*sequence), "", 0, {}};
 }
 
@@ -132,7 +137,7 @@ absl::StatusOr<GroundTruth> Read(const SourceSpec& source) {
 
 absl::StatusOr<std::optional<GroundTruth>> ReadGroundTruth(const SourceSpec& source) {
   absl::StatusOr<GroundTruth> truth = Read(source);
-  if (absl::IsNotFound(truth.status()) && source.layout != SourceLayout::kSim) return std::nullopt;
+  if (absl::IsNotFound(truth.status()) && FindSimulation(source) == nullptr) return std::nullopt;
   RETURN_IF_ERROR(truth.status());
   return *std::move(truth);
 }

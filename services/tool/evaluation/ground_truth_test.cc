@@ -7,10 +7,13 @@
 #include <fstream>
 
 #include "absl/strings/str_cat.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/testing/test_path.h"
 
 namespace corbslam {
 namespace {
+
+[[maybe_unused]] const bool registered = RegisterSimulatedSources();
 
 namespace fs = std::filesystem;
 

@@ -109,17 +109,17 @@ absl::Status Lockstep::OpenRobot(LockstepRobot& robot) {
 
 absl::Status Lockstep::TakeFrame(LockstepRobot& robot) {
   if (robot.has_ended) return absl::OkStatus();
-  ImageSource& source = *robot.opened.source;
-  ASSIGN_OR_RETURN(const std::optional<SensorImages> images, source.Next());
-  if (!images.has_value()) {
+  ASSIGN_OR_RETURN(const NextFrame next, robot.opened.source->Next(absl::InfiniteFuture()));
+  const auto* taken = std::get_if<StreamFrame>(&next);
+  if (taken == nullptr) {
     robot.has_ended = true;
     return absl::OkStatus();
   }
   ++robot.frames;
-  const int drive = source.frame(source.position()).drive;
+  const int drive = taken->frame.drive;
   if (robot.drive.value_or(drive) != drive) robot.agent->BeginLocalMap();
   robot.drive = drive;
-  return robot.agent->Track(*images).status();
+  return robot.agent->Track(taken->images).status();
 }
 
 // The store fuses until idle, then hands out what is new.
@@ -170,7 +170,7 @@ void Lockstep::ShowProgress(const std::string& stage) const {
 }
 
 void DescribeSource(const LockstepRobot& robot, RobotReport& report) {
-  const ImageSource& source = *robot.opened.source;
+  const FrameStream& source = *robot.opened.source;
   PlayedFrames played;
   played.played = robot.frames;
   report.pictures_s = PicturesTime_s(source, robot.frames);

@@ -6,9 +6,12 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "services/simulated_source/simulated_source.h"
 
 namespace corbslam {
 namespace {
+
+[[maybe_unused]] const bool registered = RegisterSimulatedSources();
 
 using Range = std::pair<size_t, size_t>;
 using ::testing::AllOf;
@@ -68,8 +71,8 @@ TEST(PlanRobotsTest, SplitsASimulation) {
   ASSERT_TRUE(robots.ok()) << robots.status();
   ASSERT_EQ(robots->size(), 2u);
   EXPECT_EQ((*robots)[0].source.selection.first, 0u);
-  EXPECT_TRUE((*robots)[1].source.simulation.turned);
-  EXPECT_EQ((*robots)[1].source.simulation.seed, 3u);
+  EXPECT_TRUE(FindSimulation((*robots)[1].source)->turned);
+  EXPECT_EQ(FindSimulation((*robots)[1].source)->seed, 3u);
   // The parts overlap in place.
   EXPECT_LT((*robots)[1].source.selection.first, *(*robots)[0].source.selection.last);
 }

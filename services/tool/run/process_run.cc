@@ -13,6 +13,7 @@
 #include "services/client/remote/channel.h"
 #include "services/programs/robot/robot_report.h"
 #include "services/runtime/child_process.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/tool/run/mission_run.h"
 #include "slam/util/status_macros.h"
 
@@ -118,6 +119,11 @@ void AppendFlags(const SecurityOptions& security, std::vector<std::string>& argu
   }
 }
 
+// Robots' own program knows no simulator.
+std::string AgentProgram(const RobotPlan& plan) {
+  return FindSimulation(plan.source) == nullptr ? "client_agent" : "simulated_agent";
+}
+
 absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
   RunningAgent agent;
   agent.plan = plan;
@@ -144,7 +150,7 @@ absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
     arguments.insert(arguments.end(), {"--stay", "--listen", "127.0.0.1:0", "--listen-insecure"});
   }
   ASSIGN_OR_RETURN(const std::vector<std::string> command,
-                   MakeCommand("client_agent", std::move(arguments), true));
+                   MakeCommand(AgentProgram(plan), std::move(arguments), true));
   ASSIGN_OR_RETURN(agent.process,
                    ChildProcess::Start(plan.name, command,
                                        absl::StrCat(options_.log_folder, "/", plan.name, ".log")));

@@ -109,7 +109,7 @@ std::vector<std::string> FoldersOf(SourceLayout layout) {
     case SourceLayout::kTum:
       return {"rgb", "depth"};
     case SourceLayout::kSevenScenes:
-    case SourceLayout::kSim:
+    case SourceLayout::kRegistered:
       break;
   }
   return {};
@@ -130,7 +130,7 @@ FramePaths PathsOfFrame(SourceLayout layout, size_t index, int64_t timestamp_ns)
       return {absl::StrCat("rgb/", time, ".png"), absl::StrCat("depth/", time, ".png")};
     }
     case SourceLayout::kSevenScenes:
-    case SourceLayout::kSim:
+    case SourceLayout::kRegistered:
       break;
   }
   return {};

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/source/frame_reader.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/tool/evaluation/accuracy.h"
 #include "services/tool/sequence/layout_files.h"
 #include "slam/util/status_macros.h"
@@ -96,17 +97,20 @@ CameraRig RigOfLayout(SourceLayout layout) {
 
 absl::StatusOr<size_t> WriteSequence(const SourceSpec& source,
                                      const WriteSequenceOptions& options) {
-  if (source.layout != SourceLayout::kSim || options.layout == SourceLayout::kSim) {
+  const SimulationSpec* asked_for = FindSimulation(source);
+  if (asked_for == nullptr || options.layout == SourceLayout::kRegistered) {
     return absl::InvalidArgumentError(
         absl::StrCat(FormatSourceSpec(source), " is no simulation that can be written"));
   }
   if (source.selection.reverse) {
     return absl::InvalidArgumentError("reverse=1: recordings are written forwards; try turned=1");
   }
-  SourceSpec drawn = source;
-  if (!drawn.simulation.rig.has_value()) drawn.simulation.rig = RigOfLayout(options.layout);
+  SimulationSpec simulation = *asked_for;
+  if (!simulation.rig.has_value()) simulation.rig = RigOfLayout(options.layout);
   // Frames are drawn side by side, each by one thread.
-  drawn.simulation.threads = 1;
+  simulation.threads = 1;
+  SourceSpec drawn = source;
+  SetSimulation(simulation, drawn);
   ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(drawn));
   const std::vector<size_t> frames = FramesOf(drawn, reader->frame_count());
   ASSIGN_OR_RETURN(const std::optional<GroundTruth> truth, ReadGroundTruth(drawn));

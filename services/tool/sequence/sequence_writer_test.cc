@@ -14,10 +14,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/frame_reader.h"
+#include "services/simulated_source/simulated_source.h"
 #include "services/tool/evaluation/accuracy.h"
 
 namespace corbslam {
 namespace {
+
+[[maybe_unused]] const bool registered = RegisterSimulatedSources();
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;

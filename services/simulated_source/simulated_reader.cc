@@ -1,9 +1,10 @@
+#include "services/simulated_source/simulated_reader.h"
+
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "client_agent/source/frame_reader.h"
 #include "slam/simulation/sequence/simulated_sequence.h"
 #include "slam/util/status_macros.h"
 

@@ -1,4 +1,4 @@
-#include "client_agent/source/image_source.h"
+#include "client_agent/source/recorded_sequence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -54,10 +54,10 @@ std::string MakeKitti(const std::string& name) {
 }
 
 // The grey levels of all frames, in the order of play.
-std::vector<int> PlayGreyLevels(ImageSource& source) {
+std::vector<int> PlayGreyLevels(RecordedSequence& source) {
   std::vector<int> levels;
   while (true) {
-    absl::StatusOr<std::optional<SensorImages>> images = source.Next();
+    absl::StatusOr<std::optional<SensorImages>> images = source.NextImages();
     EXPECT_TRUE(images.ok()) << images.status();
     if (!images.ok() || !images->has_value()) return levels;
     EXPECT_EQ((*images)->timestamp_ns, source.frame(levels.size()).timestamp_ns);
@@ -82,7 +82,7 @@ TEST(KittiSourceTest, ReadsCalibrationAndFrames) {
   EXPECT_EQ(calibration.camera.width_px, 40);
   EXPECT_EQ((*source)->size(), 5u);
   EXPECT_EQ((*source)->frame(3).timestamp_ns, 300'000'000);
-  const auto first = (*source)->Next();
+  const auto first = (*source)->NextImages();
   ASSERT_TRUE(first.ok() && first->has_value());
   EXPECT_EQ((*first)->grey.at<uint8_t>(0, 0), 10);
   EXPECT_EQ((*first)->right.at<uint8_t>(0, 0), 15);
@@ -102,9 +102,9 @@ TEST(KittiSourceTest, PlaysASelectionBackwardsWithItsOwnTimes) {
 
 TEST(KittiSourceTest, GivesTheSameNoiseEachTime) {
   const std::string spec = absl::StrCat("kitti:", MakeKitti("noise"), "?noise=4&gamma=0.8");
-  const auto a = (*OpenSource(spec))->Next();
-  const auto b = (*OpenSource(spec))->Next();
-  const auto other_seed = (*OpenSource(spec + "&seed=2"))->Next();
+  const auto a = (*OpenSource(spec))->NextImages();
+  const auto b = (*OpenSource(spec))->NextImages();
+  const auto other_seed = (*OpenSource(spec + "&seed=2"))->NextImages();
   ASSERT_TRUE(a.ok() && b.ok() && other_seed.ok());
   EXPECT_EQ(cv::norm((*a)->grey, (*b)->grey, cv::NORM_INF), 0);
   EXPECT_GT(cv::norm((*a)->grey, (*other_seed)->grey, cv::NORM_INF), 0);
@@ -123,14 +123,14 @@ TEST(KittiSourceTest, NamesTheFileThatIsBad) {
   EXPECT_EQ(OpenSource("kitti:/nowhere").status().code(), absl::StatusCode::kNotFound);
 }
 
-std::vector<size_t> PlayNumbers(ImageSource& source) {
+std::vector<size_t> PlayNumbers(RecordedSequence& source) {
   std::vector<size_t> numbers;
   while (true) {
-    const absl::StatusOr<std::optional<SensorImages>> images = source.Next();
-    EXPECT_TRUE(images.ok()) << images.status();
-    if (!images.ok() || !images->has_value()) return numbers;
-    const SourceFrame frame = source.frame(source.position());
-    EXPECT_EQ((*images)->timestamp_ns, frame.timestamp_ns);
+    const absl::StatusOr<NextFrame> next = source.Next(absl::InfinitePast());
+    EXPECT_TRUE(next.ok()) << next.status();
+    if (!next.ok() || std::holds_alternative<StreamEnd>(*next)) return numbers;
+    const auto& [frame, images] = std::get<StreamFrame>(*next);
+    EXPECT_EQ(images.timestamp_ns, frame.timestamp_ns);
     numbers.push_back(frame.number);
   }
 }
@@ -170,11 +170,11 @@ TEST(KittiSourceTest, EndsAfterTooManyUnreadablePicturesInARow) {
   WriteText(directory + "/times.txt", times);
   const auto source = OpenSource("kitti:" + directory);
   ASSERT_TRUE(source.ok()) << source.status();
-  for (size_t i = 0; i < 12; ++i) ASSERT_TRUE((*source)->Next().ok()) << i;
-  const absl::Status status = (*source)->Next().status();
+  for (size_t i = 0; i < 12; ++i) ASSERT_TRUE((*source)->NextImages().ok()) << i;
+  const absl::Status status = (*source)->NextImages().status();
   EXPECT_THAT(std::string(status.message()), HasSubstr("10 frames in a row can't be read"));
   EXPECT_THAT(std::string(status.message()), HasSubstr("image_0/000021.png"));
-  const auto after = (*source)->Next();
+  const auto after = (*source)->NextImages();
   EXPECT_TRUE(after.ok() && !after->has_value());
 }
 
@@ -282,7 +282,7 @@ TEST(TumSourceTest, AssociatesByTime) {
   ASSERT_TRUE(source.ok()) << source.status();
   ASSERT_EQ((*source)->size(), 2u);
   EXPECT_EQ((*source)->frame(0).timestamp_ns, 1'100'000'000);
-  const auto first = (*source)->Next();
+  const auto first = (*source)->NextImages();
   ASSERT_TRUE(first.ok() && first->has_value()) << first.status();
   EXPECT_EQ((*first)->grey.type(), CV_8UC1);
   EXPECT_EQ((*first)->depth.at<uint16_t>(0, 0), 5001);
@@ -305,7 +305,7 @@ TEST(TumSourceTest, TakesGivenAssociationsAndCalibration) {
   EXPECT_DOUBLE_EQ(calibration.distortion.k1, 0.1);
   EXPECT_DOUBLE_EQ(calibration.distortion.k2, 0);
   EXPECT_DOUBLE_EQ(calibration.depth_units_per_m, 1000);
-  const auto first = (*source)->Next();
+  const auto first = (*source)->NextImages();
   EXPECT_EQ((*first)->depth.at<uint16_t>(0, 0), 5002);
 }
 
@@ -351,7 +351,7 @@ TEST(TumSourceTest, TakesAssociationsEitherWayRound) {
     const auto source = OpenSource("tum:" + directory);
     ASSERT_TRUE(source.ok()) << source.status();
     EXPECT_EQ((*source)->frame(0).timestamp_ns, 1'010'000'000);
-    const auto first = (*source)->Next();
+    const auto first = (*source)->NextImages();
     ASSERT_TRUE(first.ok() && first->has_value()) << first.status();
     EXPECT_EQ((*first)->depth.at<uint16_t>(0, 0), 5002);
   }
@@ -412,7 +412,7 @@ TEST(SevenScenesSourceTest, ReadsItsFilesWithAStatedRateAndCalibration) {
       OpenSource(absl::StrCat("7scenes:", directory, "?fps=30&calibration=", directory, "/k.yaml"));
   ASSERT_TRUE(source.ok()) << source.status();
   EXPECT_EQ((*source)->frame(1).timestamp_ns, 33'333'333);
-  EXPECT_EQ((**(*source)->Next()).depth.at<uint16_t>(0, 0), 1000);
+  EXPECT_EQ((**(*source)->NextImages()).depth.at<uint16_t>(0, 0), 1000);
 }
 
 const char kEurocYaml[] = R"(%%YAML:1.0
@@ -459,7 +459,7 @@ TEST(EurocSourceTest, PairsCommonTimesAndReadsTheRawCalibration) {
   EXPECT_DOUBLE_EQ(calibration.raw->right.distortion.p2, 1.7e-05);
   EXPECT_NEAR(calibration.raw->right_from_left.translation.x(), -0.11, 1e-12);
   EXPECT_NEAR(calibration.camera.close_depth_m, 5.5, 1e-9);
-  const auto first = (*source)->Next();
+  const auto first = (*source)->NextImages();
   ASSERT_TRUE(first.ok() && first->has_value()) << first.status();
   EXPECT_EQ((*first)->right.at<uint8_t>(0, 0), 11);
 }
@@ -546,7 +546,7 @@ TEST_P(RecordedSourceTest, Opens) {
   const auto source = OpenSource(absl::StrCat(layout, ":", data, "/", folder));
   ASSERT_TRUE(source.ok()) << source.status();
   EXPECT_EQ((*source)->size(), GetParam().frames);
-  const auto first = (*source)->Next();
+  const auto first = (*source)->NextImages();
   ASSERT_TRUE(first.ok() && first->has_value()) << first.status();
   EXPECT_EQ((*first)->grey.type(), CV_8UC1);
   EXPECT_NE((*first)->right.empty(), (*first)->depth.empty());
@@ -556,27 +556,6 @@ INSTANTIATE_TEST_SUITE_P(All, RecordedSourceTest,
                          ::testing::Values(Recorded{"kitti:kitti_00_first201", 201},
                                            Recorded{"tum:tum_fr1_xyz_15hz", 396},
                                            Recorded{"euroc:euroc_v1_01_first40", 40}));
-
-TEST(SimulatedSourceTest, PlaysAPartAndDisturbsItsPictures) {
-  const char* plain_spec = "sim:city?seed=3&length=120&picture_scale=0.1&robot=2/2&overlap=3";
-  auto plain = OpenSource(plain_spec);
-  ASSERT_TRUE(plain.ok()) << plain.status();
-  auto noisy = OpenSource(absl::StrCat(plain_spec, "&gamma=0.5&threads=2"));
-  ASSERT_TRUE(noisy.ok()) << noisy.status();
-  const size_t frames = (*OpenSource("sim:city?seed=3&length=120"))->size();
-  EXPECT_EQ((*plain)->size(), frames - frames / 2 + 3);
-  EXPECT_EQ((*plain)->frame(0).number, frames / 2 - 3);
-  const SensorImages first = **(*plain)->Next();
-  EXPECT_EQ(first.timestamp_ns, (*plain)->frame(0).timestamp_ns);
-  EXPECT_EQ(first.grey.size(), first.right.size());
-  const SensorImages brighter = **(*noisy)->Next();
-  EXPECT_GT(cv::mean(brighter.grey)[0], cv::mean(first.grey)[0] + 10);
-}
-
-TEST(SimulatedSourceTest, NamesAFileThatIsNotThere) {
-  EXPECT_EQ(OpenSource("sim:path?poses=/nowhere/00.txt").status().code(),
-            absl::StatusCode::kNotFound);
-}
 
 }  // namespace
 }  // namespace corbslam

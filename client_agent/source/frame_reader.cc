@@ -1,0 +1,45 @@
+#include "client_agent/source/frame_reader.h"
+
+#include <opencv2/core.hpp>
+
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/layout_hints.h"
+#include "client_agent/source/perturb.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam {
+namespace {
+
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenLayout(const SourceSpec& spec) {
+  switch (spec.layout) {
+    case SourceLayout::kKitti:
+      return OpenKitti(spec);
+    case SourceLayout::kEuroc:
+      return OpenEuroc(spec);
+    case SourceLayout::kTum:
+      return OpenTum(spec);
+    case SourceLayout::kSevenScenes:
+      return OpenSevenScenes(spec);
+    case SourceLayout::kRegistered:
+      break;
+  }
+  return absl::InvalidArgumentError("unknown source layout");
+}
+
+}  // namespace
+
+absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t frame,
+                                           const Perturbation& perturbation) {
+  ASSIGN_OR_RETURN(SensorImages images, reader.Read(frame));
+  RETURN_IF_ERROR(PerturbImages(perturbation, frame, images));
+  return images;
+}
+
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) {
+  if (spec.settings != nullptr) return spec.settings->Open();
+  absl::StatusOr<std::unique_ptr<FrameReader>> reader = OpenLayout(spec);
+  if (reader.ok()) return reader;
+  return WithLayoutHint(reader.status(), spec);
+}
+
+}  // namespace corbslam

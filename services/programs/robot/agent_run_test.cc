@@ -1,0 +1,117 @@
+#include "services/programs/robot/agent_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "services/programs/robot/testing/queued_stream.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
+
+// Notes what it is told, in order: stamps in seconds, and -1 for a new local map.
+class NotingAgent : public Agent {
+ public:
+  std::vector<double> told;
+
+  absl::StatusOr<TrackingResult> Track(const SensorImages& images) override {
+    told.push_back(1e-9 * static_cast<double>(images.timestamp_ns));
+    TrackingResult result;
+    result.timestamp_ns = images.timestamp_ns;
+    return result;
+  }
+  void BeginLocalMap() override { told.push_back(-1); }
+  void Step() override {}
+  absl::Status Finish(absl::Duration /*timeout*/) override { return absl::OkStatus(); }
+  AgentStatus GetStatus() const override { return {}; }
+  std::optional<Similarity3d> GlobalFromLocal() const override { return std::nullopt; }
+  AgentTimings GetTimings() const override { return {}; }
+  std::vector<TrajectoryPose> LocalTrajectory() const override { return {}; }
+  Map CopyMap() const override { return {}; }
+};
+
+class PlayStreamTest : public ::testing::Test {
+ protected:
+  absl::Status Play(Pace pace = Pace::kMax) {
+    return PlayStream(stream_, agent_, pace, stop_, frames_,
+                      [this](const TrackingResult& result, uint64_t dropped) {
+                        heard_.push_back(1e-9 * static_cast<double>(result.timestamp_ns));
+                        EXPECT_EQ(dropped, frames_.dropped);
+                      });
+  }
+
+  QueuedStream stream_;
+  NotingAgent agent_;
+  absl::Notification stop_;
+  PlayedFrames frames_;
+  std::vector<double> heard_;
+};
+
+TEST_F(PlayStreamTest, PlaysAStreamWithoutASizeUntilItEnds) {
+  stream_.Put(NoFrameYet());
+  for (size_t i = 0; i < 3; ++i) {
+    stream_.PutFrame(i, static_cast<double>(i));
+    stream_.Put(NoFrameYet());
+  }
+  stream_.Put(StreamEnd());
+  EXPECT_TRUE(Play().ok());
+  EXPECT_THAT(agent_.told, ElementsAre(0, 1, 2));
+  EXPECT_EQ(heard_, agent_.told);
+  EXPECT_EQ(frames_.played, 3u);
+  EXPECT_EQ(frames_.dropped, 0u);
+}
+
+TEST_F(PlayStreamTest, AStreamThatFailsEndsWithItsStatusAfterTheFramesBefore) {
+  stream_.PutFrame(0, 0);
+  stream_.PutFrame(1, 1);
+  stream_.Put(absl::DataLossError("frame 2: the camera was unplugged"));
+  stream_.PutFrame(3, 3);
+  EXPECT_EQ(Play(), absl::DataLossError("frame 2: the camera was unplugged"));
+  EXPECT_THAT(agent_.told, ElementsAre(0, 1));
+  EXPECT_EQ(frames_.played, 2u);
+}
+
+TEST_F(PlayStreamTest, AtTheSensorsPaceFramesWhoseTimeHasPassedAreDroppedAndCounted) {
+  for (size_t i = 0; i < 3; ++i) stream_.PutFrame(i, 4);
+  stream_.Put(absl::DataLossError("frame 3"));
+  EXPECT_EQ(Play(Pace::kSensor), absl::DataLossError("frame 3"));
+  EXPECT_THAT(agent_.told, SizeIs(1));
+  EXPECT_EQ(frames_.played, 1u);
+  EXPECT_EQ(frames_.dropped, 2u);
+}
+
+TEST_F(PlayStreamTest, AnotherDriveIsAnotherLocalMap) {
+  stream_.PutFrame(0, 5, 0);
+  stream_.PutFrame(1, 6, 0);
+  stream_.PutFrame(2, 0, 1);
+  stream_.Put(StreamEnd());
+  EXPECT_TRUE(Play().ok());
+  EXPECT_THAT(agent_.told, ElementsAre(5, 6, -1, 0));
+}
+
+TEST_F(PlayStreamTest, StopsWhileTheStreamIsSilent) {
+  stream_.PutFrame(0, 0);
+  stream_.when_empty = [this] { stop_.Notify(); };
+  EXPECT_TRUE(Play().ok());
+  EXPECT_EQ(frames_.played, 1u);
+}
+
+TEST_F(PlayStreamTest, CountsWhatTheStreamLeftOut) {
+  stream_.left_out_frames = {2, "frame 1 is cut short"};
+  stream_.PutFrame(0, 0);
+  stream_.Put(StreamEnd());
+  EXPECT_TRUE(Play().ok());
+  EXPECT_EQ(frames_.left_out, 2u);
+  const SourceFindings warnings = CollectWarnings({}, agent_, stream_, frames_);
+  ASSERT_THAT(warnings, SizeIs(2));
+  EXPECT_EQ(warnings[0].code, "frames-left-out");
+  EXPECT_EQ(warnings[1].code, "nothing-tracked");
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,96 @@
+#include "services/programs/robot/paced_stream.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "absl/time/clock.h"
+#include "services/programs/robot/testing/queued_stream.h"
+
+namespace corbslam {
+namespace {
+
+// Numbers of the frames until the end.
+std::vector<size_t> PlayAll(PacedStream& paced) {
+  std::vector<size_t> numbers;
+  while (true) {
+    const auto frame = paced.Next();
+    EXPECT_TRUE(frame.ok()) << frame.status();
+    if (!frame.ok() || !frame->has_value()) return numbers;
+    numbers.push_back((*frame)->frame.number);
+  }
+}
+
+TEST(PacedStreamTest, AtFullPaceNothingIsDropped) {
+  QueuedStream stream;
+  for (size_t i = 0; i < 4; ++i) stream.PutFrame(i, 0);
+  stream.Put(StreamEnd());
+  const absl::Notification stop;
+  PacedStream paced(stream, Pace::kMax, stop);
+  EXPECT_EQ(PlayAll(paced), (std::vector<size_t>{0, 1, 2, 3}));
+  EXPECT_EQ(paced.dropped(), 0u);
+}
+
+TEST(PacedStreamTest, AFrameIsDroppedWhereItsSuccessorIsDueAlready) {
+  QueuedStream stream;
+  // All of one time: each but the last is overtaken, however fast this machine is.
+  for (size_t i = 0; i < 4; ++i) stream.PutFrame(i, 7);
+  stream.Put(StreamEnd());
+  const absl::Notification stop;
+  PacedStream paced(stream, Pace::kSensor, stop);
+  EXPECT_EQ(PlayAll(paced), (std::vector<size_t>{3}));
+  EXPECT_EQ(paced.dropped(), 3u);
+}
+
+TEST(PacedStreamTest, FramesWaitForTheirTimeAlsoPlayedBackwards) {
+  QueuedStream stream;
+  stream.PutFrame(0, 5);
+  stream.PutFrame(1, 4.9);
+  stream.Put(StreamEnd());
+  const absl::Notification stop;
+  PacedStream paced(stream, Pace::kSensor, stop);
+  const absl::Time start = absl::Now();
+  EXPECT_EQ(PlayAll(paced), (std::vector<size_t>{0, 1}));
+  EXPECT_GE(absl::Now() - start, absl::Milliseconds(99));
+}
+
+TEST(PacedStreamTest, ALiveFrameDoesNotWaitForTheNextOne) {
+  QueuedStream stream;
+  stream.PutFrame(0, 1);
+  const absl::Notification stop;
+  PacedStream paced(stream, Pace::kSensor, stop);
+  const auto frame = paced.Next();
+  ASSERT_TRUE(frame.ok() && frame->has_value());
+  ASSERT_EQ(stream.asked().size(), 2u) << "for the frame, and whether another one is there";
+  EXPECT_LE(stream.asked()[1], absl::Now());
+}
+
+TEST(PacedStreamTest, ASilentStreamCanBeStopped) {
+  QueuedStream stream;
+  absl::Notification stop;
+  size_t silences = 0;
+  stream.when_empty = [&] {
+    if (++silences == 3) stop.Notify();
+  };
+  PacedStream paced(stream, Pace::kMax, stop);
+  const auto frame = paced.Next();
+  EXPECT_TRUE(frame.ok() && !frame->has_value());
+  EXPECT_EQ(silences, 3u);
+}
+
+TEST(PacedStreamTest, AnErrorComesAfterTheFramesBeforeIt) {
+  for (const Pace pace : {Pace::kMax, Pace::kSensor}) {
+    QueuedStream stream;
+    stream.PutFrame(0, 1);
+    stream.Put(absl::DataLossError("frame 1: the cable is out"));
+    stream.Put(StreamEnd());
+    const absl::Notification stop;
+    PacedStream paced(stream, pace, stop);
+    const auto frame = paced.Next();
+    ASSERT_TRUE(frame.ok() && frame->has_value()) << frame.status();
+    EXPECT_EQ(paced.Next().status(), absl::DataLossError("frame 1: the cable is out"));
+  }
+}
+
+}  // namespace
+}  // namespace corbslam

@@ -1,0 +1,59 @@
+// A live camera as a test plays it.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_TESTING_QUEUED_STREAM_H_
+#define CORBSLAM_SERVICES_PROGRAMS_ROBOT_TESTING_QUEUED_STREAM_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "client_agent/source/frame_stream.h"
+
+namespace corbslam {
+
+// Has no size: gives what a test puts in, in that order, and notes how it was asked.
+class QueuedStream : public FrameStream {
+ public:
+  void Put(absl::StatusOr<NextFrame> next) { queue_.push_back(std::move(next)); }
+  // Without pictures.
+  void PutFrame(size_t number, double time_s, int drive = 0) {
+    StreamFrame frame;
+    frame.frame = {number, static_cast<int64_t>(time_s * 1e9), drive};
+    frame.images.timestamp_ns = frame.frame.timestamp_ns;
+    Put(NextFrame(std::move(frame)));
+  }
+  // The deadlines of the questions so far.
+  const std::vector<absl::Time>& asked() const { return asked_; }
+  // Called where nothing is left to give.
+  std::function<void()> when_empty;
+  // What was left out so far.
+  LeftOutFrames left_out_frames;
+
+  const SensorCalibration& calibration() const override { return calibration_; }
+  std::optional<double> interval_s() const override { return std::nullopt; }
+  absl::StatusOr<NextFrame> Next(absl::Time deadline) override {
+    asked_.push_back(deadline);
+    if (queue_.empty()) {
+      if (when_empty != nullptr) when_empty();
+      return NoFrameYet();
+    }
+    absl::StatusOr<NextFrame> next = std::move(queue_.front());
+    queue_.pop_front();
+    return next;
+  }
+  LeftOutFrames left_out() const override { return left_out_frames; }
+
+ private:
+  std::deque<absl::StatusOr<NextFrame>> queue_;
+  std::vector<absl::Time> asked_;
+  SensorCalibration calibration_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_TESTING_QUEUED_STREAM_H_

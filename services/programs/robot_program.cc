@@ -1,0 +1,356 @@
+#include "services/programs/robot_program.h"
+
+#include <glog/logging.h>
+
+#include <fstream>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "absl/strings/strip.h"
+#include "client_agent/agent/agent.h"
+#include "client_agent/source/source_kinds.h"
+#include "services/agent_service/agent_service.h"
+#include "services/client/remote/channel.h"
+#include "services/client/remote/remote_uplink.h"
+#include "services/command_line/help_formatter.h"
+#include "services/convert/batch_bytes.h"
+#include "services/convert/errors.h"
+#include "services/convert/resource_names.h"
+#include "services/observe/logging/log_fields.h"
+#include "services/programs/checks.h"
+#include "services/programs/default_vocabulary.h"
+#include "services/programs/link_flags.h"
+#include "services/programs/observe_flags.h"
+#include "services/programs/program.h"
+#include "services/programs/robot/agent_run.h"
+#include "services/programs/robot/agent_trajectories.h"
+#include "services/programs/robot/inspected_source.h"
+#include "services/programs/robot/robot_report.h"
+#include "services/programs/robot/source_json.h"
+#include "services/programs/robot_observers.h"
+#include "services/security/flags.h"
+#include "services/server/server.h"
+#include "slam/util/status_macros.h"
+#include "slam/vocabulary/vocabulary.h"
+
+namespace corbslam {
+namespace {
+
+struct Flags {
+  std::string source;
+  std::string frames;
+  std::string server;
+  std::string mission = "default";
+  std::string agent = "agent";
+  Pace pace = Pace::kMax;
+  std::string listen;
+  std::string stats;
+  std::string trajectory;
+  PosesOf poses_of = PosesOf::kRecordedCamera;
+  std::string vocabulary = DefaultVocabularyPath();
+  int features = 0;
+  uint64_t seed = 0;
+  int solver_threads = 1;
+  double finish_s = 120;
+  std::string spool_dir;
+  uint64_t spool_mb = 1024;
+  uint64_t outbox_mb = 64;
+  std::string upload = "features=all";
+  LinkFlags link;
+  bool stay = false;
+  bool strict = false;
+  bool take_over = false;
+  SecurityOptions security;
+  ObserveFlags observe;
+  bool listen_insecure = false;
+};
+
+absl::StatusOr<InspectedSource> OpenFlaggedSource(const Flags& flags) {
+  ASSIGN_OR_RETURN(SourceSpec spec, ParseSourceSpec(flags.source));
+  if (!flags.frames.empty()) RETURN_IF_ERROR(ApplyOptions("frames=" + flags.frames, spec));
+  return OpenInspectedSource(spec, flags.strict);
+}
+
+absl::Status SpoolNeedsServer() { return absl::InvalidArgumentError("--spool-dir needs --server"); }
+
+// Null: none was asked for.
+absl::StatusOr<std::unique_ptr<Spool>> OpenFlaggedSpool(const Flags& flags) {
+  if (flags.spool_dir.empty()) return nullptr;
+  if (flags.server.empty()) return SpoolNeedsServer();
+  ASSIGN_OR_RETURN(std::unique_ptr<SpoolFiles> files, OpenSpoolFolder(flags.spool_dir));
+  SpoolOptions options;
+  options.owner = AgentName(flags.mission, flags.agent);
+  options.max_bytes = flags.spool_mb << 20;
+  return Spool::Open(options, std::move(files), {&EncodeBatch, &DecodeBatch});
+}
+
+absl::StatusOr<FeatureSelection> ParseUpload(const Flags& flags) {
+  absl::string_view text = flags.upload;
+  if (!absl::ConsumePrefix(&text, "features=")) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--upload is ", flags.upload, ", must be features=all, features=mapped or features=N"));
+  }
+  const absl::StatusOr<FeatureSelection> selection = ParseFeatureSelection(text);
+  if (selection.ok()) return selection;
+  return Locate(selection.status(), "--upload");
+}
+
+AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload,
+                              const SensorCalibration& calibration) {
+  AgentOptions options;
+  options.mission = flags.mission;
+  options.name = flags.agent;
+  // Ids of local maps are drawn from it: another one each time, unless told.
+  options.seed = flags.seed != 0
+                     ? flags.seed
+                     : (uint64_t{std::random_device()()} << 32) | std::random_device()();
+  options.solver_threads = flags.solver_threads;
+  options.max_outbox_bytes = flags.outbox_mb << 20;
+  options.upload_features = upload;
+  options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
+  options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
+  const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
+  options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
+  return options;
+}
+
+absl::Status WriteText(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << text;
+  file.close();
+  if (!file) return absl::UnavailableError(absl::StrCat("can't write ", path));
+  return absl::OkStatus();
+}
+
+RobotReport MakeReport(const Flags& flags, const Agent& agent, const InspectedSource& source,
+                       const PlayedFrames& played, const Uplink* uplink) {
+  RobotReport report = MakeRobotReport(agent);
+  report.name = flags.agent;
+  report.source = flags.source;
+  report.source_description = ToJson(source.description);
+  AddRun(*source.source, played, CollectWarnings(source.warnings, agent, *source.source, played),
+         report);
+  if (uplink != nullptr) {
+    report.bytes_up = uplink->bytes_up();
+    report.bytes_down = uplink->bytes_down();
+  }
+  return report;
+}
+
+absl::Status WriteResults(const Flags& flags, const Agent& agent,
+                          const SensorCalibration& calibration, const RobotReport& report) {
+  if (!flags.trajectory.empty()) {
+    RETURN_IF_ERROR(WriteAgentTrajectories(agent, calibration, flags.poses_of, flags.trajectory));
+  }
+  const std::string statistics = ToJson(report).dump(2) + "\n";
+  LOG(INFO) << LogFields{.mission = flags.mission, .agent = flags.agent} << "done\n" << statistics;
+  return flags.stats.empty() ? absl::OkStatus() : WriteText(flags.stats, statistics);
+}
+
+// Null without --server.
+absl::StatusOr<std::unique_ptr<Uplink>> MakeUplink(const Flags& flags) {
+  if (flags.server.empty()) return nullptr;
+  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
+  RemoteUplinkOptions options;
+  options.take_over = flags.take_over;
+  return MakeRemoteUplink(MakeChannel(flags.server, credentials), options);
+}
+
+// How other programs on the robot reach it.
+absl::StatusOr<ServerSecurity> MakeListenSecurity(const Flags& flags) {
+  if (flags.listen.empty()) return ServerSecurity{};
+  SecurityOptions security = flags.security;
+  if (flags.listen_insecure) {
+    security = SecurityOptions();
+    security.insecure = true;
+    security.reflection = flags.security.reflection;
+    security.health_is_open = flags.security.health_is_open;
+  }
+  return MakeServerSecurity(security, flags.mission);
+}
+
+// A run that mapped nothing is no success.
+absl::Status CheckTracked(const RobotReport& report) {
+  for (const ReportWarning& warning : report.warnings) {
+    if (warning.code == "nothing-tracked") return absl::FailedPreconditionError(warning.text);
+  }
+  return absl::OkStatus();
+}
+
+std::vector<absl::Status> CheckPlaces(const Flags& flags) {
+  std::vector<absl::Status> found;
+  if (!flags.server.empty()) found.push_back(CheckFlagServer("--server", flags.server));
+  if (!flags.listen.empty()) found.push_back(CheckFlagAddress("--listen", flags.listen));
+  if (!flags.spool_dir.empty()) found.push_back(CheckFolder("--spool-dir", flags.spool_dir));
+  if (!flags.spool_dir.empty() && flags.server.empty()) found.push_back(SpoolNeedsServer());
+  if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
+  for (const std::string& file : {flags.stats, flags.trajectory}) {
+    if (!file.empty()) found.push_back(CheckFolderOf(file));
+  }
+  const std::vector<absl::Status> observing = CheckObserving(flags.observe);
+  found.insert(found.end(), observing.begin(), observing.end());
+  return found;
+}
+
+std::vector<absl::Status> Check(const Flags& flags) {
+  std::vector<absl::Status> found = {
+      CheckNameSegment("--mission", flags.mission),
+      CheckNameSegment("--agent", flags.agent),
+      MakeUplink(flags).status(),
+      MakeListenSecurity(flags).status(),
+      CheckVocabulary(flags.vocabulary),
+      ParseUpload(flags).status(),
+      OpenFlaggedSource(flags).status(),
+  };
+  const std::vector<absl::Status> places = CheckPlaces(flags);
+  found.insert(found.end(), places.begin(), places.end());
+  return found;
+}
+
+absl::Status Run(const Flags& flags) {
+  RETURN_IF_ERROR(CheckNameSegment("--mission", flags.mission));
+  RETURN_IF_ERROR(CheckNameSegment("--agent", flags.agent));
+  // Hours of mapping are not lost because of a folder that isn't there.
+  for (const absl::Status& place : CheckPlaces(flags)) RETURN_IF_ERROR(place);
+  ASSIGN_OR_RETURN(const FeatureSelection upload, ParseUpload(flags));
+  ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool, OpenFlaggedSpool(flags));
+  // Outlives the agent, which closes it.
+  ASSIGN_OR_RETURN(const std::unique_ptr<Uplink> uplink, MakeUplink(flags));
+  ASSIGN_OR_RETURN(const auto observers,
+                   RobotObservers::Make(flags.observe, flags.mission, flags.agent));
+  if (uplink != nullptr) {
+    observers->LogSessions({flags.server, kMapStoreService, flags.security});
+  }
+  ASSIGN_OR_RETURN(ServerSecurity security, MakeListenSecurity(flags));
+  const StopWatcher stop;
+  ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
+  ASSIGN_OR_RETURN(const InspectedSource source, OpenFlaggedSource(flags));
+  LogSource(source);
+  const SensorCalibration& calibration = source.source->calibration();
+  RETURN_IF_ERROR(CheckPosesOf(calibration, flags.poses_of));
+  ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
+  ASSIGN_OR_RETURN(const auto agent,
+                   Agent::Create(MakeAgentOptions(flags, upload, calibration), calibration,
+                                 vocabulary, observers->Watch(uplink.get()), std::move(spool)));
+  Agent* const watched = observers->Watch(agent.get());
+  AgentService service(agent.get(), uplink.get(),
+                       {.mission = uplink != nullptr ? flags.mission : "",
+                        .agent = flags.agent,
+                        .recorded_camera = recorded,
+                        .session = observers->OfSessions()});
+  ASSIGN_OR_RETURN(const auto metrics, observers->Serve(agent.get(), uplink.get()));
+  security.server.rpc_observer = observers->OfCalls();
+  std::unique_ptr<Server> server;
+  if (!flags.listen.empty()) {
+    ASSIGN_OR_RETURN(server, Server::Start(flags.listen, {&service}, security.server));
+    AnnounceAddress(server->address());
+  }
+  PlayedFrames frames;
+  const absl::Status played =
+      PlayStream(*source.source, *watched, flags.pace, stop.stopped(), frames,
+                 [&](const TrackingResult& result, uint64_t dropped) {
+                   observers->SetDropped(dropped);
+                   if (server != nullptr) service.OnFrame(result, dropped);
+                 });
+  // A frame that can't be read ends the drive, not what was mapped until then.
+  const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
+  if (flags.stay && played.ok() && finished.ok()) {
+    AnnounceFinished();
+    stop.stopped().WaitForNotification();
+  }
+  const RobotReport report = MakeReport(flags, *agent, source, frames, uplink.get());
+  RETURN_IF_ERROR(WriteResults(flags, *agent, calibration, report));
+  RETURN_IF_ERROR(played);
+  RETURN_IF_ERROR(CheckTracked(report));
+  return finished;
+}
+
+void AddFlags(CLI::App& app, Flags& flags) {
+  app.add_option("--source", flags.source, SourceUsage() + ", with options: kitti:DIR?frames=0:120")
+      ->required();
+  app.add_option("--frames", flags.frames, "First and last frame, A:B");
+  app.add_option("--server", flags.server, "HOST:PORT of a map store; without: one robot alone");
+  app.add_option("--mission", flags.mission, "The exploration that is shared")
+      ->capture_default_str();
+  app.add_option("--agent", flags.agent, "This robot's name in it")->capture_default_str();
+  app.add_option("--pace", flags.pace, "sensor: frames that come too fast are dropped; max: wait")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Pace>{{"sensor", Pace::kSensor}, {"max", Pace::kMax}}))
+      ->type_name("max|sensor")
+      ->default_str("max");
+  app.add_option("--listen", flags.listen, "HOST:PORT for other programs on the robot");
+  app.add_option("--stats", flags.stats, "File to write statistics to, as JSON");
+  app.add_option(
+      "--trajectory", flags.trajectory,
+      "File for the trajectory in the local map's frame, as TUM; those of further local maps, "
+      "begun when tracking was lost, to FILE.2 and so on");
+  app.add_option("--poses-of", flags.poses_of,
+                 "Of --trajectory: the (left) camera as recorded, the rectified one, or the body")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, PosesOf>{{"camera", PosesOf::kRecordedCamera},
+                                         {"rectified", PosesOf::kRectifiedCamera},
+                                         {"body", PosesOf::kBody}}))
+      ->type_name("camera|rectified|body")
+      ->default_str("camera");
+  app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
+      ->capture_default_str();
+  app.add_option("--features", flags.features,
+                 "Features of a picture; 0: 2000 for stereo, 1000 for RGB-D")
+      ->check(CLI::Range(0, 20000))
+      ->capture_default_str();
+  app.add_option("--seed", flags.seed, "Of ids and random samples; 0: another one each time")
+      ->capture_default_str()
+      ->group(kRareGroup);
+  app.add_option("--threads", flags.solver_threads, "Solver threads")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_option("--finish", flags.finish_s,
+                 "Seconds to wait after the last frame until the map store has everything")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str()
+      ->group(kRareGroup);
+  app.add_option("--spool-dir", flags.spool_dir,
+                 "Folder for what waits and memory has no room for; outlives the program")
+      ->capture_default_str();
+  app.add_option("--spool-mb", flags.spool_mb, "MiB in it at most")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  app.add_option("--outbox-mb", flags.outbox_mb,
+                 "MiB that wait in memory before they go to --spool-dir; 0: everything does")
+      ->check(CLI::Range(0, 1 << 20))
+      ->capture_default_str()
+      ->group(kRareGroup);
+  app.add_option("--upload", flags.upload,
+                 "What goes up of a keyframe: features=all, =mapped or =N")
+      ->capture_default_str();
+  AddLinkFlags(app, flags.link);
+  app.add_flag("--strict", flags.strict,
+               "Refuse a source in which something looks wrong, instead of warning");
+  app.add_flag("--take-over", flags.take_over,
+               "Take the place of another process of this name that is connected");
+  app.add_flag("--stay", flags.stay,
+               "At the end say \"finished\" and stay connected until SIGTERM");
+  AddTlsFlags(app, flags.security);
+  AddServerFlags(app, flags.security);
+  AddClientFlags(app, flags.security);
+  AddMetricsFlag(app, flags.observe);
+  AddTraceFlag(app, flags.observe);
+  app.add_flag("--listen-insecure", flags.listen_insecure,
+               "Without TLS on --listen only, for a loopback address");
+}
+
+}  // namespace
+
+int RunRobot(const std::string& program, int argc, char** argv) {
+  BlockStopSignals();
+  Flags flags;
+  CLI::App app("One robot of a shared exploration", program);
+  AddFlags(app, flags);
+  return RunProgram(app, argc, argv, {[&] { return Run(flags); }, [&] { return Check(flags); }});
+}
+
+}  // namespace corbslam

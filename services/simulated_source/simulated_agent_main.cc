@@ -1,0 +1,8 @@
+// simulated_agent: client_agent with a simulator in the place of its camera (docs/simulation.md).
+#include "services/programs/robot_program.h"
+#include "services/simulated_source/simulated_source.h"
+
+int main(int argc, char** argv) {
+  corbslam::RegisterSimulatedSources();
+  return corbslam::RunRobot("simulated_agent", argc, argv);
+}

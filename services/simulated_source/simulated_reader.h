@@ -1,0 +1,18 @@
+// Frames that are drawn, not read.
+#ifndef CORBSLAM_SERVICES_SIMULATED_SOURCE_SIMULATED_READER_H_
+#define CORBSLAM_SERVICES_SIMULATED_SOURCE_SIMULATED_READER_H_
+
+#include <memory>
+
+#include "absl/status/statusor.h"
+#include "client_agent/source/frame_reader.h"
+#include "slam/simulation/sequence/simulation_spec.h"
+
+namespace corbslam {
+
+// Read's errors are those of SimulatedSequence::Render, others those of SimulatedSequence::Make.
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenSimulation(const SimulationSpec& spec);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SERVICES_SIMULATED_SOURCE_SIMULATED_READER_H_

@@ -1,0 +1,101 @@
+#include "services/simulated_source/simulated_source.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/recorded_sequence.h"
+#include "client_agent/source/source_kinds.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+[[maybe_unused]] const bool registered = RegisterSimulatedSources();
+
+TEST(SimulatedSourceTest, IsOneOfTheKindsOnceItIsRegistered) {
+  RegisterSimulatedSources();
+  EXPECT_THAT(KnownSourceKinds(), ElementsAre("kitti", "euroc", "tum", "7scenes", "sim"));
+  EXPECT_THAT(SourceUsage(), EndsWith("7scenes:DIR or sim:WORLD"));
+}
+
+TEST(SimulatedSourceTest, ComesBackAsFormatted) {
+  for (const char* text :
+       {"sim:city", "sim:floor?rig=rgbd&motion=fly",
+        "sim:city?seed=7&world=3&length=812.5&turned=1&noise_seed=5&frames=3:9&robot=2/3&noise=2",
+        "sim:path?poses=/a/00.txt&blackout=10:2&kidnap=5:20.25&threads=2"}) {
+    EXPECT_EQ(FormatSourceSpec(*ParseSourceSpec(text)), text);
+  }
+}
+
+TEST(SimulatedSourceTest, NamesWhatItDoesNotUnderstand) {
+  const std::pair<const char*, const char*> cases[] = {{"sim:moon", "city, path, floor"},
+                                                       {"sim:city?sead=7", "'sead': known are"},
+                                                       {"sim:city?sead=7", "blackout"},
+                                                       {"sim:city?seed=x", "seed=x"},
+                                                       {"sim:city?rig=gopro", "rig=gopro"},
+                                                       {"sim:city?phase=2", "phase=2"},
+                                                       {"sim:path", "poses"}};
+  for (const auto& [text, expected] : cases) {
+    const absl::Status status = ParseSourceSpec(text).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(expected));
+  }
+}
+
+TEST(SimulatedSourceTest, CopiesOfASpecAreSetApart) {
+  const SourceSpec city = *ParseSourceSpec("sim:city?seed=7");
+  SourceSpec other = city;
+  ASSERT_TRUE(ApplyOptions("seed=8", other).ok());
+  EXPECT_EQ(FindSimulation(city)->seed, 7u);
+  EXPECT_EQ(FindSimulation(other)->seed, 8u);
+  EXPECT_EQ(FindSimulation(*ParseSourceSpec("kitti:a")), nullptr);
+}
+
+TEST(SimulatedSourceTest, HasASeedOfItsPictures) {
+  const SourceSpec spec = *ParseSourceSpec("sim:city?seed=7&noise_seed=5&gamma=0.9");
+  EXPECT_EQ(FindSimulation(spec)->seed, 7u);
+  EXPECT_EQ(FindSimulation(spec)->lens.noise_seed, 5u);
+  EXPECT_EQ(spec.perturbation.seed, 5u);
+  EXPECT_EQ(spec.perturbation.gamma, 0.9);
+}
+
+TEST(SimulatedSourceTest, TurnedMeansTheSamePlaces) {
+  const auto frames = [](const char* text) { return FramesOf(*ParseSourceSpec(text), 10); };
+  EXPECT_THAT(frames("sim:city?frames=1:3"), ElementsAre(1, 2, 3));
+  EXPECT_THAT(frames("sim:city?frames=1:3&turned"), ElementsAre(6, 7, 8));
+  EXPECT_THAT(frames("sim:city?frames=1:3&turned&reverse"), ElementsAre(8, 7, 6));
+  EXPECT_THAT(frames("sim:city?robot=2/2&overlap=1"), ElementsAre(4, 5, 6, 7, 8, 9));
+  EXPECT_THAT(frames("sim:city?robot=2/2&overlap=1&turned"), ElementsAre(0, 1, 2, 3, 4, 5));
+}
+
+TEST(SimulatedSourceTest, PlaysAPartAndDisturbsItsPictures) {
+  const char* plain_spec = "sim:city?seed=3&length=120&picture_scale=0.1&robot=2/2&overlap=3";
+  auto plain = OpenSource(plain_spec);
+  ASSERT_TRUE(plain.ok()) << plain.status();
+  auto noisy = OpenSource(absl::StrCat(plain_spec, "&gamma=0.5&threads=2"));
+  ASSERT_TRUE(noisy.ok()) << noisy.status();
+  const size_t frames = (*OpenSource("sim:city?seed=3&length=120"))->size();
+  EXPECT_EQ((*plain)->size(), frames - frames / 2 + 3);
+  EXPECT_EQ((*plain)->frame(0).number, frames / 2 - 3);
+  const SensorImages first = **(*plain)->NextImages();
+  EXPECT_EQ(first.timestamp_ns, (*plain)->frame(0).timestamp_ns);
+  EXPECT_EQ(first.grey.size(), first.right.size());
+  const SensorImages brighter = **(*noisy)->NextImages();
+  EXPECT_GT(cv::mean(brighter.grey)[0], cv::mean(first.grey)[0] + 10);
+}
+
+TEST(SimulatedSourceTest, NamesAFileThatIsNotThere) {
+  EXPECT_EQ(OpenSource("sim:path?poses=/nowhere/00.txt").status().code(),
+            absl::StatusCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace corbslam
