@@ -18,8 +18,8 @@ namespace corbslam {
 namespace {
 
 constexpr int kMaxIterations = 1000;
-// The first round finds the outliers, the second adjusts without them, and the third with those that
-// turn out not to be any.
+// The first round finds the outliers, the second adjusts without them, and the third with those
+// that turn out not to be any.
 constexpr int kOutlierRounds = 2;
 // Bends over hundreds of keyframes hardly show in the cost: at 1e-5 a street's map was called
 // converged with a sixth of its error, size aside, to go.

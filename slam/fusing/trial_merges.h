@@ -28,8 +28,8 @@ struct TrialMerge {
 std::optional<TrialMerge> MergeOnTrial(const FuseMapsResult::Merge& merge, Map& map);
 
 // What `adjusted` says of `map`, with the merges that it agrees with. Where most of what saw one of
-// the two are outliers, they are two: each keeps its observations, and those that the adjustment left
-// out go with a keyframe that sees them.
+// the two are outliers, they are two: each keeps its observations, and those that the adjustment
+// left out go with a keyframe that sees them.
 WeldingResult JudgeMerges(const std::vector<TrialMerge>& trials, const Map& map,
                           const BundleResult& adjusted);
 
