@@ -21,6 +21,13 @@ std::vector<ReportWarning> ParseWarnings(const nlohmann::json& json) {
   return warnings;
 }
 
+Spread SpreadOf(const BoundedSample& sample) {
+  Spread spread = ComputeSpread(sample.values());
+  // The values may be a sample; the mean is of all.
+  spread.mean = sample.mean();
+  return spread;
+}
+
 }  // namespace
 
 RobotReport MakeRobotReport(const Agent& agent) {
@@ -38,9 +45,9 @@ RobotReport MakeRobotReport(const Agent& agent) {
   report.loops_closed = status.loops_closed;
   report.keyframes = status.keyframes;
   report.map_points = status.map_points;
-  report.tracking_ms = ComputeSpread(timings.tracking_ms);
-  report.local_ba_ms = ComputeSpread(timings.local_ba_ms);
-  report.local_ba_count = static_cast<int>(timings.local_ba_ms.size());
+  report.tracking_ms = SpreadOf(timings.tracking_ms);
+  report.local_ba_ms = SpreadOf(timings.local_ba_ms);
+  report.local_ba_count = static_cast<int>(timings.local_ba_ms.count());
   return report;
 }
 

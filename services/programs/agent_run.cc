@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -42,13 +41,14 @@ class Schedule {
   const absl::Time start_;
 };
 
-nlohmann::ordered_json Spread(std::vector<double> values) {
+nlohmann::ordered_json Spread(const BoundedSample& sample) {
+  std::vector<double> values = sample.values();
   if (values.empty()) return {{"median", 0.0}, {"mean", 0.0}, {"p99", 0.0}};
   std::sort(values.begin(), values.end());
   const size_t count = values.size();
   const auto p99 = static_cast<size_t>(std::ceil(0.99 * static_cast<double>(count))) - 1;
   return {{"median", (values[(count - 1) / 2] + values[count / 2]) / 2},
-          {"mean", std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(count)},
+          {"mean", sample.mean()},
           {"p99", values[p99]}};
 }
 
@@ -128,6 +128,13 @@ SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agen
                                      "the last because of ",
                                      left_out.last)});
   }
+  if (status.upload.refused_items > 0) {
+    warnings.push_back(
+        {FindingLevel::kWarning, "items-refused",
+         absl::StrCat(status.upload.refused_items,
+                      " items of the map had impossible values and were not told to the map store; "
+                      "the log names them")});
+  }
   if (status.tracked == 0 && played.played > 0) {
     warnings.push_back(
         {FindingLevel::kWarning, "nothing-tracked",
@@ -163,7 +170,7 @@ std::string StatisticsJson(const RunStatistics& run, const Agent& agent) {
       {"tracking_ms", Spread(timings.tracking_ms)},
       {"local_ba_ms", local_ba["median"]},
       {"local_ba",
-       {{"count", timings.local_ba_ms.size()},
+       {{"count", timings.local_ba_ms.count()},
         {"mean_ms", local_ba["mean"]},
         {"p99_ms", local_ba["p99"]}}},
       {"peak_rss_mb", static_cast<double>(GetProcessUsage().peak_rss_bytes) / (1 << 20)},
@@ -171,7 +178,8 @@ std::string StatisticsJson(const RunStatistics& run, const Agent& agent) {
        {{"batches", status.upload.batches},
         {"memory_bytes", status.upload.memory_bytes},
         {"spool_bytes", status.upload.spool_bytes},
-        {"lost_local_maps", status.upload.lost_local_maps}}},
+        {"lost_local_maps", status.upload.lost_local_maps},
+        {"refused_items", status.upload.refused_items}}},
       {"held_back", ToJson(status.upload.held_back)},
       {"bytes_up", run.bytes_up},
       {"bytes_down", run.bytes_down},

@@ -65,7 +65,8 @@ class UplinkListener {
   // Tell where the points of the newest local map are, exactly.
   virtual void OnExactPlacesWanted() = 0;
   // The session is gone. ABORTED: fenced by a newer session of the same agent, or
-  // INVALID_ARGUMENT / PERMISSION_DENIED: don't try again. Anything else: open again later;
+  // PERMISSION_DENIED: don't try again. INVALID_ARGUMENT likewise before OnSessionOpened; after it
+  // a batch was refused. Anything else: open again later;
   // ALREADY_EXISTS among it: another process holds a session of this agent.
   virtual void OnSessionClosed(const absl::Status& reason) = 0;
 };
@@ -78,6 +79,11 @@ class Uplink {
   virtual void Open(const SessionRequest& request, UplinkListener* listener) = 0;
   // False when no session stands, or the transport's queue is full: keep the batch, try again.
   virtual bool Send(const MapUpdateBatch& batch) = 0;
+  // Reads nothing more from the store until ResumeReading, but for what is being read: the listener
+  // has no room. Acknowledgements wait, too. May be called by the listener. A transport that brings
+  // only what its owner asks for needs neither.
+  virtual void PauseReading() {}
+  virtual void ResumeReading() {}
   // Ends the session; no call to the listener is under way or follows once it returns.
   virtual void Close() = 0;
   // Bytes on the wire since construction.
