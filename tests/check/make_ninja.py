@@ -2,24 +2,24 @@
 """make_ninja.py STEP DATABASE OUT FILES: writes a ninja file that checks every C++ source of FILES
 (paths from the root, one a line) that the compile database knows.
 
-STEP is `threads` (clang's thread safety analysis) or `tidy`. A file that passed is checked again only
-when it, a header of it, its flags or the tool's settings changed: ninja keeps that, as for a build.
-A source in which nothing names a lock, headers of ours included, has no thread safety to analyse: it
-is left out. Prints how many sources there are.
+STEP is `threads` (clang reads the source without precompiled headers, and analyses its thread safety)
+or `tidy`. A file that passed is checked again only when it, a header of it, its flags or the tool's
+settings changed: ninja keeps that, as for a build. Prints how many sources there are.
 """
 
 import json
 import os
-import re
 import shlex
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# The database may be gcc's: what else it says to a compiler does not change what clang reads.
+# The database may be gcc's, with precompiled headers: `-include .../cmake_pch.hxx`, -Winvalid-pch and
+# -fpch-preprocess must not come along. A source that lacks an include is to fail here, as nothing of the
+# build says so any more. What else there is does not change what clang reads.
 WANTED = ("-I", "-D", "-U", "-std=", "-march=")
 
 RULES = {
-    # Nothing but what is asked for: the build has its own warnings.
+    # No warnings but those that are asked for: the build has its own.
     "threads": "clang++-14 $flags -Wno-everything -Wthread-safety -Werror=thread-safety"
                " -fsyntax-only -MD -MF $out.d -MT $out $in && touch $out",
     # clang-tidy itself does not say what it read.
@@ -38,47 +38,6 @@ def wanted_flags(command):
         elif word.startswith(WANTED):
             flags.append(word)
     return " ".join(shlex.quote(flag) for flag in flags)
-
-
-def read_source(path):
-    try:
-        with open(os.path.join(ROOT, path), encoding="utf-8") as source:
-            return source.read()
-    except FileNotFoundError:
-        # Generated, or a system's own.
-        return ""
-
-
-class LockNames:
-    """Which sources name locks, themselves or through what they include of ours."""
-
-    NAMES_LOCK = re.compile(r"Mutex|GUARDED_BY|LOCKS_|thread_annotations")
-    INCLUDES = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
-
-    def __init__(self):
-        self._read = {}
-
-    def _look(self, path):
-        """Whether the file itself names a lock, and what it includes."""
-        if path not in self._read:
-            text = read_source(path)
-            names = self.NAMES_LOCK.search(text) is not None
-            self._read[path] = (names, self.INCLUDES.findall(text))
-        return self._read[path]
-
-    def reach(self, source):
-        seen = set()
-        waiting = [source]
-        while waiting:
-            path = waiting.pop()
-            if path in seen:
-                continue
-            seen.add(path)
-            names, included = self._look(path)
-            if names:
-                return True
-            waiting += included
-        return False
 
 
 def escape(text):
@@ -101,9 +60,6 @@ def main():
     known = read_database(database)
     with open(files, encoding="utf-8") as listed:
         sources = sorted(set(listed.read().split()) & set(known))
-    if step == "threads":
-        lock_names = LockNames()
-        sources = [source for source in sources if lock_names.reach(source)]
     with open(out, "w", encoding="utf-8") as ninja:
         ninja.write(f"builddir = build/checks/{step}\n")
         ninja.write(f"rule {step}\n  command = {RULES[step]}\n  depfile = $out.d\n  deps = gcc\n")
