@@ -41,8 +41,8 @@ struct AgentOptions {
   // Of the link to the map store, each way; 0: no bound (docs/adr/0019-link-budgets.md).
   uint64_t uplink_bytes_per_second = 0;
   uint64_t downlink_bytes_per_second = 0;
-  // Whether LocalTrajectory is asked for. What it returns is held in memory, some 100 bytes a
-  // frame.
+  // Whether anybody will ask for LocalTrajectory. What it returns is held in memory, some 100 bytes
+  // a frame.
   bool keep_trajectory = true;
 
   absl::Status Validate() const;
@@ -85,7 +85,7 @@ struct AgentStatus {
   SourceFindings input_findings;
 };
 
-// Of frames, of local bundle adjustments, since the beginning.
+// How long each frame and each local bundle adjustment took, since the beginning.
 struct AgentTimings {
   BoundedSample tracking_ms;
   BoundedSample local_ba_ms;

@@ -26,7 +26,7 @@ struct LocalMapSessionOptions {
   MapperOptions mapper;
   LoopCloserOptions loop_closer;
   FollowCorrection follow_correction;
-  // As MapperParts; not owned.
+  // As MapperParts has it; not owned.
   SampleLog* local_ba_ms = nullptr;
 };
 

@@ -68,7 +68,7 @@ class SingleAgent : public Agent {
   // The last one is in use; of the others the link still reads the map.
   Sessions sessions_ ABSL_GUARDED_BY(mutex_);
   FinishedMaps finished_ ABSL_GUARDED_BY(mutex_);
-  // Of the sessions' local maps.
+  // The frames of the sessions' local maps.
   std::vector<TrackedFrame> tracked_frames_ ABSL_GUARDED_BY(mutex_);
   AgentStatus status_ ABSL_GUARDED_BY(mutex_);
   int64_t points_matched_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -17,19 +17,19 @@
 
 namespace corbslam {
 
-// Of updates that the mapping thread has not taken over yet. When one of the two is reached, the
-// session reads on only once the mapping thread has taken them all: nothing is lost, the store
-// waits.
+// Bounds the updates that the mapping thread has not taken over yet. When one of the two is
+// reached, the session reads on only once the mapping thread has taken them all: nothing is lost,
+// the store waits.
 struct InboxLimits {
   size_t max_updates = 1000;
-  // About, in memory.
+  // About so many bytes of memory.
   size_t max_bytes = 64 << 20;
 };
 
-// Bytes of memory that an update takes, about.
+// Returns about how many bytes of memory an update takes.
 size_t ApproximateBytes(const SharedUpdate& update);
 
-// Thread-safe, but for what is of the mapping thread alone. Lives in a shared_ptr.
+// Thread-safe, but for what is said to be of the mapping thread. Lives in a shared_ptr.
 class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
  public:
   // Nothing is owned. `jobs` are the writing thread's of the local map; both of them are not used
@@ -48,7 +48,7 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
 
   LocalMapId local_map() const { return local_map_; }
   std::optional<Similarity3d> GlobalFromLocal() const;
-  // Others' that are held.
+  // Returns how many keyframes of others are held.
   size_t keyframes() const;
 
  private:

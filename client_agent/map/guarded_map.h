@@ -51,7 +51,7 @@ class GuardedMap {
     history_.SetNext(observer);
   }
 
-  // What the map holds of its own local map: kept as it changes, not counted anew.
+  // Returns what the map holds of its own local map: kept as it changes, not counted anew.
   OwnItems own_items() const {
     absl::ReaderMutexLock lock(&mutex_);
     return history_.own_items();

@@ -15,7 +15,7 @@
 
 namespace corbslam {
 
-// Items of the map that are of its own local map.
+// Counts the items of a map that are of its own local map.
 struct OwnItems {
   int keyframes = 0;
   int points = 0;
@@ -76,7 +76,8 @@ class MapHistory : public MapObserver {
   const size_t max_replacements_;
   MapObserver* next_ = nullptr;
   OwnItems own_items_;
-  // As many as keyframes were culled: poses of frames follow them as long as the map lives.
+  // There are as many as keyframes were culled: poses of frames follow them as long as the map
+  // lives.
   absl::flat_hash_map<KeyframeId, Removal> removed_keyframes_;
   absl::flat_hash_map<MapPointId, Replacement> replaced_points_;
   // In the order in which they were replaced. A point that came back and was replaced again is in

@@ -11,8 +11,8 @@ namespace corbslam {
 // Counts what was not let through. Not thread-safe.
 class ItemGate {
  public:
-  // True: an item with this outcome of its check may be told. Else it is counted and logged (the
-  // first ones each, later ones now and then).
+  // Returns whether an item with this outcome of its check may be told. If not, it is counted and
+  // logged (the first ones each, later ones now and then).
   bool Admit(const absl::Status& check);
 
   uint64_t refused() const { return refused_; }

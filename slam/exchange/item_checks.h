@@ -14,14 +14,14 @@
 
 namespace corbslam {
 
-// The id must be valid.
+// Checks that the id is valid.
 template <typename Id>
 absl::Status ValidateAny(absl::string_view what, Id id) {
   if (id.IsValid()) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(what, ": no id"));
 }
 
-// And of the batch's own local map; else PERMISSION_DENIED.
+// Checks that it is of the batch's own local map, too; else PERMISSION_DENIED.
 template <typename Id>
 absl::Status ValidateOwn(absl::string_view what, Id id, LocalMapId own) {
   if (!id.IsValid()) return ValidateAny(what, id);
@@ -30,14 +30,14 @@ absl::Status ValidateOwn(absl::string_view what, Id id, LocalMapId own) {
       absl::StrCat(what, " ", ToString(id), " is not of the batch's local map ", ToString(own)));
 }
 
-// And not in `seen`, which learns it.
+// Checks that it is not in `seen`, which learns it.
 template <typename Id>
 absl::Status ValidateOnce(absl::string_view what, Id id, std::set<Id>& seen) {
   if (seen.insert(id).second) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(what, " ", ToString(id), " comes twice"));
 }
 
-// 0 to 2^62 ns.
+// Times are 0 to 2^62 ns.
 absl::Status ValidateTime(absl::string_view what, int64_t time_ns);
 absl::Status ValidatePosition(absl::string_view what, MapPointId id, absl::string_view field,
                               const Eigen::Vector3d& position);

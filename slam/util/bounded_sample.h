@@ -38,11 +38,11 @@ class BoundedSample {
   }
 
   uint64_t count() const { return count_; }
-  // 0 without values.
+  // Returns 0 without values, as min() and max() do.
   double mean() const { return count_ == 0 ? 0 : sum_ / static_cast<double>(count_); }
   double min() const { return count_ == 0 ? 0 : min_; }
   double max() const { return count_ == 0 ? 0 : max_; }
-  // In no order that means anything.
+  // They are in no order that means anything.
   const std::vector<double>& values() const { return values_; }
 
  private:
@@ -55,7 +55,7 @@ class BoundedSample {
   std::mt19937_64 random_{1};
 };
 
-// One that several threads add to.
+// A sample that several threads add to.
 class SampleLog {
  public:
   void Add(double value) {

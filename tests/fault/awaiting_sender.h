@@ -26,8 +26,8 @@ class AwaitingSender : private UplinkListener {
   ~AwaitingSender() override;
 
   // Opens a session where none stands, and sends the batch under the next number of its local map.
-  // OK: it is acknowledged. Else why the store ended the session, and the number is free again;
-  // DEADLINE_EXCEEDED after `patience`.
+  // OK: it is acknowledged. Else the status says why the store ended the session, and the number is
+  // free again; it is DEADLINE_EXCEEDED after `patience`.
   absl::Status Send(MapUpdateBatch batch, absl::Duration patience);
 
  private:
@@ -46,13 +46,13 @@ class AwaitingSender : private UplinkListener {
 
   const std::string mission_;
   const std::string agent_;
-  // The last acknowledged number of each local map.
+  // Holds the last acknowledged number of each local map.
   std::map<LocalMapId, uint64_t> numbers_;
   mutable absl::Mutex mutex_;
   bool open_ ABSL_GUARDED_BY(mutex_) = false;
   // Why there is no session any more; none while one stands or opens.
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_) = absl::CancelledError("not opened");
-  // Of the local map whose batch is under way.
+  // What is known of the batch that is under way, and its local map.
   LocalMapId local_map_ ABSL_GUARDED_BY(mutex_);
   uint64_t awaited_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t acknowledged_ ABSL_GUARDED_BY(mutex_) = 0;

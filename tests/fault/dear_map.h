@@ -14,16 +14,16 @@
 namespace corbslam {
 
 struct DearSizes {
-  // Of the chain, in which each hangs on the one before.
+  // Keyframes of the chain, in which each hangs on the one before.
   size_t keyframes = 5000;
-  // Of each of them; every one sees a point of its own.
+  // Features of each of them; every one sees a point of its own.
   size_t features = 20;
   // So many keyframes are made to see the same points.
   size_t crowd = 500;
   // Keyframes of a second local map, in which each hangs on the one after: none of those before a
   // keyframe can be its parent.
   size_t reversed = 300;
-  // Of one keyframe that sees nothing but points of robots that are not there.
+  // Features of one keyframe that sees nothing but points of robots that are not there.
   size_t wide_features = 20000;
   // Items of a batch of observations or replacements at most.
   size_t items = 900'000;
@@ -39,7 +39,7 @@ struct DearBatch {
   MapUpdateBatch batch;
 };
 
-// Entries of all lists of the batch.
+// Returns how many entries all lists of the batch have together.
 size_t CountItems(const MapUpdateBatch& batch);
 
 // Not thread-safe. Two local maps, `first` and the id after it.
@@ -47,12 +47,12 @@ class DearMap {
  public:
   DearMap(LocalMapId first, const DearSizes& sizes);
 
-  // What all the others build on; to be acknowledged first.
+  // Returns what all the others build on, which is to be acknowledged first.
   std::vector<DearBatch> Foundation() const;
-  // Each kind once, with other values in each round; what is parked stays so.
+  // Returns each kind once, with other values in each round; what is parked stays so.
   std::vector<DearBatch> Round(uint32_t round);
-  // Beyond a limit, or against a rule that keeps prices down; by what the store is to say of it.
-  // Only after a round: then as much is parked as may be.
+  // What goes beyond a limit, or against a rule that keeps prices down, and what the store is to
+  // say of it. To be sent only after a round: then as much is parked as may be.
   struct Refused {
     std::string kind;
     MapUpdateBatch batch;

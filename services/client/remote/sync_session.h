@@ -67,7 +67,7 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   const v1::SyncRequest* NextWrite() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void WriteNext();
   bool IsSilenced() const;
-  // True: the next message is not to be read before ResumeReading.
+  // Returns whether the next message is not to be read before ResumeReading.
   bool HoldsRead();
   // Whether the hold that keeps the call alive for Send is to be given up now.
   bool TakeHold() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
