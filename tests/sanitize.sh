@@ -3,7 +3,8 @@
 # UndefinedBehaviourSanitizer, or with ThreadSanitizer, and runs the tests. What a sanitizer says is
 # in BUILD/reports, one file a process; any report is a failure. docs/testing.md.
 #
-# CORBSLAM_SANITIZE_BUILD: another folder than build/asan or build/tsan.
+# CORBSLAM_SANITIZE_BUILD: another folder than build/asan or build/tsan. CORBSLAM_SANITIZE_TARGETS:
+# builds no more than these.
 set -eu
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -24,7 +25,8 @@ build=${CORBSLAM_SANITIZE_BUILD:-$root/build/$preset}
 "$root/deploy/install_packages.sh" packages_fuzz.txt
 cd "$root"
 cmake --preset "$preset" -B "$build" -DCORBSLAM_BUILD_BENCHMARKS=OFF
-cmake --build "$build"
+# shellcheck disable=SC2086
+cmake --build "$build" ${CORBSLAM_SANITIZE_TARGETS:+--target $CORBSLAM_SANITIZE_TARGETS}
 
 rm -rf "$build/reports"
 mkdir -p "$build/reports"

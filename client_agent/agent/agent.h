@@ -20,6 +20,7 @@
 #include "slam/exchange/uplink.h"
 #include "slam/map/map.h"
 #include "slam/sensor/sensor.h"
+#include "slam/util/bounded_sample.h"
 #include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam {
@@ -40,6 +41,9 @@ struct AgentOptions {
   // Of the link to the map store, each way; 0: no bound (docs/adr/0019-link-budgets.md).
   uint64_t uplink_bytes_per_second = 0;
   uint64_t downlink_bytes_per_second = 0;
+  // Whether anybody will ask for LocalTrajectory. What it returns is held in memory, some 100 bytes
+  // a frame.
+  bool keep_trajectory = true;
 
   absl::Status Validate() const;
 };
@@ -81,10 +85,10 @@ struct AgentStatus {
   SourceFindings input_findings;
 };
 
-// One entry a frame, a local bundle adjustment, since the beginning.
+// How long each frame and each local bundle adjustment took, since the beginning.
 struct AgentTimings {
-  std::vector<double> tracking_ms;
-  std::vector<double> local_ba_ms;
+  BoundedSample tracking_ms;
+  BoundedSample local_ba_ms;
 };
 
 // Track and Finish: one thread at a time. The rest: thread-safe.
@@ -119,13 +123,12 @@ class Agent {
   // be called afterwards.
   virtual absl::Status Finish(absl::Duration timeout) = 0;
 
-  // Counts the local maps' contents: for every few seconds, not for every frame.
   virtual AgentStatus GetStatus() const = 0;
   // Of the local map in use, as the map store said last; for every frame.
   virtual std::optional<Similarity3d> GlobalFromLocal() const = 0;
   // For the end: copies them all.
   virtual AgentTimings GetTimings() const = 0;
-  // Every tracked frame, by the map as it is now.
+  // Every tracked frame, by the map as it is now; empty without AgentOptions::keep_trajectory.
   virtual std::vector<TrajectoryPose> LocalTrajectory() const = 0;
   // A copy of the local map in use.
   virtual Map CopyMap() const = 0;

@@ -19,14 +19,14 @@ LocalMapSession::LocalMapSession(const LocalMapSessionOptions& options,
             return places_.FindLoops(query, excluded);
           },
           options.follow_correction),
-      mapper_(options.mapper, MakeMapperParts()),
+      mapper_(options.mapper, MakeMapperParts(options.local_ba_ms)),
       tracker_(options.tracker, std::move(camera),
                {&map_, &queue_, &statistics_, vocabulary_.get(), &find_places_, &looks_}) {}
 
 LocalMapSession::~LocalMapSession() { Stop(); }
 
-MapperParts LocalMapSession::MakeMapperParts() {
-  MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr, &looks_};
+MapperParts LocalMapSession::MakeMapperParts(SampleLog* local_ba_ms) {
+  MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr, &looks_, local_ba_ms};
   parts.on_mapped = [this](KeyframeId id) {
     const auto words = map_.Read([&](const Map& map) {
       const Keyframe* keyframe = map.FindKeyframe(id);

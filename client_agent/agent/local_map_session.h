@@ -2,11 +2,14 @@
 #ifndef CORBSLAM_CLIENT_AGENT_AGENT_LOCAL_MAP_SESSION_H_
 #define CORBSLAM_CLIENT_AGENT_AGENT_LOCAL_MAP_SESSION_H_
 
+#include <functional>
 #include <memory>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "client_agent/agent/place_index.h"
+#include "client_agent/link/map_jobs.h"
 #include "client_agent/loop_closing/loop_closer.h"
 #include "client_agent/map/guarded_map.h"
 #include "client_agent/mapping/mapper.h"
@@ -23,14 +26,16 @@ struct LocalMapSessionOptions {
   MapperOptions mapper;
   LoopCloserOptions loop_closer;
   FollowCorrection follow_correction;
+  // As MapperParts has it; not owned.
+  SampleLog* local_ba_ms = nullptr;
 };
 
 // Without Start it has no threads, and Step does their work.
-class LocalMapSession {
+class LocalMapSession : public MapJobs {
  public:
   LocalMapSession(const LocalMapSessionOptions& options, std::shared_ptr<const Camera> camera,
                   std::shared_ptr<const Vocabulary> vocabulary);
-  ~LocalMapSession();
+  ~LocalMapSession() override;
   LocalMapSession(const LocalMapSession&) = delete;
   LocalMapSession& operator=(const LocalMapSession&) = delete;
 
@@ -42,18 +47,17 @@ class LocalMapSession {
   // Ends the threads; the map stays. What waits in the queue is dropped.
   void Stop();
 
-  // Keeps the place index in step with others' keyframes; on the mapping thread.
-  void OnPlaced(const PlacementChange& change, const Map& map);
+  void PostJob(std::function<void(GuardedMap&)> job) override { queue_.PostJob(std::move(job)); }
+  // Keeps the place index in step with others' keyframes.
+  void OnPlaced(const PlacementChange& change, const Map& map) override;
 
   Tracker& tracker() { return tracker_; }
   GuardedMap& map() { return map_; }
   const GuardedMap& map() const { return map_; }
-  MappingQueue& queue() { return queue_; }
-  const Mapper& mapper() const { return mapper_; }
   const LoopCloser& loop_closer() const { return loop_closer_; }
 
  private:
-  MapperParts MakeMapperParts();
+  MapperParts MakeMapperParts(SampleLog* local_ba_ms);
 
   const std::shared_ptr<const Vocabulary> vocabulary_;
   GuardedMap map_;

@@ -79,9 +79,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
   if (!options_.deterministic) link_->Start();
 }
 
-SingleAgent::~SingleAgent() {
-  for (const LocalMapSession* session : Sessions()) const_cast<LocalMapSession*>(session)->Stop();
-}
+SingleAgent::~SingleAgent() { current().Stop(); }
 
 void SingleAgent::OpenLocalMap() {
   LocalMapSessionOptions options;
@@ -97,27 +95,36 @@ void SingleAgent::OpenLocalMap() {
                                                              Map& map) {
     link_->OnCorrected(id, correction, map);
   };
-  auto session = std::make_unique<LocalMapSession>(options, camera_, vocabulary_);
-  LocalMapSession* opened = session.get();
-  MapAccess access;
-  access.local_map = options.local_map;
-  access.read = [opened](const std::function<void(const Map&)>& f) { opened->map().Read(f); };
-  access.post = [opened](std::function<MapChange(const Map&)> prepare) {
-    opened->queue().PostJob([prepare = std::move(prepare)](GuardedMap& map) {
-      const MapChange change = map.Read(prepare);
-      map.Write(change);
-    });
-  };
-  access.on_placed = [opened](const PlacementChange& change, const Map& map) {
-    opened->OnPlaced(change, map);
-  };
-  opened->map().SetObserver(link_->BeginLocalMap(std::move(access)));
-  if (!options_.deterministic) opened->Start();
+  options.local_ba_ms = &local_ba_ms_;
+  current_session_ = std::make_shared<LocalMapSession>(options, camera_, vocabulary_);
+  link_->BeginLocalMap(current().map(), current());
+  if (!options_.deterministic) current().Start();
   absl::MutexLock lock(&mutex_);
-  sessions_.push_back(std::move(session));
-  current_session_ = opened;
-  status_.local_maps = static_cast<int>(sessions_.size());
+  sessions_.push_back(current_session_);
+  ++status_.local_maps;
   status_.local_map = options.local_map;
+}
+
+void SingleAgent::LetGoOfFinished() {
+  absl::MutexLock lock(&mutex_);
+  while (sessions_.size() > 1 && !link_->Reads(sessions_.front()->map().local_map())) {
+    KeepResultsOf(*sessions_.front());
+    sessions_.erase(sessions_.begin());
+  }
+}
+
+// Its map does not change any more.
+void SingleAgent::KeepResultsOf(const LocalMapSession& session) {
+  const OwnItems items = session.map().own_items();
+  const LoopCloserCounts loops = session.loop_closer().counts();
+  finished_.items.keyframes += items.keyframes;
+  finished_.items.points += items.points;
+  finished_.loops.closed += loops.closed;
+  finished_.loops.closed_against_others += loops.closed_against_others;
+  AppendTrajectory(tracked_frames_, session.map(), finished_.trajectory);
+  std::erase_if(tracked_frames_, [&](const TrackedFrame& frame) {
+    return frame.reference.local_map == session.map().local_map();
+  });
 }
 
 absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
@@ -128,6 +135,7 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start));
   if (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap()) BeginLocalMap();
   if (options_.deterministic) Step();
+  LetGoOfFinished();
   return result;
 }
 
@@ -147,17 +155,20 @@ void SingleAgent::Watch(const Features& features) {
 void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
   const bool tracked = result.state == TrackingState::kTracking;
   const size_t foreign_keyframes = link_->shared_keyframes();
+  tracking_ms_.Add(tracking_ms);
   {
     absl::MutexLock lock(&mutex_);
     status_.state = result.state;
     ++status_.frames;
     ++(tracked ? status_.tracked : status_.lost);
-    tracking_ms_.push_back(tracking_ms);
     if (tracked) {
       status_.timestamp_ns = result.timestamp_ns;
       status_.local_from_camera = result.camera_from_local.Inverse();
-      tracked_frames_.push_back(
-          {result.timestamp_ns, result.reference, result.reference_from_camera});
+      // Another's keyframe as reference: the frame is of no local map's trajectory.
+      if (options_.keep_trajectory && current().map().IsOwn(result.reference)) {
+        tracked_frames_.push_back(
+            {result.timestamp_ns, result.reference, result.reference_from_camera});
+      }
     }
     if (tracked && foreign_keyframes > 0) {
       points_matched_ += result.points_matched;
@@ -187,47 +198,32 @@ absl::Status SingleAgent::Finish(absl::Duration timeout) {
   return link_->Finish(deadline - absl::Now());
 }
 
-std::vector<const LocalMapSession*> SingleAgent::Sessions() const {
-  absl::MutexLock lock(&mutex_);
-  std::vector<const LocalMapSession*> sessions;
-  for (const auto& session : sessions_) sessions.push_back(session.get());
-  return sessions;
-}
-
 std::optional<Similarity3d> SingleAgent::GlobalFromLocal() const {
   return link_->GlobalFromLocal();
 }
 
-AgentTimings SingleAgent::GetTimings() const {
-  AgentTimings timings;
-  {
-    absl::MutexLock lock(&mutex_);
-    timings.tracking_ms = tracking_ms_;
-  }
-  for (const LocalMapSession* session : Sessions()) {
-    const std::vector<double> ms = session->mapper().local_ba_ms();
-    timings.local_ba_ms.insert(timings.local_ba_ms.end(), ms.begin(), ms.end());
-  }
-  return timings;
-}
+AgentTimings SingleAgent::GetTimings() const { return {tracking_ms_.Copy(), local_ba_ms_.Copy()}; }
 
 AgentStatus SingleAgent::GetStatus() const {
   AgentStatus status;
+  Sessions sessions;
   {
     absl::MutexLock lock(&mutex_);
     status = status_;
+    sessions = sessions_;
+    status.keyframes = finished_.items.keyframes;
+    status.map_points = finished_.items.points;
+    status.loops_closed = finished_.loops.closed;
+    status.foreign_loops_closed = finished_.loops.closed_against_others;
     if (points_matched_ > 0) {
       status.foreign_points_percent = 100.0 * static_cast<double>(foreign_points_matched_) /
                                       static_cast<double>(points_matched_);
     }
   }
-  for (const LocalMapSession* session : Sessions()) {
-    session->map().Read([&](const Map& map) {
-      for (const auto& [id, keyframe] : map.keyframes()) {
-        status.keyframes += session->map().IsOwn(id);
-      }
-      for (const auto& [id, point] : map.points()) status.map_points += session->map().IsOwn(id);
-    });
+  for (const auto& session : sessions) {
+    const OwnItems items = session->map().own_items();
+    status.keyframes += items.keyframes;
+    status.map_points += items.points;
     const LoopCloserCounts loops = session->loop_closer().counts();
     status.loops_closed += loops.closed;
     status.foreign_loops_closed += loops.closed_against_others;
@@ -243,19 +239,25 @@ AgentStatus SingleAgent::GetStatus() const {
 
 std::vector<TrajectoryPose> SingleAgent::LocalTrajectory() const {
   std::vector<TrackedFrame> frames;
+  std::vector<TrajectoryPose> trajectory;
+  Sessions sessions;
   {
     absl::MutexLock lock(&mutex_);
     frames = tracked_frames_;
+    trajectory = finished_.trajectory;
+    sessions = sessions_;
   }
-  std::vector<TrajectoryPose> trajectory;
-  for (const LocalMapSession* session : Sessions()) {
-    AppendTrajectory(frames, session->map(), trajectory);
-  }
+  for (const auto& session : sessions) AppendTrajectory(frames, session->map(), trajectory);
   return trajectory;
 }
 
 Map SingleAgent::CopyMap() const {
-  return Sessions().back()->map().Read([](const Map& map) { return map; });
+  std::shared_ptr<const LocalMapSession> session;
+  {
+    absl::MutexLock lock(&mutex_);
+    session = sessions_.back();
+  }
+  return session->map().Read([](const Map& map) { return map; });
 }
 
 }  // namespace corbslam

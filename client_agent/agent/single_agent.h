@@ -11,7 +11,9 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/agent/local_map_session.h"
 #include "client_agent/link/store_link.h"
+#include "client_agent/map/map_history.h"
 #include "client_agent/source_checks/input_watch.h"
+#include "slam/util/bounded_sample.h"
 
 namespace corbslam {
 
@@ -38,7 +40,17 @@ class SingleAgent : public Agent {
   void Watch(const Features& features);
   void Record(const TrackingResult& result, double tracking_ms);
   LocalMapSession& current() const { return *current_session_; }
-  std::vector<const LocalMapSession*> Sessions() const;
+  // What is left of local maps that ended, once nobody reads them any more.
+  struct FinishedMaps {
+    OwnItems items;
+    LoopCloserCounts loops;
+    std::vector<TrajectoryPose> trajectory;
+  };
+  using Sessions = std::vector<std::shared_ptr<const LocalMapSession>>;
+
+  // Lets go of local maps that ended and that the link has told to their end, oldest first.
+  void LetGoOfFinished();
+  void KeepResultsOf(const LocalMapSession& session) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const AgentOptions options_;
   const bool is_stereo_;
@@ -48,14 +60,17 @@ class SingleAgent : public Agent {
   const std::shared_ptr<const Camera> camera_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
   std::mt19937_64 random_;
-  LocalMapSession* current_session_ = nullptr;
+  std::shared_ptr<LocalMapSession> current_session_;
+  SampleLog tracking_ms_;
+  SampleLog local_ba_ms_;
 
   mutable absl::Mutex mutex_;
-  // The last one is in use; the others are kept for their trajectories and what is still to send.
-  std::vector<std::unique_ptr<LocalMapSession>> sessions_ ABSL_GUARDED_BY(mutex_);
+  // The last one is in use; of the others the link still reads the map.
+  Sessions sessions_ ABSL_GUARDED_BY(mutex_);
+  FinishedMaps finished_ ABSL_GUARDED_BY(mutex_);
+  // The frames of the sessions' local maps.
   std::vector<TrackedFrame> tracked_frames_ ABSL_GUARDED_BY(mutex_);
   AgentStatus status_ ABSL_GUARDED_BY(mutex_);
-  std::vector<double> tracking_ms_ ABSL_GUARDED_BY(mutex_);
   int64_t points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t foreign_points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   // Reads the sessions' maps: goes before them.

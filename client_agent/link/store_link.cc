@@ -17,39 +17,6 @@ bool IsRefusal(const absl::Status& status) {
 
 }  // namespace
 
-struct StoreLink::Placing {
-  explicit Placing(MapAccess access) : access(std::move(access)), shared(this->access.local_map) {}
-
-  // On the mapping thread.
-  PlacementPlan TakeArrived(const Map& map) {
-    std::vector<ArrivedUpdate> arrived;
-    {
-      absl::MutexLock lock(&mutex);
-      arrived.swap(updates);
-    }
-    for (const ArrivedUpdate& update : arrived) shared.Apply(update);
-    return shared.Plan(map);
-  }
-
-  // Likewise, on the same map.
-  void Place(const PlacementPlan& plan, Map& map) {
-    const PlacementChange change = shared.Place(plan, map);
-    {
-      absl::MutexLock lock(&mutex);
-      global_from_local = shared.GlobalFromLocal();
-      keyframes = shared.keyframe_count();
-    }
-    if (access.on_placed) access.on_placed(change, map);
-  }
-
-  const MapAccess access;
-  SharedMap shared;  // Of the mapping thread alone.
-  absl::Mutex mutex;
-  std::vector<ArrivedUpdate> updates ABSL_GUARDED_BY(mutex);
-  std::optional<Similarity3d> global_from_local ABSL_GUARDED_BY(mutex);
-  size_t keyframes ABSL_GUARDED_BY(mutex) = 0;
-};
-
 StoreLink::StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWords compute_words,
                      std::unique_ptr<Spool> spool)
     : options_(options),
@@ -80,37 +47,67 @@ StoreLink::~StoreLink() {
   queue_.SpillAll();
 }
 
-MapObserver* StoreLink::BeginLocalMap(MapAccess access) {
-  if (uplink_ == nullptr) return nullptr;
-  absl::MutexLock lock(&mutex_);
-  DeliverFrames();
-  for (auto& recording : recordings_) recording->closing = true;
-  // What was shared was placed in the map that ends: the store must tell it again.
-  reopen_ = !recordings_.empty();
-  placing_ = std::make_shared<Placing>(access);
-  auto recording = std::make_unique<Recording>();
+void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs) {
+  if (uplink_ == nullptr) return;
   RecorderOptions recorder_options;
   recorder_options.recorded_camera = options_.recorded_camera;
   recorder_options.features = options_.features;
   recorder_options.hold_newest = options_.hold_newest_keyframes;
-  recording->recorder = std::make_unique<UpdateRecorder>(access.local_map, recorder_options);
-  recording->recorder->SetPointsFollow(store_moves_points_);
-  recording->access = std::move(access);
-  needs_new_local_map_ = recording->closed = !queue_.Begin(recording->access.local_map);
-  recordings_.push_back(std::move(recording));
-  wake_ = true;
-  return recordings_.back()->recorder.get();
+  auto recording = std::make_unique<Recording>();
+  recording->map = &map;
+  recording->recorder = std::make_unique<UpdateRecorder>(map.local_map(), recorder_options);
+  UpdateRecorder* const recorder = recording->recorder.get();
+  auto inbox = std::make_shared<SharedInbox>(map.local_map(), jobs, *uplink_, options_.inbox);
+  {
+    absl::MutexLock lock(&mutex_);
+    DeliverFrames();
+    for (auto& earlier : recordings_) earlier->closing = true;
+    // What was shared was placed in the map that ends: the store must tell it again.
+    reopen_ = !recordings_.empty();
+    inbox_.swap(inbox);
+    recorder->SetPointsFollow(store_moves_points_);
+    needs_new_local_map_ = recording->closed = !queue_.Begin(map.local_map());
+    recordings_.push_back(std::move(recording));
+    wake_ = true;
+  }
+  if (inbox != nullptr) inbox->Close();
+  map.SetObserver(recorder);
+}
+
+bool StoreLink::Reads(LocalMapId local_map) const {
+  absl::MutexLock lock(&mutex_);
+  return std::ranges::any_of(recordings_, [local_map](const auto& recording) {
+    return recording->map->local_map() == local_map;
+  });
+}
+
+// Recordings go on this thread alone, which is the one that reads them without the lock.
+void StoreLink::LetGoOfClosed() {
+  std::vector<GuardedMap*> closed;
+  {
+    absl::MutexLock lock(&mutex_);
+    for (const auto& recording : recordings_) {
+      if (recording->closed && recording != recordings_.back()) closed.push_back(recording->map);
+    }
+  }
+  if (closed.empty()) return;
+  for (GuardedMap* map : closed) map->SetObserver(nullptr);
+  absl::MutexLock lock(&mutex_);
+  std::erase_if(recordings_, [&](const auto& recording) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (std::ranges::find(closed, recording->map) == closed.end()) return false;
+    refused_items_ += recording->recorder->refused_items();
+    return true;
+  });
+}
+
+std::shared_ptr<SharedInbox> StoreLink::CurrentInbox() const {
+  absl::MutexLock lock(&mutex_);
+  return inbox_;
 }
 
 void StoreLink::OnCorrected(LocalMapId local_map, const OwnCorrection& correction, Map& map) {
-  std::shared_ptr<Placing> placing;
-  {
-    absl::MutexLock lock(&mutex_);
-    placing = placing_;
-  }
-  if (placing == nullptr || placing->access.local_map != local_map) return;
-  placing->shared.Correct(correction, map);
-  placing->Place(placing->shared.Plan(map), map);
+  const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
+  if (inbox != nullptr && inbox->local_map() == local_map) inbox->Correct(correction, map);
 }
 
 void StoreLink::AddTrackedFrame(const TrackedFrame& frame) {
@@ -129,7 +126,7 @@ void StoreLink::DeliverFrames() {
     }
     const auto& tracked = std::get<TrackedFrame>(frame);
     for (auto& recording : recordings_) {
-      if (recording->access.local_map != tracked.reference.local_map) continue;
+      if (recording->map->local_map() != tracked.reference.local_map) continue;
       recording->recorder->AddTrackedFrame(tracked);
     }
   }
@@ -144,6 +141,7 @@ void StoreLink::Step() {
   if (uplink_ == nullptr) return;
   ConnectIfDue();
   TakeBatches(/*all=*/true);
+  LetGoOfClosed();
   SendUnsent();
   queue_.Spill();
 }
@@ -189,6 +187,7 @@ void StoreLink::Run() {
   while (WaitForWork()) {
     ConnectIfDue();
     TakeBatches(/*all=*/false);
+    LetGoOfClosed();
     SendUnsent();
     // Who ends may be ended before all is acknowledged.
     IsFinishing() ? queue_.SpillAll() : queue_.Spill();
@@ -302,6 +301,10 @@ UploadStatus StoreLink::upload() const {
   UploadStatus status = queue_.status();
   absl::MutexLock lock(&mutex_);
   status.held_back = held_back_.status(options_.clock());
+  status.refused_items = refused_items_;
+  for (const auto& recording : recordings_) {
+    status.refused_items += recording->recorder->refused_items();
+  }
   return status;
 }
 
@@ -324,14 +327,14 @@ bool StoreLink::TakeBatchOf(Recording& recording) {
   }
   MapUpdateBatch batch;
   if (recording.recorder->HasChanges()) {
-    recording.access.read(
-        [&](const Map& map) { batch = recording.recorder->TakeBatch(map, allowance); });
+    batch = recording.map->Read(
+        [&](const Map& map) { return recording.recorder->TakeBatch(map, allowance); });
   }
   const bool last = IsEmpty(batch);
   if (last && !closing) return false;
   absl::MutexLock lock(&mutex_);
   if (recording.closed) return false;
-  batch.local_map = recording.access.local_map;
+  batch.local_map = recording.map->local_map();
   batch.closes_local_map = last;
   recording.closed = last;
   held_back_.NoteTaken(CountUpdates(batch));
@@ -367,7 +370,7 @@ void StoreLink::SendUnsent() {
 void StoreLink::GiveUp(const std::vector<LostLocalMap>& lost) {
   for (const LostLocalMap& local_map : lost) {
     for (auto& recording : recordings_) {
-      if (recording->access.local_map != local_map.id) continue;
+      if (recording->map->local_map() != local_map.id) continue;
       recording->closed = true;
       needs_new_local_map_ |= recording == recordings_.back();
     }
@@ -426,30 +429,22 @@ ArrivedUpdate StoreLink::Prepare(SharedUpdate update) const {
 
 void StoreLink::OnShared(SharedUpdate update) {
   ArrivedUpdate arrived = Prepare(std::move(update));
-  std::shared_ptr<Placing> placing;
+  std::shared_ptr<SharedInbox> inbox;
   {
     absl::MutexLock lock(&mutex_);
     // What is still told of a map that has ended will be told again of the one that goes on.
     if (session_ != Session::kOpen || reopen_) return;
     last_revision_ = arrived.update.revision;
-    placing = placing_;
+    inbox = inbox_;
   }
-  {
-    absl::MutexLock lock(&placing->mutex);
-    placing->updates.push_back(std::move(arrived));
-    // A job posted before takes this one with it.
-    if (placing->updates.size() > 1) return;
-  }
-  placing->access.post([placing](const Map& before) -> MapChange {
-    return [placing, plan = placing->TakeArrived(before)](Map& map) { placing->Place(plan, map); };
-  });
+  inbox->Add(std::move(arrived));
 }
 
 void StoreLink::OnSessionClosed(const absl::Status& reason) {
   absl::MutexLock lock(&mutex_);
   const bool passes =
-      !IsRefusal(reason) || (session_ == Session::kOpen && absl::IsInvalidArgument(reason) &&
-                             queue_.GiveUpEarlier(reason));
+      !IsRefusal(reason) ||
+      (session_ == Session::kOpen && absl::IsInvalidArgument(reason) && queue_.NoteRefusal(reason));
   session_ = passes ? Session::kNone : Session::kRefused;
   if (!passes) refusal_ = reason;
   closed_ = reason;
@@ -461,17 +456,13 @@ void StoreLink::OnSessionClosed(const absl::Status& reason) {
 }
 
 std::optional<Similarity3d> StoreLink::GlobalFromLocal() const {
-  absl::MutexLock lock(&mutex_);
-  if (placing_ == nullptr) return std::nullopt;
-  absl::MutexLock placing_lock(&placing_->mutex);
-  return placing_->global_from_local;
+  const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
+  return inbox == nullptr ? std::nullopt : inbox->GlobalFromLocal();
 }
 
 size_t StoreLink::shared_keyframes() const {
-  absl::MutexLock lock(&mutex_);
-  if (placing_ == nullptr) return 0;
-  absl::MutexLock placing_lock(&placing_->mutex);
-  return placing_->keyframes;
+  const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
+  return inbox == nullptr ? 0 : inbox->keyframes();
 }
 
 std::optional<absl::Time> StoreLink::first_acknowledged() const {

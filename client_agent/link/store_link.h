@@ -15,7 +15,9 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "client_agent/shared/shared_map.h"
+#include "client_agent/link/map_jobs.h"
+#include "client_agent/link/shared_inbox.h"
+#include "client_agent/map/guarded_map.h"
 #include "client_agent/upload/frame_inbox.h"
 #include "client_agent/upload/held_back.h"
 #include "client_agent/upload/link_budget.h"
@@ -40,6 +42,8 @@ struct StoreLinkOptions {
   // What changes results: nothing. What changes speed:
   // In memory; with a spool, what is over goes to the disk.
   size_t max_outbox_bytes = 64 << 20;
+  // Of what others share and the mapping thread has not taken over yet.
+  InboxLimits inbox;
   size_t max_keyframes_per_batch = 8;
   absl::Duration flush_interval = absl::Milliseconds(400);
   // While batches wait that could not be sent: the next one is made when it is full or when the
@@ -59,20 +63,6 @@ struct StoreLinkOptions {
 using ComputeWords =
     std::function<std::shared_ptr<const Words>(const std::vector<Descriptor>& descriptors)>;
 
-using MapChange = std::function<void(Map&)>;
-
-// How the manager reaches a local map.
-struct MapAccess {
-  LocalMapId local_map;
-  // Calls the function with the map, kept from changing meanwhile.
-  std::function<void(const std::function<void(const Map&)>&)> read;
-  // Runs the preparation soon, then the change that it returns, both on the thread that alone
-  // writes the map: the first while others read it, too, the second while nobody does.
-  std::function<void(std::function<MapChange(const Map&)> prepare)> post;
-  // Hears which foreign keyframes came and went; on the writing thread.
-  std::function<void(const PlacementChange&, const Map&)> on_placed;
-};
-
 // Thread-safe. Without Start it has no thread and Step does its work (deterministic runs).
 class StoreLink : private UplinkListener {
  public:
@@ -84,9 +74,12 @@ class StoreLink : private UplinkListener {
   StoreLink(const StoreLink&) = delete;
   StoreLink& operator=(const StoreLink&) = delete;
 
-  // A local map begins; one that was there before is told to its end and closed. Returns the
-  // observer to set on the map (null without an uplink); it lives as long as the manager.
-  MapObserver* BeginLocalMap(MapAccess access);
+  // A local map begins, whose changes are recorded from now on; one that was there before is told
+  // to its end and closed, and its thread writes it no more. `map` is read while Reads says so,
+  // `jobs` are used until the next local map begins; neither is owned.
+  void BeginLocalMap(GuardedMap& map, MapJobs& jobs);
+  // False: all that there is to tell of the local map lies in batches, or it is given up.
+  bool Reads(LocalMapId local_map) const;
 
   // What others made is placed anew after the robot moved its own map. On the writing thread.
   void OnCorrected(LocalMapId local_map, const OwnCorrection& correction, Map& map);
@@ -114,15 +107,12 @@ class StoreLink : private UplinkListener {
 
  private:
   struct Recording {
-    MapAccess access;
+    GuardedMap* map = nullptr;
     std::unique_ptr<UpdateRecorder> recorder;
     bool closing = false;
     bool asked_for_exact_places = false;
     bool closed = false;  // Its last batch is in the outbox.
   };
-  // Shared updates on their way to the mapping thread.
-  struct Placing;
-
   void OnSessionOpened(const SessionGrant& grant) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
   void OnShared(SharedUpdate update) override;
@@ -138,6 +128,9 @@ class StoreLink : private UplinkListener {
   void DeliverFrames() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeBatches(bool all);
   bool TakeBatchOf(Recording& recording);
+  // Reads no more what was told to its end.
+  void LetGoOfClosed();
+  std::shared_ptr<SharedInbox> CurrentInbox() const;
   // Whether the budget holds now. While no session stands, a spool takes what comes: it is there
   // for what a process that dies would lose.
   bool IsBudgeted() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -163,7 +156,7 @@ class StoreLink : private UplinkListener {
 
   mutable absl::Mutex mutex_;
   std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);
-  std::shared_ptr<Placing> placing_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<SharedInbox> inbox_ ABSL_GUARDED_BY(mutex_);
   enum class Session { kNone, kOpening, kOpen, kRefused };
   Session session_ ABSL_GUARDED_BY(mutex_) = Session::kNone;
   absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
@@ -174,6 +167,8 @@ class StoreLink : private UplinkListener {
   int attempts_ ABSL_GUARDED_BY(mutex_) = 0;
   absl::Time opened_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
   bool needs_new_local_map_ ABSL_GUARDED_BY(mutex_) = false;
+  // Of local maps that are not read any more.
+  uint64_t refused_items_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t last_revision_ ABSL_GUARDED_BY(mutex_) = 0;
   // Of the last session's store.
   bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;

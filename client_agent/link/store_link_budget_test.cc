@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client_agent/link/store_link.h"
+#include "client_agent/link/testing/fake_map_jobs.h"
 #include "client_agent/link/testing/fake_uplink.h"
 #include "client_agent/link/testing/test_payload.h"
 #include "client_agent/upload/testing/fake_spool.h"
@@ -39,23 +40,24 @@ class StoreLinkBudgetTest : public ::testing::Test {
     Begin(kOwn);
   }
   void Begin(LocalMapId id) {
-    maps_[id] = Map();
-    Map* map = &maps_[id];
-    map->SetObserver(manager_->BeginLocalMap(
-        {id, [map](const auto& reader) { reader(*map); }, [](const auto&) {}, nullptr}));
+    auto& map = maps_[id];
+    map = std::make_unique<GuardedMap>(id);
+    manager_->BeginLocalMap(*map, jobs_);
   }
   void AddKeyframe(KeyframeId id) {
     Keyframe keyframe;
     keyframe.payload = testing::MakeTestPayload(id, kKeypoints);
-    maps_[id.local_map].AddKeyframe(keyframe);
+    maps_[id.local_map]->Write([&](Map& map) { map.AddKeyframe(keyframe); });
   }
   void AddPoint(MapPointId id, KeyframeId reference) {
     MapPoint point;
     point.id = id;
     point.reference = reference;
     point.position_in_map = {0, 0, 10};
-    maps_[id.local_map].AddPoint(point);
-    maps_[id.local_map].AddObservation(id, reference, id.index % kKeypoints);
+    maps_[id.local_map]->Write([&](Map& map) {
+      map.AddPoint(point);
+      map.AddObservation(id, reference, id.index % kKeypoints);
+    });
   }
   // Ten keyframes, of which each is the reference of twenty points.
   void AddMap(LocalMapId id) {
@@ -104,7 +106,8 @@ class StoreLinkBudgetTest : public ::testing::Test {
   FakeDisk disk_;
   FakeUplink uplink_;
   StoreLinkOptions options_;
-  std::map<LocalMapId, Map> maps_;
+  std::map<LocalMapId, std::unique_ptr<GuardedMap>> maps_;
+  FakeMapJobs jobs_;
   std::unique_ptr<StoreLink> manager_;
 };
 
@@ -133,7 +136,9 @@ TEST_F(StoreLinkBudgetTest, PosesPassWhatWaits) {
   for (uint32_t k = 1; k <= 10; ++k) AddKeyframe({kOwn, k});
   for (int second = 0; second < 5; ++second) {
     manager_->AddTrackedFrame({second, {kOwn, 0}, {}});
-    maps_[kOwn].SetPose({kOwn, 0}, {Eigen::Quaterniond::Identity(), {0.1 * second, 0, 0}});
+    maps_[kOwn]->Write([&](Map& map) {
+      map.SetPose({kOwn, 0}, {Eigen::Quaterniond::Identity(), {0.1 * second, 0, 0}});
+    });
     Run(absl::Seconds(1.5));
     // With the next batch, though keyframes wait.
     EXPECT_EQ(uplink_.stored[kOwn].back().full_points.size(), 0u);
@@ -152,7 +157,7 @@ TEST_F(StoreLinkBudgetTest, WhatIsHeldBackCoalesces) {
   // Keyframes keep the link busy while a point moves again and again.
   for (uint32_t k = 20; k < 30; ++k) AddKeyframe({kOwn, k});
   for (int i = 1; i <= 50; ++i) {
-    maps_[kOwn].SetPosition({kOwn, 7}, {0.1 * i, 0, 10});
+    maps_[kOwn]->Write([&](Map& map) { map.SetPosition({kOwn, 7}, {0.1 * i, 0, 10}); });
     Run(absl::Milliseconds(100));
   }
   EXPECT_EQ(Told(UpdateKind::kLightPoints), light);

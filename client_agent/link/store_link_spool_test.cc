@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client_agent/link/store_link.h"
+#include "client_agent/link/testing/fake_map_jobs.h"
 #include "client_agent/link/testing/fake_uplink.h"
 #include "client_agent/upload/testing/fake_spool.h"
 
@@ -30,28 +31,22 @@ class StoreLinkSpoolTest : public ::testing::Test {
     Begin(local_map);
   }
   void Begin(LocalMapId id) {
-    map_ = Map();
-    map_.SetObserver(manager_->BeginLocalMap({id,
-                                              [this](const auto& reader) {
-                                                absl::MutexLock lock(&map_mutex_);
-                                                reader(map_);
-                                              },
-                                              [](const auto&) {}, nullptr}));
+    map_ = maps_.emplace_back(std::make_unique<GuardedMap>(id)).get();
+    manager_->BeginLocalMap(*map_, jobs_);
   }
   // To x = 20, in more steps than batches are made while none waits.
   void MoveForAWhile(KeyframeId id) {
     for (int i = 1; i <= 20; ++i) {
-      {
-        absl::MutexLock lock(&map_mutex_);
-        map_.SetPose(id, {Eigen::Quaterniond::Identity(), {double(i), 0, 0}});
-      }
+      map_->Write([&](Map& map) {
+        map.SetPose(id, {Eigen::Quaterniond::Identity(), {double(i), 0, 0}});
+      });
       absl::SleepFor(3 * options_.flush_interval);
     }
   }
   void AddKeyframe(KeyframeId id) {
     Keyframe keyframe;
     keyframe.payload = MakeKeyframePayload(id, 0, 0, std::make_shared<Camera>(), {});
-    map_.AddKeyframe(keyframe);
+    map_->Write([&](Map& map) { map.AddKeyframe(keyframe); });
   }
   // Time passes, so that any back-off is over.
   void Step() {
@@ -74,8 +69,9 @@ class StoreLinkSpoolTest : public ::testing::Test {
   size_t hold_newest_ = 0;
   bool in_real_time_ = false;
   absl::Time now_ = absl::UnixEpoch() + absl::Hours(1);
-  absl::Mutex map_mutex_;
-  Map map_;
+  FakeMapJobs jobs_;
+  std::vector<std::unique_ptr<GuardedMap>> maps_;
+  GuardedMap* map_ = nullptr;
   std::unique_ptr<StoreLink> manager_;
 };
 

@@ -1,7 +1,10 @@
 #include "client_agent/link/store_link.h"
 
+#include <limits>
+#include <memory>
 #include <vector>
 
+#include "client_agent/link/testing/fake_map_jobs.h"
 #include "client_agent/link/testing/fake_uplink.h"
 #include "gtest/gtest.h"
 
@@ -25,24 +28,21 @@ class StoreLinkTest : public testing::Test {
   }
 
   void Begin(LocalMapId id) {
-    map_ = Map();
-    map_.SetObserver(manager_->BeginLocalMap(
-        {id, [this](const auto& reader) { reader(map_); },
-         [this](std::function<MapChange(const Map&)> prepare) {
-           jobs_.push_back([prepare = std::move(prepare)](Map& map) { prepare(map)(map); });
-         },
-         nullptr}));
+    map_ = maps_.emplace_back(std::make_unique<GuardedMap>(id)).get();
+    manager_->BeginLocalMap(*map_, jobs_);
   }
 
   void AddKeyframe(KeyframeId id) {
     Keyframe keyframe;
     keyframe.payload = MakeKeyframePayload(id, 0, 0, std::make_shared<Camera>(), {});
-    map_.AddKeyframe(keyframe);
+    map_->Write([&](Map& map) { map.AddKeyframe(keyframe); });
   }
 
   FakeUplink uplink_;
-  Map map_;
-  std::vector<MapChange> jobs_;
+  FakeMapJobs jobs_;
+  // The link reads those that ended until all of them is in batches.
+  std::vector<std::unique_ptr<GuardedMap>> maps_;
+  GuardedMap* map_ = nullptr;
   std::unique_ptr<StoreLink> manager_;
 };
 
@@ -133,7 +133,7 @@ TEST_F(StoreLinkTest, WhatIsStillToldOfAMapThatEndedStaysOutOfTheNextOne) {
   SharedUpdate update;
   update.revision = 9;
   uplink_.Share(update);
-  EXPECT_TRUE(jobs_.empty());
+  EXPECT_EQ(jobs_.size(), 0U);
   AddKeyframe({second, 0});
   manager_->Step();
   uplink_.Break(absl::UnavailableError("cut"));
@@ -159,7 +159,7 @@ TEST_F(StoreLinkTest, SharedUpdatesReachTheMapThroughItsWriter) {
   uplink_.Share(update);
   EXPECT_FALSE(manager_->GlobalFromLocal().has_value());
   ASSERT_EQ(jobs_.size(), 1U) << "the second update rides along";
-  jobs_[0](map_);
+  jobs_.Run(*map_);
   EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -5, 1e-12);
   uplink_.Break(absl::UnavailableError("cut"));
   manager_->Step();
@@ -172,14 +172,17 @@ TEST_F(StoreLinkTest, WhatIsPlacedGoesWithACorrectionOfItsOwnLocalMapAlone) {
   const SharedUpdate update = PlaceOfTheFirstKeyframe();
   uplink_.Share(update);
   ASSERT_EQ(jobs_.size(), 1U);
-  jobs_[0](map_);
+  jobs_.Run(*map_);
   OwnCorrection correction;
   correction.motions[{kOwn, 0}] = {Rigid3d(), {Eigen::Quaterniond::Identity(), {-2, 0, 0}}};
-  manager_->OnCorrected({kOwn.value + 1}, correction, map_);
+  const auto correct = [&](LocalMapId id) {
+    map_->Write([&](Map& map) { manager_->OnCorrected(id, correction, map); });
+  };
+  correct({kOwn.value + 1});
   EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -5, 1e-12);
   // The keyframe is 2 m further along x in the robot's frame now, and where it was in the global
   // one.
-  manager_->OnCorrected(kOwn, correction, map_);
+  correct(kOwn);
   EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -7, 1e-12);
 }
 
@@ -215,10 +218,10 @@ TEST_F(StoreLinkTest, TellsExactPlacesWhenAsked) {
   point.id = {kOwn, 0};
   point.reference = {kOwn, 0};
   point.position_in_map = {0, 0, 10};
-  map_.AddPoint(point);
+  map_->Write([&](Map& map) { map.AddPoint(point); });
   manager_->Step();
   // Nobody sees it: nobody can tell the difference.
-  map_.SetPosition(point.id, {0, 0, 11});
+  map_->Write([&](Map& map) { map.SetPosition(point.id, {0, 0, 11}); });
   manager_->Step();
   ASSERT_EQ(uplink_.stored[kOwn].size(), 1u);
   uplink_.AskForExactPlaces();
@@ -226,6 +229,101 @@ TEST_F(StoreLinkTest, TellsExactPlacesWhenAsked) {
   ASSERT_EQ(uplink_.stored[kOwn].size(), 2u);
   ASSERT_EQ(uplink_.stored[kOwn].back().light_points.size(), 1u);
   EXPECT_EQ(uplink_.stored[kOwn].back().light_points[0].position_in_local.z(), 11);
+}
+
+TEST_F(StoreLinkTest, ALocalMapThatEndedIsReadNoMoreOnceAllOfItIsInBatches) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  uplink_.acknowledge = false;
+  AddKeyframe({kOwn, 1});
+  const LocalMapId second{2};
+  Begin(second);
+  EXPECT_TRUE(manager_->Reads(kOwn));
+  manager_->Step();
+  EXPECT_FALSE(manager_->Reads(kOwn));
+  EXPECT_TRUE(manager_->Reads(second));
+  // Nothing of it is needed any more, though the store has acknowledged nothing of the rest.
+  maps_.front().reset();
+  uplink_.Break(absl::UnavailableError("cut"));
+  uplink_.acknowledge = true;
+  AddKeyframe({second, 0});
+  manager_->Step();
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+  size_t keyframes = 0;
+  for (const auto& batch : uplink_.stored[kOwn]) keyframes += batch.full_keyframes.size();
+  EXPECT_EQ(keyframes, 2U);
+  EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
+}
+
+// A point at no place would have the store refuse the whole batch.
+TEST_F(StoreLinkTest, ABadItemIsLeftOutAndCounted) {
+  AddKeyframe({kOwn, 0});
+  MapPoint point;
+  point.reference = {kOwn, 0};
+  for (uint32_t i = 0; i < 3; ++i) {
+    point.id = {kOwn, i};
+    point.position_in_map = {0, 0, i == 1 ? std::numeric_limits<double>::quiet_NaN() : 10};
+    map_->Write([&](Map& map) { map.AddPoint(point); });
+  }
+  manager_->Step();
+  ASSERT_EQ(uplink_.stored[kOwn].size(), 1U);
+  std::vector<MapPointId> told;
+  for (const FullMapPoint& full : uplink_.stored[kOwn][0].full_points) told.push_back(full.id);
+  EXPECT_EQ(told, (std::vector<MapPointId>{{kOwn, 0}, {kOwn, 2}}));
+  EXPECT_EQ(manager_->upload().refused_items, 1U);
+  EXPECT_FALSE(manager_->NeedsNewLocalMap());
+  // The count outlives the local map.
+  Begin({2});
+  manager_->Step();
+  EXPECT_FALSE(manager_->Reads(kOwn));
+  EXPECT_EQ(manager_->upload().refused_items, 1U);
+}
+
+TEST_F(StoreLinkTest, ABatchThatIsRefusedForGoodBeginsANewLocalMap) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  uplink_.acknowledge = false;
+  uplink_.accept = false;
+  AddKeyframe({kOwn, 1});
+  manager_->Step();
+  // Whose batch it was is certain once the next session begins with it again.
+  uplink_.Break(absl::InvalidArgumentError("x_px of keypoint 7 is nan"));
+  EXPECT_FALSE(manager_->NeedsNewLocalMap());
+  manager_->Step();
+  EXPECT_TRUE(manager_->NeedsNewLocalMap());
+  EXPECT_EQ(manager_->upload().lost_local_maps, 1);
+  EXPECT_NE(manager_->upload().loss.message().find("keypoint 7"), std::string::npos);
+  uplink_.accept = true;
+  uplink_.acknowledge = true;
+  const LocalMapId second{2};
+  Begin(second);
+  AddKeyframe({second, 0});
+  manager_->Step();
+  EXPECT_FALSE(manager_->NeedsNewLocalMap());
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+  EXPECT_EQ(uplink_.stored[second].at(0).full_keyframes.size(), 1U);
+  EXPECT_EQ(uplink_.stored[kOwn].size(), 1U);
+}
+
+// The store took it, and what it refused came later.
+TEST_F(StoreLinkTest, ABatchThatTheStoreTookIsNotSuspected) {
+  AddKeyframe({kOwn, 0});
+  uplink_.acknowledge = false;
+  manager_->Step();
+  uplink_.Break(absl::InvalidArgumentError("something of another batch"));
+  uplink_.acknowledge = true;
+  AddKeyframe({kOwn, 1});
+  manager_->Step();
+  EXPECT_FALSE(manager_->NeedsNewLocalMap());
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+}
+
+TEST_F(StoreLinkTest, AStoreThatRefusesTheSessionItselfIsNotAskedAgain) {
+  uplink_.refusal = absl::InvalidArgumentError("name of the mission");
+  manager_->Step();
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.size(), 1U);
+  EXPECT_TRUE(absl::IsInvalidArgument(manager_->Finish(absl::Seconds(1))));
 }
 
 TEST_F(StoreLinkTest, ThreadedModeSendsAndStops) {

@@ -17,7 +17,9 @@ namespace corbslam {
 // optimises, waits or calls out while inside Read or Write, and the two never nest.
 class GuardedMap {
  public:
-  explicit GuardedMap(LocalMapId local_map) : local_map_(local_map) { map_.SetObserver(&history_); }
+  explicit GuardedMap(LocalMapId local_map) : local_map_(local_map), history_(local_map) {
+    map_.SetObserver(&history_);
+  }
   GuardedMap(const GuardedMap&) = delete;
   GuardedMap& operator=(const GuardedMap&) = delete;
 
@@ -47,6 +49,12 @@ class GuardedMap {
   void SetObserver(MapObserver* observer) {
     absl::MutexLock lock(&mutex_);
     history_.SetNext(observer);
+  }
+
+  // Returns what the map holds of its own local map: kept as it changes, not counted anew.
+  OwnItems own_items() const {
+    absl::ReaderMutexLock lock(&mutex_);
+    return history_.own_items();
   }
 
   LocalMapId local_map() const { return local_map_; }

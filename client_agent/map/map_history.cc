@@ -5,7 +5,7 @@ namespace corbslam {
 MapPointId MapHistory::CurrentPoint(MapPointId id) const {
   for (auto it = replaced_points_.find(id); it != replaced_points_.end();
        it = replaced_points_.find(id)) {
-    id = it->second;
+    id = it->second.survivor;
   }
   return id;
 }
@@ -25,6 +25,7 @@ std::optional<Rigid3d> MapHistory::CameraFromMap(const Map& map, KeyframeId id) 
 
 void MapHistory::OnKeyframeAdded(KeyframeId id) {
   removed_keyframes_.erase(id);
+  own_items_.keyframes += id.local_map == own_ ? 1 : 0;
   if (next_) next_->OnKeyframeAdded(id);
 }
 
@@ -43,12 +44,14 @@ void MapHistory::OnLoopEdgeAdded(KeyframeId a, KeyframeId b) {
 void MapHistory::OnKeyframeRemoved(KeyframeId id, KeyframeId parent,
                                    const Rigid3d& parent_from_removed) {
   removed_keyframes_[id] = {parent, parent_from_removed};
+  own_items_.keyframes -= id.local_map == own_ ? 1 : 0;
   if (next_) next_->OnKeyframeRemoved(id, parent, parent_from_removed);
 }
 
 void MapHistory::OnPointAdded(MapPointId id) {
   // Others' points may come back after they went.
   replaced_points_.erase(id);
+  own_items_.points += id.local_map == own_ ? 1 : 0;
   if (next_) next_->OnPointAdded(id);
 }
 
@@ -65,11 +68,24 @@ void MapHistory::OnObservationRemoved(MapPointId point, KeyframeId keyframe, uin
 }
 
 void MapHistory::OnPointReplaced(MapPointId replaced, MapPointId survivor) {
-  replaced_points_[replaced] = survivor;
+  own_items_.points -= replaced.local_map == own_ ? 1 : 0;
+  replaced_points_[replaced] = {survivor, ++replacements_};
+  replacement_order_.emplace_back(replaced, replacements_);
+  ForgetOldReplacements();
   if (next_) next_->OnPointReplaced(replaced, survivor);
 }
 
+void MapHistory::ForgetOldReplacements() {
+  while (replacement_order_.size() > max_replacements_) {
+    const auto [point, number] = replacement_order_.front();
+    replacement_order_.pop_front();
+    const auto it = replaced_points_.find(point);
+    if (it != replaced_points_.end() && it->second.number == number) replaced_points_.erase(it);
+  }
+}
+
 void MapHistory::OnPointRemoved(MapPointId id) {
+  own_items_.points -= id.local_map == own_ ? 1 : 0;
   if (next_) next_->OnPointRemoved(id);
 }
 

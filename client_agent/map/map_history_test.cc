@@ -125,5 +125,53 @@ TEST(GuardedMapTest, ReadersSeeWholeWrites) {
   EXPECT_EQ(map.Read([](const Map& m) { return m.points().size(); }), 400u);
 }
 
+TEST(MapHistoryBoundTest, ForgetsTheOldestReplacements) {
+  constexpr LocalMapId kMap{5};
+  MapHistory history(kMap, /*max_replacements=*/2);
+  for (uint32_t i = 0; i < 3; ++i) history.OnPointReplaced({kMap, i}, {kMap, 10 + i});
+  EXPECT_EQ(history.CurrentPoint({kMap, 0}), (MapPointId{kMap, 0}));
+  EXPECT_EQ(history.CurrentPoint({kMap, 1}), (MapPointId{kMap, 11}));
+  // Replaced anew, a point is among the newest, whatever became of it before.
+  history.OnPointReplaced({kMap, 1}, {kMap, 21});
+  history.OnPointReplaced({kMap, 4}, {kMap, 14});
+  EXPECT_EQ(history.CurrentPoint({kMap, 1}), (MapPointId{kMap, 21}));
+  EXPECT_EQ(history.CurrentPoint({kMap, 2}), (MapPointId{kMap, 2}));
+}
+
+TEST(MapHistoryBoundTest, CountsOwnItemsAsTheyComeAndGo) {
+  constexpr LocalMapId kMap{5};
+  constexpr LocalMapId kOther{6};
+  MapHistory history(kMap);
+  Map map;
+  map.SetObserver(&history);
+  for (const LocalMapId id : {kMap, kOther}) {
+    for (uint32_t i = 0; i < 3; ++i) {
+      Keyframe keyframe;
+      keyframe.payload = MakeKeyframePayload({id, i}, 0, 0, nullptr, {});
+      map.AddKeyframe(std::move(keyframe));
+      MapPoint point;
+      point.id = {id, i};
+      map.AddPoint(point);
+    }
+  }
+  const auto expect_counted = [&] {
+    OwnItems counted;
+    for (const auto& [id, keyframe] : map.keyframes()) counted.keyframes += id.local_map == kMap;
+    for (const auto& [id, point] : map.points()) counted.points += id.local_map == kMap;
+    EXPECT_EQ(history.own_items().keyframes, counted.keyframes);
+    EXPECT_EQ(history.own_items().points, counted.points);
+  };
+  expect_counted();
+  EXPECT_EQ(history.own_items().points, 3);
+  for (const LocalMapId id : {kMap, kOther}) {
+    map.RemoveKeyframe({id, 1});
+    map.RemovePoint({id, 0});
+    map.ReplacePoint({id, 1}, {id, 2});
+    expect_counted();
+  }
+  EXPECT_EQ(history.own_items().keyframes, 2);
+  EXPECT_EQ(history.own_items().points, 1);
+}
+
 }  // namespace
 }  // namespace corbslam

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "absl/time/clock.h"
 #include "client_agent/map/provisional_keyframes.h"
@@ -146,8 +147,8 @@ void Mapper::AdjustLocalBundle(KeyframeId centre) {
     return;
   }
   CommitBundle(*result, copy);
-  absl::MutexLock lock(&mutex_);
-  local_ba_ms_.push_back(absl::ToDoubleMilliseconds(absl::Now() - start));
+  if (parts_.local_ba_ms == nullptr) return;
+  parts_.local_ba_ms->Add(absl::ToDoubleMilliseconds(absl::Now() - start));
 }
 
 void Mapper::CommitBundle(const BundleResult& result, const Map& before) {
@@ -197,11 +198,6 @@ void Mapper::ApplyLooks() {
       map.SetKeypoints(id, Averaged(keyframe->keypoints(), looks));
     });
   }
-}
-
-std::vector<double> Mapper::local_ba_ms() const {
-  absl::MutexLock lock(&mutex_);
-  return local_ba_ms_;
 }
 
 }  // namespace corbslam

@@ -5,10 +5,7 @@
 
 #include <deque>
 #include <functional>
-#include <vector>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
 #include "client_agent/map/guarded_map.h"
 #include "client_agent/mapping/culling.h"
 #include "client_agent/mapping/keyframe_judgement.h"
@@ -16,6 +13,7 @@
 #include "client_agent/mapping/mapping_queue.h"
 #include "client_agent/mapping/point_statistics.h"
 #include "slam/optimisation/bundle_adjustment.h"
+#include "slam/util/bounded_sample.h"
 
 namespace corbslam {
 
@@ -34,6 +32,8 @@ struct MapperParts {
   std::function<void(KeyframeId)> on_removed;
   // What tracking adds to keyframes' measurements; may be null.
   LookBook* looks = nullptr;
+  // Hears how long each local bundle adjustment took, in milliseconds; may be null.
+  SampleLog* local_ba_ms = nullptr;
 };
 
 // One thread, the mapping thread, calls Step and Run.
@@ -46,9 +46,6 @@ class Mapper {
   bool Step();
   // Steps until the queue is stopped; waits where there is nothing to do.
   void Run();
-
-  // Returns how long each local bundle adjustment took. Thread-safe.
-  std::vector<double> local_ba_ms() const;
 
  private:
   void Insert(const NewKeyframe& keyframe);
@@ -69,9 +66,6 @@ class Mapper {
   // Keyframes that are inserted and not yet mapped.
   std::deque<KeyframeId> pending_;
   bool is_jobs_turn_ = true;
-
-  mutable absl::Mutex mutex_;
-  std::vector<double> local_ba_ms_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace corbslam

@@ -158,7 +158,8 @@ TEST_F(MappingTest, PixelsOfDifferentPointsMakeNone) {
 }
 
 TEST_F(MappingTest, MapperBuildsTheSceneAndAdjustsItsPoses) {
-  Mapper mapper({}, {&map_, &queue_, &statistics_, nullptr, nullptr});
+  SampleLog local_ba_ms;
+  Mapper mapper({}, {&map_, &queue_, &statistics_, nullptr, nullptr, nullptr, &local_ba_ms});
   for (uint32_t k = 0; k < 8; ++k) {
     Rigid3d pose = scene_.true_camera_from_map.at({kOwn, k});
     // The pose that tracking hands over is a little off.
@@ -169,7 +170,7 @@ TEST_F(MappingTest, MapperBuildsTheSceneAndAdjustsItsPoses) {
     ASSERT_TRUE(mapper.Step());
   }
   EXPECT_FALSE(mapper.Step());
-  EXPECT_FALSE(mapper.local_ba_ms().empty());
+  EXPECT_FALSE(local_ba_ms.Copy().values().empty());
   map_.Read([&](const Map& map) {
     EXPECT_GE(map.keyframes().size(), 3u);
     for (const auto& [id, keyframe] : map.keyframes()) {

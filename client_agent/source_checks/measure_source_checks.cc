@@ -213,7 +213,8 @@ int Run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::cerr << "usage: measure_source_checks SOURCE [PLACES|watch [DAMAGE AMOUNT [OTHER_SOURCE]]]\n";
+    std::cerr
+        << "usage: measure_source_checks SOURCE [PLACES|watch [DAMAGE AMOUNT [OTHER_SOURCE]]]\n";
     return 2;
   }
   return corbslam::Run(argc, argv);

@@ -70,6 +70,8 @@ class Outbox {
 
   // The oldest entry not marked sent since the last Resume, or null; valid until the next change.
   const Entry* NextUnsent() const;
+  // Returns the oldest entry where it is marked sent, else null.
+  const Entry* OldestSent() const { return sent_ > 0 ? &entries_.front() : nullptr; }
   void MarkSent();
   void MarkUnsent() { sent_ -= sent_ > 0 ? 1 : 0; }
 

@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <utility>
 
 #include "client_agent/upload/keyframe_depths.h"
 #include "client_agent/upload/outbox.h"
+#include "slam/exchange/item_checks.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
-
-// Keep a batch well below the wire's 4 MiB; what is over goes into the next.
-constexpr size_t kMaxFullPoints = 8000;
-constexpr size_t kMaxLightPoints = 30000;
-constexpr size_t kMaxFrames = 30000;
 
 // What a keyframe's picture doesn't tell: an observation's noise is a pixel at its finest.
 constexpr double kSameLook_px = 0.5;
@@ -147,6 +145,11 @@ bool UpdateRecorder::HasMore() const {
            loop_edges_.empty() && tracked_frames_.empty() && lost_frames_ns_.empty());
 }
 
+uint64_t UpdateRecorder::refused_items() const {
+  absl::MutexLock lock(&mutex_);
+  return gate_.refused();
+}
+
 size_t UpdateRecorder::pending_keyframes() const {
   absl::MutexLock lock(&mutex_);
   return added_keyframes_.size() - std::min(added_keyframes_.size(), options_.hold_newest);
@@ -241,9 +244,13 @@ void UpdateRecorder::TakeFullKeyframes(const Map& map, BatchAllowance& allowance
     const Keyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr) continue;
     SelectedFeatures selected = SelectFeatures(*keyframe, options_.features);
-    if (!selected.numbers.empty()) numbers_[id] = std::move(selected.numbers);
     FullKeyframe full = {selected.payload, keyframe->camera_from_map, KnownAncestor(map, id)};
     changed_keyframes_.erase(id);
+    if (!gate_.Admit(ValidateFullKeyframe(full, *full.payload->camera))) {
+      refused_keyframes_.insert(id);
+      continue;
+    }
+    if (!selected.numbers.empty()) numbers_[id] = std::move(selected.numbers);
     NoteParent(*keyframe, full.parent);
     reobserved_keyframes_.insert(id);
     TakeCameras(full, batch);
@@ -295,7 +302,7 @@ void UpdateRecorder::TakeFullPoints(const Map& map, BatchAllowance& allowance,
   for (const MapPointId& id : added_points_) {
     const MapPoint* point = map.FindPoint(id);
     if (point == nullptr) continue;
-    if (batch.full_points.size() == kMaxFullPoints || allowance.is_spent()) {
+    if (batch.full_points.size() == options_.limits.full_points || allowance.is_spent()) {
       waiting.insert(id);
       continue;
     }
@@ -304,12 +311,19 @@ void UpdateRecorder::TakeFullPoints(const Map& map, BatchAllowance& allowance,
       if (MayBeSeenLater(map, *point)) waiting.insert(id);
       continue;
     }
+    const FullMapPoint full = {id,
+                               point->position_in_map,
+                               reference,
+                               point->descriptor,
+                               point->normal_in_map,
+                               point->min_distance,
+                               point->max_distance};
+    if (!gate_.Admit(ValidateFullPoint(full))) continue;
     allowance.SpendPoint(point->observations.size());
     moved_points_.erase(id);
     sent_points_.insert(id);
     believed_.AddPoint(id, point->position_in_map, reference);
-    batch.full_points.push_back({id, point->position_in_map, reference, point->descriptor,
-                                 point->normal_in_map, point->min_distance, point->max_distance});
+    batch.full_points.push_back(full);
   }
   added_points_ = std::move(waiting);
 }
@@ -336,10 +350,16 @@ void UpdateRecorder::TakeLightKeyframes(const Map& map, MapUpdateBatch& batch) {
   std::sort(by_depth.begin(), by_depth.end());
   changed_keyframes_.clear();
   for (const auto& [depth, id] : by_depth) {
+    if (batch.light_keyframes.size() == options_.limits.light_keyframes) {
+      changed_keyframes_.insert(id);
+      continue;
+    }
     const Keyframe& keyframe = *map.FindKeyframe(id);
     const KeyframeId parent = KnownAncestor(map, id);
+    const LightKeyframe light = {id, keyframe.camera_from_map, parent};
+    if (!gate_.Admit(ValidateLightKeyframe(light))) continue;
     NoteParent(keyframe, parent);
-    batch.light_keyframes.push_back({id, keyframe.camera_from_map, parent});
+    batch.light_keyframes.push_back(light);
     believed_.PlaceKeyframe(id, keyframe.camera_from_map, points_follow_);
     // Where it sees points, and where it took those that follow it.
     for (const MapPointId point : keyframe.points) {
@@ -364,12 +384,16 @@ bool UpdateRecorder::AreLightPointsDue() const {
 void UpdateRecorder::TakeLightPoints(const Map& map, BatchAllowance& allowance,
                                      MapUpdateBatch& batch) {
   if (moved_points_.empty() || !AreLightPointsDue()) return;
-  while (!moved_points_.empty() && batch.light_points.size() < kMaxLightPoints &&
+  while (!moved_points_.empty() && batch.light_points.size() < options_.limits.light_points &&
          !allowance.is_spent()) {
     const MapPointId id = *moved_points_.begin();
     moved_points_.erase(moved_points_.begin());
     const MapPoint* point = map.FindPoint(id);
-    if (point == nullptr || !sent_points_.contains(id) || IsToldWell(map, *point)) continue;
+    if (point == nullptr || !sent_points_.contains(id)) continue;
+    if (!gate_.Admit(ValidatePosition("light map point", id, "position", point->position_in_map)) ||
+        IsToldWell(map, *point)) {
+      continue;
+    }
     allowance.SpendLightPoint();
     believed_.MovePoint(id, point->position_in_map);
     batch.light_points.push_back({id, point->position_in_map});
@@ -414,6 +438,10 @@ void UpdateRecorder::TakeReplacements(const Map& map, MapUpdateBatch& batch) {
       }
       continue;
     }
+    if (batch.replacements.size() == options_.limits.replacements) {
+      waiting.emplace(replaced, survivor);
+      continue;
+    }
     const std::map<KeyframeId, uint32_t> observations = mirror_.Observations(replaced);
     for (const auto& [id, keypoint] : observations) reobserved_keyframes_.insert(id);
     mirror_.ReplacePoint(replaced, survivor);
@@ -439,7 +467,11 @@ void UpdateRecorder::TakeObservations(const Map& map, MapUpdateBatch& batch) {
   };
   for (const KeyframeId& id : reobserved_keyframes_) {
     const Keyframe* keyframe = map.FindKeyframe(id);
-    if (keyframe == nullptr) continue;
+    if (keyframe == nullptr || refused_keyframes_.contains(id)) continue;
+    if (batch.observations.size() >= options_.limits.observations) {
+      waiting.insert(id);
+      continue;
+    }
     const auto is_withdrawn = [&](uint32_t keypoint) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
       return withdrawn_.contains({id, keypoint});
     };
@@ -461,22 +493,28 @@ void UpdateRecorder::TakeObservations(const Map& map, MapUpdateBatch& batch) {
 }
 
 void UpdateRecorder::TakeRemovals(MapUpdateBatch& batch) {
-  for (const MapPointId& id : removed_points_) {
+  while (!removed_points_.empty() && batch.removed_points.size() < options_.limits.removed_points) {
+    const MapPointId id = *removed_points_.begin();
+    removed_points_.erase(removed_points_.begin());
     if (sent_points_.erase(id) == 0) continue;
     mirror_.RemovePoint(id);
     believed_.RemovePoint(id);
     batch.removed_points.push_back(id);
   }
-  removed_points_.clear();
-  for (const KeyframeRemoval& removal : removed_keyframes_) {
-    sent_keyframes_.erase(removal.id);
-    numbers_.erase(removal.id);
-    stand_ins_.erase(removal.id);
-    mirror_.RemoveKeyframe(removal.id);
-    believed_.RemoveKeyframe(removal.id);
-    batch.removed_keyframes.push_back(removal);
+  // A keyframe goes after its children hang on others.
+  if (!changed_keyframes_.empty()) return;
+  const size_t count = std::min(removed_keyframes_.size(), options_.limits.removed_keyframes);
+  const auto end = removed_keyframes_.begin() + static_cast<ptrdiff_t>(count);
+  for (auto removal = removed_keyframes_.begin(); removal != end; ++removal) {
+    sent_keyframes_.erase(removal->id);
+    numbers_.erase(removal->id);
+    stand_ins_.erase(removal->id);
+    mirror_.RemoveKeyframe(removal->id);
+    believed_.RemoveKeyframe(removal->id);
+    if (refused_keyframes_.erase(removal->id) > 0) continue;
+    if (gate_.Admit(ValidateRemoval(*removal))) batch.removed_keyframes.push_back(*removal);
   }
-  removed_keyframes_.clear();
+  removed_keyframes_.erase(removed_keyframes_.begin(), end);
 }
 
 void UpdateRecorder::TakeLoopEdges(const Map& map, MapUpdateBatch& batch) {
@@ -485,28 +523,44 @@ void UpdateRecorder::TakeLoopEdges(const Map& map, MapUpdateBatch& batch) {
     const Keyframe* a = map.FindKeyframe(a_id);
     const Keyframe* b = map.FindKeyframe(b_id);
     if (a == nullptr || b == nullptr) continue;
-    if (!sent_keyframes_.contains(a_id) || (IsOwn(b_id) && !sent_keyframes_.contains(b_id))) {
+    if (refused_keyframes_.contains(a_id) || refused_keyframes_.contains(b_id)) continue;
+    if (batch.loop_edges.size() == options_.limits.loop_edges || !sent_keyframes_.contains(a_id) ||
+        (IsOwn(b_id) && !sent_keyframes_.contains(b_id))) {
       waiting.emplace_back(a_id, b_id);
       continue;
     }
     const Rigid3d b_from_a = b->camera_from_map * a->camera_from_map.Inverse();
-    batch.loop_edges.push_back({a_id, b_id, Similarity3d::FromRigid(b_from_a)});
+    const Similarity3d similarity = Similarity3d::FromRigid(b_from_a);
+    if (!gate_.Admit(ValidateSimilarity("loop edge from", a_id, similarity))) continue;
+    batch.loop_edges.push_back({a_id, b_id, similarity});
   }
   loop_edges_ = std::move(waiting);
+}
+
+absl::Status ValidateFrame(const TrackedFrame& frame) {
+  RETURN_IF_ERROR(ValidateTime("tracked frame", frame.timestamp_ns));
+  return ValidatePose("tracked frame of", frame.reference, "reference_from_camera",
+                      frame.reference_from_camera);
 }
 
 // A frame goes up with or after its reference keyframe.
 void UpdateRecorder::TakeFrames(MapUpdateBatch& batch) {
   std::vector<TrackedFrame> waiting;
   for (const TrackedFrame& frame : tracked_frames_) {
-    const bool waits =
-        added_keyframes_.contains(frame.reference) || batch.tracked_frames.size() == kMaxFrames;
+    // Where its keyframe was not told, nobody can tell where it was.
+    if (refused_keyframes_.contains(frame.reference)) continue;
+    const bool waits = added_keyframes_.contains(frame.reference) ||
+                       batch.tracked_frames.size() == options_.limits.frames;
+    if (!waits && !gate_.Admit(ValidateFrame(frame))) continue;
     (waits ? waiting : batch.tracked_frames).push_back(frame);
   }
   tracked_frames_ = std::move(waiting);
-  const size_t lost = std::min(lost_frames_ns_.size(), kMaxFrames);
+  const size_t lost = std::min(lost_frames_ns_.size(), options_.limits.frames);
   const auto end = lost_frames_ns_.begin() + static_cast<ptrdiff_t>(lost);
-  batch.lost_frames_ns.assign(lost_frames_ns_.begin(), end);
+  std::copy_if(lost_frames_ns_.begin(), end, std::back_inserter(batch.lost_frames_ns),
+               [this](int64_t time_ns) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+                 return gate_.Admit(ValidateTime("lost frame", time_ns));
+               });
   lost_frames_ns_.erase(lost_frames_ns_.begin(), end);
 }
 

@@ -16,11 +16,28 @@
 #include "client_agent/upload/believed_places.h"
 #include "client_agent/upload/feature_selection.h"
 #include "client_agent/upload/held_back.h"
+#include "client_agent/upload/item_gate.h"
 #include "client_agent/upload/observation_mirror.h"
 #include "slam/exchange/map_update.h"
 #include "slam/map/map.h"
 
 namespace corbslam {
+
+// Items of one batch, beside full keyframes; what is over goes into the next one. Together they are
+// far below the million of items for which a store refuses a batch, and would do so for ever.
+struct BatchLimits {
+  size_t full_points = 8000;
+  size_t light_keyframes = 100000;
+  size_t light_points = 30000;
+  size_t replacements = 30000;
+  // Beside those of the last keyframe that has any.
+  size_t observations = 100000;
+  size_t removed_points = 100000;
+  size_t removed_keyframes = 30000;
+  size_t loop_edges = 30000;
+  // Tracked ones, and as many lost ones.
+  size_t frames = 30000;
+};
 
 struct RecorderOptions {
   // What recorded the pictures of the map's cameras; nullopt: not said.
@@ -34,6 +51,7 @@ struct RecorderOptions {
   // Points that were told are told anew once in so long, by the frames' own times: each adjustment
   // of the robot's moves them again. 0, or hold_newest 0: with each batch.
   int64_t light_points_every_ns = 2'000'000'000;
+  BatchLimits limits = {};
 };
 
 // Of one local map. Only that map's own items are recorded: what others made is theirs to tell.
@@ -74,6 +92,9 @@ class UpdateRecorder : public MapObserver {
   void StopHoldingBack();
 
   bool HasChanges() const;
+  // Items that were not told because their values are impossible (slam/exchange/item_checks.h),
+  // since the beginning; each is logged. What hangs on such an item is not told either.
+  uint64_t refused_items() const;
   // About how many keyframes a batch is yet to carry that are not held back.
   size_t pending_keyframes() const;
   // What no batch has carried yet.
@@ -81,8 +102,8 @@ class UpdateRecorder : public MapObserver {
 
   // The changes since the last call, as a batch without a number, as far as `allowance` goes (the
   // rest, and what hangs on it, waits for the next call): all poses, at least one full keyframe,
-  // and points once no full keyframe waits. Never empty where something can be told. `map` is the
-  // observed one; the caller keeps it from changing.
+  // and points once no full keyframe waits, each as far as BatchLimits go. Never empty where
+  // something can be told. `map` is the observed one; the caller keeps it from changing.
   MapUpdateBatch TakeBatch(const Map& map, BatchAllowance allowance);
   // As far as at most so many full keyframes go.
   MapUpdateBatch TakeBatch(const Map& map, size_t max_keyframes) {
@@ -139,6 +160,9 @@ class UpdateRecorder : public MapObserver {
   const RecorderOptions options_;
 
   mutable absl::Mutex mutex_;
+  ItemGate gate_ ABSL_GUARDED_BY(mutex_);
+  // Full keyframes that were not let through: nothing that names them goes up.
+  absl::btree_set<KeyframeId> refused_keyframes_ ABSL_GUARDED_BY(mutex_);
   // What the store has been told.
   absl::btree_set<KeyframeId> sent_keyframes_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> sent_points_ ABSL_GUARDED_BY(mutex_);

@@ -1,6 +1,7 @@
 // A replica fed with batches alone must stay equal to the observed map, whatever happens to it.
 #include "client_agent/upload/update_recorder.h"
 
+#include <limits>
 #include <memory>
 #include <random>
 #include <utility>
@@ -317,6 +318,43 @@ TEST(UpdateRecorderTest, BatchesLimitedInKeyframesConvergeToTheSame) {
   }
 }
 
+constexpr BatchLimits kTinyLimits = {.full_points = 3,
+                                     .light_keyframes = 2,
+                                     .light_points = 2,
+                                     .replacements = 1,
+                                     .observations = 4,
+                                     .removed_points = 1,
+                                     .removed_keyframes = 1,
+                                     .loop_edges = 1,
+                                     .frames = 1};
+
+// A backlog of any size goes up in batches that a store takes.
+TEST(UpdateRecorderTest, BatchesLimitedInItemsConvergeToTheSame) {
+  for (uint32_t seed = 1; seed <= 40; ++seed) {
+    Scenario scenario(seed, {.hold_newest = 0, .limits = kTinyLimits});
+    std::mt19937 random(seed);
+    const auto flush = [&] {
+      const MapUpdateBatch batch = scenario.Flush(1);
+      EXPECT_LE(batch.full_points.size(), kTinyLimits.full_points);
+      EXPECT_LE(batch.light_keyframes.size(), kTinyLimits.light_keyframes);
+      EXPECT_LE(batch.light_points.size(), kTinyLimits.light_points);
+      EXPECT_LE(batch.replacements.size(), kTinyLimits.replacements);
+      // One keyframe may lose and gain one at each of its keypoints.
+      EXPECT_LT(batch.observations.size(), kTinyLimits.observations + 2 * kKeypoints);
+      EXPECT_LE(batch.removed_points.size(), kTinyLimits.removed_points);
+      EXPECT_LE(batch.removed_keyframes.size(), kTinyLimits.removed_keyframes);
+    };
+    for (int step = 0; step < 300; ++step) {
+      scenario.Step();
+      if (random() % 10 == 0) flush();
+    }
+    for (int i = 0; i < 2000 && scenario.HasChanges(); ++i) flush();
+    EXPECT_FALSE(scenario.HasChanges());
+    scenario.ExpectEqual();
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+}
+
 TEST(UpdateRecorderTest, WhatIsHeldBackIsAllToldAtTheEnd) {
   for (uint32_t seed = 1; seed <= 40; ++seed) {
     Scenario scenario(seed, {.hold_newest = 6});
@@ -590,6 +628,68 @@ TEST_F(RecordedMapTest, FramesBeyondABatchGoIntoTheNext) {
   }
   EXPECT_EQ(lost, 50000U);
   EXPECT_EQ(tracked, 50000U);
+}
+
+TEST_F(RecordedMapTest, AHugeBacklogGoesUpInBatchesThatAStoreTakes) {
+  constexpr uint32_t kMany = 150000;
+  constexpr size_t kStoreTakes = 1000000;
+  Keyframe keyframe = MakeKeyframe({kOwn, 0}, {});
+  for (uint32_t i = 0; i < kMany; ++i) {
+    keyframe.payload = MakeKeyframePayload({kOwn, i}, i, 0, keyframe.payload->camera, {});
+    keyframe.parent = i == 0 ? KeyframeId() : KeyframeId{kOwn, 0};
+    map_.AddKeyframe(keyframe);
+  }
+  while (!corbslam::IsEmpty(recorder_.TakeBatch(map_, kMany))) {
+  }
+  // The whole map moves, and a long way was tracked meanwhile.
+  for (uint32_t i = 0; i < kMany; ++i) {
+    map_.SetPose({kOwn, i}, {Eigen::Quaterniond::Identity(), {1, 0, 0}});
+    recorder_.AddTrackedFrame({i, {kOwn, i}, {}});
+    recorder_.AddTrackedFrame({i, {kOwn, i}, {}});
+    recorder_.AddTrackedFrame({i, {kOwn, i}, {}});
+  }
+  size_t keyframes = 0;
+  size_t frames = 0;
+  while (true) {
+    const MapUpdateBatch batch = recorder_.TakeBatch(map_, 8);
+    if (corbslam::IsEmpty(batch)) break;
+    EXPECT_LT(batch.light_keyframes.size() + batch.tracked_frames.size(), kStoreTakes / 2);
+    keyframes += batch.light_keyframes.size();
+    frames += batch.tracked_frames.size();
+  }
+  EXPECT_EQ(keyframes, kMany);
+  EXPECT_EQ(frames, 3 * kMany);
+}
+
+TEST_F(RecordedMapTest, WhatHasImpossibleValuesIsNotTold) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  map_.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  Keyframe bad = MakeKeyframe({kOwn, 1}, {kOwn, 0});
+  bad.camera_from_map.translation.x() = kNan;
+  map_.AddKeyframe(bad);
+  map_.AddKeyframe(MakeKeyframe({kOwn, 2}, {kOwn, 1}));
+  map_.AddLoopEdge({kOwn, 1}, {kOwn, 0});
+  recorder_.AddTrackedFrame({5, {kOwn, 1}, {}});
+  recorder_.AddTrackedFrame({6, {kOwn, 0}, {}});
+  recorder_.AddTrackedFrame({-7, {kOwn, 0}, {}});
+  const MapUpdateBatch batch = recorder_.TakeBatch(map_, 10);
+  ASSERT_EQ(batch.full_keyframes.size(), 2u);
+  EXPECT_EQ(batch.full_keyframes[1].payload->id, (KeyframeId{kOwn, 2}));
+  EXPECT_EQ(batch.full_keyframes[1].parent, (KeyframeId{kOwn, 0})) << "past the one left out";
+  EXPECT_TRUE(batch.loop_edges.empty());
+  ASSERT_EQ(batch.tracked_frames.size(), 1u);
+  EXPECT_EQ(batch.tracked_frames[0].timestamp_ns, 6);
+  EXPECT_EQ(recorder_.refused_items(), 2u) << "the keyframe, and the frame before all time";
+  EXPECT_FALSE(recorder_.HasChanges());
+
+  // One that was told stays where it was until it has a place again.
+  const auto move = [&](double x) {
+    map_.SetPose({kOwn, 2}, {Eigen::Quaterniond::Identity(), {x, 0, 0}});
+    return recorder_.TakeBatch(map_, 10).light_keyframes;
+  };
+  EXPECT_TRUE(move(kNan).empty());
+  EXPECT_EQ(recorder_.refused_items(), 3u);
+  EXPECT_EQ(move(1).size(), 1u);
 }
 
 TEST_F(RecordedMapTest, FramesWaitForTheirReference) {

@@ -44,8 +44,32 @@ void UploadQueue::Acknowledge(const Acknowledgement& acknowledgement) {
 std::vector<LostLocalMap> UploadQueue::Resume(const SessionGrant& grant) {
   absl::MutexLock lock(&mutex_);
   std::vector<LostLocalMap> lost = outbox_.Resume(grant);
+  if (std::optional<LostLocalMap> refused = GiveUpSuspect()) lost.push_back(*std::move(refused));
   for (const LostLocalMap& local_map : lost) NoteLoss(local_map);
   return lost;
+}
+
+std::optional<LostLocalMap> UploadQueue::GiveUpSuspect() {
+  const std::optional<Suspect> suspect = std::exchange(suspect_, std::nullopt);
+  const Outbox::Entry* oldest = outbox_.NextUnsent();
+  if (!suspect.has_value() || oldest == nullptr || oldest->local_map != suspect->local_map ||
+      oldest->number != suspect->number) {
+    return std::nullopt;
+  }
+  outbox_.Drop(suspect->local_map);
+  return LostLocalMap{suspect->local_map, /*of_earlier_process=*/false,
+                      absl::DataLossError(absl::StrCat(
+                          "the map store refuses batch ", suspect->number, " of local map ",
+                          ToString(suspect->local_map), " for good: ", suspect->reason.message()))};
+}
+
+bool UploadQueue::NoteRefusal(const absl::Status& reason) {
+  if (GiveUpEarlier(reason)) return true;
+  absl::MutexLock lock(&mutex_);
+  const Outbox::Entry* oldest = outbox_.OldestSent();
+  if (oldest == nullptr) return false;
+  suspect_ = Suspect{oldest->local_map, oldest->number, reason};
+  return true;
 }
 
 bool UploadQueue::GiveUpEarlier(const absl::Status& reason) {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct UploadStatus {
   // DATA_LOSS, ALREADY_EXISTS: why the last local map was given up that had to be.
   absl::Status loss;
   int lost_local_maps = 0;
+  // Items with impossible values, which were kept out of batches; the queue doesn't know them.
+  uint64_t refused_items = 0;
   // Not in a batch yet; the queue doesn't know, the manager says it.
   HeldBack held_back;
 };
@@ -49,6 +52,11 @@ class UploadQueue {
   // The store finds the oldest batch to be no good. If an earlier process made it, its local map is
   // given up, and true returned.
   bool GiveUpEarlier(const absl::Status& reason);
+  // The store ended a session because of a batch. An earlier process's is given up as above. This
+  // process's oldest one is suspected: where the next session begins with it again the store did
+  // not take it, and Resume gives up its local map. False: nothing was sent that the store could
+  // mean.
+  bool NoteRefusal(const absl::Status& reason);
 
   bool has_spool() const { return spool_ != nullptr; }
   bool HasRoom() const;
@@ -71,6 +79,13 @@ class UploadQueue {
  private:
   bool SpillOldest(size_t allowed_bytes);
   void ReleaseSpooled();
+  // The oldest batch, and why the store ended a session while it was.
+  struct Suspect {
+    LocalMapId local_map;
+    uint64_t number = 0;
+    absl::Status reason;
+  };
+  std::optional<LostLocalMap> GiveUpSuspect() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteLoss(const LostLocalMap& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteSpool(const absl::Status& room);
 
@@ -79,6 +94,7 @@ class UploadQueue {
 
   mutable absl::Mutex mutex_;
   Outbox outbox_ ABSL_GUARDED_BY(mutex_);
+  std::optional<Suspect> suspect_ ABSL_GUARDED_BY(mutex_);
   uint64_t spool_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   absl::Status room_ ABSL_GUARDED_BY(mutex_);
   absl::Status loss_ ABSL_GUARDED_BY(mutex_);

@@ -237,5 +237,25 @@ TEST_F(UploadQueueTest, WhatTheStoreRefusesOfAnEarlierProcessIsSetAside) {
   EXPECT_FALSE(queue_->GiveUpEarlier(absl::InvalidArgumentError("NaN"))) << "that one is our own";
 }
 
+TEST_F(UploadQueueTest, WhatTheStoreRefusesTwiceOfThisProcessIsGivenUp) {
+  Open(1 << 20);
+  EXPECT_TRUE(queue_->Begin(kMap));
+  EXPECT_FALSE(queue_->NoteRefusal(absl::InvalidArgumentError("NaN"))) << "nothing was sent";
+  Push(kMap, 3);
+  EXPECT_THAT(SendAll(), ElementsAre("7/1", "7/2", "7/3"));
+  EXPECT_TRUE(queue_->NoteRefusal(absl::InvalidArgumentError("NaN")));
+  // The store had taken the first: it meant a later one.
+  EXPECT_TRUE(queue_->Resume({{{kMap, 1}}}).empty());
+  EXPECT_THAT(SendAll(), ElementsAre("7/2", "7/3"));
+  EXPECT_TRUE(queue_->NoteRefusal(absl::InvalidArgumentError("NaN")));
+  const std::vector<LostLocalMap> lost = queue_->Resume({{{kMap, 1}}});
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost[0].id, kMap);
+  EXPECT_FALSE(lost[0].of_earlier_process);
+  EXPECT_TRUE(absl::IsDataLoss(queue_->status().loss));
+  EXPECT_EQ(queue_->status().lost_local_maps, 1);
+  EXPECT_TRUE(queue_->IsEmpty());
+}
+
 }  // namespace
 }  // namespace corbslam

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "client_agent/link/store_link.h"
+#include "client_agent/link/testing/fake_map_jobs.h"
 #include "services/client/remote/remote_uplink.h"
 #include "services/convert/testing/test_data.h"
 #include "services/map_store_service/map_store_service.h"
@@ -45,47 +46,44 @@ class BudgetedUploadTest : public ::testing::Test {
     memory_ = std::make_unique<StoreLink>(options, uplink_.get(),
                                           [](const auto&) { return std::make_shared<Words>(); });
     memory_->Start();
-    absl::MutexLock lock(&mutex_);
-    map_.SetObserver(memory_->BeginLocalMap({kMap,
-                                             [this](const auto& read) {
-                                               absl::MutexLock lock(&mutex_);
-                                               read(map_);
-                                             },
-                                             [](const auto&) {}, nullptr}));
+    memory_->BeginLocalMap(map_, jobs_);
   }
   // A keyframe, points that it and the one before see, and moves of what there is.
   void MapFrame(uint32_t index) {
-    absl::MutexLock lock(&mutex_);
+    map_.Write([&](Map& map) { AddFrame(index, map); });
+    memory_->AddTrackedFrame({index, {kMap, index}, {}});
+  }
+  void AddFrame(uint32_t index, Map& map) {
     const KeyframeId id{kMap, index};
     const KeyframeId before{kMap, index - 1};
     Keyframe keyframe;
     keyframe.payload = test_data::MakePayload(random_, id, kKeypoints);
     if (index > 0) keyframe.parent = before;
-    map_.AddKeyframe(std::move(keyframe));
+    map.AddKeyframe(std::move(keyframe));
     for (uint32_t p = 0; p < 30; ++p) {
       MapPoint point;
       point.id = {kMap, 30 * index + p};
       point.reference = id;
       point.position_in_map = {0.1 * p, 0.01 * index, 10};
       point.max_distance = 100;
-      map_.AddPoint(point);
-      map_.AddObservation(point.id, id, p);
-      if (index > 0) map_.AddObservation(point.id, before, 100 + p);
+      map.AddPoint(point);
+      map.AddObservation(point.id, id, p);
+      if (index > 0) map.AddObservation(point.id, before, 100 + p);
     }
     for (uint32_t k = 0; k < index; ++k) {
-      map_.SetPose({kMap, k}, {Eigen::Quaterniond::Identity(), {0.1 * index, 0.01 * k, 0}});
+      map.SetPose({kMap, k}, {Eigen::Quaterniond::Identity(), {0.1 * index, 0.01 * k, 0}});
     }
-    memory_->AddTrackedFrame({index, id, {}});
   }
 
   // The store has what the robot has, as the robot has it.
   void ExpectWhole() {
+    const Map whole = map_.Read([](const Map& map) { return map; });
     const auto info = store_.GetLocalMap("m", kMap);
     ASSERT_TRUE(info.ok()) << info.status();
     EXPECT_TRUE(info->closed);
-    EXPECT_EQ(info->keyframes, map_.keyframes().size());
-    EXPECT_EQ(info->map_points, map_.points().size());
-    for (const auto& [id, keyframe] : map_.keyframes()) {
+    EXPECT_EQ(info->keyframes, whole.keyframes().size());
+    EXPECT_EQ(info->map_points, whole.points().size());
+    for (const auto& [id, keyframe] : whole.keyframes()) {
       const auto stored = store_.GetKeyframe("m", id);
       ASSERT_TRUE(stored.ok()) << stored.status();
       EXPECT_EQ(stored->parent, keyframe.parent);
@@ -101,8 +99,8 @@ class BudgetedUploadTest : public ::testing::Test {
   MapStoreService service_;
   const std::unique_ptr<Server> server_;
   std::unique_ptr<Uplink> uplink_;
-  absl::Mutex mutex_;
-  Map map_;
+  FakeMapJobs jobs_;
+  GuardedMap map_{kMap};
   std::mt19937 random_{1};
   // Reads the map until it is gone.
   std::unique_ptr<StoreLink> memory_;

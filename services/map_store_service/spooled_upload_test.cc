@@ -8,6 +8,7 @@
 #include <string>
 
 #include "client_agent/link/store_link.h"
+#include "client_agent/link/testing/fake_map_jobs.h"
 #include "services/client/remote/channel.h"
 #include "services/client/remote/remote_uplink.h"
 #include "services/convert/batch_bytes.h"
@@ -56,21 +57,13 @@ class Robot {
   }
 
   void Begin(LocalMapId id) {
-    absl::MutexLock lock(&mutex_);
-    local_map_ = id;
-    map_ = Map();
-    map_.SetObserver(memory_->BeginLocalMap({id,
-                                             [this](const auto& read) {
-                                               absl::MutexLock lock(&mutex_);
-                                               read(map_);
-                                             },
-                                             [](const auto&) {}, nullptr}));
+    map_ = maps_.emplace_back(std::make_unique<GuardedMap>(id)).get();
+    memory_->BeginLocalMap(*map_, jobs_);
   }
   void AddKeyframe(uint32_t index) {
-    absl::MutexLock lock(&mutex_);
     Keyframe keyframe;
-    keyframe.payload = test_data::MakePayload(random_, {local_map_, index}, 20);
-    map_.AddKeyframe(std::move(keyframe));
+    keyframe.payload = test_data::MakePayload(random_, {map_->local_map(), index}, 20);
+    map_->Write([&](Map& map) { map.AddKeyframe(std::move(keyframe)); });
   }
   template <typename Condition>
   bool WaitUntil(const Condition& condition) {
@@ -82,9 +75,9 @@ class Robot {
 
  private:
   const std::unique_ptr<Uplink> uplink_;
-  absl::Mutex mutex_;
-  LocalMapId local_map_;
-  Map map_;
+  FakeMapJobs jobs_;
+  std::vector<std::unique_ptr<GuardedMap>> maps_;
+  GuardedMap* map_ = nullptr;
   std::mt19937 random_{1};
   // Reads the map until it is gone.
   std::unique_ptr<StoreLink> memory_;

@@ -28,6 +28,8 @@ class ObservedUplink : public Uplink, private UplinkListener {
     return true;
   }
 
+  void PauseReading() override { uplink_.PauseReading(); }
+  void ResumeReading() override { uplink_.ResumeReading(); }
   void Close() override { uplink_.Close(); }
   uint64_t bytes_up() const override { return uplink_.bytes_up(); }
   uint64_t bytes_waiting() const override { return uplink_.bytes_waiting(); }

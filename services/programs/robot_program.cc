@@ -113,6 +113,8 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.upload_features = upload;
   options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
   options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
+  // It is asked for at the end, or by other programs at any time.
+  options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
   return options;

@@ -64,9 +64,10 @@ class UplinkListener {
   virtual void OnShared(SharedUpdate update) = 0;
   // The store wants to be told where the points of the newest local map are, exactly.
   virtual void OnExactPlacesWanted() = 0;
-  // The session is gone. ABORTED: a newer session of the same agent fenced it off; INVALID_ARGUMENT
-  // and PERMISSION_DENIED: don't try again. After anything else open again later, also after
-  // ALREADY_EXISTS: another process holds a session of this agent.
+  // The session is gone. ABORTED: a newer session of the same agent fenced it off;
+  // PERMISSION_DENIED: don't try again. INVALID_ARGUMENT: likewise before OnSessionOpened; after it
+  // a batch was refused. After anything else open again later, also after ALREADY_EXISTS: another
+  // process holds a session of this agent.
   virtual void OnSessionClosed(const absl::Status& reason) = 0;
 };
 
@@ -79,6 +80,11 @@ class Uplink {
   // Returns false when no session stands, or the transport's queue is full: keep the batch, try
   // again.
   virtual bool Send(const MapUpdateBatch& batch) = 0;
+  // Reads nothing more from the store until ResumeReading, but for what is being read: the listener
+  // has no room. Acknowledgements wait, too. May be called by the listener. A transport that brings
+  // only what its owner asks for needs neither.
+  virtual void PauseReading() {}
+  virtual void ResumeReading() {}
   // Ends the session; no call to the listener is under way or follows once it returns.
   virtual void Close() = 0;
   // Returns the bytes on the wire since construction.

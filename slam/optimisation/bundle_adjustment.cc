@@ -193,8 +193,8 @@ absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& sco
     minimise.max_iterations = options.max_iterations;
     minimise.robust = options.use_robust_loss && round == 0;
     minimise.threads = options.threads;
-    minimise.converged_cost_change = round + 1 < rounds ? options.outlier_round_cost_change
-                                                        : options.converged_cost_change;
+    minimise.converged_cost_change =
+        round + 1 < rounds ? options.outlier_round_cost_change : options.converged_cost_change;
     if (options.keep_going) {
       minimise.keep_going = [&](int iteration) {
         const double part = static_cast<double>(iteration) / std::max(options.max_iterations, 1);

@@ -121,9 +121,9 @@ BundleProblem DrivePastPointsThatLieAhead(const Camera& camera) {
   }
   for (int i = 0; i < kPoses; ++i) {
     const double error = i + 1 < kPoses ? 0.05 : 0;
-    problem.poses.push_back({ExpSO3(Eigen::Vector3d(0, 0.1 * error * normal(random), 0))
-                                 .toRotationMatrix(),
-                             Eigen::Vector3d(error * normal(random), 0, -i), &camera});
+    problem.poses.push_back(
+        {ExpSO3(Eigen::Vector3d(0, 0.1 * error * normal(random), 0)).toRotationMatrix(),
+         Eigen::Vector3d(error * normal(random), 0, -i), &camera});
   }
   for (uint32_t p = 0; p < problem.free_points; ++p) {
     for (uint32_t i = 0; i < kPoses; ++i) {
@@ -131,7 +131,8 @@ BundleProblem DrivePastPointsThatLieAhead(const Camera& camera) {
       const Eigen::Vector3d pixel = ReprojectionResidual(camera, x, MakeMeasurement({0, 0}, 1, 1));
       const Eigen::Vector2d noise(0.3 * normal(random), 0.3 * normal(random));
       problem.observations.push_back(
-          {i, p, MakeMeasurement(pixel.head<2>() + noise, camera.fx_px * camera.baseline_m / x.z(), 1),
+          {i, p,
+           MakeMeasurement(pixel.head<2>() + noise, camera.fx_px * camera.baseline_m / x.z(), 1),
            true});
     }
   }

@@ -77,7 +77,8 @@ absl::Status PrintErrors(const Agent& agent, const Options& options) {
               scaled.rmse_m, scaled.truth_from_estimate.scale);
   std::printf("%d keyframes, %d points, %d loops; tracking %.1f ms, local BA %.1f ms (medians)\n",
               status.keyframes, status.map_points, status.loops_closed,
-              MedianOrZero(timings.tracking_ms), MedianOrZero(timings.local_ba_ms));
+              MedianOrZero(timings.tracking_ms.values()),
+              MedianOrZero(timings.local_ba_ms.values()));
   return absl::OkStatus();
 }
 

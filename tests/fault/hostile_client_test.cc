@@ -99,6 +99,30 @@ class HostileClientTest : public ReplayFaultTest {
     return ReadStatistics(FileOf("attacks.json"));
   }
 
+  // A local map belongs to whoever sends its first batch.
+  static void WaitUntilStreaming(const std::vector<std::unique_ptr<ReplayingAgent>>& victims) {
+    for (const auto& victim : victims) {
+      for (int i = 0; i < 600 && victim->ledger().acknowledged == 0; ++i) {
+        absl::SleepFor(absl::Milliseconds(10));
+      }
+      ASSERT_GT(victim->ledger().acknowledged, 0u);
+    }
+  }
+
+  // A robot of the same mission that keeps to all limits (dear_attacker_main.cc). Returns what it
+  // wrote of that.
+  nlohmann::json SendDearBatches() {
+    const auto attacker = Start(
+        "dear_attacker", "dear_attacker",
+        {"127.0.0.1" + port_, kMission, "--keyframes", "500", "--crowd", "60", "--reversed", "60",
+         "--wide", "2000", "--items", "20000", "--rounds", "2", "--out", FileOf("dear.json")},
+        {});
+    if (attacker == nullptr) return {};
+    EXPECT_TRUE(attacker->WaitForEnd(absl::Minutes(10)));
+    EXPECT_TRUE(attacker->EndStatus().ok()) << attacker->EndStatus();
+    return ReadStatistics(FileOf("dear.json"));
+  }
+
   // Expects how the calls of each attack must have ended, and what they left.
   static void ExpectHeldOff(const nlohmann::json& attacks, size_t keyframes_of_a_batch) {
     for (const auto& attack : attacks["attacks"]) {
@@ -178,13 +202,7 @@ TEST_F(HostileClientTest, RobotsDoNotNotice) {
 
   StartStore("attacked");
   auto victims = StartVictims(laps);
-  // A local map belongs to whoever sends its first batch.
-  for (const auto& victim : victims) {
-    for (int i = 0; i < 600 && victim->ledger().acknowledged == 0; ++i) {
-      absl::SleepFor(absl::Milliseconds(10));
-    }
-    ASSERT_GT(victim->ledger().acknowledged, 0u);
-  }
+  ASSERT_NO_FATAL_FAILURE(WaitUntilStreaming(victims));
   const nlohmann::json attacks = Attack(messages);
   const std::vector<Delay> attacked = WaitFor(victims);
   victims.clear();
@@ -202,6 +220,29 @@ TEST_F(HostileClientTest, RobotsDoNotNotice) {
       Quantile(InMs(undisturbed), 1), Quantile(meanwhile, 1), rss_before, ended.peak_rss_mb);
   EXPECT_LT(ended.peak_rss_mb, rss_before + 200);
   EXPECT_EQ(testing::FirstDifference(DumpStored("attacked"), DumpStored("undisturbed")), "");
+}
+
+// What it costs the others is measured by tests/bench/dear_neighbour.cc.
+TEST_F(HostileClientTest, DearNeighbourIsServedWithinLimitsAndNobodyIsLeftOut) {
+  StartStore("dear");
+  auto victims = StartVictims(5);
+  ASSERT_NO_FATAL_FAILURE(WaitUntilStreaming(victims));
+  const nlohmann::json dear = SendDearBatches();
+  // All of theirs is acknowledged, in one session each.
+  WaitFor(victims);
+  victims.clear();
+  EXPECT_EQ(store_->Stop(absl::Seconds(60)).exit_code, 0);
+  ASSERT_TRUE(dear.is_object());
+  for (const auto& batch : dear["batches"]) {
+    EXPECT_EQ(batch["end"], "OK") << batch["kind"];
+  }
+  EXPECT_EQ(dear["refused"].size(), 4u);
+  for (const auto& refused : dear["refused"]) {
+    const bool is_price = refused["kind"] == "a keyframe moved twice";
+    EXPECT_EQ(refused["code"], is_price ? "INVALID_ARGUMENT" : "RESOURCE_EXHAUSTED") << refused;
+    const auto message = refused["message"].get<std::string>();
+    EXPECT_TRUE(absl::StrContains(message, refused["says"].get<std::string>())) << message;
+  }
 }
 
 }  // namespace

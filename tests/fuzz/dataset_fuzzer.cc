@@ -20,8 +20,9 @@ void WritePictures() {
   static const bool done = [] {
     const cv::Mat grey = cv::Mat::zeros(64, 64, CV_8UC1);
     const cv::Mat depth = cv::Mat::zeros(64, 64, CV_16UC1);
-    for (const char* name : {"kitti/image_0/000000.png", "kitti/image_1/000000.png", "tum/rgb/a.png",
-                             "euroc/mav0/cam0/data/1.png", "euroc/mav0/cam1/data/1.png"}) {
+    for (const char* name :
+         {"kitti/image_0/000000.png", "kitti/image_1/000000.png", "tum/rgb/a.png",
+          "euroc/mav0/cam0/data/1.png", "euroc/mav0/cam1/data/1.png"}) {
       cv::imwrite(WriteFuzzFile(name, ""), grey);
     }
     cv::imwrite(WriteFuzzFile("tum/depth/a.png", ""), depth);
@@ -67,7 +68,8 @@ void ReadEuroc(absl::string_view input) {
 }
 
 void ReadTum(absl::string_view input) {
-  for (const char* name : {"associated.txt", "rgb.txt", "depth.txt", "calibration.yaml", "calibration.txt"}) {
+  for (const char* name :
+       {"associated.txt", "rgb.txt", "depth.txt", "calibration.yaml", "calibration.txt"}) {
     WriteFuzzFile(std::string("tum/") + name, TakeMessage(input));
   }
   Play(OpenTum(SpecOf("tum")));

@@ -20,6 +20,7 @@ class FakeUplink : public Uplink {
   void Open(const SessionRequest& request, UplinkListener* listener) override {
     requests.push_back(request);
     listener_ = listener;
+    if (!refusal.ok()) return listener->OnSessionClosed(refusal);
     if (!reachable) return listener->OnSessionClosed(absl::UnavailableError("no route"));
     open = true;
     SessionGrant grant;
@@ -31,6 +32,7 @@ class FakeUplink : public Uplink {
   }
   bool Send(const MapUpdateBatch& batch) override {
     if (!open) return false;
+    if (!accept) return true;
     bytes += static_cast<uint64_t>(wire_factor * static_cast<double>(EstimateWireBytes(batch)));
     auto& batches = stored[batch.local_map];
     if (batch.number == batches.size() + 1) batches.push_back(batch);
@@ -45,18 +47,26 @@ class FakeUplink : public Uplink {
   void Share(SharedUpdate update) { listener_->OnShared(std::move(update)); }
   void AskForExactPlaces() { listener_->OnExactPlacesWanted(); }
   void Close() override { open = false; }
+  void PauseReading() override { paused = true; }
+  void ResumeReading() override { paused = false; }
   uint64_t bytes_up() const override { return bytes; }
   uint64_t bytes_waiting() const override { return waiting; }
   uint64_t bytes_down() const override { return 0; }
 
   std::atomic<bool> reachable = true;
   bool acknowledge = true;
+  // What is sent is not stored.
+  bool accept = true;
+  // Of opening a session.
+  absl::Status refusal;
   Capabilities capabilities = {.points_follow = true};
   // Of what a batch is estimated to take, what it takes.
   double wire_factor = 1;
   std::atomic<uint64_t> bytes = 0;
   std::atomic<uint64_t> waiting = 0;
   bool open = false;
+  // Whether a store would share anything now.
+  bool paused = false;
   std::vector<SessionRequest> requests;
   std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;
 

@@ -31,12 +31,12 @@ struct FoundRgbdCalibration {
 };
 
 // The first of these that there is: ?calibration, ?camera, and then of each folder in turn its
-// calibration.yaml, its calibration.txt, a comment in its rgb.txt, depth.txt or groundtruth.txt that
-// names the recording as TUM's files do ("# file: 'rgbd_dataset_freiburg1_xyz.bag'"), its own name
-// if it is exactly one of the TUM benchmark's. calibration.yaml has fx, fy, cx, cy in pixels, and may have k1, k2, p1, p2, k3,
-// depth_units_per_m (5000), width and height; calibration.txt is ETH3D's "fx fy cx cy".
-// NOT_FOUND, saying what to give, where there is none; INVALID_ARGUMENT, with file and field, for
-// one that is not whole or can't be of these pictures.
+// calibration.yaml, its calibration.txt, a comment in its rgb.txt, depth.txt or groundtruth.txt
+// that names the recording as TUM's files do ("# file: 'rgbd_dataset_freiburg1_xyz.bag'"), its own
+// name if it is exactly one of the TUM benchmark's. calibration.yaml has fx, fy, cx, cy in pixels,
+// and may have k1, k2, p1, p2, k3, depth_units_per_m (5000), width and height; calibration.txt is
+// ETH3D's "fx fy cx cy". NOT_FOUND, saying what to give, where there is none; INVALID_ARGUMENT,
+// with file and field, for one that is not whole or can't be of these pictures.
 absl::StatusOr<FoundRgbdCalibration> FindRgbdCalibration(const RgbdCalibrationQuery& query);
 
 }  // namespace corbslam

@@ -11,6 +11,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "client_agent/link/store_link.h"
+#include "client_agent/link/testing/fake_map_jobs.h"
 #include "map_store/map_store.h"
 #include "services/client/remote/channel.h"
 #include "services/client/remote/remote_uplink.h"
@@ -48,8 +49,7 @@ class GracefulRestartTest : public ::testing::Test {
   void AddKeyframe(uint32_t index) {
     Keyframe keyframe;
     keyframe.payload = test_data::MakePayload(random_, {kOwn, index}, 30);
-    absl::MutexLock lock(&map_mutex_);
-    map_.AddKeyframe(keyframe);
+    map_.Write([&](Map& map) { map.AddKeyframe(keyframe); });
   }
   size_t StoredKeyframes() const {
     const auto mission = store_->GetMission("m");
@@ -67,8 +67,8 @@ class GracefulRestartTest : public ::testing::Test {
   std::unique_ptr<MapStoreService> service_;
   std::unique_ptr<Server> server_;
   std::mt19937 random_{7};
-  absl::Mutex map_mutex_;
-  Map map_ ABSL_GUARDED_BY(map_mutex_);
+  FakeMapJobs jobs_;
+  GuardedMap map_{kOwn};
 };
 
 TEST_F(GracefulRestartTest, TheRobotResumesWithEachKeyframeOnce) {
@@ -78,16 +78,7 @@ TEST_F(GracefulRestartTest, TheRobotResumesWithEachKeyframeOnce) {
   options.agent = "alpha";
   options.flush_interval = absl::Milliseconds(20);
   StoreLink manager(options, uplink.get(), [](const auto&) { return std::make_shared<Words>(); });
-  MapObserver* const observer = manager.BeginLocalMap({kOwn,
-                                                       [this](const auto& reader) {
-                                                         absl::MutexLock lock(&map_mutex_);
-                                                         reader(map_);
-                                                       },
-                                                       [](const auto&) {}, nullptr});
-  {
-    absl::MutexLock lock(&map_mutex_);
-    map_.SetObserver(observer);
-  }
+  manager.BeginLocalMap(map_, jobs_);
   manager.Start();
   for (uint32_t k = 0; k < 10; ++k) AddKeyframe(k);
   ASSERT_TRUE(WaitForKeyframes(10)) << StoredKeyframes();

@@ -56,6 +56,13 @@ class RemoteUplink : public Uplink {
     return session != nullptr && session->Send(batch);
   }
 
+  void PauseReading() override {
+    if (const std::shared_ptr<SyncSession> session = Current()) session->PauseReading();
+  }
+  void ResumeReading() override {
+    if (const std::shared_ptr<SyncSession> session = Current()) session->ResumeReading();
+  }
+
   void Close() override {
     const std::shared_ptr<SyncSession> session = Replace(nullptr);
     if (session != nullptr && !(session->Leave() && HaveEndedWithin(kGoodbye))) session->Cancel();

@@ -57,10 +57,37 @@ uint64_t SyncSession::bytes_waiting() const {
   return writing_ ? queued_bytes_ - (queue_.front().ByteSizeLong() + kFrameBytes) : queued_bytes_;
 }
 
+void SyncSession::PauseReading() {
+  absl::MutexLock lock(&mutex_);
+  // What is silenced reads to its end.
+  paused_ = !silenced_;
+}
+
+void SyncSession::ResumeReading() {
+  {
+    absl::MutexLock lock(&mutex_);
+    paused_ = false;
+    if (!std::exchange(read_waits_, false)) return;
+  }
+  StartRead(&response_);
+  RemoveHold();
+}
+
+bool SyncSession::HoldsRead() {
+  absl::MutexLock lock(&mutex_);
+  if (!paused_) return false;
+  AddHold();
+  return read_waits_ = true;
+}
+
 bool SyncSession::Leave() {
   {
     absl::MutexLock lock(&mutex_);
     silenced_ = true;
+  }
+  ResumeReading();
+  {
+    absl::MutexLock lock(&mutex_);
     if (!granted_ || broken_ || writing_ || !queue_.empty()) return false;
     // Keeps the call alive until OnWritesDoneDone.
     writing_ = leaving_ = true;
@@ -85,6 +112,8 @@ void SyncSession::Cancel() {
     silenced_ = true;
   }
   context_.TryCancel();
+  // What waits to be read learns that the call has ended.
+  ResumeReading();
 }
 
 void SyncSession::Push(v1::SyncRequest request) {
@@ -134,7 +163,10 @@ void SyncSession::OnReadDone(bool ok) {
   if (ok) {
     transport_->bytes_down += response_.ByteSizeLong() + kFrameBytes;
     if (!IsSilenced()) failure_.Update(Handle(response_));
-    if (failure_.ok()) return StartRead(&response_);
+    if (failure_.ok()) {
+      if (!HoldsRead()) StartRead(&response_);
+      return;
+    }
     context_.TryCancel();
   }
   bool release = false;

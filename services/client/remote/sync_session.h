@@ -44,6 +44,9 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   bool Send(const MapUpdateBatch& batch);
   // As Uplink::bytes_waiting; nothing once the call has broken.
   uint64_t bytes_waiting() const;
+  // As Uplink::PauseReading and Uplink::ResumeReading.
+  void PauseReading();
+  void ResumeReading();
   // Closes the sending side, so that the store ends the call in good order. The listener hears
   // nothing more, though a call of it may still run. False: no session stands, or something is
   // unsent; then only Cancel ends it.
@@ -64,6 +67,8 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   const v1::SyncRequest* NextWrite() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void WriteNext();
   bool IsSilenced() const;
+  // Returns whether the next message is not to be read before ResumeReading.
+  bool HoldsRead();
   // Whether the hold that keeps the call alive for Send is to be given up now.
   bool TakeHold() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -90,6 +95,9 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   bool leaving_ ABSL_GUARDED_BY(mutex_) = false;  // No more writes.
   bool broken_ ABSL_GUARDED_BY(mutex_) = false;   // No more reads or writes.
   bool held_ ABSL_GUARDED_BY(mutex_) = true;
+  bool paused_ ABSL_GUARDED_BY(mutex_) = false;
+  // A read waits for ResumeReading, and a hold of its own keeps the call alive for it.
+  bool read_waits_ ABSL_GUARDED_BY(mutex_) = false;
   bool silenced_ ABSL_GUARDED_BY(mutex_) = false;
 };
 

@@ -31,6 +31,9 @@ void AddOutbox(const UploadStatus& upload, Families& families) {
                  upload.room.ok());
   families.Counter("corbslam_robot_local_maps_lost_total",
                    "Local maps that could not go on at the store.", upload.lost_local_maps);
+  families.Counter("corbslam_robot_items_refused_total",
+                   "Items of the map with impossible values, which were not told to the store.",
+                   Number(upload.refused_items));
 }
 
 void AddHeldBack(const HeldBack& held, Families& families) {

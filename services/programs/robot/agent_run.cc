@@ -64,6 +64,13 @@ SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agen
                                      "the last because of ",
                                      left_out.last)});
   }
+  if (status.upload.refused_items > 0) {
+    warnings.push_back(
+        {FindingLevel::kWarning, "items-refused",
+         absl::StrCat(status.upload.refused_items,
+                      " items of the map had impossible values and were not told to the map store; "
+                      "the log names them")});
+  }
   if (status.tracked == 0 && played.played > 0) {
     warnings.push_back(
         {FindingLevel::kWarning, "nothing-tracked",

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "slam/util/bounded_sample.h"
+
 namespace corbslam {
 
 Spread ComputeSpread(std::vector<double> values) {
@@ -15,6 +17,17 @@ Spread ComputeSpread(std::vector<double> values) {
           std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(count),
           values[p99]};
 }
+
+namespace {
+
+Spread SpreadOf(const BoundedSample& sample) {
+  Spread spread = ComputeSpread(sample.values());
+  // The values may be a sample; the mean is of all.
+  spread.mean = sample.mean();
+  return spread;
+}
+
+}  // namespace
 
 RobotReport MakeRobotReport(const Agent& agent) {
   const AgentStatus status = agent.GetStatus();
@@ -31,11 +44,11 @@ RobotReport MakeRobotReport(const Agent& agent) {
   report.loops_closed = status.loops_closed;
   report.keyframes = status.keyframes;
   report.map_points = status.map_points;
-  report.tracking_ms = ComputeSpread(timings.tracking_ms);
-  report.local_ba_ms = ComputeSpread(timings.local_ba_ms);
-  report.local_ba_count = static_cast<int>(timings.local_ba_ms.size());
+  report.tracking_ms = SpreadOf(timings.tracking_ms);
+  report.local_ba_ms = SpreadOf(timings.local_ba_ms);
+  report.local_ba_count = static_cast<int>(timings.local_ba_ms.count());
   report.outbox = {status.upload.batches, status.upload.memory_bytes, status.upload.spool_bytes,
-                   status.upload.lost_local_maps};
+                   status.upload.lost_local_maps, status.upload.refused_items};
   report.held_back = status.upload.held_back.items;
   return report;
 }

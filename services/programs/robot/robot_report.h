@@ -35,12 +35,13 @@ struct ReportWarning {
   bool operator==(const ReportWarning&) const = default;
 };
 
-// What had not reached the store when the robot ended.
+// What had not reached the store when the robot ended, and what could not.
 struct OutboxReport {
   uint64_t batches = 0;
   uint64_t memory_bytes = 0;
   uint64_t spool_bytes = 0;
   int lost_local_maps = 0;
+  uint64_t refused_items = 0;  // With impossible values; they were in no batch.
 
   bool operator==(const OutboxReport&) const = default;
 };

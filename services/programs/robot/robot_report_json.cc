@@ -48,6 +48,7 @@ void VisitFields(Report& report, Visitor& visit) {
   visit("/outbox/memory_bytes", report.outbox.memory_bytes);
   visit("/outbox/spool_bytes", report.outbox.spool_bytes);
   visit("/outbox/lost_local_maps", report.outbox.lost_local_maps);
+  visit("/outbox/refused_items", report.outbox.refused_items);
   for (size_t kind = 0; kind < kUpdateKinds; ++kind) {
     visit(absl::StrCat("/held_back/", kUpdateKindNames[kind]), report.held_back[kind]);
   }

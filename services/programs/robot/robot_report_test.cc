@@ -43,7 +43,7 @@ RobotReport MakeWholeReport() {
   report.local_ba_count = 121;
   report.peak_rss_mb = 122.5;
   report.cpu_s = 123.5;
-  report.outbox = {124, 5'000'000'000, 126, 127};
+  report.outbox = {124, 5'000'000'000, 126, 127, 134};
   report.held_back = {128, 129, 130, 131};
   report.bytes_up = 6'000'000'000;
   report.bytes_down = 133;
@@ -92,7 +92,8 @@ TEST(RobotReportTest, NamesOfFieldsStay) {
   EXPECT_EQ(json["outbox"], (Json{{"batches", 124},
                                   {"memory_bytes", 5'000'000'000},
                                   {"spool_bytes", 126},
-                                  {"lost_local_maps", 127}}));
+                                  {"lost_local_maps", 127},
+                                  {"refused_items", 134}}));
   EXPECT_EQ(json["held_back"],
             (Json{{"poses", 128}, {"keyframes", 129}, {"points", 130}, {"light_points", 131}}));
   EXPECT_EQ(json["warnings"][1], (Json{{"code", "nothing-tracked"}, {"text", "none of 7 frames"}}));

@@ -1,0 +1,109 @@
+#include "client_agent/link/shared_inbox.h"
+
+#include <utility>
+
+namespace corbslam {
+
+size_t ApproximateBytes(const SharedUpdate& update) {
+  constexpr size_t kFeatureBytes = sizeof(Keypoint) + sizeof(Descriptor) + sizeof(MapPointId);
+  size_t bytes = sizeof(SharedUpdate);
+  for (const SharedKeyframe& keyframe : update.keyframes) {
+    bytes += sizeof(SharedKeyframe);
+    bytes += kFeatureBytes * keyframe.payload->features.keypoints.size();
+  }
+  for (const Landmark& landmark : update.landmarks) {
+    bytes += sizeof(Landmark) + landmark.members.size() * sizeof(MapPointId);
+  }
+  bytes += update.points.size() * sizeof(SharedMapPoint);
+  bytes += update.moved_keyframes.size() * sizeof(SharedKeyframeMove);
+  bytes += update.moved_points.size() * sizeof(SharedMapPointMove);
+  bytes += update.observations.size() * sizeof(ObservationChange);
+  bytes += update.own_keyframes.size() * sizeof(OwnKeyframePose);
+  bytes += update.removed_keyframes.size() * sizeof(KeyframeId);
+  bytes += update.removed_points.size() * sizeof(MapPointId);
+  return bytes;
+}
+
+SharedInbox::SharedInbox(LocalMapId local_map, MapJobs& jobs, Uplink& uplink,
+                         const InboxLimits& limits)
+    : local_map_(local_map), jobs_(jobs), uplink_(uplink), limits_(limits), shared_(local_map) {}
+
+void SharedInbox::Add(ArrivedUpdate update) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (closed_) return;
+    bytes_ += ApproximateBytes(update.update);
+    updates_.push_back(std::move(update));
+    // A job that was posted before takes this update with it. Posted under the lock, so that
+    // nothing is posted after Close.
+    if (updates_.size() == 1) {
+      jobs_.PostJob([self = shared_from_this()](GuardedMap& map) { self->PlaceArrived(map); });
+    }
+    if (!IsFull()) return;
+  }
+  uplink_.PauseReading();
+  // The mapping thread may have taken everything, and resumed, before the pause.
+  if (!MustWait()) uplink_.ResumeReading();
+}
+
+bool SharedInbox::MustWait() const {
+  absl::MutexLock lock(&mutex_);
+  return !closed_ && IsFull();
+}
+
+void SharedInbox::Close() {
+  {
+    absl::MutexLock lock(&mutex_);
+    closed_ = true;
+    updates_.clear();
+    bytes_ = 0;
+  }
+  uplink_.ResumeReading();
+}
+
+std::vector<ArrivedUpdate> SharedInbox::TakeArrived() {
+  std::vector<ArrivedUpdate> arrived;
+  bool was_full = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    was_full = IsFull();
+    arrived.swap(updates_);
+    bytes_ = 0;
+  }
+  if (was_full) uplink_.ResumeReading();
+  return arrived;
+}
+
+void SharedInbox::PlaceArrived(GuardedMap& map) {
+  for (const ArrivedUpdate& update : TakeArrived()) shared_.Apply(update);
+  // Planned while others read the map, too.
+  const PlacementPlan plan = map.Read([this](const Map& now) { return shared_.Plan(now); });
+  map.Write([&](Map& now) { Place(plan, now); });
+}
+
+void SharedInbox::Place(const PlacementPlan& plan, Map& map) {
+  const PlacementChange change = shared_.Place(plan, map);
+  {
+    absl::MutexLock lock(&mutex_);
+    global_from_local_ = shared_.GlobalFromLocal();
+    keyframes_ = shared_.keyframe_count();
+  }
+  jobs_.OnPlaced(change, map);
+}
+
+void SharedInbox::Correct(const OwnCorrection& correction, Map& map) {
+  shared_.Correct(correction, map);
+  Place(shared_.Plan(map), map);
+}
+
+std::optional<Similarity3d> SharedInbox::GlobalFromLocal() const {
+  absl::MutexLock lock(&mutex_);
+  return global_from_local_;
+}
+
+size_t SharedInbox::keyframes() const {
+  absl::MutexLock lock(&mutex_);
+  return keyframes_;
+}
+
+}  // namespace corbslam

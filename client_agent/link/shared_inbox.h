@@ -1,0 +1,81 @@
+// What others share, from its arrival until it lies in one local map of the robot.
+#ifndef CORBSLAM_CLIENT_AGENT_LINK_SHARED_INBOX_H_
+#define CORBSLAM_CLIENT_AGENT_LINK_SHARED_INBOX_H_
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "client_agent/link/map_jobs.h"
+#include "client_agent/map/guarded_map.h"
+#include "client_agent/map/own_correction.h"
+#include "client_agent/shared/shared_map.h"
+#include "slam/exchange/uplink.h"
+
+namespace corbslam {
+
+// Bounds the updates that the mapping thread has not taken over yet. When one of the two is
+// reached, the session reads on only once the mapping thread has taken them all: nothing is lost,
+// the store waits.
+struct InboxLimits {
+  size_t max_updates = 1000;
+  // About so many bytes of memory.
+  size_t max_bytes = 64 << 20;
+};
+
+// Returns about how many bytes of memory an update takes.
+size_t ApproximateBytes(const SharedUpdate& update);
+
+// Thread-safe, but for what is said to be of the mapping thread. Lives in a shared_ptr.
+class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
+ public:
+  // Nothing is owned. `jobs` are the writing thread's of the local map; both of them are not used
+  // any more once Close has returned and that thread has ended.
+  SharedInbox(LocalMapId local_map, MapJobs& jobs, Uplink& uplink, const InboxLimits& limits);
+
+  // Takes in one update, and has the mapping thread place it soon.
+  void Add(ArrivedUpdate update);
+  // The local map has ended: nothing is placed any more, and nothing keeps the session from
+  // reading.
+  void Close();
+
+  // What others made is placed anew after the robot moved its own map. On the mapping thread,
+  // inside Write.
+  void Correct(const OwnCorrection& correction, Map& map);
+
+  LocalMapId local_map() const { return local_map_; }
+  std::optional<Similarity3d> GlobalFromLocal() const;
+  // Returns how many keyframes of others are held.
+  size_t keyframes() const;
+
+ private:
+  bool IsFull() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    return updates_.size() >= limits_.max_updates || bytes_ >= limits_.max_bytes;
+  }
+  // Whether the session is not to read on.
+  bool MustWait() const;
+  // On the mapping thread.
+  std::vector<ArrivedUpdate> TakeArrived();
+  void PlaceArrived(GuardedMap& map);
+  void Place(const PlacementPlan& plan, Map& map);
+
+  const LocalMapId local_map_;
+  MapJobs& jobs_;
+  Uplink& uplink_;
+  const InboxLimits limits_;
+  SharedMap shared_;  // Of the mapping thread alone.
+
+  mutable absl::Mutex mutex_;
+  bool closed_ ABSL_GUARDED_BY(mutex_) = false;
+  std::vector<ArrivedUpdate> updates_ ABSL_GUARDED_BY(mutex_);
+  size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::optional<Similarity3d> global_from_local_ ABSL_GUARDED_BY(mutex_);
+  size_t keyframes_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_CLIENT_AGENT_LINK_SHARED_INBOX_H_
