@@ -84,7 +84,7 @@ struct MapStoreOptions {
   // Beside its items: map_store/ingest/batch_cost.h.
   uint64_t max_pair_steps_per_batch = 1000000;
   // References of one local map to what has not arrived: how many wait, and how long.
-  size_t max_parked_references = 200000;
+  size_t max_parked_references = 100000;
   double max_parked_s = 3600;
   // Kept of what one agent, and all agents of a mission, sent.
   uint64_t max_bytes_per_agent = uint64_t{16} << 30;

@@ -7,7 +7,7 @@ namespace corbslam::map_store {
 namespace {
 
 // A step up the tree is so much cheaper than counting a pair.
-constexpr uint64_t kParentsOfAPair = 16;
+constexpr uint64_t kParentsOfAPair = 4;
 
 uint64_t PairsOf(uint64_t viewers) { return viewers * viewers / 2; }
 
@@ -34,12 +34,14 @@ class StepCounter {
     for (const MapPointId& point : keyframe->points) {
       if (point.IsValid()) steps_ += ViewersOf(point);
     }
-    for (size_t i = 0; i < keyframe->children.size(); ++i) AddWayUp();
+    // Of those below it, each is looked at once.
+    AddWayUp();
   }
   void Add(const LightKeyframe& light) {
     const Keyframe* keyframe = Find(light.id);
     if (keyframe == nullptr || keyframe->parent == light.parent || !light.parent.IsValid()) return;
-    AddWayUp();
+    // Without children it makes no cycle.
+    if (!keyframe->children.empty()) AddWayUp();
   }
 
   uint64_t steps() const { return steps_ + parents_ / kParentsOfAPair; }
