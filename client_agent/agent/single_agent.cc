@@ -92,7 +92,7 @@ void SingleAgent::OpenLocalMap() {
   options.loop_closer.fix_scale = camera_->IsMetric();
   options.loop_closer.solver_threads = options_.solver_threads;
   options.follow_correction = [this, id = options.local_map](const OwnCorrection& correction,
-                                                             Map& map) {
+                                                             GuardedMap& map) {
     link_->OnCorrected(id, correction, map);
   };
   options.local_ba_ms = &local_ba_ms_;

@@ -76,7 +76,10 @@ std::vector<ArrivedUpdate> SharedInbox::TakeArrived() {
 
 void SharedInbox::PlaceArrived(GuardedMap& map) {
   for (const ArrivedUpdate& update : TakeArrived()) shared_.Apply(update);
-  // Planned while others read the map, too.
+  PlanAndPlace(map);
+}
+
+void SharedInbox::PlanAndPlace(GuardedMap& map) {
   const PlacementPlan plan = map.Read([this](const Map& now) { return shared_.Plan(now); });
   map.Write([&](Map& now) { Place(plan, now); });
 }
@@ -91,9 +94,12 @@ void SharedInbox::Place(const PlacementPlan& plan, Map& map) {
   jobs_.OnPlaced(change, map);
 }
 
-void SharedInbox::Correct(const OwnCorrection& correction, Map& map) {
-  shared_.Correct(correction, map);
-  Place(shared_.Plan(map), map);
+void SharedInbox::Correct(const OwnCorrection& correction, GuardedMap& map) {
+  map.Write([&](Map& now) {
+    shared_.Correct(correction, now);
+    map.CountCorrection();
+  });
+  PlanAndPlace(map);
 }
 
 std::optional<Similarity3d> SharedInbox::GlobalFromLocal() const {

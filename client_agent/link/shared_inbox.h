@@ -42,9 +42,9 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   // reading.
   void Close();
 
-  // What others made is placed anew after the robot moved its own map. On the mapping thread,
-  // inside Write.
-  void Correct(const OwnCorrection& correction, Map& map);
+  // Places what others made anew after the robot moved its own map. On the mapping thread, outside
+  // of Read and Write.
+  void Correct(const OwnCorrection& correction, GuardedMap& map);
 
   LocalMapId local_map() const { return local_map_; }
   std::optional<Similarity3d> GlobalFromLocal() const;
@@ -60,6 +60,8 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   // On the mapping thread.
   std::vector<ArrivedUpdate> TakeArrived();
   void PlaceArrived(GuardedMap& map);
+  // Plans while others read the map, too.
+  void PlanAndPlace(GuardedMap& map);
   void Place(const PlacementPlan& plan, Map& map);
 
   const LocalMapId local_map_;

@@ -105,7 +105,8 @@ std::shared_ptr<SharedInbox> StoreLink::CurrentInbox() const {
   return inbox_;
 }
 
-void StoreLink::OnCorrected(LocalMapId local_map, const OwnCorrection& correction, Map& map) {
+void StoreLink::OnCorrected(LocalMapId local_map, const OwnCorrection& correction,
+                            GuardedMap& map) {
   const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
   if (inbox != nullptr && inbox->local_map() == local_map) inbox->Correct(correction, map);
 }

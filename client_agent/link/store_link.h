@@ -81,8 +81,9 @@ class StoreLink : private UplinkListener {
   // False: all that there is to tell of the local map lies in batches, or it is given up.
   bool Reads(LocalMapId local_map) const;
 
-  // What others made is placed anew after the robot moved its own map. On the writing thread.
-  void OnCorrected(LocalMapId local_map, const OwnCorrection& correction, Map& map);
+  // Places what others made anew after the robot moved its own map. On the writing thread, outside
+  // of Read and Write.
+  void OnCorrected(LocalMapId local_map, const OwnCorrection& correction, GuardedMap& map);
   void AddTrackedFrame(const TrackedFrame& frame);
   void AddLostFrame(int64_t timestamp_ns);
 

@@ -175,9 +175,7 @@ TEST_F(StoreLinkTest, WhatIsPlacedGoesWithACorrectionOfItsOwnLocalMapAlone) {
   jobs_.Run(*map_);
   OwnCorrection correction;
   correction.motions[{kOwn, 0}] = {Rigid3d(), {Eigen::Quaterniond::Identity(), {-2, 0, 0}}};
-  const auto correct = [&](LocalMapId id) {
-    map_->Write([&](Map& map) { manager_->OnCorrected(id, correction, map); });
-  };
+  const auto correct = [&](LocalMapId id) { manager_->OnCorrected(id, correction, *map_); };
   correct({kOwn.value + 1});
   EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -5, 1e-12);
   // The keyframe is 2 m further along x in the robot's frame now, and where it was in the global
