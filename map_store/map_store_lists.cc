@@ -101,7 +101,7 @@ absl::StatusOr<Page<AgentInfo>> MapStore::ListAgents(absl::string_view mission_n
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   ASSIGN_OR_RETURN(const PageStart start, ReadPageStart(request, options_.max_page_size,
                                                         absl::StrCat(mission_name, "/agents")));
-  return mission->WithState([&start](const MissionState& state) {
+  Page<AgentInfo> agents = mission->WithState([&start](const MissionState& state) {
     Page<AgentInfo> page;
     for (auto it = state.agents.upper_bound(start.after);
          it != state.agents.end() && page.items.size() <= start.size; ++it) {
@@ -111,6 +111,8 @@ absl::StatusOr<Page<AgentInfo>> MapStore::ListAgents(absl::string_view mission_n
         EndPage(start, page.items, [](const AgentInfo& agent) { return agent.name; });
     return page;
   });
+  for (AgentInfo& agent : agents.items) mission->sessions().DescribeTold(agent);
+  return agents;
 }
 
 absl::StatusOr<Page<LocalMapInfo>> MapStore::ListLocalMaps(absl::string_view mission_name,

@@ -75,6 +75,8 @@ struct AgentStatus {
   // Others' keyframes held, and the share of tracked points that others made, over all frames
   // tracked while any are held.
   int foreign_keyframes = 0;
+  // Shared updates that came in the session that stands, or in the last one.
+  uint64_t shared_updates = 0;
   double foreign_points_percent = 0;
   // Loops closed against others' keyframes.
   int foreign_loops_closed = 0;

@@ -230,6 +230,7 @@ AgentStatus SingleAgent::GetStatus() const {
   }
   status.global_from_local = link_->GlobalFromLocal();
   status.foreign_keyframes = static_cast<int>(link_->shared_keyframes());
+  status.shared_updates = link_->shared_updates();
   status.upload = link_->upload();
   if (const auto first = link_->first_acknowledged()) {
     status.first_upload_s = absl::ToDoubleSeconds(*first - created_);

@@ -233,6 +233,7 @@ void StoreLink::ConnectIfDue() {
     reopen_ = false;
     if (session_ != Session::kNone || options_.clock() < next_attempt_) return;
     session_ = Session::kOpening;
+    shared_updates_ = 0;
     request = {options_.mission, options_.agent, last_revision_, queue_.local_maps()};
     request.capabilities.coded_features = true;
     request.downlink_bytes_per_second = options_.downlink_bytes_per_second;
@@ -436,6 +437,7 @@ void StoreLink::OnShared(SharedUpdate update) {
     // What is still told of a map that has ended will be told again of the one that goes on.
     if (session_ != Session::kOpen || reopen_) return;
     last_revision_ = arrived.update.revision;
+    ++shared_updates_;
     inbox = inbox_;
   }
   inbox->Add(std::move(arrived));
@@ -459,6 +461,11 @@ void StoreLink::OnSessionClosed(const absl::Status& reason) {
 std::optional<Similarity3d> StoreLink::GlobalFromLocal() const {
   const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
   return inbox == nullptr ? std::nullopt : inbox->GlobalFromLocal();
+}
+
+uint64_t StoreLink::shared_updates() const {
+  absl::MutexLock lock(&mutex_);
+  return shared_updates_;
 }
 
 size_t StoreLink::shared_keyframes() const {

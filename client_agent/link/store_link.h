@@ -105,6 +105,8 @@ class StoreLink : private UplinkListener {
   bool NeedsNewLocalMap() const;
   UploadStatus upload() const;
   size_t shared_keyframes() const;
+  // Returns how many shared updates came in the session that stands, or in the last one.
+  uint64_t shared_updates() const;
 
  private:
   struct Recording {
@@ -171,6 +173,7 @@ class StoreLink : private UplinkListener {
   // Of local maps that are not read any more.
   uint64_t refused_items_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t last_revision_ ABSL_GUARDED_BY(mutex_) = 0;
+  uint64_t shared_updates_ ABSL_GUARDED_BY(mutex_) = 0;  // Of this session.
   // Of the last session's store.
   bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;

@@ -80,6 +80,7 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
     // Once the session before has stopped telling.
     absl::MutexLock telling(&opened.told->mutex);
     ResumeSharing(request.last_revision, opened.told->share);
+    opened.told->updates = 0;
   }
   // The robot forgets what the grant acknowledges.
   if (const absl::Status durable = strand_.Sync(); !durable.ok()) {
@@ -126,7 +127,22 @@ absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::NextShared(uint64_t
     update = Look(session_id, agent, byte_budget, told->share);
   } while (update.ok() && !update->has_value() && told->share.unfinished);
   if (!update.ok()) ForgetLastUpdate(told->share);
+  told->complete_at_version = told->share.complete_at_version;
+  if (update.ok() && update->has_value()) ++told->updates;
   return update;
+}
+
+void MissionSessions::DescribeTold(AgentInfo& agent) const {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  const auto told = told_.find(agent.name);
+  if (told == told_.end() || !agent.connected) return;
+  agent.shared_updates = told->second.updates;
+  const MissionState& state = strand_.state();
+  const Island* island =
+      agent.local_maps.empty() ? nullptr : state.FindIslandOf(agent.local_maps.back());
+  // A local map that was merged with none has nothing to be told.
+  agent.up_to_date = island == nullptr || island->local_maps.size() < 2 ||
+                     told->second.complete_at_version == island->shared_version;
 }
 
 absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::Look(uint64_t session_id,

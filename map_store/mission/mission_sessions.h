@@ -42,6 +42,9 @@ class MissionSessions {
   absl::Status AskForExactPlaces(const std::string& agent);
   bool TakeExactPlacesWanted(const std::string& agent);
 
+  // Says of a connected agent what its session was told.
+  void DescribeTold(AgentInfo& agent) const;
+
   Listeners& listeners() { return listeners_; }
   const Listeners& listeners() const { return listeners_; }
 
@@ -53,6 +56,10 @@ class MissionSessions {
     ShareState share ABSL_GUARDED_BY(mutex);
     // By somebody, and the agent has not been asked.
     std::atomic<bool> exact_places_wanted = false;
+    // Of its session: the updates that it was sent, and ShareState::complete_at_version after the
+    // last look.
+    std::atomic<uint64_t> updates = 0;
+    std::atomic<uint64_t> complete_at_version = 0;
   };
   struct Opened {
     SessionGrant grant;

@@ -65,6 +65,9 @@ struct AgentInfo {
   std::string name;
   bool connected = false;
   std::vector<LocalMapId> local_maps;  // In the order in which they were opened.
+  // Whether it is connected and nothing waits to be told to it.
+  bool up_to_date = false;
+  uint64_t shared_updates = 0;  // The number that its session was sent.
 };
 
 struct LocalMapInfo {

@@ -87,7 +87,7 @@ MissionInfo DescribeMission(const MissionState& state) {
 }
 
 AgentInfo DescribeAgent(const std::string& name, const AgentState& agent) {
-  return {name, agent.session != 0, agent.local_maps};
+  return {.name = name, .connected = agent.session != 0, .local_maps = agent.local_maps};
 }
 
 LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& local_map) {

@@ -54,6 +54,8 @@ void ToProto(absl::string_view mission, const AgentInfo& info, v1::MissionAgent*
   proto->set_name(AgentName(mission, info.name));
   proto->set_connected(info.connected);
   for (const LocalMapId id : info.local_maps) proto->add_local_maps(LocalMapName(mission, id));
+  proto->set_up_to_date(info.up_to_date);
+  proto->set_shared_updates(info.shared_updates);
 }
 
 void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* proto) {

@@ -97,6 +97,25 @@ absl::Status StoreReader::WaitUntilFused(absl::Duration timeout) {
   }
 }
 
+absl::StatusOr<std::map<std::string, v1::MissionAgent>> StoreReader::ListAgents() {
+  v1::ListAgentsRequest request;
+  request.set_parent(MissionName(mission_));
+  std::map<std::string, v1::MissionAgent> agents;
+  do {
+    grpc::ClientContext context;
+    WaitForAnswer(context);
+    v1::ListAgentsResponse response;
+    const grpc::Status status = stub_->ListAgents(&context, request, &response);
+    if (status.error_code() == grpc::StatusCode::NOT_FOUND) return agents;
+    RETURN_IF_ERROR(ToStatus(status, "ListAgents"));
+    for (const v1::MissionAgent& agent : response.agents()) {
+      agents[LastSegment(agent.name())] = agent;
+    }
+    request.set_page_token(response.next_page_token());
+  } while (!request.page_token().empty());
+  return agents;
+}
+
 absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames() {
   v1::ListLocalMapsRequest request;
   request.set_parent(MissionName(mission_));

@@ -35,6 +35,8 @@ class StoreReader {
   absl::StatusOr<v1::GetStatisticsResponse> Statistics();
   // Returns once everything that came was looked up, verified, fused and adjusted.
   absl::Status WaitUntilFused(absl::Duration timeout);
+  // The mission's agents, by name without the mission's; empty before the first.
+  absl::StatusOr<std::map<std::string, v1::MissionAgent>> ListAgents();
   // Frames that the agents reported so far, tracked or lost, by agent; empty before the first.
   absl::StatusOr<std::map<std::string, uint64_t>> CountReportedFrames();
 

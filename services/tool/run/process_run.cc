@@ -1,6 +1,9 @@
+#include <glog/logging.h>
 #include <grpcpp/channel.h>
 
+#include <algorithm>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -23,8 +26,7 @@ namespace {
 constexpr absl::Duration kStartTimeout = absl::Seconds(60);
 constexpr absl::Duration kStopGrace = absl::Seconds(10);
 constexpr absl::Duration kProgressInterval = absl::Seconds(1);
-// After fusion an agent has all that is for it when nothing came for this long.
-constexpr absl::Duration kQuiet = absl::Seconds(1);
+constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
 constexpr absl::Duration kSharingTimeout = absl::Seconds(30);
 constexpr absl::Duration kAgentStopGrace = absl::Seconds(60);
 
@@ -58,7 +60,10 @@ class ProcessRun {
   // Until every agent that was started has mapped its last frame.
   void WaitForAgents();
   // Until the agents that stay have what the store has for them.
-  void WaitUntilShared();
+  absl::Status WaitUntilShared();
+  // Whether the agent has all that the store has for it, by what the store and the agent say.
+  bool KnowsAll(const RunningAgent& agent,
+                const std::map<std::string, v1::MissionAgent>& at_store) const;
   void StopAgents();
   absl::Status WaitUntilFused();
   void ShowProgress(const std::string& stage);
@@ -176,24 +181,36 @@ void ProcessRun::WaitForAgents() {
   }
 }
 
-// 0 where it does not answer.
-uint64_t AskBytesDown(v1::Agent::Stub& stub) {
+// Returns how many shared updates came to it; 0 where it does not answer.
+uint64_t AskSharedUpdates(v1::Agent::Stub& stub) {
   grpc::ClientContext context;
   context.set_deadline(absl::ToChronoTime(absl::Now() + absl::Seconds(10)));
   v1::AgentStatus status;
-  return stub.GetStatus(&context, {}, &status).ok() ? status.bytes_down() : 0;
+  return stub.GetStatus(&context, {}, &status).ok() ? status.shared_updates() : 0;
 }
 
-void ProcessRun::WaitUntilShared() {
+bool ProcessRun::KnowsAll(const RunningAgent& agent,
+                          const std::map<std::string, v1::MissionAgent>& at_store) const {
+  if (agent.stub == nullptr || agent.process->end().has_value()) return true;
+  const auto it = at_store.find(agent.plan.name);
+  // One that brought nothing, or has no session any more, is told nothing.
+  if (it == at_store.end() || !it->second.connected()) return true;
+  return it->second.up_to_date() && AskSharedUpdates(*agent.stub) == it->second.shared_updates();
+}
+
+absl::Status ProcessRun::WaitUntilShared() {
   const absl::Time deadline = absl::Now() + kSharingTimeout;
-  for (const RunningAgent& agent : agents_) {
-    if (agent.stub == nullptr || agent.process->end().has_value()) continue;
-    uint64_t before = AskBytesDown(*agent.stub);
-    for (uint64_t now = before + 1; now != before && absl::Now() < deadline;) {
-      before = now;
-      absl::SleepFor(kQuiet);
-      now = AskBytesDown(*agent.stub);
+  while (true) {
+    ASSIGN_OR_RETURN(const auto at_store, store_->ListAgents());
+    const auto waits = std::ranges::find_if_not(
+        agents_, [&](const RunningAgent& agent) { return KnowsAll(agent, at_store); });
+    if (waits == agents_.end()) return absl::OkStatus();
+    if (absl::Now() > deadline) {
+      LOG(WARNING) << waits->plan.name << " was not told all of the map after "
+                   << absl::FormatDuration(kSharingTimeout);
+      return absl::OkStatus();
     }
+    absl::SleepFor(kAskAgain);
   }
 }
 
@@ -265,7 +282,7 @@ absl::StatusOr<MissionOutcome> ProcessRun::Run() {
   WaitForAgents();
   ShowProgress("fusing");
   RETURN_IF_ERROR(WaitUntilFused());
-  WaitUntilShared();
+  RETURN_IF_ERROR(WaitUntilShared());
   StopAgents();
   MissionOutcome outcome;
   RETURN_IF_ERROR(ReadOutcome(*store_, options_.robots, outcome));
