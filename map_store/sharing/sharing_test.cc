@@ -114,6 +114,34 @@ TEST_F(SharingTest, ASmallBudgetTakesMoreStepsToTheSameEndNearestFirst) {
   EXPECT_LT(order.back().index, 5u);
 }
 
+TEST_F(SharingTest, ListedAgentsAreUpToDateOnceAllWasTold) {
+  TestAgent a(store_, kMission, "a", map_a_);
+  TestAgent b(store_, kMission, "b", map_b_);
+  const auto find_b = [this] { return store_.ListAgents(kMission, {})->items.at(1); };
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  EXPECT_TRUE(find_b().up_to_date) << "nothing was merged yet";
+  Fuse();
+  uint64_t updates = 0;
+  while (true) {
+    EXPECT_FALSE(find_b().up_to_date);
+    const auto update = store_.NextShared(b.session(), 10000);
+    ASSERT_TRUE(update.ok());
+    if (!update->has_value()) break;
+    ++updates;
+    EXPECT_EQ(find_b().shared_updates, updates);
+    if (find_b().up_to_date) {
+      EXPECT_FALSE(store_.NextShared(b.session(), 10000)->has_value()) << "it was the last one";
+      break;
+    }
+  }
+  EXPECT_GT(updates, 1u);
+  EXPECT_TRUE(find_b().up_to_date);
+  ASSERT_TRUE(a.Send(a.NextBatch(0)).ok());
+  store_.CloseSession(b.session());
+  EXPECT_FALSE(find_b().up_to_date) << "it is not connected";
+}
+
 TEST_F(SharingTest, LaterStepsCarryOnlyWhatChanged) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);
