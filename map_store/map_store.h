@@ -79,7 +79,7 @@ class MapStore {
   // listener is called once. Returns ALREADY_EXISTS if the older session was opened by another
   // process (SessionRequest::instance) and this one is not to take over, INVALID_ARGUMENT if a name
   // is empty, longer than 128 or has other characters than [a-zA-Z0-9._-], PERMISSION_DENIED if a
-  // local map is another agent's, and RESOURCE_EXHAUSTED.
+  // local map is another agent's, and RESOURCE_EXHAUSTED beyond a limit.
   absl::StatusOr<OpenedSession> OpenSession(const SessionRequest& request);
   // Applies the batch as a whole or not at all, and returns up to which batch the local map is
   // stored. A batch seen before is acknowledged, not applied again. Returns FAILED_PRECONDITION,
@@ -99,8 +99,7 @@ class MapStore {
   // Has the agent tell exactly where its points are (MapUpdateBatch::points_follow). Returns
   // NOT_FOUND if there is no such agent, FAILED_PRECONDITION if it is not connected.
   absl::Status AskForExactPlaces(absl::string_view mission, const std::string& agent);
-  // Returns whether somebody has called AskForExactPlaces for the session's agent since the last
-  // call.
+  // Returns, once only, whether somebody has called AskForExactPlaces for the session's agent.
   bool TakeExactPlacesWanted(uint64_t session_id);
   // Sets what is called when NextShared or TakeExactPlacesWanted may have something, or the session
   // was fenced. Null removes the listener.
