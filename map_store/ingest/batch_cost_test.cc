@@ -23,7 +23,7 @@ MapUpdateBatch Empty(uint64_t number) {
   return batch;
 }
 
-// A chain of keyframes, all of which see point 0; point 1 is seen by the first of them.
+// Returns a chain of keyframes, all of which see point 0; point 1 is seen by the first of them.
 MapUpdateBatch MakeChain() {
   MapUpdateBatch batch = Empty(1);
   batch.cameras = {std::make_shared<const Camera>(Camera{500, 500, 320, 240, 640, 480, 0.1, 4})};

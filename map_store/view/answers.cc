@@ -17,7 +17,7 @@ size_t CountKeyframes(const MissionState& state) {
   return count;
 }
 
-// Points of the local layers, each landmark once.
+// Counts the points of the local layers, each landmark once.
 size_t CountPoints(const MissionState& state) {
   size_t count = 0;
   for (const auto& [id, local_map] : state.local_maps) count += local_map.map.points().size();
