@@ -50,7 +50,7 @@ class MissionBackup {
   size_t next_state_byte_ = 0;
 };
 
-// Reads such a file piece by piece.
+// Makes a mission from such a file, piece by piece. Not thread-safe.
 class MissionRestorer {
  public:
   // The file may have at most `max_bytes`. `check_room` is called for each piece, with the bytes

@@ -72,7 +72,7 @@ void CollectOverlaps(const MissionState& state, const FusionAction& action, Fuse
     const bool is_new = called_for.contains(id);
     const OverlapEntry& entry = state.global.overlaps.at(id);
     if (!LiesIn(state, entry.overlap, action)) continue;
-    // The keyframes that stand for removed ones may be in another robot's map, and elsewhere.
+    // The living relatives of removed keyframes may be in another robot's map, and elsewhere.
     std::optional<Overlap> overlap = ChainOverlap(state, entry.overlap);
     if (!overlap.has_value() || !LiesIn(state, *overlap, action)) continue;
     if (is_new) {

@@ -14,13 +14,11 @@ namespace corbslam::map_store {
 // the order of local maps' and keyframes' ids.
 void ForgetGlobalLayer(MissionState& state);
 
-// Queues a query for every settled keyframe of a local map, to be looked up in others or in its
-// own.
+// Queues a query for every settled keyframe of a local map, to look it up in each of `against`.
 void QueueAgain(const LocalMapState& asking, const std::vector<LocalMapId>& against,
                 MissionState& state);
 
-// Returns the island that the local map is by itself, of a newer generation than the one that it is
-// in.
+// Returns the island that the local map is by itself, of a newer generation than its present one.
 Island MakeLoneIsland(const MissionState& state, LocalMapId id);
 
 }  // namespace corbslam::map_store

@@ -134,7 +134,7 @@ void PlanFollowers(const MissionState& state, const IslandSnapshot& snapshot, Re
   }
 }
 
-// The points that were merged into each survivor, in the order in which they were.
+// Points that were merged into each survivor, in the order of merging.
 using MergedPoints = absl::flat_hash_map<MapPointId, std::vector<MapPointId>>;
 
 MergedPoints GroupBySurvivor(const std::vector<FuseMapsResult::Merge>& merges) {

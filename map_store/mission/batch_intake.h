@@ -18,7 +18,7 @@
 
 namespace corbslam::map_store {
 
-// Thread-safe.
+// Applies the batches of all sessions of a mission. Thread-safe.
 class BatchIntake {
  public:
   // The arguments are not owned and must outlive it.

@@ -89,7 +89,7 @@ std::optional<FusionJob> FusionCoordinator::StartJob(FusionLane lane) {
     skipped = true;
     started = TryStart(lane);
   }
-  // What was skipped may have been all that the other lane waited for.
+  // A skipped action may have been all that the other lane waited for.
   if (skipped) strand_.environment().wake_fusion();
   return std::move(started.job);
 }

@@ -21,7 +21,7 @@
 
 namespace corbslam::map_store {
 
-// ABORTED: the session is not the agent's any more, or the mission is deleted.
+// Returns ABORTED if the session is not the agent's any more, or the mission is deleted.
 absl::Status CheckSession(const MissionStrand& strand, uint64_t session_id,
                           const std::string& agent) ABSL_SHARED_LOCKS_REQUIRED(strand.mutex());
 

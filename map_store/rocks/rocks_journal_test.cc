@@ -343,7 +343,7 @@ TEST_F(RocksJournalTest, AFullDiskIsSaidAndForgottenOnceThereIsRoom) {
   EXPECT_EQ(full.status().code(), absl::StatusCode::kResourceExhausted) << full.status();
   EXPECT_THAT(std::string(full.status().message()), HasSubstr(options.directory));
   EXPECT_EQ(LastBatch(*store, {0xa}), 2u) << "nothing was stored";
-  // Agents try again and again.
+  // Agents send a refused batch again and again.
   for (int i = 0; i < 25; ++i) {
     EXPECT_FALSE(store->Apply(session, batches[4]).ok());
     absl::SleepFor(absl::Milliseconds(100));

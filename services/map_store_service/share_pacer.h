@@ -21,11 +21,9 @@ class SharePacer {
 
   // Returns how long the next update has to wait.
   absl::Duration Wait(absl::Time now);
-  // Returns how many bytes the next update may have, at most `most`; called once it has to wait no
-  // more.
+  // Returns the most bytes of the next update, at most `most`; called once it need not wait.
   size_t Allow(size_t most, absl::Time now);
-  // Notes that an update of so many bytes goes (0: there was none). Returns for how long it has
-  // waited.
+  // Notes an update of so many bytes (0: there was none). Returns for how long it has waited.
   absl::Duration NoteSent(size_t bytes, absl::Time now);
 
  private:

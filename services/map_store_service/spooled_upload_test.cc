@@ -94,7 +94,7 @@ class SpooledUploadTest : public ::testing::Test {
 
 TEST_F(SpooledUploadTest, ARestartedRobotSendsWhatItHadAndGoesOn) {
   {
-    // Nobody listens there.
+    // Nobody listens at this address.
     Robot robot(MakeChannel("127.0.0.1:1"), folder_);
     robot.Begin(kFirst);
     for (uint32_t k = 0; k < 30; ++k) robot.AddKeyframe(k);

@@ -104,7 +104,7 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse>,
     if (!changes) return absl::OkStatus();
     std::vector<v1::WatchMapResponse> parts = ToProto(*changes);
     absl::MutexLock lock(&mutex_);
-    // The rest is looked at once these are written.
+    // The rest of the changes is looked at once these are written.
     changed_ = changed_ || changes->continues;
     for (v1::WatchMapResponse& part : parts) parts_.push_back(std::move(part));
     return absl::OkStatus();

@@ -59,7 +59,7 @@ class RpcInterceptor : public grpc::experimental::Interceptor {
     if (type_ == MessageType::kBytes) {
       return static_cast<const grpc::ByteBuffer*>(message)->Length();
     }
-    // Generated classes have no other base.
+    // All messages of generated classes have this base.
     return static_cast<const google::protobuf::MessageLite*>(message)->ByteSizeLong();
   }
 

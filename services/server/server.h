@@ -18,7 +18,7 @@
 
 namespace corbslam {
 
-// No message on the wire is longer.
+// A message on the wire has at most so many bytes.
 inline constexpr int kMaxMessageBytes = 4 << 20;
 
 // Names that grpc.health.v1.Health knows: whether the process runs (else it is to be restarted),
