@@ -1,5 +1,5 @@
-// The fusion worker in this process: verification, fusing and bundle adjustment as pure functions
-// from request to result.
+// Runs the fusion worker in this process: verification, fusing and bundle adjustment as pure
+// functions from request to result.
 #ifndef CORBSLAM_FUSION_WORKER_LOCAL_FUSION_WORKER_H_
 #define CORBSLAM_FUSION_WORKER_LOCAL_FUSION_WORKER_H_
 

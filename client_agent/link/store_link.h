@@ -36,7 +36,7 @@ struct StoreLinkOptions {
   std::optional<RecordedCamera> recorded_camera;
   // The features of a keyframe that go up.
   FeatureSelection features = {};
-  // RecorderOptions::hold_newest.
+  // Becomes RecorderOptions::hold_newest.
   size_t hold_newest_keyframes = RecorderOptions().hold_newest;
   // Where no frame has come for so long, nothing is held back.
   absl::Duration max_hold = absl::Seconds(2);
