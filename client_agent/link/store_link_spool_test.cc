@@ -122,7 +122,7 @@ TEST_F(StoreLinkSpoolTest, ARobotThatEndsUnreachedLeavesEverythingInItsSpool) {
   EXPECT_EQ(StoredKeyframes().count({kOwn, 0}), 1u);
 }
 
-// The link runs on its own thread: only that waits with batches while there is no session.
+// The link has its thread here: only the thread waits with batches while there is no session.
 TEST_F(StoreLinkSpoolTest, LightUpdatesCoalesceWhileBatchesWait) {
   uplink_.reachable = false;
   in_real_time_ = true;

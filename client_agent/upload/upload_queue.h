@@ -90,7 +90,7 @@ class UploadQueue {
   void NoteSpool(const absl::Status& room);
 
   const size_t max_memory_bytes_;
-  const std::unique_ptr<Spool> spool_;  // Used by that one thread alone.
+  const std::unique_ptr<Spool> spool_;  // Used by the calls of the second group alone.
 
   mutable absl::Mutex mutex_;
   Outbox outbox_ ABSL_GUARDED_BY(mutex_);
