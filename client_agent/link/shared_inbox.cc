@@ -34,8 +34,8 @@ void SharedInbox::Add(ArrivedUpdate update) {
     if (closed_) return;
     bytes_ += ApproximateBytes(update.update);
     updates_.push_back(std::move(update));
-    // A job that was posted before takes this update with it. Posted under the lock, so that
-    // nothing is posted after Close.
+    // A job that was posted before takes this update with it. The job is posted under the lock, so
+    // that none is posted after Close.
     if (updates_.size() == 1) {
       jobs_.PostJob([self = shared_from_this()](GuardedMap& map) { self->PlaceArrived(map); });
     }
@@ -80,6 +80,7 @@ void SharedInbox::PlaceArrived(GuardedMap& map) {
 }
 
 void SharedInbox::PlanAndPlace(GuardedMap& map) {
+  // The plan is made while others read the map, too.
   const PlacementPlan plan = map.Read([this](const Map& now) { return shared_.Plan(now); });
   map.Write([&](Map& now) { Place(plan, now); });
 }

@@ -53,7 +53,7 @@ bool ObservationMirror::AppendChanges(const Keyframe& keyframe, const Rules& rul
                                       std::vector<ObservationChange>& changes) {
   const KeyframeId id = keyframe.id();
   std::vector<MapPointId>& told = points_.at(id);
-  // What the keyframe sees, made once somebody asks.
+  // The points that the keyframe sees are gathered once they are asked for.
   absl::flat_hash_set<MapPointId> seen;
   const auto sees = [&](MapPointId point) {
     if (seen.empty()) seen.insert(keyframe.points.begin(), keyframe.points.end());
