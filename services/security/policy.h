@@ -1,4 +1,4 @@
-// The one place that says who may do what.
+// Says who may do what; no other place does.
 #ifndef CORBSLAM_SERVICES_SECURITY_POLICY_H_
 #define CORBSLAM_SERVICES_SECURITY_POLICY_H_
 
@@ -12,28 +12,32 @@
 namespace corbslam {
 
 enum class Action {
-  kCheckHealth,   // Everybody with an identity, or everybody.
-  kReflect,       // Everybody with an identity.
-  kLook,          // Agents, viewers and operators of the mission.
-  kListMissions,  // Whoever has a grant for all missions.
-  kUpload,        // The agent itself.
-  kAdminister,    // Operators of the mission.
-  kInspect,       // Operators of all missions, or of the server's only one: its connections.
-  kCompute,       // Map stores.
+  kCheckHealth,   // Allowed to everybody with an identity, or to everybody.
+  kReflect,       // Allowed to everybody with an identity.
+  kLook,          // Allowed to agents, viewers and operators of the mission.
+  kListMissions,  // Allowed to callers with a grant for all missions.
+  kUpload,        // Allowed to the agent itself.
+  kAdminister,    // Allowed to operators of the mission.
+  // Looks at a server's connections; allowed to operators of all missions, or of the server's only
+  // one.
+  kInspect,
+  kCompute,  // Allowed to map stores.
 };
 
-// What a call wants.
+// Says what a call wants.
 struct Access {
   Action action = Action::kLook;
-  std::optional<std::string> mission;  // None: not known yet; some mission of the caller's will do.
-  std::optional<std::string> agent;    // Of kUpload, likewise.
+  // Nullopt: not known yet; some mission of the caller's will do.
+  std::optional<std::string> mission;
+  std::optional<std::string> agent;  // Set for kUpload only; nullopt likewise.
 };
 
-// PERMISSION_DENIED says who, what, and of which mission.
+// Returns PERMISSION_DENIED, which says who, what, and of which mission, if the caller may not do
+// this.
 absl::Status Authorise(const Identity& identity, const Access& access);
 
-// What a method does, by its path as "/corbslam.v1.MapStore/Sync"; none for one that isn't known,
-// which nobody may call.
+// Returns what a method does, by its path such as "/corbslam.v1.MapStore/Sync"; nullopt for a
+// method that isn't known, which nobody may call.
 std::optional<Action> ActionOf(absl::string_view path);
 
 }  // namespace corbslam
