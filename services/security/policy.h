@@ -11,29 +11,26 @@
 
 namespace corbslam {
 
+// What a call does; each comment says who may do it.
 enum class Action {
-  kCheckHealth,   // Allowed to everybody with an identity, or to everybody.
-  kReflect,       // Allowed to everybody with an identity.
-  kLook,          // Allowed to agents, viewers and operators of the mission.
-  kListMissions,  // Allowed to callers with a grant for all missions.
-  kUpload,        // Allowed to the agent itself.
-  kAdminister,    // Allowed to operators of the mission.
-  // Looks at a server's connections; allowed to operators of all missions, or of the server's only
-  // one.
-  kInspect,
-  kCompute,  // Allowed to map stores.
+  kCheckHealth,   // Everybody with an identity, or everybody.
+  kReflect,       // Everybody with an identity.
+  kLook,          // Agents, viewers and operators of the mission.
+  kListMissions,  // Callers with a grant for all missions.
+  kUpload,        // The agent itself.
+  kAdminister,    // Operators of the mission.
+  kInspect,       // Operators of all missions, or of the server's only one (its connections).
+  kCompute,       // Map stores.
 };
 
 // Says what a call wants.
 struct Access {
   Action action = Action::kLook;
-  // Nullopt: not known yet; some mission of the caller's will do.
-  std::optional<std::string> mission;
-  std::optional<std::string> agent;  // Set for kUpload only; nullopt likewise.
+  std::optional<std::string> mission;  // Nullopt: not known yet; one of the caller's will do.
+  std::optional<std::string> agent;    // Set for kUpload only; nullopt likewise.
 };
 
-// Returns PERMISSION_DENIED, which says who, what, and of which mission, if the caller may not do
-// this.
+// Returns OK, or PERMISSION_DENIED, which says who, what, and of which mission.
 absl::Status Authorise(const Identity& identity, const Access& access);
 
 // Returns what a method does, by its path such as "/corbslam.v1.MapStore/Sync"; nullopt for a

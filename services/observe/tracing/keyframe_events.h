@@ -36,8 +36,7 @@ struct KeyframeEvent {
   KeyframeId keyframe;
   absl::Time time;
   std::string mission;
-  // The robot that the event is about: the one that made the keyframe or, for kShared and kArrived,
-  // the one that gets it.
+  // The robot that made the keyframe or, for kShared and kArrived, the one that gets it.
   std::string agent;
 };
 
@@ -46,8 +45,7 @@ struct KeyframeEvent {
 std::string ToTraceLine(const KeyframeEvent& event, int process);
 // Returns the line that names a process.
 std::string ProcessNameLine(absl::string_view name, int process);
-// Returns a number for the process that is made of its name: process ids are the same in all
-// containers.
+// Returns a number made of the process's name: process ids are the same in all containers.
 int ProcessNumber(absl::string_view name);
 
 }  // namespace corbslam

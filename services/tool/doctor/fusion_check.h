@@ -18,8 +18,7 @@ namespace corbslam {
 // there is no mission.
 Findings CheckFusionOf(const std::string& name, const std::vector<v1::Mission>& missions);
 
-// Asks the store for its missions and judges as above. Returns no finding if this caller may not
-// ask.
+// Asks the store for its missions and judges them. Returns no finding if this caller may not ask.
 Findings CheckFusion(const std::string& name, const std::shared_ptr<grpc::Channel>& channel,
                      absl::Duration patience);
 

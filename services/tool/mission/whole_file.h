@@ -14,8 +14,7 @@ namespace corbslam {
 // full disk, else UNAVAILABLE.
 class WholeFile {
  public:
-  // Begins a file beside `path`, under that name with ".part" at its end. ALREADY_EXISTS if there
-  // is a file at `path`.
+  // Begins a file at `path` with ".part" at its end. ALREADY_EXISTS if there is one at `path`.
   static absl::StatusOr<WholeFile> Create(const std::string& path);
   WholeFile(WholeFile&& other) noexcept;
   WholeFile& operator=(WholeFile&&) = delete;
