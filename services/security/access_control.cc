@@ -25,7 +25,7 @@ Evidence ReadEvidence(const grpc::AuthContext* context, const Metadata& metadata
       evidence.uris.emplace_back(ToView(uri));
     }
   }
-  // Two of them together make one that no verifier takes.
+  // Two headers are joined to one that no verifier takes.
   const auto [begin, end] = metadata.equal_range("authorization");
   for (auto entry = begin; entry != end; ++entry) {
     evidence.authorization =
