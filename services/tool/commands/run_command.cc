@@ -87,7 +87,7 @@ std::vector<std::string> NamesOf(const std::vector<RobotPlan>& robots) {
   return names;
 }
 
-// Prints one line that is written over; prints nothing if there is no terminal.
+// Prints one line that is written over, which is for a terminal only.
 void ShowOnTerminal(const Progress& progress) {
   std::string line = progress.stage;
   for (const auto& [name, frames] : progress.robots)
