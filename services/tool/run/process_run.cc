@@ -35,8 +35,8 @@ struct RunningAgent {
   size_t frames = 0;
   std::string statistics_path;
   std::unique_ptr<ChildProcess> process;
-  std::unique_ptr<v1::Agent::Stub> stub;  // Null: it does not stay.
-  absl::Status failure;                   // How it ended, where that was no success.
+  std::unique_ptr<v1::Agent::Stub> stub;  // Null if the agent does not stay after its last frame.
+  absl::Status failure;                   // How the process ended, if that was no success.
 };
 
 class ProcessRun {
@@ -47,7 +47,7 @@ class ProcessRun {
   absl::StatusOr<MissionOutcome> Run();
 
  private:
-  // Program, then arguments; the vocabulary, when one is named, comes with it.
+  // Returns the program's path, then the arguments, then the vocabulary if one is needed and named.
   absl::StatusOr<std::vector<std::string>> MakeCommand(const std::string& program,
                                                        std::vector<std::string> arguments,
                                                        bool needs_vocabulary) const;
@@ -55,13 +55,14 @@ class ProcessRun {
                                           std::vector<std::string> arguments,
                                           bool needs_vocabulary);
   absl::Status StartServers();
-  // One that stays is connected until it is stopped, and takes in what others made.
+  // Starts an agent. With `stays` it is connected until it is stopped, and takes in what others
+  // made.
   absl::Status StartAgent(const RobotPlan& plan, bool stays);
-  // Until every agent that was started has mapped its last frame.
+  // Waits until every agent that was started has mapped its last frame.
   void WaitForAgents();
-  // Until the agents that stay have what the store has for them.
+  // Waits until the agents that stay have what the store has for them.
   absl::Status WaitUntilShared();
-  // Whether the agent has all that the store has for it, by what the store and the agent say.
+  // Returns whether the agent has all that the store has for it, by what the store and the agent say.
   bool KnowsAll(const RunningAgent& agent,
                 const std::map<std::string, v1::MissionAgent>& at_store) const;
   void StopAgents();
@@ -124,7 +125,7 @@ void AppendFlags(const SecurityOptions& security, std::vector<std::string>& argu
   }
 }
 
-// Robots' own program knows no simulator.
+// Returns the program that plays the source: client_agent knows no simulator.
 std::string AgentProgram(const RobotPlan& plan) {
   return FindSimulation(plan.source) == nullptr ? "client_agent" : "simulated_agent";
 }
@@ -221,7 +222,7 @@ void ProcessRun::StopAgents() {
   }
 }
 
-// The store knows no mission where no robot brought anything.
+// Waits until the store has fused; a store knows no mission if no robot brought anything.
 absl::Status ProcessRun::WaitUntilFused() {
   const absl::Status fused = store_->WaitUntilFused(options_.fusion_timeout);
   return absl::IsNotFound(fused) ? absl::OkStatus() : fused;
@@ -248,7 +249,7 @@ absl::StatusOr<RobotReport> ReadStatistics(const RunningAgent& agent) {
       absl::StrCat(agent.plan.name, " left no statistics in ", agent.statistics_path));
 }
 
-// A robot that failed has a report all the same, with what it left and why it failed.
+// Returns a report even if the robot failed, with what it left and why it failed.
 RobotReport ReadRobotReport(RunningAgent& agent) {
   absl::StatusOr<RobotReport> read = ReadStatistics(agent);
   agent.failure.Update(read.status());
@@ -265,7 +266,7 @@ RobotReport ReadRobotReport(RunningAgent& agent) {
 }
 
 void ProcessRun::StopServers(MissionOutcome& outcome) {
-  // The store first, so that it does not miss its worker.
+  // The store is stopped first, so that it does not miss its worker.
   for (auto server = servers_.rbegin(); server != servers_.rend(); ++server) {
     const ProcessEnd end = (*server)->Stop(kStopGrace);
     outcome.report.servers[(*server)->name()] = {end.peak_rss_mb, end.cpu_s};
