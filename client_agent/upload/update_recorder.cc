@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <iterator>
 #include <utility>
 
 #include "client_agent/upload/keyframe_depths.h"
@@ -17,6 +16,12 @@ namespace {
 constexpr double kSameLook_px = 0.5;
 // Of what travels as 32-bit numbers, relative to its size.
 constexpr double kRounding = 1e-6;
+
+absl::Status ValidateFrame(const TrackedFrame& frame) {
+  RETURN_IF_ERROR(ValidateTime("tracked frame", frame.timestamp_ns));
+  return ValidatePose("tracked frame of", frame.reference, "reference_from_camera",
+                      frame.reference_from_camera);
+}
 
 }  // namespace
 
@@ -340,7 +345,10 @@ void UpdateRecorder::TakeLightKeyframes(const Map& map, MapUpdateBatch& batch) {
   for (const auto& [id, told] : stand_ins_) {
     if (KnownAncestor(map, id) != told) changed_keyframes_.insert(id);
   }
-  // Root first, so that no step of the new tree makes a cycle with what is left of the old one.
+  // Root first, so that no step of the new tree makes a cycle with what is left of the old one: all
+  // ancestors hang where they shall already. So it is where this batch ends before the last one,
+  // too, and whatever becomes of the tree until the next: there the rest is sorted by the tree of
+  // then.
   KeyframeDepths depths(map);
   std::vector<std::pair<size_t, KeyframeId>> by_depth;
   for (const KeyframeId& id : changed_keyframes_) {
@@ -503,18 +511,20 @@ void UpdateRecorder::TakeRemovals(MapUpdateBatch& batch) {
   }
   // A keyframe goes after its children hang on others.
   if (!changed_keyframes_.empty()) return;
-  const size_t count = std::min(removed_keyframes_.size(), options_.limits.removed_keyframes);
-  const auto end = removed_keyframes_.begin() + static_cast<ptrdiff_t>(count);
-  for (auto removal = removed_keyframes_.begin(); removal != end; ++removal) {
+  auto removal = removed_keyframes_.begin();
+  for (; removal != removed_keyframes_.end() &&
+         batch.removed_keyframes.size() < options_.limits.removed_keyframes;
+       ++removal) {
     sent_keyframes_.erase(removal->id);
     numbers_.erase(removal->id);
     stand_ins_.erase(removal->id);
     mirror_.RemoveKeyframe(removal->id);
     believed_.RemoveKeyframe(removal->id);
-    if (refused_keyframes_.erase(removal->id) > 0) continue;
+    // Frames that name it may still come.
+    if (refused_keyframes_.contains(removal->id)) continue;
     if (gate_.Admit(ValidateRemoval(*removal))) batch.removed_keyframes.push_back(*removal);
   }
-  removed_keyframes_.erase(removed_keyframes_.begin(), end);
+  removed_keyframes_.erase(removed_keyframes_.begin(), removal);
 }
 
 void UpdateRecorder::TakeLoopEdges(const Map& map, MapUpdateBatch& batch) {
@@ -537,12 +547,6 @@ void UpdateRecorder::TakeLoopEdges(const Map& map, MapUpdateBatch& batch) {
   loop_edges_ = std::move(waiting);
 }
 
-absl::Status ValidateFrame(const TrackedFrame& frame) {
-  RETURN_IF_ERROR(ValidateTime("tracked frame", frame.timestamp_ns));
-  return ValidatePose("tracked frame of", frame.reference, "reference_from_camera",
-                      frame.reference_from_camera);
-}
-
 // A frame goes up with or after its reference keyframe.
 void UpdateRecorder::TakeFrames(MapUpdateBatch& batch) {
   std::vector<TrackedFrame> waiting;
@@ -555,13 +559,12 @@ void UpdateRecorder::TakeFrames(MapUpdateBatch& batch) {
     (waits ? waiting : batch.tracked_frames).push_back(frame);
   }
   tracked_frames_ = std::move(waiting);
-  const size_t lost = std::min(lost_frames_ns_.size(), options_.limits.frames);
-  const auto end = lost_frames_ns_.begin() + static_cast<ptrdiff_t>(lost);
-  std::copy_if(lost_frames_ns_.begin(), end, std::back_inserter(batch.lost_frames_ns),
-               [this](int64_t time_ns) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-                 return gate_.Admit(ValidateTime("lost frame", time_ns));
-               });
-  lost_frames_ns_.erase(lost_frames_ns_.begin(), end);
+  auto lost = lost_frames_ns_.begin();
+  for (; lost != lost_frames_ns_.end() && batch.lost_frames_ns.size() < options_.limits.frames;
+       ++lost) {
+    if (gate_.Admit(ValidateTime("lost frame", *lost))) batch.lost_frames_ns.push_back(*lost);
+  }
+  lost_frames_ns_.erase(lost_frames_ns_.begin(), lost);
 }
 
 }  // namespace corbslam

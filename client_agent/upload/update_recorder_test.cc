@@ -47,8 +47,15 @@ void MoveWithFollowers(KeyframeId id, const Rigid3d& camera_from_map, Map& repli
   replica.SetPose(id, camera_from_map);
 }
 
-// What a map store does with a batch; one of an older version moves no points with their keyframes.
-void Apply(const MapUpdateBatch& batch, bool is_old, Map& replica) {
+struct Store {
+  // One of an older version moves no points with their keyframes.
+  bool is_old = false;
+  // The root is never removed: then no parent makes a cycle with what was there before.
+  bool root_stays = false;
+};
+
+// What a map store does with a batch.
+void Apply(const MapUpdateBatch& batch, const Store& store, Map& replica) {
   std::vector<std::pair<KeyframeId, KeyframeId>> parked;
   for (const FullKeyframe& full : batch.full_keyframes) {
     Keyframe keyframe;
@@ -66,12 +73,13 @@ void Apply(const MapUpdateBatch& batch, bool is_old, Map& replica) {
     EXPECT_TRUE(replica.AddPoint(point));
   }
   for (const LightKeyframe& light : batch.light_keyframes) {
-    if (batch.points_follow && !is_old) {
+    if (batch.points_follow && !store.is_old) {
       MoveWithFollowers(light.id, light.camera_from_local, replica);
     } else {
       replica.SetPose(light.id, light.camera_from_local);
     }
     if (light.parent.IsValid() && !replica.SetParent(light.id, light.parent)) {
+      EXPECT_FALSE(store.root_stays) << ToString(light.id) << " on " << ToString(light.parent);
       parked.emplace_back(light.id, light.parent);
     }
   }
@@ -96,7 +104,10 @@ void Apply(const MapUpdateBatch& batch, bool is_old, Map& replica) {
 class Scenario {
  public:
   explicit Scenario(uint32_t seed, const RecorderOptions& options = {.hold_newest = 0})
-      : random_(seed), holds_back_(options.hold_newest > 0), recorder_(kOwn, options) {
+      : random_(seed), recorder_(kOwn, options) {
+    // Where trees are the same on both sides whenever a batch has gone up, it may be removed.
+    store_.root_stays =
+        options.hold_newest > 0 || options.limits.light_keyframes < BatchLimits().light_keyframes;
     map_.SetObserver(&recorder_);
     // A few foreign points that both sides hold, as after sharing.
     for (uint32_t i = 0; i < 10; ++i) {
@@ -135,16 +146,16 @@ class Scenario {
 
   MapUpdateBatch Flush(size_t max_keyframes) {
     const MapUpdateBatch batch = recorder_.TakeBatch(map_, max_keyframes);
-    Apply(batch, store_is_old_, replica_);
+    Apply(batch, store_, replica_);
     return batch;
   }
   // The robot hears of it only when a session opens.
-  void ReplaceStore(bool is_old) { store_is_old_ = is_old; }
-  void OpenSession() { recorder_.SetPointsFollow(!store_is_old_); }
+  void ReplaceStore(bool is_old) { store_.is_old = is_old; }
+  void OpenSession() { recorder_.SetPointsFollow(!store_.is_old); }
   // With so many bytes; returns what was told.
   MapUpdateBatch FlushBytes(double bytes) {
     const MapUpdateBatch batch = recorder_.TakeBatch(map_, BatchAllowance(1000, bytes, 1));
-    Apply(batch, store_is_old_, replica_);
+    Apply(batch, store_, replica_);
     return batch;
   }
   UpdateCounts CountUntold() const { return recorder_.CountUntold(); }
@@ -254,7 +265,7 @@ class Scenario {
   // Mapping never takes the root out. The map may, where trees are the same on both sides.
   void RemoveKeyframe(KeyframeId id) {
     const Keyframe* keyframe = map_.FindKeyframe(id);
-    if (keyframe == nullptr || (holds_back_ && !keyframe->parent.IsValid())) return;
+    if (keyframe == nullptr || (store_.root_stays && !keyframe->parent.IsValid())) return;
     map_.RemoveKeyframe(id);
   }
   // Half of them too small to be seen from where the points are.
@@ -275,11 +286,10 @@ class Scenario {
   }
 
   std::mt19937 random_;
-  const bool holds_back_;
   UpdateRecorder recorder_;
   Map map_;
   Map replica_;
-  bool store_is_old_ = false;
+  Store store_;
   uint32_t next_keyframe_ = 0;
   uint32_t next_point_ = 0;
 };
@@ -690,6 +700,30 @@ TEST_F(RecordedMapTest, WhatHasImpossibleValuesIsNotTold) {
   EXPECT_TRUE(move(kNan).empty());
   EXPECT_EQ(recorder_.refused_items(), 3u);
   EXPECT_EQ(move(1).size(), 1u);
+}
+
+// What comes after it is told all the same, by a batch that is not empty.
+TEST_F(RecordedMapTest, WhatIsRefusedTakesNoRoomInABatch) {
+  UpdateRecorder recorder(kOwn,
+                          {.hold_newest = 0, .limits = {.removed_keyframes = 1, .frames = 1}});
+  map_.SetObserver(&recorder);
+  map_.AddKeyframe(MakeKeyframe({kOwn, 0}, {}));
+  Keyframe bad = MakeKeyframe({kOwn, 1}, {kOwn, 0});
+  bad.camera_from_map.translation.x() = std::numeric_limits<double>::quiet_NaN();
+  map_.AddKeyframe(bad);
+  map_.AddKeyframe(MakeKeyframe({kOwn, 2}, {kOwn, 0}));
+  EXPECT_EQ(recorder.TakeBatch(map_, 10).full_keyframes.size(), 2u);
+
+  map_.RemoveKeyframe({kOwn, 1});
+  map_.RemoveKeyframe({kOwn, 2});
+  recorder.AddTrackedFrame({5, {kOwn, 1}, {}});
+  for (const int64_t time_ns : {-7, -6, 8}) recorder.AddLostFrame(time_ns);
+  const MapUpdateBatch batch = recorder.TakeBatch(map_, 10);
+  ASSERT_EQ(batch.removed_keyframes.size(), 1u);
+  EXPECT_EQ(batch.removed_keyframes[0].id, (KeyframeId{kOwn, 2}));
+  EXPECT_THAT(batch.lost_frames_ns, ElementsAre(8));
+  EXPECT_THAT(batch.tracked_frames, IsEmpty()) << "nobody knows where its keyframe was";
+  EXPECT_FALSE(recorder.HasChanges());
 }
 
 TEST_F(RecordedMapTest, FramesWaitForTheirReference) {
