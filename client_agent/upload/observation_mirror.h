@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_OBSERVATION_MIRROR_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_OBSERVATION_MIRROR_H_
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <vector>
@@ -39,11 +40,16 @@ class ObservationMirror {
   bool AppendChanges(const Keyframe& keyframe, const Rules& rules,
                      std::vector<ObservationChange>& changes);
 
+  // Returns for how many pairs of keyframes the changes so far changed the number of points that
+  // both see: what they cost the store (map_store/ingest/batch_cost.h).
+  uint64_t pairs() const { return pairs_; }
+
  private:
   void Erase(KeyframeId keyframe, uint32_t keypoint);
 
   std::map<KeyframeId, std::vector<MapPointId>> points_;
   std::map<MapPointId, std::map<KeyframeId, uint32_t>> observers_;
+  uint64_t pairs_ = 0;
 };
 
 }  // namespace corbslam
