@@ -1,5 +1,5 @@
-// The fusion worker in this process: verification, fusing and bundle adjustment as pure functions
-// from request to result.
+// Runs the fusion worker in this process: verification, fusing and bundle adjustment as pure
+// functions from request to result.
 #ifndef CORBSLAM_FUSION_WORKER_LOCAL_FUSION_WORKER_H_
 #define CORBSLAM_FUSION_WORKER_LOCAL_FUSION_WORKER_H_
 
@@ -18,8 +18,9 @@ struct FusionWorkerOptions {
   uint64_t seed = 1;
 };
 
-// The worker is stateless between calls and thread-safe. INVALID_ARGUMENT (naming the id) for views
-// that contradict themselves or the request; CANCELLED when the progress callback returns false.
+// Makes a worker, which is stateless between calls and thread-safe. It returns INVALID_ARGUMENT,
+// naming the id, for views that contradict themselves or the request, and CANCELLED when the
+// progress callback returns false.
 std::unique_ptr<FusionWorker> MakeLocalFusionWorker(const FusionWorkerOptions& options = {});
 
 }  // namespace corbslam

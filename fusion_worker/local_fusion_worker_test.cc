@@ -38,7 +38,7 @@ class LocalFusionWorkerTest : public ::testing::Test {
     request.query_view = b_.map;
     request.query = {kB, 2};
     request.candidate_view = a_.map;
-    // The first is elsewhere, the second is right, the third is not looked at any more.
+    // The first candidate is elsewhere, the second is right, the third is not looked at any more.
     request.candidates = {{{kA, 1}, 90}, {{kA, 15}, 70}, {{kA, 14}, 60}};
     return request;
   }
@@ -88,7 +88,7 @@ TEST_F(LocalFusionWorkerTest, FromOverlapToOneAdjustedMap) {
   commit.positions = adjusted->positions;
   commit.rejected = adjusted->rejected;
   const Map after = ApplyFusing(adjust.view, Map(), commit);
-  // Keyframes and points went together: neither alone would lower it.
+  // Keyframes and points went together: neither alone would lower the error.
   EXPECT_LT(MeanReprojectionError_px2(after), 0.5 * MeanReprojectionError_px2(adjust.view));
   EXPECT_LT(AteRmse_m(PosesOf(after), JoinTruth(a_, b_)),
             AteRmse_m(PosesOf(adjust.view), JoinTruth(a_, b_)));

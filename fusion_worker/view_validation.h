@@ -8,8 +8,8 @@
 
 namespace corbslam {
 
-// INVALID_ARGUMENT, naming the id, for a keyframe without payload or camera, an impossible camera,
-// a rotation that is none, or a value that is not finite.
+// Returns INVALID_ARGUMENT, naming the id, for a keyframe without payload or camera, an impossible
+// camera, a rotation that is none, or a value that is not finite.
 absl::Status CheckView(const Map& view);
 
 }  // namespace corbslam

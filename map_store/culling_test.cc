@@ -1,4 +1,5 @@
-// Keyframes that a worker found redundant: fusion and the other robots do without, their owner not.
+// Tests keyframes that a worker found redundant: fusion and the other robots do without them, their
+// owner keeps them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -74,7 +75,7 @@ TEST_F(CullingTest, LaterAdjustmentsGoWithoutItAndItFollowsItsRelatives) {
   ASSERT_GT(worker_.adjusted().size(), adjusted_before);
   EXPECT_EQ(worker_.adjusted().back().view.FindKeyframe(kCulled), nullptr);
   EXPECT_EQ(worker_.adjusted().back().view.keyframes().size(), 27u);
-  // Between its neighbours, with what its owner says of their distance.
+  // The culled keyframe stands between its neighbours, as far from them as its owner says.
   const Rigid3d global = Pose(kCulled) * Pose({{0xa}, 8}).Inverse();
   const Rigid3d local = map_a_.map.FindKeyframe(kCulled)->camera_from_map *
                         map_a_.map.FindKeyframe({{0xa}, 8})->camera_from_map.Inverse();
@@ -98,7 +99,7 @@ TEST_F(CullingTest, OthersForgetItItsOwnerDoesNot) {
   EXPECT_EQ(store_.GetLocalMap(kMission, a_.local_map())->keyframes, 14u);
 }
 
-// A worker may be wrong about what it was asked; what it was not asked is none of its business.
+// A worker may be wrong about a keyframe that it was asked about; others are none of its business.
 TEST_F(CullingTest, NothingIsCulledThatWasNotInView) {
   const auto bytes = std::make_shared<JournalBytes>();
   MapStore store(CullingOptions(), TheWorld().vocabulary, std::make_unique<ByteJournal>(bytes),

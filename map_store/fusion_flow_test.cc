@@ -1,4 +1,5 @@
-// From streams to one map: the fusion cycle with a worker that knows the truth, step by step.
+// Tests the way from streams to one map: the fusion cycle with a worker that knows the truth, step
+// by step.
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -38,7 +39,7 @@ TEST_F(FusionFlowTest, TwoMapsBecomeOneIslandInTheFirstOnesFrame) {
   EXPECT_TRUE(store_.GetLocalMap(kMission, b_.local_map())->in_reference_island);
   EXPECT_EQ(Statistics().merge_ms.size(), 1u);
   ASSERT_EQ(Statistics().global_adjustments.size(), 1u);
-  // The first keyframe holds the frame; the rest stands as in truth relative to it, across maps.
+  // The first keyframe holds the frame; the others stand as in truth relative to it, across maps.
   EXPECT_LT(Difference(Pose(a_.Id(0)).ToRigid(), Rigid3d::Identity()), 1e-9);
   for (const uint32_t k : {2u, 6u, 10u}) {
     EXPECT_LT(
@@ -53,7 +54,7 @@ TEST_F(FusionFlowTest, AdjustmentMovesKeyframesNotOnlyPoints) {
   const Rigid3d drifted = map_a_.map.FindKeyframe(a_.Id(9))->camera_from_map;
   EXPECT_GT(Difference(Pose(a_.Id(9)).ToRigid(), drifted), 1e-3);
   EXPECT_TRUE(store_.GetKeyframe(kMission, a_.Id(9))->placed);
-  // The local layer is the owner's: untouched.
+  // The local layer is the owner's, and stays as it was.
   EXPECT_LT(Difference(store_.GetKeyframe(kMission, a_.Id(9))->camera_from_local, drifted), 1e-12);
 }
 
@@ -63,7 +64,7 @@ TEST_F(FusionFlowTest, NewKeyframesFollowTheirCorrectedParentWithoutASeam) {
   Fuse();
   ASSERT_EQ(Statistics().islands, 1u);
   ASSERT_TRUE(b_.Stream(4).ok());
-  // The newest placed one and all that hang on it: the local relative poses, exactly.
+  // The newest placed keyframe and all that hang on it keep their local relative poses exactly.
   for (uint32_t k = 6; k < 13; ++k) {
     if (store_.GetKeyframe(kMission, b_.Id(k + 1))->placed) continue;
     const Rigid3d local = map_b_.map.FindKeyframe(b_.Id(k + 1))->camera_from_map *
@@ -144,7 +145,7 @@ TEST_F(FusionFlowTest, ProvisionalKeyframesAreNeitherQueriedNorPlaced) {
   EXPECT_FALSE(store_.GetKeyframe(kMission, b_.Id(11))->placed);
   CloseBoth();
   Fuse();
-  // The last adjustment places all.
+  // The last adjustment places all keyframes.
   EXPECT_TRUE(store_.GetKeyframe(kMission, b_.Id(13))->placed);
 }
 
@@ -172,7 +173,8 @@ TEST_F(FusionFlowTest, LocalLoopBringsAnIslandUpToDate) {
   EXPECT_GT(Statistics().global_adjustments.size(), adjustments);
 }
 
-// Both robots stream keyframe by keyframe, and fusion takes its turn after each; then they end.
+// Counts adjustments while both robots stream keyframe by keyframe, with a turn of fusion after
+// each, and then end.
 size_t CountAdjustments(const MapStoreOptions& options, TruthfulWorker& worker,
                         const SyntheticMap& map_a, const SyntheticMap& map_b,
                         size_t* before_the_end = nullptr) {
@@ -196,7 +198,7 @@ size_t CountAdjustments(const MapStoreOptions& options, TruthfulWorker& worker,
 
 TEST_F(FusionFlowTest, AdjustmentsAreSpacedByWhatChanged) {
   MapStoreOptions options = DeterministicOptions();
-  // Asked about everything, so that overlaps come all the time.
+  // The worker is asked about everything, so that overlaps come all the time.
   options.overlap_spacing = 0;
   options.min_shared_landmarks = 100000;
   options.adjust_min_keyframes = 1000;

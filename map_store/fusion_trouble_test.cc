@@ -1,5 +1,5 @@
-// The fusion cycle when something is in its way: refusals, failures, and owners that go on changing
-// what is being fused.
+// Tests the fusion cycle when something is in its way: refusals, failures, and owners that go on
+// changing what is being fused.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ TEST_F(FusionTroubleTest, StaleLightUpdateDoesNotMoveWhatFusionPlaced) {
   for (const auto& [id, keyframe] : map_a_.map.keyframes()) {
     stale.light_keyframes.push_back({id, keyframe.camera_from_map, keyframe.parent});
   }
-  // One keyframe as it was before the robot's own last adjustment: half a pixel away.
+  // One keyframe stands as it did before the robot's own last adjustment: half a pixel away.
   stale.light_keyframes[8].camera_from_local.translation.x() += 0.0005;
   ASSERT_TRUE(a_.Send(stale).ok());
   Fuse();
@@ -37,8 +37,8 @@ TEST_F(FusionTroubleTest, StaleLightUpdateDoesNotMoveWhatFusionPlaced) {
   EXPECT_EQ(Statistics().revision, revision);
 }
 
-// The robot says that a keyframe of another robot's stands for the one that was recognised, and
-// that one is in no island of the two that are to be fused.
+// The robot removes the recognised keyframe, and says that one of another robot stands for it; that
+// one is in neither of the two islands that are to be fused.
 TEST_F(FusionTroubleTest, AnOverlapThatGoesOverToAnotherIslandHoldsNothingUp) {
   const SyntheticMap far = MakeRingMap(0xc, 180, 14);
   TruthfulWorker worker({&map_a_, &map_b_, &far});
@@ -48,7 +48,7 @@ TEST_F(FusionTroubleTest, AnOverlapThatGoesOverToAnotherIslandHoldsNothingUp) {
   TestAgent b(store, kMission, "b", map_b_);
   TestAgent c(store, kMission, "c", far);
   bool removed = false;
-  // While a worker fails to fuse them.
+  // This happens while a worker fails to fuse the two.
   worker.fuse_failures = {absl::InternalError("try again")};
   OverlapFilter only_accepted;
   only_accepted.accepted = true;
@@ -75,7 +75,7 @@ TEST_F(FusionTroubleTest, DataThatArrivesDuringAdjustmentIsKeptAndFollows) {
   int calls = 0;
   worker_.during_adjust = [&](const ProgressCallback&) {
     if (++calls > 1) return true;
-    // Keyframes come, one in the snapshot goes, while the worker is busy.
+    // While the worker is busy, keyframes come, and one that is in the snapshot goes.
     EXPECT_TRUE(b_.Stream(3).ok());
     MapUpdateBatch removal = b_.EmptyBatch();
     removal.removed_keyframes.push_back({b_.Id(3), b_.Id(2), Rigid3d::Identity()});
@@ -122,7 +122,7 @@ TEST_F(FusionTroubleTest, WhatNobodyLookedAtIsKnown) {
   for (const UncomparedPair& pair : waiting) look_ups += pair.waiting;
   EXPECT_EQ(store_.GetMission(kMission)->waiting_queries, look_ups);
   EXPECT_FALSE(store_.worker_outage().has_value()) << "nobody was asked";
-  // Without threads nobody waits: what fails is given up.
+  // Without threads nobody waits for a worker: what fails is given up.
   Fuse();
   ASSERT_TRUE(store_.GetMission(kMission)->worker_outage.has_value());
   EXPECT_EQ(store_.worker_outage()->cause, "gone");
@@ -143,7 +143,7 @@ TEST_F(FusionTroubleTest, WhatNobodyLookedAtIsKnown) {
 // Several overlaps go into one request: one that bends the graph takes no other along.
 TEST_F(FusionTroubleTest, OneBadOverlapDoesNotRefuseTheOthers) {
   MapStoreOptions options = DeterministicOptions();
-  // Ask everybody, however well linked.
+  // The worker is asked about all keyframes, however well they are linked.
   options.overlap_spacing = 0;
   options.min_shared_landmarks = 100000;
   const auto run = [&] {
@@ -196,7 +196,7 @@ TEST_F(FusionTroubleTest, OwnersGoOnChangingPointsThatAreLandmarks) {
   const SyntheticMap map_c = MakeRingMap(0xc, 180, 5);
   TestAgent c(store_, kMission, "c", map_c);
   StreamBoth();
-  // Not settled, so never compared.
+  // C's keyframes are not settled, so that they are never compared.
   ASSERT_TRUE(c.Stream(3).ok());
   Fuse();
   ASSERT_FALSE(worker_.fused().empty());
@@ -207,12 +207,13 @@ TEST_F(FusionTroubleTest, OwnersGoOnChangingPointsThatAreLandmarks) {
     return pairs[i].query.local_map == id ? pairs[i].query : pairs[i].candidate;
   };
   const size_t landmarks = store_.GetMission(kMission)->map_points;
-  // The survivor goes, and with it one point, but the other robot's stands for both.
+  // The survivor goes, and with it one point, but the other robot's point stands for both.
   MapUpdateBatch of_a = a_.EmptyBatch();
   of_a.removed_points = {own_of(0, a_.local_map())};
   ASSERT_TRUE(a_.Send(of_a).ok());
   EXPECT_EQ(store_.GetMission(kMission)->map_points, landmarks);
-  // Members are replaced: by one of this island, by one of another, by one that nobody knows.
+  // Members are replaced by a point of this island, by one of another island, and by one that
+  // nobody knows.
   MapUpdateBatch of_b = b_.EmptyBatch();
   of_b.replacements = {{own_of(1, b_.local_map()), own_of(2, a_.local_map())},
                        {own_of(3, b_.local_map()), map_c.map.points().begin()->first},
@@ -246,7 +247,7 @@ TEST_F(FusionTroubleTest, RejectedObservationsGetASecondChance) {
   worker_.reject = {{*first, keyframe}};
   Fuse();
   EXPECT_EQ(store_.GetKeyframe(kMission, keyframe)->observed_points, observed - 1);
-  // The owner's layer is untouched, and the next adjustment sees it again.
+  // The owner's layer is untouched, and the next adjustment lets the keyframe see the point again.
   worker_.reject.clear();
   CloseBoth();
   Fuse();

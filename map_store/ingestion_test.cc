@@ -1,4 +1,4 @@
-// What agents send: sessions, numbers, rights, nonsense, and references in any order.
+// Tests what agents send: sessions, numbers, rights, nonsense, and references in any order.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ FullKeyframe MakeKeyframe(KeyframeId id, double x, KeyframeId parent = {}) {
   Features features;
   features.keypoints.resize(4);
   features.descriptors.resize(4);
-  // As from the wire: without the camera, which its index names.
+  // As it comes from the wire, the payload has no camera, which its index names.
   auto payload = std::make_shared<KeyframePayload>();
   payload->id = id;
   payload->timestamp_ns = static_cast<int64_t>(id.index) * 100;
@@ -80,7 +80,7 @@ class IngestionTest : public ::testing::Test {
     return opened->session_id;
   }
 
-  // Two keyframes that both see one point.
+  // Returns a batch of two keyframes that both see one point.
   MapUpdateBatch First(LocalMapId map = kMapA) {
     MapUpdateBatch batch;
     batch.local_map = map;
@@ -148,7 +148,7 @@ TEST_F(IngestionTest, ResumesWhereItsLocalMapsStand) {
   EXPECT_TRUE(store_.Apply(again, Next(3)).ok()) << "the old one's end is not the new one's";
 }
 
-// Two robots of one name: the second is told, and the first goes on.
+// Of two robots of one name the second is told so, and the first goes on.
 TEST_F(IngestionTest, AnotherProcessDoesNotTakeASessionOver) {
   SessionRequest first{"m", "a", 0, {}, /*instance=*/1};
   first.peer = "ipv4:10.0.0.5:4711";
@@ -161,7 +161,7 @@ TEST_F(IngestionTest, AnotherProcessDoesNotTakeASessionOver) {
     EXPECT_THAT(std::string(refused.message()), HasSubstr(part));
   }
   EXPECT_TRUE(store_.Apply(a, First()).ok());
-  // Another name is no question, nor is the same one once it is free.
+  // Another name may be taken, and so may the same one once it is free.
   second.agent = "b";
   EXPECT_TRUE(store_.OpenSession(second).ok());
   second.agent = "a";
@@ -172,7 +172,7 @@ TEST_F(IngestionTest, AnotherProcessDoesNotTakeASessionOver) {
 TEST_F(IngestionTest, TheSameProcessAndOneThatIsToldToTakeASessionOver) {
   const SessionRequest first{"m", "a", 0, {}, /*instance=*/1};
   const uint64_t a = store_.OpenSession(first)->session_id;
-  // Its link broke, and the store has not noticed.
+  // The agent's link broke, and the store has not noticed.
   const uint64_t again = store_.OpenSession(first)->session_id;
   EXPECT_EQ(store_.Apply(a, First()).status().code(), absl::StatusCode::kAborted);
   SessionRequest second{"m", "a", 0, {}, /*instance=*/2};
@@ -181,7 +181,7 @@ TEST_F(IngestionTest, TheSameProcessAndOneThatIsToldToTakeASessionOver) {
   ASSERT_TRUE(store_.OpenSession(second).ok());
   EXPECT_EQ(store_.Apply(again, First()).status().code(), absl::StatusCode::kAborted);
   EXPECT_EQ(store_.OpenSession(first).status().code(), absl::StatusCode::kAlreadyExists);
-  // An agent that says nothing of processes is as old as this rule's absence.
+  // An agent that says nothing of processes may always take over: it is older than this rule.
   EXPECT_TRUE(store_.OpenSession({"m", "a", 0, {}}).ok());
 }
 
@@ -243,7 +243,7 @@ TEST_F(IngestionTest, NothingIsAcknowledgedThatTheJournalHasNot) {
   EXPECT_TRUE(store_.Apply(a, First()).ok());
 }
 
-// It is in memory then, but that is nothing to rely on: the agent sends it again.
+// The batch is in memory then, but that is nothing to rely on: the agent sends it again.
 TEST_F(IngestionTest, NothingIsAcknowledgedBeforeItIsSynced) {
   const uint64_t a = Open("a");
   journal_->sync_fails = true;
@@ -271,7 +271,7 @@ TEST_F(IngestionTest, NoGrantAcknowledgesWhatIsNotSynced) {
   EXPECT_EQ(last_grant_.acknowledged[0].number, 1u);
 }
 
-// Each is found in one step again once somebody has gone all the way.
+// Each point is found in one step again once somebody has gone all the way.
 TEST_F(IngestionTest, LongChainsOfReplacementsCostNoTime) {
   const uint64_t a = Open("a");
   constexpr uint32_t kLength = 50000;
@@ -373,7 +373,7 @@ TEST_F(IngestionTest, PosesAreOfTheFrameThatIsWanted) {
   const Rigid3d camera = pose(PosesOf::kRecordedCamera);
   EXPECT_LT((camera.translation - rectified.translation).norm(), 1e-12);
   EXPECT_NEAR(RotationAngle(camera.rotation), 0.1, 1e-9);
-  // 2 m behind the recorded camera, along its own axis.
+  // The body is 2 m behind the recorded camera, along the camera's own axis.
   const Rigid3d body = pose(PosesOf::kBody);
   EXPECT_LT((body.translation - (camera * Eigen::Vector3d(0, 0, -2))).norm(), 1e-12);
   EXPECT_NEAR(RotationAngle(body.rotation), 0.1, 1e-9);
@@ -435,16 +435,16 @@ TEST_F(IngestionTest, ObservationChangesReplaceWhatTheOwnerSaidBefore) {
 TEST_F(IngestionTest, ForeignReferencesWaitForTheOther) {
   const uint64_t a = Open("a");
   MapUpdateBatch batch = First();
-  // Replaced by a point of a robot that the store has never heard of.
+  // The point is replaced by one of a robot that the store has never heard of.
   batch.replacements = {{PtA(0), PtB(0)}};
   batch.observations.push_back(Add(PtB(1), KfA(0), 2));
   ASSERT_TRUE(store_.Apply(a, batch).ok());
   EXPECT_EQ(Observed(KfA(0)), 0u);
   const uint64_t b = Open("b");
   ASSERT_TRUE(store_.Apply(b, First(kMapB)).ok());
-  // It is there now, but in another island: it counts once the two are fused.
+  // The other robot's point is there now, but in another island: it counts once the two are fused.
   EXPECT_EQ(Observed(KfA(0)), 0u);
-  // The other one says the same the other way round: the point stays, nobody hangs.
+  // The other robot says the reverse: the point stays, and the store doesn't go in a circle.
   MapUpdateBatch mutual = Next(2, kMapB);
   mutual.replacements = {{PtB(0), PtA(0)}};
   ASSERT_TRUE(store_.Apply(b, mutual).ok());

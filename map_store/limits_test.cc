@@ -1,4 +1,4 @@
-// What the store refuses for being too much, and what waits only so long.
+// Tests what the store refuses for being too much, and what waits only so long.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -105,7 +105,7 @@ TEST_F(LimitsTest, BytesOfAMission) {
   EXPECT_TRUE(store_->Apply(a, Batch(kMapA, 1, 150)).ok());
   EXPECT_TRUE(store_->Apply(b, Batch(kMapB, 1, 150)).ok());
   ExpectTooMuch(store_->Apply(b, Batch(kMapB, 2, 150)).status(), {"mission m has", "20000"});
-  // Another mission has its own.
+  // Another mission has a limit of its own.
   const uint64_t other = *OpenStatus("a", "n");
   EXPECT_TRUE(store_->Apply(other, Batch({0xd}, 1, 150)).ok());
 }
@@ -140,7 +140,7 @@ TEST_F(LimitsTest, AMissionThatNobodyWroteToIsForgotten) {
     store_->CloseSession(*session);
     EXPECT_THAT(names(), IsEmpty());
   }
-  // A robot that is still in it keeps it, and so does what was written.
+  // A mission is kept as long as a robot is in it, and also if something was written to it.
   const uint64_t a = Open("a");
   const uint64_t b = Open("b");
   store_->CloseSession(a);
@@ -170,7 +170,7 @@ TEST_F(LimitsTest, WhatRefersToNothingWaitsOnlySoLong) {
   ASSERT_TRUE(store_->Apply(a, refer(3, 1)).ok());
   EXPECT_EQ(store_->GetLocalMap("m", kMapA)->parked_references, 2u);
   ExpectTooMuch(store_->Apply(a, refer(4, 2)).status(), {"3 references", "limit is 2"});
-  // The agent comes back later: the first has waited for too long, the second has not.
+  // The agent comes back later: the first reference has waited for too long, the second has not.
   now_ += absl::Seconds(20);
   const uint64_t again = Open("a", {kMapA});
   EXPECT_EQ(store_->GetLocalMap("m", kMapA)->parked_references, 1u);

@@ -204,20 +204,21 @@ absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
 
 absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  // Who waited for another one's deletion must not delete what has got the name since.
+  // A caller that waited for another one's deletion must not delete the mission that has got the
+  // name since.
   absl::MutexLock deleting(&deletion_mutex_);
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> still, FindMission(mission_name));
   if (still != mission) {
     return absl::NotFoundError(absl::StrCat("mission ", mission_name, " is deleted"));
   }
-  // Nothing is appended any more: what is deleted stays so.
+  // From here on nothing is appended to the journal, so that what is deleted stays deleted.
   mission->Delete();
   RETURN_IF_ERROR(journal_->DeleteMission(mission_name));
   {
     absl::MutexLock lock(&mutex_);
     missions_.erase(std::string(mission_name));
   }
-  // Who watches finds that it has gone.
+  // Watchers are called, and find that the mission has gone.
   mission->listeners().CallAllBut(0);
   return absl::OkStatus();
 }

@@ -1,5 +1,5 @@
-// MapStore's lists, a page at a time. Each has an order of its own that items keep as long as they
-// are there, and describes no other items than those of the page.
+// MapStore's lists, a page at a time. Each list has an order that items keep as long as they are
+// there, and describes only the items of the page.
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -26,14 +26,14 @@ using map_store::ReadPageStart;
 
 namespace {
 
-// A number of a page's key; 0 for none, where the page is the first one.
+// Reads the number in a page's key; it is 0 for an empty key, that of the first page.
 absl::StatusOr<uint64_t> ParseKey(absl::string_view key) {
   uint64_t number = 0;
   if (!key.empty() && !absl::SimpleAtoi(key, &number)) return NoSuchPageToken();
   return number;
 }
 
-// How many of a mission's local maps come before the one to begin with.
+// Returns how many of a mission's local maps come before the first one of the page.
 absl::StatusOr<size_t> ParseLocalMapKey(absl::string_view key) {
   ASSIGN_OR_RETURN(const uint64_t last, ParseKey(key));
   if (key.empty()) return 0;
@@ -62,7 +62,8 @@ std::string KeyframeKey(const MissionState& state, KeyframeId id) {
   return absl::StrCat(state.FindLocalMap(id.local_map)->order, "/", id.index);
 }
 
-// Up to `count` keyframes behind a place, of the local maps with an order of `begin` to `end` - 1.
+// Returns up to `count` keyframes behind a place, of the local maps with an order of `begin` to
+// `end` - 1.
 std::vector<KeyframeId> KeyframesAfter(const MissionState& state, const KeyframePlace& after,
                                        size_t begin, size_t end, size_t count) {
   std::vector<KeyframeId> ids;
@@ -101,7 +102,7 @@ absl::StatusOr<Page<AgentInfo>> MapStore::ListAgents(absl::string_view mission_n
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   ASSIGN_OR_RETURN(const PageStart start, ReadPageStart(request, options_.max_page_size,
                                                         absl::StrCat(mission_name, "/agents")));
-  return mission->WithState([&start](const MissionState& state) {
+  Page<AgentInfo> agents = mission->WithState([&start](const MissionState& state) {
     Page<AgentInfo> page;
     for (auto it = state.agents.upper_bound(start.after);
          it != state.agents.end() && page.items.size() <= start.size; ++it) {
@@ -111,6 +112,8 @@ absl::StatusOr<Page<AgentInfo>> MapStore::ListAgents(absl::string_view mission_n
         EndPage(start, page.items, [](const AgentInfo& agent) { return agent.name; });
     return page;
   });
+  for (AgentInfo& agent : agents.items) mission->sessions().DescribeTold(agent);
+  return agents;
 }
 
 absl::StatusOr<Page<LocalMapInfo>> MapStore::ListLocalMaps(absl::string_view mission_name,

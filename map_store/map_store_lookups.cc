@@ -1,4 +1,4 @@
-// MapStore's look-ups: each finds its mission and reads the answer under the mission's lock.
+// MapStore's look-ups. Each finds its mission and reads the answer under the mission's lock.
 #include <set>
 #include <utility>
 

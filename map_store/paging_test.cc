@@ -1,4 +1,4 @@
-// Lists in pages while items come and go between them.
+// Tests lists in pages while items come and go between them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ TEST_F(MissionPagesTest, NoneIsSkippedWhenAnotherIsDeletedBetweenPages) {
   ASSERT_TRUE(store_.DeleteMission("a").ok());
   const auto second = store_.ListMissions({2, first->next_page_token});
   EXPECT_THAT(NamesOf(second)->names, ElementsAre("c", "d"));
-  // Those that the token and the next page begin with go, too.
+  // "d" is deleted, which the token names as the last mission of its page.
   ASSERT_TRUE(store_.DeleteMission("d").ok());
   const auto third = store_.ListMissions({2, second->next_page_token});
   EXPECT_THAT(NamesOf(third)->names, ElementsAre("e"));

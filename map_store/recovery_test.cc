@@ -1,4 +1,5 @@
-// What a store reads back: all that was written, and nothing that no store would have written.
+// Tests what a store reads back: all that was written, and nothing that no store would have
+// written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -57,7 +58,7 @@ absl::StatusOr<std::unique_ptr<MapStore>> Open(const std::shared_ptr<JournalByte
   return store;
 }
 
-// The same mission as one snapshot.
+// Returns the same mission as one snapshot.
 std::shared_ptr<JournalBytes> WriteSnapshot() {
   auto bytes = Write(testing::MakeSmallMission());
   bytes->wants_snapshot = true;
@@ -86,8 +87,8 @@ std::string Describe(const MapStore& store) {
 TEST(RecoveryTest, ReadsBackWhatWasWritten) {
   const auto store = Open(Write(testing::MakeSmallMission()));
   ASSERT_TRUE(store.ok()) << store.status();
-  // The first robot replaced a point, removed one and a keyframe, and refers to a point that never
-  // came; a point of each is one landmark.
+  // The first robot replaced a point, removed a point and a keyframe, and refers to a point that
+  // never came; a point of each robot is one landmark.
   EXPECT_EQ(Describe(**store),
             "a 0000000000000001 2 3 3 2 4 4 1 1\n"
             "b 0000000000000001 1 4 1 2 6 4 0 0\n"
@@ -112,7 +113,7 @@ TEST(RecoveryTest, LowerLimitsThanBeforeAreNoDamage) {
   EXPECT_TRUE(Open(WriteSnapshot(), options).ok());
 }
 
-// Sessions are not in the journal: what they let expire must not come back.
+// Sessions are not in the journal, but what they let expire must not come back.
 TEST(RecoveryTest, WhatWaitedTooLongStaysGone) {
   MapStoreOptions options;
   options.deterministic = true;
@@ -339,7 +340,7 @@ TEST(CodedFeaturesTest, AreKeptToTheBitInHalfTheBytes) {
 TEST(CodedFeaturesTest, CodeThatIsAtHandIsKeptAsItIs) {
   KeyframePayload payload = PlausiblePayload();
   const std::string coded = map_store::EncodeFeatures(payload);
-  // After the mark of 8 bytes.
+  // The code begins after a mark of 8 bytes.
   const auto code = std::make_shared<const std::string>(coded.substr(8) + "!");
   payload.code = code;
   EXPECT_EQ(map_store::EncodeFeatures(payload), coded + "!");

@@ -1,4 +1,5 @@
-// Snapshots are made from the journal, beside the robots' batches, and say what the mission said.
+// Tests that snapshots are made from the journal, beside the robots' batches, and say what the
+// mission said.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +33,7 @@ using testing::TruthfulWorker;
 
 constexpr char kMission[] = "m";
 
-// Lets something happen when a replay begins.
+// A journal that lets something happen when a replay begins.
 class InterruptedJournal : public ByteJournal {
  public:
   explicit InterruptedJournal(std::shared_ptr<JournalBytes> bytes)
@@ -57,9 +58,9 @@ class SnapshotTest : public ::testing::Test {
                                         std::move(journal), &worker_);
   }
 
-  // Fuses, and if the journal wants one keeps a snapshot first.
+  // Fuses; if the journal wants a snapshot, it is kept first.
   void Fuse() { ASSERT_TRUE(store_->RunFusionUntilIdle(kMission).ok()); }
-  // The mission as it stands, as a snapshot would have it.
+  // Returns the mission as it stands, as a snapshot would have it.
   std::string Standing() {
     absl::StatusOr<MissionBackup> backup = store_->BackUpMission(kMission);
     MissionRestorer restorer = store_->StartRestoring();
@@ -86,7 +87,7 @@ TEST_F(SnapshotTest, SaysToTheByteWhatTheMissionSays) {
     ASSERT_TRUE(a.Send(a.NextBatch(1)).ok());
     ASSERT_TRUE(b.Send(b.NextBatch(1)).ok());
     Fuse();
-    // Some follow one another closely, some have much between them.
+    // Some snapshots follow one another closely, others have much between them.
     bytes_->wants_snapshot = i % 5 > 2;
     if (!bytes_->wants_snapshot) continue;
     Fuse();
@@ -101,7 +102,7 @@ TEST_F(SnapshotTest, BatchesGoOnWhileOneIsMade) {
   TestAgent a(*store_, kMission, "a", map_a_);
   ASSERT_TRUE(a.Send(a.NextBatch(3)).ok());
   bytes_->wants_snapshot = true;
-  // On the same thread: whoever held the strand would wait for ever.
+  // The batch is sent on the same thread: if that held the strand, it would wait for ever.
   journal_->OnNextRecover([&a] { EXPECT_TRUE(a.Send(a.NextBatch(3)).ok()); });
   Fuse();
   // The batch that came meanwhile is behind the snapshot.

@@ -1,5 +1,5 @@
-// The store with its own threads: streams, fusion, look-ups and sharing at once; a worker that is
-// away; an end in the middle of work.
+// Tests the store with its own threads: streams, fusion, look-ups and sharing at once; a worker
+// that is away; an end in the middle of work.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -121,7 +121,7 @@ TEST_F(ThreadedStoreTest, WaitsForAWorkerThatIsAway) {
   EXPECT_EQ(store->GetStatistics(kMission)->failed_requests, 0u);
 }
 
-// Takes batches, and refuses what fusion did so many times.
+// A journal that takes batches, but refuses the first few records of other kinds.
 class NarrowJournal : public InMemoryJournal {
  public:
   absl::StatusOr<Position> Append(absl::string_view mission,
@@ -151,7 +151,7 @@ TEST_F(ThreadedStoreTest, IngestionDoesNotWaitForAdjustmentAndTheEndCancelsIt) {
   absl::Notification adjusting;
   worker_.during_adjust = [&](const ProgressCallback& progress) {
     if (!adjusting.HasBeenNotified()) adjusting.Notify();
-    // Never ends by itself.
+    // The adjustment never ends by itself.
     while (progress(0.5)) absl::SleepFor(absl::Milliseconds(1));
     return false;
   };
@@ -168,7 +168,7 @@ TEST_F(ThreadedStoreTest, IngestionDoesNotWaitForAdjustmentAndTheEndCancelsIt) {
   store.reset();
 }
 
-// Each loop that a robot closes is welded, which cancels what is being adjusted.
+// Each loop that a robot closes is welded, which cancels the adjustment that runs.
 TEST_F(ThreadedStoreTest, LoopsInARowCancelTwoAdjustmentsAndWaitForTheThird) {
   std::atomic<int> begun = 0;
   std::atomic<int> cancelled = 0;
@@ -204,7 +204,7 @@ TEST_F(ThreadedStoreTest, LoopsInARowCancelTwoAdjustmentsAndWaitForTheThird) {
   }
   const size_t fused = worker_.fused().size();
   close_loop(3);
-  // Long enough for a welding.
+  // The test waits long enough for a welding.
   absl::SleepFor(absl::Milliseconds(200));
   EXPECT_EQ(worker_.fused().size(), fused);
   EXPECT_EQ(cancelled, 2);
@@ -233,7 +233,7 @@ TEST_F(ThreadedStoreTest, DeletingAMissionEndsItsWork) {
   EXPECT_TRUE(store->ListMissions({})->items.empty());
 }
 
-// Calls back while a mission is being deleted.
+// A journal that calls back while a mission is being deleted.
 class WatchedJournal : public InMemoryJournal {
  public:
   absl::Status DeleteMission(absl::string_view) override {

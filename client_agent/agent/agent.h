@@ -1,5 +1,5 @@
-// One robot: from images to its pose and its map. Complete without a map store; with one, its map
-// goes there and what others made comes back.
+// One robot, the agent: from images to its pose and its map. It is complete without a map store;
+// with one, its map goes there and what others made comes back.
 #ifndef CORBSLAM_CLIENT_AGENT_AGENT_AGENT_H_
 #define CORBSLAM_CLIENT_AGENT_AGENT_AGENT_H_
 
@@ -28,17 +28,18 @@ namespace corbslam {
 struct AgentOptions {
   std::string mission = "default";
   std::string name = "agent";
-  // Local map ids and RANSAC samples are drawn from it.
+  // Seed of local map ids and RANSAC samples.
   uint64_t seed = 1;
-  // One thread, everything after each frame until idle: the same result to the bit every time.
+  // True: all is done on one thread, everything after each frame until idle, with the same result
+  // to the bit every time.
   bool deterministic = false;
   SensorOptions sensor;
   int solver_threads = 1;
-  // What goes up of a keyframe.
+  // The features of a keyframe that go up.
   FeatureSelection upload_features;
-  // Of what the map store has not acknowledged, in memory.
+  // Bytes that batches which the map store has not acknowledged may take in memory.
   size_t max_outbox_bytes = 64 << 20;
-  // Of the link to the map store, each way; 0: no bound (docs/adr/0019-link-budgets.md).
+  // Bounds of the link to the map store, each way; 0: no bound (docs/adr/0019-link-budgets.md).
   uint64_t uplink_bytes_per_second = 0;
   uint64_t downlink_bytes_per_second = 0;
   // Whether anybody will ask for LocalTrajectory. What it returns is held in memory, some 100 bytes
@@ -48,7 +49,7 @@ struct AgentOptions {
   absl::Status Validate() const;
 };
 
-// Of the sensor's camera: for poses of the camera as it recorded, or of the body, see
+// A pose of the sensor's camera. For poses of the camera as it recorded, or of the body, see
 // CameraFromWanted (recorded_camera.h) and RecordedCameraOf (sensor.h).
 struct TrajectoryPose {
   int64_t timestamp_ns = 0;
@@ -59,7 +60,7 @@ struct TrajectoryPose {
 struct AgentStatus {
   TrackingState state = TrackingState::kNotInitialised;
   LocalMapId local_map;
-  // Of the last tracked frame.
+  // Time and pose of the last tracked frame.
   int64_t timestamp_ns = 0;
   Rigid3d local_from_camera;
   std::optional<Similarity3d> global_from_local;
@@ -68,20 +69,22 @@ struct AgentStatus {
   int tracked = 0;
   int lost = 0;
   int local_maps = 0;
-  // Own ones, over all local maps.
+  // Own items, over all local maps.
   int keyframes = 0;
   int map_points = 0;
   int loops_closed = 0;
-  // Others' keyframes held, and the share of tracked points that others made, over all frames
-  // tracked while any are held.
+  // Others' keyframes held in the map, and the percentage of tracked points that others made, over
+  // all frames tracked while any are held.
   int foreign_keyframes = 0;
+  // Shared updates that came in the session that stands, or in the last one.
+  uint64_t shared_updates = 0;
   double foreign_points_percent = 0;
   // Loops closed against others' keyframes.
   int foreign_loops_closed = 0;
   // Seconds between Create and the first acknowledged keyframe.
   std::optional<double> first_upload_s;
   UploadStatus upload;
-  // What looked wrong in what the sensor gave, in the order in which it was seen.
+  // What looked wrong in the sensor's input, in the order in which it was seen.
   SourceFindings input_findings;
 };
 
@@ -91,46 +94,49 @@ struct AgentTimings {
   BoundedSample local_ba_ms;
 };
 
-// Track and Finish: one thread at a time. The rest: thread-safe.
+// One robot. One thread at a time may call Track, BeginLocalMap, Step and Finish; the rest is
+// thread-safe.
 class Agent {
  public:
   virtual ~Agent() = default;
 
   // `uplink` is not owned and may be null: then nothing is shared. `spool` may be null: then what
-  // the map store has not acknowledged ends with the process. INVALID_ARGUMENT where options or
-  // calibration are impossible.
+  // the map store has not acknowledged ends with the process. Returns INVALID_ARGUMENT where
+  // options or calibration are impossible.
   static absl::StatusOr<std::unique_ptr<Agent>> Create(const AgentOptions& options,
                                                        const SensorCalibration& calibration,
                                                        std::shared_ptr<const Vocabulary> vocabulary,
                                                        Uplink* uplink,
                                                        std::unique_ptr<Spool> spool = nullptr);
 
-  // The pose of the camera at one time. Threaded: returns once the frame is tracked, whatever
-  // mapping does. Deterministic: then also steps mapping, loop closing and the uplink until idle.
-  // INVALID_ARGUMENT where images don't fit the calibration. A frame that can't be tracked is no
-  // error: the state says so.
+  // Returns the pose of the camera at one time. With threads it returns once the frame is tracked,
+  // whatever mapping does; a deterministic agent then also steps mapping, loop closing and the
+  // uplink until idle. Returns INVALID_ARGUMENT where images don't fit the calibration. A frame
+  // that can't be tracked is no error: the state says so.
   virtual absl::StatusOr<TrackingResult> Track(const SensorImages& images) = 0;
 
-  // What follows shares nothing with what was tracked so far but the camera: the local map ends and
-  // a new one begins. Between two calls of Track.
+  // Ends the local map and begins a new one: what follows shares nothing with what was tracked so
+  // far but the camera. To be called between two calls of Track.
   virtual void BeginLocalMap() = 0;
 
-  // Deterministic runs: works off what came down the uplink since the last Track.
+  // In deterministic runs, works off what came down the uplink since the last Track.
   virtual void Step() = 0;
 
   // Returns when all keyframes are mapped, loops are closed, and the map store has acknowledged
-  // everything (with an uplink); closes the local map. DEADLINE_EXCEEDED otherwise. Track must not
-  // be called afterwards.
+  // everything (with an uplink); closes the local map. Returns DEADLINE_EXCEEDED otherwise. Track
+  // must not be called afterwards.
   virtual absl::Status Finish(absl::Duration timeout) = 0;
 
   virtual AgentStatus GetStatus() const = 0;
-  // Of the local map in use, as the map store said last; for every frame.
+  // Returns where the local map in use lies, as the map store said last. It is cheap enough for
+  // every frame.
   virtual std::optional<Similarity3d> GlobalFromLocal() const = 0;
-  // For the end: copies them all.
+  // Returns copies of all timings, which is meant for the end.
   virtual AgentTimings GetTimings() const = 0;
-  // Every tracked frame, by the map as it is now; empty without AgentOptions::keep_trajectory.
+  // Returns every tracked frame, by the map as it is now; empty without
+  // AgentOptions::keep_trajectory.
   virtual std::vector<TrajectoryPose> LocalTrajectory() const = 0;
-  // A copy of the local map in use.
+  // Returns a copy of the local map in use.
   virtual Map CopyMap() const = 0;
 };
 

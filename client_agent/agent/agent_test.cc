@@ -1,4 +1,4 @@
-// The whole robot on recorded images (CORBSLAM_DATA_DIR), and what needs none.
+// Tests the whole robot on recorded images (CORBSLAM_DATA_DIR), and what of it needs none.
 #include "client_agent/agent/agent.h"
 
 #include <gtest/gtest.h>

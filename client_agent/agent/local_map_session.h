@@ -1,4 +1,5 @@
-// All that works on one local map: its map, tracking, mapping and loop closing, and their threads.
+// Runs all that works on one local map: its map, tracking, mapping and loop closing, and their
+// threads.
 #ifndef CORBSLAM_CLIENT_AGENT_AGENT_LOCAL_MAP_SESSION_H_
 #define CORBSLAM_CLIENT_AGENT_AGENT_LOCAL_MAP_SESSION_H_
 
@@ -26,11 +27,11 @@ struct LocalMapSessionOptions {
   MapperOptions mapper;
   LoopCloserOptions loop_closer;
   FollowCorrection follow_correction;
-  // As MapperParts has it; not owned.
+  // Becomes MapperParts::local_ba_ms; not owned.
   SampleLog* local_ba_ms = nullptr;
 };
 
-// Without Start it has no threads, and Step does their work.
+// The session of one local map. Without Start it has no threads, and Step does their work.
 class LocalMapSession : public MapJobs {
  public:
   LocalMapSession(const LocalMapSessionOptions& options, std::shared_ptr<const Camera> camera,
@@ -40,9 +41,9 @@ class LocalMapSession : public MapJobs {
   LocalMapSession& operator=(const LocalMapSession&) = delete;
 
   void Start();
-  // Mapping, then loop closing, until both are idle.
+  // Steps mapping, then loop closing, until both are idle.
   void Step();
-  // The same with threads: returns when all is idle, or false at the deadline.
+  // Waits for the threads instead: returns when all is idle, or false at the deadline.
   bool WaitUntilIdle(absl::Time deadline);
   // Ends the threads; the map stays. What waits in the queue is dropped.
   void Stop();

@@ -1,4 +1,4 @@
-// The keyframes of the robot's map, own and shared, by what they look like.
+// Finds the keyframes of the robot's map, own and shared, by what they look like.
 #ifndef CORBSLAM_CLIENT_AGENT_AGENT_PLACE_INDEX_H_
 #define CORBSLAM_CLIENT_AGENT_AGENT_PLACE_INDEX_H_
 
@@ -13,7 +13,7 @@
 
 namespace corbslam {
 
-// Thread-safe; no lock is held across a call to the map.
+// The index is thread-safe; no lock is held across a call to the map.
 class PlaceIndex {
  public:
   explicit PlaceIndex(const GuardedMap* map) : map_(*map) {}
@@ -21,11 +21,12 @@ class PlaceIndex {
   void Add(KeyframeId id, std::shared_ptr<const Words> words);
   void Remove(KeyframeId id);
 
-  // For relocalisation: best first.
+  // Returns candidates for relocalisation, best first.
   std::vector<KeyframeId> Find(const Words& words) const;
 
-  // For loops: one a group of covisible candidates, best first, none of `excluded`; only what looks
-  // at least as much like the query as its own neighbours do at worst (ORB-SLAM, T-RO 2015, VII.A).
+  // Returns candidates for loops: one a group of covisible candidates, best first, none of
+  // `excluded`; only those that look at least as much like the query as its own neighbours do at
+  // worst (ORB-SLAM, T-RO 2015, VII.A).
   std::vector<KeyframeId> FindLoops(const Keyframe& query,
                                     const absl::btree_set<KeyframeId>& excluded) const;
 

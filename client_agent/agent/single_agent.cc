@@ -92,7 +92,7 @@ void SingleAgent::OpenLocalMap() {
   options.loop_closer.fix_scale = camera_->IsMetric();
   options.loop_closer.solver_threads = options_.solver_threads;
   options.follow_correction = [this, id = options.local_map](const OwnCorrection& correction,
-                                                             Map& map) {
+                                                             GuardedMap& map) {
     link_->OnCorrected(id, correction, map);
   };
   options.local_ba_ms = &local_ba_ms_;
@@ -113,7 +113,7 @@ void SingleAgent::LetGoOfFinished() {
   }
 }
 
-// Its map does not change any more.
+// Keeps the results of a session whose map does not change any more.
 void SingleAgent::KeepResultsOf(const LocalMapSession& session) {
   const OwnItems items = session.map().own_items();
   const LoopCloserCounts loops = session.loop_closer().counts();
@@ -164,7 +164,7 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
     if (tracked) {
       status_.timestamp_ns = result.timestamp_ns;
       status_.local_from_camera = result.camera_from_local.Inverse();
-      // Another's keyframe as reference: the frame is of no local map's trajectory.
+      // Where the reference is another's keyframe, the frame is in no local map's trajectory.
       if (options_.keep_trajectory && current().map().IsOwn(result.reference)) {
         tracked_frames_.push_back(
             {result.timestamp_ns, result.reference, result.reference_from_camera});
@@ -186,7 +186,7 @@ void SingleAgent::Step() {
   if (!options_.deterministic) return;
   current().Step();
   link_->Step();
-  // What came back while sending.
+  // Works off what came back while sending.
   current().Step();
 }
 
@@ -230,6 +230,7 @@ AgentStatus SingleAgent::GetStatus() const {
   }
   status.global_from_local = link_->GlobalFromLocal();
   status.foreign_keyframes = static_cast<int>(link_->shared_keyframes());
+  status.shared_updates = link_->shared_updates();
   status.upload = link_->upload();
   if (const auto first = link_->first_acknowledged()) {
     status.first_upload_s = absl::ToDoubleSeconds(*first - created_);

@@ -1,4 +1,4 @@
-// The Agent: composes sensor, tracking, mapping, loop closing and memory management.
+// Implements Agent: composes sensor, tracking, mapping, loop closing and memory management.
 #ifndef CORBSLAM_CLIENT_AGENT_AGENT_SINGLE_AGENT_H_
 #define CORBSLAM_CLIENT_AGENT_AGENT_SINGLE_AGENT_H_
 
@@ -65,7 +65,7 @@ class SingleAgent : public Agent {
   SampleLog local_ba_ms_;
 
   mutable absl::Mutex mutex_;
-  // The last one is in use; of the others the link still reads the map.
+  // The last one is in use; the maps of the others are still read by the link.
   Sessions sessions_ ABSL_GUARDED_BY(mutex_);
   FinishedMaps finished_ ABSL_GUARDED_BY(mutex_);
   // The frames of the sessions' local maps.
@@ -73,7 +73,7 @@ class SingleAgent : public Agent {
   AgentStatus status_ ABSL_GUARDED_BY(mutex_);
   int64_t points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t foreign_points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
-  // Reads the sessions' maps: goes before them.
+  // The link reads the sessions' maps, so that it is destroyed before them.
   std::unique_ptr<StoreLink> link_;
 };
 

@@ -1,4 +1,4 @@
-// Every frame that was tracked, relative to keyframes, so that it follows their corrections.
+// Keeps every frame that was tracked, relative to keyframes, so that it follows their corrections.
 #ifndef CORBSLAM_CLIENT_AGENT_AGENT_TRAJECTORY_LOG_H_
 #define CORBSLAM_CLIENT_AGENT_AGENT_TRAJECTORY_LOG_H_
 

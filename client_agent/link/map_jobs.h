@@ -1,4 +1,4 @@
-// What the link to the store asks of the thread that alone writes a local map.
+// Says what the link to the store asks of the thread that alone writes a local map.
 #ifndef CORBSLAM_CLIENT_AGENT_LINK_MAP_JOBS_H_
 #define CORBSLAM_CLIENT_AGENT_LINK_MAP_JOBS_H_
 
@@ -15,8 +15,8 @@ class MapJobs {
 
   // Runs the job on the writing thread, after those posted before. Thread-safe.
   virtual void PostJob(std::function<void(GuardedMap&)> job) = 0;
-  // Hears which foreign keyframes came into, or went from, `map`; on the writing thread, while
-  // nobody else reads the map.
+  // Hears which foreign keyframes came into, or went from, `map`; called on the writing thread,
+  // while nobody else reads the map.
   virtual void OnPlaced(const PlacementChange& change, const Map& map) = 0;
 };
 

@@ -34,8 +34,8 @@ void SharedInbox::Add(ArrivedUpdate update) {
     if (closed_) return;
     bytes_ += ApproximateBytes(update.update);
     updates_.push_back(std::move(update));
-    // A job that was posted before takes this update with it. Posted under the lock, so that
-    // nothing is posted after Close.
+    // A job that was posted before takes this update with it. The job is posted under the lock, so
+    // that none is posted after Close.
     if (updates_.size() == 1) {
       jobs_.PostJob([self = shared_from_this()](GuardedMap& map) { self->PlaceArrived(map); });
     }
@@ -76,7 +76,11 @@ std::vector<ArrivedUpdate> SharedInbox::TakeArrived() {
 
 void SharedInbox::PlaceArrived(GuardedMap& map) {
   for (const ArrivedUpdate& update : TakeArrived()) shared_.Apply(update);
-  // Planned while others read the map, too.
+  PlanAndPlace(map);
+}
+
+void SharedInbox::PlanAndPlace(GuardedMap& map) {
+  // The plan is made while others read the map, too.
   const PlacementPlan plan = map.Read([this](const Map& now) { return shared_.Plan(now); });
   map.Write([&](Map& now) { Place(plan, now); });
 }
@@ -91,9 +95,12 @@ void SharedInbox::Place(const PlacementPlan& plan, Map& map) {
   jobs_.OnPlaced(change, map);
 }
 
-void SharedInbox::Correct(const OwnCorrection& correction, Map& map) {
-  shared_.Correct(correction, map);
-  Place(shared_.Plan(map), map);
+void SharedInbox::Correct(const OwnCorrection& correction, GuardedMap& map) {
+  map.Write([&](Map& now) {
+    shared_.Correct(correction, now);
+    map.CountCorrection();
+  });
+  PlanAndPlace(map);
 }
 
 std::optional<Similarity3d> SharedInbox::GlobalFromLocal() const {

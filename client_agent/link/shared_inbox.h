@@ -1,4 +1,4 @@
-// What others share, from its arrival until it lies in one local map of the robot.
+// Holds what others share, from its arrival until it lies in one local map of the robot.
 #ifndef CORBSLAM_CLIENT_AGENT_LINK_SHARED_INBOX_H_
 #define CORBSLAM_CLIENT_AGENT_LINK_SHARED_INBOX_H_
 
@@ -29,22 +29,23 @@ struct InboxLimits {
 // Returns about how many bytes of memory an update takes.
 size_t ApproximateBytes(const SharedUpdate& update);
 
-// Thread-safe, but for what is said to be of the mapping thread. Lives in a shared_ptr.
+// The inbox is thread-safe, but for what is said to be of the mapping thread. It lives in a
+// shared_ptr.
 class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
  public:
-  // Nothing is owned. `jobs` are the writing thread's of the local map; both of them are not used
-  // any more once Close has returned and that thread has ended.
+  // Nothing is owned. `jobs` are those of the local map's writing thread. Neither `jobs` nor
+  // `uplink` is used any more once Close has returned and that thread has ended.
   SharedInbox(LocalMapId local_map, MapJobs& jobs, Uplink& uplink, const InboxLimits& limits);
 
   // Takes in one update, and has the mapping thread place it soon.
   void Add(ArrivedUpdate update);
-  // The local map has ended: nothing is placed any more, and nothing keeps the session from
-  // reading.
+  // Notes that the local map has ended: nothing is placed any more, and nothing keeps the session
+  // from reading.
   void Close();
 
-  // What others made is placed anew after the robot moved its own map. On the mapping thread,
-  // inside Write.
-  void Correct(const OwnCorrection& correction, Map& map);
+  // Places anew what others made, after the robot moved its own map. Called on the mapping thread,
+  // outside of Read and Write.
+  void Correct(const OwnCorrection& correction, GuardedMap& map);
 
   LocalMapId local_map() const { return local_map_; }
   std::optional<Similarity3d> GlobalFromLocal() const;
@@ -55,18 +56,20 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   bool IsFull() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
     return updates_.size() >= limits_.max_updates || bytes_ >= limits_.max_bytes;
   }
-  // Whether the session is not to read on.
+  // Returns whether the session is not to read on.
   bool MustWait() const;
-  // On the mapping thread.
+  // The next three are called on the mapping thread.
   std::vector<ArrivedUpdate> TakeArrived();
   void PlaceArrived(GuardedMap& map);
+  // Plans while others read the map, too.
+  void PlanAndPlace(GuardedMap& map);
   void Place(const PlacementPlan& plan, Map& map);
 
   const LocalMapId local_map_;
   MapJobs& jobs_;
   Uplink& uplink_;
   const InboxLimits limits_;
-  SharedMap shared_;  // Of the mapping thread alone.
+  SharedMap shared_;  // Used by the mapping thread alone.
 
   mutable absl::Mutex mutex_;
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;

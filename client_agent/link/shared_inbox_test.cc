@@ -15,7 +15,7 @@ namespace {
 constexpr LocalMapId kOwn{1};
 constexpr LocalMapId kOther{2};
 
-// Where the first own keyframe lies, and one keyframe of another's.
+// Returns an update with the place of the first own keyframe and one foreign keyframe.
 ArrivedUpdate Update(uint32_t index, size_t keypoints = 0) {
   ArrivedUpdate arrived;
   arrived.update.revision = index + 1;
@@ -61,7 +61,7 @@ TEST_F(SharedInboxTest, TheSessionReadsNoMoreWhileTheInboxIsFull) {
   EXPECT_FALSE(uplink_.paused);
   inbox->Add(Update(2));
   EXPECT_TRUE(uplink_.paused);
-  // What was being read when the pause came is not lost.
+  // The update that was being read when the pause came is not lost.
   inbox->Add(Update(3));
   jobs_.Run(map_);
   EXPECT_FALSE(uplink_.paused);

@@ -35,11 +35,11 @@ StoreLink::~StoreLink() {
   if (uplink_ == nullptr) return;
   uplink_->Close();
   if (!queue_.has_spool()) return;
-  // For the next process; nothing is sent any more.
+  // The rest is for the next process; nothing is sent any more.
   budget_.Lift();
   {
     absl::MutexLock lock(&mutex_);
-    // First the frames: with each, a recorder holds back again.
+    // Frames are delivered first, because a recorder holds back again with each.
     DeliverFrames();
     for (auto& recording : recordings_) recording->recorder->StopHoldingBack();
   }
@@ -62,7 +62,7 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs) {
     absl::MutexLock lock(&mutex_);
     DeliverFrames();
     for (auto& earlier : recordings_) earlier->closing = true;
-    // What was shared was placed in the map that ends: the store must tell it again.
+    // What was shared was placed in the map that ends, so that the store must tell it again.
     reopen_ = !recordings_.empty();
     inbox_.swap(inbox);
     recorder->SetPointsFollow(store_moves_points_);
@@ -81,7 +81,7 @@ bool StoreLink::Reads(LocalMapId local_map) const {
   });
 }
 
-// Recordings go on this thread alone, which is the one that reads them without the lock.
+// Recordings go on this thread alone, because it reads them without the lock.
 void StoreLink::LetGoOfClosed() {
   std::vector<GuardedMap*> closed;
   {
@@ -105,7 +105,8 @@ std::shared_ptr<SharedInbox> StoreLink::CurrentInbox() const {
   return inbox_;
 }
 
-void StoreLink::OnCorrected(LocalMapId local_map, const OwnCorrection& correction, Map& map) {
+void StoreLink::OnCorrected(LocalMapId local_map, const OwnCorrection& correction,
+                            GuardedMap& map) {
   const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
   if (inbox != nullptr && inbox->local_map() == local_map) inbox->Correct(correction, map);
 }
@@ -189,7 +190,7 @@ void StoreLink::Run() {
     TakeBatches(/*all=*/false);
     LetGoOfClosed();
     SendUnsent();
-    // Who ends may be ended before all is acknowledged.
+    // A robot that ends may be killed before all is acknowledged.
     IsFinishing() ? queue_.SpillAll() : queue_.Spill();
   }
 }
@@ -200,7 +201,7 @@ bool StoreLink::IsFinishing() const {
                      [](const auto& recording) { return recording->closing; });
 }
 
-// False when it is time to stop.
+// Returns false when it is time to stop.
 bool StoreLink::WaitForWork() {
   absl::MutexLock lock(&mutex_);
   const auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return wake_ || stop_; };
@@ -232,6 +233,7 @@ void StoreLink::ConnectIfDue() {
     reopen_ = false;
     if (session_ != Session::kNone || options_.clock() < next_attempt_) return;
     session_ = Session::kOpening;
+    shared_updates_ = 0;
     request = {options_.mission, options_.agent, last_revision_, queue_.local_maps()};
     request.capabilities.coded_features = true;
     request.downlink_bytes_per_second = options_.downlink_bytes_per_second;
@@ -263,7 +265,7 @@ void StoreLink::TakeBatches(bool all) {
       if (no_frames_come) recording->recorder->StopHoldingBack();
       open.push_back(recording.get());
     }
-    // Under a budget the first one may leave nothing: they take turns.
+    // Under a budget the first local map may leave nothing for the others: they take turns.
     if (IsBudgeted() && open.size() > 1) {
       std::rotate(open.begin(), open.begin() + static_cast<ptrdiff_t>(turn_++ % open.size()),
                   open.end());
@@ -282,7 +284,7 @@ bool StoreLink::IsBudgeted() const {
 }
 
 void StoreLink::NoteTransport() {
-  // What moves on between the two looks counts twice until the next one, not never.
+  // Bytes that move on between the two calls count twice until the next time, rather than never.
   const uint64_t waiting = uplink_->bytes_waiting();
   budget_.NoteTransport(uplink_->bytes_up(), waiting, options_.clock());
 }
@@ -308,7 +310,8 @@ UploadStatus StoreLink::upload() const {
   return status;
 }
 
-// One batch from the recorder to the outbox; false when there is none, no room, or no budget.
+// Moves one batch from the recorder to the outbox; returns false when there is none, no room, or no
+// budget.
 bool StoreLink::TakeBatchOf(Recording& recording) {
   bool closing = false;
   BatchAllowance allowance(options_.max_keyframes_per_batch);
@@ -316,7 +319,7 @@ bool StoreLink::TakeBatchOf(Recording& recording) {
     absl::MutexLock lock(&mutex_);
     if (recording.closed || !queue_.HasRoom()) return false;
     if (IsBudgeted()) {
-      // What is late already is not made later: changes wait where they coalesce.
+      // No batch is made while others are late: changes wait in the map, where they coalesce.
       if (queue_.HasUnsent() || !budget_.MayTake(options_.clock())) return false;
       allowance = budget_.Allow(options_.max_keyframes_per_batch, options_.clock());
     }
@@ -416,8 +419,8 @@ void StoreLink::OnAcknowledged(const Acknowledgement& acknowledgement) {
   wake_ = true;
 }
 
-// Words take their time, of which the mapping thread has none: keyframes would wait for it, and
-// tracking in a turn does not.
+// Computes the words on the thread that hears the update, because they take time that the mapping
+// thread does not have: keyframes would wait for it.
 ArrivedUpdate StoreLink::Prepare(SharedUpdate update) const {
   ArrivedUpdate arrived;
   for (const SharedKeyframe& keyframe : update.keyframes) {
@@ -432,9 +435,10 @@ void StoreLink::OnShared(SharedUpdate update) {
   std::shared_ptr<SharedInbox> inbox;
   {
     absl::MutexLock lock(&mutex_);
-    // What is still told of a map that has ended will be told again of the one that goes on.
+    // The rest of the updates for a map that has ended will be told again for the one that goes on.
     if (session_ != Session::kOpen || reopen_) return;
     last_revision_ = arrived.update.revision;
+    ++shared_updates_;
     inbox = inbox_;
   }
   inbox->Add(std::move(arrived));
@@ -448,7 +452,7 @@ void StoreLink::OnSessionClosed(const absl::Status& reason) {
   session_ = passes ? Session::kNone : Session::kRefused;
   if (!passes) refusal_ = reason;
   closed_ = reason;
-  // A store that lets everybody in and throws them out again is no reason to come back at once.
+  // A store that grants sessions and soon ends them again is no reason to come back at once.
   if (options_.clock() - opened_ > options_.max_backoff) attempts_ = 0;
   opened_ = absl::InfiniteFuture();
   next_attempt_ = options_.clock() + NextBackoff();
@@ -458,6 +462,11 @@ void StoreLink::OnSessionClosed(const absl::Status& reason) {
 std::optional<Similarity3d> StoreLink::GlobalFromLocal() const {
   const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
   return inbox == nullptr ? std::nullopt : inbox->GlobalFromLocal();
+}
+
+uint64_t StoreLink::shared_updates() const {
+  absl::MutexLock lock(&mutex_);
+  return shared_updates_;
 }
 
 size_t StoreLink::shared_keyframes() const {

@@ -31,79 +31,85 @@ namespace corbslam {
 struct StoreLinkOptions {
   std::string mission;
   std::string agent;
-  // What recorded the pictures of every local map; told to the store. Nullopt: not said.
+  // The camera that recorded the pictures of every local map, to be told to the store. Nullopt:
+  // nobody said it.
   std::optional<RecordedCamera> recorded_camera;
-  // What goes up of a keyframe.
+  // The features of a keyframe that go up.
   FeatureSelection features = {};
-  // As RecorderOptions::hold_newest.
+  // Becomes RecorderOptions::hold_newest.
   size_t hold_newest_keyframes = RecorderOptions().hold_newest;
   // Where no frame has come for so long, nothing is held back.
   absl::Duration max_hold = absl::Seconds(2);
-  // What changes results: nothing. What changes speed:
-  // In memory; with a spool, what is over goes to the disk.
+  // The options from here on change speed, but no results.
+  // Bytes that the outbox may take in memory; with a spool, what is over goes to the disk.
   size_t max_outbox_bytes = 64 << 20;
-  // Of what others share and the mapping thread has not taken over yet.
+  // Bounds what others share and the mapping thread has not taken over yet.
   InboxLimits inbox;
   size_t max_keyframes_per_batch = 8;
   absl::Duration flush_interval = absl::Milliseconds(400);
-  // While batches wait that could not be sent: the next one is made when it is full or when the
-  // last is this old, so that light updates coalesce.
+  // Applies while batches wait that could not be sent: the next one is made when it is full or when
+  // the last is this old, so that light updates coalesce.
   absl::Duration backlog_flush_interval = absl::Seconds(5);
   absl::Duration min_backoff = absl::Milliseconds(200);
   absl::Duration max_backoff = absl::Seconds(10);
-  // Of the link to the store, 0: no bound. Upwards what the budget does not have waits in the map
-  // and coalesces there; downwards the store is asked to keep to it.
+  // Bounds of the link to the store; 0: no bound. Upwards, what the budget does not have waits in
+  // the map and coalesces there; downwards, the store is asked to keep to it.
   uint64_t uplink_bytes_per_second = 0;
   uint64_t downlink_bytes_per_second = 0;
-  uint64_t seed = 1;  // Of the back-off's jitter.
+  uint64_t seed = 1;  // Seed of the back-off's jitter.
   std::function<absl::Time()> clock = &absl::Now;
 };
 
-// Called on the uplink's thread, among others.
+// Computes the words of a foreign keyframe. Called on the uplink's thread, among others.
 using ComputeWords =
     std::function<std::shared_ptr<const Words>(const std::vector<Descriptor>& descriptors)>;
 
-// Thread-safe. Without Start it has no thread and Step does its work (deterministic runs).
+// The link is thread-safe. Without Start it has no thread, and Step does its work (deterministic
+// runs).
 class StoreLink : private UplinkListener {
  public:
-  // `uplink` is not owned; null: nothing is sent, and changes are not recorded. `spool` may be
-  // null; what it found goes up first, and what could not be sent is in it at the end.
+  // `uplink` is not owned. Where it is null, nothing is sent and changes are not recorded. `spool`
+  // may be null; what it found goes up first, and what could not be sent is in it at the end.
   StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWords compute_words,
             std::unique_ptr<Spool> spool = nullptr);
   ~StoreLink() override;
   StoreLink(const StoreLink&) = delete;
   StoreLink& operator=(const StoreLink&) = delete;
 
-  // A local map begins, whose changes are recorded from now on; one that was there before is told
-  // to its end and closed, and its thread writes it no more. `map` is read while Reads says so,
-  // `jobs` are used until the next local map begins; neither is owned.
+  // Begins a local map, whose changes are recorded from now on. The one before is told to its end
+  // and closed, and its thread writes it no more. `map` is read while Reads says so, `jobs` are
+  // used until the next local map begins; neither is owned.
   void BeginLocalMap(GuardedMap& map, MapJobs& jobs);
-  // False: all that there is to tell of the local map lies in batches, or it is given up.
+  // Returns false once all that there is to tell of the local map lies in batches, or it is given
+  // up.
   bool Reads(LocalMapId local_map) const;
 
-  // What others made is placed anew after the robot moved its own map. On the writing thread.
-  void OnCorrected(LocalMapId local_map, const OwnCorrection& correction, Map& map);
+  // Places anew what others made, after the robot moved its own map. Called on the writing thread,
+  // outside of Read and Write.
+  void OnCorrected(LocalMapId local_map, const OwnCorrection& correction, GuardedMap& map);
   void AddTrackedFrame(const TrackedFrame& frame);
   void AddLostFrame(int64_t timestamp_ns);
 
   void Start();
-  // Sends all there is, now; with a budget, what it has.
+  // Sends all there is, now; with a budget, as much as that has.
   void Step();
   // Closes the local map, and returns when everything is acknowledged, however long a budget makes
-  // that. DEADLINE_EXCEEDED, which says what is left, or the
-  // reason for which the store refuses this agent for good, or for which the local map in use could
-  // not go on (DATA_LOSS, ALREADY_EXISTS).
+  // that. Else returns DEADLINE_EXCEEDED, which says what is left, or the reason for which the
+  // store refuses this agent for good, or for which the local map in use could not go on
+  // (DATA_LOSS, ALREADY_EXISTS).
   absl::Status Finish(absl::Duration timeout);
 
-  // Where the robot's frame is in the global one; none before fusion.
+  // Returns where the robot's frame is in the global one; none before fusion.
   std::optional<Similarity3d> GlobalFromLocal() const;
-  // When the first keyframe was acknowledged.
+  // Returns when the first keyframe was acknowledged.
   std::optional<absl::Time> first_acknowledged() const;
-  // True: the local map can't go on at the store (it lost what it had acknowledged, or the id is
-  // taken). What is new in it is told to nobody; the agent should begin another one.
+  // Returns true if the local map can't go on at the store (it lost what it had acknowledged, or
+  // the id is taken). What is new in it is told to nobody; the agent should begin another one.
   bool NeedsNewLocalMap() const;
   UploadStatus upload() const;
   size_t shared_keyframes() const;
+  // Returns how many shared updates came in the session that stands, or in the last one.
+  uint64_t shared_updates() const;
 
  private:
   struct Recording {
@@ -111,7 +117,7 @@ class StoreLink : private UplinkListener {
     std::unique_ptr<UpdateRecorder> recorder;
     bool closing = false;
     bool asked_for_exact_places = false;
-    bool closed = false;  // Its last batch is in the outbox.
+    bool closed = false;  // True: its last batch is in the outbox.
   };
   void OnSessionOpened(const SessionGrant& grant) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
@@ -124,23 +130,23 @@ class StoreLink : private UplinkListener {
   bool WaitForWork();
   void NoteCapabilities(const Capabilities& store) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ConnectIfDue();
-  // Gives the recorders what tracking has added.
+  // Gives the recorders the frames that tracking has added.
   void DeliverFrames() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeBatches(bool all);
   bool TakeBatchOf(Recording& recording);
-  // Reads no more what was told to its end.
+  // Lets go of local maps that were told to their end; they are read no more.
   void LetGoOfClosed();
   std::shared_ptr<SharedInbox> CurrentInbox() const;
-  // Whether the budget holds now. While no session stands, a spool takes what comes: it is there
-  // for what a process that dies would lose.
+  // Returns whether the budget holds now. While no session stands, a spool takes what comes: it is
+  // there for what a process that dies would lose.
   bool IsBudgeted() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteTransport();
   void NoteHeldBack() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendUnsent();
-  // Those of this process get no more batches.
+  // Gives up local maps. Those of this process get no more batches.
   void GiveUp(const std::vector<LostLocalMap>& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // No local map goes on.
+  // Returns true if no local map goes on.
   bool IsFinishing() const;
   bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool FlushIsDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -149,7 +155,7 @@ class StoreLink : private UplinkListener {
   const StoreLinkOptions options_;
   Uplink* const uplink_;
   const ComputeWords compute_words_;
-  // May be called with mutex_ held, but for what waits for the disk.
+  // The queue may be called with mutex_ held, but for the calls that wait for the disk.
   UploadQueue queue_;
   LinkBudget budget_;
   FrameInbox frames_;
@@ -163,18 +169,19 @@ class StoreLink : private UplinkListener {
   absl::Status closed_ ABSL_GUARDED_BY(mutex_);  // Why the last session or attempt ended.
   absl::Time next_attempt_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   absl::Time last_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
-  // Since something was acknowledged, or a session lasted.
+  // Attempts since something was acknowledged, or since a session lasted.
   int attempts_ ABSL_GUARDED_BY(mutex_) = 0;
   absl::Time opened_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
   bool needs_new_local_map_ ABSL_GUARDED_BY(mutex_) = false;
-  // Of local maps that are not read any more.
+  // Refused items of local maps that are not read any more.
   uint64_t refused_items_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t last_revision_ ABSL_GUARDED_BY(mutex_) = 0;
-  // Of the last session's store.
+  uint64_t shared_updates_ ABSL_GUARDED_BY(mutex_) = 0;  // Of this session.
+  // Whether the last session's store moves points with their keyframes.
   bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
   HeldBackWatch held_back_ ABSL_GUARDED_BY(mutex_);
-  // Of the local maps that are told, under a budget.
+  // Under a budget, counts whose turn it is among the local maps that are told.
   size_t turn_ ABSL_GUARDED_BY(mutex_) = 0;
   bool wake_ ABSL_GUARDED_BY(mutex_) = false;
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;

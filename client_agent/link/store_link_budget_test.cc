@@ -1,5 +1,5 @@
-// Memory management over a link with a budget, on a clock of the test's: what goes first, what is
-// held back, and that nothing is lost.
+// Tests the link with a budget, on a clock of the test's: what goes first, what is held back, and
+// that nothing is lost.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 constexpr LocalMapId kOwn{1};
 constexpr LocalMapId kNext{2};
 constexpr uint64_t kBytesPerSecond = 10000;
-// Takes 0.85 s at that rate.
+// A keyframe of so many keypoints takes 0.85 s at that rate.
 constexpr size_t kKeypoints = 200;
 
 class StoreLinkBudgetTest : public ::testing::Test {
@@ -59,18 +59,18 @@ class StoreLinkBudgetTest : public ::testing::Test {
       map.AddObservation(id, reference, id.index % kKeypoints);
     });
   }
-  // Ten keyframes, of which each is the reference of twenty points.
+  // Adds ten keyframes, of which each is the reference of twenty points.
   void AddMap(LocalMapId id) {
     for (uint32_t k = 0; k < 10; ++k) {
       AddKeyframe({id, k});
       for (uint32_t p = 0; p < 20; ++p) AddPoint({id, 20 * k + p}, {id, k});
     }
   }
-  // As the robot's thread does, for so long.
+  // Steps the link as the robot's thread does, for so long.
   void Run(absl::Duration length) {
     for (const absl::Time end = now_ + length; now_ < end; now_ += absl::Milliseconds(100)) {
       manager_->Step();
-      // A little more than what fills in a second, and the last batch.
+      // The bound is a little more than what fills in a second, and the last batch.
       const double budget =
           static_cast<double>(kBytesPerSecond) * (1 + absl::ToDoubleSeconds(now_ - start_));
       EXPECT_LE(static_cast<double>(uplink_.bytes), budget + uplink_.wire_factor * 20000);
@@ -140,7 +140,7 @@ TEST_F(StoreLinkBudgetTest, PosesPassWhatWaits) {
       map.SetPose({kOwn, 0}, {Eigen::Quaterniond::Identity(), {0.1 * second, 0, 0}});
     });
     Run(absl::Seconds(1.5));
-    // With the next batch, though keyframes wait.
+    // The frame goes with the next batch, though keyframes wait.
     EXPECT_EQ(uplink_.stored[kOwn].back().full_points.size(), 0u);
     size_t frames = 0;
     for (const MapUpdateBatch* batch : Batches()) frames += batch->tracked_frames.size();
@@ -166,7 +166,7 @@ TEST_F(StoreLinkBudgetTest, WhatIsHeldBackCoalesces) {
 }
 
 TEST_F(StoreLinkBudgetTest, TheMeanHoldsWhateverBatchesTake) {
-  // Run says so, with estimates that are wrong both ways.
+  // Run checks the mean; the estimates are wrong both ways.
   for (const double factor : {0.3, 3.0}) {
     uplink_.wire_factor = factor;
     uplink_.bytes = 0;
@@ -184,7 +184,7 @@ TEST_F(StoreLinkBudgetTest, WhatIsSentAgainCountsAgain) {
   uplink_.acknowledge = false;
   AddMap(kOwn);
   Run(absl::Seconds(4));
-  // The store has none of it.
+  // The store loses all that it had.
   uplink_.stored.clear();
   uplink_.Break(absl::UnavailableError("cut"));
   now_ += absl::Minutes(1);
@@ -249,7 +249,7 @@ TEST_F(StoreLinkBudgetTest, ALocalMapThatEndedTakesTurnsWithTheNext) {
   EXPECT_EQ(Told(UpdateKind::kPoints), 400u);
 }
 
-// With nowhere to keep batches, they are not made before they can go.
+// Without a place to keep batches, none is made before it can go.
 TEST_F(StoreLinkBudgetTest, WithoutASessionChangesWaitInTheMap) {
   uplink_.reachable = false;
   StartRobot();
@@ -271,7 +271,7 @@ TEST_F(StoreLinkBudgetTest, WithoutASessionASpoolTakesAllThereIs) {
   EXPECT_TRUE(manager_->upload().held_back.IsNothing());
   EXPECT_GT(manager_->upload().spool_bytes, 10 * kKeypoints * 30);
   uplink_.reachable = true;
-  // Eight keyframes are one batch by now: more at once than Run allows.
+  // Eight keyframes are one batch by now, which is more at once than Run allows.
   for (int i = 0; i < 600; ++i, now_ += absl::Milliseconds(100)) manager_->Step();
   ExpectEachKeyframeOnce(kOwn, 10);
   EXPECT_EQ(Told(UpdateKind::kPoints), 200u);

@@ -1,4 +1,4 @@
-// Memory management on a bad network, over restarts of the robot and of the map store.
+// Tests the link with a spool on a bad network, over restarts of the robot and of the map store.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -34,7 +34,7 @@ class StoreLinkSpoolTest : public ::testing::Test {
     map_ = maps_.emplace_back(std::make_unique<GuardedMap>(id)).get();
     manager_->BeginLocalMap(*map_, jobs_);
   }
-  // To x = 20, in more steps than batches are made while none waits.
+  // Moves the keyframe to x = 20, in more steps than batches are made while none waits.
   void MoveForAWhile(KeyframeId id) {
     for (int i = 1; i <= 20; ++i) {
       map_->Write([&](Map& map) {
@@ -48,7 +48,7 @@ class StoreLinkSpoolTest : public ::testing::Test {
     keyframe.payload = MakeKeyframePayload(id, 0, 0, std::make_shared<Camera>(), {});
     map_->Write([&](Map& map) { map.AddKeyframe(keyframe); });
   }
-  // Time passes, so that any back-off is over.
+  // Steps the link after so much time that any back-off is over.
   void Step() {
     now_ += absl::Minutes(1);
     manager_->Step();
@@ -101,7 +101,7 @@ TEST_F(StoreLinkSpoolTest, WhatIsHeldBackIsInTheSpoolWhenARobotEnds) {
   StartRobot(kOwn, /*max_outbox_bytes=*/1 << 20);
   for (uint32_t k = 0; k < 5; ++k) AddKeyframe({kOwn, k});
   Step();
-  // Tracked since the last batch was made.
+  // This frame is tracked after the last batch was made.
   manager_->AddTrackedFrame({1, {kOwn, 4}, {}});
   StartRobot(kNext);
   uplink_.reachable = true;
@@ -122,7 +122,7 @@ TEST_F(StoreLinkSpoolTest, ARobotThatEndsUnreachedLeavesEverythingInItsSpool) {
   EXPECT_EQ(StoredKeyframes().count({kOwn, 0}), 1u);
 }
 
-// Threads: only these wait with batches while there is no session.
+// The link has its thread here: only the thread waits with batches while there is no session.
 TEST_F(StoreLinkSpoolTest, LightUpdatesCoalesceWhileBatchesWait) {
   uplink_.reachable = false;
   in_real_time_ = true;
@@ -181,7 +181,7 @@ TEST_F(StoreLinkSpoolTest, AStoreThatForgotEverythingIsSaidAndANewLocalMapWorks)
   AddKeyframe({kOwn, 0});
   Step();
   EXPECT_FALSE(manager_->NeedsNewLocalMap());
-  // It comes back empty.
+  // The store comes back empty.
   uplink_.stored[kOwn].clear();
   uplink_.Break(absl::UnavailableError("restarted"));
   AddKeyframe({kOwn, 1});
@@ -256,7 +256,7 @@ TEST_F(StoreLinkSpoolTest, BacksOffFromAStoreThatOpensSessionsAndEndsThem) {
   StartRobot(kOwn, 1 << 20);
   manager_->Step();
   ASSERT_EQ(uplink_.requests.size(), 1u);
-  // For a minute, tried every 10 ms.
+  // For a minute the link is tried every 10 ms.
   for (int i = 0; i < 6000; ++i) {
     if (uplink_.open) uplink_.Break(absl::ResourceExhaustedError("too many streams"));
     now_ += absl::Milliseconds(10);

@@ -40,7 +40,7 @@ class StoreLinkTest : public testing::Test {
 
   FakeUplink uplink_;
   FakeMapJobs jobs_;
-  // The link reads those that ended until all of them is in batches.
+  // The link reads a map that ended until all of it is in batches.
   std::vector<std::unique_ptr<GuardedMap>> maps_;
   GuardedMap* map_ = nullptr;
   std::unique_ptr<StoreLink> manager_;
@@ -61,7 +61,7 @@ TEST_F(StoreLinkTest, SendsEveryKeyframeOnce) {
 TEST_F(StoreLinkTest, ResumesAfterABreakWithoutLossOrRepetition) {
   AddKeyframe({kOwn, 0});
   manager_->Step();
-  // Stored, but the acknowledgement is lost with the link.
+  // The batch is stored, but the acknowledgement is lost with the link.
   uplink_.acknowledge = false;
   AddKeyframe({kOwn, 1});
   manager_->Step();
@@ -89,7 +89,7 @@ TEST_F(StoreLinkTest, FencedAgentDoesNotTryAgain) {
   EXPECT_TRUE(absl::IsAborted(manager_->Finish(absl::Seconds(1))));
 }
 
-// Another process has its name: that may end.
+// Another process has the robot's name, but it may end.
 TEST_F(StoreLinkTest, ARobotWhoseNameIsTakenTriesAgain) {
   uplink_.reachable = false;
   AddKeyframe({kOwn, 0});
@@ -143,7 +143,8 @@ TEST_F(StoreLinkTest, WhatIsStillToldOfAMapThatEndedStaysOutOfTheNextOne) {
   EXPECT_EQ(jobs_.size(), 1U);
 }
 
-// Fusion has placed it 5 m from where it is in the robot's frame.
+// Returns an update by which fusion has placed the keyframe 5 m from where it is in the robot's
+// frame.
 SharedUpdate PlaceOfTheFirstKeyframe() {
   SharedUpdate update;
   update.revision = 9;
@@ -175,9 +176,7 @@ TEST_F(StoreLinkTest, WhatIsPlacedGoesWithACorrectionOfItsOwnLocalMapAlone) {
   jobs_.Run(*map_);
   OwnCorrection correction;
   correction.motions[{kOwn, 0}] = {Rigid3d(), {Eigen::Quaterniond::Identity(), {-2, 0, 0}}};
-  const auto correct = [&](LocalMapId id) {
-    map_->Write([&](Map& map) { manager_->OnCorrected(id, correction, map); });
-  };
+  const auto correct = [&](LocalMapId id) { manager_->OnCorrected(id, correction, *map_); };
   correct({kOwn.value + 1});
   EXPECT_NEAR(manager_->GlobalFromLocal()->translation.x(), -5, 1e-12);
   // The keyframe is 2 m further along x in the robot's frame now, and where it was in the global
@@ -189,7 +188,7 @@ TEST_F(StoreLinkTest, WhatIsPlacedGoesWithACorrectionOfItsOwnLocalMapAlone) {
 TEST_F(StoreLinkTest, AStoreThatMovesNoPointsIsNotToldThatItShall) {
   uplink_.capabilities = {};
   AddKeyframe({kOwn, 0});
-  // Made before a session stands.
+  // This batch is made before a session stands.
   uplink_.reachable = false;
   manager_->Step();
   uplink_.reachable = true;
@@ -203,7 +202,7 @@ TEST_F(StoreLinkTest, AStoreThatMovesNoPointsIsNotToldThatItShall) {
   AddKeyframe({second, 0});
   manager_->Step();
   EXPECT_FALSE(uplink_.stored[second].back().points_follow);
-  // Replaced by a newer one.
+  // The store is replaced by a newer one.
   uplink_.capabilities.points_follow = true;
   uplink_.Break(absl::UnavailableError("restarted"));
   manager_->Step();
@@ -220,7 +219,7 @@ TEST_F(StoreLinkTest, TellsExactPlacesWhenAsked) {
   point.position_in_map = {0, 0, 10};
   map_->Write([&](Map& map) { map.AddPoint(point); });
   manager_->Step();
-  // Nobody sees it: nobody can tell the difference.
+  // No keyframe sees the point, so that its move changes no picture.
   map_->Write([&](Map& map) { map.SetPosition(point.id, {0, 0, 11}); });
   manager_->Step();
   ASSERT_EQ(uplink_.stored[kOwn].size(), 1u);
@@ -242,7 +241,7 @@ TEST_F(StoreLinkTest, ALocalMapThatEndedIsReadNoMoreOnceAllOfItIsInBatches) {
   manager_->Step();
   EXPECT_FALSE(manager_->Reads(kOwn));
   EXPECT_TRUE(manager_->Reads(second));
-  // Nothing of it is needed any more, though the store has acknowledged nothing of the rest.
+  // The ended map is not needed any more, though the store has not acknowledged the rest of it.
   maps_.front().reset();
   uplink_.Break(absl::UnavailableError("cut"));
   uplink_.acknowledge = true;
@@ -255,7 +254,7 @@ TEST_F(StoreLinkTest, ALocalMapThatEndedIsReadNoMoreOnceAllOfItIsInBatches) {
   EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
 }
 
-// A point at no place would have the store refuse the whole batch.
+// A point with an impossible position would make the store refuse the whole batch.
 TEST_F(StoreLinkTest, ABadItemIsLeftOutAndCounted) {
   AddKeyframe({kOwn, 0});
   MapPoint point;
@@ -286,7 +285,7 @@ TEST_F(StoreLinkTest, ABatchThatIsRefusedForGoodBeginsANewLocalMap) {
   uplink_.accept = false;
   AddKeyframe({kOwn, 1});
   manager_->Step();
-  // Whose batch it was is certain once the next session begins with it again.
+  // Which batch was refused is certain once the next session begins with it again.
   uplink_.Break(absl::InvalidArgumentError("x_px of keypoint 7 is nan"));
   EXPECT_FALSE(manager_->NeedsNewLocalMap());
   manager_->Step();
@@ -305,7 +304,7 @@ TEST_F(StoreLinkTest, ABatchThatIsRefusedForGoodBeginsANewLocalMap) {
   EXPECT_EQ(uplink_.stored[kOwn].size(), 1U);
 }
 
-// The store took it, and what it refused came later.
+// The store took the first batch; what it refused came later.
 TEST_F(StoreLinkTest, ABatchThatTheStoreTookIsNotSuspected) {
   AddKeyframe({kOwn, 0});
   uplink_.acknowledge = false;

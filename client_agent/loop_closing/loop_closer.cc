@@ -170,11 +170,13 @@ bool LoopCloser::CloseLoop(const Overlap& loop) {
 }
 
 void LoopCloser::Apply(const MapCorrection& correction) {
+  OwnCorrection moved;
+  moved.held = correction.held;
   map_.Write([&](Map& map) {
-    auto motions = ApplyCorrection(correction, map_.local_map(), map);
-    if (follow_) follow_({std::move(motions), correction.held}, map);
+    moved.motions = ApplyCorrection(correction, map_.local_map(), map);
     map_.CountCorrection();
   });
+  if (follow_) follow_(moved, map_);
 }
 
 bool LoopCloser::StepAdjustment() {

@@ -54,9 +54,9 @@ struct LoopCloserCounts {
 using FindLoopCandidates = std::function<std::vector<KeyframeId>(
     const Keyframe& query, const absl::btree_set<KeyframeId>& excluded)>;
 
-// Takes along what others made where the own map was corrected. It is called on the mapping thread,
-// with the map.
-using FollowCorrection = std::function<void(const OwnCorrection& correction, Map& map)>;
+// Takes along what others made after the own map was corrected. It is called on the mapping thread,
+// outside of Read and Write: it plans while others read.
+using FollowCorrection = std::function<void(const OwnCorrection& correction, GuardedMap& map)>;
 
 // Closes loops in one local map. Two workers drive it: one calls StepDetection, the other
 // StepAdjustment (the same thread may do both, as deterministic runs do). Only jobs that it posts

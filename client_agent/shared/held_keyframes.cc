@@ -8,7 +8,8 @@ namespace corbslam {
 namespace {
 
 constexpr int kEnoughPoints = 15;
-// Of a keypoint's own deviation: wider than an inlier's, for maps are adjusted later.
+// A bound in standard deviations of a keypoint: it is wider than an inlier's, because maps are
+// adjusted later.
 constexpr double kMaxDeviations = 4;
 
 bool ProjectsToItsKeypoint(const Keyframe& keyframe, uint32_t index, const MapPoint& point) {
@@ -20,8 +21,8 @@ bool ProjectsToItsKeypoint(const Keyframe& keyframe, uint32_t index, const MapPo
          kMaxDeviations * kMaxDeviations * ScalePyramid::Variance_px2(keypoint.octave);
 }
 
-// The own keyframe that shares the most points with the foreign one, if they are enough to hold the
-// two together; else invalid.
+// Returns the own keyframe that shares the most points with the foreign one, if they are enough to
+// hold the two together; else invalid.
 KeyframeId MostSharing(const Keyframe& foreign, LocalMapId own) {
   KeyframeId best;
   int most = kEnoughPoints - 1;
@@ -33,7 +34,8 @@ KeyframeId MostSharing(const Keyframe& foreign, LocalMapId own) {
   return best;
 }
 
-// Most points that the two share project to where each of the two saw them, as `map` has them.
+// Returns whether most points that the two share project to where each of the two saw them, as
+// `map` has them.
 bool AgreeOnSharedPoints(const Map& map, const Keyframe& foreign, const Keyframe& own) {
   int shared = 0;
   int agreed = 0;

@@ -1,4 +1,4 @@
-// Which of others' keyframes the robot's own sight holds where they are in its map.
+// Finds which of others' keyframes the robot's own sight holds where they are in its map.
 #ifndef CORBSLAM_CLIENT_AGENT_SHARED_HELD_KEYFRAMES_H_
 #define CORBSLAM_CLIENT_AGENT_SHARED_HELD_KEYFRAMES_H_
 
@@ -10,18 +10,18 @@
 
 namespace corbslam {
 
-// A foreign keyframe is held by the own one that shares the most points with it, if both see most
-// of these where they stand in the map. Not thread-safe.
+// The foreign keyframes that are held. A foreign keyframe is held by the own one that shares the
+// most points with it, if both see most of these where they stand in the map. Not thread-safe.
 class HeldKeyframes {
  public:
   explicit HeldKeyframes(LocalMapId own) : own_(own) {}
 
-  // Looks at every foreign keyframe of `map`; at its points only where either of the two keyframes
-  // has moved since the last time, or what they share has changed.
+  // Looks at every foreign keyframe of `map`. Its points are looked at only where either of the two
+  // keyframes has moved since the last time, or the number of points that they share has changed.
   void Update(const Map& map);
 
   bool Contains(KeyframeId id) const { return HolderOf(id).IsValid(); }
-  // The own keyframe that holds it, as of the last Update; invalid where none does.
+  // Returns the own keyframe that holds it, as of the last Update; invalid where none does.
   KeyframeId HolderOf(KeyframeId id) const;
 
  private:

@@ -5,16 +5,19 @@
 namespace corbslam {
 namespace {
 
-// Of one keyframe. A robot that is never told of its places keeps no more.
+// Corrections remembered of one keyframe, so that a robot that is never told its places keeps no
+// more.
 constexpr size_t kMaxMotions = 8;
 
-// Of two poses of one keyframe, for comparison alone: metres (or the map's unit) and radians.
+// Returns how far two poses of one keyframe differ, for comparison alone: metres (or the map's
+// unit) and radians are added up.
 double Difference(const Rigid3d& a, const Rigid3d& b) {
   const Rigid3d motion = a * b.Inverse();
   return motion.translation.norm() + RotationAngle(motion.rotation);
 }
 
-// How many of a keyframe's motions a pose of it contains: it is nearest to where they had led.
+// Returns how many of a keyframe's motions a pose of it contains: it is nearest to where they had
+// led.
 std::ptrdiff_t CountContained(const std::vector<OwnCorrection::Motion>& motions,
                               const Rigid3d& camera_from_local) {
   size_t nearest = motions.size();
@@ -51,7 +54,7 @@ void OwnPlaces::ForgetGone(const Map& map) {
   std::erase_if(places_, is_gone);
 }
 
-// The two oldest become one where there are too many.
+// Joins the two oldest motions into one where there are too many.
 void OwnPlaces::Remember(const OwnCorrection::Motion& motion, Motions& motions) {
   motions.push_back(motion);
   if (motions.size() <= kMaxMotions) return;

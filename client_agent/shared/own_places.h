@@ -1,4 +1,4 @@
-// Where fusion has placed the robot's own keyframes.
+// Remembers where fusion has placed the robot's own keyframes.
 #ifndef CORBSLAM_CLIENT_AGENT_SHARED_OWN_PLACES_H_
 #define CORBSLAM_CLIENT_AGENT_SHARED_OWN_PLACES_H_
 
@@ -13,9 +13,9 @@
 
 namespace corbslam {
 
-// Each with the local pose from which fusion did. That one, not the keyframe's pose now, says where
-// the global frame lies: what the robot adjusts must not move what it is adjusted to. Not
-// thread-safe.
+// The own places. Each comes with the local pose from which fusion derived it. That one, not the
+// keyframe's pose now, says where the global frame lies: what the robot adjusts must not move what
+// it is adjusted to. Not thread-safe.
 class OwnPlaces {
  public:
   struct Place {
@@ -24,12 +24,12 @@ class OwnPlaces {
     Rigid3d LocalFromGlobal() const { return camera_from_local.Inverse() * camera_from_global; }
   };
 
-  // The store may not know the robot's last corrections yet: the told local pose is taken along by
-  // those that it does not contain.
+  // Takes in a place from the store, which may not know the robot's last corrections yet: the told
+  // local pose is moved by the corrections that it does not contain.
   void Tell(const OwnKeyframePose& told);
-  // The store will tell all of them again.
+  // Forgets all places, because the store will tell all of them again.
   void ForgetAll() { places_.clear(); }
-  // Those that `map` no longer has.
+  // Forgets the keyframes that `map` no longer has.
   void ForgetGone(const Map& map);
   void Correct(const OwnCorrection& correction);
 

@@ -13,7 +13,7 @@ double XOf(const OwnPlaces& places) {
   return CameraCentre(places.places().at(kKeyframe).camera_from_local).x();
 }
 
-// The keyframe goes from x = 0 to so many metres, in steps of one.
+// Moves the keyframe from x = 0 to so many metres, in steps of one.
 void GoTo(int x, OwnPlaces& places) {
   for (int i = 0; i < x; ++i) {
     OwnCorrection correction;

@@ -3,8 +3,8 @@
 namespace corbslam {
 namespace {
 
-// A keyframe whose placing differs by less is left where it is: that is below what tracking can
-// see.
+// A keyframe whose placing differs by less is left where it is, because the difference is below
+// what tracking can see.
 constexpr double kSmallestMotion_m = 1e-4;
 constexpr double kSmallestTurn_rad = 1e-5;
 
@@ -34,8 +34,8 @@ PlacementPlan PlacementPlanner::Plan(const Map& map, const SharedContent& conten
   return plan;
 }
 
-// Where own keyframes share points with those that stay, these say more: fusion may have placed the
-// own ones by what it knew before it looked at the points.
+// Foreign keyframes that stay take the place of the own ones that share points with them: fusion
+// may have placed the own ones by what it knew before it looked at the points.
 PlacingAnchors PlacementPlanner::ChooseAnchors(const Map& map, const SharedContent& content) const {
   PlacingAnchors anchors;
   absl::btree_set<KeyframeId> superseded;

@@ -1,4 +1,4 @@
-// Where others' items belong in the robot's map.
+// Finds where others' items belong in the robot's map.
 #ifndef CORBSLAM_CLIENT_AGENT_SHARED_PLACEMENT_PLANNER_H_
 #define CORBSLAM_CLIENT_AGENT_SHARED_PLACEMENT_PLANNER_H_
 
@@ -14,8 +14,9 @@
 
 namespace corbslam {
 
-// What is to be written into a map: what is new to it, what is news of the store's and what lies
-// elsewhere now. Good as long as the map and the content that it was made of do not change.
+// What is to be written into a map: items that are new to it, that are news from the store, or that
+// lie elsewhere now. A plan is good as long as the map and the content that it was made of do not
+// change.
 struct PlacementPlan {
   struct PlacedKeyframe {
     KeyframeId id;
@@ -31,36 +32,36 @@ struct PlacementPlan {
   std::vector<PlacedPoint> points;
 };
 
-// Not thread-safe.
+// Plans the placing of foreign items in one local map. Not thread-safe.
 class PlacementPlanner {
  public:
   explicit PlacementPlanner(LocalMapId own) : own_(own), held_(own) {}
 
-  // For content with own keyframes that fusion has placed. A foreign keyframe that the robot's own
-  // sight holds stays; every other one is placed by the nearest keyframe of which both places are
-  // known: an own one that fusion has placed, or one that stays. Points go with the keyframe that
-  // they refer to. The plan is to be carried out.
+  // Makes a plan for content with own keyframes that fusion has placed. A foreign keyframe that the
+  // robot's own sight holds stays; every other one is placed by the nearest anchor: an own keyframe
+  // that fusion has placed, or a foreign one that stays. Points go with the keyframe that they
+  // refer to. The plan is to be carried out.
   PlacementPlan Plan(const Map& map, const SharedContent& content);
 
-  // local_from_global of each foreign keyframe that was planned.
+  // Returns local_from_global of each foreign keyframe that was planned.
   const std::map<KeyframeId, Rigid3d>& placings() const { return placings_; }
-  // Which of others' keyframes own ones held when the last plan was made.
+  // Returns which of others' keyframes own ones held when the last plan was made.
   const HeldKeyframes& held() const { return held_; }
-  // The keyframe went along with own ones.
+  // Notes that the keyframe went along with own ones.
   void Move(KeyframeId id, const Rigid3d& after_from_before);
   void Forget(KeyframeId id) { placings_.erase(id); }
 
  private:
   PlacingAnchors ChooseAnchors(const Map& map, const SharedContent& content) const;
   Rigid3d LocalFromGlobal(KeyframeId id, const ForeignKeyframe& shared, const Map& map) const;
-  // Returns those that lie elsewhere now.
+  // Returns the keyframes that lie elsewhere now.
   std::vector<KeyframeId> PlanKeyframes(const Map& map, const SharedContent& content,
                                         PlacementPlan& plan);
   void PlanPoints(const std::vector<KeyframeId>& moved, const Map& map,
                   const SharedContent& content, PlacementPlan& plan);
   void PlanPoint(const SharedMapPoint& shared, const Map& map, const SharedContent& content,
                  PlacementPlan& plan);
-  // local_from_global at the point; notes whether a keyframe says it.
+  // Returns local_from_global at the point; notes whether a keyframe says it.
   Rigid3d PlacingOf(const SharedMapPoint& point, const SharedContent& content);
 
   const LocalMapId own_;

@@ -75,8 +75,9 @@ void SharedContent::TakeObservation(const ObservationChange& change) {
   news_[change.keyframe.local_map].sights.insert(change.keyframe);
 }
 
-// A landmark is told as a whole: who is not named any more is none of it. The store takes it that
-// members are not held, and tells them in full where they are a landmark's survivors again.
+// Takes in a landmark, which is told as a whole: a point that is not named any more does not belong
+// to it. The store assumes that members are not kept here, and tells them in full where they become
+// a landmark's survivors again.
 void SharedContent::TakeLandmark(const Landmark& landmark) {
   const MapPointId survivor = landmark.survivor;
   DissolveLandmark(survivor);

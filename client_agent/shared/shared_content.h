@@ -1,5 +1,5 @@
-// What the map store has shared with the robot, in the global frame, and what of it is news to the
-// robot's map.
+// Keeps what the map store has shared with the robot, in the global frame, and which of it is news
+// to the robot's map.
 #ifndef CORBSLAM_CLIENT_AGENT_SHARED_SHARED_CONTENT_H_
 #define CORBSLAM_CLIENT_AGENT_SHARED_SHARED_CONTENT_H_
 
@@ -19,7 +19,7 @@ namespace corbslam {
 // One step of the store's view, as it came, with what the robot computes of it.
 struct ArrivedUpdate {
   SharedUpdate update;
-  // Of each of its keyframes.
+  // The words of each of its keyframes.
   std::vector<std::shared_ptr<const Words>> words;
 };
 
@@ -32,8 +32,8 @@ struct ForeignKeyframe {
   std::vector<MapPointId> points;
 };
 
-// What of one foreign local map is to be looked at again. What is named here and not in the content
-// is gone.
+// The items of one foreign local map that are to be looked at again. What is named here and not in
+// the content is gone.
 struct SourceNews {
   absl::btree_set<KeyframeId> keyframes;
   // Keyframes that may see other points than they did.
@@ -41,7 +41,7 @@ struct SourceNews {
   absl::btree_set<MapPointId> points;
 };
 
-// Not thread-safe.
+// The content that one local map's robot was sent. Not thread-safe.
 class SharedContent {
  public:
   explicit SharedContent(LocalMapId own) : own_(own) {}
@@ -50,23 +50,23 @@ class SharedContent {
 
   const std::map<KeyframeId, ForeignKeyframe>& keyframes() const { return keyframes_.items(); }
   const std::map<MapPointId, SharedMapPoint>& points() const { return points_.items(); }
-  // Null when unknown.
+  // Both return null when the item is unknown.
   const ForeignKeyframe* FindKeyframe(KeyframeId id) const { return keyframes_.Find(id); }
   const SharedMapPoint* FindPoint(MapPointId id) const { return points_.Find(id); }
-  // Own keyframes that fusion has placed.
+  // The places of own keyframes that fusion has placed.
   const OwnPlaces& own_places() const { return own_places_; }
   OwnPlaces& own_places() { return own_places_; }
-  // The keyframe that the point is placed with: its reference, else one that sees it; of those that
-  // are here. Invalid where there is none.
+  // Returns the keyframe that the point is placed with: its reference, else one that sees it, if
+  // that is here. Invalid where there is none.
   KeyframeId HolderOf(const SharedMapPoint& point) const;
-  // The point that stands for `id` in the robot's map: an own one of its landmark that the map
-  // holds, else the landmark's survivor.
+  // Returns the point that stands for `id` in the robot's map: an own one of its landmark that the
+  // map holds, else the landmark's survivor.
   MapPointId Representative(const Map& map, MapPointId id) const;
 
-  // Of every local map that was ever named; who has placed it empties it.
+  // News of every local map that was ever named; who has placed it empties it.
   const std::map<LocalMapId, SourceNews>& news() const { return news_; }
   std::map<LocalMapId, SourceNews>& news() { return news_; }
-  // Whatever sees a point of the landmark of `id` is news.
+  // Makes news of every keyframe that sees a point of the landmark of `id`.
   void MarkViewers(MapPointId id);
 
  private:
@@ -81,8 +81,8 @@ class SharedContent {
   void RemovePoint(MapPointId id);
   void ListViewer(MapPointId point, KeyframeId viewer);
   void UnlistViewer(MapPointId point, KeyframeId viewer);
-  // Whether the viewer may be the one that the point is placed with (its reference, or the first
-  // that sees it), so that the point is news when the viewer comes or goes.
+  // Returns whether the viewer may be the one that the point is placed with (its reference, or the
+  // first that sees it), so that the point is news when the viewer comes or goes.
   bool MayHold(KeyframeId viewer, MapPointId point, const std::vector<KeyframeId>& viewers) const;
   void MarkViewersOf(MapPointId id);
   void MarkPoint(MapPointId id);
@@ -93,7 +93,7 @@ class SharedContent {
   ItemTable<MapPointId, SharedMapPoint> points_;
   OwnPlaces own_places_;
   absl::flat_hash_map<MapPointId, MapPointId> survivor_of_;
-  absl::flat_hash_map<MapPointId, std::vector<MapPointId>> members_of_;  // By survivor.
+  absl::flat_hash_map<MapPointId, std::vector<MapPointId>> members_of_;  // Members by survivor.
   // The foreign keyframes that list a point, once for each keypoint.
   absl::flat_hash_map<MapPointId, std::vector<KeyframeId>> viewers_of_;
   std::map<LocalMapId, SourceNews> news_;

@@ -56,7 +56,7 @@ PlacementChange SharedMap::Place(const PlacementPlan& plan, Map& map) {
   for (const auto& [source, news] : content_.news()) DropPoints(news, map);
   for (auto& [source, news] : content_.news()) {
     for (const KeyframeId id : news.sights) PlaceSights(id, map);
-    // What could not be placed is still news when it can.
+    // Items that can't be placed yet stay news until they can.
     if (CanPlace()) {
       news = SourceNews();
     } else {

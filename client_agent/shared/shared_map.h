@@ -1,5 +1,5 @@
-// The robot's copy of what others made, and its place in the robot's own map (CORB-SLAM, section
-// 2.3: others' data is used and held fixed).
+// Keeps the robot's copy of what others made, and gives it its place in the robot's own map
+// (CORB-SLAM, section 2.3: others' data is used and held fixed).
 #ifndef CORBSLAM_CLIENT_AGENT_SHARED_SHARED_MAP_H_
 #define CORBSLAM_CLIENT_AGENT_SHARED_SHARED_MAP_H_
 
@@ -19,45 +19,46 @@ struct PlacementChange {
   std::vector<KeyframeId> removed_keyframes;
 };
 
-// Not thread-safe: used by the mapping thread, which alone writes the map. Work that only reads the
-// map is in Plan, so that tracking need not wait for it.
+// The shared map is used by the mapping thread, which alone writes the robot's map; not
+// thread-safe. Work that only reads the map is in Plan, so that tracking need not wait for it.
 class SharedMap {
  public:
   explicit SharedMap(LocalMapId own) : own_(own), content_(own), planner_(own) {}
 
-  // Takes over one step of the store's view. Plan and Place afterwards.
+  // Takes over one step of the store's view. The caller calls Plan and Place afterwards.
   void Apply(const ArrivedUpdate& arrived);
 
-  // The robot moved its own map as a whole, which `map` shows: what own keyframes held before goes
-  // with them, but for what the own map was fitted to. (What they see in common only since then, in
-  // the very loop that was closed, is no reason to go.) Plan and Place afterwards.
+  // Follows a correction by which the robot moved its own map as a whole, as `map` shows: foreign
+  // keyframes that own ones held before go with them, but for those that the own map was fitted to.
+  // (What they see in common only since then, in the very loop that was closed, is no reason to
+  // go.) The caller calls Plan and Place afterwards.
   void Correct(const OwnCorrection& correction, Map& map);
 
-  // How to bring `map` in line with what was applied. Costs what there is news of or lies elsewhere
-  // now, and a search for the nearest for each foreign keyframe.
+  // Plans how to bring `map` in line with what was applied. Costs as much as there is news or lies
+  // elsewhere now, and a search for the nearest anchor for each foreign keyframe.
   PlacementPlan Plan(const Map& map);
 
-  // Does it: adds, moves and removes foreign items. `map` is as it was when the plan was made, and
-  // nothing was applied since. A landmark of which the robot itself holds a point is that point, so
-  // that nothing is held twice. Does nothing while the store is telling what moved: part of it does
-  // not fit the rest.
+  // Carries out the plan: adds, moves and removes foreign items. `map` is as it was when the plan
+  // was made, and nothing was applied since. A landmark of which the robot itself holds a point is
+  // that point, so that nothing is held twice. Does nothing while the store is telling what moved,
+  // because a part of that does not fit the rest.
   PlacementChange Place(const PlacementPlan& plan, Map& map);
 
-  // Where the robot's frame is in the global one, by the own keyframe placed last; none before
-  // fusion.
+  // Returns where the robot's frame is in the global one, by the own keyframe placed last; none
+  // before fusion.
   std::optional<Similarity3d> GlobalFromLocal() const;
 
   size_t keyframe_count() const { return content_.keyframes().size(); }
 
  private:
-  // Fusion has placed own keyframes, so that others' can be.
+  // Returns true once fusion has placed own keyframes, so that others' can be.
   bool CanPlace() const { return !content_.own_places().places().empty(); }
   void RemoveGoneKeyframes(const SourceNews& news, Map& map, PlacementChange& change);
   void PlaceKeyframe(const PlacementPlan::PlacedKeyframe& placed, Map& map,
                      PlacementChange& change);
   void PlacePoint(const PlacementPlan::PlacedPoint& placed, Map& map);
   void MoveWithPoints(KeyframeId id, const Rigid3d& after_from_before, Map& map) const;
-  // Points that are gone, or that another one stands for.
+  // Takes out points that are gone, or that another one stands for.
   void DropPoints(const SourceNews& news, Map& map) const;
   void PlaceSights(KeyframeId id, Map& map) const;
   void HangOrphans(Map& map);

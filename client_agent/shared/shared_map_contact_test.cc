@@ -1,4 +1,5 @@
-// Where the robot saw what others saw, its sight says where their keyframes lie.
+// Tests that the robot's sight says where others' keyframes lie, wherever the robot saw what they
+// saw.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -15,7 +16,7 @@ constexpr LocalMapId kOwn{1};
 constexpr LocalMapId kForeign{2};
 constexpr uint32_t kOwnKeyframes = 3;
 constexpr uint32_t kPoints = 30;
-// Of the points, others' robot found these, too.
+// The other robot found so many of the points, too.
 constexpr uint32_t kShared = 20;
 
 // The global frame is the robot's own, until something drifts.
@@ -23,7 +24,7 @@ Rigid3d CameraAt(double x) { return {Eigen::Quaterniond::Identity(), {-x, 0, 0}}
 
 Eigen::Vector3d PointAt(uint32_t index) { return {0.2 * index, 0.3, 6}; }
 
-// A camera at x with all the points where it sees them.
+// Returns the payload of a camera at x that sees all the points where they are.
 std::shared_ptr<const KeyframePayload> Payload(KeyframeId id, double x) {
   Features features;
   features.keypoints.resize(kPoints);
@@ -36,7 +37,7 @@ std::shared_ptr<const KeyframePayload> Payload(KeyframeId id, double x) {
   return MakeKeyframePayload(id, 0, 0, testing::TestCamera(), std::move(features));
 }
 
-// Own keyframes at x = 0, 1, 2 that see all points.
+// Returns a map with own keyframes at x = 0, 1, 2 that see all points.
 Map OwnMap() {
   Map map;
   for (uint32_t k = 0; k < kOwnKeyframes; ++k) {
@@ -58,8 +59,8 @@ Map OwnMap() {
 
 class SharedMapContactTest : public ::testing::Test {
  protected:
-  // Foreign keyframe 0 at x = 3 saw the shared points; keyframe 1 at x = 4 saw nothing of them. The
-  // store says that both are so far along x.
+  // Foreign keyframe 0 at x = 3 saw the shared points; keyframe 1 at x = 4 saw none of them. The
+  // store has both too far along x by `error`.
   SharedUpdate ForeignKeyframes(double error) const {
     SharedUpdate update;
     for (uint32_t k = 0; k < 2; ++k) {
@@ -98,7 +99,7 @@ class SharedMapContactTest : public ::testing::Test {
     shared_.Place(shared_.Plan(map_), map_);
   }
 
-  // The robot's whole map goes so far along x.
+  // Moves the robot's whole map so far along x.
   void Correct(double shift, absl::btree_set<KeyframeId> held) {
     OwnCorrection correction;
     correction.held = std::move(held);
@@ -153,13 +154,14 @@ TEST_F(SharedMapContactTest, WhatIsHeldGoesWithTheOwnKeyframesThatHoldIt) {
   Correct(0.5, {});
   EXPECT_NEAR(XOf({kForeign, 0}), 3.5, 1e-9);
   EXPECT_NEAR(XOf({kForeign, 1}), 4.5, 1e-9);
-  // The store does not know of it yet.
+  // The store does not know of the correction yet.
   Share(ForeignMoves(0));
   EXPECT_NEAR(XOf({kForeign, 0}), 3.5, 1e-9);
 }
 
 TEST_F(SharedMapContactTest, WhatTheLoopItselfMadeSeenStays) {
-  // The store has the robot 0.5 m behind where its loop will bring it. Nothing is seen in common.
+  // The store has the robot 0.5 m behind where its loop will bring it. Nothing is seen in common
+  // yet.
   SharedUpdate update = ForeignKeyframes(0.5);
   std::vector<MapPointId> seen;
   std::swap(seen, update.keyframes[0].points);

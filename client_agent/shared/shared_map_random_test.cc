@@ -1,5 +1,5 @@
-// Placing piece by piece, whatever the store says and the robot does meanwhile, ends where placing
-// everything at once does.
+// Tests that placing piece by piece, whatever the store says and the robot does meanwhile, ends
+// where placing everything at once does.
 #include <algorithm>
 #include <random>
 #include <utility>
@@ -76,7 +76,7 @@ class World {
     }
   }
 
-  // What the store says of points that the robot lost.
+  // Adds to the update what the store says of points that the robot lost.
   void TellLosses(SharedUpdate& update) {
     for (const MapPointId id : std::exchange(lost_, {})) {
       const MapPointId survivor = SurvivorOf(id);
@@ -91,7 +91,7 @@ class World {
     }
   }
 
-  // The robot's own map is corrected, or the global one is.
+  // Corrects the robot's own map and the global frame's place in it alike.
   void MoveRobot() {
     const Rigid3d motion = RandomPose(random_, 1);
     for (uint32_t k = 0; k < kOwnKeyframes; ++k) {
@@ -144,7 +144,7 @@ class World {
     return point.id;
   }
 
-  // A survivor that is told already, or a new one.
+  // Returns a survivor that is told already, or a new one.
   MapPointId AnySurvivor(SharedUpdate& update) {
     if (points_.empty() || Below(3) == 0) return TellPoint(update);
     return Any(points_)->first;
@@ -161,7 +161,7 @@ class World {
     const KeyframeId id = {AnySource(), next_keyframe_++};
     keyframe.payload = Payload(id);
     keyframe.camera_from_global = Similarity3d::FromRigid(RandomPose(random_, 20));
-    // Told in any order: the parent may come later, or never.
+    // Keyframes are told in any order: the parent may come later, or never.
     keyframe.parent = {id.local_map, static_cast<uint32_t>(Below(next_keyframe_ + 3))};
     if (keyframe.parent == id) keyframe.parent = {};
     keyframe.points.resize(kKeypoints);
@@ -208,7 +208,8 @@ class World {
     return id;
   }
 
-  // Who sees both would see one landmark twice, which the store does not say.
+  // Takes one of two points from keyframes that see both: they would see one landmark twice, which
+  // the store does not say.
   void Unsee(MapPointId a, MapPointId b, SharedUpdate& update) {
     for (auto& [id, keyframe] : keyframes_) {
       bool seen = false;
@@ -224,7 +225,7 @@ class World {
     }
   }
 
-  // A foreign landmark takes in another, or one of the robot's points.
+  // Has a foreign landmark take in another one, or one of the robot's points.
   void MergeLandmarks(SharedUpdate& update) {
     if (points_.size() < 2) return;
     const MapPointId survivor = Any(points_)->first;
@@ -242,13 +243,13 @@ class World {
       landmarks_.erase(it);
     }
     points_.erase(member);
-    // What was told before in this update is a member's now.
+    // A point that was told before in this update is a member now.
     std::erase_if(update.points, [&](const SharedMapPoint& point) { return point.id == member; });
     landmarks_[survivor] = joined;
     update.landmarks.push_back({survivor, joined});
   }
 
-  // Its owner deleted a member.
+  // Has a member's owner delete it.
   void LeaveLandmark(SharedUpdate& update) {
     if (landmarks_.empty()) return;
     auto& [survivor, members] = *Any(landmarks_);
@@ -280,7 +281,7 @@ class World {
     update.removed_keyframes.push_back(id);
   }
 
-  // Its owner deleted it: of its landmark another one becomes the survivor.
+  // Has a point's owner delete it: another point of its landmark becomes the survivor.
   void RemovePoint(SharedUpdate& update) {
     if (points_.empty()) return;
     const MapPointId id = Any(points_)->first;
@@ -311,7 +312,7 @@ class World {
     update.landmarks.push_back({elected, left});
   }
 
-  // The robot culls a point; the store hears of it, and says so, later.
+  // Has the robot cull a point; the store hears of it, and says so, later.
   void LoseOwnPoint() {
     std::vector<MapPointId> own;
     for (const auto& [id, point] : map_.points()) {

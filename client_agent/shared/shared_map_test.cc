@@ -12,7 +12,7 @@ constexpr LocalMapId kOwn{1};
 constexpr LocalMapId kForeign{2};
 constexpr int kKeypoints = 20;
 
-// The robot's own frame, seen from the global one.
+// The pose of the robot's own frame in the global one.
 const Rigid3d kGlobalFromLocal = {
     Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY())), {10, 0, -3}};
 
@@ -22,7 +22,7 @@ std::shared_ptr<const KeyframePayload> Payload(KeyframeId id) {
 
 Rigid3d CameraAt(double x) { return {Eigen::Quaterniond::Identity(), {-x, 0, 0}}; }
 
-// Own keyframes 0 to 2 at x = 0, 1, 2 with points 0 to 9 seen by all.
+// Returns a map with own keyframes 0 to 2 at x = 0, 1, 2 and points 0 to 9 seen by all.
 Map OwnMap() {
   Map map;
   for (uint32_t k = 0; k < 3; ++k) {
@@ -42,8 +42,8 @@ Map OwnMap() {
   return map;
 }
 
-// One foreign keyframe at x = 3 (of the robot's frame) with foreign points 0 to 9, of which 0 to 4
-// are one landmark each with own points 0 to 4.
+// Returns an update with one foreign keyframe at x = 3 (of the robot's frame) and foreign points 0
+// to 9, of which 0 to 4 are one landmark each with own points 0 to 4.
 SharedUpdate FirstUpdate() {
   SharedUpdate update;
   update.revision = 4;
@@ -81,7 +81,7 @@ class SharedMapTest : public ::testing::Test {
     return shared_.Place(shared_.Plan(map_), map_);
   }
 
-  // The robot moves its own keyframes by so much along x.
+  // Moves the robot's own keyframes by so much along x.
   void Correct(double shift, absl::btree_set<KeyframeId> held = {}) {
     OwnCorrection correction;
     correction.held = std::move(held);
@@ -96,14 +96,14 @@ class SharedMapTest : public ::testing::Test {
     shared_.Place(shared_.Plan(map_), map_);
   }
 
-  // The foreign keyframe shares no point with own ones.
+  // Shares a foreign keyframe that shares no point with own ones.
   void ShareWithoutLandmarks() {
     SharedUpdate update = FirstUpdate();
     update.landmarks.clear();
     Share(update);
   }
 
-  // FirstUpdate's global poses, derived from local poses so far along x.
+  // Returns FirstUpdate's global poses, derived from local poses so far along x.
   static SharedUpdate OwnPoses(double shift) {
     SharedUpdate update;
     update.own_keyframes = FirstUpdate().own_keyframes;
@@ -142,7 +142,7 @@ TEST_F(SharedMapTest, ALandmarkTheRobotHoldsIsNotHeldTwice) {
 
 TEST_F(SharedMapTest, PlacesEachKeyframeByTheOwnOneNearestToItWhateverTheDriftElsewhere) {
   SharedUpdate update = FirstUpdate();
-  // Behind the robot's first keyframe; keyframe 0 is ahead of its last.
+  // This keyframe is behind the robot's first one; foreign keyframe 0 is ahead of its last.
   SharedKeyframe behind = update.keyframes[0];
   behind.payload = Payload({kForeign, 1});
   behind.camera_from_global = Similarity3d::FromRigid(CameraAt(-1) * kGlobalFromLocal.Inverse());
@@ -171,7 +171,8 @@ TEST_F(SharedMapTest, WhatNothingHoldsIsWhereTheNearestOwnKeyframeSaysAfterACorr
   EXPECT_NEAR(map_.FindPoint({kForeign, 7})->position_in_map.x(), 1.2, 1e-9);
   EXPECT_NEAR(shared_.GlobalFromLocal()->Inverse().translation.x(),
               kGlobalFromLocal.Inverse().translation.x() + 0.5, 1e-9);
-  // The store says again what it derived before it knew of that, then what it derives from it.
+  // The store says again what it derived before it knew of the correction, then what it derives
+  // from it.
   Share(OwnPoses(0));
   EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3.5, 1e-9);
   Share(OwnPoses(0.5));
@@ -182,7 +183,7 @@ TEST_F(SharedMapTest, OfSeveralCorrectionsThoseCountThatTheStoreDoesNotKnow) {
   ShareWithoutLandmarks();
   Correct(0.5);
   Correct(0.25);
-  // It knows the first one alone.
+  // The store knows the first correction alone.
   Share(OwnPoses(0.5));
   EXPECT_NEAR(CentreOf({kForeign, 0}).x(), 3.75, 1e-9);
   Share(OwnPoses(0.75));
@@ -278,7 +279,7 @@ TEST_F(SharedMapTest, ARestartLeavesOwnKeyframesWhatTheySee) {
 TEST_F(SharedMapTest, WhatComesBeforeAnyPlaceForItIsPlacedOnceThereIsOne) {
   SharedUpdate first = FirstUpdate();
   const std::vector<OwnKeyframePose> placed = std::exchange(first.own_keyframes, {});
-  // Then the global frame is the robot's own: nothing moves when it becomes known.
+  // The global frame is the robot's own here, so that nothing moves when it becomes known.
   for (SharedKeyframe& keyframe : first.keyframes) {
     keyframe.camera_from_global = Similarity3d::FromRigid(CameraAt(3));
   }
@@ -306,7 +307,7 @@ TEST_F(SharedMapTest, APointLaterFoundToBeTheRobotsOwnGoesOverToIt) {
 TEST_F(SharedMapTest, APointThatTheRobotGaveAwayComesBackWithWhoSeesIt) {
   Share(FirstUpdate());
   ASSERT_TRUE(map_.ReplacePoint({kForeign, 7}, {kForeign, 8}));
-  // The robot's map moves, and what it is placed by.
+  // The robot's map moves, and with it what foreign items are placed by.
   Correct(0.1);
   ASSERT_NE(map_.FindPoint({kForeign, 7}), nullptr);
   EXPECT_EQ(map_.FindKeyframe({kForeign, 0})->points[7], (MapPointId{kForeign, 7}));

@@ -1,4 +1,4 @@
-// One layout: what frames there are and how to read one.
+// Reads the frames of one layout: what frames there are and how to read one.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_FRAME_READER_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_FRAME_READER_H_
 
@@ -14,37 +14,38 @@
 
 namespace corbslam {
 
-// Immutable after it is made; Read may be called from any thread.
+// The frames of one sequence. Immutable after it is made; Read may be called from any thread.
 class FrameReader {
  public:
   virtual ~FrameReader() = default;
   virtual const SensorCalibration& calibration() const = 0;
-  // What is known of the sequence, and what looks wrong in it.
+  // Says what is known of the sequence, and what looks wrong in it.
   virtual const SourceDescription& description() const = 0;
   virtual size_t frame_count() const = 0;
   virtual int64_t timestamp_ns(size_t frame) const = 0;
-  // Frames of one drive have growing times; a sequence whose times jump back holds several.
+  // Frames of one drive have growing times; a sequence whose times jump back holds several drives.
   virtual int drive(size_t frame) const = 0;
-  // NOT_FOUND or INVALID_ARGUMENT, naming the file: one that is not there, can't be read, is cut
-  // short or has another size than the calibration.
+  // Returns NOT_FOUND or INVALID_ARGUMENT, naming the file: one that is not there, can't be read,
+  // is cut short or has another size than the calibration.
   virtual absl::StatusOr<SensorImages> Read(size_t frame) const = 0;
 };
 
-// Each opens `spec.directory`; docs/sources.md lists the files of each layout and the messages.
-// KITTI odometry and KITTI raw.
+// Each of these opens `spec.directory`; docs/sources.md lists the files of each layout and the
+// messages. The first opens KITTI odometry and KITTI raw.
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenKitti(const SourceSpec& spec);
-// EuRoC's ASL layout: DIR/mav0 (or DIR) with cam0 and cam1, each sensor.yaml, data.csv and data/.
+// Opens EuRoC's ASL layout: DIR/mav0 (or DIR) with cam0 and cam1, each with sensor.yaml, data.csv
+// and data/.
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec);
-// TUM RGB-D's, which ICL-NUIM and ETH3D use too: associated.txt (or associations.txt), else rgb.txt
-// and depth.txt, each picture with the depth image nearest in time within 20 ms.
+// Opens TUM RGB-D's layout, which ICL-NUIM and ETH3D use too: associated.txt (or associations.txt),
+// else rgb.txt and depth.txt, each picture with the depth image nearest in time within 20 ms.
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec);
-// 7-Scenes: DIR/frame-000000.color.png and frame-000000.depth.png; the times come from ?fps.
+// Opens 7-Scenes: DIR/frame-000000.color.png and frame-000000.depth.png; the times come from ?fps.
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenSevenScenes(const SourceSpec& spec);
 
-// The one that `spec` names; its selection and perturbation are not applied.
+// Opens the sequence that `spec` names; the selection and perturbation of `spec` are not applied.
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec);
 
-// A frame as it is played: read, then perturbed.
+// Returns a frame as it is played: read, then perturbed.
 absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t frame,
                                            const Perturbation& perturbation);
 

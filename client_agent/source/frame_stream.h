@@ -1,4 +1,4 @@
-// What a robot plays: the frames of a camera, one after the other as they come.
+// Says what a robot plays: the frames of a camera, one after the other as they come.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_FRAME_STREAM_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_FRAME_STREAM_H_
 
@@ -15,9 +15,9 @@
 namespace corbslam {
 
 struct SourceFrame {
-  size_t number = 0;         // In the whole sequence or since the camera was opened, from 0.
+  size_t number = 0;         // Counts in the whole sequence or since the camera was opened, from 0.
   int64_t timestamp_ns = 0;  // The source's own time.
-  // Frames of one drive have growing times (FrameReader::drive): between frames of two drives
+  // Frames of one drive have growing times (FrameReader::drive). Between frames of two drives
   // nobody knows how the camera got there.
   int drive = 0;
 };
@@ -25,34 +25,34 @@ struct SourceFrame {
 // Frames that could not be read and were left out.
 struct LeftOutFrames {
   size_t count = 0;
-  std::string last;  // Why the last of them was.
+  std::string last;  // Why the last of them was left out.
 };
 
 struct StreamFrame {
   SourceFrame frame;
-  SensorImages images;  // Stamped with the frame's time.
+  SensorImages images;  // They are stamped with the frame's time.
 };
-struct NoFrameYet {};  // None came before the deadline; the stream goes on.
+struct NoFrameYet {};  // No frame came before the deadline; the stream goes on.
 struct StreamEnd {};   // No frame follows.
 using NextFrame = std::variant<StreamFrame, NoFrameYet, StreamEnd>;
 
-// Gives each frame once. How many there will be is not known, nor when the next one is taken: who
-// needs that takes a RecordedSequence. Not thread-safe, though an implementation may read ahead on
-// a thread of its own. Times need not grow (a sequence may be played backwards), so nobody may take
-// the differences of times to be positive.
+// Gives each frame once. How many there will be is not known, nor when the next one is taken; a
+// caller that needs to know takes a RecordedSequence. Not thread-safe, though an implementation may
+// read ahead on a thread of its own. Times need not grow (a sequence may be played backwards), so
+// that nobody may take the differences of times to be positive.
 class FrameStream {
  public:
   virtual ~FrameStream() = default;
 
-  // Also says which frames poses can be given in (RecordedCameraOf).
+  // The calibration also says in which frames poses can be given (RecordedCameraOf).
   virtual const SensorCalibration& calibration() const = 0;
-  // Seconds from frame to frame, where that is known before they come.
+  // Returns the seconds from frame to frame, where that is known before they come.
   virtual std::optional<double> interval_s() const = 0;
-  // Waits until `deadline` for the next frame; a deadline that has passed asks whether one is there
-  // already. An error names the frame and is the stream's last word: after it, as after StreamEnd,
-  // there is StreamEnd. A frame that can't be read may be left out instead.
+  // Waits until `deadline` for the next frame; with a deadline that has passed it asks whether one
+  // is there already. An error names the frame and is the stream's last word: after it, as after
+  // StreamEnd, there is StreamEnd. A frame that can't be read may be left out instead.
   virtual absl::StatusOr<NextFrame> Next(absl::Time deadline) = 0;
-  // So far.
+  // Returns the frames that were left out so far.
   virtual LeftOutFrames left_out() const = 0;
 };
 

@@ -46,14 +46,15 @@ absl::StatusOr<Pictures> ListPictures(const KittiFolders& folders) {
   return pictures;
 }
 
-// A part of a recording, of which the list is whole.
+// Notes the spare times: a part of a recording may come with the list of the whole.
 void TellSpareTimes(const std::string& path, size_t spare, SourceDescription& description) {
   if (spare == 0) return;
   description.remarks.left_out.push_back(
       absl::StrCat("the last ", spare, " times of ", path, ", of which there is no picture"));
 }
 
-// Of picture 0 on. Times of fewer pictures than there are cannot be told apart.
+// Returns the times of the pictures from 0 on. Where there are fewer times than pictures, it is not
+// known which ones are missing.
 absl::StatusOr<std::vector<ListedTime>> TimesOf(const SourceSpec& spec, const std::string& path,
                                                 size_t pictures, SourceDescription& description) {
   std::error_code ignored;

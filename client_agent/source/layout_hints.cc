@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 struct LayoutLook {
   SourceLayout layout;
-  // Any of these, seen from the sequence's folder, gives it away.
+  // Any of these, seen from the sequence's folder, gives the layout away.
   std::vector<const char*> signs;
 };
 
@@ -36,7 +36,7 @@ bool IsLike(const fs::path& folder, const LayoutLook& look) {
   });
 }
 
-// The first folder in it, by name, that looks like it.
+// Returns the first folder in `folder`, by name, that looks like the layout.
 std::optional<std::string> FolderWithin(const std::string& folder, const LayoutLook& look) {
   std::vector<std::string> found;
   std::error_code error;
@@ -48,7 +48,7 @@ std::optional<std::string> FolderWithin(const std::string& folder, const LayoutL
   return *std::ranges::min_element(found);
 }
 
-// As it is to be typed.
+// Returns the spec as it is to be typed.
 std::string Spec(const LayoutLook& look, const std::string& folder) {
   SourceSpec spec;
   spec.layout = look.layout;

@@ -25,7 +25,7 @@ class LayoutHintsTest : public ::testing::Test {
     fs::create_directories((folder_ / path).parent_path());
     std::ofstream(folder_ / path) << "x\n";
   }
-  // What is said of an error "broken" of the folder `path`, seen as `layout`.
+  // Returns what is said of an error "broken" of the folder `path`, seen as `layout`.
   std::string Say(SourceLayout layout, const std::string& path = "") const {
     SourceSpec spec;
     spec.layout = layout;

@@ -13,7 +13,7 @@
 namespace corbslam {
 namespace {
 
-// Pictures that say how many bits a source uses.
+// Number of pictures that are looked at for how many bits a source uses.
 constexpr size_t kGreySamples = 8;
 
 class ListedReader : public FrameReader {
@@ -67,13 +67,14 @@ class ListedReader : public FrameReader {
   const int used_bits_;
 };
 
-// Those of the sample that can be read; what can't is told when it is played.
+// Looks at the pictures of the sample that can be read; what can't be read is told when it is
+// played.
 GreyDepth LookAtGreyDepth(const std::vector<ListedFrame>& frames, bool is_stereo) {
   std::vector<cv::Mat> sample;
   for (size_t k = 0; k < kGreySamples; ++k) {
     const ListedFrame& frame = frames[k * (frames.size() - 1) / (kGreySamples - 1)];
     auto picture = ReadGreyImage(frame.first);
-    if (picture.ok() && picture->type() != CV_16UC1) return {};  // All of one kind.
+    if (picture.ok() && picture->type() != CV_16UC1) return {};  // All are of one kind.
     if (picture.ok()) sample.push_back(*std::move(picture));
     if (!is_stereo) continue;
     picture = ReadGreyImage(frame.second);

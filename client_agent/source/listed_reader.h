@@ -1,5 +1,5 @@
-// The reader of every layout whose frames are two files each: a left picture with a right one, or
-// a picture with a depth image.
+// Reads every layout whose frames are two files each: a left picture with a right one, or a picture
+// with a depth image.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_
 
@@ -14,7 +14,7 @@ namespace corbslam {
 
 struct ListedFrame {
   int64_t timestamp_ns = 0;
-  int drive = 0;  // Timeline::drive.
+  int drive = 0;  // Number of the drive (Timeline::drive).
   std::string first;
   std::string second;
 };
@@ -23,16 +23,16 @@ struct ListedFrame {
 struct ListedSequence {
   SensorCalibration calibration;
   std::vector<ListedFrame> frames;
-  std::string times_file;  // For messages about times.
+  std::string times_file;  // Named in messages about times.
   SourceDescription description;
 };
 
-// Measures times and completes the description. INVALID_ARGUMENT or NOT_FOUND, naming the file,
-// where nothing is left or the times can't be.
+// Measures times and completes the description. Returns INVALID_ARGUMENT or NOT_FOUND, naming the
+// file, where nothing is left or the times can't be a camera's.
 absl::StatusOr<std::unique_ptr<FrameReader>> MakeListedReader(ListedSequence sequence);
 
-// Says of how many frames a picture is not there; they keep their numbers and are left out when
-// they are played. NOT_FOUND, naming a file, where it is more than half of them.
+// Notes for how many frames a picture is not there; they keep their numbers and are left out when
+// they are played. Returns NOT_FOUND, naming a file, where it is more than half of them.
 absl::Status TellMissing(const std::vector<ListedFrame>& frames, SourceDescription& description);
 
 }  // namespace corbslam

@@ -78,7 +78,7 @@ std::vector<std::string> FormatOpening(const SourceOpening& opening) {
   if (!opening.calibration_file.empty()) {
     options.push_back(absl::StrCat("calibration=", opening.calibration_file));
   }
-  if (opening.trust_calibration) options.push_back("trust_calibration=1");
+  if (opening.trust_calibration) options.emplace_back("trust_calibration=1");
   if (opening.fps.has_value()) options.push_back(absl::StrCat("fps=", FormatReal(*opening.fps)));
   if (!opening.images.empty()) options.push_back(absl::StrCat("images=", opening.images));
   if (opening.pair_within_ms != SourceOpening().pair_within_ms) {

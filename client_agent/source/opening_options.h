@@ -1,4 +1,5 @@
-// The options of a source's spec that say what its files leave open (SourceOpening).
+// Reads and writes the options of a source's spec that say what its files leave open
+// (SourceOpening).
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_OPENING_OPTIONS_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_OPENING_OPTIONS_H_
 
@@ -11,15 +12,15 @@
 
 namespace corbslam {
 
-// Those that mean something for the layout, spelled with '_'.
+// Returns the options that mean something for the layout, spelled with '_'.
 std::vector<absl::string_view> OpeningOptionNames(SourceLayout layout);
 bool IsOpeningOption(SourceLayout layout, absl::string_view key);
 
-// INVALID_ARGUMENT, naming the option and its value.
+// Returns INVALID_ARGUMENT, naming the option and its value, where it can't be applied.
 absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
                                 SourceOpening& opening);
 
-// "camera=freiburg2" and so on, those that differ from their defaults.
+// Writes the options that differ from their defaults: "camera=freiburg2" and so on.
 std::vector<std::string> FormatOpening(const SourceOpening& opening);
 
 }  // namespace corbslam

@@ -12,12 +12,12 @@
 
 namespace corbslam {
 
-// Gamma first, then noise. `image` is CV_8UC1; the same stream (frame and camera) gets the same
-// noise each time, other streams get other noise. May throw cv::Exception.
+// Applies gamma first, then noise. `image` is CV_8UC1; the same stream (frame and camera) gets the
+// same noise each time, other streams get other noise. May throw cv::Exception.
 cv::Mat Perturb(const cv::Mat& image, const Perturbation& perturbation, uint64_t stream);
 
-// The pictures of frame `number` of any sequence or stream; depth stays as it is. INTERNAL, naming
-// the frame, where OpenCV throws.
+// Perturbs the pictures of frame `number` of any sequence or stream; depth stays as it is. Returns
+// INTERNAL, naming the frame, where OpenCV throws.
 absl::Status PerturbImages(const Perturbation& perturbation, size_t number, SensorImages& images);
 
 }  // namespace corbslam

@@ -15,7 +15,7 @@
 
 namespace corbslam {
 
-// Thread-safe, though frames go to whoever asks first.
+// The reader is thread-safe, though frames go to whoever asks first.
 class ReadAhead {
  public:
   // `read(i)` is called once for each i from 0 on, in order, from one thread, until it says by
@@ -27,8 +27,8 @@ class ReadAhead {
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;
 
-  // Waits for the next frame; nullopt after the last. An error is of one frame: the next call gives
-  // the one behind it.
+  // Waits for the next frame; returns nullopt after the last. An error belongs to one frame: the
+  // next call gives the one behind it.
   absl::StatusOr<std::optional<StreamFrame>> Next();
 
  private:
@@ -40,7 +40,7 @@ class ReadAhead {
   const Read read_;
   absl::Mutex mutex_;
   std::deque<absl::StatusOr<StreamFrame>> ready_ ABSL_GUARDED_BY(mutex_);
-  bool finished_ ABSL_GUARDED_BY(mutex_) = false;  // Nothing will be added.
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;  // True: nothing will be added.
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };

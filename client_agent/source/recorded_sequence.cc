@@ -14,7 +14,8 @@
 namespace corbslam {
 namespace {
 
-// Pictures that are decoded and not yet taken: enough to even out the disk, little memory.
+// Number of pictures that are decoded and not yet taken: enough to even out the disk, little
+// memory.
 constexpr size_t kReadAheadFrames = 3;
 
 class ReadSequence : public RecordedSequence {
@@ -47,7 +48,7 @@ class ReadSequence : public RecordedSequence {
   bool has_failed_ = false;
   size_t unreadable_in_a_row_ = 0;
   LeftOutFrames left_out_;
-  ReadAhead read_ahead_;  // Last: its thread uses the others.
+  ReadAhead read_ahead_;  // The last member: its thread uses the others.
 };
 
 absl::StatusOr<NextFrame> ReadSequence::Next(absl::Time /*deadline*/) {

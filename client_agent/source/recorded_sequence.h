@@ -1,5 +1,5 @@
-// A sequence whose frames are all known before it is played: recorded in one of the public layouts,
-// or of a registered kind (source_kinds.h).
+// Plays a sequence whose frames are all known before: recorded in one of the public layouts, or of
+// a registered kind (source_kinds.h).
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_RECORDED_SEQUENCE_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_RECORDED_SEQUENCE_H_
 
@@ -18,25 +18,26 @@ namespace corbslam {
 
 // A fixed list of frames, played once in the order of the list. All of them are there from the
 // beginning: Next waits while one is decoded, whatever the deadline. Frames that can't be read are
-// left out, until there are kMaxUnreadableInARow: the error of the last of those names its file.
+// left out, until there are kMaxUnreadableInARow in a row: the error of the last of those names its
+// file.
 class RecordedSequence : public FrameStream {
  public:
-  // Frames in all, played or not.
+  // Returns the number of all frames, played already or not.
   virtual size_t size() const = 0;
-  // The i-th frame that is played, i < size().
+  // Returns the i-th frame that is played, i < size().
   virtual SourceFrame frame(size_t i) const = 0;
 
-  // The median of the frames of each drive, so that pauses and playing backwards don't count;
-  // nullopt where there are no two frames of one drive.
+  // Returns the median interval of frames of one drive, so that pauses and playing backwards don't
+  // count; nullopt where there are no two frames of one drive.
   std::optional<double> interval_s() const final;
-  // Next, for who needs the pictures alone; nullopt after the last.
+  // Does what Next does, for callers that need the pictures alone; returns nullopt after the last.
   absl::StatusOr<std::optional<SensorImages>> NextImages();
 };
 
 constexpr size_t kMaxUnreadableInARow = 10;
 
 // Plays the frames of `reader` that `spec` selects, disturbed as it says; starts decoding ahead.
-// INVALID_ARGUMENT where it selects none.
+// Returns INVALID_ARGUMENT where it selects none.
 absl::StatusOr<std::unique_ptr<RecordedSequence>> PlayReader(std::unique_ptr<FrameReader> reader,
                                                              const SourceSpec& spec);
 

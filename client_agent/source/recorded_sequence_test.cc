@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// A fresh folder of this test's own.
+// Makes a fresh folder of this test's own.
 std::string MakeFolder(const std::string& name) {
   const fs::path path = fs::path(::testing::TempDir()) / ("image_source_" + name);
   fs::remove_all(path);
@@ -38,7 +38,7 @@ void WriteImage(const std::string& path, int type, int value) {
   cv::imwrite(path, cv::Mat(30, 40, type, cv::Scalar::all(value)));
 }
 
-// Five frames; frame i has grey level 10 i + 10 left and 10 i + 15 right.
+// Writes five frames; frame i has grey level 10 i + 10 left and 10 i + 15 right.
 std::string MakeKitti(const std::string& name) {
   const std::string directory = MakeFolder(name);
   WriteText(directory + "/calib.txt",
@@ -53,7 +53,7 @@ std::string MakeKitti(const std::string& name) {
   return directory;
 }
 
-// The grey levels of all frames, in the order of play.
+// Returns the grey levels of all frames, in the order of play.
 std::vector<int> PlayGreyLevels(RecordedSequence& source) {
   std::vector<int> levels;
   while (true) {
@@ -276,7 +276,7 @@ std::string MakeTum(const std::string& name) {
 
 TEST(TumSourceTest, AssociatesByTime) {
   const std::string directory = MakeTum("tum_fr3_times");
-  // Nearest first: 1.10 takes 1.105; 1.00 has none within 20 ms.
+  // The nearest pair is taken first: 1.10 takes 1.105; 1.00 has none within 20 ms.
   WriteText(directory + "/depth.txt", "1.05 depth/0.png\n1.105 depth/1.png\n1.19 depth/2.png\n");
   const auto source = OpenSource("tum:" + directory);
   ASSERT_TRUE(source.ok()) << source.status();
@@ -529,7 +529,7 @@ TEST(EurocSourceTest, RefusesAModelItDoesNotKnow) {
       HasSubstr("distortion_model is 'equidistant'"));
 }
 
-// Recorded sequences: where they are (the CORBSLAM_DATA_DIR rule of the project's tests).
+// A recorded sequence; CORBSLAM_DATA_DIR says where these are, as in all of the project's tests.
 struct Recorded {
   const char* spec;
   size_t frames;

@@ -12,8 +12,8 @@ namespace corbslam {
 
 namespace {
 
-// The folder that holds `path`, which lies in `directory`, under the same name without links: the
-// recording that a folder of links shows. Empty where there is none.
+// Returns the folder that holds `path`, which lies in `directory`, under the same name without
+// links: the recording that a folder of links shows. Empty where there is none.
 std::string RealFolder(const std::string& directory, const std::string& path) {
   std::error_code error;
   std::string real = std::filesystem::canonical(path, error).string();

@@ -1,4 +1,4 @@
-// What opening an RGB-D recording has in common, whatever its layout.
+// Does what opening an RGB-D recording has in common, whatever its layout.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_RGBD_OPENING_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_RGBD_OPENING_H_
 
@@ -10,11 +10,11 @@
 
 namespace corbslam {
 
-// Of the options and the first picture that can be read. Errors name the picture.
+// Makes the query of the options and the first picture that can be read. Errors name the picture.
 absl::StatusOr<RgbdCalibrationQuery> MakeCalibrationQuery(const SourceSpec& spec,
                                                           const std::vector<ListedFrame>& frames);
 
-// Puts it, and where it is from, into `sequence`.
+// Puts the calibration, and where it is from, into `sequence`.
 void TakeCalibration(FoundRgbdCalibration found, ListedSequence& sequence);
 
 }  // namespace corbslam

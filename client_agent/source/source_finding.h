@@ -1,4 +1,4 @@
-// What is wrong, or looks wrong, in what a source gives (docs/sources.md lists every code).
+// Says what is wrong, or looks wrong, in what a source gives (docs/sources.md lists every code).
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_FINDING_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_FINDING_H_
 
@@ -24,7 +24,7 @@ using SourceFindings = std::vector<SourceFinding>;
 
 // What a part of opening a sequence has to say.
 struct SourceRemarks {
-  // What of the sequence is not played, and why, a sentence each.
+  // One sentence for each part of the sequence that is not played, with the reason.
   std::vector<std::string> left_out;
   SourceFindings findings;
 

@@ -16,7 +16,7 @@ struct Registry {
   std::vector<SourceKind> kinds ABSL_GUARDED_BY(mutex);
 };
 
-// Lives as long as the program.
+// Returns the registry, which lives as long as the program.
 Registry& TheRegistry() {
   static auto& registry = *new Registry;
   return registry;

@@ -1,5 +1,5 @@
-// Kinds of sources beside the recorded layouts: a program registers those that it can play, for
-// example a simulator's "sim:WORLD?OPTIONS".
+// Knows kinds of sources beside the recorded layouts: a program registers those that it can play,
+// for example a simulator's "sim:WORLD?OPTIONS".
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_KINDS_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_KINDS_H_
 
@@ -21,47 +21,48 @@ class FrameReader;
 class KindSettings;
 using SharedKindSettings = std::shared_ptr<const KindSettings>;
 
-// What a source of a registered kind is set to, apart from which of its frames are played and how
-// they are disturbed. Immutable, so that copies of a spec may share it.
+// The settings of a source of a registered kind, apart from which of its frames are played and how
+// they are disturbed. Immutable, so that copies of a spec may share them.
 class KindSettings {
  public:
   virtual ~KindSettings() = default;
 
-  // The name before the colon of a spec.
+  // Returns the name before the colon of a spec.
   virtual absl::string_view kind() const = 0;
-  // Spelled with '_'.
+  // Returns the names of the options, spelled with '_'.
   virtual std::vector<absl::string_view> OptionNames() const = 0;
-  // The same with one of its options changed. INVALID_ARGUMENT, naming the option, its value and
-  // what it wants.
+  // Returns the same settings with one of the options changed. Returns INVALID_ARGUMENT, naming the
+  // option, its value and what it wants.
   virtual absl::StatusOr<SharedKindSettings> With(absl::string_view key,
                                                   absl::string_view value) const = 0;
-  // Of all options together: INVALID_ARGUMENT, naming the option and its value.
+  // Checks all options together: returns INVALID_ARGUMENT, naming the option and its value.
   virtual absl::Status Validate() const = 0;
-  // Name and value of the options that differ from their defaults; With each of them the defaults
-  // give the same settings.
+  // Returns name and value of the options that differ from their defaults; applying With for each
+  // of them to the defaults gives the same settings.
   virtual std::vector<std::pair<std::string, std::string>> FormatOptions() const = 0;
-  // What Perturbation::seed becomes.
+  // Returns what Perturbation::seed becomes.
   virtual uint64_t noise_seed() const = 0;
-  // A selection of frames counts them from the last one on: the way is driven the other way round.
+  // True: a selection of frames counts them from the last one on, because the way is driven the
+  // other way round.
   virtual bool turned() const = 0;
   virtual absl::StatusOr<std::unique_ptr<FrameReader>> Open() const = 0;
 };
 
 struct SourceKind {
-  std::string name;   // "sim"
+  std::string name;   // The name before the colon: "sim".
   std::string usage;  // For help texts: "sim:WORLD".
-  // With default options, of what stands between the colon and the '?'. INVALID_ARGUMENT, naming
-  // what is known.
+  // Makes default settings for what stands between the colon and the '?'. Returns INVALID_ARGUMENT,
+  // naming what is known.
   std::function<absl::StatusOr<SharedKindSettings>(absl::string_view place)> make;
 };
 
-// Thread-safe, as are the others. A kind that is registered already stays as it is; the names of
-// the recorded layouts are taken.
+// Registers a kind. Thread-safe, as are the functions below. A kind that is registered already
+// stays as it is; the names of the recorded layouts are taken.
 void RegisterSourceKind(SourceKind kind);
 std::optional<SourceKind> FindSourceKind(absl::string_view name);
-// "kitti", "euroc" and so on: the recorded layouts and the registered kinds.
+// Returns "kitti", "euroc" and so on: the recorded layouts and the registered kinds.
 std::vector<std::string> KnownSourceKinds();
-// "kitti:DIR, euroc:DIR, tum:DIR, 7scenes:DIR or sim:WORLD".
+// Returns "kitti:DIR, euroc:DIR, tum:DIR, 7scenes:DIR or sim:WORLD".
 std::string SourceUsage();
 
 }  // namespace corbslam

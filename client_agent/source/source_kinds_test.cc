@@ -13,7 +13,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// "beacon:NAME?frames_made=N": N frames whose stamps are their numbers.
+// Plays "beacon:NAME?frames_made=N": N frames whose stamps are their numbers.
 class BeaconReader : public FrameReader {
  public:
   explicit BeaconReader(size_t frames) : frames_(frames) {}
@@ -73,7 +73,7 @@ SourceKind Beacon(const std::string& name) {
           }};
 }
 
-// All in one: what is registered stays so.
+// One test does it all, because what is registered stays so.
 TEST(SourceKindsTest, AProgramPlaysWhatItRegistered) {
   const absl::Status unknown = ParseSourceSpec("beacon:lit").status();
   EXPECT_EQ(unknown.code(), absl::StatusCode::kInvalidArgument);

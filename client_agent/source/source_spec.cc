@@ -120,7 +120,7 @@ constexpr std::pair<absl::string_view, SourceLayout> kLayouts[] = {
     {"tum", SourceLayout::kTum},
     {"7scenes", SourceLayout::kSevenScenes}};
 
-// `spec` has a place: sets its layout, and what goes with a registered kind.
+// Sets the layout of `spec`, whose place is set already, and the settings of a registered kind.
 absl::Status ParseKind(absl::string_view name, SourceSpec& spec) {
   for (const auto& [known, layout] : kLayouts) {
     if (name != known) continue;
@@ -219,7 +219,7 @@ KeyAndValue SplitOffOptions(absl::string_view text) {
 }  // namespace
 
 absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text) {
-  // To the file system a path would end there, and name something else than what is written.
+  // The file system would end the path there, and find something else than what is written.
   if (const size_t zero = text.find('\0'); zero != absl::string_view::npos) {
     return absl::InvalidArgumentError(
         absl::StrCat("source '", absl::CEscape(text), "' holds a zero byte at ", zero));

@@ -80,10 +80,10 @@ TEST(TakePartTest, SharesAsThePaperDoes) {
     return std::pair(range.begin, range.end);
   };
   using Range = std::pair<size_t, size_t>;
-  // Two robots: [0, t/2 + d] and [t/2 - d, t].
+  // Two robots have [0, t/2 + d] and [t/2 - d, t].
   EXPECT_EQ(part(1, 2, 20, {0, 4541}), Range(0, 2291));
   EXPECT_EQ(part(2, 2, 20, {0, 4541}), Range(2250, 4541));
-  // Three: [0, t/3 + d], [t/3 - d, 2t/3 + d], [2t/3 - d, t].
+  // Three robots have [0, t/3 + d], [t/3 - d, 2t/3 + d] and [2t/3 - d, t].
   EXPECT_EQ(part(1, 3, 10, {0, 2760}), Range(0, 930));
   EXPECT_EQ(part(2, 3, 10, {0, 2760}), Range(910, 1850));
   EXPECT_EQ(part(3, 3, 10, {0, 2760}), Range(1830, 2760));

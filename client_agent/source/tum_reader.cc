@@ -14,7 +14,7 @@ namespace {
 
 struct Listed {
   std::vector<RgbdPair> pairs;
-  std::string file;  // That gave the times.
+  std::string file;  // The file that gave the times.
 };
 
 absl::Status NoLists(const std::string& directory) {

@@ -3,7 +3,7 @@
 namespace corbslam {
 namespace {
 
-// Measured (docs/wire.md); a codec makes them less, which the scale tells.
+// These sizes were measured (docs/wire.md). A codec makes items smaller, which the scale tells.
 constexpr size_t kBatchBytes = 64;
 constexpr size_t kCameraBytes = 256;
 constexpr size_t kKeyframeBytes = 128;

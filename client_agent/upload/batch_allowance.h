@@ -1,4 +1,4 @@
-// How much one batch may carry, and about what each item of it takes on the wire.
+// Says how much one batch may carry, and about what each item of it takes on the wire.
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_BATCH_ALLOWANCE_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_BATCH_ALLOWANCE_H_
 
@@ -9,17 +9,18 @@
 
 namespace corbslam {
 
-// Bytes that a batch takes on the wire, about: what BatchAllowance counts with, at a scale of 1.
+// Returns about how many bytes a batch takes on the wire, as BatchAllowance counts them at a scale
+// of 1.
 size_t EstimateWireBytes(const MapUpdateBatch& batch);
 
-// Spent in the order of what matters most (docs/adr/0019-link-budgets.md): poses, full keyframes,
-// points, light points. An item goes while anything is left, so that the last one may take more
-// than there was. Not thread-safe.
+// The bytes that one batch may take. They are spent in the order of what matters most
+// (docs/adr/0019-link-budgets.md): poses, full keyframes, points, light points. An item goes while
+// anything is left, so that the last one may take more than there was. Not thread-safe.
 class BatchAllowance {
  public:
-  // No bound but this one.
+  // Bounds the number of full keyframes alone.
   explicit BatchAllowance(size_t max_keyframes) : max_keyframes_(max_keyframes) {}
-  // `scale`: what an item really takes, as a share of the estimate.
+  // `scale` is what an item really takes, as a share of the estimate.
   BatchAllowance(size_t max_keyframes, double bytes, double scale)
       : max_keyframes_(max_keyframes), left_(bytes / scale) {}
 
@@ -29,13 +30,13 @@ class BatchAllowance {
   // Poses always go, and are spent first.
   void SpendPoses(size_t light_keyframes, size_t frames);
   void SpendKeyframe(size_t keypoints);
-  // With the observations that come with it.
+  // Spends a full point with the observations that come with it.
   void SpendPoint(size_t observations);
   void SpendLightPoint();
 
  private:
   size_t max_keyframes_;
-  // At a scale of 1.
+  // Bytes that are left, at a scale of 1.
   double left_ = std::numeric_limits<double>::infinity();
 };
 

@@ -45,7 +45,7 @@ TEST_F(BelievedPlacesTest, APointIsWhereItWasToldUntilItsReferenceMoves) {
 TEST_F(BelievedPlacesTest, WhereTheStoreMovesNoPointsTheyStay) {
   places_.PlaceKeyframe(kReference, Turned(1, 1), /*points_follow=*/false);
   EXPECT_LT(DistanceTo(position_), 1e-12);
-  // And move again at one that does.
+  // The points move again at a store that moves them.
   places_.PlaceKeyframe(kReference, Turned(0.4, 3));
   EXPECT_LT(DistanceTo(Turned(0.4, 3).Inverse() * (Turned(1, 1) * position_)), 1e-12);
 }
@@ -78,8 +78,8 @@ TEST_F(BelievedPlacesTest, WhatIsGoneFollowsNobody) {
   places_.MovePoint(kPoint, position_);  // Nothing happens.
 }
 
-// A stereo camera of 500 px and 0.1 m, 10 m before the point: a centimetre across is half a pixel,
-// a metre of depth nearly half a pixel of disparity.
+// A stereo camera of 500 px and 0.1 m is 10 m before the point: a centimetre across is half a
+// pixel, a metre of depth nearly half a pixel of disparity.
 class LooksTheSameTest : public ::testing::Test {
  protected:
   explicit LooksTheSameTest(double baseline_m = 0.1) {

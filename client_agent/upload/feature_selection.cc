@@ -21,7 +21,7 @@ std::vector<bool> ChooseFeatures(const Keyframe& keyframe, size_t up_to) {
   }
   const size_t others = count - mapped;
   const size_t wanted = std::min(others, up_to - std::min(up_to, mapped));
-  // The k-th of the others when k * wanted / others passes a whole number.
+  // Takes the k-th of the others when k * wanted / others passes a whole number.
   size_t passed = 0;
   for (size_t i = 0; i < count; ++i) {
     if (keyframe.points[i].IsValid()) continue;

@@ -11,7 +11,8 @@ namespace {
 
 constexpr LocalMapId kMap{1};
 
-// A hundred keypoints, each with its number as its place; every fifth sees a point.
+// Returns a keyframe with a hundred keypoints, each with its number as its place; every fifth sees
+// a point.
 Keyframe MakeKeyframe() {
   Features features;
   features.keypoints.resize(100);

@@ -1,4 +1,4 @@
-// Frames on their way from tracking to those who tell the map store of them.
+// Holds frames on their way from tracking to those who tell the map store of them.
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_FRAME_INBOX_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_FRAME_INBOX_H_
 
@@ -14,7 +14,8 @@
 
 namespace corbslam {
 
-// Thread-safe. Its lock is held for moments only: tracking waits for nobody who makes batches.
+// The inbox is thread-safe. Its lock is held for moments only: tracking waits for nobody who makes
+// batches.
 class FrameInbox {
  public:
   struct LostFrame {
@@ -27,12 +28,12 @@ class FrameInbox {
     frames_.push_back(std::move(frame));
     last_added_ = now;
   }
-  // All that were added since the last call, in order.
+  // Returns all frames that were added since the last call, in order.
   std::vector<Frame> Take() {
     absl::MutexLock lock(&mutex_);
     return std::exchange(frames_, {});
   }
-  // Before the first one: infinitely long ago.
+  // Returns when the last frame was added; before the first one, infinitely long ago.
   absl::Time last_added() const {
     absl::MutexLock lock(&mutex_);
     return last_added_;

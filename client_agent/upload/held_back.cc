@@ -31,7 +31,8 @@ void HeldBackWatch::NoteWaiting(const UpdateCounts& waiting, absl::Time now) {
     Kind& kind = kinds_[i];
     kind.waiting = waiting[i];
     const uint64_t arrived = kind.taken + waiting[i];
-    // Some may have gone untold: a keyframe that was culled, a point that stayed in its place.
+    // Some items may have gone untold: a keyframe that was culled, a point that stayed in its
+    // place.
     while (!kind.marks.empty() && kind.marks.back().arrived > arrived) kind.marks.pop_back();
     if (kind.marks.empty() || kind.marks.back().arrived < arrived) {
       kind.marks.push_back({arrived, now});

@@ -1,4 +1,4 @@
-// Keeps back what the map store would refuse a whole batch for.
+// Keeps back the items for which the map store would refuse a whole batch.
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_ITEM_GATE_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_ITEM_GATE_H_
 
@@ -8,7 +8,7 @@
 
 namespace corbslam {
 
-// Counts what was not let through. Not thread-safe.
+// Counts the items that were not let through. Not thread-safe.
 class ItemGate {
  public:
   // Returns whether an item with this outcome of its check may be told. If not, it is counted and

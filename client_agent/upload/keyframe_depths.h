@@ -1,4 +1,4 @@
-// How deep keyframes lie in the spanning tree.
+// Finds how deep keyframes lie in the spanning tree.
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_KEYFRAME_DEPTHS_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_KEYFRAME_DEPTHS_H_
 
@@ -10,13 +10,13 @@
 
 namespace corbslam {
 
-// Each keyframe of a map that does not change meanwhile is looked at once, however many are asked
-// for.
+// The depths of keyframes in a map that does not change meanwhile. Each keyframe is looked at once,
+// however many depths are asked for. Not thread-safe.
 class KeyframeDepths {
  public:
   explicit KeyframeDepths(const Map& map) : map_(map) {}
 
-  // The root has depth 1; a keyframe that is not there has depth 0.
+  // Returns 1 for the root, 0 for a keyframe that is not in the map.
   size_t Of(KeyframeId id) {
     std::vector<KeyframeId> way;
     size_t depth = 0;

@@ -5,9 +5,9 @@
 namespace corbslam {
 namespace {
 
-// A batch for less is mostly its own frame.
+// A smaller batch is mostly its own frame.
 constexpr double kLeastBatchBytes = 512;
-// Of what a batch took, in what the next ones are taken to take.
+// Weight of what the newest batch took in the scale, which says what the next ones will take.
 constexpr double kNewestShare = 0.25;
 constexpr double kLeastScale = 0.1;
 constexpr double kMostScale = 4;
@@ -26,7 +26,7 @@ void LinkBudget::Lift() {
 
 void LinkBudget::NoteTransport(uint64_t written, uint64_t waiting, absl::Time now) {
   absl::MutexLock lock(&mutex_);
-  // Less than before: a session broke, and what waited in it was not sent.
+  // The sum is less than before where a session broke and what waited in it was not sent.
   bucket_.Spend(static_cast<int64_t>(written + waiting - accounted_), now);
   accounted_ = written + waiting;
   waiting_ = waiting;

@@ -1,4 +1,4 @@
-// What the robot may send over a link of so many bytes a second.
+// Bounds what the robot may send over a link of so many bytes a second.
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_LINK_BUDGET_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_LINK_BUDGET_H_
 
@@ -13,37 +13,38 @@
 
 namespace corbslam {
 
-// Counts what the transport has really taken, again what it took again after a break; estimates
-// only decide what goes into a batch, and are corrected by what batches took. While the budget is
-// spent nothing is sent and no batch is made: what changes waits in the map and coalesces there.
-// Thread-safe.
+// Counts what the transport has really taken, including what it took a second time after a break;
+// estimates only decide what goes into a batch, and are corrected by what batches took. While the
+// budget is spent nothing is sent and no batch is made: what changes waits in the map and coalesces
+// there. Thread-safe.
 class LinkBudget {
  public:
-  // 0: no bound, and nothing below ever says no.
+  // With 0 there is no bound, and nothing below ever says no.
   explicit LinkBudget(uint64_t bytes_per_second) : bucket_(bytes_per_second) {}
 
   bool is_bounded() const;
-  // From now on there is no bound: nothing will be sent any more.
+  // Lifts the bound for good, for when nothing will be sent any more.
   void Lift();
 
-  // So many bytes were written to the wire until now, and so many wait in the transport for it.
+  // Notes how many bytes were written to the wire until now, and how many wait in the transport for
+  // it.
   void NoteTransport(uint64_t written, uint64_t waiting, absl::Time now);
-  // A batch was taken by the transport, which says how long it really is; 0: it can't.
+  // Notes that the transport took a batch of so many bytes; 0: the transport can't tell its length.
   void NoteSent(const MapUpdateBatch& batch, uint64_t bytes);
 
-  // As of the last NoteTransport.
+  // Returns whether a batch may be sent, as of the last NoteTransport.
   bool MaySend(absl::Time now);
-  // Likewise, and the transport has nothing left to write: a link that is slower than its budget is
-  // not given more than it takes.
+  // Returns whether a batch may be made: it may be sent, and the transport has nothing left to
+  // write, so that a link that is slower than its budget is not given more than it takes.
   bool MayTake(absl::Time now);
-  // Of a batch that is taken now.
+  // Returns the allowance of a batch that is made now.
   BatchAllowance Allow(size_t max_keyframes, absl::Time now);
 
  private:
   mutable absl::Mutex mutex_;
   ByteBucket bucket_ ABSL_GUARDED_BY(mutex_);
   bool lifted_ ABSL_GUARDED_BY(mutex_) = false;
-  // Written and waiting, when it was last noted.
+  // Bytes that were written or waiting when the transport was last noted.
   uint64_t accounted_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;
   double scale_ ABSL_GUARDED_BY(mutex_) = 1;

@@ -33,7 +33,7 @@ TEST(LinkBudgetTest, CountsWhatTheTransportHasTaken) {
   budget.NoteTransport(900, 2100, kStart);
   EXPECT_FALSE(budget.MaySend(kStart + absl::Seconds(1.9)));
   EXPECT_TRUE(budget.MaySend(kStart + absl::Seconds(2.1)));
-  // Written meanwhile: counted already.
+  // What was written meanwhile is counted already.
   budget.NoteTransport(3000, 0, kStart + absl::Seconds(2.1));
   EXPECT_TRUE(budget.MaySend(kStart + absl::Seconds(2.1)));
 }
@@ -67,10 +67,10 @@ TEST(LinkBudgetTest, EstimatesFollowWhatBatchesTake) {
   const int before = KeyframesAllowed(budget);
   EXPECT_NEAR(before, 24, 1);
   const MapUpdateBatch batch = BatchOfKeyframes(2);
-  // As with a codec, half.
+  // Batches take half their estimate, as they do with a codec.
   for (int i = 0; i < 40; ++i) budget.NoteSent(batch, EstimateWireBytes(batch) / 2);
   EXPECT_NEAR(KeyframesAllowed(budget), 2 * before, 2);
-  // A transport that doesn't say, and one that says nonsense.
+  // One transport doesn't say what it took, another one says nonsense.
   budget.NoteSent(batch, 0);
   EXPECT_NEAR(KeyframesAllowed(budget), 2 * before, 2);
   for (int i = 0; i < 100; ++i) budget.NoteSent(batch, uint64_t{1} << 60);

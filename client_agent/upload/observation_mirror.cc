@@ -11,6 +11,7 @@ void ObservationMirror::AddKeyframe(KeyframeId id, size_t keypoints) {
 void ObservationMirror::Erase(KeyframeId keyframe, uint32_t keypoint) {
   MapPointId& point = points_.at(keyframe)[keypoint];
   const auto it = observers_.find(point);
+  pairs_ += it->second.size();
   it->second.erase(keyframe);
   if (it->second.empty()) observers_.erase(it);
   point = MapPointId();
@@ -29,6 +30,7 @@ void ObservationMirror::RemovePoint(MapPointId id) {
   const auto it = observers_.find(id);
   if (it == observers_.end()) return;
   for (const auto& [keyframe, keypoint] : it->second) points_.at(keyframe)[keypoint] = MapPointId();
+  pairs_ += it->second.size() * it->second.size() / 2;
   observers_.erase(it);
 }
 
@@ -38,6 +40,7 @@ void ObservationMirror::ReplacePoint(MapPointId replaced, MapPointId survivor) {
   const std::map<KeyframeId, uint32_t> moved = std::move(it->second);
   observers_.erase(it);
   auto& to = observers_[survivor];
+  pairs_ += moved.size() * (moved.size() + to.size());
   for (const auto& [keyframe, keypoint] : moved) {
     const bool handed_over = to.emplace(keyframe, keypoint).second;
     points_.at(keyframe)[keypoint] = handed_over ? survivor : MapPointId();
@@ -53,7 +56,7 @@ bool ObservationMirror::AppendChanges(const Keyframe& keyframe, const Rules& rul
                                       std::vector<ObservationChange>& changes) {
   const KeyframeId id = keyframe.id();
   std::vector<MapPointId>& told = points_.at(id);
-  // What the keyframe sees, made once somebody asks.
+  // The points that the keyframe sees are gathered once they are asked for.
   absl::flat_hash_set<MapPointId> seen;
   const auto sees = [&](MapPointId point) {
     if (seen.empty()) seen.insert(keyframe.points.begin(), keyframe.points.end());
@@ -79,7 +82,9 @@ bool ObservationMirror::AppendChanges(const Keyframe& keyframe, const Rules& rul
     }
     changes.push_back({ObservationChange::Kind::kAdded, now, id, k});
     told[k] = now;
-    observers_[now].emplace(id, k);
+    auto& observers = observers_[now];
+    pairs_ += observers.size();
+    observers.emplace(id, k);
   }
   return complete;
 }

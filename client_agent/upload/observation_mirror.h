@@ -1,7 +1,8 @@
-// What the map store has been told of a local map's observations, so that only differences travel.
+// Mirrors the observations that the map store has been told, so that only differences travel.
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_OBSERVATION_MIRROR_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_OBSERVATION_MIRROR_H_
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <vector>
@@ -11,7 +12,8 @@
 
 namespace corbslam {
 
-// Follows the same rules as Map, so that it stays equal to the store's side. Not thread-safe.
+// The mirror follows the same rules as Map, so that it stays equal to the store's side. Not
+// thread-safe.
 class ObservationMirror {
  public:
   void AddKeyframe(KeyframeId id, size_t keypoints);
@@ -19,29 +21,35 @@ class ObservationMirror {
   void RemovePoint(MapPointId id);
   void ReplacePoint(MapPointId replaced, MapPointId survivor);
 
-  // The keyframes known to observe the point, with their keypoints.
+  // Returns the keyframes known to observe the point, with their keypoints.
   std::map<KeyframeId, uint32_t> Observations(MapPointId id) const;
 
-  // What is to be told of a keyframe's observations.
+  // Says which of a keyframe's observations are to be told.
   struct Rules {
-    // Points for which it is false wait.
+    // Observations of points for which it is false wait.
     std::function<bool(MapPointId)> can_tell;
-    // Where a keypoint sees nothing in place of another local map's point, that has only been
-    // unloaded, unless this holds for the keypoint.
+    // Where a keypoint sees nothing in place of another local map's point, the point has only been
+    // unloaded, and nothing is told, unless this holds for the keypoint.
     std::function<bool(uint32_t)> is_withdrawn;
-    // Keypoints for which it is false see nothing that is told.
+    // Keypoints for which it is false have no observations that are told.
     std::function<bool(uint32_t)> is_sent = [](uint32_t) { return true; };
   };
-  // Appends what turns the mirrored observations of `keyframe` into those it has now, removals
-  // first, and takes it over. False: some wait, and it is to be called again later.
+  // Appends the changes that turn the mirrored observations of `keyframe` into those it has now,
+  // removals first, and mirrors them. Returns false if some wait, and it is to be called again
+  // later.
   bool AppendChanges(const Keyframe& keyframe, const Rules& rules,
                      std::vector<ObservationChange>& changes);
+
+  // Returns for how many pairs of keyframes the changes so far changed the number of points that
+  // both see: what they cost the store (map_store/ingest/batch_cost.h).
+  uint64_t pairs() const { return pairs_; }
 
  private:
   void Erase(KeyframeId keyframe, uint32_t keypoint);
 
   std::map<KeyframeId, std::vector<MapPointId>> points_;
   std::map<MapPointId, std::map<KeyframeId, uint32_t>> observers_;
+  uint64_t pairs_ = 0;
 };
 
 }  // namespace corbslam

@@ -41,7 +41,7 @@ absl::Status Outbox::AddFound(const SpooledBatch& spooled) {
   LocalMapNumbers& numbers = it->second;
   if (is_new) {
     numbers.of_earlier_process = true;
-    // What is not there any more was acknowledged.
+    // Batches that are not in the spool any more were acknowledged.
     numbers.acknowledged = record.number - 1;
     numbers.last = record.number - 1;
   }
@@ -162,7 +162,7 @@ void Outbox::MarkSent() {
 }
 
 std::shared_ptr<const MapUpdateBatch> Outbox::OldestInMemory() const {
-  // What lies in the spool comes first.
+  // Entries in the spool come before those in memory.
   const auto it = std::partition_point(entries_.begin(), entries_.end(),
                                        [](const Entry& entry) { return entry.batch == nullptr; });
   return it == entries_.end() ? nullptr : it->batch;

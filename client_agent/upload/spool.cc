@@ -17,7 +17,7 @@ constexpr char kSuffix[] = ".spool";
 
 std::string NameOf(uint64_t segment) { return absl::StrFormat("%012d%s", segment, kSuffix); }
 
-// 0: not the name of a segment.
+// Returns 0 for what is not the name of a segment.
 uint64_t NumberOf(absl::string_view name) {
   uint64_t number = 0;
   if (!absl::ConsumeSuffix(&name, kSuffix) || !absl::SimpleAtoi(name, &number)) return 0;
@@ -117,7 +117,7 @@ void Spool::CutOpenSegment() {
     open_segment_ = 0;
     RemoveSegment(number);
   } else if (!files_->Truncate(NameOf(number), segment.bytes).ok()) {
-    // Its tail is torn: nothing may follow it.
+    // The segment's tail is torn: nothing may follow it.
     open_segment_ = 0;
   }
 }

@@ -1,4 +1,4 @@
-// Batches on disk that neither memory nor the map store holds: the outbox's oldest ones. They
+// Keeps batches on disk that neither memory nor the map store holds: the outbox's oldest ones. They
 // outlive the process.
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_H_
@@ -20,17 +20,17 @@
 
 namespace corbslam {
 
-// How batches become bytes that stand for themselves.
+// Turns batches into bytes that can be read by themselves, and back.
 struct BatchCodec {
   std::function<std::string(const MapUpdateBatch&)> encode;
   std::function<absl::StatusOr<MapUpdateBatch>(absl::string_view)> decode;
 };
 
 struct SpoolOptions {
-  // Whose batches: mission and agent. A folder with another owner's is refused.
+  // Mission and agent whose batches these are. A folder with another owner's is refused.
   std::string owner;
   uint64_t max_bytes = uint64_t{1} << 30;
-  // A segment that has grown to this is followed by another one. Room is given back by segments.
+  // Size at which a segment is followed by another one. Room is given back by whole segments.
   uint64_t segment_bytes = 8u << 20;
 };
 
@@ -39,29 +39,31 @@ struct SpooledBatch {
   SpoolRecord record;
 };
 
-// Not thread-safe; every call may wait for the disk.
+// The spool is not thread-safe; every call may wait for the disk.
 class Spool {
  public:
-  // Finds what an earlier process left. Torn tails are left out, with a word in the log.
-  // FAILED_PRECONDITION: the folder is somebody else's, or of a newer version.
+  // Finds what an earlier process left. Torn tails are left out, with a word in the log. Returns
+  // FAILED_PRECONDITION where the folder is somebody else's, or of a newer version.
   static absl::StatusOr<std::unique_ptr<Spool>> Open(const SpoolOptions& options,
                                                      std::unique_ptr<SpoolFiles> files,
                                                      BatchCodec codec);
 
-  // What was found, once, in the order in which it was written.
+  // Returns what was found, once, in the order in which it was written.
   std::vector<SpooledBatch> TakeFound() { return std::exchange(found_, {}); }
 
-  // RESOURCE_EXHAUSTED: no room, by `max_bytes` or on the disk; the spool is as it was before.
+  // Returns RESOURCE_EXHAUSTED where there is no room, by `max_bytes` or on the disk; the spool is
+  // as it was before.
   absl::StatusOr<SpooledBatch> Append(const MapUpdateBatch& batch);
-  // What was appended survives a loss of power. Else what was appended since the last call is to be
-  // appended again.
+  // Makes what was appended survive a loss of power. After an error, what was appended since the
+  // last call is to be appended again.
   absl::Status Sync();
-  // DATA_LOSS: the disk has not kept it.
+  // Returns DATA_LOSS where the disk has not kept the batch.
   absl::StatusOr<MapUpdateBatch> Read(const SpooledBatch& batch);
-  // It is not needed any more. The last one of a segment takes the segment with it.
+  // Releases a batch that is not needed any more. The last one of a segment takes the segment with
+  // it.
   void Release(const SpooledBatch& batch);
 
-  // Of all segments.
+  // Returns the bytes of all segments.
   uint64_t bytes() const { return bytes_; }
 
  private:
@@ -75,7 +77,7 @@ class Spool {
   absl::Status Recover();
   absl::Status RecoverSegment(const std::string& name);
   absl::Status StartSegment();
-  // What is of no whole record at the end of the open segment goes.
+  // Cuts off the end of the open segment that belongs to no whole record.
   void CutOpenSegment();
   void RemoveSegment(uint64_t number);
 
@@ -85,7 +87,7 @@ class Spool {
   std::vector<SpooledBatch> found_;
   std::map<uint64_t, Segment> segments_;
   uint64_t next_segment_ = 1;
-  uint64_t open_segment_ = 0;  // 0: none.
+  uint64_t open_segment_ = 0;  // 0: no segment is open.
   bool unsynced_ = false;
   uint64_t bytes_ = 0;
 };

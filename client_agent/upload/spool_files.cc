@@ -27,14 +27,14 @@ absl::Status FileError(absl::string_view what, absl::string_view path, int error
   return full ? absl::ResourceExhaustedError(message) : absl::UnavailableError(message);
 }
 
-// What is gone, or can't be read on the disk, won't come back.
+// Returns DATA_LOSS where the file is gone or the disk can't read it: its bytes won't come back.
 absl::Status ReadError(absl::string_view path, int error) {
   const absl::Status status = FileError("read", path, error);
   const bool lost = error == ENOENT || error == EIO;
   return lost ? absl::DataLossError(status.message()) : status;
 }
 
-// An open file.
+// An open file, which is closed at the end.
 class Descriptor final {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -114,7 +114,7 @@ class SpoolFolder final : public SpoolFiles {
 
   absl::Status Sync(const std::string& name) override {
     RETURN_IF_ERROR(SyncPath(PathOf(name), O_WRONLY));
-    // The file's name, too.
+    // The folder is synced, too, for the file's name.
     return SyncPath(path_, O_RDONLY | O_DIRECTORY);
   }
 

@@ -14,27 +14,28 @@
 
 namespace corbslam {
 
-// Not thread-safe. Errors name the file: RESOURCE_EXHAUSTED for a full disk or quota, UNAVAILABLE
-// for anything else. Names have no folder in them.
+// The files of one folder. Not thread-safe. Errors name the file: RESOURCE_EXHAUSTED for a full
+// disk or quota, UNAVAILABLE for anything else. Names have no folder in them.
 class SpoolFiles {
  public:
   virtual ~SpoolFiles() = default;
-  // In alphabetical order.
+  // Returns the names in alphabetical order.
   virtual absl::StatusOr<std::vector<std::string>> List() = 0;
   virtual absl::StatusOr<uint64_t> Size(const std::string& name) = 0;
-  // Fewer bytes where the file ends before.
+  // Returns fewer bytes where the file ends before.
   virtual absl::StatusOr<std::string> Read(const std::string& name, uint64_t offset,
                                            size_t bytes) = 0;
-  // Creates the file where there is none. After an error a part may have been written.
+  // Appends to the file, and creates it where there is none. After an error a part may have been
+  // written.
   virtual absl::Status Append(const std::string& name, absl::string_view bytes) = 0;
   virtual absl::Status Truncate(const std::string& name, uint64_t size) = 0;
-  // What was written survives a loss of power.
+  // Makes what was written survive a loss of power.
   virtual absl::Status Sync(const std::string& name) = 0;
   virtual absl::Status Remove(const std::string& name) = 0;
 };
 
-// A folder, created where it is not, and locked as long as this lives. FAILED_PRECONDITION: another
-// process has it.
+// Opens a folder, which is created where it is not there, and locked as long as the result lives.
+// Returns FAILED_PRECONDITION where another process has it.
 absl::StatusOr<std::unique_ptr<SpoolFiles>> OpenSpoolFolder(const std::string& path);
 
 }  // namespace corbslam

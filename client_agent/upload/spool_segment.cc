@@ -15,7 +15,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
 
 constexpr absl::string_view kMagic = "CORBSPL";
-// '1': of batches whose features are not coded.
+// Version '1' has batches whose features are not coded.
 constexpr char kOldestVersion = '1';
 constexpr char kVersion = '2';
 constexpr size_t kFixedHeaderBytes = 16;
@@ -42,7 +42,7 @@ absl::Status Foreign(const std::string& name, absl::string_view why) {
   return absl::FailedPreconditionError(absl::StrCat("spool file ", name, " ", why));
 }
 
-// Where the records begin; none: the header itself is torn.
+// Returns where the records begin; none where the header itself is torn.
 absl::StatusOr<std::optional<uint64_t>> CheckHeader(SpoolFiles& files, const std::string& name,
                                                     absl::string_view owner) {
   ASSIGN_OR_RETURN(const std::string header,
@@ -73,7 +73,7 @@ bool IsWhole(absl::string_view bytes, const SpoolRecord& record) {
          ExtendCrc32c(0, bytes.substr(kCrcBytes)) == ReadNumber<uint32_t>(bytes, 0);
 }
 
-// None: no whole record is there.
+// Returns none where no whole record is there.
 absl::StatusOr<std::optional<SpoolRecord>> ReadRecord(SpoolFiles& files, const std::string& name,
                                                       uint64_t offset, uint64_t size) {
   if (size - offset < kRecordHeaderBytes) return std::nullopt;
@@ -89,7 +89,7 @@ absl::StatusOr<std::optional<SpoolRecord>> ReadRecord(SpoolFiles& files, const s
   record.number = ReadNumber<uint64_t>(header, 20);
   record.offset = offset;
   record.bytes = static_cast<uint32_t>(kRecordHeaderBytes) + payload_bytes;
-  // What can't be read now is no torn tail.
+  // A record that can't be read now is no torn tail.
   ASSIGN_OR_RETURN(const std::string bytes, files.Read(name, offset, record.bytes));
   if (!IsWhole(bytes, record)) return std::nullopt;
   if (!record.local_map.IsValid() || record.number == 0) return std::nullopt;

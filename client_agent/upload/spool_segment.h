@@ -1,4 +1,5 @@
-// One file of the spool: who it belongs to, then batches, each with its length and checksum.
+// Reads and writes one file of the spool: its owner, then batches, each with its length and
+// checksum.
 //
 //   header: "CORBSPL" and the version '2', u32 bytes of the owner, u32 CRC-32C of the owner, owner
 //   record: u32 CRC-32C of all that follows in the record, u32 bytes of the payload, u32 flags
@@ -20,33 +21,33 @@
 
 namespace corbslam {
 
-// Of one record's payload at most; what claims to be longer is torn.
+// Bytes of one record's payload at most; a record that claims to be longer is torn.
 inline constexpr uint32_t kMaxSpoolPayloadBytes = 128u << 20;
 
 struct SpoolRecord {
   LocalMapId local_map;
   uint64_t number = 0;
   bool closes_local_map = false;
-  // Of the whole record within its segment.
+  // Where the whole record lies within its segment.
   uint64_t offset = 0;
   uint32_t bytes = 0;
 };
 
 struct SegmentContents {
   std::vector<SpoolRecord> records;
-  // At the end, of no whole record.
+  // Bytes at the end that belong to no whole record.
   uint64_t torn_bytes = 0;
 };
 
 std::string EncodeSegmentHeader(absl::string_view owner);
 std::string EncodeSpoolRecord(const SpoolRecord& record, absl::string_view payload);
 
-// All whole records from the beginning to the first that is not. FAILED_PRECONDITION: the segment
-// is somebody else's, of a newer version, or no segment.
+// Returns all whole records from the beginning to the first that is not. Returns
+// FAILED_PRECONDITION where the segment is somebody else's, of a newer version, or no segment.
 absl::StatusOr<SegmentContents> ScanSegment(SpoolFiles& files, const std::string& name,
                                             absl::string_view owner);
 
-// The payload of a record. DATA_LOSS: its bytes are not what was written.
+// Returns the payload of a record. Returns DATA_LOSS where its bytes are not what was written.
 absl::StatusOr<std::string> ReadSpoolPayload(SpoolFiles& files, const std::string& name,
                                              const SpoolRecord& record);
 

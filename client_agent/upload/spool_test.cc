@@ -28,7 +28,7 @@ class SpoolTest : public ::testing::Test {
     EXPECT_TRUE(spool.ok()) << spool.status();
     return *std::move(spool);
   }
-  // `count` batches of local map 7 in one process that then ends.
+  // Writes `count` batches of local map 7 in one process that then ends.
   void Write(uint64_t count) {
     const auto spool = Open();
     for (uint64_t number = 1; number <= count; ++number) {
@@ -67,7 +67,7 @@ TEST_F(SpoolTest, TheNextProcessFindsItInOrder) {
 }
 
 TEST_F(SpoolTest, SegmentsGoWhenNothingInThemIsNeeded) {
-  options_.segment_bytes = 1;  // One batch each.
+  options_.segment_bytes = 1;  // Each segment holds one batch.
   const auto spool = Open();
   const auto first = *spool->Append(BatchOf(7, 1));
   const auto second = *spool->Append(BatchOf(7, 2));
@@ -78,11 +78,11 @@ TEST_F(SpoolTest, SegmentsGoWhenNothingInThemIsNeeded) {
   spool->Release(second);
   EXPECT_TRUE(disk_.files.empty());
   EXPECT_EQ(spool->bytes(), 0u);
-  // And begins again.
+  // The spool begins again.
   EXPECT_TRUE(spool->Read(*spool->Append(BatchOf(7, 3))).ok());
 }
 
-// Whatever byte the tail is cut at: the whole batches before it are there, and nothing else.
+// Whatever byte the tail is cut at, the whole batches before it are there, and nothing else.
 TEST_F(SpoolTest, ATornTailIsLeftOut) {
   Write(3);
   const std::string whole = OnlyFile();
@@ -162,7 +162,7 @@ TEST_F(SpoolTest, SomebodyElsesFolderIsRefusedByName) {
   const absl::Status status = OpenFakeSpool(&disk_, options_).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(status));
   EXPECT_THAT(std::string(status.message()), HasSubstr("belongs to missions/m/agents/alpha"));
-  // And is left alone.
+  // The folder is left alone.
   EXPECT_EQ(disk_.files.size(), 1u);
 }
 

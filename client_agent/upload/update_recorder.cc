@@ -171,6 +171,7 @@ MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, BatchAllowance allowanc
   MapUpdateBatch batch;
   batch.local_map = local_map_;
   batch.points_follow = points_follow_;
+  pairs_before_ = mirror_.pairs();
   SpendPoses(map, allowance);
   TakeFullKeyframes(map, allowance, batch);
   TakeFullPoints(map, allowance, batch);
@@ -446,7 +447,7 @@ void UpdateRecorder::TakeReplacements(const Map& map, MapUpdateBatch& batch) {
       }
       continue;
     }
-    if (batch.replacements.size() == options_.limits.replacements) {
+    if (batch.replacements.size() == options_.limits.replacements || IsOutOfPairs()) {
       waiting.emplace(replaced, survivor);
       continue;
     }
@@ -476,7 +477,7 @@ void UpdateRecorder::TakeObservations(const Map& map, MapUpdateBatch& batch) {
   for (const KeyframeId& id : reobserved_keyframes_) {
     const Keyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr || refused_keyframes_.contains(id)) continue;
-    if (batch.observations.size() >= options_.limits.observations) {
+    if (batch.observations.size() >= options_.limits.observations || IsOutOfPairs()) {
       waiting.insert(id);
       continue;
     }
@@ -501,7 +502,8 @@ void UpdateRecorder::TakeObservations(const Map& map, MapUpdateBatch& batch) {
 }
 
 void UpdateRecorder::TakeRemovals(MapUpdateBatch& batch) {
-  while (!removed_points_.empty() && batch.removed_points.size() < options_.limits.removed_points) {
+  while (!removed_points_.empty() && !IsOutOfPairs() &&
+         batch.removed_points.size() < options_.limits.removed_points) {
     const MapPointId id = *removed_points_.begin();
     removed_points_.erase(removed_points_.begin());
     if (sent_points_.erase(id) == 0) continue;
@@ -513,7 +515,7 @@ void UpdateRecorder::TakeRemovals(MapUpdateBatch& batch) {
   if (!changed_keyframes_.empty()) return;
   auto removal = removed_keyframes_.begin();
   for (; removal != removed_keyframes_.end() &&
-         batch.removed_keyframes.size() < options_.limits.removed_keyframes;
+         batch.removed_keyframes.size() < options_.limits.removed_keyframes && !IsOutOfPairs();
        ++removal) {
     sent_keyframes_.erase(removal->id);
     numbers_.erase(removal->id);

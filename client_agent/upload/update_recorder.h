@@ -24,19 +24,23 @@
 namespace corbslam {
 
 // Items of one batch, beside full keyframes; what is over goes into the next one. Together they are
-// far below the million of items for which a store refuses a batch, and would do so for ever.
+// below the 200,000 items, and a quarter of the million steps, for which a store refuses a batch,
+// and would do so for ever.
 struct BatchLimits {
   size_t full_points = 8000;
-  size_t light_keyframes = 100000;
+  size_t light_keyframes = 20000;
   size_t light_points = 30000;
-  size_t replacements = 30000;
+  size_t replacements = 10000;
   // Beside those of the last keyframe that has any.
-  size_t observations = 100000;
-  size_t removed_points = 100000;
-  size_t removed_keyframes = 30000;
-  size_t loop_edges = 30000;
+  size_t observations = 30000;
+  size_t removed_points = 20000;
+  size_t removed_keyframes = 1000;
+  size_t loop_edges = 10000;
   // Tracked ones, and as many lost ones.
-  size_t frames = 30000;
+  size_t frames = 20000;
+  // Pairs of keyframes of which the number of points that both see changes, by replacements,
+  // observations and removals together, beside those of the last item.
+  uint64_t pairs = 250000;
 };
 
 struct RecorderOptions {
@@ -114,6 +118,10 @@ class UpdateRecorder : public MapObserver {
   bool IsOwn(KeyframeId id) const { return id.local_map == local_map_; }
   bool IsOwn(MapPointId id) const { return id.local_map == local_map_; }
   bool HasMore() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Whether the batch that is being made changes as many pairs as one may.
+  bool IsOutOfPairs() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return mirror_.pairs() - pairs_before_ >= options_.limits.pairs;
+  }
   MapPointId ResolveSurvivor(const Map& map, MapPointId replaced) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -172,6 +180,7 @@ class UpdateRecorder : public MapObserver {
   absl::flat_hash_map<KeyframeId, std::vector<uint32_t>> numbers_ ABSL_GUARDED_BY(mutex_);
   uint32_t sent_cameras_ ABSL_GUARDED_BY(mutex_) = 0;
   ObservationMirror mirror_ ABSL_GUARDED_BY(mutex_);
+  uint64_t pairs_before_ ABSL_GUARDED_BY(mutex_) = 0;  // Of `mirror_`, when the batch was begun.
   BelievedPlaces believed_ ABSL_GUARDED_BY(mutex_);
   // What it has not been told.
   absl::btree_set<KeyframeId> added_keyframes_ ABSL_GUARDED_BY(mutex_);

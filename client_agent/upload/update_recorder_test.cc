@@ -336,7 +336,8 @@ constexpr BatchLimits kTinyLimits = {.full_points = 3,
                                      .removed_points = 1,
                                      .removed_keyframes = 1,
                                      .loop_edges = 1,
-                                     .frames = 1};
+                                     .frames = 1,
+                                     .pairs = 5};
 
 // A backlog of any size goes up in batches that a store takes.
 TEST(UpdateRecorderTest, BatchesLimitedInItemsConvergeToTheSame) {

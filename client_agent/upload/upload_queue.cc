@@ -149,7 +149,7 @@ void UploadQueue::ReleaseSpooled() {
   for (const SpooledBatch& spooled : released) spool_->Release(spooled);
 }
 
-// False: there is nothing to move, or it can't be moved.
+// Returns false if there is nothing to move, or it can't be moved.
 bool UploadQueue::SpillOldest(size_t allowed_bytes) {
   std::shared_ptr<const MapUpdateBatch> oldest;
   {
@@ -161,7 +161,7 @@ bool UploadQueue::SpillOldest(size_t allowed_bytes) {
     return false;
   }
   const absl::StatusOr<SpooledBatch> spooled = spool_->Append(*oldest);
-  // Memory holds it until it is on the disk for certain.
+  // Memory holds the batch until it is on the disk for certain.
   const absl::Status kept = spooled.ok() ? spool_->Sync() : spooled.status();
   NoteSpool(kept);
   if (!kept.ok()) {
@@ -195,7 +195,7 @@ std::shared_ptr<const MapUpdateBatch> UploadQueue::TakeUnsent(std::vector<LostLo
       const Outbox::Entry* next = outbox_.NextUnsent();
       if (next == nullptr) return nullptr;
       entry = *next;
-      // Before it is sent, because the answer may come from inside the call.
+      // The entry is marked before it is sent, because the answer may come from inside the call.
       outbox_.MarkSent();
     }
     if (entry.batch != nullptr) return entry.batch;

@@ -32,7 +32,7 @@ class UploadQueueTest : public ::testing::Test {
       queue_->Spill();
     }
   }
-  // "local map/number" of all that is to be sent.
+  // Returns "local map/number" of all that is to be sent.
   std::vector<std::string> SendAll() {
     std::vector<std::string> sent;
     while (const auto batch = queue_->TakeUnsent(lost_)) {
@@ -164,7 +164,7 @@ TEST_F(UploadQueueTest, AStoreThatLostAcknowledgedBatchesIsDataLoss) {
   EXPECT_THAT(std::string(lost[0].reason.message()), HasSubstr("only up to batch 1 of 2"));
   EXPECT_TRUE(absl::IsDataLoss(queue_->status().loss));
   EXPECT_EQ(queue_->status().lost_local_maps, 1);
-  // Its batches could never be applied.
+  // The local map's batches could never be applied.
   EXPECT_TRUE(queue_->IsEmpty());
   Push(kMap, 1);
   EXPECT_TRUE(queue_->IsEmpty());
@@ -175,7 +175,7 @@ TEST_F(UploadQueueTest, AStoreThatLostWhatItAcknowledgedToAnEarlierProcessIsData
   {
     const auto spool = *OpenFakeSpool(&disk_, {.owner = "", .segment_bytes = 1});
     MapUpdateBatch batch = BatchOf(kMap);
-    // 1 and 2 were acknowledged.
+    // Batches 1 and 2 were acknowledged.
     for (batch.number = 3; batch.number <= 4; ++batch.number) {
       ASSERT_TRUE(spool->Append(batch).ok());
     }
@@ -201,7 +201,7 @@ TEST_F(UploadQueueTest, ABatchThatTheDiskLostGivesItsLocalMapUp) {
   Open(0);
   Push(kMap, 2);
   Push({8}, 1);
-  disk_.files.begin()->second[60] ^= 1;  // In the first batch.
+  disk_.files.begin()->second[60] ^= 1;  // The byte is in the first batch.
   EXPECT_THAT(SendAll(), ElementsAre("8/1"));
   ASSERT_EQ(lost_.size(), 1u);
   EXPECT_EQ(lost_[0].id, kMap);
@@ -244,7 +244,7 @@ TEST_F(UploadQueueTest, WhatTheStoreRefusesTwiceOfThisProcessIsGivenUp) {
   Push(kMap, 3);
   EXPECT_THAT(SendAll(), ElementsAre("7/1", "7/2", "7/3"));
   EXPECT_TRUE(queue_->NoteRefusal(absl::InvalidArgumentError("NaN")));
-  // The store had taken the first: it meant a later one.
+  // The store had taken the first batch: it meant a later one.
   EXPECT_TRUE(queue_->Resume({{{kMap, 1}}}).empty());
   EXPECT_THAT(SendAll(), ElementsAre("7/2", "7/3"));
   EXPECT_TRUE(queue_->NoteRefusal(absl::InvalidArgumentError("NaN")));

@@ -1,4 +1,4 @@
-// Values to bytes and back, for files of our own: little-endian, fields one after the other,
+// Turns values to bytes and back, for files of our own: little-endian, fields one after the other,
 // containers with their size before them. Types take part by a function template
 //
 //   template <typename Archive, MayBeConst<Tombstone> T>
@@ -46,13 +46,14 @@ class ArchiveWriter {
   void operator()(const T&... values) {
     (Value(values), ...);
   }
-  // Small pieces by the million: no call, as std::string's own growing would be.
+  // Small pieces come by the million, so there is no call here, as std::string's own growing would
+  // be one.
   void Raw(const void* bytes, size_t size) {
     if (size > bytes_.size() - used_) bytes_.resize(2 * bytes_.size() + size + 256);
     if (size > 0) std::memcpy(bytes_.data() + used_, bytes, size);
     used_ += size;
   }
-  // The writer is empty afterwards.
+  // Returns what was written; the writer is empty afterwards.
   std::string Take() {
     bytes_.resize(std::exchange(used_, 0));
     return std::exchange(bytes_, {});
@@ -111,12 +112,13 @@ class ArchiveWriter {
     for (const auto& item : items) Value(item);
   }
 
-  std::string bytes_;  // Of which so many are written.
+  // The first `used_` bytes of it are written.
+  std::string bytes_;
   size_t used_ = 0;
 };
 
-// Never reads beyond its bytes, and never takes more memory than they account for: once something
-// is wrong, ok() is false and what is read is empty.
+// Reads what an ArchiveWriter wrote. It never reads beyond its bytes, and never takes more memory
+// than they account for: once something is wrong, ok() is false and what is read is empty.
 class ArchiveReader {
  public:
   static constexpr bool kReads = true;
@@ -137,7 +139,7 @@ class ArchiveReader {
     rest_ = {};
   }
   bool ok() const { return ok_; }
-  // All was read.
+  // Returns whether all was read without an error.
   bool done() const { return ok_ && rest_.empty(); }
   size_t left() const { return rest_.size(); }
 
@@ -221,7 +223,8 @@ class ArchiveReader {
       Value(items[std::move(key)]);
     }
   }
-  // Of items that take at least so many bytes each.
+  // Reads the number of items that take at least `bytes_each` bytes each; more than fit is an
+  // error.
   size_t Size(size_t bytes_each) {
     uint64_t size = 0;
     Value(size);

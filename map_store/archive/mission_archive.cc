@@ -20,15 +20,16 @@ using map_store::MissionState;
 namespace {
 
 constexpr std::string_view kMagic = "CORBMISN";
-// 4: states of format 3; 5: no features are coded. Otherwise the same.
+// Format 4 holds states of format 3, and in format 5 no features are coded; otherwise they are the
+// same.
 constexpr uint32_t kOldestFormat = 4;
 constexpr uint32_t kFormat = 6;
 constexpr size_t kHeaderBytes = kMagic.size() + sizeof(kFormat);
 constexpr size_t kSectionHeadBytes = 1 + sizeof(uint64_t);
 constexpr size_t kChecksumBytes = sizeof(uint32_t);
-// Of the state in one section.
+// A section holds so many bytes of the state.
 constexpr size_t kStatePieceBytes = 1 << 20;
-// A section's payload at most: a keyframe's features are far smaller.
+// A section's payload has at most so many bytes; a keyframe's features are far smaller.
 constexpr uint64_t kMaxPayloadBytes = 64 << 20;
 
 constexpr char kFeatures = 'K';
@@ -78,7 +79,7 @@ std::string MissionBackup::Section() {
   }
   if (stage_ == Stage::kFeatures) {
     if (next_keyframe_ < keyframes_.size()) {
-      // Given up once written: the mission may have removed it meanwhile.
+      // The keyframe is given up once it is written: the mission may have removed it meanwhile.
       const auto keyframe = std::exchange(keyframes_[next_keyframe_++], nullptr);
       ArchiveWriter id;
       id(keyframe->id);
@@ -111,7 +112,8 @@ absl::Status MissionRestorer::Add(std::string_view piece) {
     return absl::ResourceExhaustedError(
         absl::StrCat("the backup has more than ", max_bytes_, " bytes; that is the limit"));
   }
-  // Coded features are about half of what they are in memory, and are held until all is there.
+  // Coded features take about half of what they take in memory, and are held until all of them are
+  // there.
   if (check_room_ != nullptr) RETURN_IF_ERROR(check_room_(3 * piece.size()));
   pending_.append(piece);
   std::string_view rest = pending_;

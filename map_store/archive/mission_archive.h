@@ -1,4 +1,4 @@
-// A whole mission in one file: what a backup is made of and a restore is made from.
+// A whole mission is one file here: a backup makes it, and a restore is made from it. It is
 //
 //   "CORBMISN", format, then sections up to the one that says it is the last:
 //   kind (1 byte), size (8), payload, CRC-32C of all that (4)
@@ -26,16 +26,16 @@
 
 namespace corbslam {
 
-// A mission as it was at one moment; what comes later does not change it. Shares what cameras saw
-// with the mission, so that taking it costs little memory and time.
+// Writes a mission as it was at one moment; what comes later does not change it. It shares what
+// cameras saw with the mission, so that making one costs little memory and time.
 class MissionBackup {
  public:
   explicit MissionBackup(const map_store::MissionState& state);
-  // Likewise of a state that was encoded elsewhere (EncodeState), with all its keyframes.
+  // Takes a state that was encoded elsewhere (EncodeState), with all its keyframes.
   MissionBackup(std::string state, std::vector<std::shared_ptr<const KeyframePayload>> keyframes)
       : keyframes_(std::move(keyframes)), state_(std::move(state)) {}
 
-  // The file's next piece, of about `bytes` (a keyframe more at most); empty: that was all.
+  // Returns the file's next piece, of about `bytes` (a keyframe more at most); empty at the end.
   std::string Next(size_t bytes);
 
  private:
@@ -50,23 +50,25 @@ class MissionBackup {
   size_t next_state_byte_ = 0;
 };
 
-// Reads such a file piece by piece.
+// Makes a mission from such a file, piece by piece. Not thread-safe.
 class MissionRestorer {
  public:
-  // The file may have at most so many bytes. `check_room` is asked for each piece, with the bytes
-  // that it takes in memory: an error is Add's. Null: there is room.
+  // The file may have at most `max_bytes`. `check_room` is called for each piece, with the bytes
+  // that it takes in memory, and Add returns its error. Null means that there is always room.
   explicit MissionRestorer(uint64_t max_bytes,
                            std::function<absl::Status(uint64_t)> check_room = nullptr)
       : max_bytes_(max_bytes), check_room_(std::move(check_room)) {}
 
-  // DATA_LOSS, naming the byte: damaged. FAILED_PRECONDITION: a newer format, or not such a file.
-  // RESOURCE_EXHAUSTED: too long, or there is no room. No piece may follow an error.
+  // Takes the next piece; none may follow an error. DATA_LOSS, naming the byte: the file is
+  // damaged. FAILED_PRECONDITION: it has a newer format, or is no such file. RESOURCE_EXHAUSTED: it
+  // is too long, or there is no room.
   absl::Status Add(std::string_view piece);
-  // After the last piece. DATA_LOSS: the file was cut short or its parts don't fit together. Once.
+  // Returns the mission; called once, after the last piece. DATA_LOSS: the file was cut short or
+  // its parts don't fit together.
   absl::StatusOr<map_store::MissionState> Finish();
 
  private:
-  // Takes a whole part off the front of `rest`; false: more bytes are needed.
+  // Takes a whole part off the front of `rest`; returns false if more bytes are needed.
   absl::StatusOr<bool> TakeHeader(std::string_view& rest);
   absl::StatusOr<bool> TakeSection(std::string_view& rest);
   absl::Status Take(char kind, std::string_view payload);
@@ -78,7 +80,7 @@ class MissionRestorer {
   uint64_t taken_ = 0;
   bool has_header_ = false;
   bool is_whole_ = false;
-  std::string pending_;  // The beginning of a part.
+  std::string pending_;  // The beginning of a part whose rest has not come yet.
   std::map<KeyframeId, Features> features_;
   std::string state_;
 };

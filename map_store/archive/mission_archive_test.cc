@@ -1,4 +1,4 @@
-// A mission taken to a file and made again from it, in the same store or another.
+// Tests that a mission taken to a file is made again from it, in the same store or in another.
 #include "map_store/archive/mission_archive.h"
 
 #include <gmock/gmock.h>
@@ -157,12 +157,14 @@ TEST_F(MissionArchiveTest, AMissionThatIsThereIsNotOverwritten) {
   EXPECT_TRUE(absl::IsNotFound(store_->BackUpMission("nowhere").status()));
 }
 
-// A state as programs before recorded cameras wrote it: another format, and nothing at the end.
+// Returns a state as programs before recorded cameras wrote it: with another format number, and
+// without recorded cameras at the end.
 std::string AsFormat3(std::string state, const map_store::MissionState& of) {
   const uint32_t format = 3;
   std::memcpy(state.data(), &format, sizeof(format));
   for (const auto& [id, local_map] : of.local_maps) {
-    // A size, and for each camera that nothing is there.
+    // The recorded cameras take their number, and for each camera a byte that says that there is
+    // none.
     state.resize(state.size() - 8 - local_map.cameras.size());
   }
   return state;
@@ -224,7 +226,7 @@ TEST_F(MissionArchiveTest, WhatAgentsMayNotSendMayNotBeRestored) {
   EXPECT_TRUE(absl::IsNotFound(other.GetMission("copy").status()));
 }
 
-// As if the process was killed in the middle.
+// The process is killed, as it were, in the middle of a restore.
 TEST_F(MissionArchiveTest, AHalfRestoredMissionIsGoneAtTheNextStart) {
   const RocksJournalOptions options{.directory = Folder("store")};
   OpenStore(options).reset();

@@ -22,7 +22,7 @@
 
 namespace corbslam::map_store {
 
-// The graph as lists: what a Map is built from again.
+// Holds a keyframe of the graph as lists, from which a Map is built again.
 struct StoredKeyframe {
   std::shared_ptr<const KeyframePayload> payload;
   uint32_t keypoints = 0;
@@ -75,7 +75,7 @@ void Fields(Archive& archive, T& agent) {
 
 namespace {
 
-// 3: without recorded cameras, which follow everything else.
+// Format 3 has no recorded cameras, which follow everything else.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kStateFormat = 4;
 
@@ -109,7 +109,7 @@ absl::Status DifferentCount(KeyframeId id) {
   return Unreadable(absl::StrCat("the number of keypoints of keyframe ", ToString(id)));
 }
 
-// With its features, which must be possible; without any if `load` is null.
+// Returns the payload with its features, which must be valid; without features if `load` is null.
 absl::StatusOr<std::shared_ptr<const KeyframePayload>> WithFeatures(const StoredKeyframe& stored,
                                                                     const LocalMapState& local_map,
                                                                     const FeatureLoader& load) {
@@ -155,7 +155,7 @@ bool AddEdges(const std::vector<StoredKeyframe>& keyframes, Map* map) {
     const KeyframeId id = keyframe.payload->id;
     if (keyframe.parent.IsValid()) sound &= map->SetParent(id, keyframe.parent);
     for (const KeyframeId& other : keyframe.loop_edges) {
-      // Each edge stands on both sides.
+      // Each edge is stored with both of its keyframes.
       if (id < other) sound &= map->AddLoopEdge(id, other);
     }
   }
@@ -225,7 +225,8 @@ absl::Status CheckRecordedCameras(const LocalMapState& local_map) {
   return absl::OkStatus();
 }
 
-// In the place of the number of keypoints, which is never so large: coded features follow.
+// This mark stands where plain features have their number of keypoints, which is never so large:
+// coded features follow.
 constexpr uint64_t kCodedMark = ~uint64_t{0};
 
 bool SameBits(const Features& a, const Features& b) {
@@ -240,7 +241,8 @@ bool SameBits(const Features& a, const Features& b) {
          });
 }
 
-// None where it would not keep every bit: features that never passed the wire are not rounded.
+// Returns nullopt where coding would not keep every bit: features that never passed the wire are
+// not rounded.
 std::optional<std::string> CodeExactly(const KeyframePayload& payload) {
   if (const auto code = payload.code.lock()) return *code;
   FeatureColumns columns = ToColumns(payload.features);
@@ -259,7 +261,7 @@ absl::StatusOr<Features> DecodeCoded(std::string_view bytes) {
       absl::StrCat("a keyframe's features can't be read: ", columns.status().message()));
 }
 
-// What DecodeState's order of reading is; the same both ways.
+// Lists the fields in the order in which DecodeState reads them; writing has the same order.
 template <typename Archive, typename State>
 void GlobalFields(Archive& archive, State& state) {
   auto& global = state.global;
@@ -304,7 +306,7 @@ std::string EncodeRecord(const JournalRecord& record) {
     writer(CountKeypoints(update->batch->full_keyframes));
     // Records of journals before format 6 end here.
     writer(update->batch->recorded_cameras);
-    // Of those before format 7, here.
+    // Records of journals before format 7 end here.
     writer(update->batch->points_follow);
   }
   return writer.Take();

@@ -1,4 +1,4 @@
-// How a mission's state and journal records are archived (archive.h).
+// Says how a mission's state and journal records are archived (archive.h).
 #ifndef CORBSLAM_MAP_STORE_ARCHIVE_STATE_FIELDS_H_
 #define CORBSLAM_MAP_STORE_ARCHIVE_STATE_FIELDS_H_
 
@@ -27,7 +27,7 @@ template <typename Archive, MayBeConst<GlobalAdjustmentStatistics> T>
 void Fields(Archive& archive, T& statistics) {
   archive(statistics.keyframes, statistics.map_points, statistics.iterations, statistics.ms);
 }
-// What is counted; the rest is derived from the state when somebody asks.
+// Only what is counted is archived; the rest is derived from the state when somebody asks.
 template <typename Archive, MayBeConst<MissionStatistics> T>
 void Fields(Archive& archive, T& statistics) {
   archive(statistics.full_keyframes, statistics.full_map_points, statistics.light_keyframes,
@@ -64,7 +64,8 @@ void Fields(Archive& archive, T& parked) {
   archive(parked.parent);
   Time(archive, parked.since);
 }
-// As the lists that they were before they knew what they wait for.
+// Archives the references as a list without what each of them waits for, which the table derives:
+// the format is older than the table.
 template <typename Archive, MayBeConst<WaitingTable<uint64_t, ParkedReference>> T>
 void Fields(Archive& archive, T& parked) {
   std::deque<ParkedReference> list;

@@ -1,4 +1,4 @@
-// How plain values are archived (archive.h).
+// Says how plain values are archived (archive.h).
 #ifndef CORBSLAM_MAP_STORE_ARCHIVE_VALUE_FIELDS_H_
 #define CORBSLAM_MAP_STORE_ARCHIVE_VALUE_FIELDS_H_
 
@@ -56,7 +56,7 @@ void Fields(Archive& archive, T& camera) {
           camera.lens.distortion.p2, camera.lens.distortion.k3, camera.camera_from_recorded,
           camera.body_from_recorded);
 }
-// One where it is there.
+// Archives whether there is a value, and then the value.
 template <typename Archive, typename T>
 requires(MayBeConst<T, std::optional<Rigid3d>> ||
          MayBeConst<T, std::optional<RecordedCamera>>) void Fields(Archive& archive, T& value) {
@@ -81,7 +81,7 @@ void Fields(Archive& archive, T& features) {
   archive(features.keypoints, features.descriptors);
 }
 
-// A payload without its features.
+// Archives a payload without its features.
 template <typename Archive, MayBeConst<KeyframePayload> T>
 void Fields(Archive& archive, T& payload) {
   archive(payload.id, payload.timestamp_ns, payload.camera_index);
@@ -175,7 +175,7 @@ template <typename Archive, corbslam::map_store::MayBeConst<Quaterniond> T>
 void Fields(Archive& archive, T& rotation) {
   archive(rotation.w(), rotation.x(), rotation.y(), rotation.z());
 }
-// Symmetric: the upper triangle.
+// The matrix is symmetric, so that only its upper triangle is archived.
 template <typename Archive, corbslam::map_store::MayBeConst<corbslam::Matrix7d> T>
 void Fields(Archive& archive, T& covariance) {
   for (int row = 0; row < 7; ++row) {

@@ -33,7 +33,7 @@ bool Touches(const Overlap& overlap, const std::vector<LocalMapId>& local_maps) 
   });
 }
 
-// How far apart the overlap and the present placing of its keyframes are.
+// Returns how far apart the overlap and the present placing of its keyframes are.
 double Disagreement(const MissionState& state, const Overlap& overlap) {
   const auto query = state.global.keyframes.find(overlap.query);
   const auto candidate = state.global.keyframes.find(overlap.candidate);
@@ -62,7 +62,7 @@ void CallAgain(const MissionState& state, const std::vector<LocalMapId>& relaxed
   if (best.has_value()) request.new_overlaps.push_back(*best);
 }
 
-// All overlaps in the graph of both islands, and those that are to become so.
+// Collects all overlaps in the graph of both islands, and those that are to join it.
 void CollectOverlaps(const MissionState& state, const FusionAction& action, FuseJob& job) {
   FuseMapsRequest& request = job.request;
   const std::set<uint64_t> called_for(action.overlaps.begin(), action.overlaps.end());
@@ -72,7 +72,7 @@ void CollectOverlaps(const MissionState& state, const FusionAction& action, Fuse
     const bool is_new = called_for.contains(id);
     const OverlapEntry& entry = state.global.overlaps.at(id);
     if (!LiesIn(state, entry.overlap, action)) continue;
-    // The keyframes that stand for removed ones may be in another robot's map, and elsewhere.
+    // The living relatives of removed keyframes may be in another robot's map, and elsewhere.
     std::optional<Overlap> overlap = ChainOverlap(state, entry.overlap);
     if (!overlap.has_value() || !LiesIn(state, *overlap, action)) continue;
     if (is_new) {
@@ -83,7 +83,7 @@ void CollectOverlaps(const MissionState& state, const FusionAction& action, Fuse
   }
 }
 
-// The keyframes of the overlaps that call for the work.
+// Returns the keyframes of the overlaps that call for the work.
 std::set<KeyframeId> CentresOf(const FuseMapsRequest& request) {
   std::set<KeyframeId> centres;
   for (const size_t index : request.new_overlaps) {
@@ -101,8 +101,8 @@ std::set<MapPointId> PointsOf(const std::vector<Overlap>& overlaps) {
   return points;
 }
 
-// Pairs that have gone from the views say nothing. Those that fusion has made one since still say
-// how far away the scene is.
+// Drops pairs whose points have gone from the views: they say nothing. Pairs that fusion has made
+// one point since still say how far away the scene is.
 void DropIdlePairs(FuseMapsRequest& request) {
   const auto is_there = [&request](MapPointId id) {
     return request.target.FindPoint(id) != nullptr || request.source.FindPoint(id) != nullptr;
@@ -114,7 +114,8 @@ void DropIdlePairs(FuseMapsRequest& request) {
   }
 }
 
-// Owners may have removed keyframes while the views were built.
+// Returns whether the views hold the overlaps' keyframes: owners may have removed some while the
+// views were built.
 bool HoldsOverlaps(const FuseMapsRequest& request) {
   const auto is_there = [&request](KeyframeId id) {
     return request.target.FindKeyframe(id) != nullptr || request.source.FindKeyframe(id) != nullptr;
@@ -150,7 +151,7 @@ absl::StatusOr<std::optional<FusionRequest>> PrepareFuse(const MissionState& sta
   }
   CollectOverlaps(state, action, job);
   CallAgain(state, job.relaxed, job.request);
-  // The keyframes that called for it have gone.
+  // Without new overlaps, the keyframes that called for the work have gone.
   if (job.request.new_overlaps.empty()) return std::nullopt;
   const std::set<KeyframeId> centres = CentresOf(job.request);
   const std::set<MapPointId> points = PointsOf(job.request.overlaps);
@@ -177,12 +178,12 @@ absl::StatusOr<std::optional<FusionRequest>> PrepareAdjust(const MissionState& s
   const Island* island = FindIsland(state, action.target);
   if (island == nullptr) return std::nullopt;
   AdjustJob job;
-  // With the whole in view, it decides anew which observations are wrong.
+  // With the whole island in view, the adjustment decides anew which observations are wrong.
   ASSIGN_OR_RETURN(job.snapshot,
                    TakeWholeSnapshot(state, *island, island->displaced, Rejected::kTryAgain, read));
   const Map& view = job.snapshot.view;
   if (view.keyframes().size() < 2) return std::nullopt;
-  // The first keyframe of the local map whose frame it is holds the frame.
+  // The first keyframe of the local map whose frame the island has holds that frame.
   auto fixed = view.keyframes().lower_bound(KeyframeId{island->id, 0});
   if (fixed == view.keyframes().end()) fixed = view.keyframes().begin();
   job.request.fixed = {fixed->first};

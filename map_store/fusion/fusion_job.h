@@ -1,4 +1,5 @@
-// One piece of work for a fusion worker: the request and what is needed to commit its result.
+// A job is one piece of work for a fusion worker: the request and what is needed to commit its
+// result.
 #ifndef CORBSLAM_MAP_STORE_FUSION_FUSION_JOB_H_
 #define CORBSLAM_MAP_STORE_FUSION_FUSION_JOB_H_
 
@@ -23,13 +24,13 @@ struct QueryJob {
   VerifyOverlapRequest request;
 };
 
-// Fusing two islands, or (source empty) welding one.
+// A job that fuses two islands, or welds one (then the source is empty).
 struct FuseJob {
   FusionAction action;
   FuseMapsRequest request;
-  // Those that the request calls new; of the action's, some may have lost their keyframes.
+  // The overlaps that the request calls new; some of the action's may have lost their keyframes.
   std::vector<uint64_t> new_overlaps;
-  // Their views have gone into the request.
+  // The islands as the request has them, without their views, which have gone into the request.
   IslandSnapshot target;
   std::optional<IslandSnapshot> source;
   std::vector<LocalMapId> relaxed;
@@ -37,7 +38,8 @@ struct FuseJob {
 
 struct AdjustJob {
   AdjustBundleRequest request;
-  IslandSnapshot snapshot;  // Its view has gone into the request.
+  // The island without its view, which has gone into the request.
+  IslandSnapshot snapshot;
 };
 
 using FusionRequest = std::variant<QueryJob, FuseJob, AdjustJob>;
@@ -45,31 +47,31 @@ using FusionResult = std::variant<VerifyOverlapResult, FuseMapsResult, AdjustBun
 
 struct FusionJob {
   FusionRequest work;
-  // Set when the result would be worth nothing any more.
+  // True once the result would be worth nothing any more.
   std::shared_ptr<std::atomic<bool>> cancelled;
 };
 
-// Builds the request from the state as it is now. None when it turns out that nothing is to be
-// done (the query has no candidates, the islands have gone). ABORTED: start again, with the action
-// that is the next one then.
+// Builds the request from the state as it is now. Returns nullopt when it turns out that nothing is
+// to be done (the query has no candidates, the islands have gone). ABORTED: the caller starts
+// again, with the action that is the next one then.
 absl::StatusOr<std::optional<FusionRequest>> PrepareRequest(const MissionState& state,
                                                             const FusionAction& action,
                                                             const MapStoreOptions& options,
                                                             LongRead& read);
 
-// Asks the worker; blocks. Called without any lock.
+// Asks the worker and blocks until it answers. The caller holds no lock.
 absl::StatusOr<FusionResult> RunRequest(const FusionRequest& work, FusionWorker& worker,
                                         const ProgressCallback& progress);
 
-// No robot streams into any of its local maps.
+// Returns whether no robot streams into any of the island's local maps.
 bool IsQuiet(const MissionState& state, const Island& island);
 
-// The overlap between the living relatives of its two keyframes; none when either has none, or
-// they are one and the same.
+// Returns the overlap between the living relatives of its two keyframes; nullopt when either has
+// none, or they are one and the same.
 std::optional<Overlap> ChainOverlap(const MissionState& state, const Overlap& overlap);
 
-// All placed keyframes of the local map but the one by which it holds to its island: what is to be
-// derived anew from the owner's poses after it closed a loop.
+// Returns all placed keyframes of the local map but the one by which it holds to its island: they
+// are to be derived anew from the owner's poses after it closed a loop.
 Unplaced FindRelaxedKeyframes(const MissionState& state, const Island& island,
                               LocalMapId local_map);
 

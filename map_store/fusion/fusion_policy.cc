@@ -18,7 +18,8 @@ const IslandSummary* Find(const FusionSummary& summary, IslandId id) {
   return nullptr;
 }
 
-// The reference island keeps its frame, then the larger, then the earlier.
+// Returns whether `a` keeps its frame: the reference island does, then the larger one, then the
+// earlier.
 bool KeepsFrame(const IslandSummary& a, const IslandSummary& b) {
   const auto rank = [](const IslandSummary& island) {
     return std::make_tuple(island.order != 0, -static_cast<int64_t>(island.keyframes),
@@ -27,7 +28,7 @@ bool KeepsFrame(const IslandSummary& a, const IslandSummary& b) {
   return rank(a) < rank(b);
 }
 
-// The first by itself if it is to be alone, else all that need not be.
+// Returns the first overlap by itself if it is to be alone, else all that need not be.
 std::vector<uint64_t> ChooseTogether(const std::vector<OverlapSummary>& overlaps) {
   std::vector<uint64_t> chosen;
   if (overlaps.empty()) return chosen;
@@ -55,7 +56,7 @@ std::optional<FusionAction> DecideFuse(const FusionSummary& summary) {
   return std::nullopt;
 }
 
-// Its adjustment is not to be cancelled once more.
+// Returns whether the island's adjustment is not to be cancelled once more.
 bool IsLetEnd(const IslandSummary& island, const PolicyLimits& limits) {
   return island.adjusting && island.cancelled_adjustments >= limits.max_cancelled_adjustments;
 }
@@ -83,7 +84,7 @@ std::optional<FusionAction> DecideWeld(const FusionSummary& summary, const Polic
   return std::nullopt;
 }
 
-// The graph lane has work that will change the island.
+// Returns whether the graph lane has work that will change the island.
 bool IsAboutToChange(const FusionSummary& summary, const IslandSummary& island) {
   if (island.relaxed > 0) return true;
   return std::any_of(
@@ -93,8 +94,9 @@ bool IsAboutToChange(const FusionSummary& summary, const IslandSummary& island) 
       });
 }
 
-// Enough has changed since the last adjustment. New keyframes alone follow the ones before them as
-// well as an adjustment could have it; with overlaps since there is something to adjust them to.
+// Returns whether enough has changed since the last adjustment. New keyframes alone follow the ones
+// before them as well as an adjustment could have it; with overlaps since there is something to
+// adjust them to.
 bool HasChangedEnough(const IslandSummary& island, const PolicyLimits& limits) {
   size_t changed = island.displaced + island.moved;
   if (island.overlaps_since_adjustment > 0) changed += island.new_keyframes;

@@ -22,7 +22,7 @@ FusionSummary::IslandSummary MakeIsland(IslandId id, size_t order, size_t keyfra
   return island;
 }
 
-// The second is the larger, the first is the reference.
+// The second island is the largest, the first is the reference island.
 FusionSummary MakeSummary() {
   FusionSummary summary;
   summary.islands = {MakeIsland(kFirst, 0, 10), MakeIsland(kSecond, 1, 30),
@@ -82,7 +82,8 @@ TEST(FusionPolicyTest, OfALargeIslandMoreOverlapsWaitForEachOther) {
   summary.waiting.push_back({5, kFirst, kFirst, false});
   EXPECT_THAT(DecideActions(summary, {}),
               ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {1, 2, 3, 4, 5}}));
-  // All that is welded costs as the island's keyframes, however large it becomes.
+  // All that is welded costs as many keyframes as the island has, times a constant, however large
+  // it becomes.
   size_t seen = 0;
   size_t welded_at = 0;
   for (size_t keyframes = 100; keyframes <= 100'000; ++keyframes) {
@@ -114,7 +115,7 @@ TEST(FusionPolicyTest, OverlapsThatWereRefusedTogetherAreTriedOneByOne) {
   FusionSummary weld = MakeSummary();
   weld.waiting = {{1, kFirst, kFirst, false, true}, {2, kFirst, kFirst, false, true}};
   EXPECT_THAT(DecideActions(weld, {}), ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {1}}));
-  // What came since goes first, together, when it stands first.
+  // Overlaps that need not be alone go first, together, when one of them stands first.
   weld.waiting = {
       {1, kFirst, kFirst, false}, {2, kFirst, kFirst, false, true}, {3, kFirst, kFirst, false}};
   EXPECT_THAT(DecideActions(weld, {}), ElementsAre(FusionAction{Kind::kWeld, kFirst, {}, {1, 3}}));
@@ -205,12 +206,12 @@ struct AdjustCase {
 
 TEST(FusionPolicyTest, AnAdjustmentIsDueWhenEnoughHasChanged) {
   const std::vector<AdjustCase> cases = {
-      // Of a small island at least so many keyframes.
+      // Of a small island at least 20 keyframes have to change.
       {50, 0, 0, 19, 0, false},
       {50, 0, 0, 20, 0, true},
       {50, 0, 0, 0, 20, true},
       {50, 0, 0, 10, 10, true},
-      // Of a large one so large a share.
+      // Of a large one a fifth has to change.
       {1000, 0, 0, 199, 0, false},
       {1000, 0, 0, 200, 0, true},
       {1000, 0, 0, 0, 199, false},
@@ -244,7 +245,8 @@ TEST(FusionPolicyTest, AnAdjustmentIsDueWhenEnoughHasChanged) {
   }
 }
 
-// A mission that only grows: the keyframes of all its adjustments are a bounded number for each.
+// In a mission that only grows, all its adjustments together are of a bounded number of keyframes
+// for each keyframe.
 TEST(FusionPolicyTest, AllAdjustmentsOfAGrowingIslandCostAsItsKeyframes) {
   const PolicyLimits limits = {.adjust_share = 0.2, .adjust_min_keyframes = 20};
   FusionSummary summary = MakeSummary();

@@ -22,7 +22,8 @@ size_t Gap(const LocalMapState& local_map, KeyframeId a, KeyframeId b) {
   return first > second ? first - second : second - first;
 }
 
-// An accepted overlap of `query` itself, or of a keyframe next to it, with `against`.
+// Returns whether the graph has an accepted overlap of `query` itself, or of a keyframe next to it,
+// with `against`.
 bool HasOverlapNearby(const MissionState& state, const QueryTask& task, size_t spacing) {
   const LocalMapState& own = *state.FindLocalMap(task.query.local_map);
   const auto is_near = [&](KeyframeId near, KeyframeId far) {
@@ -51,7 +52,8 @@ std::vector<PlaceCandidate> FindSharingWords(const MissionState& state, const Qu
   return against.database.Query(query.words->bag, query_options);
 }
 
-// Landmarks that both see, which say the same as the graph: where they do not, an overlap is news.
+// Returns whether both see landmarks that say the same as the graph; where these do not, an overlap
+// is news.
 bool AreLinked(const MissionState& state, KeyframeId query, KeyframeId candidate,
                const MapStoreOptions& options) {
   const std::vector<SharedLandmark> shared = FindSharedLandmarks(state, query, candidate);
@@ -66,8 +68,9 @@ bool IsComplete(const VerifyOverlapRequest& request) {
          });
 }
 
-// The keyframe and its most covisible ones, until there are so many beside those in `except`: what
-// a worker leaves out of a neighbourhood because it is in the other one does not make that smaller.
+// Adds the keyframe and its most covisible ones, until there are so many beside those in `except`:
+// a keyframe that a worker leaves out of a neighbourhood because it is in the other one does not
+// make that neighbourhood smaller.
 void AddWithNeighbours(const MissionState& state, KeyframeId id, int neighbours,
                        const std::set<KeyframeId>& except, std::set<KeyframeId>& keyframes) {
   keyframes.insert(id);
@@ -102,7 +105,7 @@ std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& 
        GroupByCovisibility(against->map, found, options.max_candidate_groups)) {
     const KeyframeId best = group.best.id;
     if (AreLinked(state, task.query, best, options)) {
-      // The best of all is linked already: there is no news to be had here.
+      // The best of all is linked already, so that there is no news to be had here.
       if (candidates.empty()) return {};
       continue;
     }
@@ -121,8 +124,8 @@ absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
   request.query = task.query;
   request.fix_scale =
       BothMetric(*state.FindLocalMap(task.query.local_map), *state.FindLocalMap(task.against));
-  // No more than verification looks at: each keyframe is a hundred kilobytes to make, send and
-  // read.
+  // The neighbourhood has no more keyframes than verification looks at: each one is a hundred
+  // kilobytes to make, send and read.
   const int neighbours = PlaceVerificationOptions().neighbours;
   std::set<KeyframeId> candidates;
   for (const VerifyOverlapRequest::Candidate& candidate : request.candidates) {

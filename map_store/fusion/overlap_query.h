@@ -1,4 +1,4 @@
-// From a settled keyframe to the request that verifies what its words suggest.
+// Leads from a settled keyframe to the request that verifies what its words suggest.
 #ifndef CORBSLAM_MAP_STORE_FUSION_OVERLAP_QUERY_H_
 #define CORBSLAM_MAP_STORE_FUSION_OVERLAP_QUERY_H_
 
@@ -13,25 +13,26 @@
 
 namespace corbslam::map_store {
 
-// Keyframes of `task.against` that may show the query's place, best first: settled ones that share
-// enough words, the best of each of the best groups of covisible keyframes. None where the two are
-// linked already (an accepted overlap close by, or landmarks that both see where the global layer
-// has them), or where nobody would call it a loop (near the query in its own local map).
+// Returns keyframes of `task.against` that may show the query's place, best first: settled ones
+// that share enough words, the best of each of the best groups of covisible keyframes. There are
+// none where the two are linked already (an accepted overlap close by, or landmarks that both see
+// where the global layer has them), or where nobody would call it a loop (near the query in its own
+// local map).
 std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& state,
                                                             const QueryTask& task,
                                                             const MapStoreOptions& options);
 
-// Both sides with the keyframes around them, in their islands' frames. None when there are no
-// candidates. ABORTED: as `read` says, or the owner removed one of the keyframes meanwhile.
+// Returns both sides with the keyframes around them, in their islands' frames; nullopt when there
+// are no candidates. ABORTED: as `read` says, or the owner removed one of the keyframes meanwhile.
 absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
     const MissionState& state, const QueryTask& task, const MapStoreOptions& options,
     LongRead& read);
 
-// Both local maps have a scale of their own.
+// Returns whether both local maps have a metric scale of their own.
 bool BothMetric(const LocalMapState& a, const LocalMapState& b);
 
-// By how many pixels the overlap disagrees with where the two keyframes stand now; both must be in
-// one island.
+// Returns by how many pixels the overlap disagrees with where the two keyframes stand now; both
+// must be in one island.
 double GraphResidualPx(const MissionState& state, const Overlap& overlap);
 
 }  // namespace corbslam::map_store

@@ -1,4 +1,4 @@
-// What a worker is sent to verify a place: as much as verification looks at, and little more.
+// Tests what a worker is sent to verify a place: as much as verification looks at, and little more.
 #include "map_store/fusion/overlap_query.h"
 
 #include <gmock/gmock.h>
@@ -68,7 +68,7 @@ class LookingWorker : public TruthfulWorker {
   }
 
   int requests = 0;
-  int touching = 0;  // Candidates whose neighbourhood is the query's, too.
+  int touching = 0;  // Number of candidates whose neighbourhood shares keyframes with the query's.
   size_t most_keyframes = 0;
 
  private:
@@ -79,7 +79,7 @@ class LookingWorker : public TruthfulWorker {
         ->map;
   }
 
-  // With all that its owner says it sees.
+  // Expects each keyframe to have all that its owner says it sees.
   static void Compare(const std::vector<const Keyframe*>& keyframes, const Map& whole) {
     for (const Keyframe* keyframe : keyframes) {
       const auto count = [](const Keyframe& of) {
@@ -116,7 +116,7 @@ TEST(VerifyRequestTest, HoldsTheNeighbourhoodsThatVerificationLooksAt) {
   EXPECT_LE(worker.most_keyframes, most * options.max_candidate_groups);
 }
 
-// A loop: what stands in both neighbourhoods counts for the query alone.
+// In a loop, what stands in both neighbourhoods counts for the query alone.
 TEST(VerifyRequestTest, HoldsThemAlsoWhereTheyTouch) {
   const SyntheticMap map = MakeRingMap(0xa, 0, 20);
   LookingWorker worker({&map});

@@ -17,7 +17,7 @@ Island MakeLoneIsland(const MissionState& state, LocalMapId id) {
   Island island;
   island.id = id;
   island.local_maps = {id};
-  // Jobs that run on the old one find a newer one.
+  // Jobs that run on the old island find a newer generation.
   island.generation = state.FindIslandOf(id)->generation + 1;
   island.dirty = true;
   island.version = state.version;
@@ -40,7 +40,7 @@ void ForgetGlobalLayer(MissionState& state) {
   state.global = std::move(fresh);
   state.queries.Clear();
   state.failed_queries.clear();
-  // Of two keyframes the one that comes later asks.
+  // Of two keyframes the one that comes later asks about the other.
   std::vector<LocalMapId> against;
   for (const auto& [id, local_map] : state.local_maps) {
     against.push_back(id);

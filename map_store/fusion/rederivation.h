@@ -1,4 +1,4 @@
-// The global layer made again from what the owners say: when what was fused is not to be believed
+// Makes the global layer again from what the owners say: when what was fused is not to be believed
 // any more, or to compare two stores.
 #ifndef CORBSLAM_MAP_STORE_FUSION_REDERIVATION_H_
 #define CORBSLAM_MAP_STORE_FUSION_REDERIVATION_H_
@@ -14,11 +14,11 @@ namespace corbslam::map_store {
 // the order of local maps' and keyframes' ids.
 void ForgetGlobalLayer(MissionState& state);
 
-// Every settled keyframe of a local map waits to be looked up in others, or in its own.
+// Queues a query for every settled keyframe of a local map, to look it up in each of `against`.
 void QueueAgain(const LocalMapState& asking, const std::vector<LocalMapId>& against,
                 MissionState& state);
 
-// The island that the local map is by itself, newer than the one that it is in.
+// Returns the island that the local map is by itself, of a newer generation than its present one.
 Island MakeLoneIsland(const MissionState& state, LocalMapId id);
 
 }  // namespace corbslam::map_store

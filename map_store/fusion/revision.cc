@@ -22,7 +22,7 @@ NewPoses Index(const std::vector<KeyframePose>& poses) {
   return indexed;
 }
 
-// The worker saw cameras whose units were rescaled to the view's: put the scale back.
+// Puts the scale back: the worker saw cameras whose units were rescaled to the view's.
 Similarity3d Rescale(const Similarity3d& pose, double scale) {
   return {pose.scale * scale, pose.rotation, pose.translation * scale};
 }
@@ -41,7 +41,8 @@ void PlanKeyframes(const MissionState& state, const IslandSnapshot& snapshot,
   }
 }
 
-// Only survivors whose reference keyframe is placed have a position of their own.
+// Returns whether the point gets a position of its own: only survivors whose reference keyframe is
+// placed do.
 bool IsPlaceable(const MissionState& state, MapPointId id, const RevisionPlan& plan) {
   const MapPoint* own = state.FindPoint(id);
   return own != nullptr && plan.keyframes.contains(ReferenceOf(*own, state.global)) &&
@@ -55,7 +56,7 @@ void PlanPositions(const MissionState& state, const std::vector<PointPosition>& 
   }
 }
 
-// Also those that the adjustment left alone: they move with their reference keyframes.
+// Plans also the points that the adjustment left alone: they move with their reference keyframes.
 void PlanPointsOfView(const MissionState& state, const IslandSnapshot& snapshot, const Map& view,
                       RevisionPlan& plan) {
   absl::flat_hash_map<KeyframeId, Similarity3d> motions;
@@ -71,13 +72,13 @@ void PlanPointsOfView(const MissionState& state, const IslandSnapshot& snapshot,
   }
 }
 
-// How points follow their reference keyframes into a revision that moves those.
+// Moves points along with their reference keyframes into a revision that moves those.
 class Followers {
  public:
   Followers(const MissionState& state, const IslandSnapshot& snapshot, const RevisionPlan& plan)
       : state_(state), snapshot_(snapshot), plan_(plan) {}
 
-  // Where a placed point comes to lie; none where its keyframe is not placed.
+  // Returns where a placed point comes to lie; nullopt where its keyframe is not placed.
   std::optional<Eigen::Vector3d> Follow(const MapPoint& point, const PlacedPoint& placed) {
     const KeyframeId reference = ReferenceOf(point, state_.global);
     const auto [it, added] = motions_.try_emplace(reference);
@@ -90,7 +91,8 @@ class Followers {
  private:
   struct Motion {
     Similarity3d moved;
-    // The keyframe was derived anew from its owner's poses: so is what it sees.
+    // True: the keyframe was derived anew from its owner's poses, and so are the points that it
+    // sees.
     bool from_local = false;
   };
 
@@ -132,7 +134,7 @@ void PlanFollowers(const MissionState& state, const IslandSnapshot& snapshot, Re
   }
 }
 
-// The points that were merged into each survivor, in the order in which they were.
+// Points that were merged into each survivor, in the order of merging.
 using MergedPoints = absl::flat_hash_map<MapPointId, std::vector<MapPointId>>;
 
 MergedPoints GroupBySurvivor(const std::vector<FuseMapsResult::Merge>& merges) {
@@ -143,7 +145,7 @@ MergedPoints GroupBySurvivor(const std::vector<FuseMapsResult::Merge>& merges) {
   return members;
 }
 
-// The keypoint by which the keyframe saw the point, or one of those that were merged into it, in
+// Returns the keypoint by which the keyframe saw the point, or a point that was merged into it, in
 // the views.
 std::optional<uint32_t> FindKeypoint(const std::vector<const Map*>& views,
                                      const MergedPoints& merged,
@@ -177,14 +179,14 @@ void PlanRejected(const MissionState& state, const std::vector<const Map*>& view
   }
 }
 
-// None, where the plan moves none.
+// Returns the local maps of the source island; none where the plan moves no island.
 std::vector<LocalMapId> LocalMapsOfSource(const RevisionPlan& plan, const MissionState& state) {
   const auto source = state.global.islands.find(plan.source);
   if (source == state.global.islands.end()) return {};
   return source->second.local_maps;
 }
 
-// What an adjustment placed in the source's own frame after the snapshot was taken.
+// Erases what an adjustment placed in the source's own frame after the snapshot was taken.
 template <typename Items>
 void EraseItemsOf(LocalMapId local_map, Items& items) {
   using Id = typename Items::key_type;
@@ -206,7 +208,7 @@ void PlaceItems(const RevisionPlan& plan, const MissionState& state, RevisionLay
   }
 }
 
-// What owners moved while the worker was busy counts from here on.
+// Returns the displaced keyframes: what owners moved while the worker was busy counts from here on.
 std::set<KeyframeId> FindMotionSince(const RevisionPlan& plan, double threshold_px,
                                      const MissionState& state, const RevisionLayers& layers) {
   std::set<KeyframeId> displaced;
@@ -242,7 +244,8 @@ void RememberIslandFrames(const RevisionPlan& plan, const MissionState& state,
   }
 }
 
-// By the plan itself: owners' keyframes that came while the worker was busy are neither.
+// Counts the target's keyframes that the plan, or an earlier one, placed or culled; keyframes that
+// came while the worker was busy are neither.
 size_t CountAdjusted(const RevisionPlan& plan, const MissionState& state,
                      const RevisionLayers& layers) {
   const std::set<KeyframeId> culled(plan.culled.begin(), plan.culled.end());
@@ -256,7 +259,7 @@ size_t CountAdjusted(const RevisionPlan& plan, const MissionState& state,
   return count;
 }
 
-// Keyframes that the plan puts by more than `threshold_px` elsewhere than they stood.
+// Returns keyframes that the plan puts by more than `threshold_px` elsewhere than they stood.
 std::set<KeyframeId> FindMoved(const RevisionPlan& plan, double threshold_px,
                                const MissionState& state) {
   std::set<KeyframeId> moved;
@@ -274,7 +277,7 @@ std::set<KeyframeId> FindMoved(const RevisionPlan& plan, double threshold_px,
   return moved;
 }
 
-// `layers` has the keyframes and points as they were.
+// Fills in the rest of `layers`, which has the keyframes and points as they were.
 void Prepare(const RevisionPlan& plan, const MapStoreOptions& options, const MissionState& state,
              RevisionLayers& layers) {
   PlaceItems(plan, state, layers);
@@ -297,7 +300,7 @@ void MergeIslands(const RevisionPlan& plan, MissionState& state) {
   for (const LocalMapId& id : state.order) {
     if (!members.contains(id)) continue;
     target.local_maps.push_back(id);
-    // What lies in another island is not seen until now.
+    // Foreign points are not seen until now, as they lay in another island.
     LocalMapState& local_map = *state.FindLocalMap(id);
     for (const auto& [keyframe, seen] : local_map.foreign_observations) {
       local_map.changes.NoteSights(keyframe);

@@ -35,7 +35,7 @@ void AddKeyframe(const FullKeyframe& full, const BatchWords& words, LocalMapStat
   if (IsKnown(id, local_map)) return;
   Keyframe keyframe;
   keyframe.payload = full.payload;
-  // Batches from the wire may come without; the camera is the store's own then.
+  // Batches from the wire may come without a camera; the keyframe gets the store's own then.
   if (keyframe.payload->camera == nullptr) {
     keyframe.payload = WithCamera(*full.payload, local_map.cameras[full.payload->camera_index]);
   }
@@ -84,7 +84,7 @@ void AddFullItems(const MapUpdateBatch& batch, const BatchWords& words, MissionS
   if (!batch.full_keyframes.empty() || !batch.full_points.empty()) RetryParked(state, local_map);
 }
 
-// Points keep their place in the camera of the keyframe that they follow.
+// Moves the points that follow the keyframe, so that they keep their place in its camera.
 void MoveFollowers(KeyframeId id, const Rigid3d& local_from_before, LocalMapState& local_map) {
   const auto follows = [&](MapPointId point) { return local_map.map.FindPoint(point) != nullptr; };
   for (const MapPointId point : local_map.followers.Of(id, follows)) {
@@ -108,7 +108,7 @@ void MoveLightItems(const MapUpdateBatch& batch, LocalMapState& local_map) {
   }
 }
 
-// Points that stop to be what they were.
+// Returns the points whose landmarks the batch may change.
 absl::flat_hash_set<MapPointId> FindRenamed(const MapUpdateBatch& batch) {
   absl::flat_hash_set<MapPointId> points(batch.removed_points.begin(), batch.removed_points.end());
   for (const PointReplacement& replacement : batch.replacements) {
@@ -136,7 +136,8 @@ void ChangeGraph(const MapUpdateBatch& batch, MissionState& state, LocalMapState
   }
 }
 
-// New ones, and those that they make old enough to be told of. False: there are none.
+// Notes new keyframes, and those that they make old enough to be told of. Returns false if there
+// are none.
 bool NoteShareable(size_t share_after, size_t arrived_before, LocalMapState& local_map) {
   const size_t arrived = local_map.arrived.size();
   if (arrived == arrived_before && !local_map.closed) return false;

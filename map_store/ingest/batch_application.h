@@ -12,19 +12,19 @@
 
 namespace corbslam::map_store {
 
-// Words of the batch's full keyframes, computed without any lock held.
+// Words of the batch's full keyframes. They are computed without any lock held.
 using BatchWords = std::map<KeyframeId, std::shared_ptr<const Words>>;
 
-// The batch without full keyframes that `local_map` (null: a new one) had before: they would change
-// nothing, and must not take the place of what the journal has of them. Not a copy, and not to
-// outlive the batch, when there are none.
+// Returns the batch without full keyframes that `local_map` (null: a new one) had before: they
+// would change nothing, and must not take the place of what the journal has of them. If there are
+// none, the result is not a copy and must not outlive `batch`.
 std::shared_ptr<const MapUpdateBatch> WithoutKnownKeyframes(const MapUpdateBatch& batch,
                                                             const LocalMapState* local_map);
 
-// Applies the batch (which must be valid, and the next one of `local_map`) in the order of its
-// fields: the local layer, landmarks whose members the owner replaced or removed, settled
-// keyframes (which become queries), and what an owner's motion means for placed keyframes.
-// What is known already is not applied again; ids of removed items never come back.
+// Applies the batch in the order of its fields; it must be valid, and the next one of `local_map`.
+// Besides the local layer this changes landmarks whose members the owner replaced or removed,
+// settles keyframes (which become queries), and notes what an owner's motion means for placed
+// keyframes. What is known already is not applied again; ids of removed items never come back.
 void ApplyBatch(const MapUpdateBatch& batch, const BatchWords& words,
                 const MapStoreOptions& options, MissionState& state, LocalMapState& local_map);
 

@@ -1,4 +1,4 @@
-// What becomes of points when keyframes move.
+// Tests what becomes of points when keyframes move.
 #include "map_store/ingest/batch_application.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 constexpr LocalMapId kMap = corbslam::testing::kSmallMapA;
 constexpr MapPointId kPoint = {kMap, 1};
 constexpr MapPointId kOther = {kMap, 2};
-// What all points of the small mission came with.
+// The keyframe that all points of the small mission follow.
 constexpr KeyframeId kReference = {kMap, 0};
 
 const Rigid3d kMotion = {Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())),
@@ -35,7 +35,7 @@ class PointsFollowTest : public ::testing::Test {
     batch.number = state_.FindLocalMap(kMap)->last_batch + 1;
     ApplyRecord(BatchRecord{"a", std::make_shared<const MapUpdateBatch>(std::move(batch)), {}});
   }
-  // The reference moves as if the world had been moved by kMotion.
+  // Returns a batch in which the reference moves as if the world had been moved by kMotion.
   MapUpdateBatch ReferenceMoves(bool points_follow) const {
     const Rigid3d before = state_.FindLocalMap(kMap)->map.FindKeyframe(kReference)->camera_from_map;
     MapUpdateBatch batch;

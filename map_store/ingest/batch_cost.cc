@@ -6,8 +6,8 @@
 namespace corbslam::map_store {
 namespace {
 
-// A step up the tree is so much cheaper than counting a pair.
-constexpr uint64_t kParentsOfAPair = 16;
+// So many steps up the tree cost as much as counting a pair.
+constexpr uint64_t kParentsOfAPair = 4;
 
 uint64_t PairsOf(uint64_t viewers) { return viewers * viewers / 2; }
 
@@ -21,7 +21,8 @@ class StepCounter {
     if (change.kind == ObservationChange::Kind::kAdded) ++viewers;
   }
   void Add(const PointReplacement& replacement) {
-    // Taken from all pairs, and counted again with the survivor's.
+    // The replaced point is taken from all its pairs, and counted again with the survivor's
+    // viewers.
     const uint64_t replaced = ViewersOf(replacement.replaced);
     uint64_t& survivors = ViewersOf(replacement.survivor);
     steps_ += 2 * PairsOf(replaced) + replaced * survivors;
@@ -34,12 +35,14 @@ class StepCounter {
     for (const MapPointId& point : keyframe->points) {
       if (point.IsValid()) steps_ += ViewersOf(point);
     }
-    for (size_t i = 0; i < keyframe->children.size(); ++i) AddWayUp();
+    // Each keyframe below the removed one is looked at once.
+    AddWayUp();
   }
   void Add(const LightKeyframe& light) {
     const Keyframe* keyframe = Find(light.id);
     if (keyframe == nullptr || keyframe->parent == light.parent || !light.parent.IsValid()) return;
-    AddWayUp();
+    // A keyframe without children makes no cycle.
+    if (!keyframe->children.empty()) AddWayUp();
   }
 
   uint64_t steps() const { return steps_ + parents_ / kParentsOfAPair; }
@@ -49,7 +52,8 @@ class StepCounter {
     return local_map_ == nullptr ? nullptr : local_map_->map.FindKeyframe(id);
   }
   void AddWayUp() { parents_ += local_map_->arrived.size(); }
-  // Of its own local map; with those that this batch added so far.
+  // Returns how many keyframes of the point's own local map see it, those included that this batch
+  // added so far.
   uint64_t& ViewersOf(MapPointId id) {
     const auto [it, is_new] = viewers_.try_emplace(id, 0);
     if (is_new && local_map_ != nullptr) {

@@ -1,5 +1,6 @@
-// What applying a batch costs beside its size: each new sight of a point counts it for all pairs
-// with the keyframes that see it already, and each new parent is looked for up to the root.
+// Counts what applying a batch costs beside its size: each new sight of a point counts that point
+// for all pairs with the keyframes that see it already, and each new parent is looked for up to the
+// root.
 #ifndef CORBSLAM_MAP_STORE_INGEST_BATCH_COST_H_
 #define CORBSLAM_MAP_STORE_INGEST_BATCH_COST_H_
 
@@ -11,11 +12,11 @@
 
 namespace corbslam::map_store {
 
-// Steps that applying the batch to the local map (null: it is new) takes for pairs of keyframes and
-// for parents, at most; computed in time that grows with the batch alone.
+// Returns how many steps applying the batch to the local map (null: it is new) takes at most for
+// pairs of keyframes and for parents. It is computed in time that grows with the batch alone.
 uint64_t CountPairSteps(const LocalMapState* local_map, const MapUpdateBatch& batch);
 
-// RESOURCE_EXHAUSTED where these are more than `max_pair_steps_per_batch`.
+// Returns RESOURCE_EXHAUSTED if these are more than `max_pair_steps_per_batch`.
 absl::Status ValidateCost(const LocalMapState* local_map, const MapUpdateBatch& batch,
                           const MapStoreOptions& options);
 

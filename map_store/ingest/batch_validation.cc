@@ -137,7 +137,7 @@ absl::Status ValidatePoints(const MapUpdateBatch& batch) {
   return absl::OkStatus();
 }
 
-// What a batch refers to is there, or comes with it.
+// Says whether what a batch refers to is there already, or comes with the batch.
 class References {
  public:
   References(const LocalMapState* local_map, const MapUpdateBatch& batch) : local_map_(local_map) {
@@ -147,9 +147,9 @@ class References {
     for (const FullMapPoint& point : batch.full_points) points_.insert(point.id);
   }
 
-  // Keypoints of the keyframe; none when it is unknown.
+  // Returns the number of the keyframe's keypoints; none if the keyframe is unknown.
   std::optional<size_t> CountKeypoints(KeyframeId id) const {
-    // What is known already is not taken again.
+    // A keyframe that is known already is not taken again.
     if (const Keyframe* known =
             local_map_ == nullptr ? nullptr : local_map_->map.FindKeyframe(id)) {
       return known->points.size();
@@ -158,7 +158,7 @@ class References {
     if (it == keypoints_.end()) return std::nullopt;
     return it->second;
   }
-  // What was removed is remembered: a reference to it does not wait.
+  // A removed keyframe counts as there: it is remembered, so that a reference to it does not wait.
   bool HasKeyframe(KeyframeId id) const {
     return CountKeypoints(id).has_value() ||
            (local_map_ != nullptr && local_map_->removed_keyframes.contains(id));
@@ -224,7 +224,7 @@ absl::Status ValidateFrames(const MapUpdateBatch& batch) {
   return absl::OkStatus();
 }
 
-// Everything that would be parked, together with what is.
+// Checks that what the batch would park is not too much, together with what is parked already.
 absl::Status ValidateParked(const LocalMapState* local_map, const References& references,
                             const MapUpdateBatch& batch, const MapStoreOptions& options) {
   size_t parked = local_map == nullptr ? 0 : local_map->CountParked();
@@ -245,7 +245,8 @@ absl::Status ValidateParked(const LocalMapState* local_map, const References& re
                    " to what has not arrived; the limit is ", options.max_parked_references));
 }
 
-// What each move costs is not seen in its size: a chain of keyframes, the points that follow it.
+// Checks that each light item comes once only. The size of a move does not tell its cost: it may
+// move a chain of keyframes, and the points that follow them.
 absl::Status ValidateLightItemsOnce(const MapUpdateBatch& batch) {
   std::set<KeyframeId> keyframes;
   for (const LightKeyframe& keyframe : batch.light_keyframes) {

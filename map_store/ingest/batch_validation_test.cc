@@ -1,4 +1,5 @@
-// Batches with one thing wrong each: what is refused, with which status, naming what.
+// Tests batches with one thing wrong each: whether they are refused, with which status, and naming
+// what.
 #include "map_store/ingest/batch_validation.h"
 
 #include <gmock/gmock.h>
@@ -41,7 +42,7 @@ std::shared_ptr<const KeyframePayload> MakePayload(uint32_t index, size_t keypoi
   return payload;
 }
 
-// Something good in every field.
+// Returns a batch with something good in every field.
 MapUpdateBatch Good() {
   MapUpdateBatch batch;
   batch.local_map = kMap;
@@ -68,7 +69,7 @@ MapUpdateBatch Good() {
   return batch;
 }
 
-// A copy of the payload, to be changed.
+// Puts a copy in the payload's place, and returns it to be changed.
 KeyframePayload& Payload(MapUpdateBatch& batch, size_t i) {
   auto copy = std::make_shared<KeyframePayload>(*batch.full_keyframes[i].payload);
   KeyframePayload& payload = *copy;

@@ -5,7 +5,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// Keyframes of the point's own local map that see it.
+// Notes the point, and the keyframes of its own local map that see it.
 void NoteOwnSightings(MapPointId id, MissionState& state) {
   LocalMapState* owner = state.FindLocalMap(id.local_map);
   if (owner == nullptr) return;
@@ -15,11 +15,12 @@ void NoteOwnSightings(MapPointId id, MissionState& state) {
   for (const auto& [keyframe, keypoint] : point->observations) owner->changes.NoteSights(keyframe);
 }
 
-// Keyframes of other local maps that see a member of the landmark, by any name that it ever had.
+// Notes the keyframes of other local maps that see a member of the landmark, by any name that the
+// member ever had.
 void NoteForeignSightings(MapPointId member, MapPointId landmark, MissionState& state) {
   for (const MapPointId& name : state.points.NamesOf(member)) {
     const std::vector<KeyframeId> viewers = state.points.ViewersOf(name);
-    // Taken apart since, it may stand for another landmark now.
+    // A name that was taken apart from the member since may stand for another landmark now.
     if (viewers.empty() || ResolvePoint(state, name) != landmark) continue;
     for (const KeyframeId& viewer : viewers) {
       state.FindLocalMap(viewer.local_map)->changes.NoteSights(viewer);

@@ -8,8 +8,8 @@
 
 namespace corbslam::map_store {
 
-// As long as it lives, all changes of a local map's own graph are noted, but for those of points
-// that go: see NoteLandmarkChanges.
+// Notes, as long as it lives, all changes of a local map's own graph but those of points that go,
+// for which there is NoteLandmarkChanges. Not thread-safe.
 class ChangeRecorder : private MapObserver {
  public:
   explicit ChangeRecorder(LocalMapState& local_map) : local_map_(local_map) {
@@ -35,8 +35,8 @@ class ChangeRecorder : private MapObserver {
   LocalMapState& local_map_;
 };
 
-// The landmarks of these points are about to change: notes the points, and the keyframes, of
-// whatever local map, that see one of those landmarks.
+// Notes points whose landmarks are about to change, and the keyframes, of whatever local map, that
+// see one of those landmarks.
 void NoteLandmarkChanges(const absl::flat_hash_set<MapPointId>& points, MissionState& state);
 
 }  // namespace corbslam::map_store

@@ -49,22 +49,22 @@ void ObserveForeign(KeyframeId keyframe, uint32_t keypoint, MapPointId point, Mi
   local_map.changes.NoteSights(keyframe);
 }
 
-// What the owner's own point became through the owner's own replacements: another own point, or
-// somebody else's. Shortens the chain, so that the next one to ask finds the end in a step.
+// Returns what the owner's own point became through the owner's own replacements: another own
+// point, or somebody else's. Shortens the chain, so that the next caller finds its end in a step.
 MapPointId FollowReplacements(LocalMapState& local_map, MapPointId point) {
   auto& replaced = local_map.replaced_points;
   MapPointId last = point;
   size_t steps = 0;
   for (auto it = replaced.find(last); it != replaced.end(); it = replaced.find(last)) {
     last = it->second;
-    // Only what was restored from elsewhere can lead in a circle.
+    // Only a chain that was restored from elsewhere can lead in a circle.
     if (++steps > replaced.size()) return MapPointId();
   }
   while (point != last) point = std::exchange(replaced.at(point), last);
   return last;
 }
 
-// Whether what the owners replaced, one after the other, leads from `point` to `goal`.
+// Returns whether what the owners replaced, one after the other, leads from `point` to `goal`.
 bool LeadsTo(const MissionState& state, MapPointId point, MapPointId goal) {
   constexpr int kMaxSteps = 1000;
   for (int step = 0; step < kMaxSteps && point != goal; ++step) {
@@ -86,7 +86,7 @@ void RemoveObservation(const ObservationChange& change, MissionState& state,
   }
 }
 
-// The keyframe, its children, and so on.
+// Returns the keyframe, its children, their children, and so on.
 absl::flat_hash_set<KeyframeId> FindFamily(const Map& map, const Keyframe& keyframe) {
   absl::flat_hash_set<KeyframeId> family = {keyframe.id()};
   std::vector<KeyframeId> open = {keyframe.id()};
@@ -100,8 +100,8 @@ absl::flat_hash_set<KeyframeId> FindFamily(const Map& map, const Keyframe& keyfr
   return family;
 }
 
-// The tree of a local map is its own: what hangs on another's keyframe hangs on the last one that
-// came before it, and that does not hang on it.
+// Hangs the child on the last keyframe that came before it and that does not hang on it. A local
+// map's tree is its own, so that this takes the place of a parent in another local map.
 void HangOnOneBefore(const Keyframe& child, LocalMapState& local_map) {
   const absl::flat_hash_set<KeyframeId> family = FindFamily(local_map.map, child);
   for (size_t before = local_map.arrival.at(child.id()); before > 0; --before) {
@@ -110,7 +110,7 @@ void HangOnOneBefore(const Keyframe& child, LocalMapState& local_map) {
   }
 }
 
-// The global position of a landmark goes over to whoever stands for it now.
+// Hands the global position of a landmark over to the point that stands for it now.
 void HandOverPosition(MapPointId from, MapPointId to, GlobalLayer& global) {
   const auto it = global.points.find(from);
   if (it == global.points.end()) return;
@@ -161,7 +161,7 @@ std::optional<MissingItem> ApplyParent(KeyframeId child_id, KeyframeId parent,
     HangOnOneBefore(*child, local_map);
     return std::nullopt;
   }
-  // A removed parent's children hang where it hung; how far up that is, is limited.
+  // A removed parent's children hang where it hung; the steps up are limited.
   constexpr int kMaxSteps = 1000;
   int step = 0;
   for (auto it = local_map.removed_keyframes.find(parent); it != local_map.removed_keyframes.end();
@@ -218,7 +218,7 @@ void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
   local_map.replaced_points[replaced] = survivor;
   local_map.parked.Release(replaced);
   state.points.NoteReplaced(replaced, survivor);
-  // A landmark lies in one island, and its points are there.
+  // A landmark lies in one island, and so do all its points.
   const bool joins =
       stands_for.IsValid() && stands_for != replaced &&
       state.global.island_of.at(stands_for.local_map) == state.global.island_of.at(local_map.id);
@@ -234,7 +234,7 @@ void ApplyPointRemoval(MapPointId point, MissionState& state, LocalMapState& loc
   local_map.parked.Release(point);
   const MapPointId elected = state.global.landmarks.Remove(point);
   HandOverPosition(point, elected, state.global);
-  // Others' keyframes that saw this very point still see the landmark.
+  // Other local maps' keyframes that saw this very point still see the landmark.
   if (!elected.IsValid()) return;
   state.global.heirs[point] = elected;
   state.points.NoteReplaced(point, elected);

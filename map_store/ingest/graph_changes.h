@@ -1,5 +1,5 @@
-// The changes of one local map's graph, one function a kind. Each takes the state of the mission,
-// because landmarks and the global layer follow what owners replace and remove.
+// The changes of one local map's graph, with one function for each kind. Each takes the state of
+// the mission, because landmarks and the global layer follow what owners replace and remove.
 #ifndef CORBSLAM_MAP_STORE_INGEST_GRAPH_CHANGES_H_
 #define CORBSLAM_MAP_STORE_INGEST_GRAPH_CHANGES_H_
 
@@ -10,9 +10,9 @@
 
 namespace corbslam::map_store {
 
-// These return the item that the change refers to and that has not arrived: it is to be parked.
-// What refers to removed items is dropped, and is no reason to wait. The owner's latest word wins
-// over its earlier ones.
+// These return the item that the change refers to and that has not arrived, so that the change is
+// to be parked. A change that refers to removed items is dropped, and does not wait. The owner's
+// latest word wins over its earlier ones.
 std::optional<MissingItem> ApplyObservation(const ObservationChange& change, MissionState& state,
                                             LocalMapState& local_map);
 std::optional<MissingItem> ApplyParent(KeyframeId child, KeyframeId parent,

@@ -1,5 +1,5 @@
-// Is one keyframe within what the store takes? The other checks of single items are the robot's,
-// too: slam/exchange/item_checks.h.
+// Checks that one keyframe is within what the store takes. The robot makes the other checks of
+// single items, too: slam/exchange/item_checks.h.
 #ifndef CORBSLAM_MAP_STORE_INGEST_ITEM_VALIDATION_H_
 #define CORBSLAM_MAP_STORE_INGEST_ITEM_VALIDATION_H_
 
@@ -10,8 +10,8 @@
 
 namespace corbslam::map_store {
 
-// As the check of the same name in slam/exchange; RESOURCE_EXHAUSTED where the keyframe has more
-// keypoints or bytes than `options` allow.
+// Checks the same as the function of this name in slam/exchange, and returns RESOURCE_EXHAUSTED if
+// the keyframe has more keypoints or bytes than `options` allow.
 absl::Status ValidateFullKeyframe(const FullKeyframe& keyframe, const Camera& camera,
                                   const MapStoreOptions& options);
 

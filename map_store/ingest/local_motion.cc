@@ -7,7 +7,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// Nearer than anything that a camera sees.
+// Cameras see nothing as near as this.
 constexpr double kLeastDepth_m = 1e-3;
 
 }  // namespace
@@ -25,7 +25,8 @@ double PixelMotion(const Rigid3d& motion, double depth, double fx_px) {
 
 bool MovesMoreThan(double threshold_px, const Rigid3d& motion, const LocalMapState& local_map,
                    const Keyframe& keyframe) {
-  // Nearly all have not moved at all, which no depth is needed to see: that looks at every point.
+  // Nearly all keyframes have not moved at all. That is seen without a depth, which would take a
+  // look at every point.
   const double fx_px = keyframe.camera().fx_px;
   if (PixelMotion(motion, kLeastDepth_m, fx_px) <= threshold_px) return false;
   return PixelMotion(motion, MedianDepth(local_map, keyframe), fx_px) > threshold_px;

@@ -24,7 +24,7 @@ uint64_t PayloadBytes(const KeyframePayload& payload) {
 uint64_t StoredBytes(const MapUpdateBatch& batch) {
   uint64_t bytes = batch.cameras.size() * sizeof(Camera);
   for (const FullKeyframe& keyframe : batch.full_keyframes) {
-    // Not validated yet.
+    // The batch is not validated yet.
     if (keyframe.payload == nullptr) continue;
     bytes += sizeof(Keyframe) + PayloadBytes(*keyframe.payload);
   }

@@ -1,4 +1,4 @@
-// How much an agent, and a mission, may store.
+// Limits how much an agent, and a mission, may store.
 #ifndef CORBSLAM_MAP_STORE_INGEST_QUOTA_H_
 #define CORBSLAM_MAP_STORE_INGEST_QUOTA_H_
 
@@ -12,14 +12,14 @@
 
 namespace corbslam::map_store {
 
-// Bytes of what a keyframe's camera saw.
+// Returns the bytes of what a keyframe's camera saw.
 uint64_t PayloadBytes(const KeyframePayload& payload);
-// Bytes that a batch adds to what is kept of its local map, about. What is removed later is not
-// taken off: it is remembered.
+// Returns about how many bytes a batch adds to what is kept of its local map. What is removed later
+// is not subtracted: it is remembered.
 uint64_t StoredBytes(const MapUpdateBatch& batch);
 
-// RESOURCE_EXHAUSTED, naming the agent or the mission and the limit, where the batch would be too
-// much.
+// Returns RESOURCE_EXHAUSTED, naming the agent or the mission and the limit, if the batch would be
+// too much.
 absl::Status CheckQuota(const MissionState& state, const std::string& agent,
                         const MapUpdateBatch& batch, const MapStoreOptions& options);
 

@@ -1,4 +1,4 @@
-// The newest keyframes of a local map are provisional until its robot has adjusted them.
+// Settles keyframes: the newest of a local map are provisional until its robot has adjusted them.
 #ifndef CORBSLAM_MAP_STORE_INGEST_SETTLING_H_
 #define CORBSLAM_MAP_STORE_INGEST_SETTLING_H_
 
@@ -6,10 +6,10 @@
 
 namespace corbslam::map_store {
 
-// Settles all but the newest `settle_after` keyframes that ever arrived, all of a closed local map.
-// Each that becomes settled, and still is there, is queued to be queried once against every other
-// local map, and its own, as it is then: of two keyframes the one that settles later asks, so no
-// pair is asked twice and none is missed.
+// Settles all but the newest `settle_after` keyframes that ever arrived; all keyframes of a closed
+// local map. Each that becomes settled, and still is there, is queued to be queried once against
+// every other local map, and its own, as it is then: of two keyframes the one that settles later
+// asks, so no pair is asked twice and none is missed.
 void SettleKeyframes(size_t settle_after, MissionState& state, LocalMapState& local_map);
 
 }  // namespace corbslam::map_store

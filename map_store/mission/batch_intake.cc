@@ -81,7 +81,7 @@ absl::Status BatchIntake::ApplyNext(const std::string& agent, const MapUpdateBat
   return absl::OkStatus();
 }
 
-// What is kept of a batch takes about twice its bytes: words, indices, tables.
+// What the store keeps of a batch takes about twice its bytes: words, indices, tables.
 absl::Status BatchIntake::CheckMemory(const MapUpdateBatch& batch) const {
   return strand_.environment().memory->Check(
       absl::StrCat("batch ", batch.number, " of local map ", ToString(batch.local_map)),

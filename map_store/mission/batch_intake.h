@@ -1,4 +1,4 @@
-// The way of a robot's batch into a mission: checked, journaled, applied, durable.
+// Takes a robot's batch into a mission: checked, journaled, applied, durable.
 #ifndef CORBSLAM_MAP_STORE_MISSION_BATCH_INTAKE_H_
 #define CORBSLAM_MAP_STORE_MISSION_BATCH_INTAKE_H_
 
@@ -18,20 +18,21 @@
 
 namespace corbslam::map_store {
 
-// Thread-safe.
+// Applies the batches of all sessions of a mission. Thread-safe.
 class BatchIntake {
  public:
-  // Not owned; must outlive it.
+  // The arguments are not owned and must outlive it.
   BatchIntake(MissionStrand& strand, const Listeners& listeners)
       : strand_(strand), listeners_(listeners) {}
 
-  // Once the batch is applied, others are told of it, also where the journal then can't make sure
-  // of it: that is an error, without an acknowledgement, and the robot sends it again.
+  // Applies the batch, makes it durable and tells others of it. Others are told also where the
+  // journal then can't make sure of it: that is an error, without an acknowledgement, and the robot
+  // sends the batch again.
   absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const std::string& agent,
                                         const MapUpdateBatch& batch, const BatchTransfer* measured);
 
  private:
-  // What to answer at once if the batch was applied before; none: it is the next one.
+  // The answer to give at once to a batch that was applied before; nullopt: it is the next one.
   using Known = std::optional<Acknowledgement>;
 
   absl::StatusOr<Known> Check(uint64_t session_id, const std::string& agent,
@@ -39,9 +40,10 @@ class BatchIntake {
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   absl::StatusOr<Known> CheckAndValidate(uint64_t session_id, const std::string& agent,
                                          const MapUpdateBatch& batch) const;
-  // RESOURCE_EXHAUSTED: the process has no memory for it.
+  // RESOURCE_EXHAUSTED: the process has no memory for the batch.
   absl::Status CheckMemory(const MapUpdateBatch& batch) const;
-  // Known: another one of the same session has applied it meanwhile.
+  // Returns an acknowledgement if the same session has sent the batch twice and the other one was
+  // applied meanwhile.
   absl::StatusOr<Known> ApplyInTurn(uint64_t session_id, const std::string& agent,
                                     const MapUpdateBatch& batch, const BatchWords& words);
   absl::Status ApplyNext(const std::string& agent, const MapUpdateBatch& batch,

@@ -11,7 +11,8 @@
 namespace corbslam::map_store {
 namespace {
 
-// Of one piece of work while its views are read: others commit far more seldom than that.
+// One piece of work is interrupted at most so often while its views are read; others commit far
+// more seldom than that.
 constexpr int kMaxInterruptions = 20;
 
 FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Island& island) {
@@ -83,12 +84,12 @@ std::optional<FusionJob> FusionCoordinator::StartJob(FusionLane lane) {
   Started started = TryStart(lane);
   while (started.attempt == Attempt::kSkipped || started.attempt == Attempt::kInterrupted) {
     interruptions = started.attempt == Attempt::kSkipped ? 0 : interruptions + 1;
-    // The other missions' turn; this one is woken again.
+    // It is the other missions' turn; this one is woken again.
     if (interruptions == kMaxInterruptions) break;
     skipped = true;
     started = TryStart(lane);
   }
-  // What was skipped may have been all that the other lane waited for.
+  // A skipped action may have been all that the other lane waited for.
   if (skipped) strand_.environment().wake_fusion();
   return std::move(started.job);
 }
@@ -142,7 +143,7 @@ JobEnd FusionCoordinator::FinishJob(FusionLane lane, const FusionJob& job,
   bool try_later = absl::IsUnavailable(status);
   if (result.ok()) {
     status = Commit(job, *result);
-    // Only the journal can refuse: nothing is wrong with the work.
+    // Only the journal can have refused: nothing is wrong with the work.
     try_later = !status.ok();
   }
   try_later = try_later && !strand_.options().deterministic;
@@ -167,7 +168,7 @@ void FusionCoordinator::Stop() {
   lane_released_.SignalAll();
 }
 
-// Whoever changes what the jobs began with cancels them under the same lock, lest another begins
+// The jobs are cancelled under the same lock that changes what they began with, lest another begins
 // between.
 absl::Status FusionCoordinator::CommitDecision(const JournalRecord& record,
                                                absl::FunctionRef<void(MissionState&)> apply) {
@@ -219,7 +220,7 @@ FusionRequestCounts FusionCoordinator::CountWaiting() const {
   if (strand_.deleted() || !strand_.environment().has_worker) return {};
   FusionRequestCounts counts = CountRequests(Summarise(), Limits());
   for (const FusionLane lane : kFusionLanes) {
-    // Until it is committed, the state still asks for what runs.
+    // The state still asks for what runs until that is committed.
     if (const auto kind = lanes_.Running(lane)) TakeOne(*kind, counts);
   }
   return counts;

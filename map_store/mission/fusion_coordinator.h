@@ -1,4 +1,4 @@
-// What is to be fused of a mission, in which order, and what becomes of it.
+// Decides what is to be fused of a mission, in which order, and what becomes of it.
 #ifndef CORBSLAM_MAP_STORE_MISSION_FUSION_COORDINATOR_H_
 #define CORBSLAM_MAP_STORE_MISSION_FUSION_COORDINATOR_H_
 
@@ -22,36 +22,37 @@
 
 namespace corbslam::map_store {
 
-// What became of a job whose worker has answered.
+// Says what became of a job whose worker has answered.
 enum class JobEnd {
   kDone,      // Its result is in the state, or is known to be worth nothing.
   kTryLater,  // The worker is not there, or the journal takes nothing.
 };
 
-// Thread-safe. Asks the policy what comes next, keeps the lanes, and commits results through the
-// mission's strand.
+// Asks the policy what comes next, keeps the lanes, and commits results through the mission's
+// strand. Thread-safe.
 class FusionCoordinator {
  public:
   // `strand` is not owned and must outlive it. `notify` is called, without locks, when something
   // that others see has changed.
   FusionCoordinator(MissionStrand& strand, std::function<void()> notify);
 
-  // The next piece of work of a lane, which then is busy until the job is finished.
+  // Returns the next piece of work of a lane, which then is busy until the job is finished;
+  // nullopt: there is none.
   std::optional<FusionJob> StartJob(FusionLane lane);
   // Commits the result, or notes the failure.
   JobEnd FinishJob(FusionLane lane, const FusionJob& job, absl::StatusOr<FusionResult> result);
   void CancelJobs();
 
-  // Forgets what was fused; the lanes derive it again.
+  // Forgets what was fused; the lanes then derive it again.
   absl::Status Rederive();
-  // MapStore::RetractOverlap.
+  // Does what MapStore::RetractOverlap says.
   absl::StatusOr<std::vector<uint64_t>> RetractOverlap(uint64_t overlap, bool keep_apart);
 
   bool IsIdle() const;
   bool WaitUntilIdle(absl::Time deadline) const;
-  // What waits for workers, with what they have.
+  // Counts the requests that wait for workers, and those that workers have.
   FusionRequestCounts CountWaiting() const;
-  // For a mission that is deleted: there is nothing to do any more.
+  // Ends all work of a mission that is deleted: there is nothing to do any more.
   void Stop();
 
  private:
@@ -59,7 +60,7 @@ class FusionCoordinator {
     kStarted,
     kNothingToDo,
     kSkipped,      // The action needed no worker; the next one may.
-    kInterrupted,  // The state changed meanwhile: decide anew.
+    kInterrupted,  // The state changed meanwhile: the caller decides anew.
   };
   struct Started {
     Attempt attempt = Attempt::kNothingToDo;
@@ -76,11 +77,11 @@ class FusionCoordinator {
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   bool IsIdleLocked() const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   Started TryStart(FusionLane lane);
-  // The lane is the caller's from here on, until ReleaseLane. None: it has nothing to do.
+  // Takes the lane for the caller until ReleaseLane. Returns nullopt if the lane has nothing to do.
   std::optional<Claim> ClaimLane(FusionLane lane);
   void ReleaseLane(FusionLane lane);
   absl::StatusOr<std::optional<FusionRequest>> Prepare(const Claim& claim) const;
-  // The action needs no worker: says so in the state.
+  // Says in the state that the action needs no worker.
   void SkipAction(const FusionAction& action) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.mutex());
   // Writes a record that changes what jobs began with, and applies it.
   absl::Status CommitDecision(const JournalRecord& record,
@@ -97,9 +98,10 @@ class FusionCoordinator {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
   absl::Status CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
-  // A revision that was committed after the job began has placed what the record would place.
+  // Returns whether a revision that was committed after the job began has placed what the record
+  // would place, so that the record is void; an urgent record never is.
   bool IsOvertaken(const FuseJob& job, const FuseRecord& record) const;
-  // Milliseconds since the first of the overlaps was verified.
+  // Returns the milliseconds since the first of the overlaps was verified.
   double SinceVerified(const std::vector<uint64_t>& overlaps) const
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   void NoteFailure(const FusionJob& job, const absl::Status& status)

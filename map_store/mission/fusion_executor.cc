@@ -36,7 +36,7 @@ void FusionExecutor::RunLane(FusionLane lane) {
   for (uint64_t seen = 0; signal_.Wait(seen);) {
     bool try_later = false;
     bool did_something = false;
-    // A round: each mission's turn comes after one request of each other.
+    // In each round a mission's turn comes after one request of each other mission.
     for (const std::shared_ptr<Mission>& mission : missions_()) {
       const Turn turn = RunOne(*mission, lane);
       did_something = did_something || turn == Turn::kDone;
@@ -45,7 +45,7 @@ void FusionExecutor::RunLane(FusionLane lane) {
     // The other lane may have something to do now, and this one again.
     if (did_something) signal_.Wake();
     if (!try_later) continue;
-    // While the worker is away, new work is no reason to hurry.
+    // While the worker is away, new work does not shorten the pause.
     if (!signal_.WaitFor(retry_after_)) return;
     signal_.Wake();
   }

@@ -19,7 +19,7 @@
 
 namespace corbslam::map_store {
 
-// Thread-safe.
+// Runs the lanes of all missions. Thread-safe.
 class FusionExecutor {
  public:
   using ListMissions = std::function<std::vector<std::shared_ptr<Mission>>()>;
@@ -32,16 +32,16 @@ class FusionExecutor {
 
   // Starts `threads_per_lane` threads for each lane; none without a worker.
   void Start(ListMissions missions, int threads_per_lane);
-  // Cancels what runs and joins. The missions must still be there.
+  // Cancels the jobs that run and joins the threads. The missions must still be there.
   void Stop();
-  // There may be something to do.
+  // Tells the threads that there may be something to do.
   void Wake() { signal_.Wake(); }
 
-  // All that the mission has to do, here and now, in the order of the policy.
+  // Does all that the mission has to do, here and now, in the order of the policy.
   void RunUntilIdle(Mission& mission);
 
   bool has_worker() const { return worker_ != nullptr; }
-  // None while workers take requests, and before the first one.
+  // Returns the outage that lasts; nullopt while workers take requests, and before the first one.
   std::optional<WorkerOutage> worker_outage() const { return watch_.outage(); }
 
  private:

@@ -1,4 +1,4 @@
-// What is being fused of a mission, and how its adjustments have gone.
+// Knows what is being fused of a mission, and how its adjustments have gone.
 #ifndef CORBSLAM_MAP_STORE_MISSION_FUSION_LANES_H_
 #define CORBSLAM_MAP_STORE_MISSION_FUSION_LANES_H_
 
@@ -13,35 +13,37 @@
 
 namespace corbslam::map_store {
 
-// Verification and fusing, one after the other; bundle adjustment beside them.
+// The graph lane does verification and fusing, one after the other; bundle adjustment runs beside
+// it.
 enum class FusionLane { kGraph, kAdjustment };
 inline constexpr std::array<FusionLane, 2> kFusionLanes = {FusionLane::kGraph,
                                                            FusionLane::kAdjustment};
 
 FusionLane LaneOf(const FusionAction& action);
 
-// Set when the result would be worth nothing any more.
+// True once the result would be worth nothing any more.
 using CancelFlag = std::shared_ptr<std::atomic<bool>>;
 
-// Not thread-safe.
+// Keeps who has which lane, and counts adjustments that went wrong. Not thread-safe.
 class FusionLanes {
  public:
   bool IsBusy(FusionLane lane) const { return LaneAt(lane).cancelled != nullptr; }
-  // None: the lane is idle.
+  // Returns what runs; nullopt if the lane is idle.
   std::optional<FusionAction::Kind> Running(FusionLane lane) const;
-  // The lane must be idle, and is the caller's until it is released.
+  // Gives the lane, which must be idle, to the caller until it is released.
   CancelFlag Claim(const FusionAction& action);
   void Release(FusionLane lane) { LaneAt(lane).cancelled.reset(); }
   void CancelAll();
 
-  // An adjustment of the island runs, and is not cancelled.
+  // Returns whether an adjustment of the island runs and is not cancelled.
   bool IsAdjusting(IslandId island) const;
   // Cancels the adjustment that runs if the action has changed what it adjusts, and counts that.
   void CancelAdjustment(const FusionAction& overtaken_by);
 
-  // Of the island's adjustments since the last one that was committed.
+  // Returns how many of the island's adjustments were cancelled since the last one that was
+  // committed.
   size_t CountCancelled(IslandId island) const;
-  // One more has failed; returns how many that were.
+  // Counts one more failed adjustment; returns how many that were.
   int NoteFailedAdjustment(IslandId island) { return ++trouble_[island].failed; }
   void ForgetTrouble(IslandId island) { trouble_.erase(island); }
   void ForgetTrouble() { trouble_.clear(); }
@@ -50,7 +52,8 @@ class FusionLanes {
   struct Lane {
     FusionAction::Kind kind = FusionAction::Kind::kQuery;
     IslandId target;
-    CancelFlag cancelled;  // Null: the lane is idle.
+    // Null: the lane is idle.
+    CancelFlag cancelled;
   };
   struct Trouble {
     int failed = 0;

@@ -33,7 +33,7 @@ TEST(FusionLanesTest, ALaneIsBusyUntilItIsReleased) {
 
 TEST(FusionLanesTest, AnAdjustmentEndsOnceWhenItsIslandChanges) {
   FusionLanes lanes;
-  lanes.CancelAdjustment(Action(Kind::kWeld, kIsland));  // None runs.
+  lanes.CancelAdjustment(Action(Kind::kWeld, kIsland));  // No adjustment runs.
   const CancelFlag cancelled = lanes.Claim(Action(Kind::kAdjust, kIsland));
   EXPECT_TRUE(lanes.IsAdjusting(kIsland));
   EXPECT_FALSE(lanes.IsAdjusting(kOther));

@@ -1,4 +1,4 @@
-// What becomes of fusion work: it had nothing to do, it has a result, it failed.
+// Says what becomes of fusion work that had nothing to do, has a result, or failed.
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
@@ -9,7 +9,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// Something that the plan places.
+// Returns whether something that the plan places was placed after `revision`.
 bool WasPlacedSince(uint64_t revision, const RevisionPlan& plan, const GlobalLayer& global) {
   return std::ranges::any_of(plan.keyframes, [&](const auto& planned) {
     const auto it = global.keyframes.find(planned.first);
@@ -93,11 +93,11 @@ absl::Status FusionCoordinator::CommitFuse(const FuseJob& job, const FuseMapsRes
     absl::ReaderMutexLock lock(&strand_.mutex());
     record.merge_ms = SinceVerified(record.plan.overlaps);
   }
-  // Where all was adjusted since, poses from before would undo that; fused anew, they don't. After
-  // an urgent one all is adjusted again.
+  // Where all was adjusted since, poses from before would undo that; fusing the same anew does not.
+  // After an urgent fusing all is adjusted again.
   if (IsOvertaken(job, record)) return absl::OkStatus();
   RETURN_IF_ERROR(strand_.Append(record));
-  // Given up when the lock is: freeing takes time, too.
+  // The layers are given up after the lock: freeing them takes time, too.
   RevisionLayers layers = PrepareLayers(record.plan, strand_.options(), strand_.state_in_turn());
   absl::MutexLock lock(&strand_.mutex());
   const bool urgent = map_store::Apply(record, layers, strand_.mutable_state());
@@ -129,7 +129,8 @@ absl::Status FusionCoordinator::CommitAdjust(const AdjustJob& job,
     const auto it = state.global.islands.find(job.snapshot.island);
     if (it == state.global.islands.end()) return absl::OkStatus();
     if (it->second.generation != job.snapshot.generation) return absl::OkStatus();
-    // What arrived or was welded while the worker was busy waits for the next one.
+    // The island stays dirty if something arrived or was welded while the worker was busy: it waits
+    // for the next adjustment.
     record.dirty = it->second.version_of_owners > job.snapshot.version_of_owners ||
                    WasPlacedSince(job.request.base_revision, record.plan, state.global);
   }

@@ -1,4 +1,4 @@
-// Who wants to hear that a mission has changed.
+// Keeps who wants to hear that a mission has changed.
 #ifndef CORBSLAM_MAP_STORE_MISSION_LISTENERS_H_
 #define CORBSLAM_MAP_STORE_MISSION_LISTENERS_H_
 
@@ -12,19 +12,20 @@
 
 namespace corbslam::map_store {
 
-// Thread-safe. Listeners are called without its lock, and without any other of the store's.
+// Calls listeners without its lock, and without any other lock of the store. Thread-safe.
 class Listeners {
  public:
   using Listener = std::function<void()>;
 
-  // Takes the place of the session's listener; null takes it away.
+  // Replaces the session's listener; null takes it away.
   void SetOfSession(uint64_t session_id, Listener listener);
-  // Calls it for the last time. Nothing where there is none.
+  // Calls the session's listener for the last time, if there is one.
   void CallLast(uint64_t session_id);
-  // Nothing where there is none.
+  // Calls the session's listener, if there is one.
   void Call(uint64_t session_id) const;
 
-  // The token is no other mission's: another one may have got the name when it is removed.
+  // Returns a token that no other mission has: another mission may have got the name when the
+  // listener is removed.
   uint64_t AddOfMap(Listener listener);
   void RemoveOfMap(uint64_t token);
   bool has_of_map() const;

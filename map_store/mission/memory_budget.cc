@@ -9,7 +9,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// Giving memory back looks at all of the heap.
+// Giving memory back looks at all of the heap, so that it is not done more often.
 constexpr absl::Duration kBetweenTrims = absl::Seconds(10);
 
 }  // namespace

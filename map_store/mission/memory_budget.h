@@ -1,4 +1,5 @@
-// The process's memory against a limit: robots are told to wait before the kernel ends it.
+// Holds the process's memory against a limit: robots are told to wait before the kernel ends the
+// process.
 #ifndef CORBSLAM_MAP_STORE_MISSION_MEMORY_BUDGET_H_
 #define CORBSLAM_MAP_STORE_MISSION_MEMORY_BUDGET_H_
 
@@ -14,21 +15,21 @@
 
 namespace corbslam::map_store {
 
-// Thread-safe. Everything counts, whoever allocated it: maps, what robots were told, the journal's
-// buffers, views that workers are sent.
+// Checks the memory of the whole process, whoever allocated it: maps, what robots were told, the
+// journal's buffers, views that workers are sent. Thread-safe.
 class MemoryBudget {
  public:
-  // `limit_bytes` of the process; 0: none. `resident_bytes` measures, `clock` spaces what is done
-  // to give memory back.
+  // `limit_bytes` is of the process; 0: there is no limit. `resident_bytes` measures the process,
+  // and `clock` says when it is time again to give memory back.
   MemoryBudget(uint64_t limit_bytes, std::function<uint64_t()> resident_bytes,
                std::function<absl::Time()> clock);
 
-  // RESOURCE_EXHAUSTED, with what is there and the limit, where `what` does not fit with so many
-  // bytes more.
+  // Returns RESOURCE_EXHAUSTED, with the memory in use and the limit, where `what` does not fit
+  // with `bytes` more.
   absl::Status Check(absl::string_view what, uint64_t bytes);
 
   uint64_t limit_bytes() const { return limit_bytes_; }
-  // Checks that ended with an error.
+  // Returns the number of checks that ended with an error.
   uint64_t refused() const { return refused_; }
 
  private:

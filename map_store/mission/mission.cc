@@ -56,7 +56,7 @@ void Mission::Delete() {
     strand_.MarkDeleted();
     fusion_.Stop();
   }
-  // A snapshot that has begun must not come behind the deletion.
+  // A snapshot that has begun must not be written after the deletion.
   snapshots_.WaitForEnd();
   listeners().CallAllBut(0);
 }

@@ -1,4 +1,4 @@
-// One mission: its state, who is connected to it, and what is fused of it.
+// One mission is its state, who is connected to it, and what is fused of it.
 #ifndef CORBSLAM_MAP_STORE_MISSION_MISSION_H_
 #define CORBSLAM_MAP_STORE_MISSION_MISSION_H_
 
@@ -14,7 +14,7 @@
 
 namespace corbslam::map_store {
 
-// Thread-safe. Puts the parts together; what they do is said with them.
+// Puts the parts of a mission together; each part's own header says what it does. Thread-safe.
 class Mission {
  public:
   Mission(std::string name, MissionEnvironment environment);
@@ -36,7 +36,8 @@ class Mission {
   }
   MissionLoad Load() const;
   MissionInfo Info() const;
-  // Nothing was ever written of it, and nobody watches it: without a session it need not be kept.
+  // Returns whether nothing was ever written of it and nobody watches it: without a session it need
+  // not be kept.
   bool IsVacant() const;
 
   // Ends everything: sessions are fenced, jobs cancelled, nothing is written any more.

@@ -13,7 +13,7 @@ size_t& CountOf(Kind kind, FusionRequestCounts& counts) {
   return kind == Kind::kAdjust ? counts.adjust : counts.fuse;
 }
 
-// As if the action were done, without what would follow from it.
+// Changes the summary as if the action were done, without what would follow from it.
 void TakeAsDone(const FusionAction& action, FusionSummary& summary) {
   std::erase_if(summary.waiting, [&action](const FusionSummary::OverlapSummary& overlap) {
     return std::find(action.overlaps.begin(), action.overlaps.end(), overlap.id) !=
@@ -32,7 +32,7 @@ void TakeAsDone(const FusionAction& action, FusionSummary& summary) {
 
 FusionRequestCounts CountRequests(FusionSummary summary, const PolicyLimits& limits) {
   FusionRequestCounts counts;
-  // Queries are taken one by one: their number says it all.
+  // Queries are taken one by one, so that their number is that of the requests.
   counts.verify = summary.queries;
   summary.graph_lane_busy = summary.adjustment_lane_busy = false;
   while (true) {

@@ -11,8 +11,9 @@
 namespace corbslam::map_store {
 namespace {
 
-// Two processes of one name would throw each other out for ever. A process that comes back takes
-// its own older session's place, and so does an agent that says nothing of processes.
+// Refuses a second process of an agent's name: two would throw each other out for ever. A process
+// that comes back takes its own older session's place, and so does an agent that says nothing of
+// processes.
 absl::Status CheckNotHeld(absl::string_view mission, const AgentState& agent,
                           const SessionRequest& request) {
   const bool is_held = agent.session != 0 && request.instance != 0 &&
@@ -77,11 +78,12 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
                                                    const SessionRequest& request) {
   ASSIGN_OR_RETURN(Opened opened, Enter(session_id, request));
   {
-    // Once the session before has stopped telling.
+    // The lock is free once the session before has stopped telling the robot.
     absl::MutexLock telling(&opened.told->mutex);
     ResumeSharing(request.last_revision, opened.told->share);
+    opened.told->updates = 0;
   }
-  // The robot forgets what the grant acknowledges.
+  // The acknowledged batches must be durable, as the robot forgets them.
   if (const absl::Status durable = strand_.Sync(); !durable.ok()) {
     absl::MutexLock lock(&strand_.mutex());
     uint64_t& session = strand_.mutable_state().agents.at(request.agent).session;
@@ -126,7 +128,22 @@ absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::NextShared(uint64_t
     update = Look(session_id, agent, byte_budget, told->share);
   } while (update.ok() && !update->has_value() && told->share.unfinished);
   if (!update.ok()) ForgetLastUpdate(told->share);
+  told->complete_at_version = told->share.complete_at_version;
+  if (update.ok() && update->has_value()) ++told->updates;
   return update;
+}
+
+void MissionSessions::DescribeTold(AgentInfo& agent) const {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  const auto told = told_.find(agent.name);
+  if (told == told_.end() || !agent.connected) return;
+  agent.shared_updates = told->second.updates;
+  const MissionState& state = strand_.state();
+  const Island* island =
+      agent.local_maps.empty() ? nullptr : state.FindIslandOf(agent.local_maps.back());
+  // A local map that was merged with none has nothing to be told.
+  agent.up_to_date = island == nullptr || island->local_maps.size() < 2 ||
+                     told->second.complete_at_version == island->shared_version;
 }
 
 absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::Look(uint64_t session_id,

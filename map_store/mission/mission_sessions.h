@@ -1,4 +1,4 @@
-// Who is connected to a mission, and what each robot has been told of it.
+// Keeps who is connected to a mission, and what each robot has been told of it.
 #ifndef CORBSLAM_MAP_STORE_MISSION_MISSION_SESSIONS_H_
 #define CORBSLAM_MAP_STORE_MISSION_MISSION_SESSIONS_H_
 
@@ -21,58 +21,67 @@
 
 namespace corbslam::map_store {
 
-// ABORTED: the session is not the agent's any more, or the mission is deleted.
+// Returns ABORTED if the session is not the agent's any more, or the mission is deleted.
 absl::Status CheckSession(const MissionStrand& strand, uint64_t session_id,
                           const std::string& agent) ABSL_SHARED_LOCKS_REQUIRED(strand.mutex());
 
-// Thread-safe.
+// Opens and closes sessions, and makes the shared updates of each. Thread-safe.
 class MissionSessions {
  public:
-  // Not owned; must outlive it.
+  // `strand` is not owned and must outlive it.
   explicit MissionSessions(MissionStrand& strand) : strand_(strand) {}
 
-  // Fences an older session of the agent, unless another process holds that.
+  // Opens a session and fences an older one of the agent, unless another process holds that.
   absl::StatusOr<SessionGrant> Open(uint64_t session_id, const SessionRequest& request);
   void Close(uint64_t session_id, const std::string& agent);
 
   absl::StatusOr<std::optional<SharedUpdate>> NextShared(uint64_t session_id,
                                                          const std::string& agent,
                                                          size_t byte_budget);
-  // MapStore::AskForExactPlaces, MapStore::TakeExactPlacesWanted.
+  // These do what MapStore::AskForExactPlaces and MapStore::TakeExactPlacesWanted say.
   absl::Status AskForExactPlaces(const std::string& agent);
   bool TakeExactPlacesWanted(const std::string& agent);
+
+  // Says of a connected agent what its session was told.
+  void DescribeTold(AgentInfo& agent) const;
 
   Listeners& listeners() { return listeners_; }
   const Listeners& listeners() const { return listeners_; }
 
  private:
-  // What one agent was told. Its lock is taken before the state's, which who tells it more lets go
-  // of now and then.
+  // What one agent was told. Its lock is taken before the state's lock; who tells the agent more
+  // lets go of the state's lock now and then.
   struct Told {
     absl::Mutex mutex;
     ShareState share ABSL_GUARDED_BY(mutex);
-    // By somebody, and the agent has not been asked.
+    // True: somebody wants exact places, and the agent has not been asked for them yet.
     std::atomic<bool> exact_places_wanted = false;
+    // Of its session: the updates that it was sent, and ShareState::complete_at_version after the
+    // last look.
+    std::atomic<uint64_t> updates = 0;
+    std::atomic<uint64_t> complete_at_version = 0;
   };
   struct Opened {
     SessionGrant grant;
-    uint64_t fenced = 0;   // The session whose place it took; 0: none.
-    Told* told = nullptr;  // The agent's.
+    uint64_t fenced = 0;  // The session whose place it took; 0: none.
+    // Of the session's agent.
+    Told* told = nullptr;
   };
 
   absl::Status CheckRequest(const SessionRequest& request) const
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   absl::StatusOr<Opened> Enter(uint64_t session_id, const SessionRequest& request);
-  // Null: no session was ever opened by it.
+  // Returns null if the agent never opened a session.
   Told* FindTold(const std::string& agent);
-  // The next update, after one look at the state; none: share.unfinished says whether to look
-  // again.
+  // Returns the next update after one look at the state; nullopt: share.unfinished says whether to
+  // look again.
   absl::StatusOr<std::optional<SharedUpdate>> Look(uint64_t session_id, const std::string& agent,
                                                    size_t byte_budget, ShareState& share) const;
 
   MissionStrand& strand_;
   Listeners listeners_;
-  std::map<std::string, Told> told_ ABSL_GUARDED_BY(strand_.mutex());  // Of all agents ever.
+  // What each agent was told, of all agents that ever had a session.
+  std::map<std::string, Told> told_ ABSL_GUARDED_BY(strand_.mutex());
 };
 
 }  // namespace corbslam::map_store

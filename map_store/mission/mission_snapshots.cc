@@ -15,7 +15,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// How much there is of a local map: a replay must come to the same.
+// Says how much there is of a local map; a replay must come to the same.
 struct Extent {
   uint64_t last_batch = 0;
   size_t keyframes = 0;
@@ -92,7 +92,7 @@ absl::StatusOr<MissionBackup> MissionSnapshots::BackUp() {
   if (!strand_.environment().journal->KeepsRecords()) {
     return strand_.WithState([](const MissionState& state) { return MissionBackup(state); });
   }
-  // A snapshot that is written meanwhile would take the place of records that the replay reads.
+  // A snapshot that was written meanwhile would take the place of records that the replay reads.
   absl::MutexLock one(&mutex_);
   Beginning beginning;
   std::vector<std::shared_ptr<const KeyframePayload>> keyframes;

@@ -10,7 +10,8 @@
 namespace corbslam::map_store {
 namespace {
 
-// Above all versions that watchers may have seen before.
+// Versions grow by so much with each start of the process, above all that watchers may have seen
+// before.
 constexpr uint64_t kVersionsOfALife = uint64_t{1} << 40;
 
 struct ApplyAgain {
@@ -100,7 +101,7 @@ absl::StatusOr<MissionState> MissionStrand::ReplayUntil(
     state = std::move(snapshot);
     return absl::OkStatus();
   };
-  // Its records were applied once before: they are sound, and words decide nothing any more.
+  // The records were applied once before: they are sound, and words decide nothing any more.
   replay.on_record = [&](const JournalRecord& record) -> absl::Status {
     if (IsDeleted() || !goes_on()) return absl::CancelledError("no snapshot any more");
     const BatchWords none;

@@ -1,4 +1,4 @@
-// A mission's state behind a lock, and the strand of those who change it.
+// Keeps a mission's state behind a lock, and the strand of those who change it.
 #ifndef CORBSLAM_MAP_STORE_MISSION_MISSION_STRAND_H_
 #define CORBSLAM_MAP_STORE_MISSION_MISSION_STRAND_H_
 
@@ -27,14 +27,15 @@ struct MissionEnvironment {
   const Vocabulary* vocabulary = nullptr;
   Journal* journal = nullptr;
   std::function<absl::Time()> clock;
-  // Called, without locks, when there may be something to fuse.
+  // The strand calls this, without locks, when there may be something to fuse.
   std::function<void()> wake_fusion;
   bool has_worker = false;
   MemoryBudget* memory = nullptr;
 };
 
-// Thread-safe. Writers take their turn, and hold it while the journal writes; the state's own lock
-// is held only to read or to change memory, never across the journal, a worker or a listener.
+// Lets writers take their turn, which they hold while the journal writes; the state's own lock is
+// held only to read or to change memory, never across the journal, a worker or a listener.
+// Thread-safe.
 class MissionStrand {
  public:
   MissionStrand(std::string name, MissionEnvironment environment);
@@ -45,23 +46,24 @@ class MissionStrand {
   const MissionEnvironment& environment() const { return environment_; }
   const MapStoreOptions& options() const { return *environment_.options; }
 
-  // What the journal has of it. Before anything else. DATA_LOSS: names what can't be had.
+  // Reads what the journal has of the mission; called before anything else. DATA_LOSS names what
+  // can't be read.
   absl::Status Recover() ABSL_LOCKS_EXCLUDED(mutex_);
-  // Likewise a state from elsewhere, which the journal has.
+  // Takes over a state from elsewhere, which the journal has already; called before anything else.
   void Restore(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
-  // What the mission was after a record, from the journal, without features. CANCELLED once the
-  // mission is deleted or `goes_on`, called often, says no.
+  // Returns what the mission was after a record, from the journal, without features. CANCELLED once
+  // the mission is deleted or `goes_on`, which is called often, says no.
   absl::StatusOr<MissionState> ReplayUntil(Journal::Position position,
                                            const std::function<bool()>& goes_on) const
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  // The writers' turn; taken before the state's lock.
+  // Returns the lock that is the writers' turn; it is taken before the state's lock.
   absl::Mutex& turn() ABSL_LOCK_RETURNED(turn_) { return turn_; }
   absl::Mutex& mutex() const ABSL_LOCK_RETURNED(mutex_) { return mutex_; }
   const MissionState& state() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return state_; }
   MissionState& mutable_state() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return state_; }
-  // For whoever has the turn and reads much: of local maps and what was fused of them only writers
-  // change anything. Agents, queries, overlaps and the islands' flags need the lock.
+  // Returns the state to whoever has the turn and reads much: only writers change local maps and
+  // what was fused of them. Agents, queries, overlaps and the islands' flags need the lock.
   const MissionState& state_in_turn() const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_) ABSL_NO_THREAD_SAFETY_ANALYSIS {
     return state_;
@@ -73,17 +75,18 @@ class MissionStrand {
     return read(static_cast<const MissionState&>(state_));
   }
 
-  // From here on nothing is written any more. Whoever holds the turn sees no change of it.
+  // Ends all writing: from here on nothing is written any more. Whoever holds the turn sees no
+  // change of it.
   void MarkDeleted() ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_) ABSL_LOCKS_EXCLUDED(mutex_);
   bool deleted() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return deleted_; }
   bool IsDeleted() const ABSL_LOCKS_EXCLUDED(mutex_);
-  // NOT_FOUND, by name.
+  // Returns NOT_FOUND, with the mission's name.
   absl::Status Deleted() const;
 
   absl::Status Append(const JournalRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
-  // The last record that was appended; 0: none.
+  // Returns the position of the last record that was appended; 0: none.
   Journal::Position appended() const { return appended_; }
-  // All that was appended so far is durable.
+  // Makes all that was appended so far durable.
   absl::Status Sync() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
 
  private:

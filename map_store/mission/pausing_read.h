@@ -1,4 +1,4 @@
-// Reading much of a mission's state under its lock, with pauses in which writers have their turn.
+// Reads much of a mission's state under its lock, with pauses in which writers have their turn.
 #ifndef CORBSLAM_MAP_STORE_MISSION_PAUSING_READ_H_
 #define CORBSLAM_MAP_STORE_MISSION_PAUSING_READ_H_
 
@@ -12,15 +12,15 @@
 
 namespace corbslam::map_store {
 
-// Made, used and given up under the lock, held for reading.
+// Is made, used and given up by one thread under the lock, held for reading.
 class PausingRead : public LongRead {
  public:
-  // `goes_on` is asked after each pause, under the lock: an error is Pause's.
+  // `goes_on` is called after each pause, under the lock; Pause returns its error.
   PausingRead(absl::Mutex& mutex, std::function<absl::Status()> goes_on)
       ABSL_SHARED_LOCKS_REQUIRED(mutex)
       : mutex_(mutex), goes_on_(std::move(goes_on)) {}
 
-  // A writer that waits comes first.
+  // Lets a writer that waits come first.
   absl::Status Pause() override ABSL_NO_THREAD_SAFETY_ANALYSIS {
     mutex_.ReaderUnlock();
     mutex_.ReaderLock();

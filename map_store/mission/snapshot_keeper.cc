@@ -25,7 +25,7 @@ void SnapshotKeeper::Stop() {
 }
 
 void SnapshotKeeper::Run() {
-  // Robots wait for the other threads, nobody for this one.
+  // Robots wait for the other threads, but nobody waits for this one.
   const absl::Status lowered = LowerThreadPriority(kStepsLower);
   LOG_IF(WARNING, !lowered.ok()) << "snapshots may hold up robots: " << lowered;
   absl::Time next_try = absl::InfinitePast();
@@ -34,7 +34,7 @@ void SnapshotKeeper::Run() {
     for (const std::shared_ptr<Mission>& mission : missions_()) {
       const absl::Status kept = mission->snapshots().Keep([this] { return !signal_.stopped(); });
       if (kept.ok() || absl::IsCancelled(kept)) continue;
-      // It is wanted again with the next batch, and would cost as much again.
+      // The next batch would want the snapshot again, which would cost as much again.
       LOG(WARNING) << "no snapshot was written: " << kept;
       next_try = clock_() + kAfterFailure;
     }

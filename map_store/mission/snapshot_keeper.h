@@ -14,7 +14,7 @@
 
 namespace corbslam::map_store {
 
-// Thread-safe.
+// Writes one snapshot at a time, of whichever mission wants one. Thread-safe.
 class SnapshotKeeper {
  public:
   using ListMissions = std::function<std::vector<std::shared_ptr<Mission>>()>;
@@ -23,9 +23,10 @@ class SnapshotKeeper {
   ~SnapshotKeeper() { Stop(); }
 
   void Start(ListMissions missions);
-  // Gives up the one that is being written, and joins. The missions must still be there.
+  // Gives up the snapshot that is being written, and joins the thread. The missions must still be
+  // there.
   void Stop();
-  // Something was written to a journal.
+  // Tells the thread that something was written to a journal.
   void Wake() { signal_.Wake(); }
 
  private:

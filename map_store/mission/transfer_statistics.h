@@ -1,4 +1,4 @@
-// What batches took on their way: items, bytes, time.
+// Counts what batches took on their way: items, bytes, time.
 #ifndef CORBSLAM_MAP_STORE_MISSION_TRANSFER_STATISTICS_H_
 #define CORBSLAM_MAP_STORE_MISSION_TRANSFER_STATISTICS_H_
 
@@ -7,7 +7,7 @@
 
 namespace corbslam::map_store {
 
-// About what the items take on the wire, where the transport does not say.
+// Returns about what the items take on the wire, where the transport does not say it.
 BatchTransfer EstimateTransfer(const MapUpdateBatch& batch);
 
 // Adds a batch, whose time is shared out by bytes.

@@ -10,15 +10,15 @@
 
 namespace corbslam::map_store {
 
-// Thread-safe.
+// Counts wakes, so that a thread misses none. Thread-safe.
 class WorkSignal {
  public:
-  // Wakes all that wait.
+  // Wakes all threads that wait.
   void Wake() {
     absl::MutexLock lock(&mutex_);
     ++wakes_;
   }
-  // From here on nobody waits.
+  // Ends all waiting, from here on.
   void Stop() {
     absl::MutexLock lock(&mutex_);
     stopped_ = true;
@@ -28,8 +28,8 @@ class WorkSignal {
     return stopped_;
   }
 
-  // Waits for a wake that this thread has not seen; `seen`, its own count, is 0 at first. False: it
-  // is stopped.
+  // Waits for a wake that this thread has not seen; `seen`, the thread's own count, is 0 at first.
+  // Returns false once stopped.
   bool Wait(uint64_t& seen) const {
     absl::MutexLock lock(&mutex_);
     const auto woken = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -39,7 +39,7 @@ class WorkSignal {
     seen = wakes_;
     return !stopped_;
   }
-  // Waits so long, whoever wakes meanwhile. False: it is stopped.
+  // Waits for as long as `pause`, whoever wakes meanwhile. Returns false once stopped.
   bool WaitFor(absl::Duration pause) const {
     absl::MutexLock lock(&mutex_);
     mutex_.AwaitWithTimeout(absl::Condition(&stopped_), pause);

@@ -7,7 +7,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// Whole seconds, for people.
+// Returns whole seconds, for people.
 absl::Duration Since(absl::Time begin, absl::Time now) {
   return absl::Trunc(now - begin, absl::Seconds(1));
 }

@@ -1,4 +1,4 @@
-// Whether fusion workers take what the store asks of them.
+// Knows whether fusion workers take what the store asks of them.
 #ifndef CORBSLAM_MAP_STORE_MISSION_WORKER_WATCH_H_
 #define CORBSLAM_MAP_STORE_MISSION_WORKER_WATCH_H_
 
@@ -14,16 +14,16 @@
 
 namespace corbslam::map_store {
 
-// An outage begins with the first request that is UNAVAILABLE and ends with the first one that is
-// not. Its beginning is logged with the cause, again more and more seldom, and its end.
-// Thread-safe.
+// Watches for outages. An outage begins with the first request that is UNAVAILABLE and ends with
+// the first one that is not. Its beginning is logged with the cause, again more and more seldom,
+// and so is its end. Thread-safe.
 class WorkerWatch {
  public:
   explicit WorkerWatch(std::function<absl::Time()> clock) : clock_(std::move(clock)) {}
 
-  // How a request ended. One that was cancelled says nothing of workers.
+  // Notes how a request ended. One that was cancelled says nothing of workers.
   void Note(const absl::Status& status);
-  // The one that lasts.
+  // Returns the outage that lasts; nullopt: there is none.
   std::optional<WorkerOutage> outage() const;
 
  private:

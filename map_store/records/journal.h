@@ -1,5 +1,5 @@
-// Where the map store writes what changes its missions, in order, so that they can be had again
-// after a crash.
+// The map store writes into a journal what changes its missions, in order, so that they can be had
+// again after a crash.
 #ifndef CORBSLAM_MAP_STORE_RECORDS_JOURNAL_H_
 #define CORBSLAM_MAP_STORE_RECORDS_JOURNAL_H_
 
@@ -21,66 +21,68 @@ namespace corbslam {
 // A mission's state after all records up to a position.
 struct JournalSnapshot {
   uint64_t position = 0;
-  std::string state;                  // EncodeState's.
-  std::vector<KeyframeId> keyframes;  // Of which the features are still needed, by id.
+  std::string state;  // As EncodeState makes it.
+  // Keyframes whose features are still needed, by id.
+  std::vector<KeyframeId> keyframes;
 };
 
-// Thread-safe. Records of one mission are appended one at a time.
+// Keeps the records of missions; records of one mission are appended one at a time. Thread-safe.
 class Journal {
  public:
-  // Of an append; grows.
+  // Names an append; it grows with each.
   using Position = uint64_t;
 
   struct Replay {
-    // Called once at most, before all records: the state that a snapshot held.
+    // Called once at most, before all records, with the state that a snapshot held.
     std::function<absl::Status(map_store::MissionState)> on_snapshot;
-    // Called for each record since, in order.
+    // Called for each record since the snapshot, in order.
     std::function<absl::Status(const map_store::JournalRecord&)> on_record;
-    // Records behind it are left out.
+    // Records after this position are left out.
     Position until = std::numeric_limits<Position>::max();
     // False: a snapshot's keyframes come with empty features, a record's with as many as there are,
-    // all zero. What features are not needed for costs a fraction.
+    // all zero. A replay that does not need features then costs a fraction.
     bool with_features = true;
   };
 
   virtual ~Journal() = default;
 
-  // Puts the record behind those before it. An error means that nothing was written:
+  // Puts the record behind the ones before it. An error means that nothing was written:
   // RESOURCE_EXHAUSTED (no room), UNAVAILABLE (the disk refuses), each naming the journal.
   virtual absl::StatusOr<Position> Append(absl::string_view mission,
                                           const map_store::JournalRecord& record) = 0;
-  // Returns once all up to the position would survive what this journal promises to survive. An
-  // error means that it is not certain.
+  // Returns once everything up to the position would survive what this journal promises to survive.
+  // An error means that it is not certain.
   virtual absl::Status Sync(Position position) = 0;
 
-  // Whether so much was appended to the mission since its last snapshot that one is worth while.
+  // Returns whether so much was appended to the mission since its last snapshot that another one is
+  // worth while.
   virtual bool WantsSnapshot(absl::string_view mission) const = 0;
-  // Takes the place of all the mission's records up to its position.
+  // Writes a snapshot in the place of all the mission's records up to its position.
   virtual absl::Status WriteSnapshot(absl::string_view mission,
                                      const JournalSnapshot& snapshot) = 0;
 
   // Begins a mission with a state that was made elsewhere, as a snapshot and the features of its
-  // keyframes. All of it or nothing is durable. Of one mission once at a time, and of none that has
-  // records.
+  // keyframes. All of it or nothing is durable. The caller does this for one mission once at a
+  // time, and never for a mission that has records.
   virtual absl::Status CreateMission(absl::string_view mission,
                                      const map_store::MissionState& state) = 0;
 
   virtual absl::StatusOr<std::vector<std::string>> ListMissions() const = 0;
-  // Whether Recover replays what was appended.
+  // Returns whether Recover replays what was appended.
   virtual bool KeepsRecords() const { return true; }
-  // Returns the position of the last that was replayed; 0 for a mission without records. DATA_LOSS,
-  // naming the mission and the place, for what can't be read.
+  // Replays a mission. Returns the position of the last record that was replayed; 0 for a mission
+  // without records. DATA_LOSS, naming the mission and the place, for what can't be read.
   virtual absl::StatusOr<Position> Recover(absl::string_view mission,
                                            const Replay& replay) const = 0;
-  // Durable when it returns.
+  // The deletion is durable when this returns.
   virtual absl::Status DeleteMission(absl::string_view mission) = 0;
 
-  // Whether it takes records now; the error that Append would give otherwise. After a failed write
-  // it finds out by trying, so that somebody should ask now and then.
+  // Returns OK if the journal takes records now, else the error that Append would give. After a
+  // failed write the journal finds out by trying, so that somebody should call this now and then.
   virtual absl::Status CheckWritable() = 0;
 };
 
-// Survives nothing; counts.
+// Keeps nothing and only counts: a journal for tests and for stores without a disk. Thread-safe.
 class InMemoryJournal : public Journal {
  public:
   absl::StatusOr<Position> Append(absl::string_view mission,

@@ -1,6 +1,6 @@
-// What changes a mission's state, as values: whoever applies a mission's records in their order to
-// an empty state gets its state. Live changes and replays after a crash go through the same
-// functions (record_application.h).
+// Records are what changes a mission's state, as values: whoever applies a mission's records in
+// their order to an empty state gets its state. Live changes and replays after a crash go through
+// the same functions (record_application.h).
 #ifndef CORBSLAM_MAP_STORE_RECORDS_JOURNAL_RECORDS_H_
 #define CORBSLAM_MAP_STORE_RECORDS_JOURNAL_RECORDS_H_
 
@@ -18,7 +18,7 @@
 
 namespace corbslam::map_store {
 
-// A batch that passed validation.
+// A batch passed validation.
 struct BatchRecord {
   std::string agent;
   std::shared_ptr<const MapUpdateBatch> batch;
@@ -32,11 +32,11 @@ struct QueryRecord {
   absl::Time verified_at;
 };
 
-// Two islands became one, or (no source in the plan) overlaps were welded into one.
+// Two islands became one, or (where the plan has no source) overlaps were welded into one.
 struct FuseRecord {
   RevisionPlan plan;
   std::vector<LocalMapId> relaxed;
-  double merge_ms = 0;  // Since the first of its overlaps was verified.
+  double merge_ms = 0;  // Milliseconds since the first of its overlaps was verified.
 };
 
 // The worker found that the overlaps bend the graph.
@@ -49,21 +49,22 @@ struct FuseRefusedRecord {
 
 struct AdjustRecord {
   RevisionPlan plan;
-  bool dirty = false;  // Owners said more while the worker was busy.
+  bool dirty = false;  // True: owners said more while the worker was busy.
   GlobalAdjustmentStatistics statistics;
 };
 
 // The global layer was forgotten, to be derived again.
 struct RederiveRecord {};
 
-// Somebody took back an overlap; or all between its two local maps, for ever.
+// Somebody took back an overlap; or, with `keep_apart`, all overlaps between its two local maps,
+// for ever.
 struct RetractRecord {
   uint64_t overlap = 0;
   bool keep_apart = false;
 };
 
-// What is not there (queries without candidates, workers' failures) is decided again after a
-// restart.
+// Events that are no records (queries without candidates, workers' failures) are decided again
+// after a restart.
 using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
                                    AdjustRecord, RederiveRecord, RetractRecord>;
 

@@ -24,7 +24,7 @@ bool IsSound(const Overlap& overlap, const QueryTask& task) {
          overlap.candidate_from_query.translation.allFinite() && IsCovariance(overlap.covariance);
 }
 
-// Statistics travel whole, in a message of 4 MiB.
+// Adds an item and drops the oldest beyond a limit: statistics travel whole, in a message of 4 MiB.
 template <typename T>
 void AddNewest(const T& item, std::vector<T>& items) {
   constexpr size_t kKept = 10'000;
@@ -50,7 +50,8 @@ void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOpt
   if (local_map == nullptr) {
     local_map = &AddLocalMap(state, record.batch->local_map, record.agent);
   }
-  // Also before: what expired when the session opened stays so in a replay, which has no sessions.
+  // Parked references expire also before the batch: what expired when the session opened stays so
+  // in a replay, which has no sessions.
   ExpireParked(record.received_at, options, *local_map);
   ApplyBatch(*record.batch, words, options, state, *local_map);
   ExpireParked(record.received_at, options, *local_map);
@@ -95,7 +96,7 @@ bool Apply(const FuseRecord& record, RevisionLayers& layers, MissionState& state
   island.overlaps_since_adjustment += plan.overlaps.size();
   if (merged) AddNewest(record.merge_ms, state.statistics.merge_ms);
   if (!urgent) return false;
-  // What is being adjusted now is not this graph any more.
+  // An adjustment that runs now is not of this graph any more.
   ++island.generation;
   if (merged || !record.relaxed.empty()) island.needs_adjustment = true;
   return true;
@@ -135,7 +136,7 @@ void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionS
 
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
                        Island& island) {
-  // One that runs already does not know of it.
+  // An adjustment that runs already does not know of the relaxed local maps.
   if (!relaxed.empty()) ++island.generation;
   for (const LocalMapId& id : relaxed) {
     island.displaced.merge(FindRelaxedKeyframes(state, island, id));
@@ -162,7 +163,7 @@ absl::Status CheckOverlaps(const std::vector<uint64_t>& overlaps, const MissionS
   return absl::OkStatus();
 }
 
-// Where a revision puts things: the items of its islands.
+// Checks that all that the plan places or culls belongs to its islands.
 absl::Status CheckPlaces(const RevisionPlan& plan, const MissionState& state) {
   const auto check = [&](const auto& id) {
     const Island* island = state.FindIslandOf(id.local_map);

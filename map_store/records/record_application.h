@@ -1,4 +1,4 @@
-// What journal records do to a mission's state: the same when they are made and when they are
+// Does what journal records do to a mission's state: the same when they are made and when they are
 // replayed.
 #ifndef CORBSLAM_MAP_STORE_RECORDS_RECORD_APPLICATION_H_
 #define CORBSLAM_MAP_STORE_RECORDS_RECORD_APPLICATION_H_
@@ -13,32 +13,33 @@
 
 namespace corbslam::map_store {
 
-// Of the batch's full keyframes; empty without a vocabulary.
+// Returns the words of the batch's full keyframes; empty without a vocabulary.
 BatchWords ComputeWords(const MapUpdateBatch& batch, const Vocabulary* vocabulary);
 
 void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOptions& options,
            MissionState& state);
 void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionState& state);
-// It merges islands, or mends what a loop has shown to be wrong: whether an adjustment of what it
-// touches is due at once.
+// Returns whether the record merges islands, or mends what a loop has shown to be wrong: then an
+// adjustment of what it touches is due at once.
 bool IsUrgent(const FuseRecord& record, const MissionState& state);
-// The same, of what was applied. `layers` are of the record's plan (PrepareLayers, TakeLayers), and
-// hold what was there before it afterwards.
+// Applies the record and returns whether it was urgent. `layers` are of the record's plan
+// (PrepareLayers, TakeLayers), and hold the values from before the record afterwards.
 bool Apply(const FuseRecord& record, RevisionLayers& layers, MissionState& state);
 void Apply(const FuseRefusedRecord& record, MissionState& state);
 void Apply(const AdjustRecord& record, RevisionLayers& layers, MissionState& state);
 void Apply(const RederiveRecord& record, MissionState& state);
 void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionState& state);
 
-// A local loop that could not be welded: bundle adjustment alone has to bring it in.
+// Leaves local maps whose loops could not be welded to bundle adjustment, which alone has to bring
+// the loops in.
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state, Island& island);
 void Refuse(const std::string& note, OverlapState to, OverlapEntry& entry);
 
-// DATA_LOSS where a record read from a journal names what the state does not have (records before
-// it are missing), or holds what no store would have written.
+// Returns DATA_LOSS where a record read from a journal names what the state does not have (records
+// before it are missing), or holds what no store would have written.
 absl::Status CheckReplay(const JournalRecord& record, const MissionState& state);
 
-// What a snapshot leaves out: words and keyframe databases.
+// Computes what a snapshot leaves out: words and keyframe databases.
 void RestoreWords(const Vocabulary* vocabulary, MissionState& state);
 
 }  // namespace corbslam::map_store

@@ -1,5 +1,5 @@
-// Is a whole mission that comes from outside fit to be served? Its parts fit together
-// (state_validation.h); this is about what they say.
+// Checks whether a whole mission that comes from outside is fit to be served. Whether its parts fit
+// together is for state_validation.h; this is about what they say.
 #ifndef CORBSLAM_MAP_STORE_RECORDS_RESTORED_STATE_H_
 #define CORBSLAM_MAP_STORE_RECORDS_RESTORED_STATE_H_
 
@@ -9,8 +9,8 @@
 
 namespace corbslam::map_store {
 
-// What ValidateBatch asks of batches, of all that they have made. Errors are as there. References
-// are sound already: DecodeState looks at them.
+// Asks of all that a mission's batches have made what ValidateBatch asks of batches, with the same
+// errors. References are sound already: DecodeState looks at them.
 absl::Status ValidateRestored(const MissionState& state, const MapStoreOptions& options);
 
 }  // namespace corbslam::map_store

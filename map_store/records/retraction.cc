@@ -38,7 +38,7 @@ void TakeBack(OverlapEntry& entry) {
   entry.revision = 0;
 }
 
-// Of the members' own: what fusion placed, found wrong and made one.
+// Forgets what fusion placed, found wrong and made one of the members' own items.
 void ForgetPlaces(const std::set<LocalMapId>& members, GlobalLayer& global) {
   const auto is_of_them = [&members](const auto& item) {
     return members.contains(item.first.local_map);
@@ -55,14 +55,14 @@ void ForgetPlaces(const std::set<LocalMapId>& members, GlobalLayer& global) {
   for (const LocalMapId& id : members) global.island_from_local.erase(id);
 }
 
-// The overlap was believed, or is now that it bends no graph any more.
+// Returns whether the overlap was believed, or is now that it bends no graph any more.
 bool IsBelievedAgain(const OverlapEntry& entry, const GlobalLayer& global) {
   const bool bent_the_graph =
       entry.state == OverlapState::kRefused && entry.overlap.verdict == OverlapVerdict::kBendsGraph;
   return IsAcceptedEntry(entry) || (bent_the_graph && !IsTakenBack(entry.overlap, global));
 }
 
-// Overlaps among the members, as if they had just been verified.
+// Lets overlaps among the members wait to be fused, as if they had just been verified.
 void WaitAgain(const std::set<LocalMapId>& members, const MapStoreOptions& options,
                MissionState& state) {
   std::vector<uint64_t> ids;
@@ -145,7 +145,7 @@ std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions
   ++global.revision;
   if (!held) return meant;
   DissolveIsland(global.island_of.at(named.query.local_map), options, state);
-  // While it joined them, it hid what else the two have in common.
+  // While the overlap joined the two local maps, it hid what else they have in common.
   const auto [earlier, later] = SidesOf(named);
   if (!record.keep_apart) QueueAgain(*state.FindLocalMap(later), {earlier}, state);
   return meant;

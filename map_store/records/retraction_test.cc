@@ -1,4 +1,5 @@
-// What somebody takes back is gone with all that followed from it, and is not believed again.
+// Tests that what somebody takes back is gone with all that followed from it, and is not believed
+// again.
 #include "map_store/records/retraction.h"
 
 #include <gmock/gmock.h>
@@ -33,7 +34,7 @@ using testing::TruthfulWorker;
 
 constexpr char kMission[] = "m";
 
-// Two robots that met, and one that is on the other side of the ring.
+// Two robots meet, and a third one is on the other side of the ring.
 class RetractionTest : public ::testing::Test {
  protected:
   static std::unique_ptr<MapStore> Open(const std::shared_ptr<JournalBytes>& bytes,
@@ -109,7 +110,7 @@ TEST_F(RetractionTest, WhatIsKeptApartStaysApart) {
   ASSERT_TRUE(store->RunFusionUntilIdle(kMission).ok());
   EXPECT_NE(IslandOf(*store, map_a_), IslandOf(*store, map_b_));
 
-  // Neither what is found again nor a restart brings it back.
+  // Neither a rederivation nor a restart brings it back.
   ASSERT_TRUE(store->RederiveGlobalLayer(kMission).ok());
   ASSERT_TRUE(store->RunFusionUntilIdle(kMission).ok());
   EXPECT_NE(IslandOf(*store, map_a_), IslandOf(*store, map_b_));
@@ -124,7 +125,7 @@ TEST_F(RetractionTest, WhatIsKeptApartStaysApart) {
 
 TEST_F(RetractionTest, WhatBentTheGraphOfMapsKeptApartIsNotTriedAgain) {
   MapStoreOptions options = DeterministicOptions();
-  // Ask everybody, however well linked.
+  // Every keyframe is looked up, however well linked it is.
   options.overlap_spacing = 0;
   options.min_shared_landmarks = 100000;
   const auto first = Open(std::make_shared<JournalBytes>(), &honest_, options);
@@ -136,7 +137,7 @@ TEST_F(RetractionTest, WhatBentTheGraphOfMapsKeptApartIsNotTriedAgain) {
   auto store = Open(bytes_, &honest_, options);
   ASSERT_NO_FATAL_FAILURE(StreamAll(*store));
   ASSERT_EQ(IslandOf(*store, map_a_), IslandOf(*store, map_b_));
-  // It would fit a graph without the others.
+  // The refused overlap would fit a graph without the others.
   honest_.bends_graph = nullptr;
   const auto between = Accepted(*store, LocalMapId{0xb});
   ASSERT_TRUE(store->RetractOverlap(kMission, between.at(0).id, true).ok());

@@ -21,7 +21,7 @@ bool IsOf(const LocalMapState& local_map, Id id) {
   return id.IsValid() && id.local_map == local_map.id;
 }
 
-// Every keyframe has its place in the order of arrival.
+// Returns whether every keyframe has its place in the order of arrival.
 bool IsArrivalSound(const LocalMapState& local_map) {
   if (local_map.arrival.size() != local_map.arrived.size()) return false;
   for (size_t i = 0; i < local_map.arrived.size(); ++i) {
@@ -37,7 +37,7 @@ bool IsArrivalSound(const LocalMapState& local_map) {
 bool AreForeignObservationsSound(const LocalMapState& local_map) {
   return std::ranges::all_of(local_map.foreign_observations, [&local_map](const auto& seen) {
     const Keyframe* keyframe = local_map.map.FindKeyframe(seen.first);
-    // By keypoint: the last is the largest.
+    // The observations are sorted by keypoint, so that the last has the largest.
     return keyframe != nullptr &&
            (seen.second.empty() || seen.second.rbegin()->first < keyframe->points.size());
   });
@@ -54,7 +54,7 @@ absl::Status ValidateLocalMap(const LocalMapState& local_map) {
   return Check(own_points, absl::StrCat(what, ": whose points it has"));
 }
 
-// Each local map is one agent's, and each agent's local maps are there.
+// Checks that each local map is one agent's, and that each agent's local maps are there.
 absl::Status ValidateAgents(const MissionState& state) {
   size_t owned = 0;
   for (const auto& [name, agent] : state.agents) {
@@ -69,7 +69,7 @@ absl::Status ValidateAgents(const MissionState& state) {
   return Check(owned == state.local_maps.size(), "whose local maps are whose");
 }
 
-// Every local map lies in one island.
+// Checks that every local map lies in one island.
 absl::Status ValidateIslands(const MissionState& state) {
   size_t members = 0;
   for (const auto& [id, island] : state.global.islands) {
@@ -87,7 +87,7 @@ absl::Status ValidateIslands(const MissionState& state) {
                "which island has which local map");
 }
 
-// Landmarks are of living points, all in one island.
+// Checks that landmarks are of living points, all in one island.
 absl::Status ValidateLandmarks(const MissionState& state) {
   for (const auto& [survivor, points] : state.global.landmarks.sets()) {
     const Island* island = state.FindIslandOf(survivor.local_map);

@@ -1,5 +1,5 @@
-// Is a state that was read back whole? A store takes for granted that what its state refers to is
-// there; bytes from a disk don't.
+// Checks whether a state that was read back is whole: a store takes for granted that what its state
+// refers to is there, but bytes from a disk need not be so.
 #ifndef CORBSLAM_MAP_STORE_RECORDS_STATE_VALIDATION_H_
 #define CORBSLAM_MAP_STORE_RECORDS_STATE_VALIDATION_H_
 
@@ -8,8 +8,8 @@
 
 namespace corbslam::map_store {
 
-// Between the parts of the state; each item's values were looked at when it was read. DATA_LOSS
-// says which part disagrees with which.
+// Checks the parts of the state against one another; each item's values were looked at when it was
+// read. DATA_LOSS says which part disagrees with which.
 absl::Status ValidateState(const MissionState& state);
 
 }  // namespace corbslam::map_store

@@ -1,5 +1,6 @@
-// What records don't say of a mission: what was decided without a worker, and what is counted. It
-// is small; a snapshot has it from the mission as it stands and all the rest from the journal.
+// Copies what records don't say of a mission: what was decided without a worker, and what is
+// counted. It is small; a snapshot has it from the mission as it stands and all the rest from the
+// journal.
 #ifndef CORBSLAM_MAP_STORE_RECORDS_UNRECORDED_STATE_H_
 #define CORBSLAM_MAP_STORE_RECORDS_UNRECORDED_STATE_H_
 
@@ -22,7 +23,7 @@ struct UnrecordedState {
 };
 
 UnrecordedState CopyUnrecorded(const MissionState& state);
-// Into the same mission's state at the same record.
+// Puts it into a state of the same mission at the same record.
 void PutUnrecorded(UnrecordedState unrecorded, MissionState& state);
 
 }  // namespace corbslam::map_store

@@ -30,7 +30,7 @@ std::string MissionPrefix(JournalPart part, std::string_view mission) {
 }
 
 std::string EndOfPrefix(std::string prefix) {
-  prefix.back() = static_cast<char>(prefix.back() + 1);  // The zero byte.
+  prefix.back() = static_cast<char>(prefix.back() + 1);  // The prefix's zero byte becomes 1.
   return prefix;
 }
 

@@ -1,5 +1,5 @@
-// Names of what the journal keeps (docs/journal.md). Numbers are big-endian, so that keys sort as
-// they do; missions' names hold no zero byte.
+// Makes the keys of what the journal keeps (docs/journal.md). Numbers are big-endian, so that keys
+// sort as they do; missions' names hold no zero byte.
 #ifndef CORBSLAM_MAP_STORE_ROCKS_JOURNAL_KEYS_H_
 #define CORBSLAM_MAP_STORE_ROCKS_JOURNAL_KEYS_H_
 
@@ -19,9 +19,9 @@ enum class JournalPart : char {
   kFeatures = 'K',
 };
 
-// All of a mission's keys of that part begin with it.
+// Returns the prefix with which all of a mission's keys of that part begin.
 std::string MissionPrefix(JournalPart part, std::string_view mission);
-// The first key behind all that begin with the prefix.
+// Returns the first key behind all that begin with the prefix.
 std::string EndOfPrefix(std::string prefix);
 
 std::string FormatKey();
@@ -30,8 +30,8 @@ std::string RecordKey(std::string_view mission, uint64_t position);
 std::string SnapshotKey(std::string_view mission, uint64_t position, uint32_t chunk);
 std::string FeaturesKey(std::string_view mission, KeyframeId keyframe);
 
-// The number at the end of a record's key; the keyframe at the end of a key of features. Keys that
-// are too short give 0 and an invalid id.
+// These return the number at the end of a record's key, and the keyframe at the end of a key of
+// features. Keys that are too short give 0 and an invalid id.
 uint64_t PositionOf(std::string_view record_key);
 KeyframeId KeyframeOf(std::string_view features_key);
 

@@ -1,4 +1,4 @@
-// What stands under a mission's key in the journal (docs/journal.md).
+// Says what stands under a mission's key in the journal (docs/journal.md).
 #ifndef CORBSLAM_MAP_STORE_ROCKS_MISSION_HEADER_H_
 #define CORBSLAM_MAP_STORE_ROCKS_MISSION_HEADER_H_
 
@@ -10,13 +10,14 @@
 
 namespace corbslam::map_store {
 
-// Of the whole journal. Older ones from kOldestJournalFormat on are read and become of this format
-// when they are opened, others are refused. 5: without recorded cameras;
-// 6: in which no points follow keyframes; 7: in which no features are coded.
+// Formats of the whole journal. Older ones from kOldestJournalFormat on are read and become
+// kJournalFormat when they are opened; others are refused. Format 5 has no recorded cameras, in
+// format 6 no points follow keyframes, and in format 7 no features are coded.
 inline constexpr uint32_t kOldestJournalFormat = 5;
 inline constexpr uint32_t kJournalFormat = 8;
 
-// The position in the header of a mission that is being created: what is there of it is not whole.
+// The position in the header of a mission that is being created: the part of it that is there is
+// not whole.
 inline constexpr uint64_t kNotWhole = ~uint64_t{0};
 
 struct MissionHeader {
@@ -25,7 +26,7 @@ struct MissionHeader {
 };
 
 std::string Encode(const MissionHeader& header);
-// DATA_LOSS.
+// Returns DATA_LOSS for bytes that are no header.
 absl::StatusOr<MissionHeader> DecodeHeader(std::string_view bytes);
 
 }  // namespace corbslam::map_store

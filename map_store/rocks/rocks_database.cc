@@ -16,8 +16,8 @@ namespace {
 
 constexpr absl::Duration kBetweenTries = absl::Seconds(1);
 
-// Into this program's log. A file of its own beside the database, as there is otherwise, fails with
-// the disk, and the library's assertions don't let it be written to after that.
+// Writes RocksDB's messages into this program's log. A log file beside the database, which is the
+// default, fails with the disk, and the library's assertions don't let it be written to after that.
 class ProgramLog : public rocksdb::Logger {
  public:
   ProgramLog() : Logger(rocksdb::InfoLogLevel::WARN_LEVEL) {}
@@ -33,23 +33,23 @@ class ProgramLog : public rocksdb::Logger {
 rocksdb::Options MakeOptions(rocksdb::Env* env) {
   rocksdb::Options made;
   made.create_if_missing = true;
-  // What a crash tore at the end of the log goes; damage anywhere else is refused.
+  // An end of the log that a crash tore is dropped; damage anywhere else is refused.
   made.wal_recovery_mode = rocksdb::WALRecoveryMode::kTolerateCorruptedTailRecords;
   made.max_total_wal_size = 256 << 20;
-  // Tens of megabytes that are flushed go to the disk as they are written: synced at the end, they
-  // would hold up the log, and with it every acknowledgement. Strictly: a file system that orders
-  // data before its own journal waits for whatever is under way.
+  // Tables of tens of megabytes that are flushed go to the disk as they are written: synced at the
+  // end, they would hold up the log, and with it every acknowledgement. The limit is strict,
+  // because a file system that orders data before its own journal waits for whatever is under way.
   made.bytes_per_sync = 1 << 20;
   made.strict_bytes_per_sync = true;
-  // A burst of uploads fills one while another is flushed; with two, which is the default, all
-  // writers then wait for the disk.
+  // A burst of uploads fills one buffer while another is flushed; with two, which is the default,
+  // all writers then wait for the disk.
   made.max_write_buffer_number = 4;
   // Features are large and never change: compaction leaves them where they are.
   made.enable_blob_files = true;
   made.min_blob_size = 16 << 10;
   made.enable_blob_garbage_collection = true;
   made.info_log = std::make_shared<ProgramLog>();
-  // It would try behind our back what Reopen does.
+  // RocksDB would try behind our back what Reopen does.
   made.max_bgerror_resume_count = 0;
   if (env != nullptr) made.env = env;
   return made;
@@ -73,7 +73,8 @@ rocksdb::Status RocksDatabase::Reopen() {
   absl::MutexLock lock(&mutex_);
   if (!failed_.load()) return rocksdb::Status::OK();
   const absl::Time now = absl::Now();
-  // Corruption: see below. Two databases in one folder can't be.
+  // After corruption (see below) only a new process may open it. Two databases in one folder can't
+  // be.
   if (last_failure_.IsCorruption() || now < last_try_ + kBetweenTries || db_.use_count() > 1) {
     return last_failure_;
   }
@@ -81,7 +82,7 @@ rocksdb::Status RocksDatabase::Reopen() {
   db_.reset();
   last_failure_ = OpenLocked();
   if (!last_failure_.ok()) return last_failure_;
-  // Its log gives back writes in their order, up to some of them.
+  // The log gives back writes in their order, but perhaps not the last ones.
   if (db_->GetLatestSequenceNumber() < last_written_.load()) {
     db_.reset();
     last_failure_ = rocksdb::Status::Corruption(
@@ -121,7 +122,7 @@ rocksdb::Status RocksDatabase::Write(rocksdb::WriteBatch& batch, bool sync) {
 }
 
 rocksdb::Status RocksDatabase::SyncLog() {
-  // What the log held is in tables once it was opened again, and those are synced.
+  // Opening the database again puts what the log held into tables, and those are synced.
   if (failed_.load()) return Reopen();
   const std::shared_ptr<rocksdb::DB> db = Use();
   if (db == nullptr) return rocksdb::Status::Aborted("the journal is closed");

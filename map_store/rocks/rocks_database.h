@@ -1,4 +1,4 @@
-// The RocksDB of a journal: its options, and how it comes back after a write failed.
+// Keeps the RocksDB of a journal: its options, and how it comes back after a write failed.
 #ifndef CORBSLAM_MAP_STORE_ROCKS_ROCKS_DATABASE_H_
 #define CORBSLAM_MAP_STORE_ROCKS_ROCKS_DATABASE_H_
 
@@ -18,22 +18,23 @@
 
 namespace corbslam::map_store {
 
-// Thread-safe. After a failed write RocksDB refuses all others, and does not always find back by
-// itself (its Resume() may go on failing when there is room again). So it is closed and opened
-// again, once a second at most, when the next write comes.
+// Closes the database after a failed write and opens it again, once a second at most, when the next
+// write comes: RocksDB refuses all writes after a failed one, and does not always recover by itself
+// (its Resume() may go on failing when there is room again). Thread-safe.
 class RocksDatabase {
  public:
-  // `env` (not owned) may be null: the system's.
+  // `env` (not owned) may be null: then it is the system's.
   RocksDatabase(std::string directory, rocksdb::Env* env)
       : directory_(std::move(directory)), env_(env) {}
 
-  // First of all.
+  // Opens the database; called before all else.
   rocksdb::Status Open() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  // Corruption: what was written before a failure is not all there; the process must start again.
+  // Returns Corruption if something that was written before a failure is not all there; the process
+  // must then be started again.
   rocksdb::Status Write(rocksdb::WriteBatch& batch, bool sync) ABSL_LOCKS_EXCLUDED(mutex_);
   rocksdb::Status SyncLog() ABSL_LOCKS_EXCLUDED(mutex_);
-  // The last write did not succeed.
+  // Returns whether the last write failed.
   bool failed() const { return failed_.load(); }
   rocksdb::Status Get(const std::string& key, std::string* value) const ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -62,7 +63,7 @@ class RocksDatabase {
   rocksdb::Status Reopen() ABSL_LOCKS_EXCLUDED(mutex_);
   rocksdb::Status Fail(const rocksdb::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   void NoteWritten(uint64_t written);
-  // It stays open as long as the pointer is held.
+  // The database stays open as long as the caller holds the pointer.
   std::shared_ptr<rocksdb::DB> Use() const ABSL_LOCKS_EXCLUDED(mutex_) {
     absl::MutexLock lock(&mutex_);
     return db_;
@@ -72,7 +73,7 @@ class RocksDatabase {
   rocksdb::Env* const env_;
 
   mutable absl::Mutex mutex_;
-  // Null where opening it again failed.
+  // Null if opening the database again failed.
   std::shared_ptr<rocksdb::DB> db_ ABSL_GUARDED_BY(mutex_);
   rocksdb::Status last_failure_ ABSL_GUARDED_BY(mutex_);
   absl::Time last_try_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();

@@ -42,7 +42,7 @@ constexpr size_t kChunkBytes = 1 << 20;
 // RocksDB locks this file of the folder as long as it has the database open.
 constexpr char kLockName[] = "LOCK";
 
-// Why a database can't be opened: with the process that has it, where there is one.
+// Says why a database can't be opened, with the process that has it open, where there is one.
 std::string ExplainOpenFailure(const std::string& directory, const rocksdb::Status& status) {
   const std::string said = status.ToString();
   const bool is_locked = absl::StrContains(said, "While lock file") ||
@@ -101,7 +101,7 @@ absl::Status RocksJournal::WriteFormat() {
 absl::Status RocksJournal::CheckRoom(uint64_t bytes) const {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(options_.directory, error);
-  // Where the system doesn't tell, the write will.
+  // Where the system doesn't tell how much room there is, the write will.
   if (error || space.available >= options_.min_free_bytes + bytes) return absl::OkStatus();
   return absl::ResourceExhaustedError(
       absl::StrCat("journal ", options_.directory, ": the disk has ", space.available,
@@ -116,7 +116,7 @@ absl::Status RocksJournal::CheckRoomForRecord(uint64_t bytes) {
 
 absl::Status RocksJournal::CheckWritable() {
   RETURN_IF_ERROR(CheckRoom(record_without_room_));
-  // Says what is there already.
+  // The write repeats what is there already, to find out whether writing works.
   return database_->failed() ? WriteFormat() : absl::OkStatus();
 }
 
@@ -176,10 +176,10 @@ absl::StatusOr<Journal::Position> RocksJournal::Append(absl::string_view mission
 absl::Status RocksJournal::Sync(Position position) {
   if (!options_.sync) return absl::OkStatus();
   absl::MutexLock lock(&mutex_);
-  // Records of one mission are written one after the other: with this one, those before it are
-  // safe.
+  // Records of one mission are written one after the other: once this one is safe, so are those
+  // before it.
   while (unsynced_.contains(position) || being_synced_.contains(position)) {
-    // One syncs for all that were written by then; the others wait for it.
+    // One thread syncs for all that were written by then; the others wait for it.
     if (syncing_) {
       synced_changed_.Wait(&mutex_);
       continue;
@@ -238,7 +238,7 @@ absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
   turn.DeleteRange(records, RecordKey(name, snapshot.position + 1));
   const std::string snapshots = MissionPrefix(JournalPart::kSnapshot, name);
   turn.DeleteRange(snapshots, SnapshotKey(name, snapshot.position, 0));
-  // What an attempt that failed at the same position may have left behind.
+  // This removes what an attempt that failed at the same position may have left behind.
   turn.DeleteRange(SnapshotKey(name, snapshot.position, chunks),
                    SnapshotKey(name, snapshot.position + 1, 0));
   for (const KeyframeId& id : unneeded) turn.Delete(FeaturesKey(name, id));
@@ -264,7 +264,7 @@ absl::Status RocksJournal::CreateMission(absl::string_view mission, const Missio
     status = WriteSnapshot(mission, snapshot);
   }
   if (!status.ok()) {
-    // Should that fail as well, the next start does it.
+    // Should this fail as well, the next start does it.
     DeleteMission(mission).IgnoreError();
     return status;
   }

@@ -1,5 +1,5 @@
-// The journal in a folder of its own, kept by RocksDB in the store's process. docs/journal.md says
-// what is in it.
+// Keeps the journal in a folder of its own, with RocksDB in the store's process. docs/journal.md
+// says what is in it.
 #ifndef CORBSLAM_MAP_STORE_ROCKS_ROCKS_JOURNAL_H_
 #define CORBSLAM_MAP_STORE_ROCKS_ROCKS_JOURNAL_H_
 
@@ -33,10 +33,10 @@ struct RocksJournalOptions {
   // A mission gets a snapshot when its records since the last one are larger than this and than
   // that snapshot.
   uint64_t min_bytes_between_snapshots = 32 << 20;
-  // Left free on the disk: with less, records and snapshots are refused. It is what the database
-  // needs to tidy up, and a mission's deletion to be written.
+  // So many bytes of the disk are left free: with less, records and snapshots are refused. The
+  // database needs them to tidy up, and to write a mission's deletion.
   uint64_t min_free_bytes = 64 << 20;
-  // False: Sync returns at once. For measurements, and to show that tests of durability would fail.
+  // False: Sync returns at once, for measurements, and to show that tests of durability would fail.
   bool sync = true;
   // Not owned; null: the system's. Tests put a faulty one here.
   rocksdb::Env* env = nullptr;
@@ -44,8 +44,9 @@ struct RocksJournalOptions {
 
 class RocksJournal : public Journal {
  public:
-  // Creates the folder where it is not there. FAILED_PRECONDITION: written in another format, or
-  // not a journal, or another process has it open. DATA_LOSS: damaged. Each names the folder.
+  // Opens the journal and creates the folder where it is not there. FAILED_PRECONDITION: it was
+  // written in another format, is no journal, or another process has it open. DATA_LOSS: it is
+  // damaged. Each error names the folder.
   static absl::StatusOr<std::unique_ptr<RocksJournal>> Open(const RocksJournalOptions& options);
   ~RocksJournal() override;
 
@@ -62,11 +63,12 @@ class RocksJournal : public Journal {
   absl::Status CheckWritable() override;
 
  private:
-  // What was written of a mission.
+  // Says what was written of a mission.
   struct MissionFiles {
     bool is_listed = false;
     uint64_t snapshot_bytes = 0;
-    std::map<Position, uint64_t> records;  // Bytes of each since the snapshot.
+    // Bytes of each record since the snapshot.
+    std::map<Position, uint64_t> records;
     uint64_t bytes_since_snapshot = 0;
     // Keyframes whose features are stored, and the last record that brought them.
     std::map<KeyframeId, Position> features;
@@ -78,21 +80,22 @@ class RocksJournal : public Journal {
   absl::Status LoadMissions();
   absl::Status LoadMission(const std::string& name) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Features> LoadFeatures(const std::string& mission, KeyframeId id) const;
-  // Null where the replay wants none.
+  // Returns null where the replay wants no features.
   std::function<absl::StatusOr<Features>(KeyframeId)> LoaderFor(const std::string& mission,
                                                                 const Replay& replay) const;
   absl::Status ReplaySnapshot(const std::string& mission, Position position,
                               const Replay& replay) const;
-  // Those behind `position`; which becomes the last one's.
+  // Replays the records after `position`, and sets it to the last one's.
   absl::Status ReplayRecords(const std::string& mission, const Replay& replay,
                              Position& position) const;
   absl::Status Erase(const std::string& mission);
   absl::Status WriteFeatures(const std::string& mission, const map_store::MissionState& state,
                              Position position);
   absl::Status WriteFormat();
-  // RESOURCE_EXHAUSTED when less than min_free_bytes would be left.
+  // Returns RESOURCE_EXHAUSTED when less than min_free_bytes would be left.
   absl::Status CheckRoom(uint64_t bytes) const;
-  // And remembers, until there was room for one, how large a record had none.
+  // Checks the same, and remembers the size of a record that had no room until there is room for
+  // one.
   absl::Status CheckRoomForRecord(uint64_t bytes);
   Position NextPosition() ABSL_LOCKS_EXCLUDED(mutex_);
   static void NoteRecord(Position position, uint64_t bytes, MissionFiles& files);
@@ -111,7 +114,7 @@ class RocksJournal : public Journal {
   absl::CondVar synced_changed_;
   std::map<std::string, MissionFiles, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
   Position last_ ABSL_GUARDED_BY(mutex_) = 0;
-  // Records that were written since the last sync began, and those that it makes durable.
+  // Records that were written since the last sync began, and records that this sync makes durable.
   std::set<Position> unsynced_ ABSL_GUARDED_BY(mutex_);
   std::set<Position> being_synced_ ABSL_GUARDED_BY(mutex_);
   bool syncing_ ABSL_GUARDED_BY(mutex_) = false;

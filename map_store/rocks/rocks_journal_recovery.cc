@@ -1,4 +1,4 @@
-// RocksJournal and what it finds in its folder.
+// Implements the part of RocksJournal that reads what is in its folder.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -49,7 +49,7 @@ absl::Status RocksJournal::LoadMissions() {
   ASSIGN_OR_RETURN(const std::vector<std::string> names, ListMissions());
   absl::MutexLock lock(&mutex_);
   for (const std::string& name : names) RETURN_IF_ERROR(LoadMission(name));
-  // What is written from now on an older program would not understand.
+  // An older program would not understand what is written from now on.
   return format == map_store::kJournalFormat ? absl::OkStatus() : WriteFormat();
 }
 

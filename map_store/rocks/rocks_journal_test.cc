@@ -1,4 +1,4 @@
-// A store that is killed at any moment, on a disk that keeps only what was synced.
+// Tests a store that is killed at any moment, on a disk that keeps only what was synced.
 #include "map_store/rocks/rocks_journal.h"
 
 #include <gmock/gmock.h>
@@ -71,7 +71,7 @@ class RocksJournalTest : public ::testing::Test {
     return store.ok() ? *std::move(store) : nullptr;
   }
 
-  // The batches of both robots in turn, as they would come.
+  // Returns the batches of both robots in turn, as they would come.
   std::vector<MapUpdateBatch> MakeBatches() {
     MapStore scratch(DeterministicOptions(), nullptr, std::make_unique<InMemoryJournal>(), nullptr);
     TestAgent a(scratch, "scratch", "a", map_a_);
@@ -104,7 +104,7 @@ class RocksJournalTest : public ::testing::Test {
     }
   }
 
-  // The number of the local map's last batch that the store has.
+  // Returns the number of the local map's last batch that the store has.
   static uint64_t LastBatch(const MapStore& store, LocalMapId id) {
     const auto info = store.GetLocalMap(kMission, id);
     return info.ok() ? info->last_batch : 0;
@@ -135,7 +135,7 @@ TEST_F(RocksJournalTest, AStoreOpenedAgainIsWhatItWas) {
   }
 }
 
-// Wherever it is cut, what was done before and after makes the undisturbed map.
+// Wherever the stream is cut, what was done before and after the restart makes the undisturbed map.
 TEST_F(RocksJournalTest, AStoreThatWasRestartedEndsWithTheSameLocalLayer) {
   const std::vector<MapUpdateBatch> batches = MakeBatches();
   auto undisturbed = Open({.directory = Folder("undisturbed")});
@@ -153,7 +153,7 @@ TEST_F(RocksJournalTest, AStoreThatWasRestartedEndsWithTheSameLocalLayer) {
   }
 }
 
-// What robots said in another order, and with a restart in between, is derived to the same map.
+// Batches in another order, with a restart in between, are derived to the same map.
 TEST_F(RocksJournalTest, TheSameLocalLayerIsDerivedToTheSameGlobalLayer) {
   const std::vector<MapUpdateBatch> batches = MakeBatches();
   auto undisturbed = Open({.directory = Folder("undisturbed")});
@@ -220,7 +220,7 @@ TEST_P(PowerCutTest, KeepsWhatWasAcknowledgedIfAndOnlyIfItSyncs) {
 }
 INSTANTIATE_TEST_SUITE_P(Synced, PowerCutTest, ::testing::Bool());
 
-// CORBSLAM_TORN_LOGS: how many are cut, and how many have a bit turned.
+// CORBSLAM_TORN_LOGS says how many logs are cut, and in how many a bit is turned.
 int LogsWanted() {
   int logs = 30;
   const char* text = std::getenv("CORBSLAM_TORN_LOGS");
@@ -265,7 +265,7 @@ class DamagedLogTest : public RocksJournalTest {
     fs::copy(original, live_, fs::copy_options::recursive);
   }
 
-  // A copy whose log has been damaged at a random byte, which is returned.
+  // Makes a copy whose log is damaged at a random byte, and returns that byte's index.
   template <typename Damage>
   uint64_t MakeDamaged(Damage damage) {
     fs::remove_all(damaged_);
@@ -277,7 +277,8 @@ class DamagedLogTest : public RocksJournalTest {
     return at;
   }
 
-  // How many batches it has, which it must have to the last bit; -1: it was refused by name.
+  // Returns how many batches the damaged store has, each of which it must have to the last bit; -1:
+  // it was refused as damaged.
   int CountWholeBatches() {
     const auto store = TryOpen({.directory = damaged_});
     if (!store.ok()) {
@@ -290,14 +291,14 @@ class DamagedLogTest : public RocksJournalTest {
     EXPECT_NE(same, whole_.end()) << "not what any number of whole batches gives:\n" << dump;
     return static_cast<int>(same - whole_.begin());
   }
-  // How many batches are in the log's first bytes.
+  // Returns how many batches are in the log's first `bytes`.
   int CountWritten(uint64_t bytes) const {
     return static_cast<int>(std::ranges::upper_bound(log_bytes_, bytes) - log_bytes_.begin()) - 1;
   }
 
   const std::string live_ = Folder("live");
   const std::string damaged_ = Folder("damaged");
-  // After each number of batches: what look-ups say, and the log's length.
+  // What look-ups say, and the log's length, after each number of batches.
   std::vector<std::string> whole_;
   std::vector<uint64_t> log_bytes_;
   uint64_t random_ = 12345;
@@ -342,7 +343,7 @@ TEST_F(RocksJournalTest, AFullDiskIsSaidAndForgottenOnceThereIsRoom) {
   EXPECT_EQ(full.status().code(), absl::StatusCode::kResourceExhausted) << full.status();
   EXPECT_THAT(std::string(full.status().message()), HasSubstr(options.directory));
   EXPECT_EQ(LastBatch(*store, {0xa}), 2u) << "nothing was stored";
-  // Agents try again and again.
+  // Agents send a refused batch again and again.
   for (int i = 0; i < 25; ++i) {
     EXPECT_FALSE(store->Apply(session, batches[4]).ok());
     absl::SleepFor(absl::Milliseconds(100));
@@ -362,7 +363,7 @@ TEST_F(RocksJournalTest, AFullDiskIsSaidAndForgottenOnceThereIsRoom) {
   EXPECT_EQ(DumpLocal(kMission, *Open(options)), local);
 }
 
-// Without a batch to try it with.
+// The store finds out without a batch to try it with.
 TEST_F(RocksJournalTest, FindsOutByItselfThatThereIsRoomAgain) {
   UnsyncedLossEnv env;
   auto store = Open({.directory = Folder("store"), .env = &env});
@@ -395,11 +396,11 @@ TEST_F(RocksJournalTest, LeavesTheDiskItsReserve) {
   EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
   EXPECT_THAT(std::string(refused.message()), HasSubstr(absl::StrCat(options.min_free_bytes)));
   EXPECT_TRUE(absl::IsResourceExhausted(store->CheckWritable()));
-  // What makes room is not refused.
+  // A deletion makes room, so that it is not refused.
   EXPECT_TRUE(store->DeleteMission(kMission).ok());
 }
 
-// A keyframe is what came first under its id, before a restart and after.
+// A keyframe is the one that came first under its id, before a restart and after.
 TEST_F(RocksJournalTest, AKeyframeThatComesAgainWithOtherFeaturesChangesNothing) {
   const RocksJournalOptions options{.directory = Folder("store")};
   auto store = Open(options);
@@ -420,12 +421,12 @@ TEST_F(RocksJournalTest, AKeyframeThatComesAgainWithOtherFeaturesChangesNothing)
   store = Open(options);
   ASSERT_NE(store, nullptr);
   EXPECT_EQ(DumpLocal(kMission, *store), live);
-  // But for the batch's number.
+  // Only the batch's number has changed.
   EXPECT_EQ(live.substr(live.find("000000000000000a:")),
             local.substr(local.find("000000000000000a:")));
 }
 
-// Many keyframes with features, and nothing else.
+// Returns a mission of many keyframes with features, and nothing else.
 map_store::MissionState MakeLargeMission(uint32_t keyframes, size_t features) {
   map_store::MissionState state;
   state.name = "large";
@@ -472,12 +473,12 @@ TEST_F(RocksJournalTest, ADeletedMissionStaysDeleted) {
   store.reset();
   store = Open(options);
   EXPECT_TRUE(absl::IsNotFound(store->GetMission(kMission).status()));
-  // And its name is free.
+  // The mission's name is free again.
   Send(MakeBatches(), 0, 2, store.get());
   EXPECT_EQ(store->GetMission(kMission)->keyframes, 2u);
 }
 
-// What a program before recorded cameras left: format 5.
+// A program before recorded cameras left format 5.
 TEST_F(RocksJournalTest, AnOlderFormatIsReadAndBecomesTheNewOne) {
   const RocksJournalOptions options{.directory = Folder("store")};
   const auto set_format = [&](const std::string& format) {

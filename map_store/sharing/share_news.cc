@@ -7,8 +7,8 @@
 namespace corbslam::map_store {
 namespace {
 
-// All of it may have changed. Points that were not sent are no news (AddChanges), but for one's
-// own.
+// Returns all content of the local map, any of which may have changed. Points that were not sent
+// are no news (AddChanges), so that only the agent's own map lists all of its points.
 ItemChanges ContentOf(const LocalMapState& local_map, const ShareState& share) {
   ItemChanges content;
   for (const auto& [id, keyframe] : local_map.map.keyframes()) content.keyframes.push_back(id);
@@ -38,7 +38,8 @@ ItemChanges FindChanges(const LocalMapState& local_map, const ShareState& share)
   return *std::move(changes);
 }
 
-// What the agent does not have is sent as it is then: no news of that.
+// Adds changes of what the agent has. What it does not have is no news, since it is sent as it is
+// then.
 void AddChanges(const ItemChanges& changes, bool is_own, ShareState& share) {
   ShareNews& news = share.news;
   if (is_own) {
@@ -57,7 +58,7 @@ void AddChanges(const ItemChanges& changes, bool is_own, ShareState& share) {
   }
 }
 
-// Fusion may have moved anything.
+// Adds everything that has a place, since fusion may have moved it.
 void AddPlaces(ShareState& share) {
   ShareNews& news = share.news;
   news.own_keyframes = true;

@@ -1,4 +1,4 @@
-// Finds what may be news to an agent since it was last looked for.
+// Finds what may have become news to an agent since the last search.
 #ifndef CORBSLAM_MAP_STORE_SHARING_SHARE_NEWS_H_
 #define CORBSLAM_MAP_STORE_SHARING_SHARE_NEWS_H_
 
@@ -9,8 +9,8 @@
 
 namespace corbslam::map_store {
 
-// Adds to share.news. Returns the local maps whose owners, landmarks or foreign observations
-// changed.
+// Adds what it finds to `share.news`. Returns the local maps whose owners, landmarks or foreign
+// observations changed.
 std::vector<LocalMapId> CollectNews(const MissionState& state, const Island& island,
                                     ShareState& share);
 

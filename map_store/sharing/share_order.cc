@@ -13,7 +13,7 @@ namespace {
 
 using Waiting = std::set<KeyframeId>;
 
-// As many may come uncounted before all are counted again.
+// As many keyframes may wait uncounted before all are counted again.
 constexpr size_t kFew = 8;
 
 bool AreCounted(const MissionState& state, const Waiting& waiting, const ShareNews& news) {
@@ -23,7 +23,7 @@ bool AreCounted(const MissionState& state, const Waiting& waiting, const ShareNe
   return static_cast<size_t>(uncounted) <= kFew;
 }
 
-// Points to which the nearest is asked for, again and again.
+// Camera centres, of which the one nearest to a point is asked for again and again.
 class Centres {
  public:
   explicit Centres(const IslandPoses& poses) {
@@ -32,7 +32,8 @@ class Centres {
               [](const auto& a, const auto& b) { return a.x() < b.x(); });
   }
 
-  // To the nearest: outwards along x, until that alone is farther than the nearest so far.
+  // Returns the squared distance to the nearest centre: it searches outwards along x, until the
+  // distance along x alone is greater than the least so far.
   double SquaredDistance(const Eigen::Vector3d& point) const {
     double least = std::numeric_limits<double>::max();
     const auto is_farther = [&](const Eigen::Vector3d& centre) {
@@ -110,7 +111,7 @@ std::vector<KeyframeId> OrderNewKeyframes(const MissionState& state, const Waiti
   std::vector<std::tuple<int, double, KeyframeId>> ranked;
   for (const KeyframeId& id : waiting) {
     const IslandPoses& others = poses.Of(*state.FindLocalMap(id.local_map));
-    // Its owner may have removed it while landmarks were counted.
+    // The owner may have removed the keyframe while landmarks were counted.
     const auto pose = others.find(id);
     if (pose == others.end()) continue;
     ranked.emplace_back(-own_landmarks(id),

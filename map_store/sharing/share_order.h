@@ -1,4 +1,4 @@
-// Which of the keyframes that an agent lacks it is sent first.
+// Says in which order an agent is sent the keyframes that it lacks.
 #ifndef CORBSLAM_MAP_STORE_SHARING_SHARE_ORDER_H_
 #define CORBSLAM_MAP_STORE_SHARING_SHARE_ORDER_H_
 
@@ -15,15 +15,16 @@
 namespace corbslam::map_store {
 
 // Counts, now and then, how many of the agent's own landmarks each of many waiting keyframes sees,
-// and keeps that in share.news. It takes a look at the agent's whole map, one keyframe at a time.
+// and keeps that in `share.news`. It goes through the agent's whole map, one keyframe at a time.
+// Not thread-safe.
 class OwnLandmarkCount {
  public:
-  // Nothing is copied.
+  // None of the arguments is copied.
   OwnLandmarkCount(const MissionState& state, const std::set<KeyframeId>& waiting,
                    ShareState& share);
 
-  // Looks at one more keyframe; false: all are counted, or need not be. Items may come and go
-  // between two calls.
+  // Looks at one more keyframe. Returns false if all are counted, or need not be. Items may come
+  // and go between two calls.
   bool Next();
 
  private:
@@ -39,8 +40,8 @@ class OwnLandmarkCount {
   absl::btree_map<KeyframeId, int> counts_;
 };
 
-// Of many those that see most of the agent's own landmarks come first, then the nearest; of a few
-// the nearest.
+// Orders the waiting keyframes. If they are many, those that see most of the agent's own landmarks
+// come first, then the nearest; if they are few, the nearest come first.
 std::vector<KeyframeId> OrderNewKeyframes(const MissionState& state,
                                           const std::set<KeyframeId>& waiting, PoseCache& poses,
                                           const ShareState& share);

@@ -16,7 +16,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// About what an item takes on the wire.
+// What items take on the wire, about.
 constexpr size_t kLightBytes = 72;
 constexpr size_t kOwnPoseBytes = 136;
 constexpr size_t kPointBytes = 120;
@@ -24,11 +24,12 @@ constexpr size_t kObservationBytes = 32;
 constexpr size_t kIdBytes = 12;
 constexpr size_t kBytesPerKeypoint = 64;
 
-// Less is not worth a message.
+// Smaller motions are not worth a message.
 constexpr double kMinRotation_rad = 1e-6;
 constexpr double kMinTranslation = 1e-5;
-// Of a point, as a share of the least distance from which it is expected to be found: half a pixel
-// there at a focal length of 700 px, as agents tell their own (client_agent/memory).
+// Least motion of a point, as a share of the least distance from which it is expected to be found:
+// half a pixel there at 700 px focal length, as agents tell it
+// (client_agent/upload/update_recorder.h).
 constexpr double kMinPointMotion = 7e-4;
 
 bool HasMoved(const Similarity3d& a, const Similarity3d& b) {
@@ -46,7 +47,8 @@ bool HasMoved(const OwnKeyframePose& a, const OwnKeyframePose& b) {
 class Budget {
  public:
   explicit Budget(size_t bytes) : left_(bytes) {}
-  // False, and the update is not complete, when it does not fit; the first item always does.
+  // Returns false, and the update is not complete, if the item does not fit; the first item always
+  // does.
   bool Take(size_t bytes) {
     if (bytes > left_ && !first_) {
       complete_ = false;
@@ -58,7 +60,7 @@ class Budget {
     return true;
   }
   bool complete() const { return complete_; }
-  // Nothing more is taken, though something is left.
+  // Lets nothing more be taken, though something is left.
   void End() {
     complete_ = false;
     first_ = false;
@@ -71,12 +73,12 @@ class Budget {
   bool complete_ = true;
 };
 
-// Looks after which others have their turn: 2 to 4 ms.
+// The looks of a piece, after which writers have their turn: 2 to 4 ms.
 constexpr int kLooksInAPiece = 4000;
 constexpr int kLooksOfSights = 25;
 constexpr int kLooksOfNewKeyframe = 200;
 
-// Goes through what may be news, compares it with what was sent, and sends what is.
+// Goes through what may be news, compares it with what was sent, and sends what is new.
 class ShareStep {
  public:
   ShareStep(const MissionState& state, const Island& island, const MapStoreOptions& options,
@@ -111,7 +113,7 @@ class ShareStep {
   }
 
  private:
-  // Between two items. False: what comes next is another update's.
+  // The caller calls this between two items. Returns false if what comes next is another update's.
   bool GoesOn(int looks) {
     if (!budget_.complete()) return false;
     looks_ += looks;
@@ -141,7 +143,8 @@ class ShareStep {
     return IslandFromLocal(reference, local_map, state_.global, PosesOf(local_map));
   }
 
-  // Keyframes that fusion has not placed follow others of their local map, and points follow them.
+  // Notes news of keyframes that fusion has not placed, which follow others of their local map, and
+  // of the points that follow them.
   void FindFollowers(const LocalMapState& local_map) {
     for (auto it = share_.keyframes.lower_bound(KeyframeId{local_map.id, 0});
          it != share_.keyframes.end() && it->first.local_map == local_map.id; ++it) {
@@ -177,7 +180,7 @@ class ShareStep {
            !state_.global.culled.contains(id);
   }
 
-  // Those that went and those that moved; the new ones are set aside.
+  // Takes keyframes that went and those that moved; sets the new ones aside.
   void TakeKeyframes() {
     for (auto it = news_.keyframes.begin(); it != news_.keyframes.end();) {
       if (!GoesOn(2)) return;
@@ -185,7 +188,7 @@ class ShareStep {
       const Keyframe* keyframe = local_map.map.FindKeyframe(*it);
       const auto sent = share_.keyframes.find(*it);
       if (sent == share_.keyframes.end()) {
-        // What is not old enough is news again when it is.
+        // A keyframe that is not old enough becomes news again when it is.
         const bool is_new = keyframe != nullptr && IsShared(*it);
         if (is_new) new_keyframes_.insert(*it);
         it = is_new ? std::next(it) : news_.keyframes.erase(it);
@@ -198,7 +201,7 @@ class ShareStep {
     }
   }
 
-  // These say false when the budget ends.
+  // These return false when the budget ends.
   bool TakeRemoval(std::map<KeyframeId, SentKeyframe>::iterator sent) {
     if (!budget_.Take(kIdBytes)) return false;
     update_.removed_keyframes.push_back(sent->first);
@@ -214,7 +217,7 @@ class ShareStep {
     return true;
   }
 
-  // Points that went, and sets of which the agent holds a point.
+  // Takes points that went, and landmarks of which the agent holds a point.
   void TakeLandmarks() {
     for (auto it = news_.landmarks.begin(); it != news_.landmarks.end();) {
       if (!GoesOn(1) || !TakeLandmarkOf(*it)) return;
@@ -242,7 +245,7 @@ class ShareStep {
     return true;
   }
 
-  // A point whose owner replaced it goes on as the point that stands for it now.
+  // Lets a point whose owner replaced it go on as the point that stands for it now.
   void TakeReplacement(MapPointId gone) {
     const MapPointId survivor = ResolvePoint(state_, gone);
     if (!survivor.IsValid() || !IsHere(survivor.local_map)) {
@@ -251,11 +254,11 @@ class ShareStep {
     }
     TakePoint(survivor);
     update_.landmarks.push_back({survivor, {gone}});
-    // To the robot that was the whole set: what else is in it goes behind.
+    // The robot takes that as the whole landmark: its other points follow.
     share_.landmarks.erase(survivor);
   }
 
-  // Goes with what needs it, whatever the budget says.
+  // Takes the landmark with the item that needs it, whatever the budget says.
   void TakeLandmark(MapPointId survivor, const std::set<MapPointId>& members) {
     if (state_.FindPoint(survivor) == nullptr) return;
     std::vector<MapPointId> listed(members.begin(), members.end());
@@ -263,14 +266,14 @@ class ShareStep {
     if (sent != share_.landmarks.end() && sent->second == listed) return;
     TakePoint(survivor);
     update_.landmarks.push_back({survivor, listed});
-    // Members are held no more: the survivor stands for them.
+    // The agent holds the members no more: the survivor stands for them.
     for (const MapPointId& member : listed) share_.points.erase(member);
     share_.landmarks[survivor] = std::move(listed);
   }
 
   void TakePointMoves() {
     if (news_.all_points_from.has_value()) {
-      // These are among them.
+      // These are among the points from there on.
       news_.points.erase(news_.points.lower_bound(*news_.all_points_from), news_.points.end());
     }
     for (auto it = news_.points.begin(); it != news_.points.end();) {
@@ -339,7 +342,7 @@ class ShareStep {
     for (const KeyframeId& id : OrderNewKeyframes(state_, new_keyframes_, poses_, share_)) {
       if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
       if (!GoesOn(kLooksOfNewKeyframe)) return;
-      // Its owner may have removed it meanwhile: that is news of its own.
+      // The owner may have removed it meanwhile, which is news of its own.
       const Keyframe* keyframe = state_.FindKeyframe(id);
       if (keyframe == nullptr || !IsShared(id)) continue;
       if (!budget_.Take(kLightBytes + keyframe->keypoints().size() * kBytesPerKeypoint)) return;
@@ -348,7 +351,8 @@ class ShareStep {
     }
   }
 
-  // Unless they are counted, or there are few to choose from. False: the update ends before that.
+  // Counts the agent's own landmarks in the new keyframes, unless they are counted or there are few
+  // to choose from. Returns false if the update ends before that.
   bool CountOwnLandmarks() {
     OwnLandmarkCount count(state_, new_keyframes_, share_);
     while (count.Next()) {
@@ -382,8 +386,8 @@ class ShareStep {
     return ComputePosition(*owner.map.FindPoint(id), owner, state_.global, PosesOf(owner));
   }
 
-  // In full, unless the agent has it; with the landmark that it stands for. Goes with what needs
-  // it, whatever the budget says.
+  // Takes the point in full, unless the agent has it, with the landmark that it stands for. It goes
+  // with the item that needs it, whatever the budget says.
   void TakePoint(MapPointId id) {
     if (IsOwn(id) || share_.points.contains(id)) return;
     const LocalMapState& owner = *state_.FindLocalMap(id.local_map);

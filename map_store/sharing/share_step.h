@@ -1,4 +1,4 @@
-// One update for one agent: what it was sent against what is there now.
+// Makes one update for one agent from what it was sent and what is there now.
 #ifndef CORBSLAM_MAP_STORE_SHARING_SHARE_STEP_H_
 #define CORBSLAM_MAP_STORE_SHARING_SHARE_STEP_H_
 
@@ -12,10 +12,10 @@
 
 namespace corbslam::map_store {
 
-// Of the agent's island, which has more than one local map; noted in `share` as sent. Costs as much
-// as changed since the last complete one, and more only after fusion moved everything. `read`
-// pauses meanwhile; the update ends, and may be empty, where one of its errors or another revision
-// says so.
+// Returns an update of the agent's island, which has more than one local map, and notes it in
+// `share` as sent. It costs as much as changed since the last complete update, and more only after
+// fusion moved everything. `read` pauses meanwhile; if a pause returns an error, or the revision is
+// another after it, the update ends there, and may be empty.
 SharedUpdate TakeShareStep(const MissionState& state, const Island& island,
                            const MapStoreOptions& options, size_t byte_budget, ShareState& share,
                            LongRead& read);

@@ -13,14 +13,14 @@ bool HasSent(const ShareState& share) {
          !share.own_keyframes.empty();
 }
 
-// A local map that the agent heard of is not in its island any more.
+// Returns whether a local map that the agent heard of is not in its island any more.
 bool HasLostAny(const ShareState& share, const Island& island) {
   return std::ranges::any_of(share.seen_local_maps, [&island](LocalMapId id) {
     return std::ranges::find(island.local_maps, id) == island.local_maps.end();
   });
 }
 
-// Forgets what was sent; the agent is told to forget it too if it has anything.
+// Forgets what was sent; if the agent has anything, it is told to forget it, too.
 void StartAgain(LocalMapId local_map, IslandId island, ShareState& share) {
   const bool had_any = share.restart || HasSent(share);
   share = ShareState();
@@ -49,7 +49,7 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
     StartAgain(own, island.id, share);
   }
   if (island.local_maps.size() < 2) {
-    // It may have been larger, under the same name.
+    // The island may have been larger, under the same name.
     if (HasSent(share)) StartAgain(own, island.id, share);
     if (!std::exchange(share.restart, false)) return std::nullopt;
     SharedUpdate forget;

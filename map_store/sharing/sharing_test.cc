@@ -1,4 +1,4 @@
-// The map comes back: what agents are sent after fusion, and no more than that.
+// Tests what agents are sent of the map after fusion, and that it is no more than that.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ using testing::TruthfulWorker;
 class SharingTest : public testing::SharingMission {
  protected:
   Similarity3d Pose(KeyframeId id) { return store_.GetKeyframe(kMission, id)->camera_from_island; }
-  // The mirror holds what it needs, and where the store says it is.
+  // Expects the mirror to hold what it needs, where the store says it is.
   void ExpectSound(const TestAgent& agent) {
     const SharedMirror& mirror = agent.mirror();
     for (const auto& [id, keyframe] : mirror.keyframes) {
@@ -60,7 +60,7 @@ TEST_F(SharingTest, NothingBeforeFusionEverythingSettledAfterIt) {
   EXPECT_EQ(a.mirror().revision, store_.GetStatistics(kMission)->revision);
   ExpectSound(a);
   ExpectSound(b);
-  // B learns which of its own points are A's.
+  // B learns which of its own points are one with A's.
   size_t own_members = 0;
   for (const auto& [survivor, members] : b.mirror().landmarks) {
     for (const MapPointId& member : members) {
@@ -109,9 +109,37 @@ TEST_F(SharingTest, ASmallBudgetTakesMoreStepsToTheSameEndNearestFirst) {
   EXPECT_GT(updates, 11u);
   ASSERT_EQ(order.size(), 11u);
   EXPECT_EQ(std::set<KeyframeId>(order.begin(), order.end()).size(), 11u);
-  // B's ground is at A's end.
+  // B drives where A's way ends: the keyframes near that come first.
   EXPECT_GT(order.front().index, 5u);
   EXPECT_LT(order.back().index, 5u);
+}
+
+TEST_F(SharingTest, ListedAgentsAreUpToDateOnceAllWasTold) {
+  TestAgent a(store_, kMission, "a", map_a_);
+  TestAgent b(store_, kMission, "b", map_b_);
+  const auto find_b = [this] { return store_.ListAgents(kMission, {})->items.at(1); };
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  EXPECT_TRUE(find_b().up_to_date) << "nothing was merged yet";
+  Fuse();
+  uint64_t updates = 0;
+  while (true) {
+    EXPECT_FALSE(find_b().up_to_date);
+    const auto update = store_.NextShared(b.session(), 10000);
+    ASSERT_TRUE(update.ok());
+    if (!update->has_value()) break;
+    ++updates;
+    EXPECT_EQ(find_b().shared_updates, updates);
+    if (find_b().up_to_date) {
+      EXPECT_FALSE(store_.NextShared(b.session(), 10000)->has_value()) << "it was the last one";
+      break;
+    }
+  }
+  EXPECT_GT(updates, 1u);
+  EXPECT_TRUE(find_b().up_to_date);
+  ASSERT_TRUE(a.Send(a.NextBatch(0)).ok());
+  store_.CloseSession(b.session());
+  EXPECT_FALSE(find_b().up_to_date) << "it is not connected";
 }
 
 TEST_F(SharingTest, LaterStepsCarryOnlyWhatChanged) {
@@ -137,7 +165,7 @@ TEST_F(SharingTest, LaterStepsCarryOnlyWhatChanged) {
   Fuse();
   update = store_.NextShared(b.session(), 1 << 20);
   ASSERT_TRUE(update.ok() && update->has_value());
-  // Only those that have settled since; none that b holds.
+  // The update has only keyframes that have settled since, and none that B holds.
   for (const SharedKeyframe& keyframe : (*update)->keyframes) {
     EXPECT_GT(keyframe.payload->id.index, 10u);
   }
@@ -188,7 +216,8 @@ TEST_F(SharingTest, AResumedSessionGoesOnOrStartsAgain) {
   EXPECT_FALSE((*update)->keyframes.empty());
 }
 
-// What stands for a replaced point may take the next one off the list of what the agent holds.
+// The point that stands for a replaced one may take the next one off the list of what the agent
+// holds.
 TEST_F(SharingTest, ReplacedPointsGoOnAsTheirLandmarks) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);
@@ -217,7 +246,7 @@ TEST_F(SharingTest, ReplacedPointsGoOnAsTheirLandmarks) {
   EXPECT_EQ(c.mirror().updates, updates);
 }
 
-// What was said step by step is what somebody is told who has heard nothing.
+// What was said step by step must be the same as what an agent is told that has heard nothing.
 class StepByStepTest : public SharingTest {
  protected:
   StepByStepTest() {
@@ -226,7 +255,7 @@ class StepByStepTest : public SharingTest {
     c_ = std::make_unique<TestAgent>(store_, kMission, "c", map_c_);
   }
 
-  // The other agents hear of each step by itself; in the end they, and newcomers of their names,
+  // The other agents hear of each step by itself. In the end they, and newcomers of their names,
   // hold the same.
   void Hear() {
     for (TestAgent* agent : {a_.get(), b_.get(), c_.get()}) ASSERT_TRUE(agent->TakeShared().ok());
@@ -256,7 +285,7 @@ class StepByStepTest : public SharingTest {
       ASSERT_NE(other, told.points.end()) << ToString(id);
       EXPECT_LT((point.position_in_global - other->second.position_in_global).norm(), 2e-3);
     }
-    // A landmark has one name, the same one.
+    // Both know each landmark by the same name, and by no other.
     for (const auto& [survivor, members] : all.landmarks) {
       ASSERT_TRUE(told.landmarks.contains(survivor)) << ToString(survivor);
       EXPECT_EQ(told.landmarks.at(survivor), members) << ToString(survivor);
@@ -276,7 +305,7 @@ class StepByStepTest : public SharingTest {
     Hear();
     ASSERT_EQ(store_.GetStatistics(kMission)->islands, 1u);
   }
-  // Points of A's that B was sent, those that are landmarks with others' points first.
+  // Returns A's points that B was sent; those that are landmarks with others' points come first.
   std::vector<MapPointId> HeldOfA() const {
     std::vector<MapPointId> held;
     for (const auto& [survivor, members] : b_->mirror().landmarks) {
@@ -332,7 +361,7 @@ TEST_F(StepByStepTest, RemovedAndReplacedPoints) {
   Hear();
   batch = a_->EmptyBatch();
   for (size_t i = 10; i < 20; i += 2) batch.replacements.push_back({held[i], held[i + 1]});
-  // By another robot's point.
+  // This point is replaced by another robot's.
   const MapPointId foreign = map_b_.map.points().begin()->first;
   batch.replacements.push_back({held[20], foreign});
   ASSERT_TRUE(a_->Send(batch).ok());
@@ -340,7 +369,7 @@ TEST_F(StepByStepTest, RemovedAndReplacedPoints) {
 }
 
 // Two robots each say that the other's point stands for their own; fusion had made one of the two
-// the same as a third one's.
+// points one with a third robot's.
 TEST_F(StepByStepTest, PointsThatReplaceEachOther) {
   FuseAll();
   MapPointId of_b;
@@ -420,7 +449,7 @@ TEST(SharingAtOnceTest, ProvisionalKeyframesToo) {
   ASSERT_TRUE(a.Stream(1).ok());
   ASSERT_TRUE(b.TakeShared().ok());
   EXPECT_EQ(b.mirror().keyframes.size(), 12u);
-  // It follows its robot as long as fusion has not placed it.
+  // The keyframe follows its robot as long as fusion has not placed it.
   MapUpdateBatch move = a.EmptyBatch();
   const Keyframe& newest = *map_a.map.FindKeyframe(a.Id(11));
   Rigid3d moved = newest.camera_from_map;
@@ -460,7 +489,7 @@ TEST_F(SharingTest, ListenersHearOfARevision) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);
   int calls = 0;
-  // It may call the store.
+  // A listener may call the store.
   store_.SetSharedListener(a.session(), [&] {
     ++calls;
     EXPECT_TRUE(a.TakeShared().ok());

@@ -1,5 +1,5 @@
-// What robots are told of places: where fusion put their own keyframes, from which local pose, and
-// when all that moved is told.
+// Tests what robots are told of places: where fusion put their own keyframes, from which local
+// pose, and when all that moved is told.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -15,7 +15,7 @@ using testing::TestAgent;
 
 class ToldPlacesTest : public testing::SharingMission {
  protected:
-  // By keyframe, of all updates that wait.
+  // Takes all updates that wait, and returns their poses of own keyframes.
   std::map<KeyframeId, OwnKeyframePose> TakeOwnPoses(const TestAgent& agent) {
     std::map<KeyframeId, OwnKeyframePose> told;
     while (true) {
@@ -50,7 +50,8 @@ TEST_F(ToldPlacesTest, OwnOnesAreToldAgainWhenTheyAreDerivedFromOtherLocalPoses)
   ASSERT_TRUE(b.Stream().ok());
   Fuse();
   const auto before = TakeOwnPoses(b);
-  // The robot's frame goes elsewhere, its map keeps its shape: nothing moves in the global frame.
+  // The robot's frame goes elsewhere, but its map keeps its shape: nothing moves in the global
+  // frame.
   const Rigid3d shift = {Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
   MapUpdateBatch moved = b.EmptyBatch();
   for (const auto& [id, keyframe] : map_b_.map.keyframes()) {
@@ -75,7 +76,7 @@ TEST_F(ToldPlacesTest, AnUpdateSaysWhetherAllThatMovedIsTold) {
   ASSERT_TRUE(a.Stream().ok());
   ASSERT_TRUE(b.Stream().ok());
   Fuse();
-  // Four own keyframes an update, about; of eleven.
+  // An update has room for about four of the eleven own keyframes.
   std::vector<bool> more_places;
   size_t own_keyframes = 0;
   while (own_keyframes < 11) {
@@ -88,7 +89,7 @@ TEST_F(ToldPlacesTest, AnUpdateSaysWhetherAllThatMovedIsTold) {
   ASSERT_GE(more_places.size(), 3U);
   for (size_t i = 0; i + 1 < more_places.size(); ++i) EXPECT_TRUE(more_places[i]) << i;
   EXPECT_FALSE(more_places.back());
-  // New keyframes are told in pieces, too, but with what fits what is held.
+  // New keyframes are told in pieces, too, but each piece fits the places that B holds.
   while (true) {
     const auto update = store_.NextShared(b.session(), 10000);
     ASSERT_TRUE(update.ok());

@@ -6,7 +6,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// Some seconds of a local map that is adjusted all the time.
+// The changes of some seconds, in a local map that is adjusted all the time.
 constexpr size_t kMaxItems = 100'000;
 
 template <typename Id>

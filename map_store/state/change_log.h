@@ -1,4 +1,5 @@
-// What changed of a local map lately, so that others can be told of it without a look at the whole.
+// Remembers what changed of a local map lately, so that others can be told without a look at all of
+// it.
 #ifndef CORBSLAM_MAP_STORE_STATE_CHANGE_LOG_H_
 #define CORBSLAM_MAP_STORE_STATE_CHANGE_LOG_H_
 
@@ -12,33 +13,34 @@
 namespace corbslam::map_store {
 
 struct ItemChanges {
-  std::vector<KeyframeId> keyframes;  // Came, moved or went.
-  std::vector<KeyframeId> sights;     // See other points, or the same by other names.
-  std::vector<MapPointId> points;     // Came or moved.
-  std::vector<MapPointId> landmarks;  // Went, or belong to other landmarks.
+  std::vector<KeyframeId> keyframes;  // Keyframes that came, moved or went.
+  std::vector<KeyframeId> sights;  // Keyframes that see other points, or the same by other names.
+  std::vector<MapPointId> points;  // Points that came or moved.
+  std::vector<MapPointId> landmarks;  // Points that went, or belong to other landmarks now.
 
   size_t size() const {
     return keyframes.size() + sights.size() + points.size() + landmarks.size();
   }
 };
 
-// A value; not thread-safe. Of the past it remembers as much as it has room for. Not stored: after
-// a restart nobody has been told anything.
+// The latest changes of a local map, as many as it has room for. It is a value and not thread-safe.
+// It is not stored: after a restart nobody has been told anything.
 class ChangeLog {
  public:
-  // Of the change that is under way.
+  // These note an item of the change that is under way.
   void NoteKeyframe(KeyframeId id) { open_.keyframes.push_back(id); }
   void NoteSights(KeyframeId id) { open_.sights.push_back(id); }
   void NotePoint(MapPointId id) { open_.points.push_back(id); }
   void NoteLandmark(MapPointId id) { open_.landmarks.push_back(id); }
-  // It made the mission's state this version.
+  // Ends the change, which made the mission's state this version.
   void Close(uint64_t version);
-  // Up to this version anything may have changed.
+  // Forgets all changes: up to this version anything may have changed.
   void Forget(uint64_t version);
 
-  // Whether it remembers all that changed after `version`.
+  // Returns whether it remembers all that changed after `version`.
   bool Knows(uint64_t version) const { return version >= known_after_; }
-  // What changed after `version`, ascending, each once; none when that is not known any more.
+  // Returns what changed after `version`, ascending, each item once; none when that is not known
+  // any more.
   std::optional<ItemChanges> Since(uint64_t version) const;
 
  private:
@@ -49,7 +51,7 @@ class ChangeLog {
 
   ItemChanges open_;
   std::deque<Entry> entries_;
-  size_t items_ = 0;  // In all entries.
+  size_t items_ = 0;  // Items in all entries.
   uint64_t known_after_ = 0;
 };
 

@@ -21,7 +21,7 @@ TEST(ChangeLogTest, SaysWhatCameAfterAVersionEachOnce) {
   log.NoteKeyframe(K(3));
   log.NoteKeyframe(K(2));
   log.Close(12);
-  log.Close(13);  // Nothing was noted.
+  log.Close(13);  // Nothing was noted for this version.
   EXPECT_THAT(log.Since(9)->keyframes, ElementsAre(K(2), K(3)));
   EXPECT_THAT(log.Since(9)->points, ElementsAre(P(7)));
   EXPECT_THAT(log.Since(10)->keyframes, ElementsAre(K(2), K(3)));

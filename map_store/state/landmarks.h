@@ -1,4 +1,4 @@
-// Which map points are one landmark. A set is named by its survivor.
+// Says which map points are one landmark. A landmark is named by its survivor.
 #ifndef CORBSLAM_MAP_STORE_STATE_LANDMARKS_H_
 #define CORBSLAM_MAP_STORE_STATE_LANDMARKS_H_
 
@@ -10,29 +10,30 @@
 
 namespace corbslam::map_store {
 
-// A value; not thread-safe. Points that belong to no set are their own survivors.
+// The sets of points that are landmarks. A value; not thread-safe. Points that belong to no set are
+// their own survivors.
 class Landmarks {
  public:
   using Sets = std::map<MapPointId, std::set<MapPointId>>;
 
-  // Survivor -> members (the survivor not among them), never empty ones.
+  // Returns each survivor's other members, of which there is at least one.
   const Sets& sets() const { return members_; }
   MapPointId Survivor(MapPointId point) const;
 
-  // Joins the sets of both; the survivor of `survivor`'s set stays. Returns it.
+  // Joins the sets of both points. The survivor of `survivor`'s set stays and is returned.
   MapPointId Merge(MapPointId survivor, MapPointId member);
-  // The owner deleted the point: where it was the survivor, the member of the least id is elected.
-  // Returns the survivor of what is left of the set; invalid where nothing is.
+  // The caller says that the owner deleted the point. If it was the survivor, the member of the
+  // least id is elected. Returns the survivor of what is left of the set; invalid if nothing is.
   MapPointId Remove(MapPointId point);
-  // The owner replaced the point by another, which takes its place in the set. Returns the
-  // survivor of the set.
+  // The caller says that the owner replaced the point by another, which takes its place in the set.
+  // Returns the survivor of the set.
   MapPointId Replace(MapPointId replaced, MapPointId by);
   // Forgets the sets that have a point of one of the local maps.
   void Dissolve(const std::set<LocalMapId>& local_maps);
 
  private:
   Sets members_;
-  // Of members. Only looked up, never walked through.
+  // The survivor of each member. It is only looked up, never walked through.
   absl::flat_hash_map<MapPointId, MapPointId> survivor_of_;
 };
 

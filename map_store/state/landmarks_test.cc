@@ -18,11 +18,11 @@ TEST(LandmarksTest, MergingSetsKeepsTheFirstSurvivor) {
   Landmarks landmarks;
   landmarks.Merge(A(1), B(1));
   landmarks.Merge(A(2), B(2));
-  // Named by members: the sets are what merges.
+  // The points that are named need not be survivors: their whole sets are merged.
   EXPECT_EQ(landmarks.Merge(B(1), B(2)), A(1));
   for (const MapPointId& id : {A(1), A(2), B(1), B(2)}) EXPECT_EQ(landmarks.Survivor(id), A(1));
   EXPECT_EQ(landmarks.sets().at(A(1)), (std::set<MapPointId>{A(2), B(1), B(2)}));
-  // Again changes nothing, in whatever order.
+  // A second merging changes nothing, whatever the order.
   EXPECT_EQ(landmarks.Merge(B(2), A(1)), A(1));
   EXPECT_EQ(landmarks.sets().size(), 1u);
 }
@@ -44,10 +44,10 @@ TEST(LandmarksTest, AReplacementTakesThePlaceInTheSet) {
   EXPECT_EQ(landmarks.Replace(B(1), B(5)), A(1));
   EXPECT_EQ(landmarks.Survivor(B(5)), A(1));
   EXPECT_EQ(landmarks.Survivor(B(1)), B(1)) << "is out of it";
-  // The survivor itself: one of the others is elected, its replacement a member.
+  // The survivor is replaced: another point is elected, and the replacement becomes a member.
   EXPECT_EQ(landmarks.Replace(A(1), A(7)), B(5));
   EXPECT_EQ(landmarks.Survivor(A(7)), B(5));
-  // Of a point in no set.
+  // The point that is replaced is in no set.
   EXPECT_EQ(landmarks.Replace(A(3), A(7)), B(5));
   EXPECT_EQ(landmarks.sets().size(), 1u);
 }

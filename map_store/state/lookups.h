@@ -1,4 +1,4 @@
-// What people and tools ask the map store: plain answers, lists in pages.
+// What people and tools ask the map store for: plain answers, and lists in pages.
 #ifndef CORBSLAM_MAP_STORE_STATE_LOOKUPS_H_
 #define CORBSLAM_MAP_STORE_STATE_LOOKUPS_H_
 
@@ -22,26 +22,27 @@ using IslandId = LocalMapId;
 
 struct PageRequest {
   size_t page_size = 0;    // 0: as many as the store allows.
-  std::string page_token;  // Of the answer before; empty: from the start.
+  std::string page_token;  // The token in the answer before; empty: the first page.
 };
 template <typename T>
 struct Page {
   std::vector<T> items;
-  std::string next_page_token;  // Empty: that was all.
+  std::string next_page_token;  // Empty after the last page.
 };
 
-// Since when no fusion worker takes the store's requests, and what was heard instead.
+// Since when no fusion worker has taken the store's requests, and what the store heard instead.
 struct WorkerOutage {
   absl::Time begin;
   std::string cause;
 };
 
-// Keyframes of one local map that were not looked up among those of another.
+// How many keyframes of one local map were not looked up among those of another.
 struct UncomparedPair {
   LocalMapId query;
   LocalMapId against;
   uint64_t waiting = 0;
-  // Given up, because workers answered with errors. Not known of what was before a restart.
+  // Look-ups that were given up because workers answered with errors. Those before a restart are
+  // not counted.
   uint64_t failed = 0;
 };
 
@@ -56,7 +57,7 @@ struct MissionInfo {
   bool fusion_idle = true;
   // Look-ups of a keyframe in a local map that wait for a worker.
   uint64_t waiting_queries = 0;
-  // The store has fusion workers; they may be away.
+  // Whether the store has fusion workers at all; they may be away.
   bool has_worker = false;
   std::optional<WorkerOutage> worker_outage;
 };
@@ -65,6 +66,9 @@ struct AgentInfo {
   std::string name;
   bool connected = false;
   std::vector<LocalMapId> local_maps;  // In the order in which they were opened.
+  // Whether it is connected and nothing waits to be told to it.
+  bool up_to_date = false;
+  uint64_t shared_updates = 0;  // The number that its session was sent.
 };
 
 struct LocalMapInfo {
@@ -88,12 +92,12 @@ struct KeyframeInfo {
   std::string agent;
   int64_t timestamp_ns = 0;
   Rigid3d camera_from_local;
-  // In the frame of `island`.
+  // `camera_from_island` is in the frame of this island.
   IslandId island;
   Similarity3d camera_from_island;
   bool placed = false;
   bool settled = false;
-  uint64_t revision = 0;  // That placed it; 0: none.
+  uint64_t revision = 0;  // The revision that placed it; 0: none.
   KeyframeId parent;
   size_t keypoints = 0;
   size_t observed_points = 0;
@@ -124,22 +128,24 @@ struct GlobalAdjustmentStatistics {
 struct MissionStatistics {
   uint64_t revision = 0;
   size_t islands = 0;
-  // Keyframes and points (each landmark once) now stored.
+  // Keyframes and points (each landmark once) that are stored now.
   size_t keyframes = 0;
   size_t map_points = 0;
   TransferStatistics full_keyframes;
   TransferStatistics full_map_points;
   TransferStatistics light_keyframes;
   TransferStatistics light_map_points;
-  // Keyframes queried; candidates that a worker looked at; overlaps accepted.
+  // Keyframes that were queried, candidates that a worker looked at, and overlaps that were
+  // accepted.
   uint64_t overlaps_queried = 0;
   uint64_t overlaps_verified = 0;
   uint64_t overlaps_accepted = 0;
-  // From the verified overlap to the committed revision, one for each two islands fused.
+  // Milliseconds from the verified overlap to the committed revision, for each fusing of two
+  // islands.
   std::vector<double> merge_ms;
   std::vector<GlobalAdjustmentStatistics> global_adjustments;
   uint64_t failed_requests = 0;
-  std::vector<UncomparedPair> uncompared;  // By ids; none of which all is looked up.
+  std::vector<UncomparedPair> uncompared;  // By ids; without pairs of which all is looked up.
 };
 
 enum class TrajectoryFrame { kLocal, kGlobal };
@@ -147,36 +153,36 @@ enum class TrajectoryFrame { kLocal, kGlobal };
 struct StoredPose {
   int64_t timestamp_ns = 0;
   LocalMapId local_map;
-  // x_in_frame = frame_from_camera * x_in_camera, of scale 1: the camera's units are the frame's.
+  // x_in_frame = frame_from_camera * x_in_camera, with scale 1: the camera's units are the frame's.
   Rigid3d frame_from_camera;
-  // Global: the island whose frame that is.
+  // The island whose frame it is; for the global frame only.
   IslandId island;
-  // The pose before (in time) is not connected to this one: tracking was lost in between, or
-  // another local map began.
+  // Whether this pose is not connected to the one before it in time: tracking was lost in between,
+  // or another local map began.
   bool after_gap = false;
 };
 
 struct AgentTrajectory {
   std::string agent;
-  std::vector<StoredPose> poses;  // Every tracked frame, by local map, in time.
+  std::vector<StoredPose> poses;  // All tracked frames, by local map, then by time.
 };
 
 struct OverlapInfo {
   uint64_t id = 0;  // Grows in the order of verification.
   Overlap overlap;
-  // The two are in one island through this or another overlap.
+  // Whether the two keyframes are in one island, through this or another overlap.
   bool fused = false;
-  uint64_t revision = 0;  // That took it into the graph; 0: none.
-  // Says what happened beyond the verdict, for people: "waits for fusing", "worker failed: ...".
+  uint64_t revision = 0;  // The revision that took it into the graph; 0: none.
+  // Says, for people, what happened beyond the verdict: "waits for fusing", "worker failed: ...".
   std::string note;
 };
 
 struct OverlapFilter {
   std::optional<bool> accepted;
-  LocalMapId local_map;  // Invalid: all.
+  LocalMapId local_map;  // Invalid: any.
 };
 
-// The global map for viewers and pictures.
+// One island of the global map, for viewers and pictures.
 struct IslandView {
   IslandId id;
   bool is_reference = false;
@@ -185,7 +191,7 @@ struct IslandView {
     KeyframeId id;
     std::string agent;
     int64_t timestamp_ns = 0;
-    Rigid3d camera_from_island;  // Camera units rescaled to the island's.
+    Rigid3d camera_from_island;  // The camera's units are rescaled to the island's.
     KeyframeId parent;
     bool placed = false;
   };
@@ -195,27 +201,29 @@ struct IslandView {
     Eigen::Vector3d position_in_island = Eigen::Vector3d::Zero();
     uint32_t observations = 0;
   };
-  std::vector<Point> points;  // By id; landmarks once.
+  std::vector<Point> points;  // By id; each landmark once.
 };
 
 // A piece of what changed in the map since a version that a watcher saw. Versions grow with every
 // change, revisions only with fusion's commits.
 struct MapChanges {
-  // Of one island; what is not named is as it was.
+  // The changes of one island; items that are not named are as they were.
   struct Island {
     IslandId id;
     bool is_reference = false;
     std::vector<LocalMapId> local_maps;
-    std::vector<std::string> agents;  // Of each of them.
-    // What the watcher knows of this island is void: all of it comes again.
+    std::vector<std::string> agents;  // The agent of each of `local_maps`.
+    // All that the watcher knows of this island is void: all of it comes again.
     bool anew = false;
-    std::vector<IslandView::KeyframePlace> keyframes;  // Came, or stand elsewhere.
+    std::vector<IslandView::KeyframePlace> keyframes;  // Keyframes that came, or stand elsewhere.
     std::vector<KeyframeId> removed_keyframes;
-    std::vector<std::pair<MapPointId, Eigen::Vector3d>> points;  // Likewise, in the island.
-    std::vector<MapPointId> removed_points;  // Gone, or part of another landmark.
+    // Points that came, or lie elsewhere in the island.
+    std::vector<std::pair<MapPointId, Eigen::Vector3d>> points;
+    // Points that went, or became part of another landmark.
+    std::vector<MapPointId> removed_points;
   };
 
-  // What the watcher knows with the last piece.
+  // The version and revision that the watcher knows once it has the last piece.
   uint64_t version = 0;
   uint64_t revision = 0;
   bool continues = false;  // More pieces of this change follow.

@@ -3,7 +3,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// Longer chains of replacements than any honest owner makes.
+// No honest owner makes a chain of replacements as long as this.
 constexpr int kMaxChain = 1000;
 
 }  // namespace

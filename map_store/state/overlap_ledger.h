@@ -1,4 +1,5 @@
-// The overlaps of a mission: what was verified, what waits for fusing, what the graph is made of.
+// The overlaps of a mission: those that were verified, that wait for fusing, and of which the graph
+// is made.
 #ifndef CORBSLAM_MAP_STORE_STATE_OVERLAP_LEDGER_H_
 #define CORBSLAM_MAP_STORE_STATE_OVERLAP_LEDGER_H_
 
@@ -27,17 +28,18 @@ struct OverlapEntry {
   uint64_t id = 0;
   Overlap overlap;
   OverlapState state = OverlapState::kRefused;
-  bool urgent = false;  // Disagrees with the graph as it is.
-  bool alone = false;   // It was refused among others: one of them may be to blame.
+  bool urgent = false;  // It disagrees with the graph as it is.
+  bool alone = false;   // It was refused among others, any of which may be to blame.
   int attempts = 0;
   uint64_t revision = 0;
   absl::Time verified_at;
   std::string note;
 };
 
-// Entries by id, with indices of those that matter to fusion: the store asks for these at each
+// Entries by id, with indices of those that matter to fusion. The store asks for these at each
 // piece of work, and a mission refuses a hundred overlaps for each that it accepts. An entry that
-// waits or is in the graph is live. Of the others the newest kMaxHistory are kept.
+// waits or is in the graph is live. Of the other entries the newest kMaxHistory are kept. A value;
+// not thread-safe.
 class OverlapLedger {
  public:
   using Entries = std::map<uint64_t, OverlapEntry>;
@@ -51,17 +53,17 @@ class OverlapLedger {
   bool contains(uint64_t id) const { return entries_.contains(id); }
   // The entry must be there.
   const OverlapEntry& at(uint64_t id) const { return entries_.at(id); }
-  // Null: there is none.
+  // Returns null if there is no such entry.
   const OverlapEntry* Find(uint64_t id) const;
 
   const Ids& waiting() const { return waiting_; }
   const Ids& in_graph() const { return in_graph_; }
-  // The live ones between keyframes of these two local maps, in either order.
+  // Returns the live entries between keyframes of these two local maps, in either order.
   const Ids& LiveBetween(LocalMapId a, LocalMapId b) const;
 
-  // The id must be new, and the largest.
+  // Adds an entry. Its id must be new, and the largest.
   void Add(OverlapEntry entry);
-  // Changes anything of an entry that is there but its id and its keyframes.
+  // Changes an entry that is there; `change` may change all of it but its id and its keyframes.
   void Change(uint64_t id, absl::FunctionRef<void(OverlapEntry&)> change);
 
  private:

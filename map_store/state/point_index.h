@@ -1,5 +1,5 @@
-// Who sees a point, and by which names: what changes with a point is found without looking at all
-// that anybody sees.
+// Says who sees a point, and by which names, so that what changes with a point is found without
+// looking at all observations.
 #ifndef CORBSLAM_MAP_STORE_STATE_POINT_INDEX_H_
 #define CORBSLAM_MAP_STORE_STATE_POINT_INDEX_H_
 
@@ -13,21 +13,23 @@
 
 namespace corbslam::map_store {
 
-// Derived from what the owners say, and never written down.
+// Viewers and names of points. It is derived from what the owners say, and never written down. A
+// value; not thread-safe.
 class PointIndex {
  public:
-  // The keyframe's owner says that its keypoint sees the point, which is another local map's. A
-  // keyframe sees a point by one keypoint: the first one counts.
+  // Notes that a keypoint of the keyframe sees the point, which is another local map's, as the
+  // keyframe's owner says. A keyframe sees a point by one keypoint: the first one counts.
   void AddViewer(MapPointId point, KeyframeId keyframe, uint32_t keypoint);
   void RemoveViewer(MapPointId point, KeyframeId keyframe, uint32_t keypoint);
-  // In the order of their ids.
+  // Returns the keyframes that see the point, in the order of their ids.
   std::vector<KeyframeId> ViewersOf(MapPointId point) const;
-  // The keypoint by which the keyframe sees it; nullopt: it doesn't.
+  // Returns the keypoint by which the keyframe sees the point; nullopt if it doesn't.
   std::optional<uint32_t> FindSight(MapPointId point, KeyframeId keyframe) const;
 
-  // Whoever sees `replaced` sees `by` from now on. That is never taken back, as ids never return.
+  // The caller says that whoever sees `replaced` sees `by` from now on. That is never taken back,
+  // as ids never return.
   void NoteReplaced(MapPointId replaced, MapPointId by);
-  // The point, and all that were replaced by it, directly or one after the other.
+  // Returns the point, and all points that were replaced by it, directly or one after the other.
   std::vector<MapPointId> NamesOf(MapPointId point) const;
 
  private:

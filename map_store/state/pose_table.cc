@@ -22,7 +22,7 @@ std::shared_ptr<const PoseTable> PoseTables::Find(LocalMapId local_map) const {
 
 void PoseTables::Add(LocalMapId local_map, std::shared_ptr<const PoseTable> table) const {
   absl::MutexLock lock(&mutex_);
-  // The old one is freed outside the lock, by whoever still reads it or by the caller.
+  // The old table is freed outside the lock, by whoever still reads it or by the caller.
   std::swap(tables_[local_map], table);
 }
 

@@ -1,4 +1,4 @@
-// Where the keyframes of local maps stand in their islands, kept until they stand elsewhere.
+// Keeps where the keyframes of local maps stand in their islands, until they stand elsewhere.
 #ifndef CORBSLAM_MAP_STORE_STATE_POSE_TABLE_H_
 #define CORBSLAM_MAP_STORE_STATE_POSE_TABLE_H_
 
@@ -14,23 +14,24 @@
 
 namespace corbslam::map_store {
 
-// camera_from_island, in the camera's local units: x_in_camera = s R x_in_island + t.
+// Poses camera_from_island, in the camera's local units: x_in_camera = s R x_in_island + t.
 using IslandPoses = std::map<KeyframeId, Similarity3d>;
 
-// Of all keyframes of one local map.
+// The poses of all keyframes of one local map.
 struct PoseTable {
   struct Standing {
     bool placed = false;      // By fusion itself.
-    uint64_t changed_at = 0;  // The version of the places at which this one changed last.
+    uint64_t changed_at = 0;  // The version of the places at which this keyframe's changed last.
   };
 
-  uint64_t version = 0;  // Of the local map's places (LocalMapState::places_version).
+  uint64_t version = 0;  // The version of the local map's places (LocalMapState::places_version).
   IslandPoses poses;
   absl::flat_hash_map<KeyframeId, Standing> standings;
 };
 
-// The newest table of each local map. Thread-safe: whoever reads a mission's state may add what it
-// had to compute. A copy and what is moved to begin empty: a table belongs to one state's versions.
+// The newest table of each local map. It is thread-safe: whoever reads a mission's state may add
+// what it had to compute. A copy, and what is moved to, begins empty: a table belongs to the
+// versions of one state.
 class PoseTables {
  public:
   PoseTables() = default;
@@ -40,7 +41,7 @@ class PoseTables {
   PoseTables& operator=(PoseTables&& other) noexcept;
   ~PoseTables() = default;
 
-  // The last that was added, of whatever version; null: none was.
+  // Returns the table that was added last, of whatever version; null if none was.
   std::shared_ptr<const PoseTable> Find(LocalMapId local_map) const;
   void Add(LocalMapId local_map, std::shared_ptr<const PoseTable> table) const;
 

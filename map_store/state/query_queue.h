@@ -1,4 +1,4 @@
-// Which settled keyframes are to be looked up among the keyframes of which local maps, in order.
+// Lists which settled keyframes are to be looked up among the keyframes of which local maps.
 #ifndef CORBSLAM_MAP_STORE_STATE_QUERY_QUEUE_H_
 #define CORBSLAM_MAP_STORE_STATE_QUERY_QUEUE_H_
 
@@ -14,23 +14,23 @@
 
 namespace corbslam::map_store {
 
-// One settled keyframe to be looked up among the keyframes of one local map.
+// One settled keyframe that is to be looked up among the keyframes of one local map.
 struct QueryTask {
   KeyframeId query;
   LocalMapId against;
   int attempts = 0;
 };
 
-// First in, first out. Its memory grows with the keyframes that wait, not with keyframes times
-// local maps: keyframes that are looked up in the same local maps share the list of them.
+// Tasks, first in, first out. A value; not thread-safe. Memory grows with the keyframes that wait,
+// not with keyframes times local maps: keyframes share the list of the local maps to look in.
 class QueryQueue {
  public:
   QueryQueue() = default;
-  // The tasks as ToTasks lists them.
+  // Takes the tasks as ToTasks lists them.
   explicit QueryQueue(const std::vector<QueryTask>& tasks);
 
   bool empty() const { return entries_.empty(); }
-  // The number of tasks.
+  // Returns the number of tasks.
   size_t size() const { return size_; }
   // The queue must not be empty.
   QueryTask front() const;
@@ -38,14 +38,14 @@ class QueryQueue {
   // Adds a task for each of the local maps.
   void Push(KeyframeId query, const std::vector<LocalMapId>& against);
   void PopFront();
-  // One more attempt at the first task has failed; returns how many that were.
+  // Counts one more failed attempt at the first task; returns how many those were.
   int CountFailureOfFront() { return ++attempts_of_front_; }
-  // Takes this task out, and all before it, which needed no answer. Nothing where it isn't there.
+  // Takes out this task, and all before it, which needed no answer. Does nothing if it isn't there.
   void TakeUntil(const QueryTask& task);
   void Clear();
 
   std::vector<QueryTask> ToTasks() const;
-  // How many tasks wait, by the local maps of query and candidates.
+  // Counts the tasks by the local maps of query and candidates.
   std::map<std::pair<LocalMapId, LocalMapId>, uint64_t> CountByPair() const;
 
  private:
@@ -53,7 +53,8 @@ class QueryQueue {
   struct Entry {
     KeyframeId query;
     LocalMaps against;
-    size_t next = 0;  // The first of them that is still to be looked at; there is one.
+    size_t next =
+        0;  // Index of the first of `against` that is still to be looked in; there is one.
   };
 
   std::deque<Entry> entries_;

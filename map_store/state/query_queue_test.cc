@@ -14,7 +14,7 @@ constexpr LocalMapId kA{0xa};
 constexpr LocalMapId kB{0xb};
 constexpr KeyframeId Ka(uint32_t index) { return {kA, index}; }
 
-// Query's index, candidates' local map, attempts.
+// The query's index, the candidates' local map, and the attempts.
 using Task = std::tuple<uint32_t, uint64_t, int>;
 std::vector<Task> Tasks(const QueryQueue& queue) {
   std::vector<Task> tasks;
@@ -61,7 +61,7 @@ TEST(QueryQueueTest, TakesATaskOutWithThoseBeforeIt) {
   EXPECT_EQ(queue.size(), 6u);
   queue.TakeUntil({Ka(2), kA, 0});
   EXPECT_THAT(Tasks(queue), ElementsAre(Task{2, 0xb, 0}, Task{3, 0xa, 0}, Task{3, 0xb, 0}));
-  queue.TakeUntil({Ka(2), kA, 0});  // Is not there any more.
+  queue.TakeUntil({Ka(2), kA, 0});  // This task is not there any more.
   EXPECT_EQ(queue.size(), 3u);
   queue.TakeUntil({Ka(2), kB, 0});
   EXPECT_THAT(Tasks(queue), ElementsAre(Task{3, 0xa, 0}, Task{3, 0xb, 0}));

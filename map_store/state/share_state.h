@@ -23,23 +23,23 @@ namespace corbslam::map_store {
 
 struct SentKeyframe {
   Similarity3d camera_from_global;
-  // Where its points were, as far as fusion has not placed them.
+  // The motion that placed the points that follow the keyframe and that fusion has not placed.
   Similarity3d global_from_local;
   std::shared_ptr<const Sights> sights;
 };
 
-// What may be news to the agent: to be looked at, and sent if it is.
+// Items that may be news to the agent: the store looks at them, and sends what is new.
 struct ShareNews {
   absl::btree_set<KeyframeId> keyframes;
   absl::btree_set<KeyframeId> sights;
   absl::btree_set<MapPointId> points;
   absl::btree_set<MapPointId> landmarks;
   bool own_keyframes = false;
-  // Fusion may have moved any of the points that were sent: those from this one on are to be looked
-  // at. None: only `points`.
+  // Fusion may have moved any of the points that were sent: from this point on they are still to be
+  // looked at. None: only `points` are.
   std::optional<MapPointId> all_points_from;
-  // How many of the agent's own landmarks keyframes saw that it lacked, when they were counted, and
-  // the mission's revision when that began.
+  // How many of the agent's own landmarks the keyframes saw that the agent lacked, when they were
+  // counted, and the mission's revision when that counting began.
   absl::btree_map<KeyframeId, int> own_landmarks;
   uint64_t counted_at_revision = 0;
 };
@@ -53,19 +53,19 @@ struct ShareState {
   absl::btree_map<MapPointId, std::vector<MapPointId>> landmarks;
   std::map<KeyframeId, OwnKeyframePose> own_keyframes;
 
-  // Not sent yet, and up to where the mission has been searched for news: its version, the
-  // revision, and the local maps that the island had then.
+  // News that are not sent yet, and up to where the mission has been searched for news: its
+  // version, its revision, and the local maps that the island had then.
   ShareNews news;
   uint64_t seen_version = 0;
   uint64_t seen_revision = 0;
   std::set<LocalMapId> seen_local_maps;
-  // The island's version that was worth telling up to which all was sent.
+  // The island's `shared_version` up to which everything was sent.
   uint64_t complete_at_version = 0;
-  // The last update and how many had its revision.
+  // The revision of the last update, and how many updates had it.
   uint64_t last_revision = 0;
   int updates_of_last_revision = 0;
   bool restart = false;
-  // As the last update said.
+  // What the last update said.
   bool more_places = false;
   // The last look ended before all that may be news was looked at.
   bool unfinished = false;

@@ -7,7 +7,7 @@ std::shared_ptr<const Sights> SightsTable::Share(KeyframeId keyframe, Sights sig
   std::weak_ptr<const Sights>& newest = newest_[keyframe];
   if (auto same = newest.lock(); same != nullptr && *same == sights) return same;
   sights.shrink_to_fit();
-  // Not make_shared: the table's weak pointer would keep the sights' memory.
+  // make_shared is not used, since the table's weak pointer would keep the sights' memory.
   std::shared_ptr<const Sights> shared(new Sights(std::move(sights)));
   newest = shared;
   return shared;

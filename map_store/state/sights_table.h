@@ -1,4 +1,5 @@
-// What keyframes see, in the words of the global layer, kept once for all who were told the same.
+// Keeps what keyframes see, by names of the global layer, once for all agents who were told the
+// same.
 #ifndef CORBSLAM_MAP_STORE_STATE_SIGHTS_TABLE_H_
 #define CORBSLAM_MAP_STORE_STATE_SIGHTS_TABLE_H_
 
@@ -14,10 +15,11 @@
 
 namespace corbslam::map_store {
 
-// Keypoint and landmark, by keypoint; keypoints that see none are left out.
+// Pairs of keypoint and landmark, by keypoint; keypoints that see no landmark are left out.
 using Sights = std::vector<std::pair<uint32_t, MapPointId>>;
 
-// Thread-safe. Keeps nothing alive by itself.
+// The newest sights of each keyframe that are in use. It is thread-safe, and keeps nothing alive by
+// itself. A copy begins empty.
 class SightsTable {
  public:
   SightsTable() = default;
@@ -27,8 +29,8 @@ class SightsTable {
   SightsTable& operator=(SightsTable&&) noexcept { return *this; }
   ~SightsTable() = default;
 
-  // `sights`, or what was given for the keyframe last if that is the same and somebody has it
-  // still.
+  // Returns `sights`, or the ones that were shared last for the keyframe if they are the same and
+  // somebody still has them.
   std::shared_ptr<const Sights> Share(KeyframeId keyframe, Sights sights) const;
 
  private:

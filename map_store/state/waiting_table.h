@@ -1,4 +1,5 @@
-// What waits for an item that has not arrived: found by that item, and by how long it has waited.
+// Keeps what waits for an item that has not arrived, found by that item and by how long it has
+// waited.
 #ifndef CORBSLAM_MAP_STORE_STATE_WAITING_TABLE_H_
 #define CORBSLAM_MAP_STORE_STATE_WAITING_TABLE_H_
 
@@ -18,13 +19,13 @@ namespace corbslam::map_store {
 
 using MissingItem = std::variant<KeyframeId, MapPointId>;
 
-// A value; not thread-safe. Each call costs as much as what it concerns, and not as all that waits.
-// `Value` says in `since` from when on it has waited, infinite before Expire first saw it.
+// A value; not thread-safe. Each call costs as much as the entries that it concerns, not as all
+// that wait. `Value` says in `since` from when on it has waited: infinite until Expire has seen it.
 template <typename Key, typename Value>
 class WaitingTable {
  public:
   WaitingTable() = default;
-  // Where nobody knows any more what they wait for, all are due.
+  // Takes values whose missing items nobody knows any more: all are due.
   explicit WaitingTable(std::map<Key, Value> values) {
     for (auto& [key, value] : values) {
       Put(key, std::move(value), MissingItem());
@@ -33,7 +34,7 @@ class WaitingTable {
   }
 
   size_t size() const { return entries_.size(); }
-  // Greater than every key; for keys that are numbers.
+  // Returns a key greater than every other; for keys that are numbers.
   Key NextKey() const { return entries_.empty() ? Key() : entries_.rbegin()->first + 1; }
   std::map<Key, Value> Values() const {
     std::map<Key, Value> values;
@@ -41,7 +42,7 @@ class WaitingTable {
     return values;
   }
 
-  // Takes the place of what stood there.
+  // Adds a value, in place of the one that the key had.
   void Put(Key key, Value value, const MissingItem& missing) {
     Erase(key);
     waits_for_[missing].insert(key);
@@ -64,7 +65,7 @@ class WaitingTable {
     entries_.erase(it);
   }
 
-  // The item came, or is known never to come: what waits for it is due.
+  // The caller says that the item came, or is known never to come: what waits for it is due.
   void Release(const MissingItem& item) {
     const auto it = waits_for_.find(item);
     if (it != waits_for_.end()) due_.insert(it->second.begin(), it->second.end());
@@ -79,7 +80,7 @@ class WaitingTable {
     return taken;
   }
 
-  // Forgets what has waited for longer than `limit`, and returns how many that were.
+  // Forgets what has waited for longer than `limit`; returns how many values that were.
   size_t Expire(absl::Time now, absl::Duration limit) {
     for (const Key& key : new_) {
       entries_.at(key).value.since = now;
@@ -102,7 +103,7 @@ class WaitingTable {
   std::map<Key, Entry> entries_;
   absl::btree_map<MissingItem, absl::btree_set<Key>> waits_for_;
   std::set<Key> due_;
-  absl::btree_set<Key> new_;  // Since when is not known yet.
+  absl::btree_set<Key> new_;  // Keys of values without a `since`.
   absl::btree_set<std::pair<absl::Time, Key>> by_age_;
 };
 

@@ -1,4 +1,4 @@
-// A journal that keeps one mission's records as their bytes, good or bad.
+// A journal for tests that keeps one mission's records as bytes, good or bad.
 #ifndef CORBSLAM_MAP_STORE_TESTING_BYTE_JOURNAL_H_
 #define CORBSLAM_MAP_STORE_TESTING_BYTE_JOURNAL_H_
 
@@ -16,14 +16,14 @@
 
 namespace corbslam::testing {
 
-// What is on the disk. Outlives the stores that are opened on it.
+// What is on the disk. It outlives the stores that are opened on it.
 struct JournalBytes {
   std::string mission = "m";
-  std::string snapshot;  // EncodeState's; empty: none.
+  std::string snapshot;  // As EncodeState makes it; empty: none.
   Journal::Position snapshot_position = 0;
-  std::vector<std::string> records;  // Since the snapshot.
+  std::vector<std::string> records;  // Those since the snapshot.
   std::map<KeyframeId, std::string> features;
-  std::string other_features;  // Of all other keyframes.
+  std::string other_features;  // The features of all other keyframes.
   bool wants_snapshot = false;
 };
 

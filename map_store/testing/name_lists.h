@@ -1,4 +1,4 @@
-// The lists of a store as lists of names, a page at a time.
+// Reads the lists of a store as lists of names, a page at a time.
 #ifndef CORBSLAM_MAP_STORE_TESTING_NAME_LISTS_H_
 #define CORBSLAM_MAP_STORE_TESTING_NAME_LISTS_H_
 
@@ -16,7 +16,7 @@
 
 namespace corbslam::testing {
 
-// What an item is called, whichever list it is of.
+// Returns the name of an item of any list.
 inline std::string NameOf(const MissionInfo& mission) { return mission.name; }
 inline std::string NameOf(const AgentInfo& agent) { return agent.name; }
 inline std::string NameOf(const LocalMapInfo& local_map) { return ToString(local_map.id); }
@@ -61,7 +61,7 @@ inline List Overlaps(const MapStore& store, const OverlapFilter& filter = {}) {
   };
 }
 
-// Of mission "m", each by what it is.
+// Returns the lists of mission "m", each with what it is a list of.
 inline std::vector<std::pair<std::string, List>> AllLists(const MapStore& store, LocalMapId a,
                                                           LocalMapId b) {
   return {{"missions", Missions(store)},
@@ -75,7 +75,7 @@ inline std::vector<std::pair<std::string, List>> AllLists(const MapStore& store,
           {"overlaps of one", Overlaps(store, {.accepted = std::nullopt, .local_map = a})}};
 }
 
-// Of all pages, with what happens after each.
+// Returns the names on all pages; calls `between` after each page.
 inline std::vector<std::string> ReadInPages(
     const List& list, size_t page_size, const std::function<void()>& between = [] {}) {
   std::vector<std::string> all;

@@ -20,7 +20,7 @@ inline const SharedWorld& TheWorld() {
   return *world;
 }
 
-// Keyframes every 4 degrees of the ring.
+// Makes a map with a keyframe every 4 degrees of the ring.
 inline SyntheticMap MakeRingMap(uint64_t local_map, double begin_degrees, int keyframes,
                                 double drift_yaw_rad = 0.002) {
   SyntheticMapOptions options;

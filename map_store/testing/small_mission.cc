@@ -57,7 +57,7 @@ MapUpdateBatch MakeFirstBatch(LocalMapId local_map) {
   return batch;
 }
 
-// Changes of every kind.
+// Returns a batch with changes of every kind.
 MapUpdateBatch MakeSecondBatch(LocalMapId local_map, LocalMapId other) {
   using Kind = ObservationChange::Kind;
   MapUpdateBatch batch;

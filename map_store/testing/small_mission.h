@@ -8,14 +8,14 @@
 
 namespace corbslam::testing {
 
-inline constexpr LocalMapId kSmallMapA{1};  // Of agent a.
-inline constexpr LocalMapId kSmallMapB{2};  // Of agent b.
+inline constexpr LocalMapId kSmallMapA{1};  // Agent a's.
+inline constexpr LocalMapId kSmallMapB{2};  // Agent b's.
 
-// The features of all keyframes.
+// Returns the features that all keyframes have.
 Features MakeSmallFeatures();
 
-// In their order. At the end both local maps are in one island, at revision 2, a point of each is
-// one landmark, and references wait for what never comes.
+// Returns the records in their order. After them both local maps are in one island, at revision 2,
+// a point of each is one landmark, and references wait for what never comes.
 std::vector<map_store::JournalRecord> MakeSmallMission();
 
 }  // namespace corbslam::testing

@@ -1,4 +1,4 @@
-// What a store answers, as text to be compared.
+// Writes what a store answers as text, to be compared.
 #ifndef CORBSLAM_MAP_STORE_TESTING_STORE_DUMP_H_
 #define CORBSLAM_MAP_STORE_TESTING_STORE_DUMP_H_
 
@@ -8,13 +8,14 @@
 
 namespace corbslam::testing {
 
-// All that look-ups say of the owners' layer of a mission, and of fusion's. The mission must exist.
+// These return all that look-ups say of a mission's local layer, or of its global layer. The
+// mission must exist.
 std::string DumpLocal(const std::string& mission, const MapStore& store);
 std::string DumpGlobal(const std::string& mission, const MapStore& store);
-// Where fusion has keyframes and points, without revisions and counts.
+// Returns where fusion has keyframes and points, without revisions and counts.
 std::string DumpPlaces(const std::string& mission, const MapStore& store);
 
-// Their first line that differs, of both, cut short; empty where they are the same.
+// Returns the first line of both that differs, cut short; empty if they are the same.
 std::string FirstDifference(const std::string& a, const std::string& b);
 
 }  // namespace corbslam::testing

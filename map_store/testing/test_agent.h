@@ -1,4 +1,4 @@
-// A robot for tests of the store: streams a synthetic local map, keyframe by keyframe.
+// A robot for tests of the store: it streams a synthetic local map, keyframe by keyframe.
 #ifndef CORBSLAM_MAP_STORE_TESTING_TEST_AGENT_H_
 #define CORBSLAM_MAP_STORE_TESTING_TEST_AGENT_H_
 
@@ -11,7 +11,7 @@
 
 namespace corbslam::testing {
 
-// A small vocabulary of the world's own descriptors.
+// Returns a small vocabulary of the world's own descriptors.
 std::shared_ptr<const Vocabulary> MakeTestVocabulary(const SyntheticWorld& world);
 
 // What an agent holds of the global layer after applying its updates.
@@ -27,21 +27,22 @@ struct SharedMirror {
   void Apply(const SharedUpdate& update);
 };
 
-// Not thread-safe.
+// An agent and its session. Not thread-safe.
 class TestAgent {
  public:
-  // `store` and `made` must outlive it. Opens its session.
+  // Opens the agent's session. `store` and `made` must outlive it.
   TestAgent(MapStore& store, std::string mission, std::string name, const SyntheticMap& made);
 
-  // The next batch of `keyframes` keyframes with their points and a tracked frame each; numbered.
+  // Returns the next numbered batch, of `keyframes` keyframes with their points and a tracked frame
+  // each.
   MapUpdateBatch NextBatch(size_t keyframes);
-  // An empty batch with the next number.
+  // Returns an empty batch with the next number.
   MapUpdateBatch EmptyBatch();
   absl::Status Send(const MapUpdateBatch& batch);
-  // One keyframe a batch; all that are left by default.
+  // Sends the next keyframes in a batch each; all that are left by default.
   absl::Status Stream(size_t keyframes = 1000000);
   absl::Status Close();
-  // Until there is no more; applied to `mirror`.
+  // Takes updates until there are no more, and applies them to `mirror`.
   absl::Status TakeShared(size_t byte_budget = 1 << 20);
 
   uint64_t session() const { return session_; }

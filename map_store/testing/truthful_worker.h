@@ -1,4 +1,4 @@
-// A fusion worker for tests that looks up the truth instead of estimating it, counts what it is
+// A fusion worker for tests. It looks up the truth instead of estimating it, counts what it is
 // asked, and fails on demand.
 #ifndef CORBSLAM_MAP_STORE_TESTING_TRUTHFUL_WORKER_H_
 #define CORBSLAM_MAP_STORE_TESTING_TRUTHFUL_WORKER_H_
@@ -14,7 +14,7 @@
 
 namespace corbslam::testing {
 
-// Thread-safe once set up.
+// Thread-safe once its fields are set.
 class TruthfulWorker : public FusionWorker {
  public:
   // All maps must show the same world.
@@ -35,28 +35,29 @@ class TruthfulWorker : public FusionWorker {
   std::vector<FuseMapsRequest> fused() const;
   std::vector<AdjustBundleRequest> adjusted() const;
 
-  // Called while a request runs, without a lock.
+  // Functions that are called while a request runs, without a lock.
   std::function<void()> during_verify;
   std::function<void()> during_fuse;
   std::function<bool(const ProgressCallback&)> during_adjust;
-  // Answers the next requests of the kind, one each.
+  // Each of these answers one of the next requests of the kind.
   std::deque<absl::Status> verify_failures;
   std::deque<absl::Status> fuse_failures;
   std::deque<absl::Status> adjust_failures;
   bool refuse_fusing = false;
-  // Refuses every request that has this one among its new overlaps.
+  // Fusing is refused if this is true for any of the request's new overlaps.
   std::function<bool(const Overlap&)> bends_graph;
-  // Once it accepts, wrongly, what a keyframe of this local map asks of another one.
+  // Once, the worker accepts an overlap wrongly: the first one that a keyframe of this local map
+  // asks of another local map. Invalid: it never does.
   LocalMapId lies_about;
   // Observations that an adjustment finds to be wrong.
   std::vector<RejectedObservation> reject;
   std::vector<KeyframeId> redundant;
-  // Keyframes farther apart show different places.
+  // Keyframes farther apart than this, in metres, show different places.
   double same_place_m = 4;
 
  private:
   absl::Status TakeFailure(std::deque<absl::Status>& failures);
-  // Whether it is time to lie about it.
+  // Returns whether the worker is to accept this overlap wrongly; true once at most.
   bool TakeLie(const Overlap& overlap);
   bool HasBendingOverlap(const FuseMapsRequest& request) const;
   Overlap Compare(const VerifyOverlapRequest& request, KeyframeId candidate) const;

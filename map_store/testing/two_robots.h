@@ -1,4 +1,4 @@
-// Two robots' maps that meet, the store of their mission and a worker that knows the truth.
+// Two robots' maps that meet, the store of their mission, and a worker that knows the truth.
 #ifndef CORBSLAM_MAP_STORE_TESTING_TWO_ROBOTS_H_
 #define CORBSLAM_MAP_STORE_TESTING_TWO_ROBOTS_H_
 
@@ -28,7 +28,7 @@ class TwoRobots : public ::testing::Test {
   void Fuse() { ASSERT_TRUE(store_.RunFusionUntilIdle(kMission).ok()); }
   MissionStatistics Statistics() { return *store_.GetStatistics(kMission); }
   Similarity3d Pose(KeyframeId id) { return store_.GetKeyframe(kMission, id)->camera_from_island; }
-  // b_from_a by the global layer.
+  // Returns b_from_a by the global layer.
   Rigid3d Relative(KeyframeId a, KeyframeId b) {
     return Pose(b).ToRigid() * Pose(a).ToRigid().Inverse();
   }
@@ -36,7 +36,7 @@ class TwoRobots : public ::testing::Test {
                               KeyframeId to) {
     return b.true_camera_from_world.at(to) * a.true_camera_from_world.at(from).Inverse();
   }
-  // Metres and radians together.
+  // Returns the sum of metres and radians.
   static double Difference(const Rigid3d& a, const Rigid3d& b) {
     const Rigid3d difference = a * b.Inverse();
     return difference.translation.norm() + RotationAngle(difference.rotation);

@@ -89,7 +89,7 @@ rocksdb::Status UnsyncedLossEnv::RenameFile(const std::string& from, const std::
   absl::MutexLock lock(&mutex_);
   const rocksdb::Status status = target()->RenameFile(from, to);
   synced_.erase(Normal(from));
-  synced_.erase(Normal(to));  // Whole.
+  synced_.erase(Normal(to));  // All of it counts as synced.
   return status;
 }
 

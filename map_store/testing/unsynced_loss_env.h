@@ -1,4 +1,4 @@
-// A file system that knows what of each file has been synced, so that a power cut can be had.
+// A file system for tests of power cuts: it knows what of each file has been synced.
 #ifndef CORBSLAM_MAP_STORE_TESTING_UNSYNCED_LOSS_ENV_H_
 #define CORBSLAM_MAP_STORE_TESTING_UNSYNCED_LOSS_ENV_H_
 
@@ -14,16 +14,16 @@
 
 namespace corbslam::testing {
 
-// Thread-safe. Writes go through to the system's files; a rename counts as synced.
+// Writes go through to the system's files; a rename counts as synced. Thread-safe.
 class UnsyncedLossEnv : public rocksdb::EnvWrapper {
  public:
   UnsyncedLossEnv() : rocksdb::EnvWrapper(rocksdb::Env::Default()) {}
 
-  // The folder as it would be found after the power went now: every file ends where it was last
+  // Copies a folder as it would be found if the power went now: every file ends where it was last
   // synced, and files never synced are empty.
   void CopyAfterPowerCut(const std::string& from, const std::string& to);
 
-  // From now on writes find no room.
+  // Says whether writes find no room from now on.
   void SetFull(bool full);
   bool IsFull() const;
   void NoteSynced(const std::string& file, uint64_t size);
@@ -36,7 +36,7 @@ class UnsyncedLossEnv : public rocksdb::EnvWrapper {
 
  private:
   mutable absl::Mutex mutex_;
-  // By path: of the files written through it, the bytes that are safe.
+  // By path: how many bytes are safe of each file that was written through this environment.
   std::map<std::string, uint64_t> synced_ ABSL_GUARDED_BY(mutex_);
   bool full_ ABSL_GUARDED_BY(mutex_) = false;
 };

@@ -17,7 +17,7 @@ size_t CountKeyframes(const MissionState& state) {
   return count;
 }
 
-// Points of the local layers, each landmark once.
+// Counts the points of the local layers, each landmark once.
 size_t CountPoints(const MissionState& state) {
   size_t count = 0;
   for (const auto& [id, local_map] : state.local_maps) count += local_map.map.points().size();
@@ -87,7 +87,7 @@ MissionInfo DescribeMission(const MissionState& state) {
 }
 
 AgentInfo DescribeAgent(const std::string& name, const AgentState& agent) {
-  return {name, agent.session != 0, agent.local_maps};
+  return {.name = name, .connected = agent.session != 0, .local_maps = agent.local_maps};
 }
 
 LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& local_map) {

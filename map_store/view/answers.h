@@ -1,4 +1,4 @@
-// Answers to look-ups, read from a mission's state.
+// Makes the answers to look-ups from a mission's state.
 #ifndef CORBSLAM_MAP_STORE_VIEW_ANSWERS_H_
 #define CORBSLAM_MAP_STORE_VIEW_ANSWERS_H_
 
@@ -11,20 +11,20 @@
 
 namespace corbslam::map_store {
 
-// NOT_FOUND, with its name.
+// Returns NOT_FOUND, naming the local map.
 absl::Status NoSuchLocalMap(LocalMapId id);
 
 MissionInfo DescribeMission(const MissionState& state);
 AgentInfo DescribeAgent(const std::string& name, const AgentState& agent);
 LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& local_map);
-// One after the other; the state has all of them.
+// Describes the keyframes one after the other; the state must have all of them.
 std::vector<KeyframeInfo> DescribeKeyframes(const MissionState& state,
                                             const std::vector<KeyframeId>& ids);
 MissionStatistics DescribeStatistics(const MissionState& state);
 OverlapInfo DescribeOverlap(const MissionState& state, const OverlapEntry& entry);
 bool Matches(const OverlapFilter& filter, const Overlap& overlap);
 IslandView DescribeIsland(const MissionState& state, const Island& island);
-// The reference island first, then by id.
+// Returns the reference island first, the others by id.
 std::vector<const Island*> OrderedIslands(const MissionState& state);
 
 }  // namespace corbslam::map_store

@@ -11,14 +11,14 @@
 namespace corbslam::map_store {
 namespace {
 
-// Pieces of a long read.
+// The pieces of a long read.
 constexpr size_t kKeyframesInAPiece = 64;
 constexpr size_t kLandmarksInAPiece = 1000;
 
-// Counts for pairs of numbered things: of those that have any.
+// Counts for pairs of numbered things. Only pairs that were counted take room.
 class PairCounts {
  public:
-  // a > b.
+  // `a` must be greater than `b`.
   uint32_t& At(uint32_t a, uint32_t b) { return counts_[uint64_t{a} << 32 | b]; }
 
   struct Count {
@@ -26,7 +26,7 @@ class PairCounts {
     uint32_t b = 0;
     uint32_t count = 0;
   };
-  // By a, then by b.
+  // Returns the counts by a, then by b.
   std::vector<Count> Sorted() const {
     std::vector<std::pair<uint64_t, uint32_t>> sorted(counts_.begin(), counts_.end());
     std::ranges::sort(sorted);
@@ -42,8 +42,8 @@ class PairCounts {
   absl::flat_hash_map<uint64_t, uint32_t> counts_;
 };
 
-// A keyframe that sees a landmark, and by which of its names. Owners have counted those of one
-// name.
+// A keyframe that sees a landmark, and by which of its names. Owners have counted the pairs of
+// sightings by one name.
 struct Sighting {
   uint32_t keyframe = 0;
   MapPointId name;
@@ -146,7 +146,7 @@ class Counter {
     const MapPoint* point = IsHere(id.local_map) ? state_.FindPoint(id) : nullptr;
     if (point == nullptr) return;
     for (const auto& [keyframe, keypoint] : point->observations) {
-      // Keyframes that came during a pause don't count.
+      // A keyframe that came during a pause doesn't count.
       const auto it = index_.find(keyframe);
       if (it != index_.end()) sightings.push_back({it->second, id});
     }

@@ -1,4 +1,4 @@
-// Who sees how much together with whom, over a whole island.
+// Counts how much each two keyframes of an island see together.
 #ifndef CORBSLAM_MAP_STORE_VIEW_ISLAND_COVISIBILITY_H_
 #define CORBSLAM_MAP_STORE_VIEW_ISLAND_COVISIBILITY_H_
 
@@ -11,14 +11,15 @@
 namespace corbslam::map_store {
 
 struct CovisiblePair {
-  KeyframeId a;  // Less than b.
+  KeyframeId a;  // Less than `b`.
   KeyframeId b;
   int weight = 0;  // Landmarks that both see, as far as owners and fusion know.
 };
 
-// What owners counted inside their local maps, and what fusion and foreign observations add to it,
-// in ascending order. Costs the landmarks that more than one local map, or point, takes part in,
-// and sixteen bytes for each two keyframes that see something together. ABORTED: as `read` says.
+// Returns what owners counted inside their local maps, with what fusion and foreign observations
+// add to it, in ascending order. The cost grows with the landmarks that more than one local map, or
+// point, takes part in; there are sixteen bytes for each two keyframes that see something together.
+// Returns ABORTED as `read` does.
 absl::StatusOr<std::vector<CovisiblePair>> CountCovisibility(const MissionState& state,
                                                              const Island& island, LongRead& read);
 

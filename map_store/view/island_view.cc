@@ -11,8 +11,8 @@
 namespace corbslam::map_store {
 namespace {
 
-// Looks after which others have their turn: 2 to 4 ms. What 2,000 keypoints of a keyframe see is an
-// eighth of that.
+// The looks of a piece, after which writers have their turn: 2 to 4 ms. What 2,000 keypoints of a
+// keyframe see is an eighth of that.
 constexpr int kLooksInAPiece = 8000;
 constexpr int kLooksOfSights = 1000;
 constexpr int kLooksOfKeyframe = 12;
@@ -39,7 +39,8 @@ class ViewBuilder {
     view_.AddKeyframe(std::move(keyframe));
   }
 
-  // Once all keyframes are there. Owners may have removed some meanwhile, or added others.
+  // Adds parents and loop edges. The caller has added all keyframes; owners may have removed some
+  // of them since, or added others.
   absl::Status AddEdges() {
     std::set<LocalMapId> local_maps;
     for (const KeyframeId& id : KeyframeIds()) {
@@ -59,7 +60,7 @@ class ViewBuilder {
     return absl::OkStatus();
   }
 
-  // As owners counted it. Likewise.
+  // Adds covisibility as owners counted it, under the same conditions as AddEdges.
   absl::Status AddOwnersCovisibility() {
     for (const KeyframeId& id : KeyframeIds()) {
       RETURN_IF_ERROR(PauseAtTimes(kLooksOfEdges));
@@ -72,7 +73,7 @@ class ViewBuilder {
     return absl::OkStatus();
   }
 
-  // All that the view's keyframes see.
+  // Adds all that the view's keyframes see.
   absl::Status AddSights() {
     for (const KeyframeId& id : KeyframeIds()) {
       RETURN_IF_ERROR(AddSightsOf(id, /*only_known=*/false));
@@ -80,7 +81,8 @@ class ViewBuilder {
     return absl::OkStatus();
   }
 
-  // What the neighbourhoods of the centres see, and who else sees it. Once covisibility is there.
+  // Adds what the neighbourhoods of the centres see, and who else sees it. The view must have its
+  // covisibility.
   absl::Status AddSightsAround(const std::set<KeyframeId>& centres, int neighbourhood) {
     std::set<KeyframeId> inner;
     for (const KeyframeId& id : centres) InsertNeighbours(id, neighbourhood, inner);
@@ -95,9 +97,9 @@ class ViewBuilder {
     return absl::OkStatus();
   }
 
-  // Of keyframes that the view has.
+  // Sets the covisibility of pairs whose keyframes the view has.
   absl::Status SetCovisibility(const std::vector<CovisiblePair>& pairs) {
-    // They were counted in pieces.
+    // Owners may have moved keyframes while the pairs were counted in pieces.
     ForgetPoses();
     for (const CovisiblePair& pair : pairs) {
       RETURN_IF_ERROR(PauseAtTimes(1));
@@ -108,7 +110,7 @@ class ViewBuilder {
     return absl::OkStatus();
   }
 
-  // Unless the view has it.
+  // Adds the point unless the view has it.
   void AddPoint(MapPointId id) {
     if (view_.FindPoint(id) != nullptr) return;
     const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
@@ -125,14 +127,14 @@ class ViewBuilder {
     view_.AddPoint(std::move(point));
   }
 
-  // Between two steps of `looks` each. ABORTED: as the read says.
+  // The caller calls this between two steps of `looks` each. Returns ABORTED as the read does.
   absl::Status PauseAtTimes(int looks) {
     looks_in_piece_ += looks;
     if (looks_in_piece_ < kLooksInAPiece) return absl::OkStatus();
     looks_in_piece_ = 0;
     const uint64_t version = state_.version;
     RETURN_IF_ERROR(read_.Pause());
-    // Owners' poses are others now, of other keyframes.
+    // Owners may have moved, added or removed keyframes in the pause.
     if (state_.version != version) ForgetPoses();
     return absl::OkStatus();
   }
@@ -148,7 +150,7 @@ class ViewBuilder {
     return ids;
   }
 
-  // The nearest one that was not culled from the view.
+  // Returns the nearest ancestor that was not culled from the view.
   KeyframeId AncestorOf(const Keyframe& keyframe) const {
     KeyframeId id = keyframe.parent;
     while (state_.global.culled.contains(id) && view_.FindKeyframe(id) == nullptr) {
@@ -184,7 +186,7 @@ class ViewBuilder {
     RETURN_IF_ERROR(PauseAtTimes(kLooksOfSights));
     const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
     const Keyframe* from = local_map.map.FindKeyframe(id);
-    // Its owner removed it during a pause.
+    // The owner removed it during a pause.
     if (from == nullptr) return absl::OkStatus();
     const std::vector<MapPointId> points = ObservedPoints(state_, local_map, *from, rejected_);
     for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
@@ -209,7 +211,7 @@ class ViewBuilder {
 
 enum class Culled { kLeaveOut, kTakeAlong };
 
-// With its keyframes and edges.
+// Begins a snapshot: with its keyframes and edges.
 absl::StatusOr<IslandSnapshot> BeginSnapshot(const MissionState& state, const Island& island,
                                              Culled culled, ViewBuilder& builder) {
   IslandSnapshot snapshot;
@@ -221,7 +223,7 @@ absl::StatusOr<IslandSnapshot> BeginSnapshot(const MissionState& state, const Is
     const LocalMapState& local_map = *state.FindLocalMap(id);
     const auto& keyframes = local_map.map.keyframes();
     for (KeyframeId next = {id, 0};;) {
-      // Anything may have come and gone in the pause before.
+      // Keyframes may have come and gone in the pause before.
       const auto it = keyframes.lower_bound(next);
       if (it == keyframes.end()) break;
       const auto& [keyframe_id, keyframe] = *it;
@@ -240,7 +242,8 @@ absl::StatusOr<IslandSnapshot> BeginSnapshot(const MissionState& state, const Is
   return snapshot;
 }
 
-// What somebody else's point is called now; invalid where it is not in this island.
+// Returns the name by which another local map's point goes now; invalid if it is not in this
+// island.
 MapPointId ResolveWithin(IslandId island, const MissionState& state, MapPointId raw) {
   const MapPointId point = ResolvePoint(state, raw);
   const bool here = point.IsValid() && state.global.island_of.at(point.local_map) == island;
@@ -252,7 +255,7 @@ MapPointId ResolveWithin(IslandId island, const MissionState& state, MapPointId 
 std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMapState& local_map,
                                        const Keyframe& keyframe, Rejected treatment) {
   const IslandId island = state.global.island_of.at(local_map.id);
-  // What the local map's own graph holds is alive: only fusion can have given it another name.
+  // The points in the local map's own graph are alive: only fusion can have given them other names.
   std::vector<MapPointId> points = keyframe.points;
   for (MapPointId& point : points) {
     if (point.IsValid()) point = state.global.landmarks.Survivor(point);
@@ -324,7 +327,7 @@ absl::StatusOr<IslandSnapshot> TakeGraphSnapshot(const MissionState& state, cons
                                                  const std::set<MapPointId>& named,
                                                  LongRead& read) {
   ViewBuilder builder(state, unplaced, Rejected::kLeaveOut, Covisibility::kGiven, read);
-  // Without them the spanning tree would fall apart.
+  // Culled keyframes are taken along: without them the spanning tree would fall apart.
   ASSIGN_OR_RETURN(IslandSnapshot snapshot,
                    BeginSnapshot(state, island, Culled::kTakeAlong, builder));
   ASSIGN_OR_RETURN(const std::vector<CovisiblePair> pairs, CountCovisibility(state, island, read));

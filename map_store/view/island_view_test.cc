@@ -20,8 +20,8 @@ constexpr KeyframeId Kb(uint32_t index) { return {kMapB, index}; }
 constexpr MapPointId Pa(uint32_t index) { return {kMapA, index}; }
 constexpr MapPointId Pb(uint32_t index) { return {kMapB, index}; }
 
-// Two local maps in one island, a third in another. Keyframes 0 to 5 in a chain, one metre apart;
-// each sees points 5 i to 5 i + 9 of its own local map with keypoints 0 to 9.
+// Two local maps in one island, and a third in another. In each, keyframes 0 to 5 stand in a chain,
+// one metre apart; keyframe i sees points 5 i to 5 i + 9 of its local map with keypoints 0 to 9.
 class IslandViewTest : public ::testing::Test {
  protected:
   IslandViewTest() {
@@ -59,7 +59,7 @@ class IslandViewTest : public ::testing::Test {
     }
   }
 
-  // Points 0 to 4 of B are points 25 to 29 of A; B's keyframe 0 sees A's point 30 as well.
+  // Makes points 0 to 4 of B points 25 to 29 of A; B's keyframe 0 sees A's point 30 as well.
   void Fuse() {
     for (uint32_t p = 0; p < 5; ++p) state_.global.landmarks.Merge(Pa(25 + p), Pb(p));
     state_.FindLocalMap(kMapB)->foreign_observations[Kb(0)][20] = Pa(30);
@@ -76,7 +76,7 @@ class IslandViewTest : public ::testing::Test {
     return counted;
   }
 
-  // A map of the same observations that counts by itself.
+  // Returns a map of the same observations that counts covisibility by itself.
   static Map Recounted(const Map& view) {
     Map counting;
     for (const auto& [id, keyframe] : view.keyframes()) {
@@ -113,7 +113,7 @@ TEST_F(IslandViewTest, CovisibilityIsThatOfAMapThatCountsItself) {
     }
   }
   EXPECT_EQ(Counted(), expected);
-  // 5 landmarks, and for the keyframe that also sees point 30, 6.
+  // They share 5 landmarks; the keyframe that also sees point 30 shares 6.
   EXPECT_EQ(expected.at({Ka(5), Kb(0)}), 6);
   EXPECT_EQ(expected.at({Ka(4), Kb(0)}), 5);
 }
@@ -147,7 +147,8 @@ TEST_F(IslandViewTest, AGraphHasAllKeyframesButOnlyPointsAroundItsCentres) {
     EXPECT_EQ(keyframe.parent, other.parent);
     EXPECT_EQ(keyframe.camera_from_map.translation, other.camera_from_map.translation);
   }
-  // Seen by Kb(0) and the one that sees most with it, Ka(5); point 0 was asked for by name.
+  // Points are those that Kb(0) sees, or Ka(5), which sees most with it; point 0 was asked for by
+  // name.
   std::set<MapPointId> expected = {Pa(0)};
   for (uint32_t p = 25; p < 35; ++p) expected.insert(Pa(p));
   for (uint32_t p = 5; p < 10; ++p) expected.insert(Pb(p));
@@ -155,7 +156,7 @@ TEST_F(IslandViewTest, AGraphHasAllKeyframesButOnlyPointsAroundItsCentres) {
   for (const auto& [id, point] : graph.points()) {
     there.insert(id);
     if (id == Pa(0)) continue;
-    // With everybody who sees them, near or not.
+    // Each point has all keyframes that see it, near or not.
     EXPECT_EQ(point.observations, whole.FindPoint(id)->observations) << ToString(id);
     EXPECT_EQ(point.position_in_map, whole.FindPoint(id)->position_in_map);
   }
@@ -186,14 +187,14 @@ TEST_F(IslandViewTest, RejectedObservationsAreLeftOutOrTriedAgain) {
 TEST_F(IslandViewTest, CountsWhatItWouldName) {
   Fuse();
   LocalMapState& b = *state_.FindLocalMap(kMapB);
-  // Beside the one within the island: one elsewhere, and one that there is not.
+  // Beside the point within the island B sees one in another island, and one that does not exist.
   b.foreign_observations[Kb(0)][21] = {kElsewhere, 3};
   b.foreign_observations[Kb(1)][22] = Pa(1000);
   RejectedObservations& rejected = state_.global.rejected;
   rejected[{Kb(0), 2}] = Pb(2);
   rejected[{Kb(0), 20}] = Pa(30);
   rejected[{Kb(0), 21}] = {kElsewhere, 3};
-  // By now it sees another one there.
+  // The keyframe sees another point there by now.
   rejected[{Kb(1), 2}] = Pb(2);
   const auto named = [&](KeyframeId id) {
     const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);

@@ -17,8 +17,8 @@ constexpr uint32_t kPoints = 21;
 
 Eigen::Vector3d PointAt(uint32_t index) { return {0.1 * index - 1, 0.2, 5}; }
 
-// A keyframe of each of two local maps, both at their origins, that see the same points: B's see
-// A's.
+// A keyframe in each of two local maps, both at their origins, that see the same points: B's
+// keyframe sees A's points.
 class LandmarkAgreementTest : public ::testing::Test {
  protected:
   LandmarkAgreementTest() {
@@ -80,7 +80,7 @@ TEST_F(LandmarkAgreementTest, KeyframesThatStandRightAgree) {
 
 TEST_F(LandmarkAgreementTest, KeyframesThatDriftedApartDisagreeByWhatBothSee) {
   SeePointsOfA();
-  // B's keyframe is 0.2 m aside: at 5 m that is 20 px.
+  // B's keyframe is 0.2 m aside, which is 20 px at 5 m.
   state_.global.keyframes[kOfB] = {
       Similarity3d::FromRigid({Eigen::Quaterniond::Identity(), {0.2, 0, 0}}), Rigid3d(), 1};
   EXPECT_NEAR(Disagreement_px(kOfA, kOfB), 20, 1e-3);

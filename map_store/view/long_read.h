@@ -1,4 +1,4 @@
-// Reading much of a mission's state without keeping its writers waiting until the end.
+// Reads much of a mission's state without keeping its writers waiting until the end.
 #ifndef CORBSLAM_MAP_STORE_VIEW_LONG_READ_H_
 #define CORBSLAM_MAP_STORE_VIEW_LONG_READ_H_
 
@@ -6,17 +6,17 @@
 
 namespace corbslam::map_store {
 
-// A read in pieces. Between two of them owners' batches may be applied: items come, move and go,
-// and pointers into the maps end. What fusion and people decide stays as it was.
+// A read in pieces. Between two pieces owners' batches may be applied: items come, move and go, and
+// pointers into the maps end. What fusion and people decide stays as it was.
 class LongRead {
  public:
   virtual ~LongRead() = default;
-  // The end of a piece. ABORTED: fusion's layer is another, or nobody wants the work any more; what
-  // was read so far is worth nothing.
+  // Ends a piece. Returns ABORTED if the global layer has changed, or nobody wants the work any
+  // more; what was read so far is worth nothing then.
   virtual absl::Status Pause() = 0;
 };
 
-// In one piece.
+// A read in one piece.
 class UnbrokenRead : public LongRead {
  public:
   absl::Status Pause() override { return absl::OkStatus(); }

@@ -1,4 +1,4 @@
-// Views that are read in pieces, between which robots go on.
+// Tests views that are read in pieces, between which robots go on.
 #include "map_store/view/long_read.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ using testing::TruthfulWorker;
 constexpr char kMission[] = "m";
 constexpr int kStreamed = 12;
 
-// Something happens at each pause, in turn.
+// A read with an event at each pause, one after the other.
 class EventfulRead : public LongRead {
  public:
   explicit EventfulRead(std::vector<std::function<void()>> events) : events_(std::move(events)) {}
@@ -52,7 +52,7 @@ class RefusingRead : public LongRead {
   absl::Status Pause() override { return absl::AbortedError("stop"); }
 };
 
-// Two robots' fused maps, and what they say next.
+// Two robots' fused maps, and what the robots say next.
 class LongReadTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -101,7 +101,7 @@ class LongReadTest : public ::testing::Test {
     Apply(batch, "b");
   }
 
-  // As a robot does whose own frame is another after a loop.
+  // Moves all keyframes, as a robot does whose own frame is another after a loop.
   void MoveAll() {
     const Rigid3d moved_from_map = {
         Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())), {1, 0.2, -2}};
@@ -192,7 +192,7 @@ TEST_F(LongReadTest, ARequestWhoseKeyframeWentIsMadeAgain) {
     state_.queries.Push(b_.Id(2), {a_.local_map()});
   };
   next_query();
-  // Without its overlaps, so that the place is looked up again.
+  // The overlaps are forgotten, so that the place is looked up again.
   state_.global.overlaps = OverlapLedger();
   state_.global.landmarks = Landmarks();
   FusionAction query;

@@ -19,7 +19,7 @@ bool HasLocalMap(const Island& island, LocalMapId id) {
   return std::ranges::find(island.local_maps, id) != island.local_maps.end();
 }
 
-// Points that fusion has not placed follow their reference keyframe.
+// Adds the points that follow this reference keyframe, as fusion has not placed them.
 void AddFollowers(const MissionState& state, const LocalMapState& local_map, KeyframeId id,
                   std::set<MapPointId>& points) {
   const Keyframe* keyframe = local_map.map.FindKeyframe(id);
@@ -29,12 +29,12 @@ void AddFollowers(const MissionState& state, const LocalMapState& local_map, Key
   }
 }
 
-// A landmark goes by its survivor's name.
+// Returns whether the point is shown: a landmark is shown by its survivor only.
 bool IsShown(const MissionState& state, MapPointId id) {
   return state.FindPoint(id) != nullptr && state.global.landmarks.Survivor(id) == id;
 }
 
-// The island's part of the piece, begun where there is none.
+// Returns the island's part of the piece, which is begun where there is none.
 MapChanges::Island& PieceOf(const MissionState& state, IslandId id, MapChanges& changes) {
   for (MapChanges::Island& island : changes.islands) {
     if (island.id == id) return island;
@@ -180,7 +180,7 @@ bool MapWatcher::TakePoints(const MissionState& state, Part& part, size_t& room,
 
 std::optional<MapChanges> MapWatcher::Next(const MissionState& state, size_t max_items) {
   MapChanges changes;
-  // Newer than the store's: of what it has no more.
+  // A version newer than the store's is of changes that the store has lost.
   if (version_ > state.version) *this = MapWatcher(0, include_points_);
   if (parts_.empty()) {
     if (state.version == version_) return std::nullopt;
@@ -191,7 +191,7 @@ std::optional<MapChanges> MapWatcher::Next(const MissionState& state, size_t max
   size_t room = std::max<size_t>(max_items, 1);
   while (!parts_.empty() && room > 0) {
     Part& part = parts_.front();
-    // Elsewhere meanwhile: the next change tells it whole.
+    // If the local map is in another island meanwhile, the next change tells all of it.
     const bool is_here = state.global.island_of.at(part.local_map) == part.island;
     const bool done =
         !is_here || (TakeKeyframes(state, part, room, PieceOf(state, part.island, changes)) &&

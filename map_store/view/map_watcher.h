@@ -1,4 +1,4 @@
-// What somebody who watches a mission's map has seen of it, and what is new.
+// Remembers what a watcher of a mission's map has seen of it, and finds what is new.
 #ifndef CORBSLAM_MAP_STORE_VIEW_MAP_WATCHER_H_
 #define CORBSLAM_MAP_STORE_VIEW_MAP_WATCHER_H_
 
@@ -17,18 +17,19 @@
 
 namespace corbslam {
 
-// A value; not thread-safe. Remembers which local maps were seen in which islands, not what was in
-// them: that follows from versions. Its cost is that of what changed and, at each change, a look at
-// the pose table of the local maps that changed.
+// What one watcher has seen of one mission. A value; not thread-safe. It remembers which local maps
+// were seen in which islands, not what was in them: that follows from versions. Its cost is that of
+// what changed and, at each change, a look at the pose table of the local maps that changed.
 class MapWatcher {
  public:
-  // `from_version`: MapChanges::version of another watcher of the same store; islands that have
-  // not changed since are left out. 0: from nothing.
+  // `from_version` is the MapChanges::version of another watcher of the same store: islands that
+  // have not changed since are left out. 0: the watcher knows nothing.
   MapWatcher(uint64_t from_version, bool include_points)
       : include_points_(include_points), version_(from_version) {}
 
-  // The next piece, of about `max_items` keyframes and points; none: nothing is new. What changes
-  // while a change is told in pieces comes with the next one at the latest. Of one mission.
+  // Returns the next piece, about `max_items` keyframes and points; none if nothing is new. What
+  // changes while a change is told in pieces comes with the next change at the latest. The state
+  // must always be of the same mission.
   std::optional<MapChanges> Next(const map_store::MissionState& state, size_t max_items);
 
  private:
@@ -38,11 +39,11 @@ class MapWatcher {
     IslandId island;
     bool whole = false;
     uint64_t since = 0;
-    // Ids at which it goes on.
+    // Ids at which the part goes on.
     KeyframeId next_keyframe;
     bool points_begun = false;
     MapPointId next_point;
-    // Not whole: what is to be looked at.
+    // The items that are to be looked at, if the part is not of the whole local map.
     std::set<KeyframeId> keyframes;
     std::set<MapPointId> points;
     bool fusion_moved_points = false;
@@ -51,7 +52,7 @@ class MapWatcher {
   void Begin(const map_store::MissionState& state, MapChanges& changes);
   void BeginIsland(const map_store::MissionState& state, const map_store::Island& island,
                    MapChanges& changes);
-  // False: what the watcher knows of the island can't be brought up to date.
+  // Returns false if what the watcher knows of the island can't be brought up to date.
   bool CanUpdate(const map_store::MissionState& state, const map_store::Island& island) const;
   std::optional<Part> MakePart(const map_store::MissionState& state, LocalMapId local_map,
                                IslandId island, bool anew) const;

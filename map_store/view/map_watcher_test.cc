@@ -1,4 +1,4 @@
-// What watchers hold after each piece against the whole map as it is.
+// Tests what watchers hold after each piece against the whole map as it is.
 #include "map_store/view/map_watcher.h"
 
 #include <map>
@@ -15,13 +15,13 @@ using testing::MakeRingMap;
 using testing::SyntheticMap;
 using testing::TestAgent;
 
-// What a program that follows the stream keeps.
+// Keeps what a program that follows the stream keeps.
 class Mirror {
  public:
   Mirror(size_t max_items, bool include_points)
       : max_items_(max_items), include_points_(include_points), watcher_(0, include_points) {}
 
-  // All pieces of one change. Returns how many keyframes and points they named.
+  // Takes all pieces of one change. Returns how many keyframes and points they named.
   size_t Follow(const MapStore& store, const std::string& mission) {
     size_t items = 0;
     while (const auto changes = *store.NextChanges(mission, max_items_, watcher_)) {
@@ -96,7 +96,7 @@ class Mirror {
 
 class MapWatcherTest : public testing::TwoRobots {
  protected:
-  // Whatever the size of pieces, and whoever came late or skipped changes.
+  // Checks all watchers, whatever the size of pieces, and whoever came late or skipped changes.
   void Check() {
     SCOPED_TRACE(++checks_);
     for (Mirror* mirror : {&all_, &few_, &poses_}) {
@@ -165,7 +165,7 @@ TEST_F(MapWatcherTest, OneKeyframeMoreIsToldAlone) {
   ASSERT_TRUE(a_.Stream(9).ok());
   poses_.Follow(store_, kMission);
   ASSERT_TRUE(a_.Stream(1).ok());
-  // And those that it makes old enough for other robots.
+  // The changes are its new keyframes, and those that they make old enough for other robots.
   EXPECT_LE(poses_.Follow(store_, kMission), 4u);
   EXPECT_EQ(poses_.Follow(store_, kMission), 0u);
 }

@@ -13,7 +13,8 @@ namespace {
 
 constexpr size_t kSumBytes = 4;
 
-// Of the list and the key, so that neither another list's token nor a made-up one is taken.
+// Returns a checksum of the list and the key, so that neither another list's token nor a made-up
+// one is taken.
 std::string SumOf(absl::string_view list, absl::string_view key) {
   const uint32_t sum = ExtendCrc32c(0, absl::StrCat(list, absl::string_view("\0", 1), key));
   std::string bytes;

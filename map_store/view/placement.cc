@@ -5,7 +5,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// The pose of `id` that keeps its local pose relative to `relative`.
+// Returns the pose by which the keyframe keeps its local pose relative to `relative`.
 Similarity3d Follow(const Keyframe& keyframe, const Keyframe& relative,
                     const Similarity3d& relative_from_island) {
   const Rigid3d keyframe_from_relative =
@@ -13,7 +13,8 @@ Similarity3d Follow(const Keyframe& keyframe, const Keyframe& relative,
   return Similarity3d::FromRigid(keyframe_from_relative) * relative_from_island;
 }
 
-// Breadth first from all placed keyframes at once: the nearest in the tree wins, ties by id.
+// Gives keyframes the pose by their nearest placed relative in the tree. It searches breadth first
+// from all placed keyframes at once; ties go by id.
 void SpreadOverTree(const Map& map, std::deque<KeyframeId> front, IslandPoses& poses) {
   while (!front.empty()) {
     const Keyframe& from = *map.FindKeyframe(front.front());
@@ -155,7 +156,7 @@ KeyframeId ReferenceOf(const MapPoint& point, const GlobalLayer& global) {
 
 bool FindLivingRelative(const MissionState& state, KeyframeId id, LivingRelative& found) {
   found = {id, Rigid3d::Identity()};
-  // Bounded: a hostile owner could name removed keyframes each other's parents.
+  // The search is bounded: a hostile owner could name removed keyframes each other's parents.
   for (int step = 0; step < 10000; ++step) {
     const LocalMapState* local_map = state.FindLocalMap(found.id.local_map);
     if (local_map == nullptr) return false;

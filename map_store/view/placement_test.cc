@@ -60,7 +60,7 @@ TEST_F(PlacementTest, FollowsTheRelativesAndNotAFrozenTransform) {
   EXPECT_NEAR(X(5), 5, 1e-12);
   Place(3, 13);
   EXPECT_NEAR(X(5), 15, 1e-12);
-  // Its owner moves the child relative to the parent: it follows that too.
+  // The owner moves the child relative to the parent, which the child's pose follows, too.
   local_map_.map.SetPose(Kf(5), PoseAt(5.5));
   EXPECT_NEAR(X(5), 15.5, 1e-12);
 }
@@ -80,7 +80,7 @@ TEST_F(PlacementTest, ScaleComesFromTheRelative) {
 }
 
 TEST_F(PlacementTest, OrphansFollowThePlacedOneBeforeThem) {
-  // The tree falls apart: the root goes, and one more.
+  // The tree falls apart: the root is removed, and a keyframe without a parent comes.
   local_map_.map.RemoveKeyframe(Kf(0));
   Keyframe orphan;
   orphan.payload = MakeKeyframePayload(Kf(9), 9, 0, std::make_shared<Camera>(), {});
@@ -106,12 +106,12 @@ TEST_F(PlacementTest, RemovedKeyframesChainToTheLiving) {
   EXPECT_EQ(found.id, Kf(3));
   EXPECT_NEAR(found.relative_from_id.translation.x(), 2, 1e-12);
   EXPECT_FALSE(FindLivingRelative(state_, Kf(77), found));
-  // Contradictory owners end the chain, not the store.
+  // Owners who contradict themselves end the chain, not the store.
   local_map_.removed_keyframes[Kf(4)] = {Kf(5), PoseAt(-1)};
   EXPECT_FALSE(FindLivingRelative(state_, Kf(5), found));
 }
 
-// Keyframe 2, which the point refers to, was culled; 3 sees it, too.
+// Keyframe 2, which the point refers to, was culled; keyframe 3 sees the point, too.
 TEST_F(PlacementTest, APointWhoseReferenceWasCulledFollowsAnotherThatSeesIt) {
   MapPoint point;
   point.id = {kMap, 0};

@@ -1,4 +1,4 @@
-// What keyframes see, in the words of the global layer.
+// Says what keyframes see, by names of the global layer.
 #ifndef CORBSLAM_MAP_STORE_VIEW_SIGHTS_H_
 #define CORBSLAM_MAP_STORE_VIEW_SIGHTS_H_
 
@@ -10,8 +10,8 @@
 
 namespace corbslam::map_store {
 
-// Of a keyframe of `local_map`: its own and others' points of its island under the names that they
-// go by now, without what fusion rejected.
+// Returns what a keyframe of `local_map` sees: points of its island, its own and others', under the
+// names that they go by now, without what fusion rejected.
 Sights SightsOf(const MissionState& state, const LocalMapState& local_map,
                 const Keyframe& keyframe);
 

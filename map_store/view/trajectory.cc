@@ -10,10 +10,10 @@
 namespace corbslam::map_store {
 namespace {
 
-// Poses of one local map's frames, in its island's frame or its own.
+// Computes the poses of one local map's frames, in its island's frame or its own.
 class FrameChain {
  public:
-  // `camera_from_wanted`: nullopt where poses of the camera itself are wanted.
+  // `camera_from_wanted` is nullopt if poses of the camera itself are wanted.
   FrameChain(const MissionState& state, const LocalMapState& local_map, TrajectoryFrame frame,
              const std::optional<Rigid3d>& camera_from_wanted)
       : state_(state),
@@ -39,7 +39,8 @@ class FrameChain {
     Similarity3d frame_from_camera = Poses(relative.id.local_map).at(relative.id).Inverse() *
                                      Similarity3d::FromRigid(relative_from_camera);
     if (frame_ == TrajectoryFrame::kLocal) {
-      // Tracked against another's keyframe: back from the island through the newest own keyframe.
+      // The frame was tracked against another local map's keyframe: its pose goes back from the
+      // island's frame through the newest own keyframe.
       const KeyframeId newest = {local_map_.id, KeyframeId::kNoIndex - 1};
       frame_from_camera =
           IslandFromLocal(newest, local_map_, state_.global, Poses(local_map_.id)).Inverse() *

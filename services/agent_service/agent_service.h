@@ -1,4 +1,4 @@
-// The robot's own service: Agent of proto/corbslam/v1/agent_service.proto.
+// Serves the robot's own service: Agent of proto/corbslam/v1/agent_service.proto.
 #ifndef CORBSLAM_SERVICES_AGENT_SERVICE_AGENT_SERVICE_H_
 #define CORBSLAM_SERVICES_AGENT_SERVICE_AGENT_SERVICE_H_
 
@@ -25,20 +25,21 @@ struct AgentServiceOptions {
   // Empty without a map store.
   std::string mission;
   std::string agent;
-  // What recorded the agent's pictures; nullopt: its own camera did.
+  // The camera that recorded the agent's pictures; nullopt: the agent's own camera did.
   std::optional<RecordedCamera> recorded_camera = std::nullopt;
-  // OK while a session with the store stands, else why there is none; null: not known.
+  // Returns OK while a session with the store stands, else an error that says why there is none;
+  // null: not known.
   std::function<absl::Status()> session = nullptr;
 };
 
-// Thread-safe. `agent` and `uplink` (null: no map store) are not owned and must outlive it; the
-// server must be shut down before it is destroyed.
+// Answers calls about one agent. `agent` and `uplink` (null: no map store) are not owned and must
+// outlive it; the server must be shut down before it is destroyed. Thread-safe.
 class AgentService : public v1::Agent::CallbackService {
  public:
   AgentService(const Agent* agent, const Uplink* uplink, const AgentServiceOptions& options)
       : agent_(*agent), uplink_(uplink), options_(options), pool_(1) {}
 
-  // Tells those who watch of a frame; `dropped` counts the frames that came too fast so far.
+  // Tells watchers of a frame; `dropped` counts the frames so far that came too fast.
   void OnFrame(const TrackingResult& result, uint64_t dropped);
 
   grpc::ServerWriteReactor<v1::WatchPoseResponse>* WatchPose(

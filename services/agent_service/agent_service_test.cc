@@ -1,4 +1,4 @@
-// The robot's own service, through the real stubs in one process.
+// Tests the robot's own service, through the real stubs in one process.
 #include "services/agent_service/agent_service.h"
 
 #include <gmock/gmock.h>
@@ -71,7 +71,8 @@ class AgentServiceTest : public ::testing::Test {
   }
 
   FakeAgent agent_;
-  // Turned by 0.2 rad against the camera whose poses the agent knows; the body is 1 m above.
+  // The recorded camera is turned by 0.2 rad against the camera whose poses the agent knows; the
+  // body is 1 m above.
   static RecordedCamera MakeRecorded() {
     RecordedCamera recorded;
     recorded.camera_from_recorded.rotation = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY());

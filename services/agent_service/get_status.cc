@@ -68,6 +68,7 @@ grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* c
     response->set_keyframes(Count(status.keyframes));
     response->set_map_points(Count(status.map_points));
     response->set_shared_keyframes(Count(status.foreign_keyframes));
+    response->set_shared_updates(status.shared_updates);
     if (uplink_ != nullptr) response->set_bytes_up(uplink_->bytes_up());
     if (uplink_ != nullptr) response->set_bytes_down(uplink_->bytes_down());
     WriteUpload(status.upload, response);

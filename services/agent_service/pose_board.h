@@ -1,4 +1,4 @@
-// The newest pose, for any number of readers.
+// Holds the newest pose, for any number of readers.
 #ifndef CORBSLAM_SERVICES_AGENT_SERVICE_POSE_BOARD_H_
 #define CORBSLAM_SERVICES_AGENT_SERVICE_POSE_BOARD_H_
 
@@ -14,8 +14,8 @@
 
 namespace corbslam {
 
-// Thread-safe. Readers are called one after the other, from the thread that posts, and must return
-// at once.
+// Calls its readers one after the other, from the thread that posts; they must return at once.
+// Thread-safe.
 class PoseBoard {
  public:
   using Reader = std::function<void(const v1::WatchPoseResponse&)>;
@@ -31,14 +31,15 @@ class PoseBoard {
     return dropped_;
   }
 
-  // The reader hears the newest pose at once, if there is one.
+  // Adds a reader, which hears the newest pose at once, if there is one. Returns a token for
+  // Remove.
   uint64_t Add(Reader reader) {
     absl::MutexLock lock(&mutex_);
     if (newest_) reader(*newest_);
     readers_.emplace(++last_token_, std::move(reader));
     return last_token_;
   }
-  // No call is under way or follows.
+  // Removes a reader: once this returns, no call is under way and none follows.
   void Remove(uint64_t token) {
     absl::MutexLock lock(&mutex_);
     readers_.erase(token);

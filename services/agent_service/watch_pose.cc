@@ -20,7 +20,7 @@ constexpr double kMaxRate_hz = 1000;
 class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> {
  public:
   // Frames nearer in the agent's own time than `interval_ns` are left out. `camera_from_wanted`
-  // makes the camera's poses those of `poses_of`; nullopt: they are.
+  // turns the camera's poses into those of `poses_of`; nullopt: they are the same.
   WatchPoseReactor(PoseBoard& board, int64_t interval_ns, PosesOf poses_of,
                    const std::optional<Rigid3d>& camera_from_wanted)
       : board_(board),
@@ -55,7 +55,7 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
   void OnPose(const v1::WatchPoseResponse& pose) {
     {
       absl::MutexLock lock(&mutex_);
-      // A sequence may be played backwards.
+      // The difference may be negative, as a sequence may be played backwards.
       const int64_t step_ns = std::abs(pose.timestamp_ns() - last_ns_.value_or(0));
       if (last_ns_ && step_ns < interval_ns_) return;
       next_ = InWantedFrame(pose);
@@ -95,7 +95,7 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
   const PosesOf poses_of_;
   const std::optional<Rigid3d> camera_from_wanted_;
   std::atomic<uint64_t> token_{0};
-  // Being written while writing_ is set.
+  // gRPC reads this message while writing_ is set.
   v1::WatchPoseResponse written_;
 
   absl::Mutex mutex_;
@@ -106,7 +106,7 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-// Refuses a call.
+// Refuses a call with a status.
 class RefusedPose : public grpc::ServerWriteReactor<v1::WatchPoseResponse> {
  public:
   explicit RefusedPose(const absl::Status& status) { Finish(ToGrpcStatus(status)); }
@@ -131,7 +131,7 @@ void AgentService::OnFrame(const TrackingResult& result, uint64_t dropped) {
 grpc::ServerWriteReactor<v1::WatchPoseResponse>* AgentService::WatchPose(
     grpc::CallbackServerContext*, const v1::WatchPoseRequest* request) {
   const double rate_hz = request->max_rate_hz();
-  // Written so that NaN is refused.
+  // The condition is written so that NaN is refused.
   if (rate_hz != 0 && !(rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz)) {
     return new RefusedPose(absl::InvalidArgumentError(
         absl::StrCat("max_rate_hz is ", rate_hz, ", must be 0 or in [0.1, 1000]")));

@@ -10,8 +10,8 @@
 namespace corbslam {
 namespace {
 
-// Letters to change, add, take out, or exchange with the next one (Damerau 1964, in the restricted
-// form).
+// Returns how many letters must be changed, added, taken out, or exchanged with the next one
+// (Damerau 1964, in the restricted form).
 size_t CountEdits(absl::string_view a, absl::string_view b) {
   std::vector<std::vector<size_t>> edits(a.size() + 1, std::vector<size_t>(b.size() + 1));
   for (size_t i = 0; i <= a.size(); ++i) {
@@ -29,7 +29,7 @@ size_t CountEdits(absl::string_view a, absl::string_view b) {
   return edits[a.size()][b.size()];
 }
 
-// The last of the commands that were typed rightly.
+// Returns the last of the commands that were typed rightly.
 const CLI::App& FindInnermost(const CLI::App& app) {
   const std::vector<CLI::App*> parsed = app.get_subcommands();
   return parsed.empty() ? app : FindInnermost(*parsed.front());

@@ -1,4 +1,4 @@
-// What to say to someone who typed no command, or one that is none, or a flag that is none.
+// Advises somebody who typed no command, an unknown command or an unknown flag.
 #ifndef CORBSLAM_SERVICES_COMMAND_LINE_ADVICE_H_
 #define CORBSLAM_SERVICES_COMMAND_LINE_ADVICE_H_
 
@@ -14,11 +14,12 @@ namespace corbslam {
 // make `typed`; empty where each takes more than a third of the letters.
 std::string FindNearest(absl::string_view typed, const std::vector<std::string>& words);
 
-// Of an app whose parsing failed: the commands that there are, where one was needed; the one that
-// was meant, where there is a near one. Empty where the failure was of another kind.
+// Returns for an app whose parsing failed the commands that there are, if one was needed, and the
+// one that was meant, if there is a near one. Returns an empty text if the failure was of another
+// kind.
 std::string DescribeWrongCommand(const CLI::App& app);
 
-// Likewise of the first flag that none of the commands knows; empty: all are known.
+// Returns the same for the first flag that none of the commands knows; empty if all are known.
 std::string DescribeWrongFlag(const CLI::App& app);
 
 }  // namespace corbslam

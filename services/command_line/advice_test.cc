@@ -27,7 +27,7 @@ TEST(FindNearestTest, TakesTheFewestEditsAndNoneThatIsFar) {
   EXPECT_EQ(FindNearest("x", {}), "");
 }
 
-// As the tool is: commands, one of which has commands of its own.
+// A program like the tool: it has commands, one of which has commands of its own.
 struct Tool {
   Tool() {
     app.require_subcommand(1);
@@ -37,7 +37,7 @@ struct Tool {
     mission->add_subcommand("list", "All of them");
     mission->add_subcommand("show", "One of them");
   }
-  // What is printed on standard error, and the exit code.
+  // Returns what is printed on standard error, and the exit code.
   std::string Parse(std::vector<const char*> arguments) {
     CommandLine command_line(&app, "tool");
     arguments.insert(arguments.begin(), "corbslam");

@@ -24,7 +24,7 @@ void SetFormatter(CLI::App& app, const std::shared_ptr<HelpFormatter>& formatter
   for (CLI::App* command : app.get_subcommands(nullptr)) SetFormatter(*command, formatter);
 }
 
-// The flag's name, and not only the beginning of a longer one.
+// Returns true if the message has the flag's name, and not only as the beginning of a longer one.
 bool Names(const std::string& message, const CLI::Option& option) {
   if (option.get_lnames().empty()) return false;
   const std::string flag = "--" + option.get_lnames()[0];
@@ -34,7 +34,7 @@ bool Names(const std::string& message, const CLI::Option& option) {
   return end == message.size() || (message[end] != '-' && std::isalnum(message[end]) == 0);
 }
 
-// Of words that are missing or unknown; empty: what the error says must do.
+// Advises on words that are missing or unknown; empty if the error's own text must do.
 std::string AdviseOn(const CLI::ParseError& error, const CLI::App& app) {
   const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
   if (code != CLI::ExitCodes::RequiredError && code != CLI::ExitCodes::ExtrasError) return "";

@@ -1,6 +1,6 @@
-// How a program is told what to do. A value on the command line counts before one in the
-// environment, that before one in the file of --config, that before the default. What means no flag
-// is refused by name wherever it stands.
+// Tells a program what to do. A value on the command line counts before one in the environment,
+// that before one in the file of --config, that before the default. What means no flag is refused
+// by name wherever it stands.
 #ifndef CORBSLAM_SERVICES_COMMAND_LINE_COMMAND_LINE_H_
 #define CORBSLAM_SERVICES_COMMAND_LINE_COMMAND_LINE_H_
 
@@ -13,33 +13,35 @@
 
 namespace corbslam {
 
-// Of all programs, as "0.1.0".
+// Returns the version of all programs, such as "0.1.0".
 std::string ProgramVersion();
 
-// Not thread-safe. Adds what every program has: --config, --version, --help-all, and, for packagers
-// and not in --help, --man-page and --completion bash|zsh.
+// Parses one program's flags. Not thread-safe. Adds what every program has: --config, --version,
+// --help-all, and, for packagers and not in --help, --man-page and --completion bash|zsh.
 class CommandLine {
  public:
-  // All flags and commands must have been added. Variables are called CORBSLAM_PROGRAM_FLAG. The
-  // app outlives it.
+  // The caller must have added all flags and commands. Variables are called CORBSLAM_PROGRAM_FLAG.
+  // The app must outlive this object.
   CommandLine(CLI::App* app, const std::string& program);
 
-  // Sets what the options are bound to. Otherwise throws CLI::ParseError (or its success, after
-  // --help), which says where a wrong value stands.
+  // Sets what the options are bound to, or throws CLI::ParseError (or its success, after --help),
+  // which says where a wrong value stands.
   void Parse(int argc, const char* const* argv);
-  // The same, with what was thrown printed; the program's exit code, or none: it goes on.
+  // Does the same and prints what was thrown. Returns the program's exit code; nullopt if the
+  // program goes on.
   std::optional<int> ParseOrExit(int argc, const char* const* argv);
 
-  // Every flag's value, in the file's form; then which flags were set, and where. Values are names
-  // of files at most: nothing secret is in a flag.
+  // Returns every flag's value, in the file's form; then which flags were set, and where. Values
+  // are names of files at most: nothing secret is in a flag.
   std::string DescribeConfiguration();
 
  private:
   void AddPrinters();
   void CheckEnvironment() const;
-  // Where its value stands: "command line", a variable or FILE:LINE; "" for a default.
+  // Returns where the option's value stands: "command line", a variable or FILE:LINE; "" for a
+  // default.
   std::string Source(const CLI::Option& option) const;
-  // The sources of the flags that a message names.
+  // Returns where the values of the flags that a message names stand, but for the command line.
   std::string SourcesOf(const std::string& message);
 
   CLI::App* const app_;

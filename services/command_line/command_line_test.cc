@@ -18,7 +18,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Set as long as it lives.
+// Sets an environment variable for as long as it lives.
 class Variable {
  public:
   Variable(const std::string& name, const std::string& value) : name_(name) {
@@ -30,7 +30,7 @@ class Variable {
   const std::string name_;
 };
 
-// A program with a flag of each kind, and one with commands.
+// A program with a flag of each kind, and without commands.
 struct Program {
   Program() {
     app.add_option("--listen", listen)->capture_default_str();
@@ -40,7 +40,7 @@ struct Program {
     app.add_flag("--insecure", insecure);
   }
 
-  // What was wrong; empty: nothing.
+  // Returns what was wrong; empty if nothing.
   std::string Parse(std::vector<const char*> arguments) {
     command_line = std::make_unique<CommandLine>(&app, "map_store");
     arguments.insert(arguments.begin(), "map_store");
@@ -116,7 +116,7 @@ TEST(CommandLineTest, RefusesUnknownKeysByFileLineAndName) {
             path + ":4: \"lisen\" is no flag of this program");
   Program other;
   EXPECT_THAT(other.Parse({"--lisen", "a:1"}), HasSubstr("--lisen"));
-  // Not a setting, but what may be done once.
+  // The key "help" is no setting, but names what may be done once.
   const std::string help = WriteConfig("help = true\n");
   Program third;
   EXPECT_EQ(third.Parse({"--config", help.c_str()}),
@@ -178,7 +178,7 @@ TEST(CommandLineTest, DescribesTheConfigurationAsAFileThatSaysTheSame) {
   EXPECT_FALSE(other.insecure);
 }
 
-// "tool list --server ..." and "tool delete --server ... --mission ...".
+// A program with "tool list --server ..." and "tool delete --server ... --mission ...".
 struct Tool {
   Tool() {
     app.require_subcommand(1);

@@ -44,7 +44,7 @@ std::vector<std::string> Words(const CLI::App& app) {
   return words;
 }
 
-// Which word leads from one command to one below it.
+// Returns the shell's cases that say which word leads from one command to one below it.
 std::string FollowCases(const CLI::App& app) {
   std::string cases;
   ForEachCommand(app, "", [&](const CLI::App& command, const std::string& path) {
@@ -57,7 +57,7 @@ std::string FollowCases(const CLI::App& app) {
   return cases;
 }
 
-// What follows a flag that takes a value.
+// Returns the shell's cases that say what follows a flag that takes a value.
 std::string ValueCases(const CLI::App& app) {
   std::string cases;
   ForEachCommand(app, "", [&](const CLI::App& command, const std::string& path) {
@@ -116,7 +116,7 @@ std::string Register(const CLI::App& app) {
 std::vector<std::string> Choices(const CLI::Option& option) {
   const std::string name = ValueName(option);
   if (absl::StrContains(name, "|")) return absl::StrSplit(name, '|');
-  // As CLI::IsMember describes itself: "TEXT:{se3,sim3}".
+  // CLI::IsMember describes itself as "TEXT:{se3,sim3}".
   const std::string type = option.get_type_name();
   const size_t begin = type.find('{');
   const size_t end = type.find('}');
@@ -134,7 +134,7 @@ std::string BashCompletion(const CLI::App& app) {
 std::string ZshCompletion(const CLI::App& app) {
   return absl::StrCat("#compdef ", app.get_name(), "\nautoload -Uz bashcompinit && bashcompinit\n",
                       Function(app), Register(app),
-                      // This first time, too.
+                      // The file's first call must complete, too.
                       "_bash_complete -o default -F ", FunctionName(app), "\n");
 }
 

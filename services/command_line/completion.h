@@ -1,4 +1,4 @@
-// Completion scripts for shells, made from a program's flags.
+// Makes completion scripts for shells from a program's flags.
 #ifndef CORBSLAM_SERVICES_COMMAND_LINE_COMPLETION_H_
 #define CORBSLAM_SERVICES_COMMAND_LINE_COMPLETION_H_
 
@@ -8,12 +8,13 @@
 
 namespace corbslam {
 
-// The values of an option that takes one of a few; empty for all others.
+// Returns the values of an option that takes one of a few; empty for all others.
 std::vector<std::string> Choices(const CLI::Option& option);
 
-// To be sourced by bash: commands, flags, and values where there are few; else names of files.
+// Returns a script to be sourced by bash. It completes commands, flags, and values where there are
+// few; else names of files.
 std::string BashCompletion(const CLI::App& app);
-// A file of zsh's $fpath, _PROGRAM: the same function, by zsh's bashcompinit.
+// Returns a file of zsh's $fpath, _PROGRAM: the same function, by zsh's bashcompinit.
 std::string ZshCompletion(const CLI::App& app);
 
 }  // namespace corbslam

@@ -51,7 +51,7 @@ std::string RunShell(const std::string& command) {
   return output;
 }
 
-// What a real bash offers for the words, the last of which is being typed.
+// Returns what a real bash offers for the words, the last of which is being typed.
 std::vector<std::string> Complete(const std::vector<std::string>& words) {
   Tool tool;
   const std::string script = TestPath("completion.bash");
@@ -66,13 +66,13 @@ std::vector<std::string> Complete(const std::vector<std::string>& words) {
   return lines;
 }
 
-// What a real zsh chooses from for the words; it leaves out itself what does not begin like the
-// last one.
+// Returns what a real zsh chooses from for the words; it leaves out itself what does not begin like
+// the last one.
 std::vector<std::string> CompleteInZsh(const std::vector<std::string>& words) {
   Tool tool;
   const std::string script = TestPath("completion.zsh");
-  // The script's last line completes, which zsh allows where Tab was hit and nowhere else. Options
-  // are those in which its bashcompinit calls functions.
+  // The script's last line completes, which zsh allows where Tab was hit and nowhere else. The
+  // options are those in which its bashcompinit calls functions.
   std::ofstream(script) << "autoload -Uz compinit; compinit -D\n"
                         << ZshCompletion(tool.app) << R"(
 offer() {
@@ -100,7 +100,7 @@ TEST(CompletionTest, OffersCommandsAndFlags) {
 TEST(CompletionTest, OffersValuesWhereThereAreFew) {
   EXPECT_THAT(Complete({"tool", "mission", "save", "--format", ""}), ElementsAre("ply", "tum"));
   EXPECT_THAT(Complete({"tool", "mission", "save", "--pace", "s"}), ElementsAre("sensor"));
-  // Names of files, by -o default.
+  // Names of files come from -o default.
   EXPECT_THAT(Complete({"tool", "list", "--server", ""}), IsEmpty());
 }
 

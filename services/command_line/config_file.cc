@@ -21,7 +21,7 @@ bool IsSetByEnvironment(const CLI::Option& option) {
   return value != nullptr && *value != '\0';
 }
 
-// Section marks that CLI11 puts between the items.
+// Returns true for the section marks that CLI11 puts between the items.
 bool IsMark(const CLI::ConfigItem& item) { return item.name == "++" || item.name == "--"; }
 
 absl::string_view KeyOf(absl::string_view line) {
@@ -45,7 +45,7 @@ CLI::App* FindCommand(CLI::App* app, const std::vector<std::string>& names) {
   return app;
 }
 
-// Whether any command below takes it.
+// Returns true if any command of the program has the flag.
 bool IsFlagOfSome(CLI::App& app, const std::string& name) {
   bool found = false;
   ForEachOption(app, [&](CLI::App& owner, CLI::Option&) {
@@ -54,7 +54,7 @@ bool IsFlagOfSome(CLI::App& app, const std::string& name) {
   return found;
 }
 
-// The command that was called, as the names that lead to it.
+// Returns the command that was called, as the names that lead to it.
 std::vector<std::string> CalledCommand(CLI::App* app) {
   std::vector<std::string> names;
   while (!app->get_subcommands().empty()) {

@@ -27,7 +27,7 @@ std::vector<std::string> BreakIntoLines(const std::string& text, size_t length) 
 std::string ValueName(const CLI::Option& option) {
   if (option.get_type_size() == 0) return "";
   const std::string name = option.get_type_name();
-  // Behind a colon are the limits, which the error of a wrong value names.
+  // The limits stand behind a colon; the error of a wrong value names them.
   return name.substr(0, name.find(':'));
 }
 
@@ -39,7 +39,7 @@ std::string DefaultNote(const CLI::Option& option) {
 std::string HelpFormatter::TwoColumns(const std::string& left, const std::string& right) const {
   const size_t width = column_width_;
   std::string text = absl::StrCat("  ", left);
-  // Too long: the right column begins on the next line.
+  // If the left text is too long, the right column begins on the next line.
   text += text.size() + 2 > width ? "\n" + std::string(width, ' ')
                                   : std::string(width - text.size(), ' ');
   const std::vector<std::string> lines = BreakIntoLines(right, kLineLength - width);

@@ -1,4 +1,4 @@
-// What --help prints: a line a flag where it fits, 100 columns, defaults in brackets.
+// Formats what --help prints: a line a flag where it fits, 100 columns, defaults in brackets.
 #ifndef CORBSLAM_SERVICES_COMMAND_LINE_HELP_FORMATTER_H_
 #define CORBSLAM_SERVICES_COMMAND_LINE_HELP_FORMATTER_H_
 
@@ -10,9 +10,9 @@ namespace corbslam {
 // Flags of this group are in --help-all only.
 inline constexpr char kRareGroup[] = "Limits";
 
-// What an option takes, as "HOST" or "on|off"; "" for a flag.
+// Returns what an option takes, such as "HOST" or "on|off"; "" for a flag.
 std::string ValueName(const CLI::Option& option);
-// Its default in brackets behind a space, or "" where there is none worth a word.
+// Returns the option's default in brackets behind a space, or "" if it has none worth a word.
 std::string DefaultNote(const CLI::Option& option);
 
 class HelpFormatter : public CLI::Formatter {
@@ -26,7 +26,7 @@ class HelpFormatter : public CLI::Formatter {
 
  private:
   std::string MakeGroups(const CLI::App& app, CLI::AppFormatMode mode) const;
-  // Two columns; the right one broken into lines.
+  // Returns two columns; the right one is broken into lines.
   std::string TwoColumns(const std::string& left, const std::string& right) const;
 };
 

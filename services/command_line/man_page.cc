@@ -9,7 +9,7 @@
 namespace corbslam {
 namespace {
 
-// Text that troff takes for nothing else.
+// Escapes the text so that troff takes it for nothing else.
 std::string Escape(const std::string& text) {
   const std::string escaped = absl::StrReplaceAll(text, {{"\\", "\\e"}, {"-", "\\-"}});
   const bool looks_like_a_request = absl::StartsWith(text, ".") || absl::StartsWith(text, "'");
@@ -44,7 +44,7 @@ std::string FormatOptions(const CLI::App& app) {
   return text;
 }
 
-// The commands below, each under the words that call it.
+// Returns the commands below, each under the words that call it.
 std::string FormatCommands(const CLI::App& app, const std::string& path) {
   std::string text;
   for (const CLI::App* command : app.get_subcommands({})) {

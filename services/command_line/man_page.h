@@ -1,4 +1,4 @@
-// A program's page for man, made from its flags.
+// Makes a program's page for man from its flags.
 #ifndef CORBSLAM_SERVICES_COMMAND_LINE_MAN_PAGE_H_
 #define CORBSLAM_SERVICES_COMMAND_LINE_MAN_PAGE_H_
 
@@ -7,7 +7,8 @@
 
 namespace corbslam {
 
-// Section 1, for troff's man macros. Defaults that are paths are left out: they are this machine's.
+// Returns a page of section 1, for troff's man macros. Defaults that are paths are left out: they
+// are this machine's.
 std::string FormatManPage(const CLI::App& app, const std::string& environment_prefix,
                           const std::string& version);
 

@@ -11,7 +11,7 @@ namespace corbslam {
 
 std::string EncodeBatch(const MapUpdateBatch& batch) {
   CameraBook none_sent;
-  // Never split: a file has no limit of a message.
+  // The batch is never split: a file has no limit to its messages.
   const std::vector<v1::MapUpdateBatch> whole =
       ToProto(batch, none_sent, std::numeric_limits<size_t>::max(), FeatureForm::kCoded);
   return whole.front().SerializeAsString();

@@ -1,5 +1,5 @@
-// Map update batches as bytes that stand for themselves: for files, where no earlier message of a
-// stream is there to look cameras up in.
+// Turns map update batches to bytes that stand for themselves, as for files, where there is no
+// earlier message of a stream to look cameras up in.
 #ifndef CORBSLAM_SERVICES_CONVERT_BATCH_BYTES_H_
 #define CORBSLAM_SERVICES_CONVERT_BATCH_BYTES_H_
 
@@ -11,11 +11,11 @@
 
 namespace corbslam {
 
-// One serialised v1::MapUpdateBatch, rounded as on the wire; features are rounded once only,
-// however often they pass.
+// Returns one serialised v1::MapUpdateBatch, rounded as on the wire; features are rounded once
+// only, however often they pass.
 std::string EncodeBatch(const MapUpdateBatch& batch);
 
-// INVALID_ARGUMENT where the bytes are no batch, or one that the wire's rules forbid.
+// Returns INVALID_ARGUMENT where the bytes are no batch, or one that the wire's rules forbid.
 absl::StatusOr<MapUpdateBatch> DecodeBatch(absl::string_view bytes);
 
 }  // namespace corbslam

@@ -13,7 +13,7 @@ namespace {
 TEST(BatchBytesTest, StandForThemselves) {
   std::mt19937 random(1);
   MapUpdateBatch batch = test_data::MakeBatch(random, test_data::kMap, 7);
-  // Its cameras went up with an earlier batch.
+  // The batch's cameras went up with an earlier batch.
   batch.cameras.clear();
   const auto read = DecodeBatch(EncodeBatch(batch));
   ASSERT_TRUE(read.ok()) << read.status();

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNormalSteps = 8191;
 
-// The same columns carry points in a local frame and in the global one.
+// Returns the position: the same columns carry points in a local frame and in the global one.
 const Eigen::Vector3d& Position(const FullMapPoint& p) { return p.position_in_local; }
 const Eigen::Vector3d& Position(const SharedMapPoint& p) { return p.position_in_global; }
 const Eigen::Vector3d& Position(const LightMapPoint& p) { return p.position_in_local; }
@@ -59,7 +59,7 @@ void WriteFull(std::span<const Point> points, SlotWriter& slots, v1::FullMapPoin
       proto->add_normals_8191(static_cast<int32_t>(std::lround(value * kNormalSteps)));
     }
     proto->add_min_distances(static_cast<float>(point.min_distance));
-    // Rounding must not turn the range around.
+    // Rounding must not make the largest distance less than the least one.
     proto->add_max_distances(
         std::max(static_cast<float>(point.max_distance), static_cast<float>(point.min_distance)));
   }
@@ -115,7 +115,8 @@ absl::Status ReadLooks(const v1::FullMapPoints& proto, int i, Point& point) {
   return CheckDistances(point.min_distance, point.max_distance);
 }
 
-// What each point may be a copy of: its reference keyframe's, where that is in the message.
+// Returns the descriptors that each point may be a copy of: those of its reference keyframe, where
+// that is in the message.
 std::vector<std::span<const Descriptor>> SourcesOf(std::span<const KeyframeId> references,
                                                    const KeyframeLooks& looks) {
   std::vector<std::span<const Descriptor>> sources;
@@ -207,7 +208,7 @@ absl::StatusOr<Rigid3d> ReadFrameMotion(const v1::TrackedFrames& proto, int i) {
 absl::StatusOr<Eigen::Vector3d> CheckNormal(const Eigen::Vector3d& normal) {
   if (normal.isZero(0)) return normal;
   const double length = normal.norm();
-  // Written so that NaN fails.
+  // The condition is written so that NaN fails.
   if (!(std::abs(length - 1) <= kNormalTolerance)) {
     return OutOfRange("length of the normal", length, 1 - kNormalTolerance, 1 + kNormalTolerance);
   }
@@ -368,7 +369,7 @@ absl::StatusOr<std::vector<int64_t>> ReadTimes(const TimeColumn& proto, absl::st
   int64_t time_ns = 0;
   for (int i = 0; i < proto.size(); ++i) {
     const int64_t delta_ns = proto[i];
-    // The time so far is within 0 and the limit: neither difference nor sum can overflow.
+    // The time so far is between 0 and the limit, so that neither difference nor sum can overflow.
     const int64_t largest_ns = kMaxTimestamp_ns - time_ns;
     if (delta_ns < -kMaxTimestamp_ns || delta_ns > largest_ns) {
       return OutOfRange(absl::StrCat(field, "[", i, "]"), delta_ns, -kMaxTimestamp_ns, largest_ns);

@@ -1,5 +1,5 @@
-// Items that travel as columns, to and from the wire. A column of one message is written by one
-// call; errors are INVALID_ARGUMENT and name the column.
+// Converts items that travel as columns, to and from the wire. One call writes a column of a
+// message; errors are INVALID_ARGUMENT and name the column.
 #ifndef CORBSLAM_SERVICES_CONVERT_COLUMNS_H_
 #define CORBSLAM_SERVICES_CONVERT_COLUMNS_H_
 
@@ -27,10 +27,10 @@ void WriteIds(std::span<const Id> ids, SlotWriter& slots, v1::ItemIds* proto) {
   for (const Id& id : ids) column.Add(id);
 }
 
-// The keyframes of the same message: what its map points may look like.
+// Descriptors of the keyframes of the same message, of which its map points may have copies.
 using KeyframeLooks = absl::flat_hash_map<KeyframeId, std::span<const Descriptor>>;
 
-// What WritePoints has written, with the descriptors coded (docs/wire.md).
+// Codes the descriptors of the points that WritePoints has written (docs/wire.md).
 void CodeDescriptors(std::span<const FullMapPoint> points, const KeyframeLooks& looks,
                      v1::FullMapPoints* proto);
 void CodeDescriptors(std::span<const SharedMapPoint> points, const KeyframeLooks& looks,
@@ -64,7 +64,7 @@ absl::StatusOr<std::vector<TrackedFrame>> ReadFrames(const v1::TrackedFrames& pr
                                                      const SlotReader& slots);
 absl::StatusOr<std::vector<int64_t>> ReadTimes(const TimeColumn& proto, absl::string_view field);
 
-// A unit vector made so if it was nearly one, or zero.
+// Returns a unit vector if the normal was nearly one, or zero if it is zero.
 absl::StatusOr<Eigen::Vector3d> CheckNormal(const Eigen::Vector3d& normal);
 
 }  // namespace corbslam

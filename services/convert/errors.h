@@ -1,4 +1,4 @@
-// INVALID_ARGUMENT with the field, its value and its limit.
+// Makes INVALID_ARGUMENT errors with the field, its value and its limit.
 #ifndef CORBSLAM_SERVICES_CONVERT_ERRORS_H_
 #define CORBSLAM_SERVICES_CONVERT_ERRORS_H_
 
@@ -21,7 +21,7 @@ absl::Status OutOfRange(absl::string_view field, T value, Limit low, Limit high)
       absl::StrCat(field, " is ", value, ", must be in [", low, ", ", high, "]"));
 }
 
-// The same error with "where: " before its message.
+// Returns the same error with "where: " before its message.
 inline absl::Status Locate(const absl::Status& status, absl::string_view where) {
   if (status.ok()) return status;
   return absl::Status(status.code(), absl::StrCat(where, ": ", status.message()));

@@ -53,7 +53,7 @@ absl::StatusOr<FeatureColumns> ReadPlainColumns(const v1::Features& proto) {
   return columns;
 }
 
-// Columns that are coded may not come beside the code.
+// Returns an error if features come both coded and as columns.
 absl::Status CheckPlainIsEmpty(const v1::Features& proto) {
   const std::pair<absl::string_view, size_t> fields[] = {
       {"x_px64", proto.x_px64().size()},

@@ -1,4 +1,4 @@
-// Keyframes' payloads to and from the wire, and the cameras that they name.
+// Converts keyframes' payloads, and the cameras that they name, to and from the wire.
 #ifndef CORBSLAM_SERVICES_CONVERT_FEATURES_H_
 #define CORBSLAM_SERVICES_CONVERT_FEATURES_H_
 
@@ -18,50 +18,52 @@
 
 namespace corbslam {
 
-// The cameras that one side of a stream has named so far. Not thread-safe.
+// Knows the cameras that one side of a stream has named so far. Not thread-safe.
 class CameraBook {
  public:
-  // INVALID_ARGUMENT: the index is too high, or names another camera already. RESOURCE_EXHAUSTED:
-  // kMaxCamerasOfStream are named.
+  // Adds a camera. INVALID_ARGUMENT: the index is too high, or names another camera already.
+  // RESOURCE_EXHAUSTED: kMaxCamerasOfStream are named.
   absl::Status Add(LocalMapId local_map, uint32_t index, std::shared_ptr<const Camera> camera);
-  // Null when it was never named.
+  // Returns null when the camera was never named.
   std::shared_ptr<const Camera> Find(LocalMapId local_map, uint32_t index) const;
 
  private:
   std::map<std::pair<LocalMapId, uint32_t>, std::shared_ptr<const Camera>> cameras_;
 };
 
-// As columns, which everybody reads, or coded, which few bytes hold and those read who have said so
-// (Capabilities::coded_features). Both say the same to the bit.
+// Features travel as columns, which everybody reads, or coded, which takes few bytes and is for
+// readers that have said so (Capabilities::coded_features). Both say the same to the bit.
 enum class FeatureForm { kPlain, kCoded };
 
-// The wire keeps positions to 1/64 px, disparities to 1/128 px and angles to 2^-14 turns; what was
-// once on it passes unchanged.
+// The wire keeps positions to 1/64 px, disparities to 1/128 px and angles to 2^-14 turns; features
+// that were once on it pass unchanged.
 void ToProto(const Features& features, v1::Features* proto);
-// Coded where that is shorter; where the payload's code is at hand, as that.
+// Codes the features where that is shorter and `form` allows it; the payload's code is used if it
+// is at hand.
 void ToProto(const KeyframePayload& payload, v1::KeyframePayload* proto,
              FeatureForm form = FeatureForm::kPlain);
 
-// About what they take as columns, at least what they take as they are: limits of bytes are of
-// this, so that a short code can't stand for more than a long message could.
+// Returns about what the features take as columns, and at least what they take as they are: limits
+// of bytes are of this, so that a short code can't stand for more than a long message could.
 size_t UncodedBytes(const v1::Features& proto);
 
-// INVALID_ARGUMENT, naming the field. Either form. Descriptors may be absent if
+// Reads either form. INVALID_ARGUMENT names the field. Descriptors may be absent if
 // `descriptors_optional`.
 absl::StatusOr<Features> FromProto(const v1::Features& proto, const Camera& camera,
                                    bool descriptors_optional = false);
-// The camera must be in the book. `code`: of proto's features, for the payload.
+// Reads a payload, whose camera must be in the book. `code` is that of proto's features, for the
+// payload.
 absl::StatusOr<std::shared_ptr<const KeyframePayload>> FromProto(
     const v1::KeyframePayload& proto, KeyframeId id, const CameraBook& cameras,
     bool descriptors_optional = false, std::weak_ptr<const std::string> code = {});
 
-// 32 bytes each, least significant byte first.
+// A descriptor has 32 bytes, the least significant byte first.
 std::string DescriptorsToBytes(const std::vector<Descriptor>& descriptors);
 void AppendDescriptor(const Descriptor& descriptor, std::string* bytes);
-// `bytes` must hold at least 32 * (index + 1) bytes.
+// Returns a descriptor; `bytes` must hold at least 32 * (index + 1) bytes.
 Descriptor DescriptorFromBytes(const std::string& bytes, size_t index);
 
-// 0 to kMaxTimestamp_ns.
+// Returns an error unless the time is from 0 to kMaxTimestamp_ns.
 absl::Status CheckTimestamp(int64_t timestamp_ns);
 
 }  // namespace corbslam

@@ -55,7 +55,7 @@ absl::StatusOr<Eigen::Quaterniond> CheckRotation(double w, double x, double y, d
     return OutOfRange("length of the quaternion", length, 1 - kQuaternionTolerance,
                       1 + kQuaternionTolerance);
   }
-  // What is of unit length to rounding is kept to the bit.
+  // A quaternion that is of unit length but for rounding is kept to the bit.
   const double scale = std::abs(length - 1) < 1e-12 ? 1 : 1 / length;
   return Eigen::Quaterniond(w * scale, x * scale, y * scale, z * scale);
 }
@@ -128,7 +128,7 @@ absl::StatusOr<Similarity3d> FromProto(const v1::Similarity& proto) {
   ASSIGN_OR_RETURN(similarity.rotation, ReadRotation(proto.rotation_wxyz()));
   ASSIGN_OR_RETURN(similarity.translation, ReadTranslation(proto.translation()));
   if (proto.has_scale()) similarity.scale = proto.scale();
-  // Written so that NaN fails.
+  // The condition is written so that NaN fails.
   if (!(similarity.scale >= kMinScale && similarity.scale <= kMaxScale)) {
     return OutOfRange("scale", similarity.scale, kMinScale, kMaxScale);
   }
@@ -160,7 +160,7 @@ absl::StatusOr<Camera> FromProto(const v1::Camera& proto) {
   camera.fy_px = proto.fy_px();
   camera.cx_px = proto.cx_px();
   camera.cy_px = proto.cy_px();
-  // Beyond int's range is beyond Validate's.
+  // A size beyond int's range is clamped to one that is beyond Validate's.
   camera.width_px = static_cast<int>(std::min(proto.width_px(), 1u << 30));
   camera.height_px = static_cast<int>(std::min(proto.height_px(), 1u << 30));
   camera.baseline_m = proto.baseline_m();

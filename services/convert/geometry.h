@@ -1,4 +1,4 @@
-// Motions and cameras to and from the wire.
+// Converts motions and cameras to and from the wire.
 #ifndef CORBSLAM_SERVICES_CONVERT_GEOMETRY_H_
 #define CORBSLAM_SERVICES_CONVERT_GEOMETRY_H_
 
@@ -17,21 +17,21 @@ void ToProto(const Camera& camera, v1::Camera* proto);
 void ToProto(const RecordedCamera& recorded, v1::RecordedCamera* proto);
 v1::PosesOf ToProto(PosesOf poses_of);
 
-// The upper triangle, row by row; nothing for 0.
+// Writes the upper triangle, row by row; nothing for a matrix of zeros.
 void ToProto(const Matrix7d& covariance, google::protobuf::RepeatedField<double>* proto);
 
-// INVALID_ARGUMENT, naming the field and its limits.
+// INVALID_ARGUMENT names the field and its limits.
 absl::StatusOr<Rigid3d> FromProto(const v1::Rigid& proto);
 absl::StatusOr<Similarity3d> FromProto(const v1::Similarity& proto);
 absl::StatusOr<Camera> FromProto(const v1::Camera& proto);
 absl::StatusOr<RecordedCamera> FromProto(const v1::RecordedCamera& proto);
-// Unspecified: the camera as recorded.
+// Reads an unspecified value as the camera as recorded.
 absl::StatusOr<PosesOf> FromProto(v1::PosesOf poses_of);
 absl::StatusOr<Matrix7d> FromProto(const google::protobuf::RepeatedField<double>& covariance);
 
-// Finite and within kMaxCoordinate of 0.
+// Returns an error unless the position is finite and within kMaxCoordinate of 0.
 absl::Status CheckPosition(const Eigen::Vector3d& position);
-// The quaternion made of unit length, if it was nearly so.
+// Returns the quaternion made of unit length, if it was nearly so.
 absl::StatusOr<Eigen::Quaterniond> CheckRotation(double w, double x, double y, double z);
 
 }  // namespace corbslam

@@ -36,7 +36,7 @@ uint32_t SlotWriter::Slot(LocalMapId local_map) {
 
 void IdColumnWriter::AddIndex(uint32_t slot, int64_t index) {
   const int count = column_->index_deltas_size();
-  // The column of slots begins with the first that isn't 1.
+  // The column of slots begins with the first slot that isn't 1.
   if (slot != 1 && column_->slots_size() == 0) column_->mutable_slots()->Resize(count, 1);
   if (slot != 1 || column_->slots_size() > 0) column_->add_slots(slot);
   column_->add_index_deltas(index - last_);

@@ -1,4 +1,5 @@
-// Keyframe and map point ids in the compact form of the wire: a table of local maps, and slots.
+// Converts keyframe and map point ids to and from the compact form of the wire: a table of local
+// maps, and slots in it.
 #ifndef CORBSLAM_SERVICES_CONVERT_IDS_H_
 #define CORBSLAM_SERVICES_CONVERT_IDS_H_
 
@@ -18,10 +19,11 @@ using MapTable = google::protobuf::RepeatedField<uint64_t>;
 // Fills the table of a message that is being written. `table` must outlive it.
 class SlotWriter {
  public:
-  // `own`: the local map that the message belongs to, slot 1 without an entry; invalid: none.
+  // `own` is the local map that the message belongs to: slot 1, without an entry in the table;
+  // invalid: none.
   explicit SlotWriter(MapTable* table, LocalMapId own = {});
 
-  // 0 for an invalid id.
+  // Returns the local map's slot; 0 for an invalid id.
   uint32_t Slot(LocalMapId local_map);
 
   template <typename Id>
@@ -36,7 +38,7 @@ class SlotWriter {
   absl::flat_hash_map<LocalMapId, uint32_t> slots_;
 };
 
-// Appends to a column of ids. The column is begun by it and by nobody else.
+// Appends to a column of ids, which nobody else may have begun.
 class IdColumnWriter {
  public:
   IdColumnWriter(SlotWriter& slots, v1::ItemIds* column) : slots_(slots), column_(column) {}
@@ -63,7 +65,7 @@ class SlotReader {
   absl::StatusOr<LocalMapId> LocalMap(uint32_t slot) const;
   absl::StatusOr<KeyframeId> Keyframe(const v1::ItemRef& ref) const { return Ref<KeyframeId>(ref); }
   absl::StatusOr<MapPointId> Point(const v1::ItemRef& ref) const { return Ref<MapPointId>(ref); }
-  // Slot 0 gets an error, unless `may_be_none`.
+  // Reads a column of ids. Slot 0 is an error, unless `may_be_none`.
   absl::StatusOr<std::vector<KeyframeId>> Keyframes(const v1::ItemIds& ids, absl::string_view field,
                                                     bool may_be_none = false) const {
     return Column<KeyframeId>(ids, field, may_be_none);
@@ -80,10 +82,10 @@ class SlotReader {
   absl::StatusOr<std::vector<Id>> Column(const v1::ItemIds& ids, absl::string_view field,
                                          bool may_be_none) const;
 
-  std::vector<LocalMapId> maps_;  // By slot; the first is invalid.
+  std::vector<LocalMapId> maps_;  // Local maps by slot; the first is invalid.
 };
 
-// PERMISSION_DENIED, naming the id, where one is not of `owner`.
+// Returns PERMISSION_DENIED, naming the id, where an id is not of `owner`.
 absl::Status CheckOwned(const std::vector<MapPointId>& ids, LocalMapId owner,
                         absl::string_view field);
 absl::Status CheckOwned(const std::vector<KeyframeId>& ids, LocalMapId owner,

@@ -15,7 +15,7 @@
 namespace corbslam {
 namespace {
 
-// Upper bounds of what one entry of a column takes.
+// An entry of a column takes at most so many bytes.
 constexpr size_t kFullPointBytes = 90;
 constexpr size_t kLightPointBytes = 30;
 constexpr size_t kIdBytes = 12;
@@ -99,7 +99,7 @@ void WriteRemovalsAndLoops(const MapUpdateBatch& batch, Writer& writer) {
   }
 }
 
-// Of the keyframes of `batch` those that are in `part`.
+// Returns the descriptors of the keyframes of `batch` that are in `part`.
 KeyframeLooks LooksOf(const MapUpdateBatch& batch, const v1::MapUpdateBatch& part) {
   absl::flat_hash_set<uint32_t> there;
   for (const v1::FullKeyframe& keyframe : part.full_keyframes()) there.insert(keyframe.index());
@@ -279,7 +279,7 @@ absl::Status ReadGraph(const v1::MapUpdateBatch& proto, const SlotReader& slots,
   return absl::OkStatus();
 }
 
-// Entries of all fields, before any is converted.
+// Counts the entries of all fields, before any is converted.
 size_t CountItems(const v1::MapUpdateBatch& proto) {
   const int64_t points = int64_t{proto.full_points().ids().index_deltas_size()} +
                          proto.light_points().ids().index_deltas_size() +

@@ -1,4 +1,4 @@
-// Map update batches to and from the wire.
+// Converts map update batches to and from the wire.
 #ifndef CORBSLAM_SERVICES_CONVERT_MAP_UPDATE_H_
 #define CORBSLAM_SERVICES_CONVERT_MAP_UPDATE_H_
 
@@ -13,24 +13,24 @@
 
 namespace corbslam {
 
-// One or more messages of about `part_bytes` at most (a single keyframe is never split). `sent` are
-// the cameras named on this stream; it learns those of the batch.
+// Returns one or more messages of about `part_bytes` at most (a single keyframe is never split).
+// `sent` has the cameras named on this stream and learns those of the batch.
 std::vector<v1::MapUpdateBatch> ToProto(const MapUpdateBatch& batch, CameraBook& sent,
                                         size_t part_bytes, FeatureForm form = FeatureForm::kPlain);
 
-// One message; `continues` is the assembler's part. `cameras` are those named on this stream; it
-// learns more. INVALID_ARGUMENT names the item and the limit; PERMISSION_DENIED: somebody else's
-// item where only the sender's are allowed.
+// Reads one message; `continues` is the assembler's part. `cameras` has those named on this stream
+// and learns more. INVALID_ARGUMENT names the item and the limit; PERMISSION_DENIED: the batch has
+// somebody else's item where only the sender's are allowed.
 absl::StatusOr<MapUpdateBatch> FromProto(const v1::MapUpdateBatch& proto, CameraBook& cameras);
 
-// About what the message takes without coded features, at least what it takes as it is.
+// Returns about what the message takes without coded features, and at least what it takes as it is.
 size_t UncodedBytes(const v1::MapUpdateBatch& proto);
 
 // Puts the parts of a batch together. Not thread-safe.
 class BatchAssembler {
  public:
-  // The batch, once its last part is there. INVALID_ARGUMENT: a part of another batch came in
-  // between; RESOURCE_EXHAUSTED: more than kMaxUpdateBytes, uncoded, or
+  // Returns the batch once its last part is there. INVALID_ARGUMENT: a part of another batch came
+  // in between; RESOURCE_EXHAUSTED: there are more than kMaxUpdateBytes, uncoded, or
   // kMaxUpdateItems.
   absl::StatusOr<std::optional<MapUpdateBatch>> Add(const v1::MapUpdateBatch& part,
                                                     CameraBook& cameras);

@@ -129,7 +129,7 @@ MapUpdateBatch MakeFullBatch(std::mt19937& random) {
   return batch;
 }
 
-// What the parts of a batch, sent over the wire, come to.
+// Returns the batch that the parts, sent over the wire, come to.
 MapUpdateBatch SendParts(const std::vector<v1::MapUpdateBatch>& parts) {
   BatchAssembler assembler;
   CameraBook cameras;
@@ -182,7 +182,8 @@ TEST(MapUpdateTest, AKeyframeOfTwoThousandFeaturesTakesLessThan90Kilobytes) {
   EXPECT_LT(parts[0].full_keyframes(0).ByteSizeLong(), 90'000u);
 }
 
-// Keyframes such as a camera's, and points that look as one of them or as nothing that is there.
+// Returns a batch with keyframes such as a camera's, and points that look as one of them or as
+// nothing that is there.
 MapUpdateBatch MakeCodableBatch() {
   std::mt19937 random(6);
   MapUpdateBatch batch = MakeFullBatch(random);
@@ -245,7 +246,8 @@ TEST(CodedMapUpdateTest, WhatCameCodedGoesOnAsItCame) {
   ASSERT_NE(keyframe.code, nullptr);
   EXPECT_EQ(*keyframe.code, came);
 
-  // Another string in its place shows that it is sent, and to those alone who read code.
+  // Another string in the code's place shows that the code itself is sent, and only to readers of
+  // coded features.
   const auto marked = std::make_shared<const std::string>("as it came");
   KeyframePayload payload = *keyframe.payload;
   payload.code = marked;
@@ -258,7 +260,7 @@ TEST(CodedMapUpdateTest, WhatCameCodedGoesOnAsItCame) {
   EXPECT_TRUE(plain.features().coded().empty());
   EXPECT_EQ(plain.features().x_px64_size(), static_cast<int>(payload.features.keypoints.size()));
 
-  // What nobody keeps is coded anew.
+  // A code that nobody keeps is made anew.
   keyframe.code.reset();
   EXPECT_TRUE(keyframe.payload->code.expired());
   v1::KeyframePayload anew;
@@ -266,7 +268,7 @@ TEST(CodedMapUpdateTest, WhatCameCodedGoesOnAsItCame) {
   EXPECT_EQ(anew.features().coded(), came);
 }
 
-// As MalformedBatchTest, of a batch that is coded.
+// Makes a coded batch bad, as Malformed does one with columns.
 struct MalformedCode {
   const char* name;
   std::function<void(v1::MapUpdateBatch&)> harm;
@@ -285,7 +287,7 @@ TEST_P(MalformedCodeTest, IsRefusedWithTheKeyframeOrField) {
   EXPECT_THAT(std::string(status.message()), HasSubstr(GetParam().says));
 }
 
-// A good batch that `harm` makes bad.
+// Makes a good batch bad by `harm`.
 struct Malformed {
   const char* name;
   std::function<void(v1::MapUpdateBatch&)> harm;
@@ -523,7 +525,7 @@ TEST(BatchAssemblerTest, HoldsOnlySoMuch) {
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
 }
 
-// A byte each on the wire, sixteen in memory.
+// An item takes a byte on the wire and sixteen in memory.
 TEST(BatchAssemblerTest, CountsItemsBeforeItConvertsThem) {
   v1::MapUpdateBatch part;
   part.set_local_map(kMap.value);

@@ -1,4 +1,4 @@
-// Overlaps to and from the wire.
+// Converts overlaps to and from the wire.
 #ifndef CORBSLAM_SERVICES_CONVERT_OVERLAP_H_
 #define CORBSLAM_SERVICES_CONVERT_OVERLAP_H_
 

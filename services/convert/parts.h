@@ -17,7 +17,8 @@
 
 namespace corbslam {
 
-// Fills one part after the other. `start` writes what each part begins with and names its table.
+// Fills one part after the other. `start` writes what each part begins with and returns the writer
+// of its table. Not thread-safe.
 template <typename Message>
 class PartWriter {
  public:
@@ -62,7 +63,7 @@ class PartWriter {
 
   const size_t part_bytes_;
   const Start start_;
-  // Of stable addresses: the SlotWriter points into the last one.
+  // A deque keeps the parts' addresses: the SlotWriter points into the last one.
   std::deque<Message> parts_;
   std::unique_ptr<SlotWriter> slots_;
   size_t room_ = 0;

@@ -21,7 +21,7 @@ absl::Status BadName(absl::string_view name, absl::string_view form) {
       absl::StrCat("name is \"", absl::CHexEscape(name.substr(0, 200)), "\", must be ", form));
 }
 
-// The variable segments of "missions/{}/agents/{}" and the like.
+// Returns the variable segments of "missions/{}/agents/{}" and the like.
 absl::StatusOr<std::vector<absl::string_view>> ParsePath(
     absl::string_view name, const std::vector<absl::string_view>& collections,
     absl::string_view form) {

@@ -1,4 +1,4 @@
-// Names of the resource style, as proto/corbslam/v1/resources.proto says.
+// Makes and parses names of the resource style, as proto/corbslam/v1/resources.proto says.
 #ifndef CORBSLAM_SERVICES_CONVERT_RESOURCE_NAMES_H_
 #define CORBSLAM_SERVICES_CONVERT_RESOURCE_NAMES_H_
 
@@ -18,16 +18,16 @@ std::string LocalMapName(absl::string_view mission, LocalMapId local_map);
 std::string KeyframeName(absl::string_view mission, KeyframeId keyframe);
 std::string OverlapName(absl::string_view mission, uint64_t overlap);
 
-// "alpha" of "missions/lab/agents/alpha"; the whole name where it has no slash.
+// Returns "alpha" of "missions/lab/agents/alpha"; the whole name where it has no slash.
 std::string LastSegment(const std::string& name);
 
 struct AgentPath {
   std::string mission;
-  std::string agent;  // Empty for "-", all.
+  std::string agent;  // Empty for "-", which means all agents.
 };
 struct LocalMapPath {
   std::string mission;
-  LocalMapId local_map;  // Invalid for "-", all.
+  LocalMapId local_map;  // Invalid for "-", which means all local maps.
 };
 struct KeyframePath {
   std::string mission;

@@ -15,7 +15,7 @@
 namespace corbslam {
 namespace {
 
-// Upper bounds of what one entry takes.
+// One entry takes at most so many bytes.
 constexpr size_t kFullPointBytes = 90;
 constexpr size_t kLightPointBytes = 30;
 constexpr size_t kIdBytes = 12;
@@ -54,7 +54,7 @@ void WriteKeyframe(const SharedKeyframe& keyframe, FeatureForm form, CameraBook&
   *writer.part().add_keyframes() = std::move(proto);
 }
 
-// Of the last `in_part` of `keyframes`.
+// Returns the descriptors of the last `in_part` of `keyframes`.
 KeyframeLooks LooksOf(const std::vector<SharedKeyframe>& keyframes, int in_part) {
   KeyframeLooks looks;
   const auto count = static_cast<size_t>(in_part);
@@ -74,7 +74,7 @@ void WriteFullPoints(const SharedUpdate& update, FeatureForm form, Writer& write
   });
 }
 
-// What both messages of poses have: which keyframe, and where in the global frame.
+// Writes what both messages of poses have: which keyframe, and where it is in the global frame.
 template <typename Pose, typename Proto>
 void WritePose(const Pose& pose, Writer& writer, Proto* proto) {
   writer.slots().Write(pose.id, proto->mutable_id());
@@ -151,7 +151,7 @@ absl::StatusOr<SharedKeyframe> ReadKeyframe(const v1::SharedKeyframe& proto,
   return keyframe;
 }
 
-// As WritePose.
+// Reads what WritePose writes.
 template <typename Proto, typename Pose>
 absl::Status ReadPose(const Proto& proto, const SlotReader& slots, Pose& pose) {
   ASSIGN_OR_RETURN(pose.id, slots.Keyframe(proto.id()));
@@ -295,7 +295,7 @@ void AddCapabilities(const Capabilities& capabilities, Message* proto) {
   if (capabilities.coded_features) proto->add_capabilities(v1::CAPABILITY_CODED_FEATURES);
 }
 
-// What isn't known is of a newer version: it is not used.
+// Ignores capabilities that it does not know: they are of a newer version.
 template <typename Message>
 Capabilities ReadCapabilities(const Message& proto) {
   Capabilities capabilities;

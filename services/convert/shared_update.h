@@ -1,4 +1,4 @@
-// Shared updates and the opening of a session, to and from the wire.
+// Converts shared updates and the opening of a session, to and from the wire.
 #ifndef CORBSLAM_SERVICES_CONVERT_SHARED_UPDATE_H_
 #define CORBSLAM_SERVICES_CONVERT_SHARED_UPDATE_H_
 
@@ -15,18 +15,18 @@
 
 namespace corbslam {
 
-// One or more messages of about `part_bytes` at most. `sent` are the cameras named on this stream;
-// it learns those of the update.
+// Returns one or more messages of about `part_bytes` at most. `sent` has the cameras named on this
+// stream and learns those of the update.
 std::vector<v1::SharedUpdate> ToProto(const SharedUpdate& update, CameraBook& sent,
                                       size_t part_bytes, FeatureForm form = FeatureForm::kPlain);
-// One message. INVALID_ARGUMENT names the item.
+// Reads one message. INVALID_ARGUMENT names the item.
 absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook& cameras);
 
 // Puts the parts of a shared update together. Not thread-safe.
 class SharedUpdateAssembler {
  public:
-  // The update, once its last part is there. RESOURCE_EXHAUSTED: more than kMaxUpdateBytes,
-  // uncoded.
+  // Returns the update once its last part is there. RESOURCE_EXHAUSTED: there are more than
+  // kMaxUpdateBytes, uncoded.
   absl::StatusOr<std::optional<SharedUpdate>> Add(const v1::SharedUpdate& part,
                                                   CameraBook& cameras);
 

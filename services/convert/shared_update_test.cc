@@ -135,13 +135,13 @@ TEST(SessionTest, WhatIsUnderstoodPassesTheWire) {
   grant.capabilities.points_follow = true;
   v1::SessionGrant proto;
   ToProto(grant, &proto);
-  // Of a newer store.
+  // A newer store sends a capability that is not known here.
   proto.add_capabilities(static_cast<v1::Capability>(77));
   const auto read = FromProto(proto);
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_TRUE(read->capabilities.points_follow);
   EXPECT_FALSE(read->capabilities.coded_features);
-  // Of an older one.
+  // An older store sends no capabilities.
   EXPECT_FALSE(FromProto(v1::SessionGrant())->capabilities.points_follow);
 }
 

@@ -1,4 +1,4 @@
-// absl::Status and grpc::Status share their codes.
+// Converts absl::Status and grpc::Status, which share their codes.
 #ifndef CORBSLAM_SERVICES_CONVERT_STATUS_H_
 #define CORBSLAM_SERVICES_CONVERT_STATUS_H_
 

@@ -1,4 +1,4 @@
-// A fusion worker behind its contract: FusionWorker of
+// Serves a fusion worker by its contract: FusionWorker of
 // proto/corbslam/v1/fusion_worker_service.proto.
 #ifndef CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_FUSION_WORKER_SERVICE_H_
 #define CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_FUSION_WORKER_SERVICE_H_
@@ -13,15 +13,15 @@
 namespace corbslam {
 
 struct FusionWorkerServiceOptions {
-  // Requests that are worked on at once; the rest wait.
+  // Number of requests that are worked on at once; the rest wait.
   int threads = 2;
-  // Requests that are received, worked on or wait, at most; further ones get UNAVAILABLE, so that
-  // the caller asks another worker.
+  // Most requests that are received, worked on or wait; further ones get UNAVAILABLE, so that the
+  // caller asks another worker.
   int max_requests = 16;
 };
 
-// Thread-safe. `worker` is not owned and must outlive it; the server must be shut down before it is
-// destroyed.
+// Receives requests and lets the worker do them. `worker` is not owned and must outlive it; the
+// server must be shut down before it is destroyed. Thread-safe.
 class FusionWorkerService : public v1::FusionWorker::CallbackService {
  public:
   explicit FusionWorkerService(FusionWorker* worker, const FusionWorkerServiceOptions& options = {})
@@ -34,7 +34,8 @@ class FusionWorkerService : public v1::FusionWorker::CallbackService {
   grpc::ServerBidiReactor<v1::AdjustBundleRequest, v1::AdjustBundleResponse>* AdjustBundle(
       grpc::CallbackServerContext* context) override;
 
-  // Received, worked on or waiting; and those of them that no thread has begun with.
+  // Returns the number of requests that are received, worked on or waiting; waiting_requests counts
+  // those of them that no thread has begun with.
   int requests() const { return requests_; }
   size_t waiting_requests() const { return pool_.waiting(); }
 

@@ -1,4 +1,4 @@
-// A fusion worker behind its contract, through the remote worker in one process.
+// Tests a fusion worker behind its contract, through the remote worker in one process.
 #include "services/fusion_worker_service/fusion_worker_service.h"
 
 #include <gmock/gmock.h>
@@ -244,7 +244,7 @@ TEST_F(FusionWorkerServiceTest, AServerThatIsNoWorkerIsPassedOver) {
             absl::UnavailableError("it is no fusion worker"));
 }
 
-// Its server ends in the orderly way, but not so late that the request is done.
+// The worker's server ends in the orderly way, but not so late that the request is done.
 TEST_F(FusionWorkerServiceTest, AWorkerThatIsStoppedInTheMiddleIsReplaced) {
   class QuickWorker : public FakeFusionWorker {
     absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest&,
@@ -277,7 +277,7 @@ TEST_F(FusionWorkerServiceTest, AFullWorkerSendsItsCallersElsewhere) {
       std::unique_ptr<grpc::ClientReaderWriter<v1::AdjustBundleRequest, v1::AdjustBundleResponse>>>
       streams;
   for (grpc::ClientContext& context : contexts) streams.push_back(stub->AdjustBundle(&context));
-  // Headers that were written are calls that have arrived.
+  // Calls whose headers were written have arrived.
   for (const auto& stream : streams) {
     WriteWork<v1::AdjustBundleRequest>(
         MakeAdjustment(), std::function<bool(v1::AdjustBundleRequest)>(

@@ -1,4 +1,4 @@
-// One request to a fusion worker: receives it, works, and sends progress and the result.
+// Handles one request to a fusion worker: receives it, works, and sends progress and the result.
 #ifndef CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_WORK_REACTOR_H_
 #define CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_WORK_REACTOR_H_
 
@@ -29,7 +29,7 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
   using Request = typename decltype(std::declval<RequestReader>().Finish())::value_type;
   using Compute = std::function<absl::StatusOr<Result>(const Request&, const ProgressCallback&)>;
 
-  // `requests` counts those under way.
+  // `requests` counts the requests under way.
   WorkReactor(TaskPool& pool, std::atomic<int>& requests, int max_requests, Compute compute)
       : pool_(pool), requests_(requests), compute_(std::move(compute)) {
     if (++requests_ <= max_requests) {
@@ -65,7 +65,8 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
     {
       absl::MutexLock lock(&mutex_);
       if (!waiting_) return;
-      // It may wait for a thread for long: another request could have its place, and its memory.
+      // The request may wait for a thread for long: another request could have its place, and its
+      // memory.
       reader_.reset();
     }
     LeavePlace();
@@ -120,8 +121,9 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
     });
   }
 
-  // Writes what waits after the change; finishes when nothing does and the end is known. Both under
-  // one lock: once the end is known, the end of a write finishes too, and then the reactor is gone.
+  // Makes a change, then writes what waits; finishes when nothing waits and the end is known. Both
+  // happen under one lock: once the end is known, the end of a write finishes too, and then the
+  // reactor is gone.
   template <typename Change>
   void Advance(Change change) {
     const ResponseMessage* next = nullptr;
@@ -140,7 +142,7 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
     }
     if (next != nullptr) return this->StartWrite(next);
     if (!end) return;
-    // Before the caller knows: its next request must find room.
+    // The place is free before the caller knows of the end: its next request must find room.
     LeavePlace();
     // The reactor may be gone once this is called.
     this->Finish(ToGrpcStatus(*end));
@@ -160,14 +162,15 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
   const Compute compute_;
   std::atomic<bool> cancelled_{false};
   RequestMessage message_;
-  // Of gRPC while it reads, then of Work; none once it has been cancelled while it waited.
+  // gRPC's callbacks use it while they read, then Work does; nullopt once the request has been
+  // cancelled while it waited.
   std::optional<WorkReader<RequestReader, v1::MapChunk>> reader_{std::in_place};
 
   absl::Mutex mutex_;
   std::deque<ResponseMessage> queue_ ABSL_GUARDED_BY(mutex_);
-  // Counted among the requests under way.
+  // True: it is counted among the requests under way.
   bool has_place_ ABSL_GUARDED_BY(mutex_) = true;
-  // All of it has come, and no thread has begun with it.
+  // True: all of the request has come, and no thread has begun with it.
   bool waiting_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;

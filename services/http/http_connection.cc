@@ -23,10 +23,10 @@ namespace {
 namespace beast = boost::beast;
 namespace http = boost::beast::http;
 
-// How long a client may take to read its answer once the system has all of it.
+// Longest time for a client to read its answer once the system has all of it.
 constexpr auto kDrainTime = std::chrono::seconds(1);
 
-// Of "/path?query", or of "http://host/path?query" as a proxy would send it.
+// Returns the path of "/path?query", or of "http://host/path?query" as a proxy would send it.
 std::string PathOf(absl::string_view target) {
   const size_t scheme = target.find("://");
   if (!absl::StartsWith(target, "/") && scheme != absl::string_view::npos) {
@@ -43,7 +43,7 @@ absl::string_view View(boost::beast::string_view text) { return {text.data(), te
 HttpConnection::HttpConnection(boost::asio::ip::tcp::socket socket, const HttpHandler* handler)
     : stream_(std::move(socket)), handler_(*handler) {
   parser_.header_limit(kMaxHeadBytes);
-  // A body is not read, so that no length of one is too much.
+  // A body is not read, so that any length of it is allowed.
   parser_.body_limit(std::numeric_limits<uint64_t>::max());
 }
 
@@ -71,7 +71,7 @@ HttpResponse HttpConnection::DescribeBadHead(Error error) const {
   if (error != http::error::header_limit && error != http::error::buffer_overflow) {
     return {.status = 400, .body = absl::StrCat("this is no HTTP/1.1: ", error.message(), "\n")};
   }
-  // The parser takes the first line only as a whole.
+  // The parser takes the first line only as a whole, so that a long one leaves no target.
   if (parser_.get().target().empty()) {
     return {.status = 414,
             .body = absl::StrCat("the first line has over ", kMaxHeadBytes, " bytes\n")};
@@ -96,7 +96,7 @@ void HttpConnection::Write(const HttpResponse& answer) {
   response_.set(http::field::content_type, answer.content_type);
   if (!answer.allow.empty()) response_.set(http::field::allow, answer.allow);
   response_.content_length(answer.body.size());
-  // HEAD is told the length of what GET would bring.
+  // The answer to HEAD has the length of what GET would bring.
   if (parser_.get().method() != http::verb::head) response_.body() = answer.body;
   http::async_write(stream_, response_,
                     [self = shared_from_this()](Error error, size_t) { self->OnWritten(error); });

@@ -1,4 +1,4 @@
-// One connection to an HTTP server, from its acceptance to its end.
+// Serves one connection to an HTTP server, from its acceptance to its end.
 #ifndef CORBSLAM_SERVICES_HTTP_HTTP_CONNECTION_H_
 #define CORBSLAM_SERVICES_HTTP_HTTP_CONNECTION_H_
 
@@ -18,16 +18,16 @@
 namespace corbslam {
 
 // Reads the head of one request, answers it, and closes. It lives as long as one of its operations
-// is under way. For the one thread that runs the socket's context.
+// is under way. Only the one thread that runs the socket's context may use it.
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
-  // What a request's first line and headers may have together.
+  // Limit for a request's first line and headers together.
   static constexpr size_t kMaxHeadBytes = 8 << 10;
 
   // `handler` is not owned and must outlive the context's run.
   HttpConnection(boost::asio::ip::tcp::socket socket, const HttpHandler* handler);
 
-  // Once. Everything ends within `max_time`.
+  // Begins to serve. The caller calls it once. Everything ends within `max_time`.
   void Start(absl::Duration max_time);
   // Gives up whatever is under way.
   void Close();
@@ -36,13 +36,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   using Error = boost::beast::error_code;
 
   void OnHead(Error error);
-  // What a head that could not be read is answered; status 0: nothing, nobody listens.
+  // Returns the answer to a head that could not be read; status 0 means none, since nobody listens.
   HttpResponse DescribeBadHead(Error error) const;
   HttpResponse Handle() const;
   void Write(const HttpResponse& answer);
   void OnWritten(Error error);
-  // Reads what still comes and forgets it: closed at once, the system would take back from the
-  // client what it has not read of the answer.
+  // Reads what still comes and forgets it: if the connection were closed at once, the system would
+  // take back from the client what it has not read of the answer.
   void Drain();
 
   boost::beast::tcp_stream stream_;

@@ -25,12 +25,12 @@ namespace {
 using boost::asio::ip::tcp;
 using Error = boost::system::error_code;
 
-// As much lower as the threads of look-ups: both hold locks that robots wait for.
+// Priority is lowered as much as for the threads of look-ups: both hold locks that robots wait for.
 constexpr int kStepsLower = 5;
-// Where the process has no file descriptor left for a connection.
+// Pause when the process has no file descriptor left for a connection.
 constexpr auto kBeforeNextTry = std::chrono::milliseconds(100);
 
-// None for what is not "HOST:PORT" with an IP address.
+// Returns nullopt for what is not "HOST:PORT" with an IP address.
 std::optional<tcp::endpoint> ParseEndpoint(absl::string_view address) {
   const size_t colon = address.rfind(':');
   int port = 0;
@@ -55,7 +55,7 @@ absl::Status CheckHttpAddress(const std::string& address) {
                    "\", must be HOST:PORT with an IP address and a port of 0 to 65535"));
 }
 
-// The thread, and what it alone touches once it runs.
+// Holds the thread, and what only that thread touches once it runs.
 class HttpServer::Loop {
  public:
   Loop(HttpHandler handler, const HttpServerOptions& options)
@@ -118,7 +118,7 @@ class HttpServer::Loop {
   boost::asio::io_context context_{/*concurrency_hint=*/1};
   tcp::acceptor acceptor_;
   boost::asio::steady_timer before_next_try_;
-  std::deque<std::weak_ptr<HttpConnection>> open_;  // The oldest first.
+  std::deque<std::weak_ptr<HttpConnection>> open_;  // The oldest comes first.
   std::thread thread_;
 };
 

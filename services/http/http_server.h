@@ -1,4 +1,4 @@
-// A small HTTP/1.1 server for what operators read, which strangers may reach, too.
+// Runs a small HTTP/1.1 server for what operators read, which strangers may reach, too.
 #ifndef CORBSLAM_SERVICES_HTTP_HTTP_SERVER_H_
 #define CORBSLAM_SERVICES_HTTP_HTTP_SERVER_H_
 
@@ -13,35 +13,37 @@
 
 namespace corbslam {
 
-// "HOST:PORT", HOST an IP address (IPv6 in brackets), a port of 0 to 65535. INVALID_ARGUMENT
-// otherwise.
+// Checks that an address is "HOST:PORT" with an IP address as HOST (IPv6 in brackets) and a port of
+// 0 to 65535. INVALID_ARGUMENT otherwise.
 absl::Status CheckHttpAddress(const std::string& address);
 
-// Bounds on what strangers can take of this process.
+// Bounds what strangers can take of this process.
 struct HttpServerOptions {
-  // Connections that are open at once. The oldest is closed for each further one: whoever sends a
-  // request at once is answered at once, whoever waits makes room for others.
+  // Most connections that are open at once. The oldest is closed for each further one: a client
+  // that sends its request at once is answered at once, one that waits makes room for others.
   size_t max_connections = 32;
-  // From the connection's beginning to the last byte of the answer.
+  // Limit from the connection's beginning to the last byte of the answer.
   absl::Duration max_connection_time = absl::Seconds(10);
 };
 
-// Without TLS and passwords. One thread of its own does everything and never waits for a client:
-// it reads a request's head (8 KiB at most), answers it and closes the connection. The thread has
-// less of a processor than those that robots wait for (LowerThreadPriority). Thread-safe.
+// A server without TLS and passwords. One thread of its own does everything and never waits for a
+// client: it reads a request's head (8 KiB at most), answers it and closes the connection. The
+// thread has less of a processor than those that robots wait for (LowerThreadPriority).
+// Thread-safe.
 class HttpServer {
  public:
-  // On an address that CheckHttpAddress takes; port 0: the system chooses one. UNAVAILABLE where it
-  // can't listen; the message says why, and who has the port. Two servers never share a port.
+  // Listens on an address that CheckHttpAddress takes; for port 0 the system chooses one.
+  // UNAVAILABLE if it can't listen; the message says why, and who has the port. Two servers never
+  // share a port.
   static absl::StatusOr<std::unique_ptr<HttpServer>> Start(const std::string& address,
                                                            HttpHandler handler,
                                                            const HttpServerOptions& options = {});
-  // Waits for a call of the handler that is under way, and for no client.
+  // The destructor waits for a call of the handler that is under way, and for no client.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  // "HOST:PORT" with the port that was chosen.
+  // Returns "HOST:PORT" with the port that was chosen.
   const std::string& address() const { return address_; }
 
  private:

@@ -168,7 +168,7 @@ TEST_F(HttpServerTest, WhoDoesNotReadTheAnswerEndsInTime) {
   RawConnection first(address());
   first.Send(MakeRequest("GET", "/long"));
   EXPECT_EQ(Get("/short"), "x") << "while the first one's answer stands still";
-  // Reads only after its time: a client that reads now may be quick enough to get all.
+  // The client reads only after its time: one that reads now may be quick enough to get all.
   absl::SleepFor(3 * kMaxTime);
   EXPECT_LT(first.ReadToEnd().size(), kMoreThanSocketsHold);
   EXPECT_TRUE(first.has_ended());
@@ -195,7 +195,8 @@ TEST_F(HttpServerTest, WithoutFileDescriptorsItWaitsForOne) {
   rlimit before;
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
   RawConnection connection(address());
-  // Connected by the system; whether the server has taken it already doesn't matter.
+  // The system has connected the client; whether the server has taken the connection already
+  // doesn't matter.
   rlimit none = before;
   none.rlim_cur = 3;
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);

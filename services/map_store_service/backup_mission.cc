@@ -8,7 +8,7 @@
 namespace corbslam {
 namespace {
 
-// With one keyframe more it is still shorter than a message may be.
+// A piece with one keyframe more is still shorter than a message may be.
 constexpr size_t kPieceBytes = 1 << 20;
 
 }  // namespace

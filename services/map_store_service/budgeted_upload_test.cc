@@ -1,4 +1,4 @@
-// A robot's map over a narrow link: recorder, budget, wire and store together.
+// Tests a robot's map over a narrow link: recorder, budget, wire and store together.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ class BudgetedUploadTest : public ::testing::Test {
     memory_->Start();
     memory_->BeginLocalMap(map_, jobs_);
   }
-  // A keyframe, points that it and the one before see, and moves of what there is.
+  // Adds a keyframe and points that it and the one before see, and moves points that are there.
   void MapFrame(uint32_t index) {
     map_.Write([&](Map& map) { AddFrame(index, map); });
     memory_->AddTrackedFrame({index, {kMap, index}, {}});
@@ -75,7 +75,7 @@ class BudgetedUploadTest : public ::testing::Test {
     }
   }
 
-  // The store has what the robot has, as the robot has it.
+  // Expects the store to have what the robot has, as the robot has it.
   void ExpectWhole() {
     const Map whole = map_.Read([](const Map& map) { return map; });
     const auto info = store_.GetLocalMap("m", kMap);
@@ -102,7 +102,7 @@ class BudgetedUploadTest : public ::testing::Test {
   FakeMapJobs jobs_;
   GuardedMap map_{kMap};
   std::mt19937 random_{1};
-  // Reads the map until it is gone.
+  // Declared last, as it reads the map until it is destroyed.
   std::unique_ptr<StoreLink> memory_;
 };
 
@@ -115,7 +115,7 @@ TEST_F(BudgetedUploadTest, TheMapIsWholeInTheEndAndTheBudgetIsKept) {
   const double took_s = absl::ToDoubleSeconds(absl::Now() - start);
   ExpectWhole();
   EXPECT_TRUE(memory_->upload().held_back.IsNothing());
-  // More than a second's, or there was nothing to hold back.
+  // More was sent than in a second, or there would have been nothing to hold back.
   EXPECT_GT(uplink_->bytes_up(), 2 * kBytesPerSecond);
   // The last batch's keyframe is paid for afterwards.
   EXPECT_LT(static_cast<double>(uplink_->bytes_up()), (1 + took_s) * kBytesPerSecond + 30000);

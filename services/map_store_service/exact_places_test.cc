@@ -1,4 +1,4 @@
-// Somebody asks for exact places, and the agent hears of it on its stream.
+// Tests that an agent hears on its stream when somebody asks for exact places.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +61,8 @@ TEST_F(ExactPlacesTest, TheAgentIsAsked) {
 
 TEST_F(ExactPlacesTest, WhoIsNotThereIsNotAsked) {
   EXPECT_EQ(Ask("missions/m/agents/alpha").error_code(), grpc::StatusCode::NOT_FOUND);
-  // Somebody else is in the mission, which goes with its last session as nothing is written to it.
+  // Another agent is in the mission, which would go with its last session as nothing is written to
+  // it.
   const std::unique_ptr<Uplink> others = MakeRemoteUplink(server_->InProcessChannel());
   UplinkNotes others_notes;
   SessionRequest others_request = request_;
@@ -74,7 +75,7 @@ TEST_F(ExactPlacesTest, WhoIsNotThereIsNotAsked) {
   EXPECT_EQ(Ask("missions/m").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(Ask("missions/m/agents/-").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   uplink_->Close();
-  // The store hears of the end a little later.
+  // The store hears a little later that the session has ended.
   grpc::Status status;
   const absl::Time deadline = absl::Now() + absl::Seconds(20);
   do {

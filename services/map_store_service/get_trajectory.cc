@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kPosesPerMessage = 1000;
 
-// A walk over all poses of all agents.
+// Walks over all poses of all agents.
 struct Walk {
   std::string mission;
   bool global = false;

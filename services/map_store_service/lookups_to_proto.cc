@@ -24,7 +24,7 @@ void ToProto(const TransferStatistics& transfer, v1::TransferCount* proto) {
   proto->set_ms(transfer.ms);
 }
 
-// Standard deviation along the least certain direction.
+// Returns the standard deviation along the least certain direction.
 double LargestSigma(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(solver.eigenvalues()[2], 0.0));
@@ -54,6 +54,8 @@ void ToProto(absl::string_view mission, const AgentInfo& info, v1::MissionAgent*
   proto->set_name(AgentName(mission, info.name));
   proto->set_connected(info.connected);
   for (const LocalMapId id : info.local_maps) proto->add_local_maps(LocalMapName(mission, id));
+  proto->set_up_to_date(info.up_to_date);
+  proto->set_shared_updates(info.shared_updates);
 }
 
 void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* proto) {
@@ -151,7 +153,7 @@ void AddIslands(absl::string_view mission, const std::vector<LocalMapInfo>& loca
     island->set_in_global_frame(!key.first);
     std::set<std::string> agents;
     uint64_t keyframes = 0;
-    // The one that names it first.
+    // The local map that names the island comes first.
     const auto names_it = [id = key.second](const LocalMapInfo* info) { return info->id == id; };
     std::stable_partition(members.begin(), members.end(), names_it);
     for (const LocalMapInfo* info : members) {

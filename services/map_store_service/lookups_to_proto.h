@@ -1,4 +1,4 @@
-// What the map store answers, in the words of the contract.
+// Converts what the map store answers to the messages of the contract.
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_LOOKUPS_TO_PROTO_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_LOOKUPS_TO_PROTO_H_
 

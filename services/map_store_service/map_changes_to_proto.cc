@@ -21,7 +21,8 @@ constexpr size_t kSlotBytes = 80;
 using Writer = PartWriter<v1::WatchMapResponse>;
 using Island = v1::WatchMapResponse::Island;
 
-// The last island of the part being written; begins it there if it began in a part before.
+// Gives the island its message in the part that is being written; if the island began in a part
+// before, it is begun again in this one.
 class IslandWriter {
  public:
   IslandWriter(const MapChanges::Island& view, Writer& writer) : view_(view), writer_(writer) {}

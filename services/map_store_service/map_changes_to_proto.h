@@ -1,4 +1,4 @@
-// Changes of the map, for those who watch it.
+// Converts changes of the map to messages for those who watch it.
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_CHANGES_TO_PROTO_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_CHANGES_TO_PROTO_H_
 
@@ -9,7 +9,7 @@
 
 namespace corbslam {
 
-// One or more messages, the parts of one change.
+// Returns one or more messages, which are the parts of one change.
 std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes);
 
 }  // namespace corbslam

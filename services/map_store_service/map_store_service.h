@@ -1,4 +1,4 @@
-// The map store behind its contract: MapStore of proto/corbslam/v1/map_store_service.proto.
+// Serves the map store by its contract: MapStore of proto/corbslam/v1/map_store_service.proto.
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_STORE_SERVICE_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_STORE_SERVICE_H_
 
@@ -18,8 +18,8 @@
 
 namespace corbslam {
 
-// All methods, Sync's messages as bytes: one that can't be read would otherwise look like the end
-// of the stream.
+// Has all methods, with Sync's messages as bytes: a message that can't be read would otherwise look
+// like the end of the stream.
 using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<
     v1::MapStore::WithCallbackMethod_WatchMap<v1::MapStore::WithCallbackMethod_ListMissions<
         v1::MapStore::WithCallbackMethod_GetMission<v1::MapStore::WithCallbackMethod_DeleteMission<
@@ -41,30 +41,32 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<
                                                                         v1::MapStore::
                                                                             Service>>>>>>>>>>>>>>>>>>;
 
-// Whether a caller may open a session as this agent of this mission.
+// Returns OK if the caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
     const grpc::CallbackServerContext&, const std::string& mission, const std::string& agent)>;
 
-// Whether a caller may restore this mission, which its request names only once it has begun.
+// Returns OK if the caller may restore this mission, which its request names only once it has
+// begun.
 using RestoreCheck =
     std::function<absl::Status(const grpc::CallbackServerContext&, const std::string& mission)>;
 
 struct MapStoreServiceOptions {
-  // Threads that read and apply batches and answer look-ups. More than processors: they wait for
-  // the journal, and one sync then serves several.
+  // Number of threads that read and apply batches and answer look-ups. They may be more than
+  // processors: they wait for the journal, and one sync then serves several.
   int threads = 8;
-  // Of one shared update, about. Smaller ones let a robot on a slow link see something sooner.
+  // Size of one shared update, about. With smaller ones a robot on a slow link sees something
+  // sooner.
   size_t shared_bytes = 128u << 10;
   StreamLimitOptions streams;
-  // Not owned, must outlive the service.
+  // Not owned; they must outlive the service.
   std::vector<SyncObserver*> observers;
   // Null: everybody may.
   SessionCheck may_open;
   RestoreCheck may_restore;
 };
 
-// Each RPC is in the file of its name. Thread-safe. `store` is not owned and must outlive it; the
-// server must be shut down before it is destroyed.
+// Serves all calls; each RPC is in the file of its name. `store` is not owned and must outlive it;
+// the server must be shut down before it is destroyed. Thread-safe.
 class MapStoreService : public MapStoreMethods {
  public:
   explicit MapStoreService(MapStore* store, const MapStoreServiceOptions& options = {})
@@ -73,11 +75,11 @@ class MapStoreService : public MapStoreMethods {
         limits_(options.streams),
         pool_(options.threads, options.streams.max_waiting_calls) {}
 
-  // The server is about to stop: Sync and WatchMap end with UNAVAILABLE, once what they had to say
-  // is said, and nothing new begins.
+  // Ends Sync and WatchMap with UNAVAILABLE, once what they had to say is said; no new stream
+  // begins. The server is about to stop.
   void EndStreams() { limits_.Close(); }
 
-  // Calls and batches that no thread has begun with.
+  // Returns the number of calls and batches that no thread has begun with.
   size_t waiting_tasks() const { return pool_.waiting(); }
   const StreamLimits& streams() const { return limits_; }
 

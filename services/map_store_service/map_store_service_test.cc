@@ -1,4 +1,4 @@
-// The map store behind its contract, through the real stubs in one process.
+// Tests the map store behind its contract, through the real stubs in one process.
 #include "services/map_store_service/map_store_service.h"
 
 #include <gmock/gmock.h>
@@ -98,7 +98,8 @@ TEST_F(MapStoreServiceTest, ASessionResumesWhereItWasAcknowledged) {
   ASSERT_EQ(grant->acknowledged.size(), 1u);
   EXPECT_EQ(grant->acknowledged[0].local_map, kMap);
   EXPECT_EQ(grant->acknowledged[0].number, 3u);
-  // One that the store has, and a new one whose camera an earlier stream named.
+  // The first batch is one that the store has; the second is new, and an earlier stream named its
+  // camera.
   ASSERT_TRUE(uplink->Send(batches[2]));
   ASSERT_TRUE(uplink->Send(batches[3]));
   EXPECT_EQ(listener.WaitForAcknowledgements(2), 4u);
@@ -119,14 +120,14 @@ TEST_F(MapStoreServiceTest, ASecondSessionOfAnAgentFencesTheFirst) {
   Listener second_listener;
   second->Open(Session("alpha"), &second_listener);
   ASSERT_TRUE(second_listener.WaitForGrant().has_value());
-  // Though it sends nothing.
+  // The first session hears of its end though it sends nothing.
   const absl::Status reason = first_listener.WaitForClose();
   ASSERT_TRUE(first_listener.IsClosed());
   EXPECT_EQ(reason.code(), absl::StatusCode::kAborted) << reason;
   EXPECT_FALSE(second_listener.IsClosed());
 }
 
-// As another process of this name would.
+// Makes an uplink as another process of this name would.
 std::unique_ptr<Uplink> MakeOthersUplink(std::shared_ptr<grpc::Channel> channel, bool take_over) {
   RemoteUplinkOptions options;
   options.instance = ProcessInstance() + 1;
@@ -147,7 +148,7 @@ TEST_F(MapStoreServiceTest, ASecondProcessOfAnAgentIsToldSoAndTheFirstGoesOn) {
   EXPECT_THAT(std::string(reason.message()),
               AllOf(HasSubstr("alpha"), HasSubstr("--take-over"), HasSubstr("from ")));
   EXPECT_FALSE(first_listener.IsClosed());
-  // Its turn comes with the other's end.
+  // The second process has its turn once the first has ended.
   first->Close();
   Listener granted;
   second->Open(Session("alpha"), &granted);
@@ -173,7 +174,7 @@ TEST_F(MapStoreServiceTest, AProcessTakesOverOnceIfItIsToldTo) {
   EXPECT_EQ(late.WaitForClose().code(), absl::StatusCode::kAlreadyExists);
 }
 
-// What the store's log says of an end.
+// Keeps what the store's log says of the end of a session.
 class Ends : public SyncObserver {
  public:
   void OnClosed(const SessionAgent&, const absl::Status& status) override {
@@ -264,7 +265,7 @@ TEST_F(MapStoreServiceTest, SomebodyElsesLocalMapIsDenied) {
   EXPECT_EQ(CountKeyframes(), 2u);
 }
 
-// The status of a stream that sends `first`.
+// Returns the status of a stream that sends `first`.
 grpc::Status SyncWith(v1::MapStore::Stub& stub, const v1::SyncRequest& first) {
   grpc::ClientContext context;
   const auto stream = stub.Sync(&context);
@@ -295,7 +296,7 @@ TEST_F(MapStoreServiceTest, ClosingTheSendingSideEndsTheSessionAfterTheLastAckno
   v1::SyncRequest open;
   ToProto(Session("alpha"), open.mutable_open());
   stream->Write(open);
-  // In many parts.
+  // The batch is sent in many parts.
   for (const auto& part : ToProto(MakeBatch(random, kMap, 1, 5, 200), sent, 1000)) {
     v1::SyncRequest request;
     *request.mutable_batch() = part;

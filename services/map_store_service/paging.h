@@ -1,4 +1,4 @@
-// Pages of lists, as the contract says.
+// Reads pages of lists, as the contract says.
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_PAGING_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_PAGING_H_
 
@@ -14,7 +14,7 @@ namespace corbslam {
 inline constexpr int kDefaultPageSize = 100;
 inline constexpr int kMaxPageSize = 1000;
 
-// Of any request with page_size and page_token.
+// Reads the page of any request with page_size and page_token.
 template <typename Request>
 absl::StatusOr<PageRequest> ReadPage(const Request& request) {
   const int32_t size = request.page_size();
@@ -27,7 +27,7 @@ absl::StatusOr<PageRequest> ReadPage(const Request& request) {
   return page;
 }
 
-// All pages of a list; `list` takes a PageRequest.
+// Returns the items of all pages of a list; `list` takes a PageRequest.
 template <typename Item, typename List>
 absl::StatusOr<std::vector<Item>> ReadAllPages(const List& list) {
   std::vector<Item> all;

@@ -1,4 +1,4 @@
-// The time within which a caller's next message must come.
+// Limits the time within which a caller's next message must come.
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_READ_TIMER_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_READ_TIMER_H_
 
@@ -11,16 +11,17 @@
 
 namespace corbslam {
 
-// Arm and Disarm are for one thread at a time.
+// Waits for one message at a time. Only one thread at a time may call Arm and Disarm.
 class ReadTimer {
  public:
-  // Hears DEADLINE_EXCEEDED, saying what did not come, on a thread of gRPC's; not once the timer
-  // is destroyed. It must not destroy the timer.
+  // Is called with DEADLINE_EXCEEDED, which says what did not come, on a thread of gRPC's; not once
+  // the timer is destroyed. It must not destroy the timer.
   using Overdue = std::function<void(const absl::Status&)>;
 
   explicit ReadTimer(Overdue overdue) : overdue_(std::move(overdue)) {}
 
-  // Waits for `what` from now on, and for nothing else. An `overdue` that is under way ends first.
+  // Waits for `what` from now on, and for nothing else. If a call of `overdue` is under way, it
+  // ends first.
   void Arm(double seconds, const std::string& what);
   void Disarm() { timer_.Disarm(); }
 

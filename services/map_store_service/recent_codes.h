@@ -1,4 +1,4 @@
-// Keyframes' codes as they came, for as long as others are likely to be sent them.
+// Keeps keyframes' codes as they came, for as long as others are likely to be sent them.
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_RECENT_CODES_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_RECENT_CODES_H_
 
@@ -15,12 +15,12 @@
 
 namespace corbslam {
 
-// Coding a keyframe's features takes milliseconds, and each other robot of its mission is sent them
-// soon after they came. Whoever is sent them later has them coded anew (KeyframePayload::code).
-// Thread-safe.
+// Saves coding features anew, which takes milliseconds a keyframe: each other robot of the mission
+// is sent them soon after they came. For a robot that is sent them later they are coded anew
+// (KeyframePayload::code). Thread-safe.
 class RecentCodes : public SyncObserver {
  public:
-  // Of all codes together; the oldest go first.
+  // Most bytes of all codes together; the oldest go first.
   static constexpr size_t kDefaultBytes = 32u << 20;
 
   explicit RecentCodes(size_t max_bytes = kDefaultBytes) : max_bytes_(max_bytes) {}

@@ -11,7 +11,7 @@ namespace {
 
 class RecentCodesTest : public ::testing::Test {
  protected:
-  // The code of a batch that has ended, for as long as it is kept.
+  // Returns the code of a batch that has been applied, which lives as long as it is kept.
   std::weak_ptr<const std::string> Apply(size_t bytes, const absl::Status& status = {}) {
     MapUpdateBatch batch;
     batch.full_keyframes.resize(2);

@@ -21,7 +21,7 @@ namespace {
 
 enum class RestoreJob { kNone, kTake, kRestore, kFinish };
 
-// Reads the next piece when the one before was taken. Owns itself.
+// Reads the next piece once the one before was taken. Owns itself.
 class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>,
                        private StreamTask<RestoreJob> {
  public:
@@ -120,13 +120,13 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
 
   MapStore& store_;
   const StreamLimitOptions& limits_;
-  // An error: there were too many streams before this one.
+  // An error if there were too many streams before this one.
   absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket_;
   const Check may_restore_;
   v1::Mission& response_;
-  // gRPC owns it between StartRead and OnReadDone, DoJob otherwise.
+  // Only gRPC uses it between StartRead and OnReadDone, and only DoJob otherwise.
   v1::RestoreMissionRequest request_;
-  // DoJob alone uses these.
+  // Only DoJob uses these.
   std::string mission_;
   MissionRestorer restorer_;
 
@@ -134,10 +134,10 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
   bool read_to_end_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
 
-  // Last: ends while the rest is there.
+  // Declared last, so that it ends while the rest is there.
   ReadTimer timer_{[this](const absl::Status& overdue) {
     Note([this, &overdue]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-      // Else it came in time, and waits for a thread.
+      // Otherwise the piece came in time, and waits for a thread.
       if (!has_piece_ && !read_to_end_ && !end_) end_ = overdue;
     });
   }};

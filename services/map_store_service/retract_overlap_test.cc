@@ -1,4 +1,4 @@
-// Overlaps as a person finds them and takes them back.
+// Tests that a person finds overlaps and takes them back.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ TEST_F(RetractOverlapTest, ByTheNameThatTheListGives) {
   const grpc::Status status = Retract(name, &response);
   ASSERT_TRUE(status.ok()) << status.error_message();
   EXPECT_THAT(response.overlaps(), ElementsAre(name));
-  // Another one, refused for contradicting it, has its turn now.
+  // Another overlap, which was refused because it contradicted this one, may be accepted now.
   const v1::ListOverlapsResponse left = ListAccepted();
   for (const v1::Overlap& other : left.overlaps()) EXPECT_NE(other.name(), name);
   EXPECT_EQ(store_->GetMission("m")->islands, 2u);

@@ -5,7 +5,7 @@
 namespace corbslam {
 namespace {
 
-// An update for less is mostly its own frame; the debt is paid afterwards.
+// An update of fewer bytes is mostly its own frame; the debt is paid afterwards.
 constexpr int64_t kLeastBytes = 2048;
 
 }  // namespace

@@ -12,18 +12,18 @@
 
 namespace corbslam {
 
-// Waiting costs nothing: the next update is made when it may go, of what is the case then. Not
-// thread-safe.
+// Says when the next update may go, and how large it may be. Waiting costs nothing: the next update
+// is made when it may go, from the map as it is then. Not thread-safe.
 class SharePacer {
  public:
-  // 0: no bound.
+  // 0: there is no bound.
   explicit SharePacer(uint64_t bytes_per_second = 0) : bucket_(bytes_per_second) {}
 
-  // How long the next update has to wait.
+  // Returns how long the next update has to wait.
   absl::Duration Wait(absl::Time now);
-  // Bytes of it at most, of those that the store would send; when it has to wait no more.
+  // Returns the most bytes of the next update, at most `most`; called once it need not wait.
   size_t Allow(size_t most, absl::Time now);
-  // One of so many bytes goes, 0: there was none. Returns for how long it has waited.
+  // Notes an update of so many bytes (0: there was none). Returns for how long it has waited.
   absl::Duration NoteSent(size_t bytes, absl::Time now);
 
  private:

@@ -1,5 +1,5 @@
-// What others mapped comes to a robot at the pace that it asked for, and its acknowledgements at
-// once.
+// Tests that what others mapped comes to a robot at the pace that it asked for, and its
+// acknowledgements at once.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -19,7 +19,7 @@ using testing::kMission;
 using testing::SharedMirror;
 using testing::TestAgent;
 
-// Holds what comes down, and waits for it for 60 s at most.
+// Holds what comes down, and waits for it for at most 60 s.
 class SharedNotes : public UplinkListener {
  public:
   void OnSessionOpened(const SessionGrant&) override {
@@ -85,7 +85,7 @@ class DelayNotes : public SyncObserver {
   size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
-// Agents a and b have mapped, and their maps are one.
+// Agents a and b have mapped, and their maps are fused.
 class SharedBudgetTest : public testing::SharingMission {
  protected:
   void SetUp() override {
@@ -130,13 +130,13 @@ TEST_F(SharedBudgetTest, ComesWithinTheBudgetToTheSameEnd) {
   EXPECT_EQ(delays_.bytes(), 0u);
 
   SharedNotes slow;
-  // Three seconds, of which the first one's bytes are there at once.
+  // The updates take three seconds at this rate, as the first second's bytes are there at once.
   const double rate = bytes / 4;
   const absl::Time start = absl::Now();
   uplink = Open(static_cast<uint64_t>(rate), &slow);
   ASSERT_TRUE(slow.WaitForKeyframes(11));
   const double took_s = absl::ToDoubleSeconds(absl::Now() - start);
-  // But for the last update, which is paid for afterwards.
+  // Only the last update may exceed the budget; it is paid for afterwards.
   EXPECT_LT(static_cast<double>(uplink->bytes_down()), rate * (1 + took_s) + bytes / 2);
   EXPECT_GT(delays_.bytes(), 0u);
   uplink->Close();
@@ -152,7 +152,7 @@ TEST_F(SharedBudgetTest, ComesWithinTheBudgetToTheSameEnd) {
 
 TEST_F(SharedBudgetTest, AcknowledgementsDoNotWaitForIt) {
   SharedNotes notes;
-  // The whole would take minutes.
+  // All updates would take minutes at this rate.
   const auto uplink = Open(1000, &notes);
   ASSERT_TRUE(notes.WaitForSession());
   MapUpdateBatch batch = b_.EmptyBatch();

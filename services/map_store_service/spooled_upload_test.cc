@@ -1,4 +1,4 @@
-// A robot's outbox, its spool folder, the wire and the store together, over restarts of both.
+// Tests a robot's outbox, its spool folder, the wire and the store together, over restarts of both.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace {
 constexpr LocalMapId kFirst{0x11};
 constexpr LocalMapId kSecond{0x22};
 
-// One map store process.
+// Stands for one map store process.
 struct RunningStore {
   explicit RunningStore(const std::string& address = "")
       : store(MapStoreOptions(), nullptr, std::make_unique<InMemoryJournal>(), nullptr),
@@ -35,7 +35,7 @@ struct RunningStore {
   std::unique_ptr<Server> server;
 };
 
-// One robot process, with its map.
+// Stands for one robot process, with its map.
 class Robot {
  public:
   Robot(const std::shared_ptr<grpc::Channel>& channel, const std::string& folder)
@@ -79,7 +79,7 @@ class Robot {
   std::vector<std::unique_ptr<GuardedMap>> maps_;
   GuardedMap* map_ = nullptr;
   std::mt19937 random_{1};
-  // Reads the map until it is gone.
+  // Declared last, as it reads the map until it is destroyed.
   std::unique_ptr<StoreLink> memory_;
 };
 
@@ -94,7 +94,7 @@ class SpooledUploadTest : public ::testing::Test {
 
 TEST_F(SpooledUploadTest, ARestartedRobotSendsWhatItHadAndGoesOn) {
   {
-    // Nobody listens there.
+    // Nobody listens at this address.
     Robot robot(MakeChannel("127.0.0.1:1"), folder_);
     robot.Begin(kFirst);
     for (uint32_t k = 0; k < 30; ++k) robot.AddKeyframe(k);

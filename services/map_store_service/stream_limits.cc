@@ -30,7 +30,7 @@ absl::Status StreamLimitOptions::Validate() const {
   status.Update(CheckRange("max_streams", max_streams, size_t{1}, kMany));
   status.Update(CheckRange("max_streams_per_host", max_streams_per_host, size_t{1}, kMany));
   status.Update(CheckRange("max_streams_per_agent", max_streams_per_agent, size_t{2}, kMany));
-  // Above, gRPC itself refuses; below, our own parts don't fit.
+  // Above this range gRPC itself refuses messages; below it our own parts don't fit.
   status.Update(
       CheckRange("max_message_bytes", max_message_bytes, kPartBytes + (1u << 20), size_t{4} << 20));
   status.Update(CheckRange("max_batch_bytes", max_batch_bytes, size_t{1} << 20, kMaxUpdateBytes));

@@ -1,5 +1,5 @@
-// How many streams a server keeps open, for whom, and how much unfinished work it holds for its
-// callers.
+// Limits how many streams a server keeps open, for whom, and how much unfinished work it holds for
+// its callers.
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_
 
@@ -21,29 +21,32 @@
 namespace corbslam {
 
 struct StreamLimitOptions {
-  // Open at one time: of everybody, from one host, and of one agent (older ones that are about to
-  // end count).
+  // Most streams that are open at one time: of everybody, from one host, and of one agent (older
+  // ones that are about to end count).
   size_t max_streams = 1000;
   size_t max_streams_per_host = 250;
   size_t max_streams_per_agent = 8;
-  // Of one message, of a batch that comes in parts, and of all unfinished batches together.
+  // Most bytes of one message, of a batch that comes in parts, and of all unfinished batches
+  // together.
   size_t max_message_bytes = 4u << 20;
   size_t max_batch_bytes = 16u << 20;
   size_t max_unfinished_bytes = 512u << 20;
-  // Within which the first message must come, and the next part of an unfinished batch or backup.
+  // Seconds within which the first message must come, and the next part of an unfinished batch or
+  // backup.
   double open_timeout_s = 30;
   double part_timeout_s = 300;
-  // Calls for which no thread is free yet.
+  // Most calls for which no thread is free yet.
   size_t max_waiting_calls = TaskPool::kMaxWaitingCalls;
 
-  // INVALID_ARGUMENT naming the field.
+  // Returns INVALID_ARGUMENT, naming the field, for a limit that is out of its range.
   absl::Status Validate() const;
 };
 
-// "ipv4:10.0.0.7:4711" without the port.
+// Returns "ipv4:10.0.0.7:4711" without the port.
 std::string HostOfPeer(absl::string_view peer);
 
-// Thread-safe. Errors are RESOURCE_EXHAUSTED, naming whose limit and what it is.
+// Counts streams and their bytes. Errors are RESOURCE_EXHAUSTED, naming whose limit and what it is.
+// Thread-safe.
 class StreamLimits {
  public:
   explicit StreamLimits(const StreamLimitOptions& options) : options_(options) {}
@@ -56,14 +59,14 @@ class StreamLimits {
     Ticket(const Ticket&) = delete;
     Ticket& operator=(const Ticket&) = delete;
 
-    // Called once when all streams are to end; it must not end this ticket itself. UNAVAILABLE:
-    // they are already.
+    // Sets a function that is called once when all streams are to end; it must not end this ticket
+    // itself. UNAVAILABLE: they are to end already.
     absl::Status SetCloseListener(std::function<void()> listener);
-    // It is this agent's ("missions/m/agents/a").
+    // Counts the stream for this agent ("missions/m/agents/a").
     absl::Status Name(const std::string& agent);
-    // It holds so many bytes more, of a batch that is not whole.
+    // Counts so many bytes more that the stream holds, of a batch that is not whole.
     absl::Status Hold(size_t bytes);
-    // The batch is whole, or given up.
+    // Counts none of them any more: the batch is whole, or given up.
     void ReleaseAll();
 
    private:
@@ -76,10 +79,10 @@ class StreamLimits {
     size_t held_ = 0;
   };
 
-  // `peer` as gRPC spells it. UNAVAILABLE after Close.
+  // Lets a stream in; `peer` is as gRPC spells it. UNAVAILABLE after Close.
   absl::StatusOr<std::unique_ptr<Ticket>> Enter(absl::string_view peer);
 
-  // The server is about to stop: tells those that listen, and lets no more in.
+  // Tells the listeners that the server is about to stop, and lets no more streams in.
   void Close();
 
   const StreamLimitOptions& options() const { return options_; }

@@ -82,7 +82,7 @@ TEST(StreamLimitOptionsTest, NameTheFieldThatIsOutOfRange) {
   }
 }
 
-// Through the real stub, in one process.
+// Opens streams through the real stub, in one process.
 class LimitedStreamsTest : public ::testing::Test {
  protected:
   using Stream = grpc::ClientReaderWriter<v1::SyncRequest, v1::SyncResponse>;
@@ -167,7 +167,7 @@ TEST_F(LimitedStreamsTest, TooManyStreamsAreRefusedAndTheOthersGoOn) {
   EXPECT_TRUE(response.has_acknowledgement());
   second->WritesDone();
   EXPECT_TRUE(second->Finish().ok());
-  // One has gone.
+  // There is room again, as one stream has gone.
   EXPECT_TRUE(IsGranted(*Open("c")));
   contexts_.back()->TryCancel();
   contexts_.front()->TryCancel();

@@ -15,7 +15,7 @@
 namespace corbslam {
 namespace {
 
-// An agent that does not read its acknowledgements is not read either.
+// The next message of an agent is not read while so many replies wait to be sent to it.
 constexpr size_t kMaxReplies = 64;
 
 constexpr char kBroken[] = "the stream broke: the robot's process or its link is gone";
@@ -56,7 +56,7 @@ void SyncReactor::Refuse(const absl::Status& status) {
 
 void SyncReactor::OnOverdue(const absl::Status& overdue) {
   Note([this, &overdue]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    // Else the message came in time, and waits for a thread.
+    // Otherwise the message came in time, and waits for a thread.
     if (!has_request_ && !read_to_end_ && !end_) end_ = overdue;
   });
 }
@@ -129,7 +129,7 @@ void SyncReactor::WriteReply() {
 absl::Status SyncReactor::Leave() {
   if (session_id_) store_.SetSharedListener(*session_id_, nullptr);
   if (session_id_) store_.CloseSession(*session_id_);
-  // Before the agent hears of the end: it may come again at once.
+  // The ticket is given back before the agent hears of the end: it may come again at once.
   ticket_.reset();
   absl::Status status;
   {
@@ -200,7 +200,7 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   ToProto(opened.grant, response.mutable_grant());
   Reply(response);
   store_.SetSharedListener(opened.session_id, link_.Guard([this] { OnShareable(); }));
-  // What was shareable before anybody listened.
+  // Items may have become shareable before anybody listened.
   absl::MutexLock lock(&mutex_);
   shareable_ = true;
   return absl::OkStatus();
@@ -217,7 +217,7 @@ absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
   if (part.has_light_points()) {
     transfer_.light_map_point_bytes += part.light_points().ByteSizeLong();
   }
-  // What it takes in memory, however short it came.
+  // The limit is of the bytes that the part takes in memory, however short it came.
   RETURN_IF_ERROR(ticket_->Hold(UncodedBytes(part)));
   ASSIGN_OR_RETURN(const std::optional<MapUpdateBatch> batch,
                    assembler_.Add(part, received_cameras_));
@@ -253,7 +253,7 @@ bool SyncReactor::MayShare() {
   const absl::Duration wait = pacer_.Wait(absl::Now());
   if (wait <= absl::ZeroDuration()) return true;
   {
-    // Before the timer can ring.
+    // The flag is set before the timer can ring.
     absl::MutexLock lock(&mutex_);
     paced_ = true;
   }
@@ -268,7 +268,7 @@ void SyncReactor::OnBudget() {
 void SyncReactor::Share() {
   if (!MayShare()) return;
   {
-    // Before asking: what comes meanwhile is asked for again.
+    // The flag is cleared before the store is asked: what comes meanwhile is asked for again.
     absl::MutexLock lock(&mutex_);
     shareable_ = false;
   }
@@ -286,7 +286,7 @@ void SyncReactor::Share() {
   }
   for (SyncObserver* observer : observers_) observer->OnShared(who_, **update);
   SendShared(**update);
-  // There may be more.
+  // There may be more to share.
   absl::MutexLock lock(&mutex_);
   shareable_ = true;
 }

@@ -1,4 +1,4 @@
-// What happens on the agents' streams, for those who only watch.
+// Hears what happens on the agents' streams, for those who only watch.
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_OBSERVER_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_OBSERVER_H_
 
@@ -12,35 +12,35 @@
 
 namespace corbslam {
 
-// Whose session it is.
+// Says whose session it is.
 struct SessionAgent {
   std::string mission;
   std::string agent;
   friend auto operator<=>(const SessionAgent&, const SessionAgent&) = default;
 };
 
-// Called on the service's threads, several at once, of one session one after the other; must return
-// soon.
+// Hears of sessions. It is called on the service's threads, for several sessions at once but for
+// each session one call after the other, and must return soon.
 class SyncObserver {
  public:
   virtual ~SyncObserver() = default;
   virtual void OnOpened(const SessionAgent&) {}
   // The store lets no session begin.
   virtual void OnRefused(const SessionAgent&, const absl::Status&) {}
-  // Once for each OnOpened.
+  // Called once for each OnOpened.
   virtual void OnClosed(const SessionAgent&, const absl::Status&) {}
-  // Of each message of an open session.
+  // Called for each message of an open session, with its bytes.
   virtual void OnReceived(const SessionAgent&, size_t) {}
   virtual void OnSent(const SessionAgent&, size_t) {}
-  // A batch is there as a whole, and is applied next.
+  // The batch is there as a whole, and is applied next.
   virtual void OnBatch(const SessionAgent&, const MapUpdateBatch&) {}
-  // It is durable and will be acknowledged, unless `status` refuses it. `took`: since its last part
-  // was read.
+  // The batch is durable and will be acknowledged, unless `status` refuses it. The duration is
+  // since its last part was read.
   virtual void OnApplied(const SessionAgent&, const MapUpdateBatch&, absl::Duration,
                          const absl::Status&) {}
-  // It will be sent next.
+  // The update will be sent next.
   virtual void OnShared(const SessionAgent&, const SharedUpdate&) {}
-  // A shared update of so many bytes has waited so long for the budget of the agent's link.
+  // A shared update of so many bytes has waited for so long for the budget of the agent's link.
   virtual void OnShareDelayed(const SessionAgent&, size_t, absl::Duration) {}
 };
 

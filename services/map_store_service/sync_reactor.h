@@ -1,4 +1,4 @@
-// One agent's stream at the map store.
+// Handles one agent's stream at the map store.
 #ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_
 #define CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_
 
@@ -34,16 +34,15 @@ namespace corbslam {
 
 enum class SyncJob { kNone, kWrite, kFinish, kRequest, kShare };
 
-// Back-pressure: the next message is read when the one before was applied, and the next shared
-// update is asked for when the one before was written and the budget of the agent's link has paid
-// for it. Owns itself.
+// Reads the next message when the one before was applied, and asks for the next shared update when
+// the one before was written and the budget of the agent's link has paid for it. Owns itself.
 class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                     private StreamTask<SyncJob> {
  public:
-  // Whether the caller may open this session.
+  // Returns OK if the caller may open this session.
   using OpenCheck = std::function<absl::Status(const SessionRequest&)>;
 
-  // `peer` is who calls, as gRPC spells it.
+  // `peer` is the caller, as gRPC spells it.
   SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
               const MapStoreServiceOptions& options, OpenCheck may_open, absl::string_view peer);
 
@@ -55,7 +54,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
  private:
   void OnShareable();
   void OnOverdue(const absl::Status& overdue);
-  // In the constructor: nothing has begun.
+  // Refuses the stream; called in the constructor, as nothing has begun.
   void Refuse(const absl::Status& status);
   SyncJob NextJob() const override ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   void BeginJob(SyncJob job) override ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -69,7 +68,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   absl::Status Apply(const v1::MapUpdateBatch& part);
   absl::StatusOr<Acknowledgement> ApplyWhole(const MapUpdateBatch& batch);
   void Share();
-  // False: the link's budget is spent, and a timer wakes the stream when it is not.
+  // Returns false if the link's budget is spent; a timer then wakes the stream when it is not any
+  // more.
   bool MayShare();
   void OnBudget();
   void SendShared(const SharedUpdate& update);
@@ -85,15 +85,15 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   const std::string peer_;
 
   const StreamLimitOptions& limits_;
-  // Null: there were too many streams before this one.
+  // Null if there were too many streams before this one.
   std::unique_ptr<StreamLimits::Ticket> ticket_;
 
-  // gRPC owns it between StartRead and OnReadDone, DoJob otherwise.
+  // Only gRPC uses it between StartRead and OnReadDone, and only DoJob otherwise.
   grpc::ByteBuffer request_;
-  // DoJob alone uses these.
+  // Only DoJob uses these.
   std::optional<uint64_t> session_id_;
-  SessionAgent who_;                        // Once the session is open.
-  FeatureForm form_ = FeatureForm::kPlain;  // Of what is sent.
+  SessionAgent who_;                        // Set once the session is open.
+  FeatureForm form_ = FeatureForm::kPlain;  // Form of the features that are sent.
   CameraBook received_cameras_;
   CameraBook sent_cameras_;
   BatchAssembler assembler_;
@@ -103,14 +103,15 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   bool has_request_ ABSL_GUARDED_BY(mutex_) = false;
   absl::Time read_at_ ABSL_GUARDED_BY(mutex_);
   bool shareable_ ABSL_GUARDED_BY(mutex_) = false;
-  bool paced_ ABSL_GUARDED_BY(mutex_) = false;  // No shared update until the timer rings.
+  // True: no shared update is sent until the timer rings.
+  bool paced_ ABSL_GUARDED_BY(mutex_) = false;
   bool read_to_end_ ABSL_GUARDED_BY(mutex_) = false;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   std::deque<grpc::ByteBuffer> replies_ ABSL_GUARDED_BY(mutex_);
 
-  // Last: they end while the rest is there.
+  // Declared last, so that they end while the rest is there.
   WakeTimer budget_timer_;
   ReadTimer timer_{[this](const absl::Status& overdue) { OnOverdue(overdue); }};
 };

@@ -14,7 +14,7 @@
 
 namespace corbslam {
 
-// Arm and Disarm are for one thread at a time.
+// Calls one function after some time. Only one thread at a time may call Arm and Disarm.
 class WakeTimer {
  public:
   WakeTimer() : link_(std::make_shared<Link>()) {}
@@ -23,15 +23,15 @@ class WakeTimer {
   WakeTimer& operator=(const WakeTimer&) = delete;
 
   // Calls `wake` on a thread of gRPC's, and nothing that was to be called before; not once the
-  // timer is destroyed. A call that is under way ends first. It must not destroy the timer.
+  // timer is destroyed. A call that is under way ends first. `wake` must not destroy the timer.
   void Arm(absl::Duration after, std::function<void()> wake);
   void Disarm();
 
  private:
-  // The alarm may go off when the timer is gone.
+  // The alarm shares this with the timer, as it may go off when the timer is gone.
   struct Link {
     absl::Mutex mutex;
-    // Of what is waited for: an alarm may go off while it is being disarmed.
+    // Number of the present wait: an alarm may go off while it is being disarmed.
     uint64_t turn ABSL_GUARDED_BY(mutex) = 0;
   };
 

@@ -18,12 +18,12 @@
 namespace corbslam {
 namespace {
 
-// Keyframes and points that are read under one lock: some two milliseconds.
+// So many keyframes and points are read under one lock, which takes some two milliseconds.
 constexpr size_t kItemsInAPiece = 5000;
 
 enum class WatchJob { kNone, kWrite, kFinish, kLook };
 
-// Sends what changed once the part before was written. Owns itself.
+// Sends what changed, once the part before was written. Owns itself.
 class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse>,
                         private StreamTask<WatchJob> {
  public:
@@ -104,7 +104,7 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse>,
     if (!changes) return absl::OkStatus();
     std::vector<v1::WatchMapResponse> parts = ToProto(*changes);
     absl::MutexLock lock(&mutex_);
-    // The rest is looked at once these are written.
+    // The rest of the changes is looked at once these are written.
     changed_ = changed_ || changes->continues;
     for (v1::WatchMapResponse& part : parts) parts_.push_back(std::move(part));
     return absl::OkStatus();
@@ -133,18 +133,18 @@ class WatchMapReactor : public grpc::ServerWriteReactor<v1::WatchMapResponse>,
       absl::MutexLock lock(&mutex_);
       status = end_.value_or(absl::CancelledError("the caller went away"));
     }
-    // Before the caller hears of the end: it may come again at once.
+    // The ticket is given back before the caller hears of the end: it may come again at once.
     ticket_->reset();
     Finish(ToGrpcStatus(status));
   }
 
   MapStore& store_;
   const std::string name_;
-  // DoJob alone uses these three.
+  // Only DoJob uses these three.
   MapWatcher watcher_;
   std::string mission_;
   std::optional<uint64_t> token_;
-  // An error: there were too many streams before this one.
+  // An error if there were too many streams before this one.
   absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket_;
 
   bool changed_ ABSL_GUARDED_BY(mutex_) = false;

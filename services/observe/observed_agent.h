@@ -1,4 +1,4 @@
-// An agent that tells others of each frame.
+// Makes an agent that tells others of each frame.
 #ifndef CORBSLAM_SERVICES_OBSERVE_OBSERVED_AGENT_H_
 #define CORBSLAM_SERVICES_OBSERVE_OBSERVED_AGENT_H_
 
@@ -11,17 +11,17 @@
 
 namespace corbslam {
 
-// Called on the thread that tracks; must return soon.
+// Hears of frames, on the thread that tracks; its functions must return soon.
 class FrameObserver {
  public:
   virtual ~FrameObserver() = default;
-  // A frame of this time is there, and is tracked next.
+  // Called when a frame of this time is there, before it is tracked.
   virtual void OnFrame(int64_t timestamp_ns) = 0;
   virtual void OnTracked(const TrackingResult& result, absl::Duration took) = 0;
 };
 
-// Thread contract and effect are those of `agent`. Neither it nor `observers` is owned; both must
-// outlive this.
+// Makes an agent whose thread contract and effect are those of `agent`. Neither it nor `observers`
+// is owned; both must outlive the result.
 std::unique_ptr<Agent> MakeObservedAgent(Agent* agent, std::vector<FrameObserver*> observers);
 
 }  // namespace corbslam

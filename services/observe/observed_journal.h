@@ -1,5 +1,5 @@
-// A journal that tells others what passes through it. Whatever changes a mission does, so that
-// metrics and traces need no hooks in the map store itself.
+// Makes a journal that tells others what passes through it. Whatever changes a mission passes
+// through it, so that metrics and traces need no hooks in the map store itself.
 #ifndef CORBSLAM_SERVICES_OBSERVE_OBSERVED_JOURNAL_H_
 #define CORBSLAM_SERVICES_OBSERVE_OBSERVED_JOURNAL_H_
 
@@ -13,21 +13,22 @@
 
 namespace corbslam {
 
-// Called on the threads that use the journal, several at once; must return soon.
+// Hears of a journal, on the threads that use it, several at once; its functions must return soon.
 class JournalObserver {
  public:
   virtual ~JournalObserver() = default;
-  // The record is part of the mission from now on, unless `status` says that it was not written.
+  // Called when the record is part of the mission, unless `status` says that it was not written.
   virtual void OnAppended(absl::string_view mission, const map_store::JournalRecord& record,
                           absl::Duration took, const absl::Status& status) = 0;
   virtual void OnSynced(absl::Duration took, const absl::Status& status) = 0;
   virtual void OnSnapshot(absl::Duration took, const absl::Status& status) = 0;
-  // Whether it takes records, each time that somebody asked.
+  // Called each time that somebody asked whether the journal takes records.
   virtual void OnChecked(const absl::Status& writable) = 0;
   virtual void OnDeleted(absl::string_view mission) = 0;
 };
 
-// `observers` (not owned) must outlive the journal. Not for what Recover reads.
+// Makes a journal that owns `journal`. `observers` (not owned) must outlive the result. They don't
+// hear what Recover reads.
 std::unique_ptr<Journal> MakeObservedJournal(std::unique_ptr<Journal> journal,
                                              std::vector<JournalObserver*> observers);
 

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// In memory; fails on demand.
+// A journal in memory that fails on demand.
 class FailingJournal : public InMemoryJournal {
  public:
   explicit FailingJournal(const absl::Status* failure) : failure_(*failure) {}

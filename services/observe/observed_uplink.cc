@@ -14,7 +14,7 @@ class ObservedUplink : public Uplink, private UplinkListener {
       : uplink_(*uplink), observers_(std::move(observers)) {}
   ~ObservedUplink() override { Close(); }
 
-  // An agent has one listener.
+  // An agent has one listener, so that one member keeps it.
   void Open(const SessionRequest& request, UplinkListener* listener) override {
     listener_ = listener;
     for (UplinkObserver* observer : observers_) observer->OnOpening();

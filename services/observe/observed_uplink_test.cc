@@ -30,7 +30,7 @@ class ScriptedUplink : public Uplink {
   bool has_room_ = true;
 };
 
-// The agent's side.
+// Plays the agent's part.
 class Listener : public UplinkListener {
  public:
   explicit Listener(std::vector<std::string>* notes) : notes_(*notes) {}

@@ -1,4 +1,4 @@
-// What is known of batches that were sent and are not acknowledged.
+// Keeps what is known of batches that were sent and are not acknowledged.
 #ifndef CORBSLAM_SERVICES_OBSERVE_PENDING_BATCHES_H_
 #define CORBSLAM_SERVICES_OBSERVE_PENDING_BATCHES_H_
 
@@ -11,12 +11,12 @@
 
 namespace corbslam {
 
-// Hands back what was noted of a batch once it is acknowledged, whichever is heard first. A batch
-// that is sent again is noted anew. Not thread-safe.
+// Returns what was noted of a batch once the batch was sent and is acknowledged, whichever is heard
+// first. A batch that is sent again is noted anew. Not thread-safe.
 template <typename Note>
 class PendingBatches {
  public:
-  // What of it is ready: acknowledged already.
+  // Notes a batch. Returns the notes of all batches that are acknowledged already.
   std::vector<Note> Sent(LocalMapId local_map, uint64_t number, Note note) {
     LocalMapNotes& notes = local_maps_[local_map];
     notes.sent.insert_or_assign(number, std::move(note));
@@ -25,7 +25,8 @@ class PendingBatches {
 
   std::vector<Note> Acknowledged(const Acknowledgement& acknowledgement) {
     LocalMapNotes& notes = local_maps_[acknowledgement.local_map];
-    // A store that lost what it had says less than before: later acknowledgements are new ones.
+    // A store that lost what it had acknowledges less than before: later acknowledgements count
+    // anew.
     notes.acknowledged = acknowledgement.number;
     return TakeUpTo(acknowledgement.number, notes);
   }
@@ -33,7 +34,7 @@ class PendingBatches {
  private:
   struct LocalMapNotes {
     uint64_t acknowledged = 0;
-    std::map<uint64_t, Note> sent;  // By number.
+    std::map<uint64_t, Note> sent;  // The key is the batch's number.
   };
 
   static std::vector<Note> TakeUpTo(uint64_t number, LocalMapNotes& notes) {

@@ -1,4 +1,4 @@
-// What --validate-config looks at. Nothing is made or changed. Errors name the flag.
+// Checks what --validate-config checks. Nothing is made or changed. Errors name the flag.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_CHECKS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_CHECKS_H_
 
@@ -11,17 +11,17 @@
 
 namespace corbslam {
 
-// HOST:PORT to listen on.
+// Checks that the address is HOST:PORT to listen on.
 absl::Status CheckFlagAddress(absl::string_view flag, const std::string& address);
-// HOST:PORT of a server to connect to.
+// Checks that the address is HOST:PORT of a server to connect to.
 absl::Status CheckFlagServer(absl::string_view flag, const std::string& address);
-// A folder that can be written to, or that can be made.
+// Checks that a folder can be written to, or that it can be made.
 absl::Status CheckFolder(absl::string_view flag, const std::string& path);
-// The folder of a file that is going to be written.
+// Checks the folder of a file that is going to be written.
 absl::Status CheckFolderOf(const std::string& file);
-// Where metrics and traces go.
+// Checks the places that metrics and traces go to.
 std::vector<absl::Status> CheckObserving(const ObserveFlags& flags);
-// Every byte of it.
+// Reads every byte of the file.
 absl::Status CheckVocabulary(const std::string& path);
 
 }  // namespace corbslam

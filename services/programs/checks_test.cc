@@ -47,7 +47,7 @@ TEST_F(ChecksTest, FoldersCanBeThereOrBeMade) {
   EXPECT_THAT(CheckFolder("--data-dir", folder_ / "file").message(), HasSubstr("is no folder"));
   EXPECT_THAT(CheckFolder("--data-dir", folder_ / "file/below").message(),
               AllOf(HasSubstr("--data-dir"), HasSubstr("file is no folder")));
-  if (geteuid() == 0) return;  // Who may write everywhere.
+  if (geteuid() == 0) return;  // Root may write everywhere.
   EXPECT_EQ(CheckFolder("--data-dir", "/proc/nothing").code(), absl::StatusCode::kPermissionDenied);
 }
 

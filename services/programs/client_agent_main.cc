@@ -1,4 +1,4 @@
-// client_agent: a robot on what its camera gave, recorded in one of the public layouts.
+// client_agent runs a robot on what its camera recorded in one of the public layouts.
 #include "services/programs/robot_program.h"
 
 int main(int argc, char** argv) { return corbslam::RunRobot("client_agent", argc, argv); }

@@ -1,4 +1,4 @@
-// Where the vocabulary is unless a flag says otherwise.
+// Finds the vocabulary unless a flag names one.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_DEFAULT_VOCABULARY_H_
 #define CORBSLAM_SERVICES_PROGRAMS_DEFAULT_VOCABULARY_H_
 
@@ -6,8 +6,9 @@
 
 namespace corbslam {
 
-// The environment variable CORBSLAM_VOCABULARY; else share/corbslam/corbslam.voc beside the
-// program's bin folder, if there; else the one of the source tree that this was built from.
+// Returns the path in the environment variable CORBSLAM_VOCABULARY; else
+// share/corbslam/corbslam.voc beside the program's bin folder, if there; else the one of the source
+// tree that this program was built from.
 std::string DefaultVocabularyPath();
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// fusion_worker: computes for map stores.
+// fusion_worker computes for map stores.
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -26,10 +26,11 @@ struct Flags {
   FusionWorkerOptions worker;
   FusionWorkerServiceOptions service;
   SecurityOptions security;
-  // Steps lower than it was started. Who shares the machine with it may be a map store, and robots
-  // wait for that one.
+  // Steps by which the process lowers its priority. It may share the machine with a map store, and
+  // robots wait for that one.
   int niceness = 5;
-  // Where many workers have one name, stores get to know new ones by new connections.
+  // Limit on a connection's age: if many workers have one name, stores get to know new workers by
+  // new connections.
   double max_connection_age_s = 300;
   ObserveFlags observe;
   double drain_s = 2;
@@ -46,7 +47,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
   return found;
 }
 
-// Null where nothing is to be kept.
+// Makes a worker that keeps adjustments in `folder`; null if `folder` is empty.
 absl::StatusOr<std::unique_ptr<FusionWorker>> Keep(const std::string& folder,
                                                    FusionWorker* worker) {
   if (folder.empty()) return nullptr;
@@ -60,7 +61,7 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> Keep(const std::string& folder,
 }
 
 absl::Status Run(const Flags& flags) {
-  // Of this thread and all that it will start.
+  // The priority counts for this thread and all threads that it will start.
   RETURN_IF_ERROR(LowerThreadPriority(flags.niceness));
   ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
   security.server.max_connection_age = absl::Seconds(flags.max_connection_age_s);

@@ -1,4 +1,4 @@
-// health: asks a server of this machine whether it serves. For the health checks and probes of
+// health asks a server of this machine whether it serves, for the health checks and probes of
 // containers.
 #include <grpcpp/security/tls_credentials_options.h>
 
@@ -28,8 +28,8 @@ struct Flags {
   std::string key;
 };
 
-// The server must have a certificate of the authority, under whatever name: it is asked by the
-// address that only its own host has.
+// Makes credentials for a server that must have a certificate of the authority, under whatever
+// name: it is asked by the address that only its own host has.
 std::shared_ptr<grpc::ChannelCredentials> MakeCredentials(const Flags& flags) {
   if (flags.ca.empty()) return grpc::InsecureChannelCredentials();
   namespace tls = grpc::experimental;

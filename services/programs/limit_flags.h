@@ -1,4 +1,4 @@
-// The map store's limits as flags.
+// Adds the map store's limits as flags.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_LIMIT_FLAGS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_LIMIT_FLAGS_H_
 
@@ -9,7 +9,7 @@
 
 namespace corbslam {
 
-// --max-... (docs/limits.md). The options outlive the parsing; each checks itself.
+// Adds --max-... (docs/limits.md). The options must outlive the parsing; each checks itself.
 void AddStoreLimitFlags(CLI::App& app, MapStoreOptions& options);
 void AddStreamLimitFlags(CLI::App& app, StreamLimitOptions& options);
 

@@ -8,7 +8,7 @@
 namespace corbslam {
 namespace {
 
-// Empty: the value is good.
+// Returns what is wrong with the value; empty if it is good.
 std::string CheckKbps(const std::string& text) {
   uint64_t kbps = 0;
   const bool good =

@@ -1,4 +1,4 @@
-// Flags of what a robot's link may carry (docs/adr/0019-link-budgets.md).
+// Adds flags that bound what a robot's link may carry (docs/adr/0019-link-budgets.md).
 #ifndef CORBSLAM_SERVICES_PROGRAMS_LINK_FLAGS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_LINK_FLAGS_H_
 
@@ -9,7 +9,7 @@
 
 namespace corbslam {
 
-// Thousands of bits a second; 0: no bound.
+// Bounds in thousands of bits a second; 0 means no bound.
 struct LinkFlags {
   uint64_t uplink_kbps = 0;
   uint64_t downlink_kbps = 0;
@@ -20,10 +20,10 @@ constexpr uint64_t kMostKbps = 10'000'000;
 
 constexpr uint64_t BytesPerSecond(uint64_t kbps) { return kbps * 125; }
 
-// --uplink-kbps and --downlink-kbps; what is neither 0 nor within the limits is refused with the
-// flag, the value and the limits.
+// Adds --uplink-kbps and --downlink-kbps; a value that is neither 0 nor within the limits is
+// refused with the flag, the value and the limits.
 void AddLinkFlags(CLI::App& app, LinkFlags& flags);
-// Of a robot without a map store: INVALID_ARGUMENT where one is set.
+// Checks the flags of a robot without a map store: INVALID_ARGUMENT if one is set.
 absl::Status CheckNoLinkFlags(const LinkFlags& flags);
 
 }  // namespace corbslam

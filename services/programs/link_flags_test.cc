@@ -12,7 +12,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-// What is wrong with the arguments; empty: nothing.
+// Returns what is wrong with the arguments; empty if nothing.
 std::string Parse(std::vector<std::string> arguments, LinkFlags& flags) {
   CLI::App app;
   AddLinkFlags(app, flags);

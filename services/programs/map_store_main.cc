@@ -1,4 +1,4 @@
-// map_store: collects the agents' maps, has them fused, and shares the result.
+// map_store collects the agents' maps, has them fused, and shares the result.
 #include <glog/logging.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ struct Flags {
   std::string vocabulary = DefaultVocabularyPath();
   std::string data_dir;
   uint64_t min_free_mb = RocksJournalOptions().min_free_bytes >> 20;
-  // None: DefaultMemoryBudget().
+  // Nullopt: DefaultMemoryBudget().
   std::optional<uint64_t> memory_budget_bytes;
   MapStoreOptions store;
   MapStoreServiceOptions service;
@@ -46,10 +46,11 @@ struct Flags {
   double drain_s = 2;
 };
 
-// What is left is for what comes at once and goes again: views for workers, snapshots, messages.
+// Returns three quarters of the memory limit. The rest is for short-lived data: views for workers,
+// snapshots, messages.
 uint64_t DefaultMemoryBudget() { return MemoryLimitBytes() / 4 * 3; }
 
-// Null: no worker was named.
+// Returns null if no worker was named.
 absl::StatusOr<std::unique_ptr<FusionWorker>> MakeWorker(const Flags& flags) {
   if (flags.in_process_worker && !flags.workers.empty()) {
     return absl::InvalidArgumentError("--worker and --in-process-worker exclude each other");

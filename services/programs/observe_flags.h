@@ -1,4 +1,4 @@
-// Flags of those who watch a program at work.
+// Adds flags for observing a program at work.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_OBSERVE_FLAGS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_OBSERVE_FLAGS_H_
 
@@ -7,15 +7,15 @@
 
 namespace corbslam {
 
-// Empty: that is off, and costs nothing.
+// An empty flag turns its part off, which then costs nothing.
 struct ObserveFlags {
   std::string metrics_listen;
   std::string trace_file;
 };
 
-// --metrics-listen (docs/metrics.md).
+// Adds --metrics-listen (docs/metrics.md).
 void AddMetricsFlag(CLI::App& app, ObserveFlags& flags);
-// --trace-file (docs/tracing.md).
+// Adds --trace-file (docs/tracing.md).
 void AddTraceFlag(CLI::App& app, ObserveFlags& flags);
 
 }  // namespace corbslam

@@ -30,12 +30,12 @@ void AddLogFlag(CLI::App& app, LogFormat& format) {
 
 constexpr int kInvalid = 2;
 
-// Also where the rest can't be parsed.
+// Returns true if --validate-config is given, even where the other arguments can't be parsed.
 bool AsksForValidation(int argc, char** argv) {
   return std::find(argv, argv + argc, std::string("--validate-config")) != argv + argc;
 }
 
-// A line for each thing that is wrong.
+// Prints a line for each thing that is wrong.
 int Validate(const Program& program, const std::string& name) {
   bool valid = true;
   for (const absl::Status& status : program.check()) {
@@ -76,8 +76,8 @@ int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
   if (validate_only) return Validate(program, app.get_name());
   LOG(INFO) << app.get_name() << " " << ProgramVersion() << " with\n"
             << command_line.DescribeConfiguration();
-  // What there is to do is shared among threads of ours. A pool of OpenCV's beside them waits for a
-  // processor that they are on, and they for it: milliseconds in every frame on two of them.
+  // Threads of ours share the work. A pool of OpenCV's beside them waits for a processor that they
+  // are on, and they for it: milliseconds in every frame with two of them.
   cv::setNumThreads(1);
   const absl::Status status = RunWithoutExceptions(program);
   if (!status.ok()) LOG(ERROR) << status;

@@ -1,4 +1,4 @@
-// What the mains share.
+// Holds what all main functions share.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_PROGRAM_H_
 #define CORBSLAM_SERVICES_PROGRAMS_PROGRAM_H_
 
@@ -13,10 +13,10 @@
 namespace corbslam {
 
 struct Program {
-  // Until it is told to stop, or its work is done.
+  // Runs until the program is told to stop, or its work is done.
   std::function<absl::Status()> run;
-  // Everything that `run` would refuse before it starts, the files that flags name included; OK
-  // ones count for nothing. Starts and changes nothing.
+  // Returns everything that `run` would refuse before it starts, the files that flags name
+  // included; OK statuses are ignored. Starts and changes nothing.
   std::function<std::vector<absl::Status>()> check;
 };
 
@@ -27,6 +27,7 @@ struct Program {
 int RunProgram(CLI::App& app, int argc, char** argv, const Program& program);
 
 // Hears SIGTERM and SIGINT, which must be blocked (BlockStopSignals), as long as it lives.
+// Thread-safe.
 class StopWatcher {
  public:
   StopWatcher();

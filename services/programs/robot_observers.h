@@ -1,4 +1,4 @@
-// Who watches a robot at work: its log, and as the flags say metrics and a trace.
+// Makes what watches a robot at work: its log and, if the flags say so, metrics and a trace.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_OBSERVERS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_OBSERVERS_H_
 
@@ -21,27 +21,29 @@
 
 namespace corbslam {
 
-// One thread. Outlives the agent, and goes before the uplink that it was given.
+// Watches one robot. One thread uses it. It outlives the agent, and is destroyed before the uplink
+// that it was given.
 class RobotObservers {
  public:
-  // UNAVAILABLE where the trace file can't be written.
+  // Returns UNAVAILABLE if the trace file can't be written.
   static absl::StatusOr<std::unique_ptr<RobotObservers>> Make(const ObserveFlags& flags,
                                                               const std::string& mission,
                                                               const std::string& agent);
 
-  // Before the uplink is watched: its sessions with this store are logged.
+  // Makes the sessions with this store be logged. The caller does so before the uplink is watched.
   void LogSessions(const ServerTarget& store);
-  // Why no session stands, OK while one does; null without LogSessions.
+  // Returns a function that says why no session stands, or OK while one does; null without
+  // LogSessions.
   std::function<absl::Status()> OfSessions() const;
 
-  // What they are given (null too), or the same watched, which then is owned here.
+  // Each returns what it is given (null too), or a watched form of it, which the observers own.
   Uplink* Watch(Uplink* uplink);
   Agent* Watch(Agent* agent);
-  // For ServerOptions.
+  // Returns the observer for ServerOptions.
   RpcObserver* OfCalls();
   void SetDropped(uint64_t frames);
-  // Serves the metrics, and announces where; null where none are wanted. To be destroyed before
-  // `agent` and `uplink` (which may be null).
+  // Serves the metrics, and announces the address; null if none are wanted. The result must be
+  // destroyed before `agent` and `uplink` (which may be null).
   absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const Agent* agent, const Uplink* uplink);
 
  private:

@@ -77,7 +77,7 @@ absl::StatusOr<InspectedSource> OpenFlaggedSource(const Flags& flags) {
 
 absl::Status SpoolNeedsServer() { return absl::InvalidArgumentError("--spool-dir needs --server"); }
 
-// Null: none was asked for.
+// Returns null if no spool was asked for.
 absl::StatusOr<std::unique_ptr<Spool>> OpenFlaggedSpool(const Flags& flags) {
   if (flags.spool_dir.empty()) return nullptr;
   if (flags.server.empty()) return SpoolNeedsServer();
@@ -104,7 +104,8 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   AgentOptions options;
   options.mission = flags.mission;
   options.name = flags.agent;
-  // Ids of local maps are drawn from it: another one each time, unless told.
+  // Ids of local maps are drawn from the seed, which is another one each time unless the flag sets
+  // it.
   options.seed = flags.seed != 0
                      ? flags.seed
                      : (uint64_t{std::random_device()()} << 32) | std::random_device()();
@@ -113,7 +114,7 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.upload_features = upload;
   options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
   options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
-  // It is asked for at the end, or by other programs at any time.
+  // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
@@ -153,7 +154,7 @@ absl::Status WriteResults(const Flags& flags, const Agent& agent,
   return flags.stats.empty() ? absl::OkStatus() : WriteText(flags.stats, statistics);
 }
 
-// Null without --server.
+// Returns null without --server.
 absl::StatusOr<std::unique_ptr<Uplink>> MakeUplink(const Flags& flags) {
   if (flags.server.empty()) return nullptr;
   ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
@@ -162,7 +163,7 @@ absl::StatusOr<std::unique_ptr<Uplink>> MakeUplink(const Flags& flags) {
   return MakeRemoteUplink(MakeChannel(flags.server, credentials), options);
 }
 
-// How other programs on the robot reach it.
+// Returns how other programs on the robot reach it.
 absl::StatusOr<ServerSecurity> MakeListenSecurity(const Flags& flags) {
   if (flags.listen.empty()) return ServerSecurity{};
   SecurityOptions security = flags.security;
@@ -175,7 +176,7 @@ absl::StatusOr<ServerSecurity> MakeListenSecurity(const Flags& flags) {
   return MakeServerSecurity(security, flags.mission);
 }
 
-// A run that mapped nothing is no success.
+// Returns an error if the run mapped nothing: that is no success.
 absl::Status CheckTracked(const RobotReport& report) {
   for (const ReportWarning& warning : report.warnings) {
     if (warning.code == "nothing-tracked") return absl::FailedPreconditionError(warning.text);
@@ -216,11 +217,12 @@ std::vector<absl::Status> Check(const Flags& flags) {
 absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", flags.mission));
   RETURN_IF_ERROR(CheckNameSegment("--agent", flags.agent));
-  // Hours of mapping are not lost because of a folder that isn't there.
+  // The places are checked first: hours of mapping must not be lost because of a folder that isn't
+  // there.
   for (const absl::Status& place : CheckPlaces(flags)) RETURN_IF_ERROR(place);
   ASSIGN_OR_RETURN(const FeatureSelection upload, ParseUpload(flags));
   ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool, OpenFlaggedSpool(flags));
-  // Outlives the agent, which closes it.
+  // The uplink outlives the agent, which closes it.
   ASSIGN_OR_RETURN(const std::unique_ptr<Uplink> uplink, MakeUplink(flags));
   ASSIGN_OR_RETURN(const auto observers,
                    RobotObservers::Make(flags.observe, flags.mission, flags.agent));
@@ -258,7 +260,7 @@ absl::Status Run(const Flags& flags) {
                    observers->SetDropped(dropped);
                    if (server != nullptr) service.OnFrame(result, dropped);
                  });
-  // A frame that can't be read ends the drive, not what was mapped until then.
+  // A frame that can't be read ends the drive, but what was mapped until then stays.
   const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
   if (flags.stay && played.ok() && finished.ok()) {
     AnnounceFinished();

@@ -1,4 +1,4 @@
-// Who watches a map store at work: its log, and as the flags say metrics and a trace.
+// Makes what watches a map store at work: its log and, if the flags say so, metrics and a trace.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_STORE_OBSERVERS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_STORE_OBSERVERS_H_
 
@@ -20,20 +20,20 @@
 
 namespace corbslam {
 
-// One thread. Outlives all that it watches.
+// Watches one map store. One thread uses it. It outlives all that it watches.
 class StoreObservers {
  public:
-  // UNAVAILABLE where the trace file can't be written.
+  // Returns UNAVAILABLE if the trace file can't be written.
   static absl::StatusOr<std::unique_ptr<StoreObservers>> Make(const ObserveFlags& flags);
 
-  // What they are given, or the same watched.
+  // Each returns what it is given, or a watched form of it.
   std::unique_ptr<Journal> Watch(std::unique_ptr<Journal> journal);
   FusionWorker* Watch(FusionWorker* worker);
-  // For MapStoreServiceOptions and ServerOptions.
+  // Return the observers for MapStoreServiceOptions and ServerOptions.
   std::vector<SyncObserver*> OfStreams();
   RpcObserver* OfCalls();
-  // Serves the metrics, and announces where; null where none are wanted. To be destroyed before the
-  // store and its service.
+  // Serves the metrics, and announces the address; null if none are wanted. The result must be
+  // destroyed before the store and its service.
   absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const MapStore& store,
                                                          const MapStoreService& service);
 

@@ -1,4 +1,4 @@
-// The fusion workers of a map store, as its flags name them.
+// Connects a map store to the fusion workers that its flags name.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_STORE_WORKERS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_STORE_WORKERS_H_
 
@@ -12,8 +12,9 @@
 
 namespace corbslam {
 
-// Those at the addresses, as one. Where none of them takes a request, its error has the cause,
-// which is looked for at most twice a minute. INVALID_ARGUMENT: the flags of `security` are wrong.
+// Returns the workers at the addresses as one. If none of them takes a request, its error has the
+// cause, which is looked for at most twice a minute. INVALID_ARGUMENT if the flags of `security`
+// are wrong.
 absl::StatusOr<std::unique_ptr<FusionWorker>> ConnectWorkers(
     const std::vector<std::string>& addresses, const SecurityOptions& security);
 

@@ -1,4 +1,4 @@
-// Who watches a fusion worker at work: metrics, if the flags say so.
+// Makes what watches a fusion worker at work: metrics, if the flags say so.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_WORKER_OBSERVERS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_WORKER_OBSERVERS_H_
 
@@ -15,17 +15,18 @@
 
 namespace corbslam {
 
-// One thread. Outlives all that it watches, but for the worker that it was given.
+// Watches one fusion worker. One thread uses it. It outlives all that it watches, but for the
+// worker that it was given.
 class WorkerObservers {
  public:
   explicit WorkerObservers(const ObserveFlags& flags);
 
-  // What it is given, or the same watched.
+  // Returns what it is given, or a watched form of it.
   FusionWorker* Watch(FusionWorker* worker);
-  // For ServerOptions.
+  // Returns the observer for ServerOptions.
   RpcObserver* OfCalls();
-  // Serves the metrics, and announces where; null where none are wanted. To be destroyed before the
-  // service.
+  // Serves the metrics, and announces the address; null if none are wanted. The result must be
+  // destroyed before the service.
   absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const FusionWorkerService& service);
 
  private:

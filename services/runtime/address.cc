@@ -29,7 +29,7 @@ bool IsIpv6(absl::string_view host) {
   return inet_pton(AF_INET6, std::string(host.substr(0, host.find('%'))).c_str(), &parsed) == 1;
 }
 
-// Without one of gRPC's schemes in front, which change nothing.
+// Returns the address without one of gRPC's schemes in front, which change nothing.
 absl::string_view StripKnownScheme(absl::string_view address) {
   constexpr std::array<absl::string_view, 4> kSchemes = {"dns:///", "dns:", "ipv4:", "ipv6:"};
   for (const absl::string_view scheme : kSchemes) {
@@ -68,7 +68,7 @@ absl::Status CheckCharacters(absl::string_view address) {
   return absl::OkStatus();
 }
 
-// A bare IPv6 address: where it ends and the port begins can't be told.
+// Refuses a bare IPv6 address: where it ends and the port begins can't be told.
 absl::Status NeedsBrackets(absl::string_view address) {
   const size_t colon = address.rfind(':');
   const absl::string_view before = address.substr(0, colon);
@@ -98,7 +98,7 @@ absl::StatusOr<int> ParsePort(absl::string_view address, absl::string_view text,
                kLargestPort);
 }
 
-// The host's part, with its brackets, and the port's.
+// Splits the address into the host, with its brackets, and the port.
 absl::StatusOr<HostPort> Split(absl::string_view whole, absl::string_view address,
                                int smallest_port) {
   if (IsIpv6(address)) return NeedsBrackets(address);

@@ -10,7 +10,7 @@
 namespace corbslam {
 namespace {
 
-// A channel that leads nowhere, and a call on it: with that it has a share in the threads.
+// Holds a channel that leads nowhere, and a call on it, which makes it a user of the threads.
 struct Keeper {
   Keeper() {
     const grpc::Slice nothing;
@@ -29,7 +29,7 @@ struct Keeper {
 }  // namespace
 
 void KeepCallbackThreads() {
-  // Never destroyed.
+  // The keeper is never destroyed.
   static Keeper& keeper = *new Keeper;
   static_cast<void>(keeper);
 }

@@ -22,7 +22,7 @@
 namespace corbslam {
 namespace {
 
-// What our programs say (services/server/server.h).
+// Lines that our programs print (services/server/server.h).
 constexpr absl::string_view kAnnouncement = "listening on ";
 constexpr absl::string_view kFinished = "finished";
 
@@ -30,10 +30,10 @@ double ToSeconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
-// Runs in the child, between fork and exec: calls nothing that is not async-signal-safe.
+// Runs in the child, between fork and exec: it calls nothing that is not async-signal-safe.
 [[noreturn]] void BecomeProgram(const std::vector<char*>& arguments, int output, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(127);  // It died before the line above.
+  if (getppid() != parent) _exit(127);  // The parent died before the line above.
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);

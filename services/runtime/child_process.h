@@ -1,4 +1,4 @@
-// One of our own programs, run as a child: its output to a log file, its end and what it used.
+// Runs one of our own programs as a child: output goes to a log file, its end and cost are noted.
 #ifndef CORBSLAM_SERVICES_RUNTIME_CHILD_PROCESS_H_
 #define CORBSLAM_SERVICES_RUNTIME_CHILD_PROCESS_H_
 
@@ -20,16 +20,16 @@
 namespace corbslam {
 
 struct ProcessEnd {
-  int exit_code = 0;  // 128 + the signal's number when a signal ended it.
+  int exit_code = 0;  // 128 + the signal's number if a signal ended it.
   double peak_rss_mb = 0;
-  double cpu_s = 0;  // User and system.
+  double cpu_s = 0;  // User and system time.
 };
 
-// Thread-safe. A child is killed when this process dies, and when its object goes.
+// One child, which is killed when this process dies and when the object goes. Thread-safe.
 class ChildProcess {
  public:
   // Runs `command` (program, then arguments); standard output and error go to `log_path`.
-  // UNAVAILABLE when it can't be started.
+  // UNAVAILABLE if it can't be started.
   static absl::StatusOr<std::unique_ptr<ChildProcess>> Start(
       const std::string& name, const std::vector<std::string>& command,
       const std::string& log_path);
@@ -39,19 +39,20 @@ class ChildProcess {
 
   const std::string& name() const { return name_; }
 
-  // The HOST:PORT of the line "listening on HOST:PORT". DEADLINE_EXCEEDED, or UNAVAILABLE with the
-  // end of the log when the program ended without it.
+  // Returns the HOST:PORT of the line "listening on HOST:PORT". DEADLINE_EXCEEDED if it did not
+  // come in time; UNAVAILABLE with the end of the log if the program ended without it.
   absl::StatusOr<std::string> WaitForAddress(absl::Duration timeout);
-  // Waits until it said "finished" or ended; false when it did neither within `timeout`.
+  // Waits until the child said "finished" or ended; false if it did neither within `timeout`.
   bool WaitUntilFinished(absl::Duration timeout);
-  // False when it still runs after `timeout`.
+  // Returns false if the child still runs after `timeout`.
   bool WaitForEnd(absl::Duration timeout);
-  // Once it has ended.
+  // Returns how the child ended; nullopt while it runs.
   std::optional<ProcessEnd> end() const;
-  // OK for exit code 0; otherwise what happened and the last lines of the log. Only after its end.
+  // Returns OK for exit code 0; otherwise what happened and the last lines of the log. The caller
+  // calls it only after the child's end.
   absl::Status EndStatus() const;
 
-  // Asks it to stop (SIGTERM), kills it after `grace`, and returns how it ended.
+  // Asks the child to stop (SIGTERM), kills it after `grace`, and returns how it ended.
   ProcessEnd Stop(absl::Duration grace);
 
  private:
@@ -73,7 +74,7 @@ class ChildProcess {
   std::thread reaper_;
 };
 
-// Path of the program `name` beside the one that runs now. NOT_FOUND names both.
+// Returns the path of the program `name` beside the one that runs now. NOT_FOUND names both.
 absl::StatusOr<std::string> FindProgramBeside(const std::string& name);
 
 }  // namespace corbslam

@@ -19,7 +19,7 @@ namespace {
 
 using AddressList = std::unique_ptr<addrinfo, void (*)(addrinfo*)>;
 
-// Null and the reason in `error` where the host has no address.
+// Returns null, and the reason in `error`, if the host has no address.
 AddressList Resolve(const std::string& address, int& error) {
   const size_t colon = address.rfind(':');
   std::string host = address.substr(0, colon);
@@ -32,7 +32,7 @@ AddressList Resolve(const std::string& address, int& error) {
   return {error == 0 ? found : nullptr, freeaddrinfo};
 }
 
-// `address` may be null: unknown.
+// Explains that the port is taken; `address` may be null, which means unknown.
 std::string ExplainTakenPort(const addrinfo* address) {
   std::optional<pid_t> holder;
   if (address != nullptr) {
@@ -66,7 +66,7 @@ std::string Explain(const addrinfo* address, int error) {
   }
 }
 
-// As a server does it; 0, or errno's.
+// Listens as a server does; returns 0, or errno's value.
 int TryToListen(const addrinfo& address) {
   const int fd = socket(address.ai_family, address.ai_socktype | SOCK_CLOEXEC, 0);
   if (fd < 0) return errno;

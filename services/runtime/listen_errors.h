@@ -1,4 +1,4 @@
-// Why a port can't be listened on, for people.
+// Explains to people why a port can't be listened on.
 #ifndef CORBSLAM_SERVICES_RUNTIME_LISTEN_ERRORS_H_
 #define CORBSLAM_SERVICES_RUNTIME_LISTEN_ERRORS_H_
 
@@ -6,11 +6,11 @@
 
 namespace corbslam {
 
-// Why binding to "HOST:PORT" failed with `error` (errno's): with the process that has the port, and
-// with what to do.
+// Returns why binding to "HOST:PORT" failed with `error` (errno's), with the process that has the
+// port, and with what to do.
 std::string ExplainBindError(const std::string& address, int error);
 
-// The same where only the failure is known, as gRPC tells no more: tries to bind by itself.
+// Returns the same if only the failure is known, as gRPC tells no more: it tries to bind by itself.
 std::string ExplainListenFailure(const std::string& address);
 
 }  // namespace corbslam

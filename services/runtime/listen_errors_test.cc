@@ -29,7 +29,8 @@ sockaddr_in AddressOf(uint32_t host, int port) {
   return address;
 }
 
-// A socket of 127.0.0.1 or of all addresses, that listens or is connected to a port of 127.0.0.1.
+// Holds a socket of 127.0.0.1 or of all addresses, which listens or is connected to a port of
+// 127.0.0.1.
 class TakenPort {
  public:
   explicit TakenPort(uint32_t host, int connected_to = 0) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
@@ -94,7 +95,7 @@ TEST(ListenErrorsTest, APortThatNobodyIsSeenToHaveIsSaid) {
 }
 
 TEST(ListenErrorsTest, OtherReasonsSayWhatToDo) {
-  // An address of a network for documentation (RFC 5737).
+  // 192.0.2.1 is an address of a network for documentation (RFC 5737).
   EXPECT_THAT(ExplainListenFailure("192.0.2.1:0"), HasSubstr("no network interface"));
   EXPECT_THAT(ExplainListenFailure("nowhere.invalid:50051"), HasSubstr("the host has no address"));
   EXPECT_THAT(ExplainBindError("127.0.0.1:80", EACCES), HasSubstr("below 1024"));

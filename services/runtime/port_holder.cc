@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As /proc/net/tcp writes them: words of 32 bits in the processor's own order.
+// An address as /proc/net/tcp writes it: words of 32 bits in the processor's own order.
 struct LocalAddress {
   std::string ip;
   std::string port;
@@ -38,7 +38,8 @@ std::string WordsOf(const T& bytes) {
   return words;
 }
 
-// gRPC's servers listen on IPv4's addresses by sockets of IPv6: ::ffff:127.0.0.1.
+// Returns the IPv4 part of a mapped address: gRPC's servers listen on IPv4's addresses by sockets
+// of IPv6 (::ffff:127.0.0.1).
 std::string WithoutMapping(const std::string& ip) {
   const std::string prefix = absl::StrCat("0000000000000000", WordsOf(htonl(0xffff)));
   return absl::StartsWith(ip, prefix) ? ip.substr(prefix.size()) : ip;
@@ -55,12 +56,13 @@ LocalAddress AddressOf(const sockaddr_storage& address) {
 
 bool IsAny(const std::string& ip) { return ip.find_first_not_of('0') == std::string::npos; }
 
-// One of all addresses keeps out each single one, and the other way round.
+// Returns true if two sockets exclude each other: one of all addresses keeps out each single one,
+// and the other way round.
 bool ExcludeEachOther(const LocalAddress& a, const LocalAddress& b) {
   return a.port == b.port && (a.ip == b.ip || IsAny(a.ip) || IsAny(b.ip));
 }
 
-// Sockets of this network namespace that keep others from `wanted`.
+// Inodes of the sockets of this network namespace that keep others from an address.
 struct Holders {
   std::set<std::string> listening;
   std::set<std::string> connected;
@@ -70,7 +72,7 @@ void ReadHolders(const char* table, const LocalAddress& wanted, Holders& holders
   constexpr size_t kAddress = 1, kState = 3, kInode = 9;
   std::ifstream sockets(table);
   std::string line;
-  std::getline(sockets, line);  // Its headings.
+  std::getline(sockets, line);  // The first line has the headings.
   while (std::getline(sockets, line)) {
     const std::vector<std::string> words = absl::StrSplit(line, ' ', absl::SkipEmpty());
     if (words.size() <= kInode || words[kInode] == "0") continue;

@@ -25,7 +25,7 @@ Evidence ReadEvidence(const grpc::AuthContext* context, const Metadata& metadata
       evidence.uris.emplace_back(ToView(uri));
     }
   }
-  // Two of them are one that no verifier takes.
+  // Two headers are joined to one that no verifier takes.
   const auto [begin, end] = metadata.equal_range("authorization");
   for (auto entry = begin; entry != end; ++entry) {
     evidence.authorization =
@@ -38,7 +38,7 @@ class CallGate : public grpc::AuthMetadataProcessor {
  public:
   explicit CallGate(std::shared_ptr<const AccessControl> access) : access_(std::move(access)) {}
 
-  // A signature takes a fraction of a millisecond.
+  // Verifying a signature takes a fraction of a millisecond.
   bool IsBlocking() const override { return false; }
 
   grpc::Status Process(const InputMetadata& metadata, grpc::AuthContext* context, OutputMetadata*,

@@ -19,41 +19,42 @@
 
 namespace corbslam {
 
-// What a caller shows.
+// Holds what a caller shows.
 struct Evidence {
-  std::vector<std::string> uris;  // Of a certificate that TLS has verified.
+  std::vector<std::string> uris;  // Names in a certificate that TLS has verified.
   std::optional<std::string> authorization;
 };
 Evidence EvidenceOf(const grpc::CallbackServerContext& context);
 
 struct AccessControlOptions {
-  // None: tokens are refused.
+  // Nullopt: tokens are refused.
   std::optional<TokenVerifier> tokens;
-  // Health is told to callers without an identity, too.
+  // True: callers without an identity may ask for health, too.
   bool health_is_open = true;
-  // The mission of all that this server tells (an agent's own service). None: requests name it.
+  // The mission of all that this server tells (an agent's own service). Nullopt: requests name it.
   std::optional<std::string> mission;
 };
 
-// Immutable, thread-safe.
+// Knows who may call what. Immutable, thread-safe.
 class AccessControl {
  public:
   explicit AccessControl(const AccessControlOptions& options) : options_(options) {}
 
-  // A token, if one is shown, counts instead of the certificate: a bad one is never made up for by
-  // a good certificate. UNAUTHENTICATED where neither is shown.
+  // Returns who the caller is. A token, if one is shown, counts instead of the certificate: a good
+  // certificate never makes up for a bad token. UNAUTHENTICATED if neither is shown.
   absl::StatusOr<Identity> Identify(const Evidence& evidence, absl::Time now) const;
 
-  // Before a call's request is read: whether the caller may call this method at all.
+  // Checks, before a call's request is read, whether the caller may call this method at all.
   absl::Status CheckMethod(absl::string_view path, const Evidence& evidence, absl::Time now) const;
-  // Once the request has named the mission.
+  // Checks the access once the request has named the mission.
   absl::Status Check(const Access& access, const Evidence& evidence, absl::Time now) const;
 
  private:
   const AccessControlOptions options_;
 };
 
-// Asks `access` about every call before its handler runs, those of gRPC's own services included.
+// Makes a processor that asks `access` about every call before its handler runs, calls of gRPC's
+// own services included.
 std::shared_ptr<grpc::AuthMetadataProcessor> MakeCallGate(
     std::shared_ptr<const AccessControl> access);
 

@@ -81,8 +81,8 @@ TEST(AccessControlTest, DecidesByMission) {
             absl::StatusCode::kUnauthenticated);
 }
 
-// A robot that shows an operator's token is that operator; one that shows a bad one is nobody, and
-// not what its certificate says.
+// A robot that shows an operator's token is that operator; one that shows a bad token is nobody,
+// and not what its certificate says.
 TEST(AccessControlTest, ATokenCountsInsteadOfTheCertificate) {
   const AccessControl access = Make();
   Evidence both = Certificate("missions/lab/agents/alpha");

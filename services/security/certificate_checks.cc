@@ -52,7 +52,7 @@ bool IsFor(X509* certificate, const std::string& host) {
          X509_check_ip_asc(certificate, host.c_str(), 0) == 1;
 }
 
-// What OpenSSL says against the chain; empty: nothing.
+// Returns what OpenSSL says against the chain; empty if nothing.
 std::string VerifyChain(const std::vector<CertificatePtr>& chain,
                         const std::vector<CertificatePtr>& authorities) {
   const std::unique_ptr<X509_STORE, decltype(&X509_STORE_free)> store(X509_STORE_new(),
@@ -66,7 +66,7 @@ std::string VerifyChain(const std::vector<CertificatePtr>& chain,
   const std::unique_ptr<X509_STORE_CTX, decltype(&X509_STORE_CTX_free)> context(
       X509_STORE_CTX_new(), X509_STORE_CTX_free);
   X509_STORE_CTX_init(context.get(), store.get(), chain[0].get(), between.get());
-  // Expiry has a check of its own.
+  // Expiry is not checked here: CheckExpiry does that.
   X509_VERIFY_PARAM_set_flags(X509_STORE_CTX_get0_param(context.get()), X509_V_FLAG_NO_CHECK_TIME);
   const bool good = X509_verify_cert(context.get()) == 1;
   ERR_clear_error();

@@ -1,4 +1,4 @@
-// Checks of the files that TLS flags name, and of certificates that were met.
+// Checks the files that TLS flags name, and certificates that servers showed.
 #ifndef CORBSLAM_SERVICES_SECURITY_CERTIFICATE_CHECKS_H_
 #define CORBSLAM_SERVICES_SECURITY_CERTIFICATE_CHECKS_H_
 
@@ -10,16 +10,18 @@
 
 namespace corbslam {
 
-// Certificates are looked at as they are at `now`: not begun or expired fails, less than 14 days
-// left is a warning. Of several in a file, the one that ends first.
+// Checks certificates at the time `now`: one that has not begun or has expired fails, less than 14
+// days left is a warning. If `pem` holds several, the one that ends first counts.
 Finding CheckExpiry(const std::string& check, const std::string& pem, absl::Time now);
-// The chain in `pem` (a certificate, then those between) leads to one of the authorities.
+// Checks that the chain in `pem` (a certificate, then those between) leads to one of the
+// authorities.
 Finding CheckChain(const std::string& check, const std::string& pem,
                    const std::string& authorities_pem);
-// The certificate is for that host, a name or an address.
+// Checks that the certificate is for that host, a name or an address.
 Finding CheckHost(const std::string& check, const std::string& pem, const std::string& host);
 
-// All that can be said of the flags alone: readable, belonging together, expiry, chain.
+// Checks all that can be said of the flags alone: the files are readable, belong together, have not
+// expired, and make a chain.
 Findings CheckSecurityFiles(const SecurityOptions& options, absl::Time now);
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// The flags of SecurityOptions: the same in every program.
+// Adds the flags of SecurityOptions, which are the same in every program.
 #ifndef CORBSLAM_SERVICES_SECURITY_FLAGS_H_
 #define CORBSLAM_SERVICES_SECURITY_FLAGS_H_
 
@@ -8,11 +8,11 @@
 
 namespace corbslam {
 
-// --insecure, --tls-cert, --tls-key, --tls-ca. The options outlive the parsing.
+// Adds --insecure, --tls-cert, --tls-key, --tls-ca. The options must outlive the parsing.
 void AddTlsFlags(CLI::App& app, SecurityOptions& options);
-// --token-key, --reflection, --health.
+// Adds --token-key, --reflection, --health.
 void AddServerFlags(CLI::App& app, SecurityOptions& options);
-// --token-file.
+// Adds --token-file.
 void AddClientFlags(CLI::App& app, SecurityOptions& options);
 
 }  // namespace corbslam

@@ -30,7 +30,7 @@ grpc::ServerUnaryReactor* Refuse(grpc::CallbackServerContext* context, const abs
   return reactor;
 }
 
-// Owns itself.
+// A stream that ends with an error and deletes itself.
 template <typename Response>
 class RefusedStream : public grpc::ServerWriteReactor<Response> {
  public:
@@ -64,13 +64,13 @@ absl::Status GuardedMapStore::Check(const grpc::CallbackServerContext& context, 
   return access_->Check({action, mission, std::nullopt}, EvidenceOf(context), absl::Now());
 }
 
-// The session's first message names mission and agent: see MakeSessionCheck.
+// MakeSessionCheck checks the session's first message, which names mission and agent.
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* GuardedMapStore::Sync(
     grpc::CallbackServerContext* context) {
   return service_.Sync(context);
 }
 
-// All that it needs is in the method itself, which the call gate has looked at.
+// The call gate has looked at the method, and that is all that this call needs.
 grpc::ServerUnaryReactor* GuardedMapStore::ListMissions(grpc::CallbackServerContext* context,
                                                         const v1::ListMissionsRequest* request,
                                                         v1::ListMissionsResponse* response) {
@@ -98,7 +98,7 @@ grpc::ServerWriteReactor<v1::BackupMissionResponse>* GuardedMapStore::BackupMiss
   return service_.BackupMission(context, request);
 }
 
-// The first message names the mission: see MakeRestoreCheck.
+// MakeRestoreCheck checks the first message, which names the mission.
 grpc::ServerReadReactor<v1::RestoreMissionRequest>* GuardedMapStore::RestoreMission(
     grpc::CallbackServerContext* context, v1::Mission* response) {
   return service_.RestoreMission(context, response);

@@ -1,4 +1,5 @@
-// A map store's service behind an access control that knows which mission each request is about.
+// Puts an access control that knows which mission each request is about before a map store's
+// service.
 #ifndef CORBSLAM_SERVICES_SECURITY_GUARDED_MAP_STORE_H_
 #define CORBSLAM_SERVICES_SECURITY_GUARDED_MAP_STORE_H_
 
@@ -11,14 +12,15 @@
 
 namespace corbslam {
 
-// For MapStoreServiceOptions. An agent opens sessions as itself only. Null access: anybody may.
+// Makes a check for MapStoreServiceOptions: an agent opens sessions as itself only. Null access:
+// everybody may open any session.
 SessionCheck MakeSessionCheck(std::shared_ptr<const AccessControl> access);
-// Likewise: operators restore missions of their own.
+// Makes a check likewise: operators restore missions of their own.
 RestoreCheck MakeRestoreCheck(std::shared_ptr<const AccessControl> access);
 
-// Thread-safe. `service` is not owned and must outlive it. A method that it does not hand on is
-// UNIMPLEMENTED, so that a new one is closed until somebody says who may call it. Null access:
-// everybody may do everything.
+// Checks each call and hands it on to `service`, which is not owned and must outlive it.
+// Thread-safe. A method that it does not hand on is UNIMPLEMENTED, so that a new one is closed
+// until somebody says who may call it. Null access: everybody may do everything.
 class GuardedMapStore : public MapStoreMethods {
  public:
   GuardedMapStore(MapStoreMethods* service, std::shared_ptr<const AccessControl> access)
@@ -75,7 +77,7 @@ class GuardedMapStore : public MapStoreMethods {
                                                 v1::RederiveGlobalLayerResponse* response) override;
 
  private:
-  // Of a resource's name, which begins with its mission's.
+  // Checks a resource's name, which begins with its mission's.
   absl::Status Check(const grpc::CallbackServerContext& context, Action action,
                      absl::string_view name) const;
 

@@ -1,4 +1,4 @@
-// Who a caller is: what its certificate or its token says it may be.
+// Says who a caller is: what its certificate or its token says it may be.
 #ifndef CORBSLAM_SERVICES_SECURITY_IDENTITY_H_
 #define CORBSLAM_SERVICES_SECURITY_IDENTITY_H_
 
@@ -11,17 +11,17 @@
 namespace corbslam {
 
 enum class Role {
-  kAgent,     // Uploads as itself and looks up, in its mission.
-  kViewer,    // Looks up.
-  kOperator,  // Looks up, deletes, and inspects servers.
-  kStore,     // A map store: asks fusion workers.
-  kWorker,    // A fusion worker: asks nobody.
+  kAgent,     // Uploads as itself and reads, in its mission.
+  kViewer,    // Reads.
+  kOperator,  // Reads, deletes, and inspects servers.
+  kStore,     // Is a map store: asks fusion workers.
+  kWorker,    // Is a fusion worker: asks nobody.
 };
 
-// Every mission, or every agent of one.
+// Stands for every mission, or for every agent of one.
 inline constexpr char kAll[] = "-";
 
-// One thing that a caller may be.
+// Holds one thing that a caller may be.
 struct Grant {
   Role role = Role::kViewer;
   std::string mission;  // Empty for a store and a worker.
@@ -30,11 +30,12 @@ struct Grant {
   bool operator==(const Grant&) const = default;
 };
 
-// "missions/lab/agents/alpha", ".../viewers/eve", ".../operators/olga", "stores/main",
-// "workers/one". The mission may be "-", all; the agent, too. INVALID_ARGUMENT names the text.
+// Parses "missions/lab/agents/alpha", ".../viewers/eve", ".../operators/olga", "stores/main" or
+// "workers/one". "-" may stand for all missions, and for all agents. INVALID_ARGUMENT names the
+// text.
 absl::StatusOr<Grant> ParseGrant(absl::string_view text);
 std::string FormatGrant(const Grant& grant);
-// "agent", "viewer", "operator".
+// Parses "agent", "viewer" or "operator".
 absl::StatusOr<Role> ParseMissionRole(absl::string_view text);
 
 struct Identity {
@@ -43,11 +44,12 @@ struct Identity {
   bool operator==(const Identity&) const = default;
 };
 
-// For messages: the grants, the first few of many.
+// Writes the grants for messages; only the first few if there are many.
 std::string Describe(const Identity& identity);
 
-// What a certificate's subject alternative names of type URI grant: "corbslam:" and a grant.
-// Others are none of ours. UNAUTHENTICATED where there is none, or where one can't be read.
+// Returns what a certificate's subject alternative names of type URI grant: "corbslam:" and a
+// grant. Other names are none of ours. UNAUTHENTICATED if there is none of ours, or if one can't be
+// read.
 absl::StatusOr<Identity> IdentityFromUris(const std::vector<std::string>& uris);
 
 }  // namespace corbslam

@@ -46,7 +46,7 @@ TEST(IdentityTest, ACertificateOfAnotherKindIsNobody) {
   }
 }
 
-// Not the part of it that can be read.
+// The part of the certificate that can be read does not count either.
 TEST(IdentityTest, ACertificateThatCannotBeReadIsNobody) {
   const auto identity =
       IdentityFromUris({"corbslam:missions/lab/agents/alpha", "corbslam:missions/lab/pilots/p"});

@@ -23,7 +23,7 @@ BioPtr ReadFrom(const std::string& pem) {
   return {BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free};
 }
 
-// A key behind a passphrase is refused, not asked for at the terminal.
+// Makes OpenSSL refuse a key behind a passphrase; else it would ask for it at the terminal.
 int NoPassphrase(char*, int, int, void*) { return -1; }
 
 CertificatePtr ParseCertificate(const std::string& pem) {

@@ -9,17 +9,17 @@
 
 namespace corbslam {
 
-// A file of at most 1 MiB. INVALID_ARGUMENT names the flag and the file.
+// Reads a file of at most 1 MiB. INVALID_ARGUMENT names the flag and the file.
 absl::StatusOr<std::string> ReadSecurityFile(absl::string_view flag, const std::string& path);
 
 struct KeyPair {
   std::string certificate_pem;
   std::string key_pem;
 };
-// A certificate and the key that belongs to it.
+// Reads a certificate and the key that belongs to it.
 absl::StatusOr<KeyPair> ReadKeyPair(const std::string& certificate_path,
                                     const std::string& key_path);
-// One or more certificates.
+// Reads one or more certificates.
 absl::StatusOr<std::string> ReadAuthorities(const std::string& path);
 
 }  // namespace corbslam

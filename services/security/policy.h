@@ -1,4 +1,4 @@
-// The one place that says who may do what.
+// Says who may do what; no other place does.
 #ifndef CORBSLAM_SERVICES_SECURITY_POLICY_H_
 #define CORBSLAM_SERVICES_SECURITY_POLICY_H_
 
@@ -11,29 +11,30 @@
 
 namespace corbslam {
 
+// What a call does; each comment says who may do it.
 enum class Action {
   kCheckHealth,   // Everybody with an identity, or everybody.
   kReflect,       // Everybody with an identity.
   kLook,          // Agents, viewers and operators of the mission.
-  kListMissions,  // Whoever has a grant for all missions.
+  kListMissions,  // Callers with a grant for all missions.
   kUpload,        // The agent itself.
   kAdminister,    // Operators of the mission.
-  kInspect,       // Operators of all missions, or of the server's only one: its connections.
+  kInspect,       // Operators of all missions, or of the server's only one (its connections).
   kCompute,       // Map stores.
 };
 
-// What a call wants.
+// Says what a call wants.
 struct Access {
   Action action = Action::kLook;
-  std::optional<std::string> mission;  // None: not known yet; some mission of the caller's will do.
-  std::optional<std::string> agent;    // Of kUpload, likewise.
+  std::optional<std::string> mission;  // Nullopt: not known yet; one of the caller's will do.
+  std::optional<std::string> agent;    // Set for kUpload only; nullopt likewise.
 };
 
-// PERMISSION_DENIED says who, what, and of which mission.
+// Returns OK, or PERMISSION_DENIED, which says who, what, and of which mission.
 absl::Status Authorise(const Identity& identity, const Access& access);
 
-// What a method does, by its path as "/corbslam.v1.MapStore/Sync"; none for one that isn't known,
-// which nobody may call.
+// Returns what a method does, by its path such as "/corbslam.v1.MapStore/Sync"; nullopt for a
+// method that isn't known, which nobody may call.
 std::optional<Action> ActionOf(absl::string_view path);
 
 }  // namespace corbslam

@@ -29,7 +29,7 @@ Identity Be(const std::vector<std::string>& grants) {
   return identity;
 }
 
-// Each row: who, and what of all that there is to do in mission lab, as agent alpha.
+// Each row says who may do what of all that there is to do in mission lab, as agent alpha.
 TEST(PolicyTest, EachRoleMayDoWhatItIsFor) {
   struct {
     std::string who;

@@ -1,4 +1,4 @@
-// The servers behind real TLS on loopback: who gets in, and how far.
+// Tests the servers behind real TLS on loopback: who gets in, and how far.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ std::string ReadFile(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Nobody gets as far as having it work.
+// A worker that fails if it is asked to work: no test gets as far.
 class IdleWorker : public FusionWorker {
  public:
   absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest&,
@@ -100,7 +100,7 @@ class SecureServiceTest : public ::testing::Test {
   std::shared_ptr<grpc::Channel> ConnectAs(const std::string& name) {
     return Connect(certificates_->Options(name));
   }
-  // Trusts the server, and is nobody.
+  // Returns the options of a caller that trusts the server, and has no identity.
   static SecurityOptions Stranger() {
     SecurityOptions options;
     options.ca_file = certificates_->Path("ca.pem");
@@ -132,7 +132,8 @@ class SecureServiceTest : public ::testing::Test {
     return FromGrpcStatus(
         v1::MapStore::NewStub(channel)->DeleteMission(&context, request, &response));
   }
-  // How a session of the agent ends that sends one batch: OK when it is acknowledged.
+  // Opens a session of the agent that sends one batch, and returns how it ends: OK when the batch
+  // is acknowledged.
   static absl::Status Upload(const std::shared_ptr<grpc::Channel>& channel,
                              const std::string& mission, const std::string& agent) {
     std::mt19937 random(7);
@@ -148,7 +149,7 @@ class SecureServiceTest : public ::testing::Test {
   }
 
   static TestCertificates* certificates_;
-  static TestCertificates* others_;  // Of another authority.
+  static TestCertificates* others_;  // Certificates of another authority.
   static std::shared_ptr<const Vocabulary>* vocabulary_;
 
   IdleWorker worker_;
@@ -228,7 +229,7 @@ TEST_F(SecureServiceTest, WithoutTlsNobodyConnects) {
   EXPECT_EQ(GetMission(Connect(options)).code(), kUnavailable);
 }
 
-// It holds a certificate of the right authority, but not for servers.
+// The viewer holds a certificate of the right authority, but not for servers.
 TEST_F(SecureServiceTest, AViewerCannotPretendToBeTheServer) {
   SecurityOptions options = certificates_->Options("viewer");
   Serve(options);
@@ -252,7 +253,7 @@ TEST_F(SecureServiceTest, ATokenThatIsReplacedCountsFromTheNextCallOn) {
   EXPECT_EQ(GetMission(channel).code(), absl::StatusCode::kNotFound);
 }
 
-// Whoever is of another mission is refused by each method that names a mission.
+// Each method that names a mission refuses a caller of another mission.
 TEST_F(SecureServiceTest, NoMethodForgetsTheMission) {
   ASSERT_TRUE(Upload(ConnectAs("alpha"), "lab", "alpha").ok());
   GenericClient outsider(Connect(WithToken("missions/field/operators/olga", absl::Hours(1))));
@@ -274,7 +275,7 @@ TEST_F(SecureServiceTest, NoMethodForgetsTheMission) {
   }
 }
 
-// Its certificate is for serving only.
+// The worker's certificate is for serving only.
 TEST_F(SecureServiceTest, AWorkerCallsNobody) {
   EXPECT_EQ(GetMission(ConnectAs("worker")).code(), kUnavailable);
 }
@@ -302,7 +303,7 @@ TEST_F(SecureServiceTest, ClosedHealthDoesNot) {
   SecurityOptions options = certificates_->Options("store");
   options.health_is_open = false;
   Serve(options);
-  // Nothing is left that a stranger could ask: no handshake either.
+  // A stranger could ask nothing any more, so that it gets no handshake either.
   EXPECT_EQ(CheckHealth(Connect(Stranger()), kLiveness).code(), kUnavailable);
   EXPECT_EQ(CheckHealth(ConnectAs("viewer"), kLiveness), absl::OkStatus());
   options.token_key_file = certificates_->Path("token.pub");

@@ -52,7 +52,7 @@ absl::Status CheckClientFlags(const SecurityOptions& options) {
   return absl::OkStatus();
 }
 
-// How much of a certificate the handshake asks for.
+// Returns how much of a caller's certificate the handshake asks for.
 grpc_ssl_client_certificate_request_type CertificateRequest(const SecurityOptions& options) {
   if (options.ca_file.empty()) return GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE;
   const bool strangers_may_connect = options.health_is_open || !options.token_key_file.empty();
@@ -89,13 +89,13 @@ class TokenFile : public grpc::MetadataCredentialsPlugin {
   explicit TokenFile(std::string path) : path_(std::move(path)) {}
 
   const char* GetType() const override { return "token file"; }
-  // A small file: read by whoever makes the call, so that nothing of a call goes on elsewhere when
-  // its channel is gone.
+  // The file is small, so the thread that makes the call reads it: then nothing of a call goes on
+  // elsewhere when its channel is gone.
   bool IsBlocking() const override { return false; }
   grpc::Status GetMetadata(grpc::string_ref, grpc::string_ref, const grpc::AuthContext&,
                            std::multimap<grpc::string, grpc::string>* metadata) override {
     const absl::StatusOr<std::string> token = ReadToken(path_);
-    // A file that is being replaced: the call may be tried again.
+    // The file may just be being replaced: the call may be tried again.
     if (!token.ok()) return ToGrpcStatus(absl::UnavailableError(token.status().message()));
     metadata->emplace("authorization", absl::StrCat("Bearer ", *token));
     return grpc::Status::OK;

@@ -1,4 +1,4 @@
-// TLS and identities of our programs, from the files that their flags name.
+// Makes TLS and identities of our programs from the files that their flags name.
 #ifndef CORBSLAM_SERVICES_SECURITY_SECURITY_OPTIONS_H_
 #define CORBSLAM_SERVICES_SECURITY_SECURITY_OPTIONS_H_
 
@@ -16,23 +16,23 @@
 namespace corbslam {
 
 struct SecurityOptions {
-  // Neither encryption nor identities: everybody may do everything.
+  // True: neither encryption nor identities; everybody may do everything.
   bool insecure = false;
   // This program's certificate (then those between it and the authority) and its key, as PEM.
   std::string certificate_file;
   std::string key_file;
   // Authorities whose certificates are trusted, as PEM.
   std::string ca_file;
-  // Of servers: public keys of tokens that are taken, as PEM.
+  // For servers: public keys of the tokens that are accepted, as PEM.
   std::string token_key_file;
-  // Of clients: the token to show. Read again for each call, so that it can be replaced.
+  // For clients: the token to show. It is read again for each call, so that it can be replaced.
   std::string token_file;
-  // Of servers.
+  // These two are for servers.
   bool reflection = true;
   bool health_is_open = true;
 };
 
-// What --insecure means.
+// Returns what --insecure means.
 inline SecurityOptions WithoutTls() {
   SecurityOptions options;
   options.insecure = true;
@@ -45,16 +45,17 @@ struct ServerSecurity {
   ServerOptions server;
 };
 
-// What a server needs: --insecure (logged as a warning), or a certificate, its key, and a way to
-// tell who calls: authorities, whose certificates are then demanded, or token keys. A caller
+// Makes what a server needs: --insecure (logged as a warning), or a certificate, its key, and a way
+// to tell who calls: authorities, whose certificates are then demanded, or token keys. A caller
 // without a certificate gets as far as a call only where token keys are given or health is open.
-// `mission`: see AccessControlOptions. INVALID_ARGUMENT says which flag is missing, what is wrong
-// with which file, or which flags exclude each other.
+// `mission` is that of AccessControlOptions. INVALID_ARGUMENT says which flag is missing, what is
+// wrong with which file, or which flags exclude each other.
 absl::StatusOr<ServerSecurity> MakeServerSecurity(
     const SecurityOptions& options, const std::optional<std::string>& mission = std::nullopt);
 
-// What a client needs: --insecure (logged as a warning), or the authorities of the server's
-// certificate. Its own certificate and its token are optional: a server decides. Errors as above.
+// Makes what a client needs: --insecure (logged as a warning), or the authorities of the server's
+// certificate. The client's own certificate and its token are optional: a server decides. Errors
+// are as above.
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials(
     const SecurityOptions& options);
 

@@ -1,4 +1,4 @@
-// Which flags a program starts with, and what it says of the others.
+// Tests which flags a program starts with, and what it says of the others.
 #include "services/security/security_options.h"
 
 #include <gmock/gmock.h>

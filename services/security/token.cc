@@ -14,7 +14,7 @@ namespace corbslam {
 namespace {
 
 constexpr absl::string_view kPrefix = "corbslam1.";
-// A few dozen grants; metadata has to fit in 8 KiB altogether.
+// A token holds a few dozen grants; a call's metadata must fit in 8 KiB altogether.
 constexpr size_t kMaxTokenBytes = 6000;
 
 using KeyPtr = std::shared_ptr<EVP_PKEY>;
@@ -25,7 +25,7 @@ BioPtr ReadFrom(absl::string_view pem) {
   return {BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())), BIO_free};
 }
 
-// A key behind a passphrase is refused, not asked for at the terminal.
+// Makes OpenSSL refuse a key behind a passphrase; else it would ask for it at the terminal.
 int NoPassphrase(char*, int, int, void*) { return -1; }
 
 bool IsEd25519(const KeyPtr& key) {
@@ -79,7 +79,7 @@ absl::StatusOr<TokenClaims> ParseClaims(const std::string& text) {
   return claims;
 }
 
-// Of PEM's blocks, whatever they hold.
+// Counts PEM's blocks, whatever they hold.
 size_t CountBlocks(absl::string_view pem) {
   constexpr absl::string_view kBegin = "-----BEGIN ";
   size_t count = 0;

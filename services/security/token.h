@@ -1,8 +1,8 @@
-// Signed bearer tokens, for callers without a certificate of their own.
+// Makes and verifies signed bearer tokens, for callers without a certificate of their own.
 //
-// "corbslam1.CLAIMS.SIGNATURE": CLAIMS is JSON in URL-safe base 64 (grants, and when the token
-// expires in seconds since 1970), SIGNATURE is Ed25519's over everything before its dot. Servers
-// hold public keys only: whoever reads a server's files can't make tokens.
+// A token is "corbslam1.CLAIMS.SIGNATURE": CLAIMS is JSON in URL-safe base 64 (grants, and when the
+// token expires in seconds since 1970), SIGNATURE is an Ed25519 signature of everything before its
+// dot. Servers hold public keys only: whoever reads a server's files can't make tokens.
 #ifndef CORBSLAM_SERVICES_SECURITY_TOKEN_H_
 #define CORBSLAM_SERVICES_SECURITY_TOKEN_H_
 
@@ -24,17 +24,19 @@ struct TokenClaims {
   absl::Time expires;
 };
 
-// `private_key_pem` holds one Ed25519 private key, as `openssl genpkey -algorithm ed25519` makes.
+// Signs the claims. `private_key_pem` holds one Ed25519 private key, as `openssl genpkey -algorithm
+// ed25519` makes.
 absl::StatusOr<std::string> SignToken(const TokenClaims& claims, absl::string_view private_key_pem);
 
-// Copyable, thread-safe.
+// Verifies tokens by public keys. Copyable, thread-safe.
 class TokenVerifier {
  public:
-  // `public_keys_pem` holds one or more Ed25519 public keys; a token of any of them is good, so
-  // that keys can be changed one after the other.
+  // Reads one or more Ed25519 public keys; a token of any of them is good, so that keys can be
+  // changed one after the other.
   static absl::StatusOr<TokenVerifier> FromPem(absl::string_view public_keys_pem);
 
-  // UNAUTHENTICATED for what is no token, is of an unknown key, or has expired at `now`.
+  // Returns who shows the token. UNAUTHENTICATED for what is no token, is of an unknown key, or has
+  // expired at `now`.
   absl::StatusOr<Identity> Verify(absl::string_view token, absl::Time now) const;
 
  private:

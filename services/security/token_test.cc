@@ -57,7 +57,7 @@ TEST_F(TokenTest, ExpiresToTheSecond) {
 TEST_F(TokenTest, OneChangedCharacterIsOneTooMany) {
   const std::string token = Sign();
   for (size_t i = 0; i < token.size(); ++i) {
-    // The last character holds bits that mean nothing; the rest is signed or the signature.
+    // The last character holds bits that mean nothing; all others are signed or the signature.
     if (i + 1 == token.size()) continue;
     std::string changed = token;
     changed[i] = changed[i] == 'A' ? 'B' : 'A';
@@ -104,7 +104,7 @@ TEST_F(TokenTest, AKeyThatCannotBeReadIsNotPassedOver) {
   damaged[damaged.find('\n') + 10] = '!';
   const auto verifier = TokenVerifier::FromPem(absl::StrCat(keys_.public_pem, damaged));
   EXPECT_THAT(std::string(verifier.status().message()), HasSubstr("token key 2"));
-  // What is no key may stand around them.
+  // Text that is no key may stand around the keys.
   EXPECT_TRUE(TokenVerifier::FromPem(absl::StrCat("ours:\n", keys_.public_pem, "\n\n")).ok());
 }
 
@@ -120,7 +120,7 @@ TEST_F(TokenTest, OnlyEd25519KeysOfTheRightHalfWillDo) {
 }
 
 TEST_F(TokenTest, NobodyIsAskedForAPassphrase) {
-  // As PEM says that a passphrase is needed.
+  // The headers say, in PEM's form, that a passphrase is needed.
   const auto behind_passphrase = [](const std::string& pem) {
     const size_t first_line = pem.find('\n') + 1;
     return pem.substr(0, first_line) + "Proc-Type: 4,ENCRYPTED\n" +

@@ -17,7 +17,8 @@ uint64_t MachineMemory() {
          static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-// Of a file with a number in it; "max", no file and no number are no limit.
+// Returns the number in a file, or `otherwise` if that is less; "max", no file and no number are no
+// limit.
 uint64_t LimitIn(const std::string& file, uint64_t otherwise) {
   std::string word;
   std::ifstream(file) >> word;
@@ -25,7 +26,8 @@ uint64_t LimitIn(const std::string& file, uint64_t otherwise) {
   return absl::SimpleAtoi(word, &limit) && limit > 0 ? std::min(limit, otherwise) : otherwise;
 }
 
-// The process's own group, from the root of version 2's tree; "/" in a container of its own.
+// Returns the process's own group, from the root of version 2's tree; "/" in a container of its
+// own.
 std::string OwnGroup(const std::string& root) {
   std::ifstream groups(root + "/proc/self/cgroup");
   for (std::string line; std::getline(groups, line);) {
@@ -39,7 +41,7 @@ std::string OwnGroup(const std::string& root) {
 
 uint64_t MemoryLimitBytes(const std::string& root) {
   uint64_t limit = MachineMemory();
-  // A group has no more than those that it lies in.
+  // A group has no more memory than each of the groups that it lies in.
   const std::string tree = root + "/sys/fs/cgroup";
   for (std::filesystem::path group = OwnGroup(root);; group = group.parent_path()) {
     limit = LimitIn(tree + group.string() + "/memory.max", limit);

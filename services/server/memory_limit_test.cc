@@ -10,7 +10,7 @@ namespace {
 
 class MemoryLimitTest : public ::testing::Test {
  protected:
-  // An earlier run's files are no part of this one's.
+  // Files of an earlier run must not be seen.
   void SetUp() override { std::filesystem::remove_all(root_); }
   void Write(const std::string& file, const std::string& text) {
     const std::filesystem::path path = root_ + file;

@@ -13,7 +13,7 @@ double Seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
-// getrusage's figure would include that of the program that this one was started by.
+// Reads the peak from /proc: getrusage's would include that of the program that started this one.
 uint64_t PeakRss() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {

@@ -1,4 +1,4 @@
-// What this process has used so far.
+// Measures what this process has used so far.
 #ifndef CORBSLAM_SERVICES_SERVER_PROCESS_USAGE_H_
 #define CORBSLAM_SERVICES_SERVER_PROCESS_USAGE_H_
 

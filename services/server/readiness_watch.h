@@ -1,4 +1,4 @@
-// Tells health whether a server can do its work now.
+// Tells the health service whether a server can do its work now.
 #ifndef CORBSLAM_SERVICES_SERVER_READINESS_WATCH_H_
 #define CORBSLAM_SERVICES_SERVER_READINESS_WATCH_H_
 
@@ -13,7 +13,7 @@
 namespace corbslam {
 
 // Asks `check` again and again on a thread of its own, and sets the server's readiness by the
-// answer. Changes are in the log. `server` is not owned and must outlive it.
+// answer. Changes are in the log. `server` is not owned and must outlive it. Not thread-safe.
 class ReadinessWatch {
  public:
   ReadinessWatch(Server* server, std::function<absl::Status()> check,
@@ -22,7 +22,7 @@ class ReadinessWatch {
   ReadinessWatch(const ReadinessWatch&) = delete;
   ReadinessWatch& operator=(const ReadinessWatch&) = delete;
 
-  // Readiness stays as it is. To be called before the server is shut down, by one thread.
+  // Stops asking; readiness stays as it is. One thread calls this, before the server is shut down.
   void Stop();
 
  private:

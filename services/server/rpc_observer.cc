@@ -13,16 +13,16 @@ namespace {
 using grpc::experimental::InterceptionHookPoints;
 using grpc::experimental::InterceptorBatchMethods;
 
-// An interceptor is given messages without their type: this says which one it is.
+// Says which type a message has: an interceptor is given messages without it.
 enum class MessageType { kProtobuf, kBytes, kUnknown };
 
 MessageType TypeOf(absl::string_view method) {
   if (!absl::StartsWith(method, "corbslam.")) return MessageType::kUnknown;
-  // The one method that is served raw (services/map_store_service/map_store_service.h).
+  // Sync is the one method that is served raw (services/map_store_service/map_store_service.h).
   return method == "corbslam.v1.MapStore/Sync" ? MessageType::kBytes : MessageType::kProtobuf;
 }
 
-// Of one call.
+// Observes one call.
 class RpcInterceptor : public grpc::experimental::Interceptor {
  public:
   RpcInterceptor(RpcObserver* observer, absl::string_view method)
@@ -42,13 +42,13 @@ class RpcInterceptor : public grpc::experimental::Interceptor {
  private:
   void ObserveMessages(InterceptorBatchMethods& methods) {
     if (methods.QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_MESSAGE)) {
-      // Null at the end of a stream.
+      // The message is null at the end of a stream.
       if (const void* message = methods.GetRecvMessage()) {
         observer_.OnReceived(method_, BytesOf(message));
       }
     }
     if (methods.QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_MESSAGE)) {
-      // Serialised here instead of a moment later.
+      // This serialises the message now instead of a moment later.
       if (const grpc::ByteBuffer* message = methods.GetSerializedSendMessage()) {
         observer_.OnSent(method_, message->Length());
       }
@@ -59,7 +59,7 @@ class RpcInterceptor : public grpc::experimental::Interceptor {
     if (type_ == MessageType::kBytes) {
       return static_cast<const grpc::ByteBuffer*>(message)->Length();
     }
-    // Generated classes have no other base.
+    // All messages of generated classes have this base.
     return static_cast<const google::protobuf::MessageLite*>(message)->ByteSizeLong();
   }
 
@@ -70,7 +70,8 @@ class RpcInterceptor : public grpc::experimental::Interceptor {
   }
 
   RpcObserver& observer_;
-  const absl::string_view method_;  // The server's, which outlives its calls.
+  // Owned by the server, which outlives its calls.
+  const absl::string_view method_;
   const MessageType type_;
   const absl::Time start_;
   bool finished_ = false;

@@ -13,22 +13,22 @@
 
 namespace corbslam {
 
-// Called from gRPC's threads and from those that finish calls, several at once; must return soon.
-// `method` is one that the server has, as "package.Service/Method".
+// Is called from gRPC's threads and from those that finish calls, several at once, and must return
+// soon. `method` is one that the server has, as "package.Service/Method".
 class RpcObserver {
  public:
   virtual ~RpcObserver() = default;
   virtual void OnStarted(absl::string_view method) = 0;
-  // Of each message, without the 5 bytes that gRPC puts before it. Not called for the services that
-  // gRPC itself brings (health, reflection, channelz).
+  // Called for each message, with its bytes without the 5 that gRPC puts before it; not for the
+  // services that gRPC itself brings (health, reflection, channelz).
   virtual void OnReceived(absl::string_view method, size_t bytes) = 0;
   virtual void OnSent(absl::string_view method, size_t bytes) = 0;
-  // Once for each OnStarted; CANCELLED where the call ended without a status of ours.
+  // Called once for each OnStarted; CANCELLED where the call ended without a status of ours.
   virtual void OnFinished(absl::string_view method, grpc::StatusCode code, absl::Duration took) = 0;
 };
 
-// For grpc::ServerBuilder::experimental().SetInterceptorCreators. `observer` is not owned and must
-// outlive the server.
+// Returns interceptors for grpc::ServerBuilder::experimental().SetInterceptorCreators. `observer`
+// is not owned and must outlive the server.
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> MakeRpcInterceptors(
     RpcObserver* observer);
 

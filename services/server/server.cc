@@ -30,7 +30,7 @@ void RegisterPlugins() {
   (void)once;
 }
 
-// gRPC offers reflection to every server of a process that links it.
+// Takes reflection out, which gRPC offers to every server of a process that links it.
 class WithoutReflection : public grpc::ServerBuilderOption {
  public:
   void UpdateArguments(grpc::ChannelArguments*) override {}
@@ -70,7 +70,7 @@ void Configure(const ServerOptions& options, grpc::ServerBuilder& builder) {
     builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS,
                                Milliseconds(options.max_connection_age));
   }
-  // A robot that has nothing to say for long is asked again and again.
+  // A robot that has nothing to say for long is pinged again and again.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   if (options.rpc_observer != nullptr) {
     std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> creators;

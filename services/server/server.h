@@ -1,4 +1,4 @@
-// What all our servers share: address, limits, health, reflection and an orderly end.
+// Provides what all our servers share: address, limits, health, reflection and an orderly end.
 #ifndef CORBSLAM_SERVICES_SERVER_SERVER_H_
 #define CORBSLAM_SERVICES_SERVER_SERVER_H_
 
@@ -18,27 +18,27 @@
 
 namespace corbslam {
 
-// No message on the wire is longer.
+// A message on the wire has at most so many bytes.
 inline constexpr int kMaxMessageBytes = 4 << 20;
 
-// What grpc.health.v1.Health is asked about: the process runs (else restart it), and it takes calls
-// (else send them elsewhere). No name at all means the second.
+// Names that grpc.health.v1.Health knows: whether the process runs (else it is to be restarted),
+// and whether it takes calls (else they are to be sent elsewhere). No name at all means the second.
 inline constexpr char kLiveness[] = "liveness";
 inline constexpr char kReadiness[] = "readiness";
 
 struct ServerOptions {
-  // Programs take theirs from services/security.
+  // Programs take their credentials from services/security.
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
   bool reflection = true;
   bool health = true;
-  // A caller that was silent for this long is asked for a sign of life, and its calls are cancelled
-  // when none comes within the second time.
+  // A caller that was silent for `keepalive_time` is asked for a sign of life, and its calls are
+  // cancelled when none comes within `keepalive_timeout`.
   absl::Duration keepalive_time = absl::Seconds(20);
   absl::Duration keepalive_timeout = absl::Seconds(20);
   // Callers with an older connection are told to make a new one, which may lead elsewhere; calls
-  // that are under way end where they began.
+  // that are under way end on the connection where they began.
   absl::Duration max_connection_age = absl::InfiniteDuration();
-  // Hears of every call. Not owned, must outlive the server; null: nobody.
+  // Hears of every call. Not owned, must outlive the server; null: nobody does.
   RpcObserver* rpc_observer = nullptr;
 };
 
@@ -54,16 +54,17 @@ class Server {
                                                        const ServerOptions& options = {});
   ~Server();
 
-  // "HOST:PORT" with the port that was chosen.
+  // Returns "HOST:PORT" with the port that was chosen.
   const std::string& address() const { return address_; }
   std::shared_ptr<grpc::Channel> InProcessChannel();
 
-  // What health says of readiness from now on; true at the start, false after Shutdown.
+  // Sets what the health service says of readiness from now on; it is true at the start, and false
+  // after Shutdown.
   void SetReady(bool ready);
 
-  // Reports that it isn't ready, tells callers to go elsewhere (GOAWAY), lets calls end by
-  // themselves for `drain`, cancels the rest, and returns when all have ended. Once only; the
-  // destructor does it with no drain.
+  // Reports that the server isn't ready, tells callers to go elsewhere (GOAWAY), lets calls end by
+  // themselves for `drain`, cancels the rest, and returns when all have ended. Called once only;
+  // the destructor does it with no drain.
   void Shutdown(absl::Duration drain);
 
  private:
@@ -74,15 +75,15 @@ class Server {
   std::atomic<bool> stopped_{false};
 };
 
-// Blocks SIGTERM and SIGINT in this thread and all it starts from now on. Call first in main.
+// Blocks SIGTERM and SIGINT in this thread and all that it starts from now on; main calls it first.
 void BlockStopSignals();
-// Waits for one of them.
+// Waits for SIGTERM or SIGINT.
 void WaitForStopSignal();
 // Writes "listening on HOST:PORT" to standard output and flushes it.
 void AnnounceAddress(const std::string& address);
-// Likewise "metrics on HOST:PORT", before the line above.
+// Writes likewise "metrics on HOST:PORT", before the line above.
 void AnnounceMetrics(const std::string& address);
-// Likewise "finished": the program's work is done and it waits to be stopped.
+// Writes likewise "finished": the program's work is done and it waits to be stopped.
 void AnnounceFinished();
 
 }  // namespace corbslam

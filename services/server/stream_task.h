@@ -1,4 +1,5 @@
-// The state machine of a streaming call: callbacks note what happened, one thread at a time works.
+// Provides the state machine of a streaming call: callbacks note what happened, and one thread at a
+// time works.
 #ifndef CORBSLAM_SERVICES_SERVER_STREAM_TASK_H_
 #define CORBSLAM_SERVICES_SERVER_STREAM_TASK_H_
 
@@ -25,7 +26,7 @@ class StreamLink {
     };
   }
 
-  // Waits for an action that is under way: it must not be called from one.
+  // Cuts the link and waits for an action that is under way, so that no action may call it.
   void Cut() {
     absl::MutexLock lock(&state_->mutex);
     state_->joined = false;
@@ -39,13 +40,14 @@ class StreamLink {
   const std::shared_ptr<State> state_ = std::make_shared<State>();
 };
 
-// Base of reactors whose callbacks only Note what happened. All work is done by DoJob, on the pool
-// and by one thread at a time, until NextJob names nothing more. `Job` is an enumeration with kNone
-// and kFinish among its values. A stream that waits for its caller holds no thread.
+// Serves as the base of reactors whose callbacks only Note what happened. All work is done by
+// DoJob, on the pool and by one thread at a time, until NextJob names nothing more. `Job` is an
+// enumeration with kNone and kFinish among its values. A stream that waits for its caller holds no
+// thread.
 template <typename Job>
 class StreamTask {
  public:
-  // Whose threads of the pool work: those of robots' tasks or those of look-ups.
+  // Says which threads of the pool work: those of robots' tasks or those of look-ups.
   enum class Threads { kTasks, kLookUps };
 
   StreamTask(TaskPool& pool, Threads threads) : pool_(pool), threads_(threads) {}
@@ -54,11 +56,11 @@ class StreamTask {
   StreamTask& operator=(const StreamTask&) = delete;
 
  protected:
-  // What is to be done, given all that was noted.
+  // Returns what is to be done, given all that was noted.
   virtual Job NextJob() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) = 0;
   // Changes the state before `job` is done, so that what is noted meanwhile is seen by NextJob.
   virtual void BeginJob(Job job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { (void)job; }
-  // Does it, without the lock. kFinish comes once and last: this object may be gone when DoJob
+  // Does the job, without the lock. kFinish comes once and last: this object may be gone when DoJob
   // returns.
   virtual void DoJob(Job job) = 0;
 
@@ -79,14 +81,14 @@ class StreamTask {
     }
   }
 
-  // For a stream that is refused: whatever is noted, nothing is done.
+  // Ends all work of a stream that is refused: whatever is noted, nothing is done.
   void NeverWork() {
     absl::MutexLock lock(&mutex_);
     finished_ = true;
   }
 
   mutable absl::Mutex mutex_;
-  // Cut it in OnDone, before the stream is deleted.
+  // The derived class cuts it in OnDone, before the stream is deleted.
   StreamLink link_;
 
  private:
@@ -102,7 +104,7 @@ class StreamTask {
       }
       if (job == Job::kNone) return;
       DoJob(job);
-      // After the last job this may be gone.
+      // After the last job this object may be gone.
       if (job == Job::kFinish) return;
     }
   }

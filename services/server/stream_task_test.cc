@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 
 enum class Job { kNone, kStep, kFinish };
 
-// Does a step for each that was noted, and finishes where the end was.
+// Does a step for each one that was noted, and finishes once the end was noted.
 class CountingTask : public StreamTask<Job> {
  public:
   explicit CountingTask(TaskPool& pool, Threads threads = Threads::kTasks)
@@ -50,7 +50,7 @@ class CountingTask : public StreamTask<Job> {
     absl::MutexLock lock(&mutex_);
     return most_at_once_;
   }
-  // The next step waits until `go` is notified.
+  // Makes the next step wait until `go` is notified.
   void HoldStep(absl::Notification* begun, absl::Notification* go) {
     absl::MutexLock lock(&mutex_);
     begun_ = begun;
@@ -106,7 +106,7 @@ TEST(StreamTaskTest, DoesWhatWasNotedAndFinishesLast) {
 
 TEST(StreamTaskTest, LookUpsWorkOnTheirOwnThreads) {
   TaskPool pool(1);
-  // All threads of tasks are busy.
+  // The pool's one thread of tasks is busy.
   absl::Notification busy;
   pool.Schedule([&busy] { busy.WaitForNotification(); });
   CountingTask task(pool, CountingTask::Threads::kLookUps);
@@ -123,11 +123,11 @@ TEST(StreamTaskTest, NothingToDoTakesNoThread) {
   pool->Schedule([&busy] { busy.WaitForNotification(); });
   CountingTask task(*pool);
   task.NoteNothing();
-  // The blocker may or may not have begun; nothing else waits.
+  // The blocking task may or may not have begun; nothing else waits.
   EXPECT_LE(pool->waiting(), 1u);
   task.NoteStep();
   task.NoteStep();
-  // However much is noted, it waits for a thread once.
+  // However much is noted, the task waits for a thread once.
   EXPECT_LE(pool->waiting(), 2u);
   busy.Notify();
   pool.reset();
@@ -144,7 +144,7 @@ TEST(StreamTaskTest, WhatIsNotedWhileItWorksIsDoneByTheSameThread) {
   begun.WaitForNotification();
   task.NoteStep();
   task.NoteEnd();
-  // The other threads have nothing to take.
+  // The other threads find nothing to take.
   EXPECT_EQ(pool->waiting(), 0u);
   EXPECT_THAT(task.done(), IsEmpty());
   go.Notify();
@@ -203,7 +203,7 @@ TEST(StreamTaskTest, ListenersReachItUntilTheLinkIsCut) {
     pool.reset();
     EXPECT_THAT(task.done(), ElementsAre(Job::kStep));
   }
-  // The task is gone: under the address sanitizer this would be found.
+  // The task is gone: the address sanitizer would find a call of it.
   listener();
 }
 

@@ -11,9 +11,9 @@
 namespace corbslam {
 namespace {
 
-// A look-up's thread is so many steps lower than a task's: it gets a third of what that one is
-// given, where there is not enough for both. Look-ups hold locks that tasks wait for, so not much
-// less.
+// A look-up's thread has a niceness that is so many steps higher than a task's: it gets a third of
+// the time that a task's thread is given, where there is not enough for both. Look-ups hold locks
+// that tasks wait for, so that they must not get much less.
 constexpr int kLookUpStepsLower = 5;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Threads for work that would hold up gRPC's own.
+// Provides threads for work that would hold up gRPC's own.
 #ifndef CORBSLAM_SERVICES_SERVER_TASK_POOL_H_
 #define CORBSLAM_SERVICES_SERVER_TASK_POOL_H_
 
@@ -14,27 +14,27 @@
 
 namespace corbslam {
 
-// Thread-safe. Tasks that robots wait for, and look-ups, which have threads of their own: a quarter
-// as many (or one), of lower priority, so that no number of them keeps robots waiting. Of each kind
-// they begin in the order in which they came.
+// Runs tasks that robots wait for, and look-ups, which have threads of their own: a quarter as many
+// (or one), of lower priority, so that no number of them keeps robots waiting. Those of each kind
+// begin in the order in which they came. Thread-safe.
 class TaskPool {
  public:
   static constexpr size_t kMaxWaitingCalls = 256;
 
-  // `threads` for tasks.
+  // Starts `threads` for tasks, and those for look-ups.
   explicit TaskPool(int threads, size_t max_waiting_calls = kMaxWaitingCalls);
-  // Runs what was scheduled, then ends.
+  // Runs what was scheduled, then ends the threads.
   ~TaskPool();
   TaskPool(const TaskPool&) = delete;
   TaskPool& operator=(const TaskPool&) = delete;
 
-  // Whoever schedules bounds how many wait.
+  // The caller bounds how many tasks wait.
   void Schedule(std::function<void()> task);
   void ScheduleLookUp(std::function<void()> task);
-  // A look-up that anybody may ask for, any number of times. RESOURCE_EXHAUSTED: too many such wait
-  // already.
+  // Schedules a look-up that anybody may ask for, any number of times. RESOURCE_EXHAUSTED: too many
+  // such look-ups wait already.
   absl::Status ScheduleCall(std::function<void()> task);
-  // Scheduled and not begun.
+  // Returns the number of tasks and look-ups that are scheduled and not begun.
   size_t waiting() const;
 
  private:
@@ -44,7 +44,7 @@ class TaskPool {
     bool is_call = false;
   };
 
-  // Of one kind, until the pool ends and none is left.
+  // These run tasks of one kind, until the pool ends and none is left.
   void RunTasks();
   void RunLookUps();
   bool IsTaskThere() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {

@@ -28,7 +28,7 @@ TEST(TaskPoolTest, TasksBeginInOrderAndAllAreRunBeforeItEnds) {
   EXPECT_THAT(ran, ElementsAre(0, 1, 2));
 }
 
-// A pool of one thread of each kind; that of look-ups is busy until it is let go.
+// Holds a pool of one thread of each kind; the thread of look-ups is busy until it is let go.
 class BusyPool {
  public:
   explicit BusyPool(size_t max_waiting_calls) : pool_(1, max_waiting_calls) {
@@ -90,7 +90,8 @@ TEST(TaskPoolTest, TasksDoNotWaitForLookUpsNorLookUpsForTasks) {
 
 int NicenessOfThisThread() { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); }
 
-// Runs a pool in a thread that has at least this niceness, as a process that `nice` started.
+// Runs a pool in a thread that has at least this niceness, as in a process that `nice` started, and
+// compares the two kinds of threads.
 void ExpectLookUpsBelowTasks(int niceness) {
   int of_task = 0;
   int of_look_up = 0;

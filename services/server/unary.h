@@ -1,4 +1,4 @@
-// Adapters from plain functions to gRPC's reactors.
+// Adapts plain functions to gRPC's reactors.
 #ifndef CORBSLAM_SERVICES_SERVER_UNARY_H_
 #define CORBSLAM_SERVICES_SERVER_UNARY_H_
 
@@ -33,13 +33,14 @@ inline grpc::ServerUnaryReactor* AnswerOn(TaskPool& pool, grpc::CallbackServerCo
 template <typename Response>
 class StreamReactor : public grpc::ServerWriteReactor<Response> {
  public:
-  // Fills the next message; false after the last.
+  // Fills the next message; returns false after the last one.
   using Next = std::function<bool(Response&)>;
   // Computes what is to be streamed; an error ends the call.
   using Prepare = std::function<absl::StatusOr<Next>()>;
 
-  // Prepares on the pool, then streams; RESOURCE_EXHAUSTED where too many wait. Keeps `ticket`
-  // until the stream has ended; where it is an error, the stream ends with that. Owns itself.
+  // Prepares on the pool, then streams; RESOURCE_EXHAUSTED where too many calls wait. Keeps
+  // `ticket` until the stream has ended; where it is an error, the stream ends with that. Owns
+  // itself.
   static StreamReactor* Start(TaskPool& pool, absl::StatusOr<std::shared_ptr<const void>> ticket,
                               Prepare prepare) {
     auto* reactor = new StreamReactor();
@@ -76,7 +77,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   }
 
   void End(const grpc::Status& status) {
-    // Before the caller hears of the end: it may come again at once.
+    // The ticket is given back before the caller hears of the end: it may come again at once.
     ticket_.reset();
     // The reactor may be gone once this is called.
     this->Finish(status);

@@ -1,4 +1,4 @@
-// simulated_agent: client_agent with a simulator in the place of its camera (docs/simulation.md).
+// simulated_agent is client_agent with a simulator in the place of its camera (docs/simulation.md).
 #include "services/programs/robot_program.h"
 #include "services/simulated_source/simulated_source.h"
 

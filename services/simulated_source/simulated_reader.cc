@@ -41,7 +41,7 @@ SourceDescription Describe(const SimulatedSequence& sequence) {
   description.frames = sequence.frame_count();
   std::vector<int64_t> times_ns;
   for (size_t i = 0; i < sequence.frame_count(); ++i) times_ns.push_back(sequence.timestamp_ns(i));
-  // A slow camera may be asked for: what looks odd in a recording is as wished here.
+  // The user may ask for a slow camera: what looks odd in a recording is as wished here.
   SourceFindings ignored;
   const auto times = MeasureTimes("simulation", times_ns, ignored);
   if (times.ok()) description.times = *times;

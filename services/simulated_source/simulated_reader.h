@@ -1,4 +1,4 @@
-// Frames that are drawn, not read.
+// Opens a simulation, whose frames are drawn, not read.
 #ifndef CORBSLAM_SERVICES_SIMULATED_SOURCE_SIMULATED_READER_H_
 #define CORBSLAM_SERVICES_SIMULATED_SOURCE_SIMULATED_READER_H_
 
@@ -10,7 +10,8 @@
 
 namespace corbslam {
 
-// Read's errors are those of SimulatedSequence::Render, others those of SimulatedSequence::Make.
+// Opens a reader. Errors of its Read are those of SimulatedSequence::Render, others those of
+// SimulatedSequence::Make.
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenSimulation(const SimulationSpec& spec);
 
 }  // namespace corbslam

@@ -1,5 +1,6 @@
-// "sim:WORLD?OPTIONS": sequences that are drawn when they are played. Lies outside client_agent/,
-// so that a robot's program need not carry a simulator (docs/adr/0022-frame-streams.md).
+// Registers "sim:WORLD?OPTIONS": sequences drawn when they are played. It lies outside
+// client_agent/, so that a robot's program need not carry a simulator
+// (docs/adr/0022-frame-streams.md).
 #ifndef CORBSLAM_SERVICES_SIMULATED_SOURCE_SIMULATED_SOURCE_H_
 #define CORBSLAM_SERVICES_SIMULATED_SOURCE_SIMULATED_SOURCE_H_
 
@@ -8,14 +9,15 @@
 
 namespace corbslam {
 
-// Before this program parses its first source. Any number of times, from any thread; true, so that
-// a test may call it where it is loaded.
+// Registers the kind of source, before the program parses its first one; any thread may call it
+// again. Returns true, so that a test may call it where it is loaded.
 bool RegisterSimulatedSources();
 
-// What `source` draws; null where it is no simulation. Lives as long as `source` is not changed.
+// Returns what `source` draws; null if it is no simulation. The result lives as long as `source` is
+// not changed.
 const SimulationSpec* FindSimulation(const SourceSpec& source);
 
-// `source`, which must be a simulation, draws `simulation` from now on.
+// Makes `source`, which must be a simulation, draw `simulation` from now on.
 void SetSimulation(const SimulationSpec& simulation, SourceSpec& source);
 
 }  // namespace corbslam

@@ -1,5 +1,5 @@
-// ask HOST:PORT: lists the services of a server.
-// ask HOST:PORT PACKAGE.SERVICE/METHOD [JSON]: calls one of its methods and prints the answers.
+// ask HOST:PORT lists the services of a server.
+// ask HOST:PORT PACKAGE.SERVICE/METHOD [JSON] calls one of its methods and prints the answers.
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>

@@ -90,7 +90,7 @@ void SilentProxy::Carry(int from, int to, std::atomic<bool>& dead) {
   while (true) {
     const ssize_t bytes = recv(from, buffer.data(), buffer.size(), 0);
     if (silent_) dead = true;
-    // A side that hangs up is not told on either, once the connection is dead.
+    // Once the connection is dead, one side does not learn either that the other hangs up.
     if (bytes <= 0) break;
     if (dead) continue;
     if (send(to, buffer.data(), static_cast<size_t>(bytes), MSG_NOSIGNAL) != bytes) break;

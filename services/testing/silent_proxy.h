@@ -1,4 +1,4 @@
-// A way to a server that can fall silent: connections stay, and nothing comes through.
+// Makes a way to a server that can fall silent: connections stay, and nothing comes through.
 #ifndef CORBSLAM_SERVICES_TESTING_SILENT_PROXY_H_
 #define CORBSLAM_SERVICES_TESTING_SILENT_PROXY_H_
 
@@ -12,10 +12,10 @@
 
 namespace corbslam {
 
-// Carries TCP between whoever connects to it and one server on the loopback device. Thread-safe.
+// Carries TCP between its clients and one server on the loopback device. Thread-safe.
 class SilentProxy {
  public:
-  // To "127.0.0.1:PORT". UNAVAILABLE with the system's word.
+  // Starts a proxy to "127.0.0.1:PORT". UNAVAILABLE with the system's reason.
   static absl::StatusOr<std::unique_ptr<SilentProxy>> Start(const std::string& server);
   ~SilentProxy();
   SilentProxy(const SilentProxy&) = delete;
@@ -23,8 +23,9 @@ class SilentProxy {
 
   const std::string& address() const { return address_; }
 
-  // What comes while it is silent is never carried, not later either: a connection that has lost
-  // bytes so is dead for both sides, and neither is told. New ones are taken, and as silent.
+  // Sets whether the proxy is silent. What comes while it is silent is never carried, not later
+  // either: a connection that has lost bytes so is dead for both sides, and neither is told. New
+  // connections are accepted, and are as silent.
   void SetSilent(bool silent) { silent_ = silent; }
 
  private:
@@ -44,7 +45,7 @@ class SilentProxy {
   const int server_port_;
   const std::string address_;
   std::atomic<bool> silent_{false};
-  std::list<Connection> connections_;  // Of the accepting thread, then of the destructor.
+  std::list<Connection> connections_;  // The accepting thread uses them, then the destructor.
   std::thread accepting_;
 };
 

@@ -1,4 +1,4 @@
-// Files of tests.
+// Names files of tests.
 #ifndef CORBSLAM_SERVICES_TESTING_TEST_PATH_H_
 #define CORBSLAM_SERVICES_TESTING_TEST_PATH_H_
 
@@ -11,7 +11,7 @@
 
 namespace corbslam {
 
-// In the folder for such files, one that no other test uses: tests run side by side.
+// Returns a path in the folder for such files that no other test uses: tests run side by side.
 inline std::string TestPath(const std::string& name) {
   const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
   std::string own =

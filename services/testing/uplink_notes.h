@@ -14,7 +14,7 @@
 
 namespace corbslam {
 
-// Thread-safe. What it waits for, it waits for 20 s at most.
+// Notes what an uplink tells its listener. Thread-safe. Each wait takes 20 s at most.
 class UplinkNotes : public UplinkListener {
  public:
   void OnSessionOpened(const SessionGrant& grant) override {
@@ -35,7 +35,7 @@ class UplinkNotes : public UplinkListener {
     closed_ = reason;
   }
 
-  // None when the session was closed before, or nothing came.
+  // Returns nullopt if the session was closed before, or nothing came.
   std::optional<SessionGrant> WaitForGrant() {
     absl::MutexLock lock(&mutex_);
     const auto come = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
@@ -44,7 +44,8 @@ class UplinkNotes : public UplinkListener {
     mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
     return grant_;
   }
-  // The number of the last acknowledged batch, once `count` acknowledgements have come; else 0.
+  // Returns the number of the last acknowledged batch, once `count` acknowledgements have come;
+  // else 0.
   uint64_t WaitForAcknowledgements(size_t count) {
     absl::MutexLock lock(&mutex_);
     const auto come = [this, count]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
@@ -53,14 +54,14 @@ class UplinkNotes : public UplinkListener {
     return mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience) ? acknowledged_.back().number
                                                                       : 0;
   }
-  // False when nobody asked.
+  // Returns false if nobody asked.
   bool WaitUntilExactPlacesAreWanted() {
     absl::MutexLock lock(&mutex_);
     const auto come = [this]()
                           ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return exact_places_wanted_ > 0; };
     return mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
   }
-  // Why the session was closed; DEADLINE_EXCEEDED when it wasn't.
+  // Returns why the session was closed; DEADLINE_EXCEEDED if it wasn't.
   absl::Status WaitForClose() {
     absl::MutexLock lock(&mutex_);
     const auto come = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return closed_.has_value(); };

@@ -25,6 +25,42 @@ std::vector<CovisibleKeyframe> SortByWeight(const Keyframe& keyframe, int min_we
 
 }  // namespace
 
+// Finds out whether keyframes hang on one, looking at each at most once. Children of that one may
+// be hung on what does not hang on it meanwhile.
+class Map::BranchFinder {
+ public:
+  BranchFinder(const Map& map, KeyframeId top) : map_(map), top_(top) {}
+
+  bool IsBelowTop(KeyframeId id) {
+    const KeyframeId branch = FindBranch(id);
+    return branch.IsValid() && map_.FindKeyframe(branch)->parent == top_;
+  }
+
+ private:
+  // The child of `top_` that it is, or hangs on; invalid for none.
+  KeyframeId FindBranch(KeyframeId id) {
+    std::vector<KeyframeId> way;
+    KeyframeId branch;
+    for (const Keyframe* at = map_.FindKeyframe(id); at != nullptr;
+         at = map_.FindKeyframe(at->parent)) {
+      if (const auto known = branch_of_.find(at->id()); known != branch_of_.end()) {
+        branch = known->second;
+        break;
+      }
+      way.push_back(at->id());
+      if (at->parent != top_) continue;
+      branch = at->id();
+      break;
+    }
+    for (const KeyframeId& below : way) branch_of_[below] = branch;
+    return branch;
+  }
+
+  const Map& map_;
+  const KeyframeId top_;
+  absl::flat_hash_map<KeyframeId, KeyframeId> branch_of_;
+};
+
 Map::Map(const Map& other)
     : keyframes_(other.keyframes_), points_(other.points_), covisibility_(other.covisibility_) {}
 
@@ -95,6 +131,8 @@ bool Map::SetKeypoints(KeyframeId id, std::vector<Keypoint> keypoints) {
 }
 
 bool Map::IsAncestor(KeyframeId ancestor, KeyframeId id) const {
+  const Keyframe* top = FindKeyframe(ancestor);
+  if (top == nullptr || top->children.empty()) return top != nullptr && ancestor == id;
   for (const Keyframe* at = FindKeyframe(id); at != nullptr; at = FindKeyframe(at->parent)) {
     if (at->id() == ancestor) return true;
   }
@@ -217,13 +255,13 @@ bool Map::RemovePoint(MapPointId id) {
   return true;
 }
 
-KeyframeId Map::ChooseNewParent(const Keyframe& child, const Keyframe& removed) const {
+KeyframeId Map::ChooseNewParent(const Keyframe& child, const Keyframe& removed,
+                                BranchFinder& branches) const {
   for (const CovisibleKeyframe& candidate : SortByWeight(child, 1)) {
     // Another robot's keyframe moves without what hangs on it.
-    if (candidate.id.local_map != child.id().local_map) continue;
-    if (candidate.id == removed.id() || IsAncestor(child.id(), candidate.id)) continue;
+    if (candidate.id.local_map != child.id().local_map || candidate.id == removed.id()) continue;
     // A relative that still hangs on the removed keyframe would lose its own way to the root.
-    if (IsAncestor(removed.id(), candidate.id)) continue;
+    if (branches.IsBelowTop(candidate.id)) continue;
     return candidate.id;
   }
   return removed.parent;
@@ -232,10 +270,11 @@ KeyframeId Map::ChooseNewParent(const Keyframe& child, const Keyframe& removed) 
 void Map::RehangChildren(const Keyframe& removed) {
   MapObserver& observer = observer_ ? *observer_ : Silent();
   const absl::btree_set<KeyframeId> children = removed.children;
+  BranchFinder branches(*this, removed.id());
   KeyframeId heir;  // First child of a removed root, which becomes the root.
   for (const KeyframeId& child_id : children) {
     Keyframe& child = *keyframes_.Find(child_id);
-    KeyframeId parent = removed.parent.IsValid() ? ChooseNewParent(child, removed) : heir;
+    KeyframeId parent = removed.parent.IsValid() ? ChooseNewParent(child, removed, branches) : heir;
     if (!heir.IsValid()) heir = child_id;
     Attach(child, parent);
     observer.OnParentChanged(child_id);

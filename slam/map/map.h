@@ -112,7 +112,9 @@ class Map {
   void ForgetCovisibility(const Keyframe& removed);
   bool IsAncestor(KeyframeId ancestor, KeyframeId id) const;
   void Attach(Keyframe& child, KeyframeId parent);
-  KeyframeId ChooseNewParent(const Keyframe& child, const Keyframe& removed) const;
+  class BranchFinder;
+  KeyframeId ChooseNewParent(const Keyframe& child, const Keyframe& removed,
+                             BranchFinder& branches) const;
   void RehangChildren(const Keyframe& removed);
 
   ItemTable<KeyframeId, Keyframe> keyframes_;

@@ -95,7 +95,7 @@ void AddSizes(CLI::App& app, DearSizes& sizes) {
       ->check(CLI::Range(100, 1'000'000))
       ->capture_default_str();
   app.add_option("--parked", sizes.parked, "References that wait; then as many as may")
-      ->check(CLI::Range(0, 200'000))
+      ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
 }
 

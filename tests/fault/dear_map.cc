@@ -12,8 +12,8 @@ using Kind = ObservationChange::Kind;
 constexpr LocalMapId kNobody{0xdeadbeef};
 // Indices of points that never arrive.
 constexpr uint32_t kNeverArrives = 1u << 31;
-constexpr size_t kItemLimit = 1'000'000;
-constexpr size_t kParkedLimit = 200'000;
+constexpr size_t kItemLimit = 200'000;
+constexpr size_t kParkedLimit = 100'000;
 
 // Moves by millimetres, elsewhere in each round.
 double Shift_m(size_t i, uint32_t round) {
@@ -149,18 +149,29 @@ MapUpdateBatch DearMap::SeeAndUnsee() const {
 }
 
 // Many keyframes come to see the first one's points, and lose sight of them: each time with all the
-// others that do, which is a quarter of the crowd's square for each point.
+// others that do, which is one and a half times the crowd's square for each point, and just below
+// the million steps that a batch may take.
 MapUpdateBatch DearMap::CrowdAndPart() const {
   MapUpdateBatch batch = Empty(first_);
-  const size_t in_a_round = 2 * (sizes_.crowd - 1) * sizes_.features;
-  while (batch.observations.size() + in_a_round <= sizes_.items) {
-    for (const Kind kind : {Kind::kAdded, Kind::kRemoved}) {
-      for (size_t i = 1; i < sizes_.crowd; ++i) {
-        for (size_t j = 0; j < sizes_.features; ++j) {
-          batch.observations.push_back({kind, PointOf(0, j), Chain(i), static_cast<uint32_t>(j)});
-        }
+  for (const Kind kind : {Kind::kAdded, Kind::kRemoved}) {
+    for (size_t i = 1; i < sizes_.crowd; ++i) {
+      for (size_t j = 0; j < sizes_.features; ++j) {
+        batch.observations.push_back({kind, PointOf(0, j), Chain(i), static_cast<uint32_t>(j)});
       }
     }
+  }
+  return batch;
+}
+
+// More than a million steps: every keyframe loses sight of a point again and again while it is seen
+// by others.
+MapUpdateBatch DearMap::TooManySteps() const {
+  MapUpdateBatch batch = CrowdAndPart();
+  const std::vector<ObservationChange> once = batch.observations;
+  constexpr size_t kStepLimit = 1'000'000;
+  const size_t steps_at_least = once.size() * sizes_.crowd / 4;
+  for (size_t steps = 0; steps <= kStepLimit; steps += steps_at_least) {
+    batch.observations.insert(batch.observations.end(), once.begin(), once.end());
   }
   return batch;
 }
@@ -245,20 +256,21 @@ std::vector<DearBatch> DearMap::Round(uint32_t round) {
 
 std::vector<DearMap::Refused> DearMap::BeyondLimits() const {
   std::vector<Refused> refused;
-  Refused items{"too many items", Empty(first_), "the limits are 67108864 and 1000000"};
+  Refused items{"too many items", Empty(first_), "items; the limit is 200000"};
   for (size_t i = 0; i <= kItemLimit; ++i) {
     items.batch.observations.push_back({Kind::kRemoved, PointOf(0, 0), Chain(0), 0});
   }
   refused.push_back(std::move(items));
-  // 84 MB.
-  Refused bytes{"too many bytes", FillWithFeatures(100, 20'000), "67108864"};
+  // 21 MB.
+  Refused bytes{"too many bytes", FillWithFeatures(25, 20'000), "the limit is 16777216"};
   refused.push_back(std::move(bytes));
-  Refused parked{"too much that waits", ParkAll(), "the limit is 200000"};
+  Refused parked{"too much that waits", ParkAll(), "the limit is 100000"};
   const MapUpdateBatch more = ParkAll();
   while (parked.batch.observations.size() <= kParkedLimit) {
     parked.batch.observations.push_back(more.observations.front());
   }
   refused.push_back(std::move(parked));
+  refused.push_back({"too many steps", TooManySteps(), "the limit is 1000000"});
   Refused twice{"a keyframe moved twice", MoveChain(0), "comes twice"};
   twice.batch.light_keyframes.push_back(twice.batch.light_keyframes.front());
   refused.push_back(std::move(twice));

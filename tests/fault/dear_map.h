@@ -15,22 +15,22 @@ namespace corbslam {
 
 struct DearSizes {
   // Keyframes of the chain, in which each hangs on the one before.
-  size_t keyframes = 5000;
+  size_t keyframes = 3900;
   // Features of each of them; every one sees a point of its own.
   size_t features = 20;
   // So many keyframes are made to see the same points.
-  size_t crowd = 500;
+  size_t crowd = 180;
   // Keyframes of a second local map, in which each hangs on the one after: none of those before a
   // keyframe can be its parent.
-  size_t reversed = 300;
+  size_t reversed = 1900;
   // Features of one keyframe that sees nothing but points of robots that are not there.
   size_t wide_features = 20000;
   // Items of a batch of observations or replacements at most.
-  size_t items = 900'000;
-  // Keyframes of as many features in one batch: 75 of 20,000 are just below 64 MiB.
-  size_t full_keyframes = 75;
-  // References to what never arrives; the store's limit is 200,000.
-  size_t parked = 200'000;
+  size_t items = 190'000;
+  // Keyframes of as many features in one batch: 18 of 20,000 are just below 16 MiB.
+  size_t full_keyframes = 18;
+  // References to what never arrives; the store's limit is 100,000.
+  size_t parked = 100'000;
 };
 
 // What is sent, without its number: whoever sends it counts.
@@ -79,6 +79,7 @@ class DearMap {
   MapUpdateBatch MovePoints(uint32_t round) const;
   MapUpdateBatch SeeAndUnsee() const;
   MapUpdateBatch CrowdAndPart() const;
+  MapUpdateBatch TooManySteps() const;
   MapUpdateBatch SeeForeign(uint32_t round) const;
   MapUpdateBatch ParkAll() const;
   MapUpdateBatch RetryParked();

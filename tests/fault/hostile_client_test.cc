@@ -236,7 +236,7 @@ TEST_F(HostileClientTest, DearNeighbourIsServedWithinLimitsAndNobodyIsLeftOut) {
   for (const auto& batch : dear["batches"]) {
     EXPECT_EQ(batch["end"], "OK") << batch["kind"];
   }
-  EXPECT_EQ(dear["refused"].size(), 4u);
+  EXPECT_EQ(dear["refused"].size(), 5u);
   for (const auto& refused : dear["refused"]) {
     const bool is_price = refused["kind"] == "a keyframe moved twice";
     EXPECT_EQ(refused["code"], is_price ? "INVALID_ARGUMENT" : "RESOURCE_EXHAUSTED") << refused;

@@ -1,4 +1,4 @@
-// A writing thread that works when it is told to, for tests of the link.
+// Simulates a writing thread that works when it is told to, for tests of the link.
 #ifndef CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_MAP_JOBS_H_
 #define CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_MAP_JOBS_H_
 
@@ -22,7 +22,7 @@ class FakeMapJobs : public MapJobs {
   }
   void OnPlaced(const PlacementChange&, const Map&) override { ++placed; }
 
-  // Runs what was posted.
+  // Runs the jobs that were posted.
   void Run(GuardedMap& map) {
     std::vector<Job> jobs;
     {

@@ -1,4 +1,4 @@
-// A map store at the other end of an uplink, for tests of the link to it.
+// Simulates a map store at the other end of an uplink, for tests of the link to it.
 #ifndef CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_UPLINK_H_
 #define CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_UPLINK_H_
 
@@ -14,7 +14,7 @@
 
 namespace corbslam {
 
-// A map store that forgets nothing and can be made to fail. Answers from inside the calls.
+// A map store that forgets nothing and can be made to fail. It answers from inside the calls.
 class FakeUplink : public Uplink {
  public:
   void Open(const SessionRequest& request, UplinkListener* listener) override {
@@ -55,17 +55,17 @@ class FakeUplink : public Uplink {
 
   std::atomic<bool> reachable = true;
   bool acknowledge = true;
-  // What is sent is not stored.
+  // False: what is sent is not stored.
   bool accept = true;
-  // Of opening a session.
+  // Why sessions are refused; OK: they are not.
   absl::Status refusal;
   Capabilities capabilities = {.points_follow = true};
-  // Of what a batch is estimated to take, what it takes.
+  // What a batch takes, as a multiple of its estimate.
   double wire_factor = 1;
   std::atomic<uint64_t> bytes = 0;
   std::atomic<uint64_t> waiting = 0;
   bool open = false;
-  // Whether a store would share anything now.
+  // True: the link does not read, so that a store would share nothing now.
   bool paused = false;
   std::vector<SessionRequest> requests;
   std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;

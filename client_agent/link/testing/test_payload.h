@@ -1,4 +1,4 @@
-// Keyframe payloads for tests that care for ids and keypoints alone.
+// Makes keyframe payloads for tests that care for ids and keypoints alone.
 #ifndef CORBSLAM_CLIENT_AGENT_LINK_TESTING_TEST_PAYLOAD_H_
 #define CORBSLAM_CLIENT_AGENT_LINK_TESTING_TEST_PAYLOAD_H_
 
@@ -10,7 +10,7 @@
 
 namespace corbslam::testing {
 
-// All keypoints at the origin, without depth.
+// Returns a payload with all keypoints at the origin, without depth.
 inline std::shared_ptr<const KeyframePayload> MakeTestPayload(KeyframeId id, size_t keypoints) {
   Features features;
   features.keypoints.resize(keypoints);

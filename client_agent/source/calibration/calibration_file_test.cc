@@ -1,4 +1,4 @@
-// Calibration files that hold what no camera has.
+// Tests calibration files that hold what no camera has.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -131,7 +131,7 @@ RgbdCalibrationQuery QueryOfFile(const std::string& name, const std::string& tex
 constexpr char kRgbdYaml[] = "fx: 525\nfy: 525.5\ncx: 319.5\ncy: 239.5\n";
 
 struct RgbdCase {
-  std::string line;  // Beside those of kRgbdYaml, or instead of one of the same field.
+  std::string line;  // Goes beside those of kRgbdYaml, or instead of one of the same field.
   std::string says;
 };
 class RefusedRgbdTest : public ::testing::TestWithParam<RgbdCase> {};
@@ -165,9 +165,9 @@ INSTANTIATE_TEST_SUITE_P(
                       RgbdCase{"fx:", "fx is no finite number"},
                       RgbdCase{"- 1", "calibration.yaml"},
                       RgbdCase{"width: 320\nheight: 240", "these intrinsics are of 320x240"},
-                      // In the order fx, cx, fy, cy.
+                      // The numbers are in the order fx, cx, fy, cy.
                       RgbdCase{"cx: 525", "cx 525 px of 640 can't be"},
-                      // Of pictures of twice the size, and of half.
+                      // The numbers are for pictures of twice the size, and of half.
                       RgbdCase{"cx: 639.5", "cx 639.5 px of 640 can't be"},
                       RgbdCase{"cy: 119.5", "cy 119.5 px of 480 can't be"},
                       RgbdCase{"fx: 20", "fx 20 px with 640 px of width can't be"}));

@@ -13,7 +13,7 @@ namespace corbslam {
 namespace {
 
 constexpr int kMaxSide_px = 16384;
-// A camera that is farther from its body is one in millimetres.
+// A camera that seems farther from its body is given in millimetres.
 constexpr double kMaxLever_m = 20;
 
 absl::StatusOr<std::vector<double>> ReadNumbers(const YAML::Node& list, const std::string& path,
@@ -64,7 +64,7 @@ absl::Status ExpectWord(const YAML::Node& file, const std::string& path, const c
                                                  absl::StrJoin(expected, ", "), " is known"));
 }
 
-// k1 k2 p1 p2 [k3 [k4 k5 k6]], as OpenCV orders them. The last three are of another model.
+// Reads k1 k2 p1 p2 [k3 [k4 k5 k6]], as OpenCV orders them. The last three are of another model.
 absl::StatusOr<RadialTangential> ReadDistortion(const YAML::Node& file, const std::string& path) {
   const char* field = "distortion_coefficients";
   ASSIGN_OR_RETURN(std::vector<double> d, ReadNumbers(file[field], path, field, 4, 8));

@@ -1,4 +1,4 @@
-// The sensor.yaml of a camera in EuRoC's ASL layout.
+// Reads the sensor.yaml of a camera in EuRoC's ASL layout.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_EUROC_CALIBRATION_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_EUROC_CALIBRATION_H_
 
@@ -11,16 +11,16 @@
 namespace corbslam {
 
 struct EurocCamera {
-  Rigid3d body_from_camera;  // T_BS.
+  Rigid3d body_from_camera;  // The file's T_BS.
   RawCamera intrinsics;
   int width_px = 0;
   int height_px = 0;
 };
 
-// Pinhole with radial-tangential distortion. Errors name the file and the field.
+// Reads a pinhole camera with radial-tangential distortion. Errors name the file and the field.
 absl::StatusOr<EurocCamera> ReadEurocCamera(const std::string& sensor_yaml_path);
 
-// DIR/mav0 where that is there, else DIR.
+// Returns DIR/mav0 where that is there, else DIR.
 std::string EurocRoot(const std::string& directory);
 
 }  // namespace corbslam

@@ -17,10 +17,10 @@ namespace {
 
 // Depth from this many baselines on is too coarse to make a point from one view.
 constexpr double kCloseDepth_baselines = 35;
-// What rounding in a file may make unequal.
+// Difference that rounding in a file may make.
 constexpr double kSame_px = 0.01;
 
-// P = K [I | t], row by row: fx 0 cx fx*tx, 0 fy cy ., 0 0 1 .
+// A row P = K [I | t] of the file: fx 0 cx fx*tx, 0 fy cy ., 0 0 1 .
 struct Projection {
   int line = 0;
   double fx_px = 0;
@@ -77,8 +77,8 @@ absl::StatusOr<Pair> ReadPair(const KittiCalibrationQuery& query) {
   return Pair{rows.at(query.left_row), rows.at(query.right_row)};
 }
 
-// A pair that is rectified has one focal length and one principal row; its principal columns may
-// differ.
+// Checks that the pair is rectified: it has one focal length and one principal row, while its
+// principal columns may differ.
 absl::Status CheckIsPair(const KittiCalibrationQuery& query, const Pair& pair) {
   const std::tuple<const char*, double, double> same[] = {
       {"fx", pair.left.fx_px, pair.right.fx_px},

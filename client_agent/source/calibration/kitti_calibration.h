@@ -1,4 +1,4 @@
-// The rectified stereo calibrations of KITTI: calib.txt and calib_cam_to_cam.txt.
+// Reads the rectified stereo calibrations of KITTI: calib.txt and calib_cam_to_cam.txt.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_KITTI_CALIBRATION_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_KITTI_CALIBRATION_H_
 
@@ -12,12 +12,12 @@ namespace corbslam {
 
 struct KittiCalibrationQuery {
   std::string path;
-  // Of the lines with the 3x4 projections of the rectified left and right camera: "P0", "P1".
+  // Names of the lines with the 3x4 projections of the rectified left and right camera: "P0", "P1".
   std::string left_row;
   std::string right_row;
   int width_px = 0;
   int height_px = 0;
-  bool trust = false;  // ?trust-calibration
+  bool trust = false;  // The option ?trust-calibration.
 };
 
 struct FoundKittiCalibration {
@@ -25,8 +25,8 @@ struct FoundKittiCalibration {
   SourceFindings findings;
 };
 
-// NOT_FOUND where the file is not there. INVALID_ARGUMENT names file and line: a row that is
-// missing or there twice, that is no projection of a rectified camera, two rows that are no pair
+// Returns NOT_FOUND where the file is not there. INVALID_ARGUMENT names file and line: a row that
+// is missing or there twice, that is no projection of a rectified camera, two rows that are no pair
 // (another focal length or principal row), a baseline or intrinsics that can't be.
 absl::StatusOr<FoundKittiCalibration> ReadKittiCalibration(const KittiCalibrationQuery& query);
 

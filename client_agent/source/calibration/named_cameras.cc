@@ -31,7 +31,8 @@ constexpr NamedCamera kCameras[] = {
     {"icl-nuim", 481.20, 480.00, 319.50, 239.50, {}, 5000},
     {"7-scenes", 585, 585, 320, 240, {}, 1000}};
 
-// What follows "rgbd_dataset_freiburg1_" and so on in the benchmark's list of recordings.
+// Names of recordings in the benchmark's list, without the "rgbd_dataset_freiburg1_" and so on
+// before them.
 constexpr absl::string_view kFreiburg1[] = {"360",  "desk", "desk2", "floor", "plant",
                                             "room", "rpy",  "teddy", "xyz"};
 constexpr absl::string_view kFreiburg2[] = {"360_hemisphere",

@@ -1,4 +1,5 @@
-// Cameras whose calibration was published with their recordings, and which recordings these are.
+// Knows cameras whose calibration was published with their recordings, and which recordings these
+// are.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_NAMED_CAMERAS_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_NAMED_CAMERAS_H_
 
@@ -13,7 +14,7 @@ namespace corbslam {
 
 // An RGB-D camera of 640x480 pixels.
 struct NamedCamera {
-  absl::string_view name;  // "freiburg1"
+  absl::string_view name;  // For example "freiburg1".
   double fx_px, fy_px, cx_px, cy_px;
   RadialTangential distortion;
   double depth_units_per_m;
@@ -21,13 +22,13 @@ struct NamedCamera {
 constexpr int kNamedCameraWidth_px = 640;
 constexpr int kNamedCameraHeight_px = 480;
 
-// Null where no camera is called so.
+// Returns null where no camera is called so.
 const NamedCamera* FindNamedCamera(absl::string_view name);
-// "freiburg1, freiburg2, ...".
+// Returns "freiburg1, freiburg2, ...".
 std::string ListNamedCameras();
 
-// The camera of a recording of the TUM RGB-D benchmark, by the recording's exact name:
-// "rgbd_dataset_freiburg2_desk". Null for every other name.
+// Returns the camera of a recording of the TUM RGB-D benchmark, by the recording's exact name:
+// "rgbd_dataset_freiburg2_desk". Returns null for every other name.
 const NamedCamera* CameraOfTumRecording(absl::string_view recording);
 
 }  // namespace corbslam

@@ -20,8 +20,9 @@ constexpr absl::string_view kOtherSize =
     "are these numbers of pictures of another size, or in another order?";
 constexpr absl::string_view kOtherUnit = "is it in metres?";
 
-// Shares of a side. Pictures at half or twice the size of their calibration are at 1 and 0.25,
-// those at three quarters at 0.67; of the public recordings the farthest off is at 0.41.
+// Judges a principal point by shares of a side. Pictures at half or twice the size of their
+// calibration are at 1 and 0.25, those at three quarters at 0.67; of the public recordings the
+// farthest off is at 0.41.
 Judged PrincipalPoint(absl::string_view name, double c_px, int side_px) {
   return {absl::StrCat(name, " ", c_px, " px of ", side_px),
           c_px / side_px,
@@ -32,7 +33,7 @@ Judged PrincipalPoint(absl::string_view name, double c_px, int side_px) {
           kOtherSize};
 }
 
-// By the wider side: 0.25 sees 127 degrees, 4 sees 14.
+// Judges a focal length by the wider side: 0.25 sees 127 degrees, 4 sees 14.
 Judged FocalLength(absl::string_view name, double f_px, int side_px) {
   return {absl::StrCat(name, " ", f_px, " px with ", side_px, " px of width"),
           f_px / side_px,

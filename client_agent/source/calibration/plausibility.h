@@ -1,4 +1,4 @@
-// Whether a calibration can be of the pictures that it is said to be of.
+// Judges whether a calibration can be of the pictures that it is said to be of.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_PLAUSIBILITY_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_PLAUSIBILITY_H_
 
@@ -21,13 +21,14 @@ struct Intrinsics {
 };
 
 // Finds what is improbable: a principal point off the middle, an odd focal length. What no camera
-// has is INVALID_ARGUMENT: a principal point outside the middle of the picture, as of pictures of
-// half or twice the size, a focal length of the wrong order. `from` names the calibration's file
-// or option. With `trust` (?trust-calibration) everything finite is taken, and said.
+// has is INVALID_ARGUMENT: a principal point outside the middle of the picture, as where pictures
+// have half or twice the size, a focal length of the wrong order. `from` names the calibration's
+// file or option. With `trust` (?trust-calibration) everything finite is taken, and a finding says
+// so.
 absl::StatusOr<SourceFindings> CheckIntrinsics(const Intrinsics& intrinsics, absl::string_view from,
                                                bool trust);
 
-// Likewise for the distance between the cameras of a stereo pair.
+// Does the same for the distance between the cameras of a stereo pair.
 absl::StatusOr<SourceFindings> CheckBaseline(double baseline_m, absl::string_view from, bool trust);
 
 }  // namespace corbslam

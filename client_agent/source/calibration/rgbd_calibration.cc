@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr double kVirtualBaseline_m = 0.08;
 constexpr double kCloseDepth_m = 40 * kVirtualBaseline_m;
-// The format's own, where a calibration file leaves it out.
+// The TUM format's own unit, where a calibration file leaves it out.
 constexpr double kTumDepthUnits = 5000;
 
 RgbdCalibration MakeCalibration(double fx_px, double fy_px, double cx_px, double cy_px,
@@ -73,7 +73,8 @@ absl::StatusOr<FoundRgbdCalibration> FromNamed(const NamedCamera& camera, std::s
   return found;
 }
 
-// The recording that a file's opening comments say it is of: "# file: 'NAME.bag'". Empty: none.
+// Returns the recording that a file's opening comments say it is of: "# file: 'NAME.bag'". Empty:
+// none.
 std::string RecordingOf(const std::string& path) {
   std::ifstream file(path);
   std::string line;
@@ -92,10 +93,10 @@ std::string RecordingOf(const std::string& path) {
 
 struct NamedBy {
   const NamedCamera* camera = nullptr;
-  std::string by;  // What names it.
+  std::string by;  // How it is named, for messages.
 };
 
-// INVALID_ARGUMENT where two files name different cameras.
+// Returns INVALID_ARGUMENT where two files name different cameras.
 absl::StatusOr<NamedBy> FindNaming(const std::string& folder) {
   NamedBy named;
   for (const char* name : {"rgb.txt", "depth.txt", "groundtruth.txt"}) {
@@ -127,7 +128,7 @@ absl::Status NoCalibration(const RgbdCalibrationQuery& query) {
       ListNamedCameras()));
 }
 
-// Nullopt where nothing in the folder says which camera it is.
+// Returns nullopt where nothing in the folder says which camera it is.
 absl::StatusOr<std::optional<FoundRgbdCalibration>> FromFolder(const std::string& folder,
                                                                const RgbdCalibrationQuery& query) {
   std::error_code ignored;

@@ -1,4 +1,4 @@
-// The two forms of files that hold an RGB-D camera's calibration.
+// Reads the two forms of files that hold an RGB-D camera's calibration.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_RGBD_CALIBRATION_FILE_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_RGBD_CALIBRATION_FILE_H_
 
@@ -18,19 +18,20 @@ struct RgbdCalibrationFile {
   double cy_px = 0;
   RadialTangential distortion;
   std::optional<double> depth_units_per_m;
-  // Of the pictures that it is for, in pixels.
+  // Size in pixels of the pictures that the calibration is for.
   std::optional<double> width_px;
   std::optional<double> height_px;
 };
 
-// YAML with fx, fy, cx, cy and what is optional (rgbd_calibration.h). INVALID_ARGUMENT with file,
-// line and field: one that is missing, unknown, there twice or no finite number.
+// Reads YAML with fx, fy, cx, cy and what is optional (rgbd_calibration.h). Returns
+// INVALID_ARGUMENT with file, line and field: one that is missing, unknown, there twice or no
+// finite number.
 absl::StatusOr<RgbdCalibrationFile> ReadRgbdYaml(const std::string& path);
 
-// ETH3D's: one line with fx fy cx cy.
+// Reads ETH3D's form: one line with fx fy cx cy.
 absl::StatusOr<RgbdCalibrationFile> ReadRgbdText(const std::string& path);
 
-// By the ending of its name: .txt is the latter.
+// Tells the form by the ending of the file's name: .txt is ETH3D's.
 absl::StatusOr<RgbdCalibrationFile> ReadRgbdFile(const std::string& path);
 
 }  // namespace corbslam

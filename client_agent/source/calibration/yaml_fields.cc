@@ -43,7 +43,8 @@ absl::Status UseYamlFields(const std::string& path,
     RETURN_IF_ERROR(CheckKeysDiffer(path, file));
     return use(file);
   } catch (const std::exception& exception) {
-    // The parser's own (with line and column), and what it lets through of the standard library.
+    // These are the parser's own errors (with line and column), and those of the standard library
+    // that it lets through.
     return absl::InvalidArgumentError(absl::StrCat(path, ": ", exception.what()));
   }
 }

@@ -1,4 +1,4 @@
-// YAML files of fields, read whole: nothing twice, nothing that a parser would pass over.
+// Reads YAML files of fields whole: nothing twice, nothing that a parser would pass over.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_YAML_FIELDS_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_YAML_FIELDS_H_
 
@@ -12,16 +12,16 @@
 
 namespace corbslam {
 
-// Calls `use` with the file's top level, a map whose keys differ. NOT_FOUND where it can't be
-// opened; INVALID_ARGUMENT names the file and the line of what is no YAML, no map, or a key that
-// is there twice. What `use` throws (yaml-cpp does) becomes INVALID_ARGUMENT too.
+// Calls `use` with the file's top level, a map whose keys differ. Returns NOT_FOUND where the file
+// can't be opened; INVALID_ARGUMENT names the file and the line of what is no YAML, no map, or a
+// key that is there twice. What `use` throws (yaml-cpp does) becomes INVALID_ARGUMENT too.
 absl::Status UseYamlFields(const std::string& path,
                            const std::function<absl::Status(const YAML::Node&)>& use);
 
-// The line of a node in its file, from 1 on.
+// Returns the line of a node in its file, from 1 on.
 int LineOf(const YAML::Node& node);
 
-// A finite number, or false.
+// Reads a finite number; returns false where it is none.
 bool ReadFinite(const YAML::Node& node, double& number);
 
 }  // namespace corbslam

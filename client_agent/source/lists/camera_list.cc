@@ -20,7 +20,7 @@ bool IsBefore(const ListedPicture& a, const ListedPicture& b) {
   return a.timestamp_ns < b.timestamp_ns;
 }
 
-// "timestamp [ns],filename" without its #.
+// Recognises "timestamp [ns],filename" without its #.
 bool IsHeading(absl::string_view field) {
   return !field.empty() && absl::ascii_isalpha(static_cast<unsigned char>(field.front()));
 }
@@ -86,7 +86,7 @@ std::vector<std::pair<ListedPicture, ListedPicture>> PairByTime(
   size_t k = 0;
   for (size_t i = 0; i < left.size() && k < right.size(); ++i) {
     while (k + 1 < right.size() && gap_ns(i, k + 1) < gap_ns(i, k)) ++k;
-    // The next left picture is nearer to it.
+    // The next left picture is nearer to this right one.
     if (i + 1 < left.size() && gap_ns(i + 1, k) < gap_ns(i, k)) continue;
     if (gap_ns(i, k) > tolerance_ns) continue;
     pairs.push_back({left[i], right[k++]});

@@ -1,4 +1,4 @@
-// Times of pictures that have none, from a rate that the user states.
+// Gives times to pictures that have none, from a rate that the user states.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_FRAME_RATE_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_FRAME_RATE_H_
 
@@ -11,10 +11,10 @@
 
 namespace corbslam {
 
-// Picture n at n / fps seconds.
+// Returns the time n / fps seconds for picture n.
 std::vector<ListedTime> TimesAtRate(double fps, size_t count);
 
-// NOT_FOUND, saying how a rate is stated. `path` is the file that would have had them.
+// Returns NOT_FOUND, saying how a rate is stated. `path` is the file that would have had the times.
 absl::Status NoTimes(const std::string& path);
 
 }  // namespace corbslam

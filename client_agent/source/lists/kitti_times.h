@@ -1,4 +1,4 @@
-// The times of KITTI's pictures: one a line, the n-th is of picture n.
+// Reads the times of KITTI's pictures: one a line, the n-th for picture n.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_KITTI_TIMES_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_KITTI_TIMES_H_
 
@@ -10,9 +10,9 @@
 
 namespace corbslam {
 
-// Of times.txt, in seconds ("1.037359e-01"), or timestamps.txt, as KITTI's raw recordings have them
-// ("2011-09-26 13:02:25.964389445", taken as UTC). NOT_FOUND where the file is not there;
-// INVALID_ARGUMENT with file and line.
+// Reads times.txt, in seconds ("1.037359e-01"), or timestamps.txt, as KITTI's raw recordings have
+// them ("2011-09-26 13:02:25.964389445", taken as UTC). Returns NOT_FOUND where the file is not
+// there; INVALID_ARGUMENT with file and line for what is no time.
 absl::StatusOr<std::vector<ListedTime>> ReadKittiTimes(const std::string& path);
 
 }  // namespace corbslam

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr absl::string_view kEndings[] = {".png", ".jpg", ".jpeg", ".bmp",
                                           ".pgm", ".ppm", ".tif",  ".tiff"};
 
-// Eleven days at 10 frames a second.
+// The limit is eleven days at 10 frames a second.
 constexpr size_t kMaxNumber = 9'999'999;
 
 std::optional<size_t> NumberOf(const fs::path& file, absl::string_view prefix,

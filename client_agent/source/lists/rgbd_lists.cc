@@ -28,7 +28,7 @@ bool IsInDepthFolder(const std::string& directory, const std::string& path) {
   return parts.size() > 1 && absl::StartsWithIgnoreCase(parts.front(), "depth");
 }
 
-// By the folders' names, else by what the files are.
+// Tells the depth image by the folders' names, else by what the files are.
 absl::StatusOr<bool> IsDepthFirst(const std::string& directory, const std::string& path,
                                   const std::vector<TimedFile>& line) {
   const bool first = IsInDepthFolder(directory, line[0].path);
@@ -72,7 +72,7 @@ absl::Status LeaveOutFarApart(const std::string& path, std::vector<RgbdPair>& pa
   return absl::OkStatus();
 }
 
-// Indices of pictures and depth images, by growing difference in time, each used once.
+// Returns indices of pictures and depth images, by growing difference in time, each used once.
 std::vector<std::pair<size_t, size_t>> Associate(const std::vector<TimedFile>& grey,
                                                  const std::vector<TimedFile>& depth) {
   struct Candidate {

@@ -11,7 +11,7 @@
 namespace corbslam {
 namespace {
 
-// "timestamp filename" without its #.
+// Recognises "timestamp filename" without its #.
 bool IsHeading(int line, absl::string_view field) {
   return line == 1 && absl::ascii_isalpha(static_cast<unsigned char>(field.front()));
 }

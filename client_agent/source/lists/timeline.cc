@@ -12,7 +12,7 @@
 namespace corbslam {
 namespace {
 
-// More times out of order than one in so many: the list as a whole is in no order of time.
+// Where more than one time in so many is out of order, the list as a whole is in no order of time.
 constexpr size_t kOutOfOrderShare = 10;
 constexpr double kShortestInterval_s = 0.0005;
 constexpr double kLongestInterval_s = 60;
@@ -34,7 +34,7 @@ absl::Status Repeats(const std::string& path, const ListedTime& before, const Li
                                 " too: each picture needs a time of its own"));
 }
 
-// Leaves out what is out of order, in one warning.
+// Leaves out what is out of order, with one warning.
 absl::Status TellOutOfOrder(const std::string& path, const std::vector<ListedTime>& times,
                             const std::vector<size_t>& out_of_order, Timeline& timeline) {
   if (out_of_order.empty()) return absl::OkStatus();
@@ -102,7 +102,7 @@ std::vector<double> IntervalsOf(const std::vector<int64_t>& times_ns) {
   return intervals_s;
 }
 
-// How long the camera was on its way: jumps back aside.
+// Returns how long the camera was on its way, jumps back aside.
 double DurationOf(const std::vector<double>& intervals_s) {
   double sum_s = 0;
   for (const double interval_s : intervals_s) sum_s += interval_s;

@@ -10,7 +10,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Times in milliseconds, in lines 1, 2, ...
+// Makes times in milliseconds, in lines 1, 2, ...
 std::vector<ListedTime> Lines(const std::vector<int64_t>& times_ms) {
   std::vector<ListedTime> times;
   for (const int64_t time_ms : times_ms) {

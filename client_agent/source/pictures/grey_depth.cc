@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kBitsOfAPixel = 16;
 constexpr int kBitsKept = 8;
-// Hot pixels, and those that a decoder has spoilt.
+// Share of pixels that are hot, or that a decoder has spoilt.
 constexpr double kHotShare = 1e-5;
 
-// How many pixels have each value.
+// Number of pixels by value.
 using Histogram = std::vector<uint64_t>;
 
 void Count(const cv::Mat& grey, Histogram& histogram) {
@@ -24,7 +24,7 @@ void Count(const cv::Mat& grey, Histogram& histogram) {
   }
 }
 
-// The largest value but for the hot ones; 0 without pixels.
+// Returns the largest value but for the hot ones; 0 without pixels.
 int BrightestValue(const Histogram& histogram) {
   uint64_t pixels = 0;
   for (const uint64_t count : histogram) pixels += count;
@@ -62,7 +62,8 @@ GreyDepth DecideGreyDepth(absl::Span<const cv::Mat> sample) {
     if (grey.type() == CV_16UC1) Count(grey, histogram);
   }
   const int brightest = BrightestValue(histogram);
-  if (brightest == 0) return decision;  // Black, or no picture of 16 bits: there is nothing to see.
+  // All is black, or there is no picture of 16 bits: there is nothing to see.
+  if (brightest == 0) return decision;
   decision.used_bits = UsedBits(brightest);
   if (decision.used_bits < kBitsOfAPixel) {
     decision.findings.push_back(TellBits(decision.used_bits, brightest));

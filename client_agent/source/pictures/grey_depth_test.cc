@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Grey levels 0 to 255 multiplied, as a camera of more bits would give the same scene.
+// Returns grey levels 0 to 255 multiplied, as a camera of more bits would give the same scene.
 cv::Mat MakeRamp(int factor) {
   cv::Mat ramp(256, 256, CV_16UC1);
   for (int y = 0; y < 256; ++y) {

@@ -14,7 +14,7 @@
 namespace corbslam {
 namespace {
 
-// What may stand behind a picture's end: padding of file systems and of cameras.
+// Bytes that may stand behind a picture's end: padding of file systems and of cameras.
 constexpr size_t kMaxTrailer_bytes = 4096;
 constexpr size_t kFirstPictures = 10;
 
@@ -41,7 +41,8 @@ bool EndsWithMark(absl::string_view bytes, absl::string_view mark) {
   return last != absl::string_view::npos && bytes.size() - last <= mark.size() + kMaxTrailer_bytes;
 }
 
-// Decoders paint what is missing grey, and say nothing. JPEG and PNG both mark their end.
+// Returns whether the picture has no mark of its end, which both JPEG and PNG have. Decoders paint
+// what is missing grey, and say nothing.
 bool IsCutShort(absl::string_view bytes) {
   if (absl::StartsWith(bytes, "\xff\xd8")) return !EndsWithMark(bytes, "\xff\xd9");
   if (absl::StartsWith(bytes, "\x89PNG")) return !EndsWithMark(bytes, "IEND");
@@ -58,7 +59,7 @@ absl::StatusOr<cv::Mat> ReadImage(const std::string& path, int flags) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": ", bytes.size(), " bytes"));
   }
   const cv::Mat data(1, static_cast<int>(bytes.size()), CV_8UC1,
-                     const_cast<char*>(bytes.data()));  // Only read.
+                     const_cast<char*>(bytes.data()));  // The bytes are only read.
   try {
     cv::Mat image = cv::imdecode(data, flags);
     if (!image.empty()) return image;

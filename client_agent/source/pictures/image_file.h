@@ -1,5 +1,5 @@
-// Pictures of recorded sequences, as their pixels are stored: no turning by EXIF, no part that the
-// file does not hold.
+// Reads pictures of recorded sequences as their pixels are stored: not turned by EXIF, and with no
+// part that the file does not hold.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_PICTURES_IMAGE_FILE_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_PICTURES_IMAGE_FILE_H_
 
@@ -11,15 +11,15 @@
 
 namespace corbslam {
 
-// CV_8UC1, or CV_16UC1 where the file has 16 bits; colour becomes grey. NOT_FOUND or
-// INVALID_ARGUMENT, naming the file: one that is no picture, or one that is cut short.
+// Returns CV_8UC1, or CV_16UC1 where the file has 16 bits; colour becomes grey. Returns NOT_FOUND
+// or INVALID_ARGUMENT, naming the file: one that is no picture, or one that is cut short.
 absl::StatusOr<cv::Mat> ReadGreyImage(const std::string& path);
 
-// The first of the pictures that can be read, among the first ten; the error of the first where
-// none can. `paths` holds at least one.
+// Returns the first of the pictures that can be read, among the first ten; the error of the first
+// where none can. `paths` holds at least one.
 absl::StatusOr<cv::Mat> ReadFirstGrey(const std::vector<std::string>& paths);
 
-// One channel of 16 bits, as it is stored.
+// Returns one channel of 16 bits, as it is stored.
 absl::StatusOr<cv::Mat> ReadDepthImage(const std::string& path);
 
 }  // namespace corbslam

@@ -27,7 +27,7 @@ std::string WriteBytes(const std::string& name, const std::string& bytes) {
   return PathOf(name);
 }
 
-// Brighter to the right and downwards, so that a turned one is another.
+// Returns a picture that is brighter to the right and downwards, so that a turned one is another.
 cv::Mat Slope(int type, double step) {
   cv::Mat image(48, 64, type);
   for (int y = 0; y < image.rows; ++y) {
@@ -49,7 +49,7 @@ std::string Encode(const std::string& ending, const cv::Mat& image) {
   return std::string(bytes.begin(), bytes.end());
 }
 
-// An EXIF segment that holds nothing but an orientation, behind the JPEG's first marker.
+// Adds an EXIF segment that holds nothing but an orientation, behind the JPEG's first marker.
 std::string WithOrientation(const std::string& jpeg, char orientation) {
   using namespace std::string_literals;
   const std::string exif = "\xff\xe1\x00\x22"s + "Exif\0\0"s + "MM\0*\0\0\0\x08"s + "\0\x01"s +

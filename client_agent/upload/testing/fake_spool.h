@@ -1,4 +1,4 @@
-// A disk in memory, and a codec, for tests of the spool and of what uses it.
+// Simulates a disk and a codec in memory, for tests of the spool and of what uses it.
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_TESTING_FAKE_SPOOL_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_TESTING_FAKE_SPOOL_H_
 
@@ -18,14 +18,15 @@
 
 namespace corbslam {
 
-// What outlives a process.
+// What a simulated disk keeps; it outlives a process.
 struct FakeDisk {
   std::map<std::string, std::string> files;
-  // What they may have together; a write that finds less room writes as much as there is.
+  // Bytes that all files may have together; a write that finds less room writes as much as there
+  // is.
   size_t capacity = std::numeric_limits<size_t>::max();
   int syncs = 0;
   bool sync_fails = false;
-  // Encoded batches by the number that their bytes begin with.
+  // Encoded batches; the bytes of each begin with its index here.
   std::vector<MapUpdateBatch> encoded;
 
   size_t Used() const {
@@ -76,7 +77,7 @@ class FakeSpoolFiles : public SpoolFiles {
   FakeDisk& disk_;
 };
 
-// Bytes of a batch: its number in `disk` and as much padding as it is long.
+// Makes a codec that encodes a batch as its index in `disk`, padded to the batch's length.
 inline BatchCodec FakeCodec(FakeDisk* disk) {
   BatchCodec codec;
   codec.encode = [disk](const MapUpdateBatch& batch) {

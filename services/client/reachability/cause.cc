@@ -20,7 +20,7 @@ namespace {
 struct NamedService {
   absl::string_view service;
   absl::string_view name;
-  absl::string_view advice;  // To who wants this one and has met another.
+  absl::string_view advice;  // For somebody who wants this service and has met another.
 };
 
 constexpr std::array<NamedService, 3> kServices = {{
@@ -39,7 +39,7 @@ const NamedService* FindService(absl::string_view service) {
   return it == kServices.end() ? nullptr : it;
 }
 
-// What answers, by the services that it offers.
+// Returns what people call the server that offers these services.
 std::string NameOfAny(const std::vector<std::string>& services) {
   for (const std::string& service : services) {
     const NamedService* known = FindService(service);
@@ -48,21 +48,22 @@ std::string NameOfAny(const std::vector<std::string>& services) {
   return "gRPC server of another kind";
 }
 
-// Without the warning of --insecure: causes are looked for again and again.
+// Makes credentials without the warning of --insecure: causes are looked for again and again.
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeQuietly(
     const SecurityOptions& security) {
   if (security.insecure) return grpc::InsecureChannelCredentials();
   return MakeChannelCredentials(security);
 }
 
-// How a call that every server of ours answers went.
+// Asks for the server's health, which every server of ours answers, and returns how the call ended.
 absl::Status AskHow(const std::shared_ptr<grpc::Channel>& channel, absl::Duration patience) {
   const absl::Status status = CheckHealth(channel, kLiveness, patience);
   const bool is_answer = !absl::IsUnavailable(status) && !absl::IsDeadlineExceeded(status);
   return is_answer ? absl::OkStatus() : status;
 }
 
-// Every probe went well, and gRPC still gets no answer.
+// Returns the cause in gRPC's own words, for when every probe went well and gRPC still gets no
+// answer.
 Cause CauseInGrpcsWords(const ServerTarget& target, const absl::Status& status) {
   Cause cause{std::string(status.message()), "", /*is_certain=*/false};
   const bool has_identity = target.security.insecure || !target.security.certificate_file.empty();
@@ -118,7 +119,7 @@ std::optional<Cause> FindCause(const ServerTarget& target, absl::Duration patien
 
 absl::Status ExplainFailure(const ServerTarget& target, const absl::Status& seen) {
   switch (seen.code()) {
-    // What gRPC answers where no server of the kind does.
+    // These codes come back where no server of the kind answers.
     case absl::StatusCode::kOk:
     case absl::StatusCode::kCancelled:
     case absl::StatusCode::kDeadlineExceeded:

@@ -1,4 +1,4 @@
-// Why a server is not reached, found out step by step.
+// Finds out step by step why a server is not reached.
 #ifndef CORBSLAM_SERVICES_CLIENT_REACHABILITY_CAUSE_H_
 #define CORBSLAM_SERVICES_CLIENT_REACHABILITY_CAUSE_H_
 
@@ -14,53 +14,54 @@
 
 namespace corbslam {
 
-// Names of our services, as reflection has them.
+// Names of our services, as reflection spells them.
 inline constexpr char kMapStoreService[] = "corbslam.v1.MapStore";
 inline constexpr char kFusionWorkerService[] = "corbslam.v1.FusionWorker";
 
-// Where a client wants to go.
+// Says where a client wants to go.
 struct ServerTarget {
-  std::string address;  // As ParseServerAddress takes it.
-  std::string service;  // As "corbslam.v1.MapStore".
+  std::string address;  // In the form that ParseServerAddress takes.
+  std::string service;  // For example "corbslam.v1.MapStore".
   SecurityOptions security;
 };
 
 struct Cause {
-  std::string text;    // What is so: "nothing listens there: Connection refused".
+  std::string text;    // What is wrong: "nothing listens there: Connection refused".
   std::string advice;  // What to do.
-  // Waiting can't help, unless somebody does something. False: the network or the server may be
-  // slow.
+  // True: waiting can't help, unless somebody does something. False: the network or the server may
+  // be slow.
   bool is_certain = true;
-  // The address itself is no address.
+  // True if the address itself is no address.
   bool is_bad_address = false;
 };
 
-// "map store 127.0.0.1:1 is not reached: TEXT; ADVICE", INVALID_ARGUMENT for a bad address, else
-// UNAVAILABLE.
+// Returns "map store 127.0.0.1:1 is not reached: TEXT; ADVICE", as INVALID_ARGUMENT for a bad
+// address, else as UNAVAILABLE.
 absl::Status ToStatus(const ServerTarget& target, const Cause& cause);
 
-// What people call the service: "map store".
+// Returns what people call the service: "map store".
 std::string NameOfService(const std::string& service);
 
-// Each step looks at what the ones before left; none: nothing is wrong there. All block, about
-// `patience` each, and are thread-safe.
+// Each step looks at what the steps before it left, and returns nullopt if nothing is wrong there.
+// All steps block, for about `patience` each, and are thread-safe.
 
-// The address and a proxy in the way; then whether somebody listens.
+// Checks the address and a proxy in the way, then whether somebody listens.
 std::optional<Cause> FindCauseOfWay(const ServerTarget& target, absl::Duration patience);
-// TLS on one side only, a certificate that is not the one wanted, no gRPC at all.
+// Finds TLS on one side only, a certificate that is not the one wanted, and a server without gRPC.
 std::optional<Cause> FindCauseOfTransport(const ServerTarget& target, absl::Duration patience);
-// Who answers is another server than the one wanted. Asks its reflection; none where that is off.
+// Finds that another server answers than the one wanted. It asks the server's reflection, and
+// returns nullopt if that is off.
 std::optional<Cause> FindCauseOfService(const ServerTarget& target,
                                         const std::shared_ptr<grpc::Channel>& channel,
                                         absl::Duration patience);
 
-// All steps, over a channel of its own. Takes about a second, unless the server or the network is
-// slow at every step.
+// Takes all steps, over a channel of its own. That takes about a second, unless the server or the
+// network is slow at every step.
 std::optional<Cause> FindCause(const ServerTarget& target,
                                absl::Duration patience = absl::Seconds(1));
 
-// How a call ended (OK: it does not end), with the cause where the transport failed; else, and
-// where none is found, `seen` itself.
+// Explains how a call ended, where OK means that it does not end. Returns the cause if the
+// transport failed and a cause is found, else `seen` itself.
 absl::Status ExplainFailure(const ServerTarget& target, const absl::Status& seen);
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// Each way in which a server is not reached, and the words for it.
+// Tests each way in which a server is not reached, and the words for it.
 #include "services/client/reachability/cause.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 
 class CauseTest : public ::testing::Test {
  protected:
-  // A worker without anybody to compute: only what all servers share is asked.
+  // Starts a worker that computes nothing: the tests ask only for what all servers share.
   void Start(const SecurityOptions& options) {
     auto security = MakeServerSecurity(options);
     ASSERT_TRUE(security.ok()) << security.status();
@@ -32,7 +32,7 @@ class CauseTest : public ::testing::Test {
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
   }
-  // What a client is told; OK: nothing is wrong.
+  // Returns what a client is told; OK if nothing is wrong.
   static absl::Status Explain(const ServerTarget& target) {
     const std::optional<Cause> cause = FindCause(target, absl::Seconds(10));
     return cause.has_value() ? ToStatus(target, *cause) : absl::OkStatus();
@@ -89,7 +89,7 @@ TEST_F(CauseTest, TlsOnThisSideOnly) {
 TEST_F(CauseTest, TheCertificateIsForAnotherHost) {
   const TestCertificates certificates("lab");
   Start(certificates.Options("worker"));
-  // Another way to this machine, which the certificate does not name.
+  // 127.0.0.2 is another way to this machine, which the certificate does not name.
   const ServerTarget target = {absl::StrCat("127.0.0.2", Port()), kFusionWorkerService,
                                certificates.Options("store")};
   server_.reset();
@@ -155,7 +155,7 @@ TEST_F(ProxyCauseTest, AProxyThatIsNotThereIsInTheWay) {
   EXPECT_EQ(ExplainServer(WithoutTls()), absl::OkStatus());
 }
 
-// A web server refuses to be one.
+// The web server of the metrics refuses to be a proxy.
 TEST_F(ProxyCauseTest, AProxyThatRefusesIsQuoted) {
   Start(WithoutTls());
   const auto metrics = MetricsEndpoint::Start("127.0.0.1:0", {});

@@ -1,4 +1,5 @@
-// What a server speaks that is reached: TLS or none, HTTP/2 or something else, and as whom.
+// Finds out what a server speaks that is reached: TLS or none, HTTP/2 or something else, and with
+// which certificate.
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/client/reachability/cause.h"
@@ -16,7 +17,7 @@ constexpr char kOtherPort[] =
     "is it the port of another program, or of metrics? Give the one that the server says it is "
     "\"listening on\"";
 
-// Of servers that speak neither HTTP/2 nor TLS.
+// Returns the cause for a server that speaks neither HTTP/2 nor TLS.
 Cause CauseOfProtocol(Protocol protocol) {
   switch (protocol) {
     case Protocol::kHttp1:
@@ -42,7 +43,7 @@ std::optional<Cause> FindCauseWithoutTls(const HostPort& address, absl::Duration
   return CauseOfProtocol(*protocol);
 }
 
-// None where the certificate is good for this client.
+// Returns nullopt if the certificate is good for this client.
 std::optional<Cause> FindCauseInCertificate(const ServerTarget& target, const HostPort& address,
                                             const std::string& pem) {
   Findings findings = {CheckExpiry("", pem, absl::Now()), CheckHost("", pem, address.host)};
@@ -70,7 +71,7 @@ std::optional<Cause> FindCauseWithTls(const ServerTarget& target, const HostPort
 
 std::optional<Cause> FindCauseOfTransport(const ServerTarget& target, absl::Duration patience) {
   const absl::StatusOr<HostPort> address = ParseServerAddress(target.address);
-  // Through a proxy these probes would not go.
+  // These probes would not go through a proxy.
   if (!address.ok() || FindProxy(address->host).has_value()) return std::nullopt;
   return target.security.insecure ? FindCauseWithoutTls(*address, patience)
                                   : FindCauseWithTls(target, *address, patience);

@@ -1,4 +1,4 @@
-// The way to a server: its address, a proxy, its name, and who listens.
+// Checks the way to a server: its address, a proxy, its name, and whether somebody listens.
 #include <sys/socket.h>
 
 #include <array>
@@ -20,7 +20,7 @@ bool IsOwnMachine(absl::string_view host) {
 
 bool IsEveryAddress(absl::string_view host) { return host == "0.0.0.0" || host == "::"; }
 
-// The first line of what a proxy answers to CONNECT; empty: nothing.
+// Returns the first line of what a proxy answers to CONNECT; empty if it answers nothing.
 std::string AskProxy(const Connection& proxy, const HostPort& server, absl::Duration patience) {
   proxy.MakeBlocking(patience);
   const std::string host = ToString(server);
@@ -34,7 +34,7 @@ std::string AskProxy(const Connection& proxy, const HostPort& server, absl::Dura
   return std::string(text.substr(0, text.find_first_of("\r\n")));
 }
 
-// None where the proxy leads to the server.
+// Returns nullopt if the proxy leads to the server.
 std::optional<Cause> FindCauseOfProxy(const Proxy& proxy, const HostPort& server,
                                       absl::Duration patience) {
   const std::string is_set =

@@ -1,4 +1,4 @@
-// ExplainFailure of one server that is asked again and again.
+// Explains failures of one server that is asked again and again.
 #ifndef CORBSLAM_SERVICES_CLIENT_REACHABILITY_FAILURE_EXPLAINER_H_
 #define CORBSLAM_SERVICES_CLIENT_REACHABILITY_FAILURE_EXPLAINER_H_
 
@@ -13,8 +13,8 @@
 
 namespace corbslam {
 
-// What was found out is good for a while, so that what fails every second is not probed every
-// second. Thread-safe; one looks at a time, and the others wait for it.
+// Keeps what ExplainFailure found out for a while, so that a call that fails every second is not
+// probed every second. Thread-safe; one caller probes at a time, and the others wait for it.
 class FailureExplainer {
  public:
   explicit FailureExplainer(ServerTarget target, absl::Duration good_for = absl::Seconds(30))

@@ -18,7 +18,7 @@ namespace {
 
 using Addresses = std::vector<SocketAddress>;
 
-// One look-up. Its thread and those who wait for it hold it.
+// One look-up. Its thread and the callers that wait for it share its ownership.
 class Lookup {
  public:
   void Finish(absl::StatusOr<Addresses> found) {
@@ -43,13 +43,13 @@ struct RunningLookups {
   std::map<std::string, std::shared_ptr<Lookup>> by_host ABSL_GUARDED_BY(mutex);
 };
 
-// Never destroyed: a look-up may outlive the end of main.
+// The map is never destroyed: a look-up may outlive the end of main.
 RunningLookups& Running() {
   static auto& running = *new RunningLookups;
   return running;
 }
 
-// The one that runs, or a new one.
+// Returns the look-up of this host that runs, or starts a new one.
 std::shared_ptr<Lookup> Start(const HostPort& address, const ResolveHost& resolve) {
   RunningLookups& running = Running();
   const std::string key = ToString(address);

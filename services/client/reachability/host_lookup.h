@@ -19,15 +19,17 @@ struct SocketAddress {
   socklen_t size = 0;
 };
 
-// May take as long as it likes. NOT_FOUND: there is no such host. UNAVAILABLE: nobody can say.
+// Finds the addresses of a host; it may take as long as it likes. NOT_FOUND if there is no such
+// host, UNAVAILABLE if nobody can say.
 using ResolveHost = std::function<absl::StatusOr<std::vector<SocketAddress>>(const HostPort&)>;
 
-// getaddrinfo, which reads /etc/hosts and asks DNS.
+// Calls getaddrinfo, which reads /etc/hosts and asks DNS.
 absl::StatusOr<std::vector<SocketAddress>> ResolveBySystem(const HostPort& address);
 
-// What `resolve` says; DEADLINE_EXCEEDED when it takes longer than `timeout`. It then goes on, on a
-// thread of its own, and who asks for the same host again waits for that one: there is one thread a
-// host at most, however often a server that is not reached is asked for. Thread-safe.
+// Returns what `resolve` says, or DEADLINE_EXCEEDED when that takes longer than `timeout`. The
+// look-up then goes on, on a thread of its own, and later callers for the same host wait for it:
+// there is at most one thread for each host, however often a server that is not reached is asked
+// for. Thread-safe.
 absl::StatusOr<std::vector<SocketAddress>> LookUpHost(
     const HostPort& address, absl::Duration timeout, const ResolveHost& resolve = &ResolveBySystem);
 

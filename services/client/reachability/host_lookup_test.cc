@@ -30,7 +30,7 @@ TEST(HostLookupTest, PassesOnThatThereIsNone) {
             absl::NotFoundError("no.such.host"));
 }
 
-// DNS that does not answer holds up a thread, and not one a question.
+// A DNS server that does not answer holds up one thread, not one for each question.
 TEST(HostLookupTest, DoesNotWaitForADnsThatHangs) {
   absl::Notification answer;
   std::atomic<int> started = 0;
@@ -45,7 +45,7 @@ TEST(HostLookupTest, DoesNotWaitForADnsThatHangs) {
   }
   answer.Notify();
   EXPECT_EQ(LookUpHost(slow, kPatience, hangs)->size(), 3u);
-  // The first one, and another if that had ended before the last question.
+  // The first look-up counts, and another one if that had ended before the last question.
   EXPECT_LE(started, 2);
 }
 

@@ -1,4 +1,4 @@
-// What the probes make of servers of different kinds, and of none.
+// Tests what the probes make of servers of different kinds, and of none.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ constexpr absl::Duration kPatience = absl::Seconds(20);
 HostPort AddressOf(const Server& server) { return *ParseServerAddress(server.address()); }
 
 TEST(TcpProbeTest, SaysThatNobodyListens) {
-  // Reserved for tcpmux, which nobody runs.
+  // Port 1 is reserved for tcpmux, which nobody runs.
   const absl::Status status = ProbeTcp({"127.0.0.1", 1}, kPatience);
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(status.message()), HasSubstr("Connection refused"));

@@ -15,7 +15,7 @@ namespace {
 // The preface of HTTP/2 (RFC 9113, 3.4) and an empty SETTINGS frame: 9 bytes, of type 4.
 constexpr absl::string_view kGreeting("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 33);
 constexpr char kSettingsFrame = 4;
-// Types of TLS records: an alert, a handshake.
+// Types of TLS records: 0x15 is an alert, 0x16 a handshake.
 constexpr char kAlert = 0x15;
 constexpr char kHandshake = 0x16;
 

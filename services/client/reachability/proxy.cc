@@ -13,7 +13,7 @@ namespace {
 
 constexpr absl::string_view kScheme = "http://";
 
-// The first one that is set counts, even an empty one.
+// Returns the value of the first variable that is set, even if it is empty, and its name.
 const char* FirstSet(const ReadVariable& read, std::initializer_list<const char*> names,
                      std::string& name) {
   for (const char* candidate : names) {
@@ -25,7 +25,8 @@ const char* FirstSet(const ReadVariable& read, std::initializer_list<const char*
   return nullptr;
 }
 
-// "robot.lan" is covered by ".lan" and by "lan"; blanks are part of an entry.
+// Returns true if the list of exceptions covers the host: "robot.lan" is covered by ".lan" and by
+// "lan"; blanks are part of an entry.
 bool IsExcepted(absl::string_view host, const ReadVariable& read) {
   std::string name;
   const char* list = FirstSet(read, {"no_grpc_proxy", "no_proxy"}, name);

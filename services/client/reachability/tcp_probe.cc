@@ -18,7 +18,7 @@
 namespace corbslam {
 namespace {
 
-// 0 once connected, else errno.
+// Returns 0 once the socket is connected, else errno.
 int WaitUntilConnected(int socket, absl::Duration timeout) {
   pollfd entry = {socket, POLLOUT, 0};
   if (poll(&entry, 1, static_cast<int>(absl::ToInt64Milliseconds(timeout))) != 1) return ETIMEDOUT;
@@ -28,7 +28,7 @@ int WaitUntilConnected(int socket, absl::Duration timeout) {
   return error;
 }
 
-// A connected socket, or minus errno.
+// Returns a connected socket, or minus errno.
 int ConnectOne(const SocketAddress& target, absl::Duration timeout) {
   const int connection =
       socket(target.bytes.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);

@@ -11,7 +11,7 @@
 
 namespace corbslam {
 
-// An open connection, closed with the object.
+// Owns an open connection and closes it when it is destroyed.
 class Connection {
  public:
   explicit Connection(int socket) : socket_(socket) {}
@@ -20,7 +20,7 @@ class Connection {
   Connection& operator=(Connection&&) = delete;
 
   int socket() const { return socket_; }
-  // From now on calls wait, at most so long.
+  // Makes later calls on the socket wait, for at most `timeout`.
   void MakeBlocking(absl::Duration timeout) const;
 
  private:
@@ -28,11 +28,11 @@ class Connection {
 };
 
 // Tries the host's addresses one after the other, looking up and connecting for `timeout` each.
-// NOT_FOUND: there is no such host. UNAVAILABLE: what the network said, "Connection refused".
-// DEADLINE_EXCEEDED: neither said anything; the message says which.
+// NOT_FOUND if there is no such host; UNAVAILABLE with what the network said, "Connection refused";
+// DEADLINE_EXCEEDED if the look-up or the connection got no answer: the message says which.
 absl::StatusOr<Connection> Connect(const HostPort& address, absl::Duration timeout);
 
-// Whether somebody listens there. Errors as above.
+// Checks whether somebody listens at the address. Errors are those of Connect.
 absl::Status ProbeTcp(const HostPort& address, absl::Duration timeout);
 
 }  // namespace corbslam

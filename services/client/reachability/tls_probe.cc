@@ -31,13 +31,13 @@ std::string ToPem(STACK_OF(X509) * chain) {
 absl::StatusOr<std::string> FetchCertificates(const HostPort& address, absl::Duration timeout) {
   ASSIGN_OR_RETURN(const Connection connection, Connect(address, timeout));
   connection.MakeBlocking(timeout);
-  // OpenSSL writes to connections that the other side has closed.
+  // OpenSSL writes to connections that the other side has closed, which raises SIGPIPE.
   const auto before = std::signal(SIGPIPE, SIG_IGN);
   const absl::Cleanup restore = [&] { std::signal(SIGPIPE, before); };
   const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_client_method()),
                                                                   SSL_CTX_free);
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_NONE, nullptr);
-  // What gRPC speaks.
+  // gRPC speaks HTTP/2, which ALPN calls "h2".
   constexpr unsigned char kHttp2[] = {2, 'h', '2'};
   SSL_CTX_set_alpn_protos(context.get(), kHttp2, sizeof(kHttp2));
   const std::unique_ptr<SSL, decltype(&SSL_free)> session(SSL_new(context.get()), SSL_free);

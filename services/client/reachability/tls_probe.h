@@ -1,4 +1,4 @@
-// What a server shows of itself, to whoever connects.
+// Fetches the certificates that a server shows to whoever connects.
 #ifndef CORBSLAM_SERVICES_CLIENT_REACHABILITY_TLS_PROBE_H_
 #define CORBSLAM_SERVICES_CLIENT_REACHABILITY_TLS_PROBE_H_
 
@@ -10,8 +10,8 @@
 
 namespace corbslam {
 
-// The certificates that the server sends, as PEM, its own first; nothing of them is verified.
-// UNAVAILABLE: it speaks no TLS, or nobody listens.
+// Returns the certificates that the server sends, as PEM, its own first; none of them is verified.
+// UNAVAILABLE if the server speaks no TLS, or nobody listens.
 absl::StatusOr<std::string> FetchCertificates(const HostPort& address, absl::Duration timeout);
 
 }  // namespace corbslam

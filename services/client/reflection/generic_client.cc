@@ -36,7 +36,7 @@ std::string ToString(const grpc::ByteBuffer& buffer) {
   return bytes;
 }
 
-// One message up, all messages down.
+// Sends one message and receives all messages until the call ends.
 absl::StatusOr<std::vector<std::string>> CallBytes(const std::shared_ptr<grpc::Channel>& channel,
                                                    const std::string& path,
                                                    const std::string& request,
@@ -46,7 +46,7 @@ absl::StatusOr<std::vector<std::string>> CallBytes(const std::shared_ptr<grpc::C
   grpc::ClientContext context;
   context.set_deadline(absl::ToChronoTime(absl::Now() + options.max_time));
   const auto call = stub.PrepareCall(&context, path, &queue);
-  // One operation at a time, so that what comes next is always its end.
+  // Only one operation runs at a time, so that the next event is always its end.
   const auto wait = [&queue] {
     void* tag = nullptr;
     bool ok = false;

@@ -1,4 +1,4 @@
-// Calls any method of a server that has reflection on, knowing no proto of it.
+// Calls any method of a server that has reflection on, without knowing its protos.
 #ifndef CORBSLAM_SERVICES_CLIENT_REFLECTION_GENERIC_CLIENT_H_
 #define CORBSLAM_SERVICES_CLIENT_REFLECTION_GENERIC_CLIENT_H_
 
@@ -17,25 +17,27 @@ namespace corbslam {
 
 struct GenericCallOptions {
   absl::Duration max_time = absl::Seconds(30);
-  // What came within `max_time` is the answer, for streams that don't end; else it is
+  // True: what came within `max_time` is the answer, for streams that don't end. False:
   // DEADLINE_EXCEEDED.
   bool may_be_cut = false;
-  // Fields that have their default value are printed, too.
+  // True: fields that have their default value are printed, too.
   bool defaults = true;
 };
 
-// Not thread-safe. All calls block.
+// A client of one server. Not thread-safe. All calls block.
 class GenericClient {
  public:
   explicit GenericClient(std::shared_ptr<grpc::Channel> channel);
   ~GenericClient();
 
-  // Full names.
+  // Returns full names.
   absl::StatusOr<std::vector<std::string>> ListServices(
       absl::Duration max_time = GenericCallOptions().max_time);
-  // Of one service, "corbslam.v1.MapStore"; their names alone. NOT_FOUND: the server has none such.
+  // Returns the names of the methods of one service, for example "corbslam.v1.MapStore". NOT_FOUND
+  // if the server has no such service.
   absl::StatusOr<std::vector<std::string>> ListMethods(const std::string& service);
-  // `method` as "corbslam.v1.MapStore/GetMission"; the request and each response as JSON.
+  // Calls `method`, for example "corbslam.v1.MapStore/GetMission"; the request and each response
+  // are JSON.
   absl::StatusOr<std::vector<std::string>> Call(const std::string& method,
                                                 const std::string& request_json,
                                                 const GenericCallOptions& options = {});

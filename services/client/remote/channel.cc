@@ -23,14 +23,14 @@ std::shared_ptr<grpc::Channel> MakeChannel(
   arguments.SetMaxSendMessageSize(kMaxMessageBytes);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, Milliseconds(options.keepalive_time));
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, Milliseconds(options.keepalive_timeout));
-  // A stream may be silent for long, and its end is to be noticed all the same.
+  // A stream may be silent for long, and its end must be noticed all the same.
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  // After a break, the next attempt of a caller is a real one soon.
+  // After a break, the next attempt of a caller soon makes a real one.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
-  // gRPC's name of the time that an attempt gets.
+  // gRPC calls the time that an attempt gets so.
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, Milliseconds(options.connect_timeout));
-  // A connection for each channel: robots in one process don't share one.
+  // Each channel has a connection of its own: robots in one process don't share one.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(address, credentials, arguments);
 }

@@ -1,4 +1,4 @@
-// Channels to our own services.
+// Makes channels to our own services.
 #ifndef CORBSLAM_SERVICES_CLIENT_REMOTE_CHANNEL_H_
 #define CORBSLAM_SERVICES_CLIENT_REMOTE_CHANNEL_H_
 
@@ -13,19 +13,20 @@
 namespace corbslam {
 
 struct ChannelOptions {
-  // A peer that was silent for this long is asked for a sign of life ...
+  // A peer that was silent for this long is asked for a sign of life.
   absl::Duration keepalive_time = absl::Seconds(10);
-  // ... and given up, with all calls (UNAVAILABLE), when none comes within this. A robot's question
-  // waits behind what its link has not carried yet: at 256 kbit/s that takes many seconds.
+  // The peer is given up, with all calls (UNAVAILABLE), when no sign comes within this time. A
+  // robot's question waits behind what its link has not carried yet: at 256 kbit/s that takes many
+  // seconds.
   absl::Duration keepalive_timeout = absl::Seconds(20);
-  // For an attempt to connect, TLS included. The next one is soon: one that began during an outage
-  // does not learn when it ends.
+  // Limit of an attempt to connect, TLS included. It is short, since an attempt that began during
+  // an outage does not learn when the outage ends; the next attempt follows soon.
   absl::Duration connect_timeout = absl::Seconds(8);
 };
 
-// A channel to HOST:PORT that notices a dead peer (keepalive) and takes messages up to 4 MiB.
-// Connecting happens in the background; errors show in the calls. Programs take the credentials
-// from services/security.
+// Returns a channel to HOST:PORT that notices a dead peer (keepalive) and takes messages up to 4
+// MiB. Connecting happens in the background; errors show in the calls. Programs take the
+// credentials from services/security.
 std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address,
                                            const std::shared_ptr<grpc::ChannelCredentials>&
                                                credentials = grpc::InsecureChannelCredentials(),

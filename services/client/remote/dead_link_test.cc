@@ -1,5 +1,5 @@
-// The way between a robot and the map store falls silent, and no side is told: both notice, and the
-// robot goes on once there is a way again.
+// The connection between a robot and the map store falls silent, and no side is told: both notice,
+// and the robot goes on once there is a connection again.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -24,7 +24,7 @@ constexpr absl::Duration kSecond = absl::Seconds(1);
 
 class DeadLinkTest : public ::testing::Test {
  protected:
-  // Keepalive of the robot, and of the store.
+  // Starts both with these keepalive times.
   void Start(absl::Duration robots, absl::Duration stores) {
     ServerOptions options;
     options.keepalive_time = options.keepalive_timeout = stores;
@@ -41,7 +41,7 @@ class DeadLinkTest : public ::testing::Test {
         MakeChannel(proxy_->address(), grpc::InsecureChannelCredentials(), channel));
   }
   void TearDown() override {
-    // The robot first: its stream would keep the server waiting.
+    // The robot goes first: its stream would keep the server waiting.
     uplink_.reset();
     server_.reset();
   }
@@ -90,7 +90,7 @@ TEST_F(DeadLinkTest, TheRobotNoticesAndComesAgain) {
   EXPECT_TRUE(absl::IsUnavailable(first.WaitForClose())) << first.WaitForClose();
   EXPECT_TRUE(StoreHasSession()) << "nobody told it";
 
-  // An attempt while it is silent ends soon.
+  // An attempt to connect while the link is silent ends soon.
   const absl::Time start = absl::Now();
   UplinkNotes second;
   Open(second);
@@ -119,7 +119,7 @@ TEST_F(DeadLinkTest, TheStoreNoticesARobotThatWasSilentBefore) {
   UplinkNotes notes;
   Open(notes);
   ASSERT_TRUE(notes.WaitForGrant().has_value());
-  // Idle but alive: asked several times, and left alone.
+  // The robot is idle but alive: it is asked several times, and left alone.
   absl::SleepFor(6 * kSecond);
   EXPECT_TRUE(StoreHasSession());
   EXPECT_FALSE(notes.IsClosed());

@@ -83,7 +83,7 @@ TEST_F(GracefulRestartTest, TheRobotResumesWithEachKeyframeOnce) {
   for (uint32_t k = 0; k < 10; ++k) AddKeyframe(k);
   ASSERT_TRUE(WaitForKeyframes(10)) << StoredKeyframes();
 
-  // The stream is open: it is drained, and then broken. What is recorded meanwhile waits.
+  // The open stream is drained, and then broken. What is recorded meanwhile waits.
   const std::string address = server_->address();
   const absl::Time start = absl::Now();
   std::thread stopping([this] { server_->Shutdown(absl::Milliseconds(300)); });

@@ -18,8 +18,8 @@ absl::Status CheckHealth(const std::shared_ptr<grpc::Channel>& channel, const st
     return absl::InvalidArgumentError(
         absl::StrCat("a service's name has ", service.size(), " characters, 127 is the limit"));
   }
-  // Debian has no grpc/health/v1/health.proto: the request's field 1 is the service's name, the
-  // answer's field 1 is 1 for SERVING.
+  // Debian has no grpc/health/v1/health.proto, so the messages are written by hand: the request's
+  // field 1 is the service's name, the answer's field 1 is 1 for SERVING.
   const grpc::Slice bytes(
       absl::StrCat("\x0a", std::string(1, static_cast<char>(service.size())), service));
   const grpc::ByteBuffer request(&bytes, 1);

@@ -1,4 +1,4 @@
-// Asks any server how it is.
+// Asks any server for its health.
 #ifndef CORBSLAM_SERVICES_CLIENT_REMOTE_HEALTH_CLIENT_H_
 #define CORBSLAM_SERVICES_CLIENT_REMOTE_HEALTH_CLIENT_H_
 
@@ -12,8 +12,9 @@
 
 namespace corbslam {
 
-// grpc.health.v1.Health/Check. OK where it says SERVING, FAILED_PRECONDITION for any other answer;
-// otherwise how the call failed. A service's name has less than 128 characters.
+// Calls grpc.health.v1.Health/Check. Returns OK if the server says SERVING, FAILED_PRECONDITION for
+// any other answer, and otherwise how the call failed. A service's name has less than 128
+// characters.
 absl::Status CheckHealth(const std::shared_ptr<grpc::Channel>& channel, const std::string& service,
                          absl::Duration timeout = absl::Seconds(10));
 

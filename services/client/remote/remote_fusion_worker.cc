@@ -21,11 +21,12 @@ constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
 
 absl::Status Cancelled() { return absl::CancelledError("the caller cancelled"); }
 
-// Asks whether a call is still wanted, again and again until it is destroyed, and cancels it when
-// it is not: also while it is sent, and while it waits for its turn in the worker. Thread-safe.
+// Asks again and again, until it is destroyed, whether a call is still wanted, and cancels the call
+// when it is not: also while the request is sent, and while it waits for its turn in the worker.
+// Thread-safe.
 class CallWatch {
  public:
-  // Both must outlive it.
+  // `context` and `progress` must outlive the watch.
   CallWatch(grpc::ClientContext& context, const ProgressCallback& progress)
       : context_(context), progress_(progress) {
     if (progress_ != nullptr) thread_ = std::thread([this] { Run(); });
@@ -68,13 +69,14 @@ class CallWatch {
   std::thread thread_;
 };
 
-// The work was not looked at: another worker, or this one once it is set up right, may take it.
+// Returns true if the worker did not look at the request: another worker, or this one once it is
+// set up right, may take it.
 bool IsNotTaken(const absl::Status& status) {
   return absl::IsUnavailable(status) || absl::IsUnimplemented(status) ||
          absl::IsUnauthenticated(status) || absl::IsPermissionDenied(status);
 }
 
-// Reads progress and the result.
+// Reads progress and the result of a call.
 template <typename Result, typename Stream, typename Response>
 absl::StatusOr<Result> ReadResult(Stream& stream, grpc::ClientContext& context, CallWatch& watch) {
   WorkReader<ResultReader<Response>, v1::ResultChunk> reader;
@@ -91,7 +93,7 @@ absl::StatusOr<Result> ReadResult(Stream& stream, grpc::ClientContext& context, 
   const absl::Status status = FromGrpcStatus(stream.Finish());
   if (watch.cancelled()) return Cancelled();
   if (!failure.ok()) return failure;
-  // Nobody here cancelled: the worker is being stopped.
+  // Nobody here cancelled the call: the worker is being stopped.
   if (absl::IsCancelled(status)) return absl::UnavailableError(status.message());
   RETURN_IF_ERROR(status);
   if (!reader.ended()) return absl::UnavailableError("the worker ended before its result did");
@@ -124,7 +126,7 @@ class RemoteFusionWorker : public FusionWorker {
   }
 
  private:
-  // Tries the workers, the least busy first, until one answers.
+  // Asks the workers one after the other, the least busy first, until one answers.
   template <typename Result, typename RequestMessage, typename ResponseMessage, typename Request,
             typename Method>
   absl::StatusOr<Result> Run(const Request& request, const ProgressCallback& progress,
@@ -147,7 +149,7 @@ class RemoteFusionWorker : public FusionWorker {
     return Explain(last_worker, last);
   }
 
-  // UNAVAILABLE, whatever it was.
+  // Returns UNAVAILABLE, whatever the error was.
   absl::Status Explain(size_t worker, const absl::Status& seen) const {
     const absl::Status explained =
         options_.explain == nullptr ? seen : options_.explain(worker, seen);
@@ -193,7 +195,7 @@ class RemoteFusionWorker : public FusionWorker {
   const RemoteFusionWorkerOptions options_;
   std::vector<std::unique_ptr<v1::FusionWorker::Stub>> stubs_;
   absl::Mutex mutex_;
-  // Requests under way, one entry a stub.
+  // Number of requests under way, one entry for each stub.
   std::vector<int> running_ ABSL_GUARDED_BY(mutex_);
 };
 

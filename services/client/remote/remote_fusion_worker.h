@@ -1,4 +1,4 @@
-// A pool of fusion workers elsewhere.
+// Shares work among fusion workers in other processes.
 #ifndef CORBSLAM_SERVICES_CLIENT_REMOTE_REMOTE_FUSION_WORKER_H_
 #define CORBSLAM_SERVICES_CLIENT_REMOTE_REMOTE_FUSION_WORKER_H_
 
@@ -16,19 +16,19 @@
 namespace corbslam {
 
 struct RemoteFusionWorkerOptions {
-  // After this a request is given up (DEADLINE_EXCEEDED).
+  // A request that takes longer is given up (DEADLINE_EXCEEDED).
   absl::Duration deadline = absl::Minutes(10);
-  // For people: what is the matter with a worker, by its index, whose call ended as `seen`. May
-  // block. Null: `seen` says it.
+  // Returns for people what is the matter with a worker, by its index, whose call ended as `seen`.
+  // It may block. Null: `seen` says it.
   std::function<absl::Status(size_t worker, const absl::Status& seen)> explain = nullptr;
 };
 
-// Thread contract and errors are those of FusionWorker. A request goes to the channel with the
-// fewest requests under way; when that one is UNAVAILABLE, is no fusion worker (UNIMPLEMENTED) or
-// takes none of this caller (UNAUTHENTICATED, PERMISSION_DENIED), it goes to each of the others
-// once. Where none takes it, that is UNAVAILABLE: another address or certificate can mend it. While
-// it is sent and waits for its turn, progress is asked about ten times a second with what it was
-// last told.
+// Makes a worker whose thread contract and errors are those of FusionWorker. A request goes to the
+// channel with the fewest requests under way; when that one is UNAVAILABLE, is no fusion worker
+// (UNIMPLEMENTED) or does not admit this caller (UNAUTHENTICATED, PERMISSION_DENIED), it goes to
+// each of the others once. If none takes it, the result is UNAVAILABLE: another address or
+// certificate can mend it. While a request is sent and waits for its turn, progress is asked about
+// ten times a second with what it was last told.
 // Keyframes are sent without what the work does not look at: descriptors for AdjustBundle,
 // keypoints without a point for AdjustBundle and for the candidates of VerifyOverlap.
 std::unique_ptr<FusionWorker> MakeRemoteFusionWorker(

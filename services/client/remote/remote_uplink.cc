@@ -14,11 +14,11 @@ namespace {
 
 constexpr absl::Duration kGoodbye = absl::Seconds(1);
 
-// Outlives the uplink where a session's last reaction is still running.
+// Sessions of one uplink. They outlive it if a session's last reaction is still running.
 struct Sessions {
   absl::Mutex mutex;
   std::shared_ptr<SyncSession> current ABSL_GUARDED_BY(mutex);
-  // Started and not done, the current one included.
+  // Number of sessions that started and are not done, the current one included.
   int live ABSL_GUARDED_BY(mutex) = 0;
 
   bool HaveEnded() const ABSL_SHARED_LOCKS_REQUIRED(mutex) { return live == 0; }
@@ -81,7 +81,7 @@ class RemoteUplink : public Uplink {
     absl::MutexLock lock(&sessions_->mutex);
     return sessions_->current;
   }
-  // Returns the one before.
+  // Makes `session` the current one and returns the one before.
   std::shared_ptr<SyncSession> Replace(std::shared_ptr<SyncSession> session) {
     absl::MutexLock lock(&sessions_->mutex);
     if (session != nullptr) ++sessions_->live;

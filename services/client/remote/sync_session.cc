@@ -10,7 +10,7 @@
 namespace corbslam {
 namespace {
 
-// Of gRPC before each message.
+// Bytes that gRPC puts before each message.
 constexpr size_t kFrameBytes = 5;
 
 }  // namespace
@@ -53,13 +53,13 @@ bool SyncSession::Send(const MapUpdateBatch& batch) {
 uint64_t SyncSession::bytes_waiting() const {
   absl::MutexLock lock(&mutex_);
   if (broken_ || queue_.empty()) return 0;
-  // What is being written is on the wire.
+  // The message that is being written is on the wire already.
   return writing_ ? queued_bytes_ - (queue_.front().ByteSizeLong() + kFrameBytes) : queued_bytes_;
 }
 
 void SyncSession::PauseReading() {
   absl::MutexLock lock(&mutex_);
-  // What is silenced reads to its end.
+  // A silenced session reads to its end.
   paused_ = !silenced_;
 }
 
@@ -89,7 +89,7 @@ bool SyncSession::Leave() {
   {
     absl::MutexLock lock(&mutex_);
     if (!granted_ || broken_ || writing_ || !queue_.empty()) return false;
-    // Keeps the call alive until OnWritesDoneDone.
+    // This keeps the call alive until OnWritesDoneDone.
     writing_ = leaving_ = true;
   }
   StartWritesDone();
@@ -112,7 +112,7 @@ void SyncSession::Cancel() {
     silenced_ = true;
   }
   context_.TryCancel();
-  // What waits to be read learns that the call has ended.
+  // A read that waits learns so that the call has ended.
   ResumeReading();
 }
 
@@ -124,7 +124,7 @@ void SyncSession::Push(v1::SyncRequest request) {
 const v1::SyncRequest* SyncSession::NextWrite() {
   if (writing_ || broken_ || leaving_ || queue_.empty()) return nullptr;
   writing_ = true;
-  // Counted before the store can answer.
+  // The bytes are counted before the store can answer.
   transport_->bytes_up += queue_.front().ByteSizeLong() + kFrameBytes;
   return &queue_.front();
 }
@@ -204,7 +204,7 @@ absl::Status SyncSession::Handle(const v1::SyncResponse& response) {
     case v1::SyncResponse::PART_NOT_SET:
       break;
   }
-  // From a newer store: nothing that this agent knows.
+  // The message comes from a newer store and holds nothing that this agent knows.
   return absl::OkStatus();
 }
 
@@ -222,7 +222,7 @@ void SyncSession::OnDone(const grpc::Status& status) {
     if (!failure_.ok()) reason = absl::InternalError(failure_.message());
     listener_->OnSessionClosed(reason);
   }
-  // Destroys this session at the end, unless somebody else holds it.
+  // At the end `self` destroys this session, unless somebody else holds it.
   const std::shared_ptr<SyncSession> self = std::move(self_);
   const DoneCallback on_done = std::move(on_done_);
   on_done(this);

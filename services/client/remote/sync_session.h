@@ -1,4 +1,4 @@
-// One session of an agent: one call of MapStore.Sync.
+// Runs one session of an agent: one call of MapStore.Sync.
 #ifndef CORBSLAM_SERVICES_CLIENT_REMOTE_SYNC_SESSION_H_
 #define CORBSLAM_SERVICES_CLIENT_REMOTE_SYNC_SESSION_H_
 
@@ -19,20 +19,20 @@
 
 namespace corbslam {
 
-// What the sessions of one uplink share.
+// Holds what the sessions of one uplink share.
 struct SyncTransport {
   std::unique_ptr<v1::MapStore::Stub> stub;
-  // Bytes on the wire.
+  // Bytes on the wire, both ways.
   std::atomic<uint64_t> bytes_up{0};
   std::atomic<uint64_t> bytes_down{0};
-  // A session stood.
+  // True once the store has granted a session.
   std::atomic<bool> was_granted{false};
 };
 
-// Thread-safe. Started, it keeps itself alive until its call has ended.
+// One session. Thread-safe. Once started, it keeps itself alive until its call has ended.
 class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncResponse> {
  public:
-  // Called last, after the last call of the listener.
+  // Called after the last call of the listener.
   using DoneCallback = std::function<void(const SyncSession*)>;
 
   SyncSession(std::shared_ptr<SyncTransport> transport, const SessionRequest& request,
@@ -40,18 +40,18 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
 
   // Starts the call. `self` is this session.
   void Start(std::shared_ptr<SyncSession> self);
-  // As Uplink::Send.
+  // Does what Uplink::Send does.
   bool Send(const MapUpdateBatch& batch);
-  // As Uplink::bytes_waiting; nothing once the call has broken.
+  // Returns what Uplink::bytes_waiting does; 0 once the call has broken.
   uint64_t bytes_waiting() const;
-  // As Uplink::PauseReading and Uplink::ResumeReading.
+  // These do what those of Uplink do.
   void PauseReading();
   void ResumeReading();
   // Closes the sending side, so that the store ends the call in good order. The listener hears
-  // nothing more, though a call of it may still run. False: no session stands, or something is
-  // unsent; then only Cancel ends it.
+  // nothing more, though a call of it may still run. Returns false if no session stands or
+  // something is unsent; then only Cancel ends the call.
   bool Leave();
-  // Ends the call soon; the listener as above.
+  // Ends the call soon; the listener hears nothing more, as after Leave.
   void Cancel();
 
  private:
@@ -63,13 +63,13 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   absl::Status Handle(const v1::SyncResponse& response);
   absl::Status HandleShared(const v1::SharedUpdate& part);
   void Push(v1::SyncRequest request) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // The message to write next, if none is being written.
+  // Returns the message to write next; null if one is being written or there is none.
   const v1::SyncRequest* NextWrite() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void WriteNext();
   bool IsSilenced() const;
-  // Returns whether the next message is not to be read before ResumeReading.
+  // Returns true if the next message must not be read before ResumeReading.
   bool HoldsRead();
-  // Whether the hold that keeps the call alive for Send is to be given up now.
+  // Returns true if the hold that keeps the call alive for Send must be given up now.
   bool TakeHold() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::shared_ptr<SyncTransport> transport_;
@@ -79,7 +79,7 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   std::shared_ptr<SyncSession> self_;
   grpc::ClientContext context_;
 
-  // Of the reading side, one reaction at a time.
+  // The reading side uses these, one reaction at a time.
   v1::SyncResponse response_;
   CameraBook received_cameras_;
   SharedUpdateAssembler assembler_;
@@ -91,12 +91,13 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   CameraBook sent_cameras_ ABSL_GUARDED_BY(mutex_);
   FeatureForm form_ ABSL_GUARDED_BY(mutex_) = FeatureForm::kPlain;
   bool granted_ ABSL_GUARDED_BY(mutex_) = false;
-  bool writing_ ABSL_GUARDED_BY(mutex_) = false;  // A message, or that there are no more.
-  bool leaving_ ABSL_GUARDED_BY(mutex_) = false;  // No more writes.
-  bool broken_ ABSL_GUARDED_BY(mutex_) = false;   // No more reads or writes.
+  // True while a message is written, or the end of all messages.
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool leaving_ ABSL_GUARDED_BY(mutex_) = false;  // True: no more writes begin.
+  bool broken_ ABSL_GUARDED_BY(mutex_) = false;   // True: no more reads or writes.
   bool held_ ABSL_GUARDED_BY(mutex_) = true;
   bool paused_ ABSL_GUARDED_BY(mutex_) = false;
-  // A read waits for ResumeReading, and a hold of its own keeps the call alive for it.
+  // True if a read waits for ResumeReading; a hold of its own keeps the call alive for it.
   bool read_waits_ ABSL_GUARDED_BY(mutex_) = false;
   bool silenced_ ABSL_GUARDED_BY(mutex_) = false;
 };

@@ -1,4 +1,4 @@
-// Calls of a map store: how long they may take, and how they ended, for people.
+// Sets deadlines of calls of a map store, and says for people how the calls ended.
 #ifndef CORBSLAM_SERVICES_CLIENT_STORE_CALL_STATUS_H_
 #define CORBSLAM_SERVICES_CLIENT_STORE_CALL_STATUS_H_
 
@@ -15,12 +15,12 @@
 
 namespace corbslam {
 
-// Of a call that answers at once.
+// Sets the deadline of a call that answers at once.
 inline void SetDeadline(grpc::ClientContext& context) {
   context.set_deadline(absl::ToChronoTime(absl::Now() + absl::Seconds(60)));
 }
 
-// With the name of the call that met the error.
+// Returns the status with the name of the call that met the error.
 inline absl::Status ToStatus(const grpc::Status& status, absl::string_view call) {
   if (status.ok()) return absl::OkStatus();
   return absl::Status(static_cast<absl::StatusCode>(status.error_code()),

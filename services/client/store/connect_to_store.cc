@@ -13,10 +13,10 @@
 namespace corbslam {
 namespace {
 
-// As long as a connection takes that stands at once.
+// Limit for a connection that succeeds at the first attempt.
 constexpr absl::Duration kAtOnce = absl::Milliseconds(300);
 
-// Returns early when the first attempt fails.
+// Returns false early if the first attempt fails.
 bool ConnectAtOnce(grpc::Channel& channel) {
   const auto deadline = absl::ToChronoTime(absl::Now() + kAtOnce);
   grpc_connectivity_state state = channel.GetState(/*try_to_connect=*/true);
@@ -27,7 +27,7 @@ bool ConnectAtOnce(grpc::Channel& channel) {
   return state == GRPC_CHANNEL_READY;
 }
 
-// UNAVAILABLE with the cause where no connection stands in the end.
+// Returns UNAVAILABLE with the cause if no connection stands in the end.
 absl::Status WaitForConnection(const ServerTarget& target, absl::Duration patience,
                                grpc::Channel& channel) {
   const absl::Time deadline = absl::Now() + patience;
@@ -40,8 +40,8 @@ absl::Status WaitForConnection(const ServerTarget& target, absl::Duration patien
   return channel.WaitForConnected(absl::ToChronoTime(deadline)) ? absl::OkStatus() : status;
 }
 
-// Every map store refuses this question before it looks at anything; another server does not know
-// it.
+// Checks that a map store answers. Every map store refuses this question before it looks at
+// anything; another server does not know it.
 absl::Status CheckIsStore(const ServerTarget& target,
                           const std::shared_ptr<grpc::Channel>& channel) {
   grpc::ClientContext context;

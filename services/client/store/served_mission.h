@@ -1,4 +1,5 @@
-// A mission as a map store holds it, read once and kept: for reports, trajectories and pictures.
+// Holds a mission as a map store serves it, read once and kept: for reports, trajectories and
+// pictures.
 #ifndef CORBSLAM_SERVICES_CLIENT_STORE_SERVED_MISSION_H_
 #define CORBSLAM_SERVICES_CLIENT_STORE_SERVED_MISSION_H_
 
@@ -15,29 +16,29 @@ namespace corbslam {
 
 struct ServedPose {
   int64_t timestamp_ns = 0;
-  // "Frame" is that of `local_map` in a local trajectory, the mission's in a global one.
+  // The frame is that of `local_map` in a local trajectory, the mission's in a global one.
   Rigid3d frame_from_camera;
-  std::string local_map;  // Name of the resource.
+  std::string local_map;  // Name of the local map's resource.
 };
 
-// Every tracked frame of one agent, by local map, in time. A global one leaves out local maps that
-// are not connected to the global frame.
+// Holds every tracked frame of one agent, by local map, in time. A global trajectory leaves out
+// local maps that are not connected to the global frame.
 using ServedTrajectory = std::vector<ServedPose>;
 
 Trajectory ToTrajectory(const ServedTrajectory& stored);
 size_t CountLocalMaps(const ServedTrajectory& stored);
 
-// What lies in the mission's global frame.
+// Holds what lies in the mission's global frame.
 struct ServedMap {
   struct Keyframe {
     KeyframeId id;
-    KeyframeId parent;  // Invalid: none.
+    KeyframeId parent;  // Invalid if it has none.
     std::string agent;
     Rigid3d global_from_camera;
   };
   std::vector<Keyframe> keyframes;
   std::vector<Eigen::Vector3d> points;
-  std::vector<std::string> point_agents;  // Who made each of them; "" where that is not known.
+  std::vector<std::string> point_agents;  // Who made each point; "" if that is not known.
 };
 
 }  // namespace corbslam

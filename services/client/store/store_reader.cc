@@ -19,7 +19,7 @@ namespace {
 // How often a store is asked whether it is idle; it has no call that waits for that.
 constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
 
-// Of a whole map or way on a slow link: long, but not for ever.
+// Limit for reading a whole map or trajectory over a slow link.
 constexpr absl::Duration kReadPatience = absl::Minutes(10);
 
 void WaitForStream(grpc::ClientContext& context) {
@@ -27,7 +27,7 @@ void WaitForStream(grpc::ClientContext& context) {
   context.set_wait_for_ready(true);
 }
 
-// It may be starting.
+// Lets the call wait for a store that may be starting.
 void WaitForAnswer(grpc::ClientContext& context) {
   SetDeadline(context);
   context.set_wait_for_ready(true);
@@ -97,6 +97,25 @@ absl::Status StoreReader::WaitUntilFused(absl::Duration timeout) {
   }
 }
 
+absl::StatusOr<std::map<std::string, v1::MissionAgent>> StoreReader::ListAgents() {
+  v1::ListAgentsRequest request;
+  request.set_parent(MissionName(mission_));
+  std::map<std::string, v1::MissionAgent> agents;
+  do {
+    grpc::ClientContext context;
+    WaitForAnswer(context);
+    v1::ListAgentsResponse response;
+    const grpc::Status status = stub_->ListAgents(&context, request, &response);
+    if (status.error_code() == grpc::StatusCode::NOT_FOUND) return agents;
+    RETURN_IF_ERROR(ToStatus(status, "ListAgents"));
+    for (const v1::MissionAgent& agent : response.agents()) {
+      agents[LastSegment(agent.name())] = agent;
+    }
+    request.set_page_token(response.next_page_token());
+  } while (!request.page_token().empty());
+  return agents;
+}
+
 absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames() {
   v1::ListLocalMapsRequest request;
   request.set_parent(MissionName(mission_));
@@ -161,7 +180,8 @@ absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
     added = AddResponse(response, map);
     is_whole = !response.continues();
   }
-  // Later revisions would follow. A stream that the store ended keeps its own reason.
+  // The call is cancelled, since later revisions would follow. A stream that the store ended keeps
+  // its own reason.
   if (is_whole || !added.ok()) context.TryCancel();
   const grpc::Status status = reader->Finish();
   RETURN_IF_ERROR(added);

@@ -18,16 +18,16 @@
 
 namespace corbslam {
 
-// A channel to the map store at HOST:PORT, connected. INVALID_ARGUMENT for what is no address.
-// UNAVAILABLE where no map store answers, with the cause: within a second or so where it is certain
-// (nobody listens, TLS on one side, another server); where the network may be slow that is logged,
-// and the error comes after `patience`.
+// Returns a connected channel to the map store at HOST:PORT. INVALID_ARGUMENT for what is no
+// address. UNAVAILABLE if no map store answers, with the cause: within a second or so if the cause
+// is certain (nobody listens, TLS on one side, another server); if the network may be slow, that is
+// logged, and the error comes after `patience`.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(
     const std::string& address, const SecurityOptions& security,
     absl::Duration patience = absl::Seconds(10));
 
-// Thread-safe. Each call has a deadline of its own. Errors are those of the store, with the call
-// that met them.
+// Reads one mission. Thread-safe. Each call has a deadline of its own. Errors are those of the
+// store, with the call that met them.
 class StoreReader {
  public:
   StoreReader(std::shared_ptr<grpc::Channel> channel, std::string mission);
@@ -35,14 +35,17 @@ class StoreReader {
   absl::StatusOr<v1::GetStatisticsResponse> Statistics();
   // Returns once everything that came was looked up, verified, fused and adjusted.
   absl::Status WaitUntilFused(absl::Duration timeout);
-  // Frames that the agents reported so far, tracked or lost, by agent; empty before the first.
+  // Returns the mission's agents by their own names; none before the first.
+  absl::StatusOr<std::map<std::string, v1::MissionAgent>> ListAgents();
+  // Returns how many frames, tracked or lost, each agent has reported so far; empty before the
+  // first.
   absl::StatusOr<std::map<std::string, uint64_t>> CountReportedFrames();
 
-  // FAILED_PRECONDITION: the store doesn't know the frame that `poses_of` wants.
+  // FAILED_PRECONDITION if the store doesn't know the frame that `poses_of` wants.
   absl::StatusOr<ServedTrajectory> ReadTrajectory(const std::string& agent,
                                                   v1::TrajectoryFrame frame,
                                                   PosesOf poses_of = PosesOf::kRecordedCamera);
-  // The island in the global frame.
+  // Returns the island in the global frame.
   absl::StatusOr<ServedMap> ReadGlobalMap();
 
  private:

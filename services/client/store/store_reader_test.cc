@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Nobody listens there: it is reserved for tcpmux, which nobody runs.
+// Nobody listens on port 1: it is reserved for tcpmux, which nobody runs.
 constexpr char kNobody[] = "127.0.0.1:1";
 
 class StoreReaderTest : public ::testing::Test {

@@ -1,4 +1,4 @@
-// Views of the map as streams of chunks, for fusion workers.
+// Converts views of the map to and from streams of chunks, for fusion workers.
 #ifndef CORBSLAM_SERVICES_CONVERT_WORK_MAP_VIEW_H_
 #define CORBSLAM_SERVICES_CONVERT_WORK_MAP_VIEW_H_
 
@@ -13,31 +13,31 @@
 
 namespace corbslam {
 
-// What of a view is sent.
+// Says what of a view is sent.
 struct MapViewContent {
   bool descriptors = true;
-  // False: only keypoints that see a point, numbered anew; results never name keypoints.
+  // False: only keypoints that see a point are sent, numbered anew; results never name keypoints.
   bool all_keypoints = true;
   bool covisibility = false;
 };
 
-// Gets serialised messages one after the other; false ends the writing.
+// Takes serialised messages one after the other; returns false to end the writing.
 using ChunkSink = std::function<bool(std::string chunk)>;
 
-// Writes the view as MapChunks: keyframes first, then points, observations and edges; each with the
-// node ids of the direct index where the keyframes have words. False if the sink said so.
+// Writes the view as MapChunks: keyframes first, then points, observations and edges; each keyframe
+// with the node ids of the direct index where it has words. Returns false if the sink did.
 bool WriteMapView(const Map& map, v1::MapView view, const MapViewContent& content,
                   const ChunkSink& sink);
 
 // Builds a Map from its chunks. Not thread-safe.
 class MapViewReader {
  public:
-  // `descriptors_optional`: keyframes and points may come without their looks. `covisibility`:
-  // whether it is counted, or comes with the view.
+  // `descriptors_optional`: keyframes and points may come without their descriptors.
+  // `covisibility`: whether it is counted, or comes with the view.
   MapViewReader(bool descriptors_optional, Covisibility covisibility)
       : descriptors_optional_(descriptors_optional), map_(covisibility) {}
 
-  // INVALID_ARGUMENT names the item. After an error the reader is of no use.
+  // Adds a chunk. INVALID_ARGUMENT names the item. After an error the reader is of no use.
   absl::Status Add(const v1::MapChunk& chunk);
   Map Take() && { return std::move(map_); }
   const Map& map() const { return map_; }

@@ -24,7 +24,7 @@ absl::Status ReadCameras(const v1::MapChunk& chunk, const SlotReader& slots, Cam
   return absl::OkStatus();
 }
 
-// The direct index only: the bag of words does not travel.
+// Reads the direct index only: the bag of words does not travel.
 std::shared_ptr<const Words> ReadWords(const v1::Features& features) {
   if (features.nodes_plus_one_size() == 0) return nullptr;
   std::map<uint32_t, std::vector<uint32_t>> by_node;
@@ -96,7 +96,8 @@ absl::Status ReadPoint(const v1::MapChunk::PointColumns& proto, int i, bool look
   point.descriptor = DescriptorFromBytes(proto.descriptors(), static_cast<size_t>(i));
   const Eigen::Vector3d normal = ReadVector(proto.normals(), i);
   RETURN_IF_ERROR(CheckNormal(normal).status());
-  // Kept to the bit, so that a worker elsewhere computes what one in this process does.
+  // The values are kept to the bit, so that a worker elsewhere computes what one in this process
+  // does.
   point.normal_in_map = normal;
   point.min_distance = proto.min_distances(i);
   point.max_distance = proto.max_distances(i);

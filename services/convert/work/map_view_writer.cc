@@ -15,7 +15,7 @@ constexpr size_t kObservationBytes = 24;
 constexpr size_t kEdgeBytes = 28;
 constexpr size_t kPairBytes = 20;
 
-// Index of a kept keypoint among the kept ones; kNotKept for others.
+// Index of a kept keypoint among the kept ones; kNotKept for the others.
 constexpr uint32_t kNotKept = 0xffffffffu;
 using KeypointNumbers = std::vector<uint32_t>;
 
@@ -24,7 +24,7 @@ class ChunkWriter {
  public:
   ChunkWriter(v1::MapView view, const ChunkSink& sink) : view_(view), sink_(sink) { Begin(); }
 
-  // The chunk to add about `bytes` to; null once the sink ended the writing.
+  // Returns the chunk to add about `bytes` to; null once the sink has ended the writing.
   v1::MapChunk* Reserve(size_t bytes) {
     if (size_ > 0 && size_ + bytes > kChunkTargetBytes) Flush();
     size_ += bytes;
@@ -151,7 +151,7 @@ void WritePoints(const Map& map, bool looks, ChunkWriter& writer) {
   std::vector<const MapPoint*> block;
   const auto flush = [&] {
     if (block.empty()) return;
-    // Columns of a chunk are begun once.
+    // A chunk can have only one block of columns, so that each block begins another chunk.
     writer.Flush();
     WritePointBlock(block, looks, writer);
     block.clear();

@@ -1,4 +1,4 @@
-// What results of fusion workers are made of, as streams of chunks.
+// Converts what results of fusion workers are made of, to and from streams of chunks.
 #ifndef CORBSLAM_SERVICES_CONVERT_WORK_RESULT_ITEMS_H_
 #define CORBSLAM_SERVICES_CONVERT_WORK_RESULT_ITEMS_H_
 
@@ -11,7 +11,7 @@
 
 namespace corbslam {
 
-// Each kind of result uses some of them.
+// Holds the items of a result; each kind of result uses some of them.
 struct ResultItems {
   std::vector<KeyframePose> poses;
   std::vector<PointPosition> positions;
@@ -20,9 +20,9 @@ struct ResultItems {
   std::vector<Overlap> overlaps;
 };
 
-// Writes them as serialised ResultChunks. False if the sink said so.
+// Writes the items as serialised ResultChunks. Returns false if the sink did.
 bool WriteResultItems(const ResultItems& items, const ChunkSink& sink);
-// Appends those of one chunk. INVALID_ARGUMENT names the item.
+// Appends the items of one chunk. INVALID_ARGUMENT names the item.
 absl::Status ReadResultChunk(const v1::ResultChunk& chunk, ResultItems& items);
 
 }  // namespace corbslam

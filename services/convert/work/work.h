@@ -1,5 +1,5 @@
-// The three requests to fusion workers and their results, as sequences of messages: a header,
-// chunks, an end with a checksum.
+// Converts the three requests to fusion workers and their results, to and from sequences of
+// messages: a header, chunks, an end with a checksum.
 #ifndef CORBSLAM_SERVICES_CONVERT_WORK_WORK_H_
 #define CORBSLAM_SERVICES_CONVERT_WORK_WORK_H_
 
@@ -20,8 +20,8 @@
 
 namespace corbslam {
 
-// What is read of one kind of request. Not thread-safe. All errors are INVALID_ARGUMENT, naming the
-// item, unless said otherwise.
+// These collect what is read of one kind of request. All errors are INVALID_ARGUMENT, naming the
+// item, unless said otherwise. Not thread-safe.
 class VerifyOverlapRequestReader {
  public:
   absl::Status AddHeader(const v1::VerifyOverlapRequest::Header& header);
@@ -57,7 +57,7 @@ class AdjustBundleRequestReader {
   MapViewReader view_{/*descriptors_optional=*/true, Covisibility::kGiven};
 };
 
-// The headers of requests and results.
+// These return the headers of requests and results.
 v1::VerifyOverlapRequest::Header HeaderOf(const VerifyOverlapRequest& request);
 v1::FuseMapsRequest::Header HeaderOf(const FuseMapsRequest& request);
 v1::AdjustBundleRequest::Header HeaderOf(const AdjustBundleRequest& request);
@@ -65,7 +65,7 @@ v1::VerifyOverlapResponse::Header HeaderOf(const VerifyOverlapResult& result);
 v1::FuseMapsResponse::Header HeaderOf(const FuseMapsResult& result);
 v1::AdjustBundleResponse::Header HeaderOf(const AdjustBundleResult& result);
 
-// What follows the headers. False if the sink said so.
+// These write what follows the headers, and return false if the sink did.
 bool WriteChunks(const VerifyOverlapRequest& request, const ChunkSink& sink);
 bool WriteChunks(const FuseMapsRequest& request, const ChunkSink& sink);
 bool WriteChunks(const AdjustBundleRequest& request, const ChunkSink& sink);
@@ -73,7 +73,7 @@ bool WriteChunks(const VerifyOverlapResult& result, const ChunkSink& sink);
 bool WriteChunks(const FuseMapsResult& result, const ChunkSink& sink);
 bool WriteChunks(const AdjustBundleResult& result, const ChunkSink& sink);
 
-// A result from its header and all its items.
+// These make a result from its header and all its items.
 absl::StatusOr<VerifyOverlapResult> MakeResult(const v1::VerifyOverlapResponse::Header& header,
                                                ResultItems items);
 absl::StatusOr<FuseMapsResult> MakeResult(const v1::FuseMapsResponse::Header& header,
@@ -81,7 +81,7 @@ absl::StatusOr<FuseMapsResult> MakeResult(const v1::FuseMapsResponse::Header& he
 absl::StatusOr<AdjustBundleResult> MakeResult(const v1::AdjustBundleResponse::Header& header,
                                               ResultItems items);
 
-// Collects a result.
+// Collects a result. Not thread-safe.
 template <typename Response>
 class ResultReader {
  public:
@@ -100,6 +100,7 @@ class ResultReader {
 };
 
 // Sends a request or a result through `send`, which takes a Message and says whether to go on.
+// Returns false if `send` did.
 template <typename Message, typename Work>
 bool WriteWork(const Work& work, const std::function<bool(Message)>& send) {
   Message message;
@@ -121,12 +122,13 @@ bool WriteWork(const Work& work, const std::function<bool(Message)>& send) {
   return send(std::move(end));
 }
 
-// Checks the order, the sizes and the checksum of a sequence and feeds `Reader`.
-// ChunkMessage is what the chunks' data is: v1::MapChunk or v1::ResultChunk.
+// Checks the order, the sizes and the checksum of a sequence and feeds `Reader`. ChunkMessage is
+// the type of the chunks' data: v1::MapChunk or v1::ResultChunk.
 template <typename Reader, typename ChunkMessage>
 class WorkReader {
  public:
-  // A message's header, chunk or end. RESOURCE_EXHAUSTED: more than kMaxWorkBytes together.
+  // Takes a message, which has a header, a chunk or the end. RESOURCE_EXHAUSTED: there are more
+  // than kMaxWorkBytes together.
   template <typename Message>
   absl::Status Add(const Message& message) {
     if (ended_) return absl::InvalidArgumentError("a message came after the end");

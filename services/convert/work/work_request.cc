@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kOverlapBytes = 160;
 constexpr size_t kPairBytes = 24;
 
-// Exactly one of two readers.
+// Adds the chunk to exactly one of two readers.
 absl::Status AddToView(const v1::MapChunk& chunk, MapViewReader& first, MapViewReader& second) {
   if (chunk.view() == v1::MAP_VIEW_FIRST) return first.Add(chunk);
   if (chunk.view() == v1::MAP_VIEW_SECOND) return second.Add(chunk);

@@ -64,7 +64,8 @@ void ExpectSameCovisibility(const Map& a, const Map& b) {
   }
 }
 
-// Keypoints that see a point, whatever their numbers now are, and the points themselves.
+// Compares the keypoints that see a point, whatever their numbers now are, and the points
+// themselves.
 void ExpectSameSights(const Map& a, const Map& b) {
   for (const auto& [id, point] : a.points()) {
     const MapPoint& other = *b.FindPoint(id);
@@ -228,7 +229,7 @@ class BadWorkTest : public ::testing::Test {
     EXPECT_EQ(read.status().code(), absl::StatusCode::kInvalidArgument) << read.status();
     return std::string(read.status().message());
   }
-  // Changes the first chunk and mends the checksum.
+  // Changes the first chunk and makes the checksum right again.
   template <typename Change>
   void ChangeChunk(const Change& change) {
     v1::MapChunk chunk;

@@ -1,4 +1,4 @@
-// HTTP as bytes: what a client that isn't well-behaved may send.
+// Sends HTTP as bytes, as a client may that isn't well-behaved.
 #ifndef CORBSLAM_SERVICES_HTTP_TESTING_RAW_HTTP_H_
 #define CORBSLAM_SERVICES_HTTP_TESTING_RAW_HTTP_H_
 
@@ -18,13 +18,13 @@ class RawConnection {
   RawConnection& operator=(RawConnection&&) = delete;
 
   bool is_connected() const { return fd_ >= 0; }
-  // Whether all of it went out.
+  // Returns true if all of it went out.
   bool Send(absl::string_view bytes) const;
-  // Nothing more will be sent.
+  // Tells the server that nothing more will be sent.
   void EndSending() const;
-  // Everything until the server closes, or until so much time has passed.
+  // Returns everything until the server closes, or until so much time has passed.
   std::string ReadToEnd(absl::Duration patience = absl::Seconds(20));
-  // The server has closed or reset the connection.
+  // Returns true once the server has closed or reset the connection.
   bool has_ended() const { return ended_; }
 
  private:
@@ -32,14 +32,14 @@ class RawConnection {
   bool ended_ = false;
 };
 
-// The whole answer to such a request over a connection of its own; empty: none.
+// Returns the whole answer to such a request over a connection of its own; empty if there is none.
 std::string Ask(const std::string& address, absl::string_view request);
-// "METHOD TARGET HTTP/1.1" with a host, and with these headers, each ending in "\r\n".
+// Returns "METHOD TARGET HTTP/1.1" with a host, and these headers, each ending in "\r\n".
 std::string MakeRequest(absl::string_view method, absl::string_view target,
                         absl::string_view headers = "");
-// Of an answer's first line; 0: it is none.
+// Returns the status of an answer's first line; 0 if it is none.
 int StatusOf(absl::string_view answer);
-// Behind the headers.
+// Returns what stands behind the headers.
 std::string BodyOf(absl::string_view answer);
 
 }  // namespace corbslam::testing

@@ -17,7 +17,8 @@ LogFields Fields(const SessionAgent& agent) {
   return {.mission = agent.mission, .agent = agent.agent};
 }
 
-// Its first keyframe stands for a batch.
+// Returns the trace id of the batch's first keyframe, which stands for the batch; empty if it has
+// none.
 std::string TraceOf(const MapUpdateBatch& batch) {
   return batch.full_keyframes.empty() ? "" : TraceId(batch.full_keyframes.front().payload->id);
 }
@@ -26,7 +27,7 @@ std::string TraceOf(const MapUpdateBatch& batch) {
 
 bool SyncLog::IsWorthALine(const SessionAgent& agent) {
   absl::MutexLock lock(&mutex_);
-  // Whoever makes up names fills it.
+  // A caller that makes up names could fill the map, so it is emptied.
   if (refused_.size() >= kMaxRefused && !refused_.contains(agent)) refused_.clear();
   return refused_[agent].IsDue(absl::Now());
 }

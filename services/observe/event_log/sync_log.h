@@ -1,4 +1,4 @@
-// The agents' sessions in the log.
+// Writes the agents' sessions to the log.
 #ifndef CORBSLAM_SERVICES_OBSERVE_EVENT_LOG_SYNC_LOG_H_
 #define CORBSLAM_SERVICES_OBSERVE_EVENT_LOG_SYNC_LOG_H_
 
@@ -11,8 +11,8 @@
 
 namespace corbslam {
 
-// Says when a session begins and how it ends, and why one or a batch was refused. A robot that asks
-// for a session again and again is written of rarely. Thread-safe.
+// Says when a session begins and how it ends, and why a session or a batch was refused. A robot
+// that asks again and again for a session is mentioned only rarely. Thread-safe.
 class SyncLog : public SyncObserver {
  public:
   void OnOpened(const SessionAgent& agent) override;
@@ -25,7 +25,7 @@ class SyncLog : public SyncObserver {
   bool IsWorthALine(const SessionAgent& agent);
 
   absl::Mutex mutex_;
-  // Of agents that were refused since their last session.
+  // Agents that were refused since their last session.
   std::map<SessionAgent, RareReminder> refused_ ABSL_GUARDED_BY(mutex_);
 };
 

@@ -7,7 +7,7 @@
 namespace corbslam {
 namespace {
 
-// The robot does not ask again after these.
+// Returns true if the robot does not ask again after this status.
 bool IsForGood(const absl::Status& status) {
   return absl::IsAborted(status) || absl::IsPermissionDenied(status);
 }
@@ -80,7 +80,7 @@ std::optional<absl::Status> UplinkLog::WaitForTrouble() {
     mutex_.Await(absl::Condition(&may_come));
     const bool happened = mutex_.AwaitWithTimeout(absl::Condition(&is_any), options_.slow_attempt);
     if (stop_) return std::nullopt;
-    // An attempt that takes long is trouble, too, though it may succeed yet.
+    // A slow attempt is trouble, too, though it may yet succeed.
     if (!happened && !opening_) continue;
     trouble_ = false;
     if (NeedsExplanation()) return seen_;

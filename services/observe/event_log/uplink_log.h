@@ -1,4 +1,4 @@
-// A robot's sessions with its map store in its log: above all that there is none, and why.
+// Writes a robot's sessions with its map store to its log: above all that there is none, and why.
 #ifndef CORBSLAM_SERVICES_OBSERVE_EVENT_LOG_UPLINK_LOG_H_
 #define CORBSLAM_SERVICES_OBSERVE_EVENT_LOG_UPLINK_LOG_H_
 
@@ -21,24 +21,25 @@ namespace corbslam {
 struct UplinkLogOptions {
   // An attempt that takes longer is looked into while it lasts.
   absl::Duration slow_attempt = absl::Seconds(1);
-  // What was found out is good for so long, unless the attempts end otherwise than before.
+  // A cause that was found stays valid for this long, unless the attempts end otherwise than
+  // before.
   absl::Duration explain_again = absl::Seconds(15);
   std::function<absl::Time()> clock = &absl::Now;
 };
 
 // Writes a warning within a second or two after a session was lost or an attempt failed, with the
 // cause; again when the cause is another one, and else more and more seldom; and a line once a
-// session stands. The causes are found out on a thread of its own. Thread-safe.
+// session stands. A thread of its own finds out the causes. Thread-safe.
 class UplinkLog : public UplinkObserver {
  public:
-  // Finds out why an attempt ended as `seen` says, or does not end (OK). May block.
+  // Finds out why an attempt ended as `seen` says, or does not end (OK). It may block.
   using Explain = std::function<absl::Status(const absl::Status& seen)>;
 
   UplinkLog(LogFields who, Explain explain, const UplinkLogOptions& options = {});
-  // Waits for an explanation that is under way.
+  // The destructor waits for an explanation that is under way.
   ~UplinkLog() override;
 
-  // OK while a session stands, else why there is none, as far as is known.
+  // Returns OK while a session stands, else why there is none, as far as is known.
   absl::Status status() const;
 
   void OnOpening() override;
@@ -47,10 +48,11 @@ class UplinkLog : public UplinkObserver {
 
  private:
   void Run();
-  // Warns of what is known, until there is something to find out; none: the end.
+  // Warns of what is known, until there is something to find out, and returns that status; nullopt
+  // at the end.
   std::optional<absl::Status> WaitForTrouble();
   void NoteCause(const absl::Status& seen, const absl::Status& cause);
-  // Whether what is known of the cause is old.
+  // Returns true if what is known of the cause is old.
   bool NeedsExplanation() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   void WarnIfDue() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -62,11 +64,11 @@ class UplinkLog : public UplinkObserver {
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   bool connected_ ABSL_GUARDED_BY(mutex_) = false;
   bool opening_ ABSL_GUARDED_BY(mutex_) = false;
-  // An attempt failed, or was slow, that nobody looked into yet.
+  // True if an attempt failed or was slow that nobody has looked into yet.
   bool trouble_ ABSL_GUARDED_BY(mutex_) = false;
   absl::Time without_since_ ABSL_GUARDED_BY(mutex_);
   absl::Status seen_ ABSL_GUARDED_BY(mutex_);
-  // What was found out last, when, and of which `seen_`.
+  // The cause that was found out last, for which `seen_`, and when.
   absl::Status cause_ ABSL_GUARDED_BY(mutex_);
   absl::Status explained_ ABSL_GUARDED_BY(mutex_);
   absl::Time explained_at_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 constexpr absl::Duration kPatience = absl::Seconds(20);
 
-// What is logged of robots.
+// Collects what is logged of robots.
 class Lines : public google::LogSink {
  public:
   Lines() { google::AddLogSink(this); }
@@ -29,7 +29,7 @@ class Lines : public google::LogSink {
     absl::MutexLock lock(&mutex_);
     lines_.emplace_back(message, length);
   }
-  // Once there are so many.
+  // Waits until there are `count` lines, and returns them.
   std::vector<std::string> WaitFor(size_t count) {
     absl::MutexLock lock(&mutex_);
     const auto come = [this, count]()

@@ -1,4 +1,4 @@
-// A fusion worker that keeps what it is asked.
+// Makes a fusion worker that keeps what it is asked.
 #ifndef CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEEPING_FUSION_WORKER_H_
 #define CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEEPING_FUSION_WORKER_H_
 
@@ -9,10 +9,10 @@
 
 namespace corbslam {
 
-// Writes each request to adjust to a file of its own in `folder` before it is worked on:
-// TIME_NUMBER.adjustment, which sort by when they came. Nothing is ever deleted. What can't be
-// written is logged, and worked on all the same. Thread contract and results are those of `worker`,
-// which must outlive it.
+// Writes each request to adjust to a file of its own in `folder` before `worker` works on it. The
+// files are called TIME_NUMBER.adjustment, so that they sort by when the requests came, and are
+// never deleted. A failure to write is logged, and the request is worked on all the same. Thread
+// contract and results are those of `worker`, which must outlive the result.
 std::unique_ptr<FusionWorker> MakeKeepingFusionWorker(FusionWorker* worker, std::string folder);
 
 }  // namespace corbslam

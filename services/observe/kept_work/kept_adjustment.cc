@@ -18,7 +18,7 @@ namespace {
 using Message = v1::AdjustBundleRequest;
 using Reader = WorkReader<AdjustBundleRequestReader, v1::MapChunk>;
 
-// All messages up to the end.
+// Reads all messages up to the end.
 absl::Status ReadMessages(std::istream& file, Reader& reader) {
   google::protobuf::io::IstreamInputStream stream(&file);
   while (!reader.ended()) {
@@ -34,7 +34,8 @@ absl::Status ReadMessages(std::istream& file, Reader& reader) {
 }  // namespace
 
 absl::Status WriteAdjustment(const AdjustBundleRequest& request, const std::string& path) {
-  // Whoever lists the folder finds whole ones only.
+  // The name ends with ".part" until the file is whole: whoever lists the folder finds whole ones
+  // only.
   const std::string unfinished = path + ".part";
   std::ofstream file(unfinished, std::ios::binary);
   const bool sent = WriteWork<Message>(

@@ -1,4 +1,4 @@
-// Global adjustments as files: what a worker was asked, to be looked at and done again.
+// Keeps global adjustments as files: what a worker was asked, to be looked at and done again.
 #ifndef CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEPT_ADJUSTMENT_H_
 #define CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEPT_ADJUSTMENT_H_
 
@@ -10,11 +10,11 @@
 
 namespace corbslam {
 
-// The messages of the request as a worker gets them, each after its length. UNAVAILABLE names the
-// path; then there is no such file.
+// Writes the messages of the request as a worker gets them, each after its length. UNAVAILABLE
+// names the path; then there is no such file.
 absl::Status WriteAdjustment(const AdjustBundleRequest& request, const std::string& path);
-// NOT_FOUND: no such file. INVALID_ARGUMENT: what a worker would refuse, or the file is cut short.
-// Both name the path.
+// Reads what WriteAdjustment wrote. NOT_FOUND if there is no such file; INVALID_ARGUMENT if a
+// worker would refuse the request or the file is cut short. Both name the path.
 absl::StatusOr<AdjustBundleRequest> ReadAdjustment(const std::string& path);
 
 }  // namespace corbslam

@@ -79,7 +79,7 @@ TEST(KeptAdjustmentTest, AFolderThatIsNotThereIsNamed) {
   EXPECT_THAT(std::string(status.message()), HasSubstr(path));
 }
 
-// Says how often it was asked to adjust.
+// Counts how often it was asked to adjust.
 class CountingWorker : public FusionWorker {
  public:
   absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest&,

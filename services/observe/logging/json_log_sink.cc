@@ -8,7 +8,8 @@
 namespace corbslam {
 namespace {
 
-// Takes "NAME=VALUE " from the front.
+// Takes "NAME=VALUE " from the front of the message. Returns false if the message begins with
+// something else.
 bool TakeField(absl::string_view name, absl::string_view& message, std::string& value) {
   absl::string_view rest = message;
   if (!absl::ConsumePrefix(&rest, absl::StrCat(name, "="))) return false;

@@ -1,4 +1,4 @@
-// The log as JSON, an object a line.
+// Writes the log as JSON, an object a line.
 #ifndef CORBSLAM_SERVICES_OBSERVE_LOGGING_JSON_LOG_SINK_H_
 #define CORBSLAM_SERVICES_OBSERVE_LOGGING_JSON_LOG_SINK_H_
 
@@ -14,8 +14,8 @@
 
 namespace corbslam {
 
-// One line of the log without its newline: {"time", "severity", "file", "line", "message"} and,
-// where the message begins with them (log_fields.h), "mission", "agent" and "trace", which the
+// Returns one line of the log without its newline: {"time", "severity", "file", "line", "message"}
+// and, where the message begins with them (log_fields.h), "mission", "agent" and "trace", which the
 // message is then without. Bytes that are no UTF-8 are replaced.
 std::string LogLineToJson(google::LogSeverity severity, absl::string_view file, int line,
                           absl::Time time, absl::string_view message);

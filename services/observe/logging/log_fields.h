@@ -1,4 +1,4 @@
-// Whom a line of the log is about, always in the same words.
+// Says whom a line of the log is about, always in the same words.
 #ifndef CORBSLAM_SERVICES_OBSERVE_LOGGING_LOG_FIELDS_H_
 #define CORBSLAM_SERVICES_OBSERVE_LOGGING_LOG_FIELDS_H_
 
@@ -7,9 +7,9 @@
 
 namespace corbslam {
 
-// To be put first: LOG(INFO) << LogFields{.mission = m, .agent = a} << "session opened" writes
-// "mission=m agent=a session opened", and as JSON members of these names. Values have no spaces
-// (names and ids never do); empty ones are left out.
+// Fields to be put first: LOG(INFO) << LogFields{.mission = m, .agent = a} << "session opened"
+// writes "mission=m agent=a session opened"; as JSON they are members of these names. Values have
+// no spaces (names and ids never do); empty ones are left out.
 struct LogFields {
   std::string mission = "";
   std::string agent = "";

@@ -7,7 +7,7 @@
 namespace corbslam {
 namespace {
 
-// Never destroyed: other threads may still log at the end.
+// The sink is never destroyed: other threads may still log at the end.
 JsonLogSink& StandardError() {
   static JsonLogSink& sink = *new JsonLogSink(stderr);
   return sink;

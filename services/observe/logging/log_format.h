@@ -1,17 +1,17 @@
-// What the programs' logs look like.
+// Chooses what the programs' logs look like.
 #ifndef CORBSLAM_SERVICES_OBSERVE_LOGGING_LOG_FORMAT_H_
 #define CORBSLAM_SERVICES_OBSERVE_LOGGING_LOG_FORMAT_H_
 
 namespace corbslam {
 
 enum class LogFormat {
-  kText,  // glog's lines.
+  kText,  // Lines as glog writes them.
   kJson,  // An object a line (json_log_sink.h).
 };
 
-// Begins logging to standard error. Once a process.
+// Begins logging to standard error. A process calls it once.
 void StartLogging(const char* program, LogFormat format);
-// Ends it: nothing may be logged afterwards.
+// Ends logging: nothing may be logged afterwards.
 void EndLogging();
 
 }  // namespace corbslam

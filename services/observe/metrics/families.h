@@ -1,4 +1,4 @@
-// Metrics that are read from what is there when somebody asks.
+// Makes metrics from values that are read when somebody asks.
 #ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_FAMILIES_H_
 #define CORBSLAM_SERVICES_OBSERVE_METRICS_FAMILIES_H_
 
@@ -12,13 +12,13 @@ namespace corbslam {
 
 using MetricLabels = std::vector<prometheus::ClientMetric::Label>;
 
-// Collects one answer. A family has its series one after the other, and stands in the order in
-// which it was first named. Not thread-safe.
+// Collects the metrics of one answer. A family has its series one after the other, and stands in
+// the order in which it was first named. Not thread-safe.
 class Families {
  public:
   void Gauge(const std::string& name, const std::string& help, double value,
              MetricLabels labels = {});
-  // `value` only ever grows; the name ends with "_total".
+  // Adds a value that only ever grows; the name ends with "_total".
   void Counter(const std::string& name, const std::string& help, double value,
                MetricLabels labels = {});
 

@@ -34,7 +34,7 @@ IngestMetrics::IngestMetrics(prometheus::Registry& registry, std::function<absl:
               .Help("From a batch's last byte to its acknowledgement, the journal included.")
               .Register(registry)
               .Add({}, ShortTimes_s())) {
-  // There from the first scrape on, so that rates begin at zero.
+  // These series are there from the first scrape on, so that rates begin at zero.
   batches_.Add(CodeLabel(absl::OkStatus()));
   sessions_.Add(CodeLabel(absl::OkStatus()));
 }

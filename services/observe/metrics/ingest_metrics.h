@@ -1,4 +1,4 @@
-// What the agents' streams bring, as metrics.
+// Counts what the agents' streams bring, as metrics.
 #ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_INGEST_METRICS_H_
 #define CORBSLAM_SERVICES_OBSERVE_METRICS_INGEST_METRICS_H_
 
@@ -23,9 +23,9 @@
 
 namespace corbslam {
 
-// Batches and acknowledgements go to the registry. What is counted for each agent is kept here: its
-// series go when its mission is deleted, and a while after its last session, so that Prometheus has
-// seen them at their end. Thread-safe.
+// Counts batches and acknowledgements in the registry, and what is counted for each agent here: an
+// agent's series go when its mission is deleted, and a while after its last session, so that
+// Prometheus has seen them at their end. Thread-safe.
 class IngestMetrics : public SyncObserver {
  public:
   static constexpr absl::Duration kKeptFor = absl::Minutes(5);
@@ -44,7 +44,7 @@ class IngestMetrics : public SyncObserver {
 
   void OnShareDelayed(const SessionAgent& agent, size_t bytes, absl::Duration waited) override;
 
-  // Adds the agents' series. `missions` are those that there are.
+  // Adds the agents' series. `missions` are all that exist.
   void AddAgents(const std::set<std::string>& missions, Families& families);
 
  private:

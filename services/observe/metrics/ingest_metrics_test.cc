@@ -73,7 +73,7 @@ TEST_F(IngestMetricsTest, CountsWhatWaitedForALinksBudget) {
 
 TEST_F(IngestMetricsTest, AnAgentsSeriesGoAWhileAfterItsLastSession) {
   metrics_.OnOpened(kAlpha);
-  // It comes again before its first session is gone.
+  // The agent comes again before its first session is gone.
   metrics_.OnOpened(kAlpha);
   metrics_.OnClosed(kAlpha, absl::AbortedError("fenced"));
   now_ += IngestMetrics::kKeptFor * 2;
@@ -91,11 +91,11 @@ TEST_F(IngestMetricsTest, AnAgentsSeriesGoAWhileAfterItsLastSession) {
 TEST_F(IngestMetricsTest, AnAgentsSeriesGoWithItsMission) {
   metrics_.OnOpened(kAlpha);
   metrics_.OnReceived(kAlpha, 5);
-  // Its stream has not ended yet.
+  // The agent's stream has not ended yet.
   EXPECT_TRUE(Agents({"other"}).empty());
   metrics_.OnClosed(kAlpha, absl::AbortedError("mission lab was deleted"));
   EXPECT_TRUE(Agents({"other"}).empty());
-  // Made anew under the same name, nothing is left of the old one.
+  // When the mission is made anew under the same name, nothing is left of the old one.
   metrics_.OnOpened(kAlpha);
   EXPECT_EQ(ValueOf(Agents({"lab"}), "corbslam_agent_received_bytes_total", kAlphaLabels), 0);
 }

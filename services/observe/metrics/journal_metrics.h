@@ -1,4 +1,4 @@
-// The journal as metrics, and what fusion commits to it.
+// Counts and times the journal, and what fusion commits to it, as metrics.
 #ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_JOURNAL_METRICS_H_
 #define CORBSLAM_SERVICES_OBSERVE_METRICS_JOURNAL_METRICS_H_
 
@@ -12,7 +12,7 @@
 
 namespace corbslam {
 
-// Thread-safe.
+// Listens to one journal. Thread-safe.
 class JournalMetrics : public JournalObserver {
  public:
   // `registry` is not owned and must outlive it.
@@ -26,7 +26,7 @@ class JournalMetrics : public JournalObserver {
   void OnDeleted(absl::string_view) override {}
 
  private:
-  // Of one kind of write.
+  // Metrics of one kind of write.
   struct Operation {
     prometheus::Histogram& duration;
     prometheus::Counter& errors;

@@ -14,7 +14,7 @@
 namespace corbslam {
 namespace {
 
-// The three families, which the kinds share.
+// Holds the three families, which the kinds of requests share.
 struct RequestFamilies {
   explicit RequestFamilies(prometheus::Registry& registry)
       : requests(prometheus::BuildCounter()
@@ -35,7 +35,7 @@ struct RequestFamilies {
   prometheus::Family<prometheus::Histogram>& durations;
 };
 
-// Of one kind.
+// Counts and times requests of one kind.
 class Kind {
  public:
   Kind(const RequestFamilies& families, const std::string& name)

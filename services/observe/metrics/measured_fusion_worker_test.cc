@@ -9,7 +9,7 @@ namespace {
 
 using testing::ValueOf;
 
-// Looks at the metrics while it works; fuses nothing.
+// Reads the metrics while it works; it fuses nothing.
 class LookingWorker : public FusionWorker {
  public:
   explicit LookingWorker(prometheus::Registry* registry) : registry_(*registry) {}

@@ -1,4 +1,4 @@
-// Where Prometheus reads this process's metrics: GET /metrics.
+// Serves this process's metrics to Prometheus: GET /metrics.
 #ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_METRICS_ENDPOINT_H_
 #define CORBSLAM_SERVICES_OBSERVE_METRICS_METRICS_ENDPOINT_H_
 
@@ -15,22 +15,24 @@
 
 namespace corbslam {
 
-// "HOST:PORT", HOST an IP address, a port of 0 to 65535. INVALID_ARGUMENT otherwise.
+// Checks that an address is "HOST:PORT" with an IP address as HOST and a port of 0 to 65535.
+// INVALID_ARGUMENT otherwise.
 absl::Status CheckMetricsAddress(const std::string& address);
 
-// HTTP without TLS and without a password, read-only: for a loopback address or a network of the
-// operators' own. /metrics takes GET and HEAD; other methods get 405, other paths 404. Each scrape
-// asks the collectables on the server's thread, one scrape after the other.
+// A read-only HTTP server without TLS and without a password: for a loopback address or a network
+// of the operators' own. /metrics takes GET and HEAD; other methods get 405, other paths 404. Each
+// scrape asks the collectables on the server's thread, one scrape after the other.
 class MetricsEndpoint {
  public:
   using Collectables = std::vector<std::shared_ptr<prometheus::Collectable>>;
 
-  // On an address that CheckMetricsAddress takes; port 0: the system chooses one. The destructor
-  // waits for a scrape that is under way. UNAVAILABLE where it can't listen; the message says why.
+  // Listens on an address that CheckMetricsAddress takes; for port 0 the system chooses one. The
+  // destructor waits for a scrape that is under way. UNAVAILABLE if it can't listen; the message
+  // says why.
   static absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Start(const std::string& address,
                                                                 Collectables collectables);
 
-  // "HOST:PORT" with the port that was chosen.
+  // Returns "HOST:PORT" with the port that was chosen.
   const std::string& address() const { return server_->address(); }
 
  private:

@@ -1,4 +1,4 @@
-// What a map store holds, read when somebody asks.
+// Counts what a map store holds, when somebody asks.
 #ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_MISSION_COLLECTOR_H_
 #define CORBSLAM_SERVICES_OBSERVE_METRICS_MISSION_COLLECTOR_H_
 

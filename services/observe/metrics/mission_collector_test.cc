@@ -93,7 +93,7 @@ TEST_F(MissionCollectorTest, WhatAWorkerHasTakenWaitsNoMore) {
   };
   ASSERT_TRUE(store_.RunFusionUntilIdle("lab").ok());
   ASSERT_TRUE(during_verify.has_value());
-  // Queries without candidates go without a worker.
+  // Queries without candidates leave the queue without a worker.
   EXPECT_LT(*during_verify, before);
   EXPECT_EQ(during_fuse, 0);
 }

@@ -1,4 +1,4 @@
-// What every process says of itself, by the names that Prometheus's own libraries use.
+// Says what every process says of itself, by the names that Prometheus's own libraries use.
 #ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_PROCESS_COLLECTOR_H_
 #define CORBSLAM_SERVICES_OBSERVE_METRICS_PROCESS_COLLECTOR_H_
 
@@ -13,7 +13,7 @@
 
 namespace corbslam {
 
-// Time, memory and files, and which program it is in which version. Thread-safe.
+// Reports time, memory and files, and which program it is in which version. Thread-safe.
 class ProcessCollector : public prometheus::Collectable {
  public:
   explicit ProcessCollector(std::string program)

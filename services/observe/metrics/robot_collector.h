@@ -1,4 +1,4 @@
-// What a robot holds, read when somebody asks.
+// Counts what a robot holds, when somebody asks.
 #ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_ROBOT_COLLECTOR_H_
 #define CORBSLAM_SERVICES_OBSERVE_METRICS_ROBOT_COLLECTOR_H_
 

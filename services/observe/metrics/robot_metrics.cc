@@ -72,7 +72,7 @@ void RobotMetrics::SetDropped(uint64_t frames) {
 
 void RobotMetrics::OnOpening() {
   attempts_.Increment();
-  // The agent may have closed the one before by itself.
+  // The agent may have closed the session before by itself.
   connected_.Set(0);
 }
 

@@ -1,4 +1,4 @@
-// What a robot does, as metrics: frames, and its sessions with the map store.
+// Counts what a robot does, as metrics: frames, and its sessions with the map store.
 #ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_ROBOT_METRICS_H_
 #define CORBSLAM_SERVICES_OBSERVE_METRICS_ROBOT_METRICS_H_
 
@@ -19,7 +19,7 @@
 
 namespace corbslam {
 
-// Thread-safe.
+// Observes one robot. Thread-safe.
 class RobotMetrics : public FrameObserver, public UplinkObserver {
  public:
   // `registry` is not owned and must outlive it.
@@ -27,7 +27,7 @@ class RobotMetrics : public FrameObserver, public UplinkObserver {
 
   void OnFrame(int64_t) override {}
   void OnTracked(const TrackingResult& result, absl::Duration took) override;
-  // So many frames came too fast so far.
+  // Sets how many frames came too fast so far.
   void SetDropped(uint64_t frames);
 
   void OnOpening() override;
@@ -37,7 +37,7 @@ class RobotMetrics : public FrameObserver, public UplinkObserver {
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
 
  private:
-  // In the order of TrackingState.
+  // Metrics of one tracking state; states_ is in the order of TrackingState.
   struct State {
     prometheus::Counter* frames = nullptr;
     prometheus::Gauge* is_now = nullptr;

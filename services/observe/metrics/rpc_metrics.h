@@ -1,4 +1,4 @@
-// Calls of a server as metrics.
+// Counts and times calls of a server, as metrics.
 #ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_RPC_METRICS_H_
 #define CORBSLAM_SERVICES_OBSERVE_METRICS_RPC_METRICS_H_
 
@@ -17,8 +17,8 @@
 
 namespace corbslam {
 
-// corbslam_rpc_...: series for each method that was called, and for each code that it ended with.
-// Thread-safe.
+// Keeps the metrics corbslam_rpc_...: it has series for each method that was called, and for each
+// code that it ended with. Thread-safe.
 class RpcMetrics : public RpcObserver {
  public:
   // `registry` is not owned and must outlive it.
@@ -30,7 +30,7 @@ class RpcMetrics : public RpcObserver {
   void OnFinished(absl::string_view method, grpc::StatusCode code, absl::Duration took) override;
 
  private:
-  // Of one method; the registry owns what they point to.
+  // Metrics of one method; the registry owns what they point to.
   struct Method {
     prometheus::Gauge* running = nullptr;
     prometheus::Histogram* duration = nullptr;

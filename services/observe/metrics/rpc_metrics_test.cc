@@ -22,7 +22,7 @@ constexpr char kWatch[] = "corbslam.v1.MapStore/WatchMap";
 constexpr char kGet[] = "corbslam.v1.MapStore/GetMission";
 constexpr char kList[] = "corbslam.v1.MapStore/ListMissions";
 
-// A store's service in this process, asked through a stub.
+// Runs a store's service in this process and asks it through a stub.
 class RpcMetricsTest : public ::testing::Test {
  protected:
   RpcMetricsTest() {
@@ -32,7 +32,8 @@ class RpcMetricsTest : public ::testing::Test {
     stub_ = v1::MapStore::NewStub(server_->InProcessChannel());
   }
 
-  // Of calls that ended. They are counted before their caller knows, but for cancelled ones.
+  // Returns the count of calls that ended. They are counted before their caller knows, but for
+  // cancelled ones.
   double Calls(const std::string& method, const std::string& code) {
     return ValueOf(registry_.Collect(), "corbslam_rpc_calls_total",
                    {{"method", method}, {"code", code}})

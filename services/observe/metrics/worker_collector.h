@@ -1,4 +1,4 @@
-// What waits at a fusion worker.
+// Counts what waits at a fusion worker.
 #ifndef CORBSLAM_SERVICES_OBSERVE_METRICS_WORKER_COLLECTOR_H_
 #define CORBSLAM_SERVICES_OBSERVE_METRICS_WORKER_COLLECTOR_H_
 
@@ -10,7 +10,7 @@
 
 namespace corbslam {
 
-// Thread-safe. `service` is not owned and must outlive it.
+// Asks `service`, which is not owned and must outlive it. Thread-safe.
 class WorkerCollector : public prometheus::Collectable {
  public:
   explicit WorkerCollector(const FusionWorkerService* service) : service_(*service) {}

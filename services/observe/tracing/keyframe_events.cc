@@ -10,7 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Viewers keep ids in 64 bits. The constant is odd: no two keyframes of a local map meet.
+// Returns an id of 64 bits, as viewers keep them. The constant is odd, so that no two keyframes of
+// a local map have the same.
 uint64_t RowId(KeyframeId keyframe) {
   return keyframe.local_map.value + (keyframe.index + uint64_t{1}) * 0x9e3779b97f4a7c15u;
 }
@@ -47,7 +48,7 @@ std::string ProcessNameLine(absl::string_view name, int process) {
 }
 
 int ProcessNumber(absl::string_view name) {
-  // FNV-1a, in the range of positive ints.
+  // This is FNV-1a, cut to the range of positive ints.
   uint32_t hash = 2166136261u;
   for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
   return static_cast<int>(hash & 0x7fffffffu);

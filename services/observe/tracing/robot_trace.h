@@ -1,4 +1,4 @@
-// A robot's part of its keyframes' way.
+// Traces a robot's part of its keyframes' way.
 #ifndef CORBSLAM_SERVICES_OBSERVE_TRACING_ROBOT_TRACE_H_
 #define CORBSLAM_SERVICES_OBSERVE_TRACING_ROBOT_TRACE_H_
 
@@ -18,7 +18,8 @@
 
 namespace corbslam {
 
-// Thread-safe. When a keyframe was captured is known where this process has tracked its frame.
+// Writes the robot's events. When a keyframe was captured is known if this process has tracked its
+// frame. Thread-safe.
 class RobotTrace : public FrameObserver, public UplinkObserver {
  public:
   // `file` is not owned and must outlive it.
@@ -41,10 +42,10 @@ class RobotTrace : public FrameObserver, public UplinkObserver {
   const std::string mission_;
   const std::string agent_;
   absl::Mutex mutex_;
-  // Of frames that became keyframes, or may: by their time in the sequence.
+  // When frames that became keyframes, or may, came from the camera, by their time in the sequence.
   std::map<int64_t, absl::Time> captured_ ABSL_GUARDED_BY(mutex_);
   PendingBatches<std::vector<KeyframeId>> pending_ ABSL_GUARDED_BY(mutex_);
-  // Of which the global pose was told.
+  // Keyframes whose global pose was told.
   std::set<KeyframeId> posed_ ABSL_GUARDED_BY(mutex_);
 };
 

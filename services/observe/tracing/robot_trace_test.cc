@@ -24,7 +24,7 @@ std::shared_ptr<const KeyframePayload> MakePayload(KeyframeId id, int64_t timest
   return payload;
 }
 
-// Of the test that runs, and no other.
+// Returns a path that only the running test uses.
 std::string TracePath() {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   return absl::StrCat(::testing::TempDir(), "/", test->test_suite_name(), "_", test->name());

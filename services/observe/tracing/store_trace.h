@@ -1,4 +1,4 @@
-// The map store's part of the keyframes' way.
+// Traces the map store's part of the keyframes' way.
 #ifndef CORBSLAM_SERVICES_OBSERVE_TRACING_STORE_TRACE_H_
 #define CORBSLAM_SERVICES_OBSERVE_TRACING_STORE_TRACE_H_
 
@@ -14,7 +14,8 @@
 
 namespace corbslam {
 
-// Thread-safe. Hears of placing and adjusting as the journal does, when a revision is committed.
+// Writes the store's events. It hears of placing and adjusting from the journal, when a revision is
+// committed. Thread-safe.
 class StoreTrace : public SyncObserver, public JournalObserver {
  public:
   // `file` is not owned and must outlive it.
@@ -33,7 +34,7 @@ class StoreTrace : public SyncObserver, public JournalObserver {
   void OnDeleted(absl::string_view mission) override;
 
  private:
-  // Of one mission: what each keyframe had once, so that it is written once.
+  // What the keyframes of one mission had already, so that each event is written once.
   struct Seen {
     std::map<LocalMapId, std::string> owners;
     std::set<KeyframeId> placed;

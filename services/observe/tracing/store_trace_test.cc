@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::UnorderedElementsAre;
 
-// Of the test that runs, and no other.
+// Returns a path that only the running test uses.
 std::string TracePath() {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   return absl::StrCat(::testing::TempDir(), "/", test->test_suite_name(), "_", test->name());
@@ -28,7 +28,7 @@ class StoreTraceTest : public ::testing::Test {
     trace_ = std::make_unique<StoreTrace>(file_.get());
   }
 
-  // The mission's records, each as the journal and the streams tell of it.
+  // Plays the mission's records, each as the journal and the streams tell of it.
   void Play(const absl::Status& status) {
     for (const map_store::JournalRecord& record : testing::MakeSmallMission()) {
       const auto* batch = std::get_if<map_store::BatchRecord>(&record);

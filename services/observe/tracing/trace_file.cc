@@ -14,7 +14,7 @@ namespace corbslam {
 absl::StatusOr<std::unique_ptr<TraceFile>> TraceFile::Open(const std::string& path,
                                                            absl::string_view process,
                                                            const TraceFileOptions& options) {
-  // What led to a crash is not lost with the restart.
+  // The old file is kept, so that a restart does not lose what led to a crash.
   std::error_code error;
   if (std::filesystem::is_regular_file(path, error)) {
     std::filesystem::rename(path, path + ".before", error);

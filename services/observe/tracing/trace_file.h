@@ -1,4 +1,4 @@
-// A file of trace events, written beside the work that they are about.
+// Writes a file of trace events beside the work that they are about.
 #ifndef CORBSLAM_SERVICES_OBSERVE_TRACING_TRACE_FILE_H_
 #define CORBSLAM_SERVICES_OBSERVE_TRACING_TRACE_FILE_H_
 
@@ -19,30 +19,31 @@
 namespace corbslam {
 
 struct TraceFileOptions {
-  // Events that wait for the disk at most; further ones are dropped.
+  // Most events that may wait for the disk; further ones are dropped.
   size_t max_waiting = 1 << 16;
 };
 
-// A JSON array of which the closing bracket is left out, as Chrome's format allows: "[" and then a
-// line an event. So it can be read at any time, also after a crash. Thread-safe. Events that it
-// can't take or write are counted, and the log says so: at the first, and at the end.
+// A file that is a JSON array without the closing bracket, as Chrome's format allows: "[" and then
+// a line for each event. So it can be read at any time, also after a crash. Thread-safe. Events
+// that are dropped or can't be written are counted, and the log says so: at the first, and at the
+// end.
 class TraceFile {
  public:
   // Begins the file anew; one that is there becomes PATH.before. `process` is how viewers call this
-  // one. UNAVAILABLE where it can't be written.
+  // process. UNAVAILABLE if it can't be written.
   static absl::StatusOr<std::unique_ptr<TraceFile>> Open(const std::string& path,
                                                          absl::string_view process,
                                                          const TraceFileOptions& options = {});
-  // Writes what waits.
+  // The destructor writes what waits.
   ~TraceFile();
   TraceFile(const TraceFile&) = delete;
   TraceFile& operator=(const TraceFile&) = delete;
 
-  // Never waits for the disk.
+  // Takes events without ever waiting for the disk.
   void Add(const KeyframeEvent& event);
   void Add(const std::vector<KeyframeEvent>& events);
 
-  // Events that are not in the file.
+  // Returns the number of events that are not in the file.
   uint64_t dropped() const;
 
  private:
@@ -50,14 +51,14 @@ class TraceFile {
 
   void Run();
   void AddLine(std::string line) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // False: they are not all there.
+  // Returns false if not all lines were written.
   bool Write(const std::vector<std::string>& lines);
   bool HasNews() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return stop_ || !waiting_.empty(); }
 
   const std::string path_;
   const int process_;
   const TraceFileOptions options_;
-  std::ofstream file_;  // Of the thread.
+  std::ofstream file_;  // Only the thread uses it.
   mutable absl::Mutex mutex_;
   std::vector<std::string> waiting_ ABSL_GUARDED_BY(mutex_);
   uint64_t dropped_ ABSL_GUARDED_BY(mutex_) = 0;

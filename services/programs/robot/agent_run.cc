@@ -12,7 +12,7 @@
 namespace corbslam {
 namespace {
 
-// Says which frames `stream` has passed over since the last call.
+// Logs which frames `stream` has passed over since the last call.
 void TellLeftOut(const FrameStream& stream, PlayedFrames& frames) {
   const LeftOutFrames left_out = stream.left_out();
   if (left_out.count == frames.left_out) return;
@@ -21,7 +21,7 @@ void TellLeftOut(const FrameStream& stream, PlayedFrames& frames) {
   frames.left_out = left_out.count;
 }
 
-// The camera's drive goes on from frame to frame; another drive is another local map.
+// Begins a new local map when the frame is of another drive than the one before.
 void FollowDrive(const SourceFrame& frame, std::optional<int>& drive, Agent& agent) {
   if (drive.has_value() && *drive != frame.drive) {
     LOG(WARNING) << "the source's time jumps back before frame " << frame.number

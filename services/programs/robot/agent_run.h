@@ -19,24 +19,24 @@ namespace corbslam {
 struct PlayedFrames {
   uint64_t played = 0;
   uint64_t dropped = 0;
-  uint64_t left_out = 0;  // They could not be read.
+  uint64_t left_out = 0;  // Frames that could not be read.
 };
 
-// Until the last frame, or until `stop`. `on_frame` hears each result and the frames dropped so
-// far. A frame that can't be read is left out, counted and logged; the agent begins a new local map
-// where the stream's time jumps back. A stream that fails ends with its status, after the frames
-// that came before.
+// Plays until the last frame, or until `stop`. `on_frame` is called with each result and the number
+// of frames dropped so far. A frame that can't be read is left out, counted and logged; the agent
+// begins a new local map where the stream's time jumps back. A stream that fails ends with its
+// status, after the frames that came before.
 absl::Status PlayStream(
     FrameStream& stream, Agent& agent, Pace pace, const absl::Notification& stop,
     PlayedFrames& frames,
     const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame);
 
-// What looked wrong over a whole run: `at_start`, then what the agent's sensor gave, frames that
-// were left out, and that nothing was tracked.
+// Returns what looked wrong over a whole run: `at_start`, then what the agent's sensor found,
+// frames that were left out, and that nothing was tracked.
 SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agent,
                                const FrameStream& stream, const PlayedFrames& played);
 
-// What the run adds to the report of the agent that played: its frames and the time they took, what
+// Adds to the report of the agent what the run knows: its frames and the time they took, what
 // looked wrong and what this process used.
 void AddRun(const FrameStream& stream, const PlayedFrames& played, const SourceFindings& warnings,
             RobotReport& report);

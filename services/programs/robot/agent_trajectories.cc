@@ -22,7 +22,8 @@ struct LocalMapPath {
   Trajectory poses;
 };
 
-// In the order in which they were begun; one without poses where nothing was tracked.
+// Returns the paths of the local maps in the order in which they were begun; a path has no poses if
+// nothing was tracked.
 std::vector<LocalMapPath> SplitByLocalMap(const std::vector<TrajectoryPose>& poses,
                                           const std::optional<Rigid3d>& camera_from_wanted) {
   std::vector<LocalMapPath> paths;

@@ -1,4 +1,4 @@
-// Where an agent's frames were, as files.
+// Writes where an agent's frames were to files.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_AGENT_TRAJECTORIES_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_AGENT_TRAJECTORIES_H_
 
@@ -12,12 +12,12 @@
 
 namespace corbslam {
 
-// Whether poses of the frame can be had from the calibration: FAILED_PRECONDITION.
+// Checks whether the calibration gives poses of the wanted frame: FAILED_PRECONDITION if not.
 absl::Status CheckPosesOf(const SensorCalibration& calibration, PosesOf poses_of);
 
-// TUM files that say what their poses are of and in which frame. Local maps have frames of their
-// own: the first one's poses go to `path`, the next one's to path.2 and so on. UNAVAILABLE names
-// the path.
+// Writes TUM files that say what their poses are of and in which frame. Local maps have frames of
+// their own: the first one's poses go to `path`, the next one's to path.2 and so on. UNAVAILABLE
+// names the path.
 absl::Status WriteAgentTrajectories(const Agent& agent, const SensorCalibration& calibration,
                                     PosesOf poses_of, const std::string& path);
 

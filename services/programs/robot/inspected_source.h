@@ -1,4 +1,4 @@
-// Opens a sequence the way every program does: described, looked into, and refused where nothing
+// Opens a sequence the way every program does: it is described, checked, and refused if nothing
 // right can come of it.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_INSPECTED_SOURCE_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_INSPECTED_SOURCE_H_
@@ -17,19 +17,19 @@ namespace corbslam {
 struct InspectedSource {
   std::unique_ptr<RecordedSequence> source;
   SourceDescription description;
-  SourceFindings warnings;  // Of opening it and of a sample of its frames.
+  SourceFindings warnings;  // Warnings from opening it and from a sample of its frames.
 };
 
-// INVALID_ARGUMENT with every error that was found, or with every warning too when `strict`.
+// Returns INVALID_ARGUMENT with every error that was found, and with every warning too if `strict`.
 absl::StatusOr<InspectedSource> OpenInspectedSource(const SourceSpec& spec, bool strict);
 
-// OK where `findings` holds no error (and no warning, when `strict`).
+// Returns OK if `findings` holds no error (and no warning, if `strict`).
 absl::Status JudgeFindings(const SourceFindings& findings, bool strict);
 
-// A line for each part of the description, indented.
+// Returns a line for each part of the description, indented.
 std::string FormatDescription(const SourceDescription& description);
 
-// Logs the description, a line each, and the warnings as such.
+// Logs the description, a line each, and the warnings as warnings.
 void LogSource(const InspectedSource& source);
 
 }  // namespace corbslam

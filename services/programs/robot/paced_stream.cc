@@ -10,7 +10,7 @@
 namespace corbslam {
 namespace {
 
-// How long a stream without frames keeps the robot from hearing that it is stopped.
+// Longest time for which a stream without frames keeps the robot from noticing that it is stopped.
 constexpr absl::Duration kStopLatency = absl::Milliseconds(100);
 
 }  // namespace
@@ -28,7 +28,7 @@ absl::StatusOr<std::optional<StreamFrame>> PacedStream::Await() {
 }
 
 absl::Time PacedStream::Due(const StreamFrame& frame) const {
-  // A sequence that is played backwards has falling times.
+  // In a sequence that is played backwards times fall.
   return *start_ + absl::Nanoseconds(std::abs(frame.frame.timestamp_ns - first_ns_));
 }
 

@@ -1,4 +1,4 @@
-// The frames of a stream at the pace at which a robot takes them.
+// Gives the frames of a stream at the pace at which a robot takes them.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_PACED_STREAM_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_PACED_STREAM_H_
 
@@ -13,28 +13,28 @@
 namespace corbslam {
 
 enum class Pace {
-  kSensor,  // In the stream's own time; frames that come too fast are dropped.
-  kMax,     // As fast as the agent takes them.
+  kSensor,  // Frames come in the stream's own time; those that come too fast are dropped.
+  kMax,     // Frames come as fast as the agent takes them.
 };
 
-// One thread, apart from `stop`. Both outlive it.
+// Plays one stream. One thread uses it, apart from `stop`. `stream` and `stop` must outlive it.
 class PacedStream {
  public:
   PacedStream(FrameStream& stream, Pace pace, const absl::Notification& stop)
       : stream_(stream), pace_(pace), stop_(stop) {}
 
-  // Waits for the next frame that is to be tracked, at kSensor until it is due. Frames whose
-  // successor is there and due already are dropped, as a camera's driver would. nullopt after the
-  // last, and when stopped; the stream's error once every frame before it was given.
+  // Waits for the next frame to be tracked, and at kSensor until it is due. Frames whose successor
+  // is there and due already are dropped, as a camera's driver would. Returns nullopt after the
+  // last frame, and when stopped; the stream's error once every frame before it was given.
   absl::StatusOr<std::optional<StreamFrame>> Next();
 
-  // So far.
+  // Returns the number of frames dropped so far.
   uint64_t dropped() const { return dropped_; }
 
  private:
-  // The frame after the last one that this gave, whenever it comes; nullopt as for Next.
+  // Returns the stream's next frame, whenever it comes; nullopt as for Next.
   absl::StatusOr<std::optional<StreamFrame>> Await();
-  // Whether the stream has a frame, due by `now`, behind the one that Await gave last.
+  // Returns true if the stream has a frame, due by `now`, behind the one that Await gave last.
   bool IsOvertaken(absl::Time now);
   absl::Time Due(const StreamFrame& frame) const;
 
@@ -42,9 +42,10 @@ class PacedStream {
   const Pace pace_;
   const absl::Notification& stop_;
   uint64_t dropped_ = 0;
-  // What the stream said when it was asked for the frame behind the one that is waited with.
+  // What the stream answered when it was asked for the frame behind the one that waits to be due;
+  // nullopt if it had none yet.
   std::optional<absl::StatusOr<NextFrame>> ahead_;
-  // When the first frame came, and its stamp.
+  // When the first frame came, and its stamp in nanoseconds.
   std::optional<absl::Time> start_;
   int64_t first_ns_ = 0;
 };

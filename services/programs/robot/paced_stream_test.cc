@@ -10,7 +10,7 @@
 namespace corbslam {
 namespace {
 
-// Numbers of the frames until the end.
+// Returns the numbers of the frames until the end.
 std::vector<size_t> PlayAll(PacedStream& paced) {
   std::vector<size_t> numbers;
   while (true) {
@@ -33,7 +33,7 @@ TEST(PacedStreamTest, AtFullPaceNothingIsDropped) {
 
 TEST(PacedStreamTest, AFrameIsDroppedWhereItsSuccessorIsDueAlready) {
   QueuedStream stream;
-  // All of one time: each but the last is overtaken, however fast this machine is.
+  // All frames have one time: each but the last is overtaken, however fast this machine is.
   for (size_t i = 0; i < 4; ++i) stream.PutFrame(i, 7);
   stream.Put(StreamEnd());
   const absl::Notification stop;

@@ -1,4 +1,4 @@
-// How long a camera took for the pictures of a source.
+// Computes how long a camera took for the pictures of a source.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_PICTURES_TIME_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_PICTURES_TIME_H_
 
@@ -8,8 +8,9 @@
 
 namespace corbslam {
 
-// Seconds that the camera takes for `frames` frames at the interval of `stream`, so that pauses and
-// several drives count by their frames alone. 0 where the interval is not known.
+// Returns the seconds that the camera takes for `frames` frames at the interval of `stream`, so
+// that pauses and several drives count by their frames alone. Returns 0 if the interval is not
+// known.
 double PicturesTime_s(const FrameStream& stream, size_t frames);
 
 }  // namespace corbslam

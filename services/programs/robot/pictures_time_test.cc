@@ -10,7 +10,7 @@
 namespace corbslam {
 namespace {
 
-// Has times, and no pictures.
+// A sequence that has times and no pictures.
 class TimedSource : public RecordedSequence {
  public:
   explicit TimedSource(std::vector<SourceFrame> frames) : frames_(std::move(frames)) {}

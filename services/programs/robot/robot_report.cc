@@ -22,7 +22,7 @@ namespace {
 
 Spread SpreadOf(const BoundedSample& sample) {
   Spread spread = ComputeSpread(sample.values());
-  // The values may be a sample; the mean is of all.
+  // The values may be a sample; this mean is of all values.
   spread.mean = sample.mean();
   return spread;
 }

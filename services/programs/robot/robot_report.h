@@ -1,5 +1,6 @@
-// What a robot's run measured: the robot writes it (client_agent --stats), the tool reads it, adds
-// what only the tool knows, and puts it into report.json. docs/report.md says what each field is.
+// Holds what a robot's run measured: the robot writes it (client_agent --stats), the tool reads it,
+// adds what only the tool knows, and puts it into report.json. docs/report.md says what each field
+// is.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_REPORT_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_REPORT_H_
 
@@ -23,36 +24,37 @@ struct Spread {
 
   bool operator==(const Spread&) const = default;
 };
-// Zeros without values.
+// Returns zeros if there are no values.
 Spread ComputeSpread(std::vector<double> values);
 
-// Something that looks wrong; docs/sources.md lists the codes.
+// Says that something looks wrong; docs/sources.md lists the codes.
 struct ReportWarning {
-  std::string robot;  // Empty: of the run as a whole, or of the robot whose report it is in.
+  // Empty: the warning is of the run as a whole, or of the robot whose report it is in.
+  std::string robot;
   std::string code;
   std::string text;
 
   bool operator==(const ReportWarning&) const = default;
 };
 
-// What had not reached the store when the robot ended, and what could not.
+// Counts what had not reached the store when the robot ended, and what could not.
 struct OutboxReport {
   uint64_t batches = 0;
   uint64_t memory_bytes = 0;
   uint64_t spool_bytes = 0;
   int lost_local_maps = 0;
-  uint64_t refused_items = 0;  // With impossible values; they were in no batch.
+  uint64_t refused_items = 0;  // Items with impossible values, which were in no batch.
 
   bool operator==(const OutboxReport&) const = default;
 };
 
-// Optional values are null where they could not be measured; a robot cannot know how accurate it
-// is.
+// Holds a robot's measurements. Nullopt means that the value could not be measured; a robot cannot
+// know how accurate it is.
 struct RobotReport {
   std::string name;
   std::string source;
-  // What the robot knew of its source (services/programs/robot/source_json.h); null where it
-  // didn't get as far.
+  // What the robot knew of its source (services/programs/robot/source_json.h); null if it didn't
+  // get as far.
   nlohmann::ordered_json source_description;
   std::vector<ReportWarning> warnings;
   int frames = 0;
@@ -60,7 +62,7 @@ struct RobotReport {
   int dropped = 0;
   int lost = 0;
   int left_out = 0;       // Frames that could not be read.
-  double pictures_s = 0;  // That its camera took for `frames`.
+  double pictures_s = 0;  // Seconds that its camera took for `frames`.
   int local_maps = 0;
   std::optional<double> first_upload_s;
   int keyframes_held = 0;
@@ -87,16 +89,17 @@ struct RobotReport {
   bool operator==(const RobotReport&) const = default;
 };
 
-// Without what only those know who play the pictures: name, source and its description, dropped and
-// unread frames, the pictures' time, warnings, bytes, memory, processor time and accuracy.
+// Returns the report without what only the player of the pictures knows: name, source and its
+// description, dropped and unread frames, the pictures' time, warnings, bytes, memory, processor
+// time and accuracy.
 RobotReport MakeRobotReport(const Agent& agent);
 
-// As a report has them.
+// Returns the findings in the form that reports have.
 std::vector<ReportWarning> ToReportWarnings(const SourceFindings& findings);
 
-// The names of the fields are a stable interface.
+// Writes the report. The names of the fields are a stable interface.
 nlohmann::ordered_json ToJson(const RobotReport& report);
-// DATA_LOSS names the field that is missing, of another kind or out of range.
+// Reads a report. DATA_LOSS names the field that is missing, of another kind or out of range.
 absl::StatusOr<RobotReport> RobotReportFromJson(const nlohmann::ordered_json& json);
 
 }  // namespace corbslam

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Every field and its place, said once for who writes and who reads.
+// Visits every field with its place in the JSON, which is said here once for writing and reading.
 template <typename Report, typename Visitor>
 void VisitFields(Report& report, Visitor& visit) {
   visit("/name", report.name);
@@ -73,7 +73,7 @@ class FieldWriter {
   static Json ToValue(const std::optional<double>& value) {
     return value.has_value() ? Json(*value) : Json(nullptr);
   }
-  // The report itself says whose they are.
+  // The report itself says which robot they are of, so that the name is left out.
   static Json ToValue(const std::vector<ReportWarning>& warnings) {
     Json array = Json::array();
     for (const ReportWarning& warning : warnings) {
@@ -85,8 +85,8 @@ class FieldWriter {
   Json json_ = Json::object();
 };
 
-// Reads until the first field that is wrong. It looks at each value's kind before it takes it: the
-// library's own conversions cut fractions off and let large numbers wrap.
+// Reads until the first field that is wrong. It checks each value's kind before it takes the value:
+// the library's own conversions cut fractions off and let large numbers wrap.
 class FieldReader {
  public:
   explicit FieldReader(const Json& json) : json_(json) {}

@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::ordered_json;
 
-// Every field has a value that no other has, and none its default.
+// Makes a report in which every field has a value that no other has, and none its default.
 RobotReport MakeWholeReport() {
   RobotReport report;
   report.name = "alpha";
@@ -52,7 +52,7 @@ RobotReport MakeWholeReport() {
 
 TEST(RobotReportTest, EveryFieldIsWrittenAndReadBack) {
   const RobotReport report = MakeWholeReport();
-  // As between two processes.
+  // The report goes through text, as between two processes.
   const Json json = Json::parse(ToJson(report).dump(2));
   const absl::StatusOr<RobotReport> read = RobotReportFromJson(json);
   ASSERT_TRUE(read.ok()) << read.status();
@@ -64,7 +64,7 @@ TEST(RobotReportTest, TheFieldsAboveAreAllThatThereAre) {
   const Json whole = ToJson(MakeWholeReport()).flatten();
   const Json empty = ToJson(RobotReport()).flatten();
   for (const auto& [place, value] : empty.items()) {
-    // What is an object or a list in the whole report has other places there.
+    // An object or a list of the whole report has other places there.
     if (place == "/source_description" || place == "/warnings") continue;
     ASSERT_TRUE(whole.contains(place)) << place;
     EXPECT_NE(whole[place], value) << place << " is not set in this test";

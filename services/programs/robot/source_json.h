@@ -1,4 +1,4 @@
-// A source's description and what looks wrong in it as JSON (docs/report.md).
+// Writes a source's description and what looks wrong in it as JSON (docs/report.md).
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_SOURCE_JSON_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_SOURCE_JSON_H_
 
@@ -10,7 +10,7 @@
 namespace corbslam {
 
 nlohmann::ordered_json ToJson(const SourceDescription& description);
-// An array of {"code", "text"}.
+// Returns an array of {"code", "text"}.
 nlohmann::ordered_json ToJson(const SourceFindings& findings);
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// The certificates of deploy/make_test_certificates.sh, for tests.
+// Makes the certificates of deploy/make_test_certificates.sh, for tests.
 #ifndef CORBSLAM_SERVICES_SECURITY_TESTING_TEST_CERTIFICATES_H_
 #define CORBSLAM_SERVICES_SECURITY_TESTING_TEST_CERTIFICATES_H_
 
@@ -9,20 +9,20 @@
 
 namespace corbslam::test_data {
 
-// Removed with the object.
+// Owns a folder of certificates and removes it when it is destroyed.
 class TestCertificates {
  public:
-  // Those of a mission, the servers' also for `hosts` ("10.0.0.5 store.lan"). A failure is a
-  // failure of the test, and then the folder is empty.
+  // Makes the certificates of a mission, the servers' also for `hosts` ("10.0.0.5 store.lan"). If
+  // that fails the test fails, and the folder is empty.
   explicit TestCertificates(const std::string& mission, const std::string& hosts = "");
   ~TestCertificates();
   TestCertificates(const TestCertificates&) = delete;
   TestCertificates& operator=(const TestCertificates&) = delete;
 
   std::string Path(const std::string& file) const { return folder_ + "/" + file; }
-  // Of "store", "worker", "alpha", "bravo", "viewer" or "operator".
+  // Returns the options of "store", "worker", "alpha", "bravo", "viewer" or "operator".
   SecurityOptions Options(const std::string& name) const;
-  // The same as flags.
+  // Returns the same options as flags.
   std::vector<std::string> Flags(const std::string& name) const;
 
  private:

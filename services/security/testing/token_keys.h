@@ -1,4 +1,4 @@
-// Fresh token keys for tests.
+// Makes fresh token keys for tests.
 #ifndef CORBSLAM_SERVICES_SECURITY_TESTING_TOKEN_KEYS_H_
 #define CORBSLAM_SERVICES_SECURITY_TESTING_TOKEN_KEYS_H_
 
@@ -11,7 +11,7 @@ struct TokenKeys {
   std::string public_pem;
 };
 
-// `type` as OpenSSL calls it.
+// Makes a pair of keys; `type` is the name that OpenSSL uses.
 TokenKeys MakeTokenKeys(const char* type = "ED25519");
 
 }  // namespace corbslam::test_data

@@ -1,4 +1,4 @@
-// The tool's commands; each adds itself to the command line.
+// Declares the tool's commands; each adds itself to the command line.
 #ifndef CORBSLAM_SERVICES_TOOL_COMMANDS_COMMANDS_H_
 #define CORBSLAM_SERVICES_TOOL_COMMANDS_COMMANDS_H_
 
@@ -10,15 +10,15 @@
 
 namespace corbslam {
 
-// The one that was chosen.
+// Runs the command that was chosen.
 using Command = std::function<absl::Status()>;
 
-// Each sets `chosen` when its sub-command is on the command line.
+// Each function sets `chosen` when its sub-command is on the command line.
 void AddMissionCommand(CLI::App& app, Command& chosen);
 void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chosen);
-// Not in --help.
+// --help does not show this command.
 void AddCompletionCommand(CLI::App& app, Command& chosen);
-// `run` of a simulated town, with the report printed.
+// Adds `demo`, which is `run` of a simulated town and prints the report.
 void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& chosen);
 void AddDoctorCommand(CLI::App& app, Command& chosen);
 void AddEvalCommand(CLI::App& app, Command& chosen);

@@ -12,7 +12,8 @@
 namespace corbslam {
 namespace {
 
-// Each program knows its own flags: this one becomes that one, and prints them.
+// Replaces this process by `program`, which prints the completion of its own flags. Returns only if
+// that fails.
 absl::Status PrintCompletion(const std::string& shell, const std::string& program) {
   ASSIGN_OR_RETURN(const std::string path, FindProgramBeside(program));
   execl(path.c_str(), program.c_str(), "--completion", shell.c_str(), nullptr);

@@ -29,7 +29,7 @@ void Add(const Findings& more, Findings& findings) {
   findings.insert(findings.end(), more.begin(), more.end());
 }
 
-// Only what flags name is looked at, and what every program needs.
+// Checks only what the flags name, and what every program needs.
 Findings Examine(const DoctorArguments& arguments) {
   const absl::Time now = absl::Now();
   Findings findings = {{Level::kOk, "version", ProgramVersion(), ""}};

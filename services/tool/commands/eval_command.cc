@@ -18,7 +18,7 @@
 namespace corbslam {
 namespace {
 
-// What is recorded at a frame each second is still held against its own truth.
+// A sequence recorded at one frame a second still finds its own truth within this gap.
 constexpr double kLargestGap_s = 1;
 
 struct EvalArguments {
@@ -29,7 +29,7 @@ struct EvalArguments {
 };
 
 absl::StatusOr<int64_t> MaxGap_ns(double max_gap_s) {
-  // Written so that NaN is refused.
+  // The comparison is written so that NaN is refused.
   if (!(max_gap_s >= 1e-9 && max_gap_s <= kLargestGap_s)) {
     return absl::InvalidArgumentError(
         absl::StrCat("--max-gap is ", max_gap_s, " s, must be from 1e-9 (equal times only) to ",

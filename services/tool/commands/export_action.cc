@@ -41,7 +41,7 @@ absl::Status ExportPoints(const MissionArguments& arguments,
   std::vector<ColouredPoint> points;
   for (size_t i = 0; i < map.points.size(); ++i) {
     if (!arguments.agent.empty() && map.point_agents[i] != arguments.agent) continue;
-    // One that has joined since is drawn as nobody's.
+    // A robot that has joined since has no colour of its own: its points get the default one.
     const auto colour = colours.find(map.point_agents[i]);
     points.push_back({map.points[i], colour == colours.end() ? Colour{} : colour->second});
   }
@@ -61,7 +61,7 @@ absl::Status ExportPoints(const MissionArguments& arguments,
   return absl::OkStatus();
 }
 
-// All that the store has: no other call tells which keypoint sees which point.
+// Reads all that the store has: no other call tells which keypoint sees which point.
 absl::StatusOr<map_store::MissionState> ReadState(const MissionArguments& arguments,
                                                   const std::shared_ptr<grpc::Channel>& channel) {
   MissionAdmin admin(channel);
@@ -128,7 +128,7 @@ absl::Status ExportColmap(const MissionArguments& arguments,
 absl::Status Export(const MissionArguments& arguments) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
-  // What follows finds nothing where there is no keyframe; say so at once.
+  // The exports below find nothing where there is no keyframe; the message here says so at once.
   ASSIGN_OR_RETURN(const v1::GetStatisticsResponse statistics,
                    StoreReader(channel, arguments.mission).Statistics());
   if (statistics.mission().keyframes() == 0) {

@@ -29,7 +29,8 @@ absl::Status WriteTimes(const Trajectory& trajectory, const std::string& path) {
   return WriteLines(lines, path);
 }
 
-// What these forms' own readers would stumble over stands in the README only.
+// Writes a file without comments: readers of these forms would stumble over them, so they stand in
+// the README only.
 absl::Status WriteBare(const Trajectory& trajectory, const std::string& format,
                        const std::string& path) {
   if (format == "euroc") return WriteEurocTrajectory(trajectory, path);
@@ -55,7 +56,7 @@ class TrajectoryExport {
                absl::StrCat(kGlobalFrame, "; times are of each robot's own clock.")};
   }
 
-  // A robot of which nothing is connected to the global frame is passed over.
+  // Passes over a robot of which nothing is connected to the global frame.
   absl::Status Add(const std::string& agent, const std::string& path) {
     ASSIGN_OR_RETURN(const ServedTrajectory served,
                      store_.ReadTrajectory(agent, v1::TRAJECTORY_FRAME_GLOBAL, poses_of_));

@@ -1,4 +1,4 @@
-// `corbslam mission export` of trajectories.
+// Implements `corbslam mission export` of trajectories.
 #ifndef CORBSLAM_SERVICES_TOOL_COMMANDS_EXPORT_TRAJECTORIES_H_
 #define CORBSLAM_SERVICES_TOOL_COMMANDS_EXPORT_TRAJECTORIES_H_
 
@@ -11,8 +11,9 @@
 
 namespace corbslam {
 
-// One robot's into the file, or everybody's into files of a folder, and beside them a README that
-// says what they hold. A robot whose local maps repeat times has several (trajectory_files.h).
+// Writes the trajectory of one robot to the file, or those of all robots to files of a folder, and
+// beside them a README that says what they hold. A robot whose local maps repeat times has several
+// files (trajectory_files.h).
 absl::Status ExportTrajectories(const MissionArguments& arguments,
                                 const std::shared_ptr<grpc::Channel>& channel);
 

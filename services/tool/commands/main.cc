@@ -1,5 +1,5 @@
-// corbslam: the tool for people. Runs missions, simulates, measures, draws, and makes tokens and
-// vocabularies.
+// corbslam is the tool for people: it runs missions, simulates, measures, draws, and makes tokens
+// and vocabularies.
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>

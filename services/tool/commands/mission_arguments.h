@@ -1,4 +1,4 @@
-// What the commands for the missions of a running store share.
+// Holds what the commands for the missions of a running store share.
 #ifndef CORBSLAM_SERVICES_TOOL_COMMANDS_MISSION_ARGUMENTS_H_
 #define CORBSLAM_SERVICES_TOOL_COMMANDS_MISSION_ARGUMENTS_H_
 
@@ -23,27 +23,27 @@ struct MissionArguments {
   std::string mission;
   std::string file;
   bool json = false;
-  // Of `export`.
+  // `export` alone has the three fields below.
   std::string format;
   std::string agent;
-  std::string poses_of;  // Empty: not said.
+  std::string poses_of;  // Empty if the flag was not given.
 };
 
-// A channel to the store that the flags name.
+// Opens a channel to the store that the flags name.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> Connect(const MissionArguments& arguments);
 
-// Shows bytes on a terminal, of a total that is known or not (0), in a line that is written over;
-// null where nobody looks.
+// Returns a function that shows the bytes so far on the terminal, of a `total` that may be unknown
+// (0), in a line that is written over. Returns null if standard error is no terminal.
 std::function<void(uint64_t bytes)> ShowBytes(const char* what, uint64_t total = 0);
 
-// A command below `mission` with the flags that say which store.
+// Adds a command below `mission`, with the flags that say which store.
 CLI::App* AddMissionAction(CLI::App& mission, const char* name, const char* what,
                            absl::Status (*run)(const MissionArguments&),
                            const std::shared_ptr<MissionArguments>& arguments, Command& chosen);
 void AddMissionFlag(CLI::App& action, MissionArguments& arguments);
 void AddJsonFlag(CLI::App& action, MissionArguments& arguments);
 
-// `mission show` and `mission export`.
+// These add `mission show` and `mission export`.
 void AddShowAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                    Command& chosen);
 void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,

@@ -29,7 +29,7 @@ std::vector<std::string> ListAgents(const ServedMap& map) {
   return {agents.begin(), agents.end()};
 }
 
-// Aligns the truth of one sequence to whoever lies in the global frame.
+// Aligns the truth of one sequence to the robots that lie in the global frame.
 absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<std::string>& agents,
                                          const std::string& truth) {
   if (truth.empty()) return FusedAccuracy{};
@@ -51,7 +51,7 @@ absl::Status Render(const RenderArguments& arguments) {
   ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel,
                    ConnectToStore(arguments.server, arguments.security));
   StoreReader store(channel, arguments.mission);
-  // A mission without keyframes has no map that could be waited for.
+  // Without keyframes a mission has no map to wait for.
   ASSIGN_OR_RETURN(const v1::GetStatisticsResponse statistics, store.Statistics());
   ServedMap map;
   if (statistics.mission().islands_size() > 0) {

@@ -70,7 +70,7 @@ std::string DescribeStore(const MissionRunOptions& mission) {
                                 : absl::StrCat("on the map store ", mission.server);
 }
 
-// One line that also a log without a terminal gets.
+// Prints one line that a log without a terminal gets, too.
 void SayStart(const RunArguments& arguments, const std::vector<std::string>& names) {
   std::printf(
       "%s\n",
@@ -87,7 +87,7 @@ std::vector<std::string> NamesOf(const std::vector<RobotPlan>& robots) {
   return names;
 }
 
-// One line that is written over; nothing where nobody watches.
+// Prints one line that is written over, which is for a terminal only.
 void ShowOnTerminal(const Progress& progress) {
   std::string line = progress.stage;
   for (const auto& [name, frames] : progress.robots)
@@ -149,7 +149,7 @@ absl::Status WriteAll(const RunArguments& arguments, MissionOutcome& outcome) {
   return WritePicture(outcome, accuracy, arguments.own, arguments.out + "/map.png");
 }
 
-// Before anything starts.
+// Checks the security flags before anything starts.
 absl::Status CheckSecurity(const MissionRunOptions& mission) {
   if (!mission.server.empty()) return MakeChannelCredentials(mission.security).status();
   const SecurityOptions& security = mission.security;
@@ -161,8 +161,8 @@ absl::Status CheckSecurity(const MissionRunOptions& mission) {
       "--tls-cert, --tls-key, --tls-ca and --token-file are for a --server");
 }
 
-// Says what each source is, and what can be known to be wrong before the robots spend hours:
-// sources that can't be opened and ground truth that can't be read.
+// Says what each source is. Returns warnings about what can be known to be wrong before the robots
+// spend hours: sources that can't be opened and ground truth that can't be read.
 absl::StatusOr<std::vector<ReportWarning>> CheckSources(const std::vector<RobotPlan>& robots,
                                                         bool strict) {
   std::vector<ReportWarning> warnings;
@@ -184,7 +184,7 @@ absl::StatusOr<std::vector<ReportWarning>> CheckSources(const std::vector<RobotP
   return absl::InvalidArgumentError(warnings.front().text);
 }
 
-// The report is written; that a robot failed is not forgotten.
+// Returns an error if a robot failed, although the report is written.
 absl::Status JudgeOutcome(const MissionOutcome& outcome, const std::string& out) {
   if (outcome.failures.empty()) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrCat(outcome.failures.size(), " of ",

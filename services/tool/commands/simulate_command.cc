@@ -29,7 +29,7 @@ struct SplitArguments {
   size_t overlap = 20;
 };
 
-// One line that is written over.
+// Prints a progress bar in one line that is written over.
 void ShowBar(absl::Time start, size_t done, size_t total) {
   constexpr size_t kWidth = 40;
   const double elapsed_s = absl::ToDoubleSeconds(absl::Now() - start);

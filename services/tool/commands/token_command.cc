@@ -24,7 +24,7 @@ struct TokenArguments {
   std::string out;
 };
 
-// Only its owner can read it.
+// Writes a file that only its owner can read.
 absl::Status WriteSecret(const std::string& text, const std::string& path) {
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
   bool good = file >= 0 && fchmod(file, S_IRUSR | S_IWUSR) == 0;
@@ -42,7 +42,7 @@ absl::Status MakeToken(const TokenArguments& arguments) {
   }
   Grant grant = {.role = Role::kViewer, .mission = arguments.mission, .name = arguments.agent};
   ASSIGN_OR_RETURN(grant.role, ParseMissionRole(arguments.role));
-  // As whoever reads it will.
+  // The grant is parsed as the program that reads the token will parse it.
   RETURN_IF_ERROR(ParseGrant(FormatGrant(grant)).status());
   ASSIGN_OR_RETURN(const std::string key, ReadSecurityFile("--key", arguments.key));
   ASSIGN_OR_RETURN(const std::string token,

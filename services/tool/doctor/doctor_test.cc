@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using test_data::TestCertificates;
 using ::testing::HasSubstr;
 
-// Nobody listens there: it is reserved for tcpmux, which nobody runs.
+// Nobody listens on port 1: it is reserved for tcpmux, which nobody runs.
 constexpr char kNobody[] = "127.0.0.1:1";
 constexpr char kWorker[] = "corbslam.v1.FusionWorker";
 
@@ -71,7 +71,7 @@ TEST(DoctorTest, LooksIntoDataFolders) {
   EXPECT_TRUE(fs::is_empty(folder));
   std::ofstream(folder / "file") << "x";
   EXPECT_TRUE(AnyFailed(CheckDataFolder(folder / "file")));
-  // No file can be made there, whoever one is.
+  // Nobody can make a file in /proc, not even root.
   EXPECT_TRUE(AnyFailed(CheckDataFolder("/proc")));
 }
 
@@ -116,7 +116,7 @@ TEST(DoctorTest, KnowsHosts) {
 
 class ServerChecksTest : public ::testing::Test {
  protected:
-  // A worker without anybody to compute: only what all servers share is asked.
+  // Starts a worker that computes nothing: the checks ask only for what all servers share.
   void Start(const SecurityOptions& options) {
     auto security = MakeServerSecurity(options);
     ASSERT_TRUE(security.ok()) << security.status();

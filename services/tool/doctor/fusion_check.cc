@@ -10,7 +10,7 @@ namespace corbslam {
 
 Findings CheckFusionOf(const std::string& name, const std::vector<v1::Mission>& missions) {
   if (missions.empty()) return {};
-  // Of workers every mission says the same.
+  // Every mission says the same of the workers.
   const v1::Mission& any = missions.front();
   if (any.lacks_fusion_worker()) {
     return {{Level::kWarn, name, "has no fusion worker: maps are collected and never fused",

@@ -1,4 +1,4 @@
-// Whether a map store gets its maps fused.
+// Checks whether a map store gets its maps fused.
 #ifndef CORBSLAM_SERVICES_TOOL_DOCTOR_FUSION_CHECK_H_
 #define CORBSLAM_SERVICES_TOOL_DOCTOR_FUSION_CHECK_H_
 
@@ -14,10 +14,11 @@
 
 namespace corbslam {
 
-// What the missions of a store say of its fusion workers; nothing where there is no mission.
+// Judges the fusion workers by what the missions of a store say of them. Returns no finding if
+// there is no mission.
 Findings CheckFusionOf(const std::string& name, const std::vector<v1::Mission>& missions);
 
-// Likewise, asked of the store; nothing where this caller may not ask.
+// Asks the store for its missions and judges them. Returns no finding if this caller may not ask.
 Findings CheckFusion(const std::string& name, const std::shared_ptr<grpc::Channel>& channel,
                      absl::Duration patience);
 

@@ -25,7 +25,7 @@ constexpr uint64_t kMiB = uint64_t{1} << 20;
 constexpr uint64_t kLittle = 1024 * kMiB;
 constexpr uint64_t kTooLittle = 64 * kMiB;
 
-// When the program was written to this disk.
+// Returns when the program was written to this disk.
 absl::StatusOr<absl::Time> TimeOfProgram() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
@@ -35,14 +35,14 @@ absl::StatusOr<absl::Time> TimeOfProgram() {
   return absl::FromChrono(std::chrono::file_clock::to_sys(written));
 }
 
-// The kernel knows whether anybody corrects its clock.
+// Returns true if the kernel says that something corrects its clock.
 bool IsSynchronised() {
   timex state = {};
   return adjtimex(&state) != TIME_ERROR;
 }
 
 constexpr char kSource[] = "source";
-// Some seconds of decoding for the largest pictures.
+// For the largest pictures this sample takes some seconds of decoding.
 constexpr SampleOptions kThorough = {.places = 16, .stereo_row = 3, .rgbd_row = 5};
 
 Findings LookInto(const FrameReader& reader, const SourceSpec& spec, bool strict) {

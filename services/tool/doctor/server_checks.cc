@@ -26,7 +26,8 @@ namespace {
 
 constexpr absl::Duration kPatience = absl::Seconds(5);
 
-// Of this program. The linker keeps what is named here.
+// Returns the methods that this program knows of `service`. The linker keeps the messages that are
+// named here.
 std::set<std::string> OwnMethods(const std::string& service) {
   v1::ListMissionsRequest::descriptor();
   v1::FuseMapsRequest::descriptor();
@@ -39,7 +40,8 @@ std::set<std::string> OwnMethods(const std::string& service) {
   return methods;
 }
 
-// The way is free: what the server shows of itself, or why nothing comes of it.
+// Returns what the server's certificate shows, or why no TLS connection comes about. The server
+// must be reached.
 Findings CheckCertificate(const std::string& name, const ServerTarget& target,
                           const HostPort& address, absl::Time now) {
   const auto pem = FetchCertificates(address, kPatience);
@@ -54,7 +56,7 @@ Findings CheckCertificate(const std::string& name, const ServerTarget& target,
   return findings;
 }
 
-// Whether the server is where the address says, and speaks as this side does.
+// Checks whether the server is where the address says, and speaks TLS or not as this side does.
 Findings CheckWay(const std::string& name, const ServerTarget& target, absl::Time now) {
   if (const auto cause = FindCauseOfWay(target, kPatience); cause.has_value()) {
     return {{Level::kFail, name, "is not reached: " + cause->text, cause->advice}};

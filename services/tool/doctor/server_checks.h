@@ -1,4 +1,4 @@
-// Checks of a server from here.
+// Checks a server from this machine.
 #ifndef CORBSLAM_SERVICES_TOOL_DOCTOR_SERVER_CHECKS_H_
 #define CORBSLAM_SERVICES_TOOL_DOCTOR_SERVER_CHECKS_H_
 
@@ -11,14 +11,14 @@
 
 namespace corbslam {
 
-// Of one service: the names that each side knows.
+// Compares the methods of one service: those that this program knows with those of the server.
 Finding CompareMethods(const std::string& name, const std::set<std::string>& own,
                        const std::set<std::string>& theirs);
 
-// Whether it is reached, shows a good certificate, says that it is ready, and speaks the same
-// interface as this program: `service` as "corbslam.v1.MapStore"; of a map store whether fusion
-// workers take its requests, too. What follows from a failure is not looked at. Findings are called
-// "NAME ADDRESS".
+// Checks whether the server is reached, shows a good certificate, says that it is ready, and speaks
+// the same interface as this program: `service` is a name as "corbslam.v1.MapStore". Of a map store
+// it also checks whether fusion workers take its requests. What follows from a failure is not
+// checked. Findings are called "NAME ADDRESS".
 Findings CheckServer(const std::string& name, const std::string& address,
                      const std::string& service, const SecurityOptions& options, absl::Time now);
 

@@ -14,15 +14,15 @@
 namespace corbslam {
 namespace {
 
-// One sequence: its truth and the time from which errors count again.
+// Holds the truth of one sequence and the time from which errors count again.
 struct Sequence {
   std::optional<Trajectory> truth;
-  std::optional<int64_t> from_ns;  // None: it is shorter than that.
+  std::optional<int64_t> from_ns;  // Nullopt if the sequence is shorter than that.
 };
 
 using Sequences = std::map<std::string, Sequence>;
 
-// Equal for sources that share times and truth.
+// Returns a key that is equal for sources that share times and truth.
 std::string KeyOf(const SourceSpec& source) {
   SourceSpec sequence;
   sequence.layout = source.layout;
@@ -36,7 +36,7 @@ std::string KeyOf(const SourceSpec& source) {
   return FormatSourceSpec(sequence);
 }
 
-// Equal for sources whose truths are in one frame.
+// Returns a name that is equal for sources whose truths are in one frame.
 std::string WorldOf(const SourceSpec& source) {
   const SimulationSpec* simulation = FindSimulation(source);
   if (simulation != nullptr) return WorldName(*simulation);
@@ -61,7 +61,7 @@ absl::StatusOr<Sequences> ReadSequences(const std::vector<RobotPaths>& robots, s
   return sequences;
 }
 
-// Nullopt where there are too few poses.
+// Returns nullopt if there are too few poses.
 std::optional<AbsoluteError> ErrorOf(const std::vector<PosePair>& pairs, Alignment alignment) {
   const absl::StatusOr<AbsoluteError> error = ComputeAbsoluteError(pairs, alignment);
   return error.ok() ? std::optional(*error) : std::nullopt;
@@ -89,8 +89,8 @@ RobotAccuracy ComputeRobotAccuracy(const RobotPaths& robot, const Sequence& sequ
   return accuracy;
 }
 
-// The pairs of all robots that were in `world`; only from the frame on that counts again, if so
-// wished.
+// Returns the pairs of all robots that were in `world`; with `from_frame` only those from the frame
+// on that counts again.
 std::vector<PosePair> PairToTruth(const std::vector<RobotPaths>& robots, const Sequences& sequences,
                                   const std::string& world, bool from_frame) {
   std::vector<PosePair> pairs;
@@ -106,7 +106,8 @@ std::vector<PosePair> PairToTruth(const std::vector<RobotPaths>& robots, const S
   return pairs;
 }
 
-// For each sequence over one path that runs through all its robots' parts.
+// Returns the mean over all segments. Each sequence is measured along one path that runs through
+// all its robots' parts.
 std::optional<RelativeError> FusedRelativeError(const std::vector<RobotPaths>& robots,
                                                 const Sequences& sequences) {
   RelativeError sum;
@@ -128,7 +129,7 @@ std::optional<RelativeError> FusedRelativeError(const std::vector<RobotPaths>& r
                        sum.rotation_deg_per_100m / sum.segments, sum.segments};
 }
 
-// The truth while the robots that played `key` were on their way.
+// Returns the truth of the time in which the robots that played `key` were on their way.
 Trajectory CutTruth(const std::vector<RobotPaths>& robots, const std::string& key,
                     const Trajectory& truth) {
   int64_t first_ns = std::numeric_limits<int64_t>::max();
@@ -147,7 +148,7 @@ Trajectory CutTruth(const std::vector<RobotPaths>& robots, const std::string& ke
   return cut;
 }
 
-// Every local map of the robot is connected to the global frame.
+// Returns true if every local map of the robot is connected to the global frame.
 bool IsAllGlobal(const RobotPaths& robot) {
   return !robot.global.empty() && CountLocalMaps(robot.global) == CountLocalMaps(robot.local);
 }

@@ -1,4 +1,4 @@
-// Holds what the store serves against the truth.
+// Compares what the store serves with the truth.
 #ifndef CORBSLAM_SERVICES_TOOL_EVALUATION_ACCURACY_H_
 #define CORBSLAM_SERVICES_TOOL_EVALUATION_ACCURACY_H_
 
@@ -15,7 +15,7 @@
 
 namespace corbslam {
 
-// Poses are of the camera as recorded, as the truth's are.
+// Holds a robot's trajectories. Their poses are of the camera as recorded, as the truth's are.
 struct RobotPaths {
   std::string name;
   SourceSpec source;
@@ -24,27 +24,28 @@ struct RobotPaths {
 };
 
 struct RobotAccuracy {
-  // Of the local trajectory under an alignment of its own; of the global one where tracking began
-  // more than one local map.
+  // RMSE of the local trajectory under an alignment of its own; of the global one where tracking
+  // began more than one local map.
   std::optional<double> ate_m;
   std::optional<double> ate_from_frame_m;
-  // Of the global trajectory under an alignment of its own.
+  // RMSE of the global trajectory under an alignment of its own.
   std::optional<double> ate_global_m;
-  // Of what ate_m is of.
+  // Relative error of the trajectory that ate_m is of.
   std::optional<RelativeError> relative;
 };
 
 struct FusedAccuracy {
-  // Of all robots under one alignment; only when all local maps are connected to the global
+  // Error of all robots under one alignment; set only if all local maps are connected to the global
   // frame and all are of one sequence or of one simulated world.
   std::optional<AbsoluteError> all;
   std::optional<AbsoluteError> from_frame;
-  // As `all`, but under one similarity: what is left when the map's size does not count.
+  // The same as `all`, but under one similarity: the error that is left when the map's size does
+  // not count.
   std::optional<AbsoluteError> without_scale;
-  // Over the path that robots of one sequence drove together; of several sequences in one world
-  // the mean over all segments.
+  // Error over the path that robots of one sequence drove together; for several sequences in one
+  // world the mean over all segments.
   std::optional<RelativeError> relative;
-  // For pictures: from whatever lies in the global frame, and the truth of that time.
+  // The alignment of whatever lies in the global frame, for pictures, and the truth of that time.
   std::optional<Similarity3d> truth_from_global;
   std::optional<Trajectory> truth;
 };
@@ -54,7 +55,7 @@ struct Accuracy {
   FusedAccuracy fused;
 };
 
-// `from_frame` is a frame's number in its sequence.
+// Computes the errors; `from_frame` is a frame's number in its sequence.
 absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,
                                          Alignment alignment);
 

@@ -26,7 +26,7 @@ using ::testing::Optional;
 
 constexpr int kFrames = 40;
 
-// The truth of frame i: a bent road, 10 Hz.
+// Returns the true pose at frame i of a bent road, at 10 Hz.
 StampedPose TruthAt(int i) {
   StampedPose pose;
   pose.timestamp_ns = int64_t{100'000'000} * i;
@@ -34,7 +34,7 @@ StampedPose TruthAt(int i) {
   return pose;
 }
 
-// A KITTI folder of kFrames frames with pictures that nobody looks at (but the first).
+// Makes a KITTI folder of kFrames frames. Nothing reads its pictures but the first.
 SourceSpec MakeSequence(const std::string& name) {
   const fs::path directory = fs::path(::testing::TempDir()) / ("accuracy_" + name);
   fs::create_directories(directory / "image_0");
@@ -59,7 +59,7 @@ SourceSpec MakeSequence(const std::string& name) {
   return *ParseSourceSpec(absl::StrCat("kitti:", directory.string()));
 }
 
-// Frames first to last, seen from another frame and `offset` beside the truth.
+// Returns the poses of frames first to last, seen from another frame and `offset` beside the truth.
 ServedTrajectory MakePoses(int first, int last, const Eigen::Vector3d& offset) {
   const Rigid3d other_from_world{Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), {1, 2, 3}};
   ServedTrajectory trajectory;
@@ -94,7 +94,7 @@ TEST(ComputeAccuracyTest, AlignsEachRobotAndAllTogether) {
   EXPECT_EQ(accuracy->fused.from_frame->poses, 60u);
 }
 
-// A straight road of 160 m and an estimate of it that is one percent too long.
+// The road is straight and 160 m long; an estimate of it is one percent too long.
 TEST(ComputeAccuracyTest, MeasuresEachRobotsRelativeErrorOfItsOwnTrajectory) {
   const SourceSpec source = MakeSequence("relative");
   Trajectory truth;
@@ -114,7 +114,7 @@ TEST(ComputeAccuracyTest, MeasuresEachRobotsRelativeErrorOfItsOwnTrajectory) {
   ASSERT_TRUE(accuracy->robots[0].relative.has_value());
   EXPECT_NEAR(accuracy->robots[0].relative->translation_percent, 1, 0.05);
   EXPECT_NEAR(accuracy->robots[0].relative->rotation_deg_per_100m, 0, 1e-6);
-  // 76 m hold no segment of 100 m.
+  // A road of 76 m holds no segment of 100 m.
   EXPECT_FALSE(accuracy->robots[1].relative.has_value());
 }
 
@@ -140,7 +140,7 @@ TEST(ComputeAccuracyTest, HasNoFusedErrorForTwoIslands) {
   EXPECT_FALSE(accuracy->robots[1].ate_global_m.has_value());
   EXPECT_FALSE(accuracy->fused.all.has_value());
   EXPECT_FALSE(accuracy->fused.without_scale.has_value());
-  // For the picture there is still the part that lies in the global frame.
+  // The picture still gets the part that lies in the global frame.
   EXPECT_TRUE(accuracy->fused.truth_from_global.has_value());
   EXPECT_EQ(accuracy->fused.truth->size(), 21u);
 }
@@ -175,7 +175,7 @@ TEST(ComputeAccuracyTest, IsEmptyWithoutTruth) {
   EXPECT_FALSE(accuracy->fused.truth.has_value());
 }
 
-// What a robot that made no mistake would have mapped of a simulation.
+// Returns what a robot that made no mistake would have mapped of a simulation.
 RobotPaths MakePerfectRobot(const std::string& text) {
   const Rigid3d other_from_world{Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), {1, 2, 3}};
   RobotPaths robot;

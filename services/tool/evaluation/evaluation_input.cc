@@ -20,7 +20,8 @@ void AddNotes(const std::vector<std::string>& notes, EvaluationInput& input) {
   input.notes.insert(input.notes.end(), notes.begin(), notes.end());
 }
 
-// A file may have a colon in its name; a sequence has one behind its layout.
+// Returns true if `truth` names a sequence, which has a colon behind its layout. A file may have a
+// colon in its name, too.
 bool IsSequence(const std::string& truth) {
   std::error_code ignored;
   return absl::StrContains(truth, ':') && !std::filesystem::exists(truth, ignored);
@@ -31,7 +32,7 @@ absl::Status OtherFrame(const std::string& file, PosesOf poses_of, absl::string_
       absl::StrCat(file, " has poses of ", Describe(poses_of), ", ", other));
 }
 
-// What the files say, or the option; they must agree.
+// Returns the frame that the files or the option say, which must agree.
 absl::StatusOr<std::optional<PosesOf>> AgreeOnFrame(
     const EvaluationFiles& files, const std::vector<std::optional<PosesOf>>& said) {
   std::optional<PosesOf> agreed;
@@ -63,7 +64,7 @@ absl::StatusOr<std::optional<PosesOf>> ReadEstimates(const EvaluationFiles& file
   return AgreeOnFrame(files, said);
 }
 
-// Time of a sequence's frame.
+// Returns the time of a sequence's frame.
 absl::StatusOr<int64_t> TimeOfFrame(const SourceSpec& source, size_t frame) {
   ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> frames, OpenReader(source));
   if (frame < frames->frame_count()) return frames->timestamp_ns(frame);

@@ -1,4 +1,4 @@
-// What `corbslam eval` holds against each other: estimates and the truth, of one frame.
+// Reads what `corbslam eval` compares: estimates and the truth, of one frame.
 #ifndef CORBSLAM_SERVICES_TOOL_EVALUATION_EVALUATION_INPUT_H_
 #define CORBSLAM_SERVICES_TOOL_EVALUATION_EVALUATION_INPUT_H_
 
@@ -13,11 +13,11 @@
 namespace corbslam {
 
 struct EvaluationFiles {
-  // A sequence as LAYOUT:DIR, or a file (ReadTrajectoryFile).
+  // LAYOUT:DIR of a sequence, or a file (ReadTrajectoryFile).
   std::string truth;
   std::string truth_times;
   std::vector<std::string> estimates;
-  // "camera", "rectified" or "body"; empty: what the estimates say, or else the camera.
+  // "camera", "rectified" or "body". Empty: the frame that the estimates say, or else the camera.
   std::string poses_of;
   std::optional<size_t> from_frame;
 };
@@ -25,13 +25,13 @@ struct EvaluationFiles {
 struct EvaluationInput {
   Trajectory truth;
   std::vector<Trajectory> estimates;  // In the order of the files.
-  // What was left out or put in order, a sentence each.
+  // A sentence for each kind of what was left out or put in order.
   std::vector<std::string> notes;
 };
 
-// INVALID_ARGUMENT names the file: the estimates are of different frames, or the truth is of
-// another one; a file can't be read. Of a sequence the truth is that of the frame that the
-// estimates are of; FAILED_PRECONDITION where its calibration doesn't know it.
+// Returns INVALID_ARGUMENT, which names the file, if the estimates are of different frames, if the
+// truth is of another one, or if a file can't be read. A sequence's truth is taken in the frame
+// that the estimates are of; FAILED_PRECONDITION if its calibration doesn't know that frame.
 absl::StatusOr<EvaluationInput> ReadEvaluationInput(const EvaluationFiles& files);
 
 }  // namespace corbslam

@@ -34,7 +34,7 @@ TEST(EvaluationInputTest, ReadsFilesAndNotesWhatTheyLack) {
   EXPECT_THAT(input->truth, SizeIs(3));
   ASSERT_THAT(input->estimates, SizeIs(2));
   EXPECT_THAT(input->estimates[0], SizeIs(2));
-  // b.txt's rows repeat times, one of them goes back; the truth has one that isn't finite.
+  // In b.txt rows repeat times and one of them goes back; the truth has a row that isn't finite.
   EXPECT_THAT(input->notes, SizeIs(3));
   files.from_frame = 9;
   EXPECT_THAT(std::string(ReadEvaluationInput(files).status().message()),

@@ -25,7 +25,7 @@ bool Exists(const std::string& path) {
   return fs::exists(path, ignored);
 }
 
-// The first that exists; else the first.
+// Returns the first path that exists, or else the first.
 std::string FirstOf(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     if (Exists(path)) return path;
@@ -43,7 +43,7 @@ absl::StatusOr<GroundTruth> FromReading(absl::StatusOr<TrajectoryReading> readin
                      reading->rows_not_finite + reading->rows_repeated, std::move(reading->notes)};
 }
 
-// Times of a sequence that has no times.txt come from whatever opens it.
+// Reads poses.txt. Where a sequence has no times.txt, its times come from the reader that opens it.
 absl::StatusOr<TrajectoryReading> ReadKittiPoses(const std::string& path,
                                                  const SourceSpec& source) {
   const std::string times = source.directory + "/times.txt";
@@ -56,7 +56,7 @@ absl::StatusOr<TrajectoryReading> ReadKittiPoses(const std::string& path,
 
 absl::StatusOr<GroundTruth> ReadKitti(const SourceSpec& source) {
   const std::string& directory = source.directory;
-  // The odometry benchmark's own folders: sequences/00 and poses/00.txt.
+  // The folders of the odometry benchmark itself are sequences/00 and poses/00.txt.
   const fs::path folder = fs::path(directory).lexically_normal();
   const fs::path sequence = folder.has_filename() ? folder : folder.parent_path();
   const std::string path =
@@ -65,7 +65,8 @@ absl::StatusOr<GroundTruth> ReadKitti(const SourceSpec& source) {
   return FromReading(ReadKittiPoses(path, source), path);
 }
 
-// ICL-NUIM calls it after the room: livingRoom0.gt.freiburg. In the order of the names.
+// Returns the names of the truth files in their order. ICL-NUIM calls such a file after the room:
+// livingRoom0.gt.freiburg.
 std::set<std::string> ListFreiburgFiles(const std::string& directory) {
   std::set<std::string> files;
   std::error_code error;
@@ -88,7 +89,8 @@ absl::StatusOr<GroundTruth> ReadTum(const std::string& directory) {
   return FromReading(ReadPoseFiles(directory), directory);
 }
 
-// The files of poses have numbers and no times; the pictures' rate is stated by an option.
+// Reads one file for each pose. The files have numbers and no times; an option states the pictures'
+// rate.
 absl::StatusOr<GroundTruth> ReadSevenScenes(const SourceSpec& source) {
   return FromReading(source.opening.fps.has_value()
                          ? ReadPoseFiles(source.directory, *source.opening.fps)

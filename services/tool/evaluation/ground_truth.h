@@ -1,4 +1,4 @@
-// Where a sequence's camera really was. Nothing else under `corbslam run` opens ground truth.
+// Reads where a sequence's camera really was. Nothing else under `corbslam run` opens ground truth.
 #ifndef CORBSLAM_SERVICES_TOOL_EVALUATION_GROUND_TRUTH_H_
 #define CORBSLAM_SERVICES_TOOL_EVALUATION_GROUND_TRUTH_H_
 
@@ -17,14 +17,14 @@ namespace corbslam {
 struct GroundTruth {
   // Poses of the camera as recorded; sorted, no time twice.
   Trajectory trajectory;
-  std::string path;  // Empty: simulated.
-  // Rows that are not finite or repeat a time.
+  std::string path;  // Empty if the sequence is simulated.
+  // Number of rows that are not finite or repeat a time.
   size_t rows_left_out = 0;
   // A sentence for each kind of what was left out or put in order.
   std::vector<std::string> notes;
 };
 
-// The truth that lies beside a recorded sequence, the first of:
+// Reads the truth that lies beside a recorded sequence, the first of:
 //
 //   KITTI: DIR/poses.txt, DIR/../../poses/NN.txt
 //   TUM and its like: DIR/groundtruth.txt, ICL-NUIM's DIR/*.gt.freiburg, 7-Scenes'
@@ -32,11 +32,12 @@ struct GroundTruth {
 //   EuRoC and its like: state_groundtruth_estimate0/data.csv, TUM-VI's mocap0/data.csv; both are of
 //   the body, and cam0's T_BS makes them the camera's
 //
-// nullopt where there is none. A simulation's is where its camera is. INVALID_ARGUMENT names file
-// and line; a file without poses is one, too.
+// Returns nullopt if there is none. The truth of a simulation is where its camera is.
+// INVALID_ARGUMENT names file and line; a file without poses is one, too.
 absl::StatusOr<std::optional<GroundTruth>> ReadGroundTruth(const SourceSpec& source);
 
-// The same poses of another frame, which the sequence's calibration must know: FAILED_PRECONDITION.
+// Returns the same poses for another frame. FAILED_PRECONDITION if the sequence's calibration
+// doesn't know that frame.
 absl::StatusOr<Trajectory> TruthOf(const GroundTruth& truth, const SourceSpec& source,
                                    PosesOf poses_of);
 

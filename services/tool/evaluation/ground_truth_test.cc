@@ -39,7 +39,7 @@ class GroundTruthTest : public ::testing::Test {
                                                   const std::string& below = "") const {
     return ReadGroundTruth(*ParseSourceSpec(absl::StrCat(layout, ":", folder_, below)));
   }
-  // Two poses, at x = first and first + 1.
+  // Expects two poses, at x = first_x and first_x + 1.
   void ExpectTwo(const absl::StatusOr<std::optional<GroundTruth>>& truth, double first_x,
                  const std::string& path) const {
     ASSERT_TRUE(truth.ok()) << truth.status();

@@ -11,10 +11,10 @@
 namespace corbslam {
 namespace {
 
-// Robots by name, with edges to parents of the same robot.
+// Returns the robots by name, with edges to parents of the same robot.
 std::vector<MapPicture::Robot> GroupByRobot(const ServedMap& map, const std::string& own) {
   std::map<std::string, MapPicture::Robot> robots;
-  std::map<KeyframeId, size_t> index_of;  // Within its robot.
+  std::map<KeyframeId, size_t> index_of;  // Index of a keyframe within its robot.
   for (const ServedMap::Keyframe& keyframe : map.keyframes) {
     MapPicture::Robot& robot = robots[keyframe.agent];
     robot.name = keyframe.agent;

@@ -1,4 +1,4 @@
-// The picture of a fused map.
+// Composes the picture of a fused map.
 #ifndef CORBSLAM_SERVICES_TOOL_EVALUATION_PICTURE_H_
 #define CORBSLAM_SERVICES_TOOL_EVALUATION_PICTURE_H_
 
@@ -12,13 +12,13 @@
 
 namespace corbslam {
 
-// Who is drawn as own: `wanted`, or the first where nobody is. INVALID_ARGUMENT names the robots
-// there are when none is called so.
+// Returns the robot that is drawn as own: `wanted`, or the first robot if `wanted` is empty.
+// INVALID_ARGUMENT names the robots there are if none has the wanted name.
 absl::StatusOr<std::string> ChooseOwn(const std::string& wanted,
                                       const std::vector<std::string>& robots);
 
-// Robots in the order of their names; `own` is the one shown as own. The truth, where there is one,
-// is moved into the map's frame.
+// Sorts the robots by their names; `own` is the one shown as own. The truth, where there is one, is
+// moved into the map's frame.
 MapPicture ComposePicture(const ServedMap& map, const std::string& own,
                           const FusedAccuracy& accuracy);
 

@@ -15,8 +15,9 @@ namespace corbslam {
 
 namespace {
 
-// A comment before each part, the first one behind the header: two comments never follow each
-// other, so that a plain comparison of a line's first word with the one before finds times only.
+// Writes a comment before each part, the first one behind the header: two comments never follow
+// each other, so that a plain comparison of a line's first word with the one before finds times
+// only.
 std::vector<std::string> TumLines(const TrajectoryFile& file, const std::string& header) {
   std::vector<std::string> lines;
   if (file.empty()) lines.push_back(header);
@@ -38,7 +39,7 @@ std::vector<TrajectoryPart> PartsOf(const ServedTrajectory& served) {
     if (added) parts.push_back({pose.local_map, {}});
     parts[it->second].poses.push_back({pose.timestamp_ns, pose.frame_from_camera});
   }
-  // Also without a time twice.
+  // Merging leaves no time twice.
   for (TrajectoryPart& part : parts) part.poses = MergeByTime({part.poses});
   std::stable_sort(parts.begin(), parts.end(),
                    [](const TrajectoryPart& a, const TrajectoryPart& b) {

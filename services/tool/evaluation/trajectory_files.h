@@ -1,4 +1,4 @@
-// Trajectories of a mission as files whose times ascend.
+// Writes trajectories of a mission as files whose times ascend.
 #ifndef CORBSLAM_SERVICES_TOOL_EVALUATION_TRAJECTORY_FILES_H_
 #define CORBSLAM_SERVICES_TOOL_EVALUATION_TRAJECTORY_FILES_H_
 
@@ -13,35 +13,35 @@
 
 namespace corbslam {
 
-// One local map's poses, in time, no time twice.
+// The poses of one local map, sorted by time, no time twice.
 struct TrajectoryPart {
   std::string local_map;
   Trajectory poses;
 };
-// What one file holds: the parts follow each other in time.
+// The content of one file: the parts follow each other in time.
 using TrajectoryFile = std::vector<TrajectoryPart>;
 
-// Each local map's, by the time of its first pose.
+// Returns a part for each local map, sorted by the time of its first pose.
 std::vector<TrajectoryPart> PartsOf(const ServedTrajectory& served);
 
-// Parts go into one file as long as each begins after the one before it has ended. One of a robot
-// that was started again on the same recording begins another. At least one file, which may be
-// empty.
+// Shares the parts among files. A part goes into a file in which all others have ended before it
+// begins; where there is none, as for a robot that was started again on the same recording, it
+// begins another file. Returns at least one file, which may be empty.
 std::vector<TrajectoryFile> ShareFiles(std::vector<TrajectoryPart> parts);
-// Each part has a file: of poses in the local maps' own frames.
+// Gives each part a file of its own, for poses in the local maps' own frames.
 std::vector<TrajectoryFile> OwnFiles(std::vector<TrajectoryPart> parts);
 
-// The poses of all parts.
+// Returns the poses of all parts.
 Trajectory Join(const TrajectoryFile& file);
 
-// "dir/alpha.txt" for number 1, "dir/alpha+2.txt" for 2: no robot's name has a '+'.
+// Returns "dir/alpha.txt" for number 1, "dir/alpha+2.txt" for 2: no robot's name has a '+'.
 std::string NumberedPath(const std::string& path, size_t number);
 
-// "local map 00ab: poses 1 to 50" for each part.
+// Returns "local map 00ab: poses 1 to 50" for each part.
 std::vector<std::string> DescribeParts(const TrajectoryFile& file);
 
-// TUM files at `path`, NumberedPath(path, 2) and so on; comments say what the poses are of, in
-// which frame ("in the mission's global frame"), and where a local map begins. UNAVAILABLE names
+// Writes TUM files at `path`, NumberedPath(path, 2) and so on; comments say what the poses are of,
+// in which frame ("in the mission's global frame"), and where a local map begins. UNAVAILABLE names
 // the path.
 absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf poses_of,
                            const std::string& frame, const std::string& path);

@@ -16,10 +16,10 @@
 namespace corbslam {
 namespace {
 
-// From our pixels to COLMAP's.
+// Added to our pixel coordinates, it gives COLMAP's.
 constexpr double kHalfPixel = 0.5;
 
-// COLMAP numbers from 1.
+// Maps our ids to COLMAP's numbers, which begin with 1.
 struct Numbers {
   std::map<std::pair<LocalMapId, uint32_t>, size_t> cameras;
   std::map<KeyframeId, size_t> images;
@@ -47,15 +47,15 @@ std::string RobotOf(const ColmapSource& source, LocalMapId local_map) {
   return it == source.robots.end() ? ToString(local_map) : it->second;
 }
 
-// What recorded the keyframe's picture; its own camera where the recorded one isn't known or
-// wanted.
+// Returns the camera that recorded the keyframe's picture, or the keyframe's own camera if the
+// recorded one isn't known or wanted.
 RecordedCamera RecordedOf(const ColmapSource& source, const Keyframe& keyframe) {
   const auto it = source.recorded.find(CameraKey(keyframe));
   const bool is_wanted = source.poses_of == PosesOf::kRecordedCamera;
   return it != source.recorded.end() && is_wanted ? it->second : AsRecorded(keyframe.camera());
 }
 
-// PINHOLE, or COLMAP's two models of OpenCV's distortion.
+// Writes a PINHOLE camera, or one of COLMAP's two models of OpenCV's distortion.
 std::string CameraLine(size_t number, const Camera& camera, const RawCamera& lens) {
   const RadialTangential& d = lens.distortion;
   const char* const model = d.IsZero() ? "PINHOLE" : d.k3 == 0 ? "OPENCV" : "FULL_OPENCV";
@@ -92,7 +92,7 @@ class PictureNames {
   std::map<std::pair<std::string, int64_t>, size_t> used_;
 };
 
-// The line of its pose, then that of its keypoints.
+// Adds the line of the image's pose, then that of its keypoints.
 void AddImage(const Keyframe& keyframe, const Numbers& numbers, const RecordedCamera& recorded,
               const std::string& name, std::vector<std::string>& lines) {
   const Rigid3d pose = recorded.camera_from_recorded.Inverse() * keyframe.camera_from_map;
@@ -126,7 +126,7 @@ absl::Status WriteImages(const Map& map, const Numbers& numbers, const ColmapSou
   return WriteLines(lines, path);
 }
 
-// Pixels; the mean over all who see it with the point before them.
+// Returns the mean over all keyframes that see the point with it before them, in pixels.
 double MeanReprojectionError(const Map& map, const MapPoint& point) {
   double sum_px = 0;
   size_t count = 0;

@@ -1,13 +1,13 @@
-// A mission's map as COLMAP's sparse model in text (cameras.txt, images.txt, points3D.txt): every
-// keyframe an image, every landmark a point, every observation a part of its track.
+// Writes a mission's map as COLMAP's sparse model in text (cameras.txt, images.txt, points3D.txt):
+// every keyframe is an image, every landmark a point, every observation a part of its track.
 //
 // The model is of the pictures as they were recorded: cameras have their lens distortion, keypoints
 // are where the recorded pictures have them, poses are of the recorded (left) camera. Where a robot
-// never said what recorded its pictures, or the rectified camera is wanted, it is of the
+// never said what recorded its pictures, or the rectified camera is wanted, the model is of the
 // undistorted pictures that keyframes are of.
 //
-// COLMAP's conventions: poses are camera_from_world with w first; the first pixel's centre is at
-// (0.5, 0.5), ours at (0, 0), so that principal points and keypoints move by half a pixel.
+// COLMAP's poses are camera_from_world with w first. It has the first pixel's centre at (0.5, 0.5),
+// we have it at (0, 0), so that principal points and keypoints move by half a pixel.
 #ifndef CORBSLAM_SERVICES_TOOL_EXPORT_COLMAP_MODEL_H_
 #define CORBSLAM_SERVICES_TOOL_EXPORT_COLMAP_MODEL_H_
 
@@ -33,14 +33,14 @@ struct ColmapCounts {
   size_t observations = 0;
 };
 
-// What lies in the mission's global frame, as fusion holds it: landmarks are one point, culled
-// keyframes and rejected observations are left out. NOT_FOUND: there is no keyframe.
+// Returns what lies in the mission's global frame, as fusion holds it: each landmark is one point,
+// culled keyframes and rejected observations are left out. NOT_FOUND if there is no keyframe.
 absl::StatusOr<Map> GlobalMapOf(const map_store::MissionState& state);
 
-// What a map doesn't say.
+// Holds what the model needs beside the map.
 struct ColmapSource {
   std::map<LocalMapId, std::string> robots;
-  // By local map and camera index; those that are not here are not known.
+  // The key is a local map and a camera index; cameras that are not here are not known.
   std::map<std::pair<LocalMapId, uint32_t>, RecordedCamera> recorded;
   // kRecordedCamera or kRectifiedCamera.
   PosesOf poses_of = PosesOf::kRecordedCamera;

@@ -34,7 +34,8 @@ Camera MakeCamera(double fx_px) {
 
 Eigen::Vector3d Place(uint32_t i) { return {0.1 * i - 1, 0.3 - 0.05 * i, 4 + 0.2 * i}; }
 
-// Sees the points i with i % step == 0 exactly, and one keypoint that is none.
+// Makes a keyframe that sees the points i with i % step == 0 exactly, and has one keypoint that
+// sees none.
 Keyframe MakeKeyframe(KeyframeId id, double fx_px, const Rigid3d& camera_from_map, uint32_t points,
                       uint32_t step) {
   Features features;
@@ -53,8 +54,8 @@ Keyframe MakeKeyframe(KeyframeId id, double fx_px, const Rigid3d& camera_from_ma
   return keyframe;
 }
 
-// Two robots of a keyframe each, with a camera each; the points are the first one's, and one of the
-// second that nobody sees.
+// Makes two robots of a keyframe each, with a camera each; the points are the first robot's, and
+// one point is the second robot's, which nobody sees.
 Map MakeMap() {
   constexpr uint32_t kPoints = 20;
   Map map;
@@ -142,7 +143,7 @@ TEST_F(ColmapModelTest, IsOfThePicturesAsTheyWereRecorded) {
   const std::vector<double> errors_px = testing::ReprojectionErrors_px(*model);
   ASSERT_EQ(errors_px.size(), 30u);
   EXPECT_LT(errors_px.back(), 0.003);
-  // And they are other pixels than the undistorted ones.
+  // The keypoints are at other pixels than in the undistorted pictures.
   EXPECT_GT((model->images.at(1).keypoints.back().first - Eigen::Vector2d(5.5, 6.5)).norm(), 5);
 
   source.poses_of = PosesOf::kRectifiedCamera;
@@ -153,7 +154,7 @@ TEST_F(ColmapModelTest, IsOfThePicturesAsTheyWereRecorded) {
   EXPECT_EQ(rectified->images.at(1).keypoints.back().first, Eigen::Vector2d(5.5, 6.5));
 }
 
-// A robot that was started again on the same recording.
+// A robot was started again on the same recording.
 TEST_F(ColmapModelTest, GivesEachPictureANameOfItsOwn) {
   Map map = MakeMap();
   map.AddKeyframe(MakeKeyframe({kMapB, 0}, 500, Rigid3d(), 20, 1));
@@ -173,7 +174,7 @@ TEST_F(ColmapModelTest, SaysHowFarPointsAreOff) {
   ASSERT_TRUE(WriteColmapModel(map, {}, folder_).ok());
   const auto model = testing::ReadColmapModel(folder_);
   ASSERT_TRUE(model.ok()) << model.status();
-  // Seen from the first camera alone, at a depth of 4.6.
+  // The point is seen from the first camera alone, at a depth of 4.6.
   EXPECT_NEAR(model->points.at(4).error_px, 500 * 0.05 / 4.6, 0.01);
   EXPECT_NEAR(testing::ReprojectionErrors_px(*model).back(), 500 * 0.05 / 4.6, 0.01);
 }

@@ -1,4 +1,4 @@
-// Coloured points as PLY: binary, little-endian, float x, y, z and uchar red, green, blue.
+// Writes coloured points as PLY: binary, little-endian, float x, y, z and uchar red, green, blue.
 #ifndef CORBSLAM_SERVICES_TOOL_EXPORT_PLY_FILE_H_
 #define CORBSLAM_SERVICES_TOOL_EXPORT_PLY_FILE_H_
 

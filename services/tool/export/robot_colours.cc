@@ -8,7 +8,8 @@
 namespace corbslam {
 namespace {
 
-// Of one channel, whose peak lies at `peak` turns of hue; not so bright that it is lost on white.
+// Returns one channel, whose peak lies at `peak` turns of hue; it is not so bright that it is lost
+// on white.
 uint8_t Channel(double hue, double peak) {
   const double distance = std::abs(std::remainder(hue - peak, 1.0));
   return static_cast<uint8_t>(std::lround(200.0 * std::clamp(2.0 - 6.0 * distance, 0.0, 1.0)));

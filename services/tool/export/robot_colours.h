@@ -1,4 +1,4 @@
-// A colour for each robot, the same in every export of a mission.
+// Chooses a colour for each robot, the same in every export of a mission.
 #ifndef CORBSLAM_SERVICES_TOOL_EXPORT_ROBOT_COLOURS_H_
 #define CORBSLAM_SERVICES_TOOL_EXPORT_ROBOT_COLOURS_H_
 
@@ -16,10 +16,11 @@ struct Colour {
   friend bool operator==(const Colour&, const Colour&) = default;
 };
 
-// By name: in the order of the names, each far in hue from the one before.
+// Returns the robots' colours by name: in the order of the names each is far in hue from the one
+// before.
 std::map<std::string, Colour> ChooseColours(const std::set<std::string>& robots);
 
-// "#1f77b4".
+// Returns a text as "#1f77b4".
 std::string ToString(const Colour& colour);
 
 }  // namespace corbslam

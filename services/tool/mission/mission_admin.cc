@@ -81,7 +81,7 @@ absl::StatusOr<v1::Mission> MissionAdmin::Restore(const std::string& path,
     bytes += piece.size();
     goes_on = !piece.empty();
     *request.mutable_piece() = std::move(piece);
-    // False: the store has ended the call, and says why.
+    // Write returns false if the store has ended the call; Finish says why.
     goes_on = writer->Write(request) && goes_on;
     if (on_progress != nullptr) on_progress(bytes);
   }

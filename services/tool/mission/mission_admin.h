@@ -1,4 +1,4 @@
-// What operators do with the missions of a running map store.
+// Does what operators do with the missions of a running map store.
 #ifndef CORBSLAM_SERVICES_TOOL_MISSION_MISSION_ADMIN_H_
 #define CORBSLAM_SERVICES_TOOL_MISSION_MISSION_ADMIN_H_
 
@@ -16,26 +16,26 @@
 
 namespace corbslam {
 
-// Thread-safe. Errors are those of the store, with the call that met them, and those of files, with
-// their names.
+// Speaks to one map store. Thread-safe. Errors are those of the store, with the call that met them,
+// and those of files, with their names.
 class MissionAdmin {
  public:
-  // Bytes so far.
+  // Called with the number of bytes so far.
   using Progress = std::function<void(uint64_t bytes)>;
 
   explicit MissionAdmin(const std::shared_ptr<grpc::Channel>& channel);
 
   absl::StatusOr<std::vector<v1::Mission>> List();
-  // Writes the mission to a file, durably. ALREADY_EXISTS: there is one of that name. A file that
-  // is there under this name is whole. Returns its size in bytes.
+  // Writes the mission to a file, durably, and returns its size in bytes. ALREADY_EXISTS if there
+  // is a file of that name. A file under this name is always whole.
   absl::StatusOr<uint64_t> BackUp(const std::string& mission, const std::string& path,
                                   const Progress& on_progress = nullptr);
-  // Gives the mission's backup to `sink`, piece by piece, which ends it with an error of its own.
+  // Gives the mission's backup piece by piece to `sink`, which may end it with an error of its own.
   absl::Status ReadBackup(const std::string& mission,
                           const std::function<absl::Status(const std::string& piece)>& sink);
   absl::StatusOr<v1::Mission> Restore(const std::string& path, const std::string& mission,
                                       const Progress& on_progress = nullptr);
-  // Local maps that went with it.
+  // Returns how many local maps went with the mission.
   absl::StatusOr<uint32_t> Delete(const std::string& mission);
 
  private:

@@ -1,4 +1,4 @@
-// A mission as JSON, for scripts; the fields are those of corbslam.v1.Mission.
+// Writes a mission as JSON, for scripts; the fields are those of corbslam.v1.Mission.
 #ifndef CORBSLAM_SERVICES_TOOL_MISSION_MISSION_JSON_H_
 #define CORBSLAM_SERVICES_TOOL_MISSION_MISSION_JSON_H_
 

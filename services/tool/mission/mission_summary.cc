@@ -9,7 +9,7 @@
 namespace corbslam {
 namespace {
 
-// Calls `list(context, request, response)` until the last page; `take` gets each.
+// Calls `list(context, request, response)` until the last page, and gives each page to `take`.
 template <typename Request, typename Response, typename List, typename Take>
 absl::Status ReadPages(const std::string& parent, const char* call, const List& list,
                        const Take& take) {

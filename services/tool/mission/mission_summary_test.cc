@@ -34,7 +34,8 @@ void AddOverlap(int query, int candidate, v1::OverlapVerdict verdict, uint32_t i
   overlap.set_inliers(inliers);
 }
 
-// Alpha's first local map and bravo's are fused, alpha's second one is apart.
+// Makes a mission in which alpha's first local map and bravo's are fused, and alpha's second one is
+// apart.
 MissionSummary MakeSummary() {
   MissionSummary summary;
   summary.mission.set_name("missions/lab");
@@ -86,7 +87,7 @@ void AddUncompared(int query, int against, uint64_t waiting, uint64_t failed,
   pair.set_failed(failed);
 }
 
-// Bravo's first local map and alpha's second one: nothing was found, because nobody looked.
+// Between bravo's first local map and alpha's second one nothing was found, because nobody looked.
 TEST(MissionSummaryTest, NeverSpeaksOfWordsWhereNobodyLooked) {
   MissionSummary summary = MakeSummary();
   summary.mission.set_waiting_queries(12);

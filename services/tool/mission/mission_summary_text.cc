@@ -16,7 +16,7 @@ std::string Count(uint64_t count, const std::string& what) {
   return absl::StrCat(count, " ", what, count == 1 ? "" : "s");
 }
 
-// Empty where fusion goes on.
+// Returns an empty text if fusion goes on.
 std::string FormatWorkers(const v1::Mission& mission) {
   const std::string waiting = Count(mission.waiting_queries(), "look-up") + " waiting";
   if (mission.lacks_fusion_worker()) {
@@ -42,7 +42,7 @@ std::string FormatMission(const v1::Mission& mission) {
       FormatWorkers(mission));
 }
 
-// One line a robot, its local maps added up.
+// Writes one line for each robot, with its local maps added up.
 std::string FormatRobots(const MissionSummary& summary) {
   std::string text = absl::StrFormat("\n%-16s %-9s %10s %9s %9s %9s %9s\n", "robot", "connected",
                                      "local maps", "keyframes", "points", "tracked", "lost");
@@ -78,7 +78,7 @@ std::string FormatLocalMaps(const MissionSummary& summary) {
   return text;
 }
 
-// What was never looked at says nothing of the places.
+// Says what was never compared, which tells nothing of the places.
 std::string DescribeUncompared(const PairOverlaps& pair) {
   std::vector<std::string> parts;
   if (pair.waiting > 0) {

@@ -9,7 +9,7 @@
 namespace corbslam {
 namespace {
 
-// missions/M/localMaps/L of missions/M/localMaps/L/keyframes/K.
+// Returns missions/M/localMaps/L for missions/M/localMaps/L/keyframes/K.
 std::string LocalMapOf(const std::string& keyframe) {
   return keyframe.substr(0, keyframe.find("/keyframes/"));
 }
@@ -30,8 +30,8 @@ namespace {
 
 using Pairs = std::map<std::pair<std::string, std::string>, PairOverlaps>;
 
-// Finds the pair of two local maps by the names of their resources. Null: one came after the local
-// maps were listed.
+// Finds the pair of two local maps by the names of their resources. Returns null if one came after
+// the local maps were listed.
 class PairFinder {
  public:
   PairFinder(const MissionSummary& summary, Pairs& pairs)
@@ -53,7 +53,7 @@ class PairFinder {
   Pairs& pairs_;
 };
 
-// What waits or failed, of pairs that are listed.
+// Adds the look-ups that wait or failed to the pairs that are listed.
 void AddUncompared(const MissionSummary& summary, Pairs& pairs) {
   Pairs all = pairs;
   PairFinder finder(summary, all);

@@ -1,4 +1,4 @@
-// Overlaps of a mission, counted for every two of its local maps.
+// Counts overlaps of a mission for every two of its local maps.
 #ifndef CORBSLAM_SERVICES_TOOL_MISSION_SUMMARY_PAIRS_H_
 #define CORBSLAM_SERVICES_TOOL_MISSION_SUMMARY_PAIRS_H_
 
@@ -11,25 +11,26 @@
 
 namespace corbslam {
 
-// "alpha/1", the first local map of alpha, by the name of the resource.
+// Returns names by the name of the resource; "alpha/1" is the first local map of alpha.
 std::map<std::string, std::string> ShortNames(const MissionSummary& summary);
 
 struct PairOverlaps {
   bool same_island = false;
-  uint32_t most_inliers = 0;  // Of an accepted one.
+  uint32_t most_inliers = 0;  // Of an accepted overlap.
   std::map<v1::OverlapVerdict, int> verdicts;
   int accepted = 0;
   int refused = 0;
-  // Keyframes of one that were not looked up in the other: those that wait for a fusion worker, and
-  // those that were given up because workers failed.
+  // Number of keyframes of one that were not looked up in the other: those that wait for a fusion
+  // worker, and those that were given up because workers failed.
   uint64_t waiting = 0;
   uint64_t failed = 0;
-  // One of the two has no settled keyframe: there is nothing to compare yet.
+  // True if one of the two has no settled keyframe: there is nothing to compare yet.
   bool is_too_early = false;
 };
 
-// By the short names of two local maps, the one that came first first: those of different robots,
-// whether anything was compared or not, and all others that were.
+// Returns the pairs by the short names of their local maps, the earlier one first: all pairs of
+// different robots, whether anything was compared or not, and the pairs of one robot that were
+// compared.
 std::map<std::pair<std::string, std::string>, PairOverlaps> CountPairs(
     const MissionSummary& summary);
 

@@ -14,7 +14,7 @@
 namespace corbslam {
 namespace {
 
-// The folder's list of names, too, must survive.
+// Makes the folder's list of names durable, which must survive, too.
 bool SyncFolderOf(const std::string& path) {
   std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (folder.empty()) folder = ".";

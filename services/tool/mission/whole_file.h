@@ -1,4 +1,4 @@
-// A file that is there under its name only once it is whole.
+// Writes a file that is there under its name only once it is whole.
 #ifndef CORBSLAM_SERVICES_TOOL_MISSION_WHOLE_FILE_H_
 #define CORBSLAM_SERVICES_TOOL_MISSION_WHOLE_FILE_H_
 
@@ -10,18 +10,19 @@
 
 namespace corbslam {
 
-// Not thread-safe. Errors name the file: RESOURCE_EXHAUSTED for a full disk, else UNAVAILABLE.
+// One file that is being written. Not thread-safe. Errors name the file: RESOURCE_EXHAUSTED for a
+// full disk, else UNAVAILABLE.
 class WholeFile {
  public:
-  // Writes beside it, under the name with ".part" at its end. ALREADY_EXISTS: there is such a file.
+  // Begins a file at `path` with ".part" at its end. ALREADY_EXISTS if there is one at `path`.
   static absl::StatusOr<WholeFile> Create(const std::string& path);
   WholeFile(WholeFile&& other) noexcept;
   WholeFile& operator=(WholeFile&&) = delete;
-  // Removes what was not finished.
+  // Removes the file if it was not finished.
   ~WholeFile();
 
   absl::Status Append(absl::string_view bytes);
-  // Gives it its name, durably. Once, and the last call.
+  // Gives the file its name, durably. The caller does so once, as the last call.
   absl::Status Finish();
 
  private:

@@ -1,4 +1,5 @@
-// What a run measured. As JSON it is a stable interface: docs/report.md says what each field is.
+// Holds what a run measured. As JSON it is a stable interface: docs/report.md says what each field
+// is.
 #ifndef CORBSLAM_SERVICES_TOOL_REPORT_REPORT_H_
 #define CORBSLAM_SERVICES_TOOL_REPORT_REPORT_H_
 
@@ -15,13 +16,13 @@ namespace corbslam {
 
 struct FusedReport {
   int islands = 0;
-  int robots = 0;  // Of which something lies in the global frame.
+  int robots = 0;  // Robots of which something lies in the global frame.
   uint64_t keyframes = 0;
   uint64_t map_points = 0;
   std::optional<double> ate_m;
   std::optional<double> ate_from_frame_m;
   std::optional<double> ate_without_scale_m;
-  std::optional<double> scale;  // Truth by estimate.
+  std::optional<double> scale;  // Scale of that similarity, truth by estimate.
   std::optional<double> t_rel_percent;
   std::optional<double> r_rel_deg_per_100m;
 };
@@ -53,9 +54,9 @@ struct ServerReport {
 struct RunReport {
   std::string mission;
   std::string pace;
-  size_t from_frame = 0;  // What the ..._from_frame values begin with.
+  size_t from_frame = 0;  // The frame from which the ..._from_frame values count.
   std::vector<RobotReport> robots;
-  std::vector<ReportWarning> warnings;  // Beside those of the robots.
+  std::vector<ReportWarning> warnings;  // Warnings of the run, beside those of the robots.
   FusedReport fused;
   OverlapReport overlaps;
   std::vector<double> merge_ms;
@@ -70,11 +71,11 @@ struct RunReport {
   std::string command;
 };
 
-// The robots' warnings in their order, then the run's.
+// Returns the robots' warnings in their order, then the run's.
 std::vector<ReportWarning> AllWarnings(const RunReport& report);
 
 nlohmann::ordered_json ToJson(const RunReport& report);
-// Tables for people.
+// Writes tables for people.
 std::string ToMarkdown(const RunReport& report);
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-// What a run cost for each minute of one robot's pictures.
+// Computes what a run cost for each minute of one robot's pictures.
 #ifndef CORBSLAM_SERVICES_TOOL_REPORT_REPORT_COST_H_
 #define CORBSLAM_SERVICES_TOOL_REPORT_REPORT_COST_H_
 
@@ -11,15 +11,15 @@
 namespace corbslam {
 
 struct RobotMinuteCost {
-  double pictures_s = 0;  // Of all robots together, by their cameras' clocks.
-  // Processor seconds, user and system, a minute of one robot's pictures: of a robot's own process
-  // (nullopt where one is not known), and of each server's.
+  double pictures_s = 0;  // Of all robots together, in seconds by their cameras' clocks.
+  // Processor seconds, user and system, for a minute of one robot's pictures: those of a robot's
+  // own process (nullopt if one of them is not known), and those of each server.
   std::optional<double> robot_cpu_s;
   std::map<std::string, double> servers_cpu_s;
-  double global_adjustments = 0;  // In the same minute.
+  double global_adjustments = 0;  // Number for the same minute.
 };
 
-// Nothing where no robot has pictures that take time.
+// Returns nullopt if no robot has pictures that take time.
 std::optional<RobotMinuteCost> ComputeRobotMinuteCost(const RunReport& report);
 
 }  // namespace corbslam

@@ -98,7 +98,7 @@ std::string ServerTable(const RunReport& report) {
   return table;
 }
 
-// Nothing where no time is known.
+// Returns an empty text if no time is known.
 std::string CostLine(const RunReport& report) {
   const std::optional<RobotMinuteCost> cost = ComputeRobotMinuteCost(report);
   if (!cost.has_value()) return "";
@@ -113,7 +113,7 @@ std::string CostLine(const RunReport& report) {
   return absl::StrCat("\nA minute of one robot's pictures: ", absl::StrJoin(parts, ", "), "\n");
 }
 
-// A line for each; nothing where nothing looks wrong.
+// Returns a line for each warning; an empty text if there is none.
 std::string WarningList(const RunReport& report) {
   const std::vector<ReportWarning> warnings = AllWarnings(report);
   if (warnings.empty()) return "";

@@ -43,7 +43,7 @@ TEST(ToJsonTest, KeepsTheInterface) {
     EXPECT_TRUE(json["robots"][1][key].is_null()) << key;
   }
   EXPECT_EQ(json["robots"][0]["tracking_ms"]["p99"], 40);
-  // What the robot wrote is what the report says of it.
+  // The report holds what the robot wrote.
   EXPECT_EQ(json["robots"][0].dump(), ToJson(MakeReport().robots[0]).dump());
   EXPECT_EQ(json["fused"]["islands"], 1);
   EXPECT_EQ(json["fused"]["ate_without_scale_m"], 0.125);
@@ -90,7 +90,7 @@ TEST(ToJsonTest, SaysWhatAMinuteOfOneRobotCosts) {
   EXPECT_TRUE(cost["servers_cpu_s"].is_object());
   EXPECT_TRUE(cost["servers_cpu_s"].empty());
   EXPECT_DOUBLE_EQ(cost["global_adjustments"], 0);
-  // Nobody saw anything.
+  // The robots have no pictures.
   for (RobotReport& robot : report.robots) robot.pictures_s = 0;
   EXPECT_TRUE(ToJson(report)["per_robot_minute"].is_null());
   report.robots.clear();

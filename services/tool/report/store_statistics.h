@@ -1,4 +1,4 @@
-// What a map store's statistics know of a run.
+// Copies what a map store's statistics know of a run.
 #ifndef CORBSLAM_SERVICES_TOOL_REPORT_STORE_STATISTICS_H_
 #define CORBSLAM_SERVICES_TOOL_REPORT_STORE_STATISTICS_H_
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kSharedBudget_bytes = 1 << 20;
 
-// Of the messages that would carry `update`.
+// Returns the size of the messages that would carry `update`.
 template <typename Update>
 uint64_t WireBytes(const Update& update, FeatureForm form, CameraBook& sent) {
   uint64_t bytes = 0;

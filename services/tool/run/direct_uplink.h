@@ -1,4 +1,4 @@
-// An agent's connection to a map store in the same process, without a thread or a socket: for a
+// Connects an agent to a map store in the same process, without a thread or a socket: for a
 // deterministic run in lockstep.
 #ifndef CORBSLAM_SERVICES_TOOL_RUN_DIRECT_UPLINK_H_
 #define CORBSLAM_SERVICES_TOOL_RUN_DIRECT_UPLINK_H_
@@ -11,18 +11,18 @@
 
 namespace corbslam {
 
-// Everything happens on the caller's thread; the listener is called from inside Open, Send and
-// DeliverShared. Not thread-safe.
+// An uplink that does everything on the caller's thread; the listener is called from inside Open,
+// Send and DeliverShared. Not thread-safe.
 class DirectUplink : public Uplink {
  public:
-  // `store` is not owned and outlives this.
+  // `store` is not owned and outlives this uplink.
   explicit DirectUplink(MapStore* store) : store_(store) {}
   ~DirectUplink() override { Close(); }
 
   void Open(const SessionRequest& request, UplinkListener* listener) override;
   bool Send(const MapUpdateBatch& batch) override;
   void Close() override;
-  // Sizes of the messages as the wire would carry them.
+  // Returns the size of the messages as the wire would carry them.
   uint64_t bytes_up() const override { return bytes_up_; }
   uint64_t bytes_down() const override { return bytes_down_; }
 

@@ -24,24 +24,24 @@ namespace corbslam {
 namespace {
 
 constexpr absl::Duration kFinishTimeout = absl::Minutes(10);
-constexpr size_t kProgressEvery = 10;  // Frames.
-// As client_agent's.
+constexpr size_t kProgressEvery = 10;  // In frames.
+// The same numbers as client_agent's defaults.
 constexpr int kStereoFeatures = 2000;
 constexpr int kRgbdFeatures = 1000;
 constexpr uint64_t kSeed = 1;
 
 struct LockstepRobot {
   RobotPlan plan;
-  absl::Status failure;  // What ended its drive early, or kept it from beginning.
+  absl::Status failure;  // What ended the robot's drive early, or kept it from beginning.
   InspectedSource opened;
-  std::optional<int> drive;  // Of the last frame.
+  std::optional<int> drive;  // Drive of the last frame.
   std::unique_ptr<DirectUplink> uplink;
-  std::unique_ptr<Agent> agent;  // Before the uplink goes. Null: it could not begin.
+  std::unique_ptr<Agent> agent;  // Destroyed before the uplink. Null if it could not begin.
   size_t frames = 0;
   bool has_ended = false;
 };
 
-// Everything on the caller's thread.
+// Does everything on the caller's thread.
 class Lockstep {
  public:
   Lockstep(const MissionRunOptions& options, const ProgressListener& on_progress)
@@ -51,7 +51,7 @@ class Lockstep {
 
  private:
   absl::Status StartStore();
-  // One whose source can't be opened is there too, without an agent.
+  // Adds a robot; one whose source can't be opened is added too, without an agent.
   void AddRobot(const RobotPlan& plan);
   absl::Status OpenRobot(LockstepRobot& robot);
   // Plays robots [first, end) to their ends.
@@ -66,7 +66,7 @@ class Lockstep {
   std::shared_ptr<const Vocabulary> vocabulary_;
   std::unique_ptr<FusionWorker> worker_;
   std::unique_ptr<MapStore> store_;
-  std::vector<LockstepRobot> robots_;  // Before the store goes.
+  std::vector<LockstepRobot> robots_;  // Destroyed before the store.
 };
 
 absl::Status Lockstep::StartStore() {
@@ -122,9 +122,9 @@ absl::Status Lockstep::TakeFrame(LockstepRobot& robot) {
   return robot.agent->Track(taken->images).status();
 }
 
-// The store fuses until idle, then hands out what is new.
+// Lets the store fuse until it is idle, then hands out what is new.
 absl::Status Lockstep::Settle() {
-  // There is no mission where no robot could begin.
+  // Where no robot could begin, there is no mission.
   const absl::Status fused = store_->RunFusionUntilIdle(options_.mission);
   if (!absl::IsNotFound(fused)) RETURN_IF_ERROR(fused);
   for (LockstepRobot& robot : robots_) {
@@ -140,7 +140,7 @@ absl::Status Lockstep::Play(size_t first, size_t end) {
     playing = 0;
     for (size_t i = first; i < end; ++i) {
       LockstepRobot& robot = robots_[i];
-      // What is wrong with one robot's pictures ends its drive alone.
+      // An error in one robot's pictures ends only that robot's drive.
       if (const absl::Status taken = TakeFrame(robot); !taken.ok()) {
         robot.failure = taken;
         robot.has_ended = true;

@@ -9,14 +9,14 @@ namespace corbslam {
 
 namespace {
 
-// Empty where the store knows nothing of the robot.
+// Returns an empty path if the store knows nothing of the robot.
 absl::StatusOr<ServedTrajectory> ReadPath(StoreReader& store, const std::string& robot,
                                           v1::TrajectoryFrame frame) {
   absl::StatusOr<ServedTrajectory> path = store.ReadTrajectory(robot, frame);
   return absl::IsNotFound(path.status()) ? ServedTrajectory() : std::move(path);
 }
 
-// Of a mission that is there.
+// Fills the outcome if the store has the mission.
 absl::Status ReadMission(StoreReader& store, MissionOutcome& outcome) {
   absl::StatusOr<v1::GetStatisticsResponse> statistics = store.Statistics();
   if (absl::IsNotFound(statistics.status())) return absl::OkStatus();

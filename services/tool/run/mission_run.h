@@ -22,53 +22,54 @@ namespace corbslam {
 struct MissionRunOptions {
   std::string mission = "demo";
   std::vector<RobotPlan> robots;
-  // One robot after the other instead of all at once.
+  // True: the robots play one after the other instead of all at once.
   bool sequential = false;
-  // Of local map ids and of every random choice. None: 1 in lockstep, another one each time for
-  // processes, so that a mission can be taken up again.
+  // Seeds local map ids and every random choice. Nullopt: 1 in lockstep, another number each time
+  // for processes, so that a mission can be taken up again.
   std::optional<uint64_t> seed;
   std::string vocabulary_path;  // Empty: the one that ships.
-  // Processes only. A running map store; empty: one is started, with a worker.
+  // Address of a running map store, for processes only. Empty: a store is started, with a worker.
   std::string server;
-  // Towards that store, of this process and of the agents. What is started here listens on loopback
-  // without TLS.
+  // Security towards that store, for this process and the agents. Servers that are started here
+  // listen on loopback without TLS.
   SecurityOptions security;
   std::string pace = "max";
   std::string log_folder;
-  // Robots refuse a source in which something looks wrong.
+  // True: robots refuse a source in which something looks wrong.
   bool strict = false;
   // How long the store may take to fuse after the last robot ended.
   absl::Duration fusion_timeout = absl::Minutes(20);
 };
 
-// What a run left behind, with everything of the report but accuracy.
+// Holds what a run left behind, with everything of the report but accuracy.
 struct MissionOutcome {
   RunReport report;
   std::vector<RobotPaths> paths;  // In the order of the robots.
   ServedMap map;
-  // What went wrong with single robots: "alpha: ...". The others' results stand all the same.
+  // What went wrong with single robots: "alpha: ...". The others' results are still valid.
   std::vector<std::string> failures;
 };
 
-// Frames done so far, by robot; what a progress line shows.
+// Holds the frames done so far, by robot, which a progress line shows.
 struct Progress {
   std::string stage;
-  std::vector<std::pair<std::string, std::string>> robots;  // Name, "54/121".
+  // The robot's name, and frames as "54/121".
+  std::vector<std::pair<std::string, std::string>> robots;
 };
 using ProgressListener = std::function<void(const Progress&)>;
 
-// Map store, fusion worker and agents each as a process of their own. Errors name the process and
-// show the end of its log.
+// Runs map store, fusion worker and agents as a process each. Errors name the process and show the
+// end of its log.
 absl::StatusOr<MissionOutcome> RunProcesses(const MissionRunOptions& options,
                                             const ProgressListener& on_progress);
 
-// All in this process, in lockstep, on one thread: every agent takes a frame, then the store fuses
-// until idle, then shared updates go to the agents in the order of the robots. The same to the bit
-// every time.
+// Runs all in this process, in lockstep, on one thread: every agent takes a frame, then the store
+// fuses until it is idle, then shared updates go to the agents in the order of the robots. The
+// result is the same to the bit every time.
 absl::StatusOr<MissionOutcome> RunLockstep(const MissionRunOptions& options,
                                            const ProgressListener& on_progress);
 
-// Fills paths, map and what the store's statistics know. Where no robot brought anything the store
+// Fills paths, map and what the store's statistics know. Where no robot brought anything, the store
 // knows no such mission: the outcome is empty then, and so are the paths of a robot of which it
 // knows nothing.
 absl::Status ReadOutcome(StoreReader& store, const std::vector<RobotPlan>& robots,

@@ -18,7 +18,7 @@ constexpr absl::string_view kNames[] = {
     "juliet", "kilo",  "lima",    "mike",   "november", "oscar",   "papa",   "quebec", "romeo",
     "sierra", "tango", "uniform", "victor", "whiskey",  "xray",    "yankee", "zulu"};
 
-// Of the share that is one robot's own: fewer make no map.
+// Least frames of the share that is one robot's own: fewer make no map.
 constexpr size_t kMinOwnFrames = 10;
 
 // Refuses shares that are too short.

@@ -1,4 +1,4 @@
-// Which robot plays which part of which sequence.
+// Plans which robot plays which part of which sequence.
 #ifndef CORBSLAM_SERVICES_TOOL_RUN_PLAN_H_
 #define CORBSLAM_SERVICES_TOOL_RUN_PLAN_H_
 
@@ -14,18 +14,18 @@
 namespace corbslam {
 
 enum class SplitMode {
-  kHalves,       // Each robot its part, as in the paper.
-  kInterleaved,  // Of its part, robot k of n takes the frames whose number leaves k mod n.
+  kHalves,       // Each robot plays its part, as in the paper.
+  kInterleaved,  // Robot k of n plays those frames of its part whose number leaves k mod n.
 };
 
 struct SplitOptions {
   size_t robots = 2;
-  // Frames by which a part reaches beyond its share, on each side where there is another.
+  // Number of frames by which a part reaches beyond its share, on each side where there is another.
   size_t overlap = 20;
   SplitMode mode = SplitMode::kHalves;
 };
 
-// Frames [begin, end) in `robots` parts: TakePart's.
+// Splits frames [begin, end) into `robots` parts as TakePart does.
 std::vector<FrameSelection> SplitFrames(size_t begin, size_t end, const SplitOptions& options);
 
 struct RobotPlan {
@@ -36,19 +36,20 @@ struct RobotPlan {
 struct PlanOptions {
   std::vector<SourceSpec> sources;
   SplitOptions split;
-  // Robot (1 the first) -> "gamma=0.8,noise=4,reverse".
+  // Maps a robot's number (the first is 1) to a text as "gamma=0.8,noise=4,reverse".
   std::map<size_t, std::string> perturbations;
 };
 
-// One source is split among the robots; of several sources each goes to a robot of its own, whole.
-// INVALID_ARGUMENT for a split that leaves a robot fewer than 10 frames of its own share, for a
-// source that is already one robot's part, and for a perturbation of a robot that is not there.
+// Splits one source among the robots; of several sources each goes whole to a robot of its own.
+// Returns INVALID_ARGUMENT for a split that leaves a robot fewer than 10 frames of its own share,
+// for a source that is already one robot's part, and for a perturbation of a robot that is not
+// there.
 absl::StatusOr<std::vector<RobotPlan>> PlanRobots(const PlanOptions& options);
 
-// alpha, bravo, charlie, ...; from the 27th on robot27, ...
+// Returns alpha, bravo, charlie, ...; from the 27th on robot27, ...
 std::string RobotName(size_t index);
 
-// "2:gamma=0.8" to robot and options. INVALID_ARGUMENT.
+// Splits "2:gamma=0.8" into robot and options. Returns INVALID_ARGUMENT for another form.
 absl::StatusOr<std::pair<size_t, std::string>> ParsePerturbation(absl::string_view text);
 
 }  // namespace corbslam

@@ -85,7 +85,7 @@ TEST(PlanRobotsTest, DoesNotSplitAPartAgain) {
   EXPECT_TRUE(PlanRobots(options).ok());
 }
 
-// frames=:99 are 100 of them.
+// The source frames=:99 has 100 frames.
 TEST(PlanRobotsTest, LeavesEachRobotTenFramesOfItsOwnShare) {
   PlanOptions options;
   options.sources = {*ParseSourceSpec("sim:city?seed=3&length=160&frames=:99")};

@@ -1,6 +1,9 @@
+#include <glog/logging.h>
 #include <grpcpp/channel.h>
 
+#include <algorithm>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -23,8 +26,7 @@ namespace {
 constexpr absl::Duration kStartTimeout = absl::Seconds(60);
 constexpr absl::Duration kStopGrace = absl::Seconds(10);
 constexpr absl::Duration kProgressInterval = absl::Seconds(1);
-// After fusion an agent has all that is for it when nothing came for this long.
-constexpr absl::Duration kQuiet = absl::Seconds(1);
+constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
 constexpr absl::Duration kSharingTimeout = absl::Seconds(30);
 constexpr absl::Duration kAgentStopGrace = absl::Seconds(60);
 
@@ -33,8 +35,8 @@ struct RunningAgent {
   size_t frames = 0;
   std::string statistics_path;
   std::unique_ptr<ChildProcess> process;
-  std::unique_ptr<v1::Agent::Stub> stub;  // Null: it does not stay.
-  absl::Status failure;                   // How it ended, where that was no success.
+  std::unique_ptr<v1::Agent::Stub> stub;  // Null if the agent does not stay after its last frame.
+  absl::Status failure;                   // How the process ended, if that was no success.
 };
 
 class ProcessRun {
@@ -45,7 +47,7 @@ class ProcessRun {
   absl::StatusOr<MissionOutcome> Run();
 
  private:
-  // Program, then arguments; the vocabulary, when one is named, comes with it.
+  // Returns the program's path, then the arguments, then the vocabulary if one is needed and named.
   absl::StatusOr<std::vector<std::string>> MakeCommand(const std::string& program,
                                                        std::vector<std::string> arguments,
                                                        bool needs_vocabulary) const;
@@ -53,12 +55,16 @@ class ProcessRun {
                                           std::vector<std::string> arguments,
                                           bool needs_vocabulary);
   absl::Status StartServers();
-  // One that stays is connected until it is stopped, and takes in what others made.
+  // Starts an agent. With `stays` it is connected until it is stopped, and takes in what others
+  // made.
   absl::Status StartAgent(const RobotPlan& plan, bool stays);
-  // Until every agent that was started has mapped its last frame.
+  // Waits until every agent that was started has mapped its last frame.
   void WaitForAgents();
-  // Until the agents that stay have what the store has for them.
-  void WaitUntilShared();
+  // Waits until the agents that stay have what the store has for them.
+  absl::Status WaitUntilShared();
+  // Returns whether the agent has all that the store has for it, by what the store and the agent say.
+  bool KnowsAll(const RunningAgent& agent,
+                const std::map<std::string, v1::MissionAgent>& at_store) const;
   void StopAgents();
   absl::Status WaitUntilFused();
   void ShowProgress(const std::string& stage);
@@ -119,7 +125,7 @@ void AppendFlags(const SecurityOptions& security, std::vector<std::string>& argu
   }
 }
 
-// Robots' own program knows no simulator.
+// Returns the program that plays the source: client_agent knows no simulator.
 std::string AgentProgram(const RobotPlan& plan) {
   return FindSimulation(plan.source) == nullptr ? "client_agent" : "simulated_agent";
 }
@@ -176,24 +182,36 @@ void ProcessRun::WaitForAgents() {
   }
 }
 
-// 0 where it does not answer.
-uint64_t AskBytesDown(v1::Agent::Stub& stub) {
+// Returns how many shared updates came to it; 0 where it does not answer.
+uint64_t AskSharedUpdates(v1::Agent::Stub& stub) {
   grpc::ClientContext context;
   context.set_deadline(absl::ToChronoTime(absl::Now() + absl::Seconds(10)));
   v1::AgentStatus status;
-  return stub.GetStatus(&context, {}, &status).ok() ? status.bytes_down() : 0;
+  return stub.GetStatus(&context, {}, &status).ok() ? status.shared_updates() : 0;
 }
 
-void ProcessRun::WaitUntilShared() {
+bool ProcessRun::KnowsAll(const RunningAgent& agent,
+                          const std::map<std::string, v1::MissionAgent>& at_store) const {
+  if (agent.stub == nullptr || agent.process->end().has_value()) return true;
+  const auto it = at_store.find(agent.plan.name);
+  // One that brought nothing, or has no session any more, is told nothing.
+  if (it == at_store.end() || !it->second.connected()) return true;
+  return it->second.up_to_date() && AskSharedUpdates(*agent.stub) == it->second.shared_updates();
+}
+
+absl::Status ProcessRun::WaitUntilShared() {
   const absl::Time deadline = absl::Now() + kSharingTimeout;
-  for (const RunningAgent& agent : agents_) {
-    if (agent.stub == nullptr || agent.process->end().has_value()) continue;
-    uint64_t before = AskBytesDown(*agent.stub);
-    for (uint64_t now = before + 1; now != before && absl::Now() < deadline;) {
-      before = now;
-      absl::SleepFor(kQuiet);
-      now = AskBytesDown(*agent.stub);
+  while (true) {
+    ASSIGN_OR_RETURN(const auto at_store, store_->ListAgents());
+    const auto waits = std::ranges::find_if_not(
+        agents_, [&](const RunningAgent& agent) { return KnowsAll(agent, at_store); });
+    if (waits == agents_.end()) return absl::OkStatus();
+    if (absl::Now() > deadline) {
+      LOG(WARNING) << waits->plan.name << " was not told all of the map after "
+                   << absl::FormatDuration(kSharingTimeout);
+      return absl::OkStatus();
     }
+    absl::SleepFor(kAskAgain);
   }
 }
 
@@ -204,7 +222,7 @@ void ProcessRun::StopAgents() {
   }
 }
 
-// The store knows no mission where no robot brought anything.
+// Waits until the store has fused; a store knows no mission if no robot brought anything.
 absl::Status ProcessRun::WaitUntilFused() {
   const absl::Status fused = store_->WaitUntilFused(options_.fusion_timeout);
   return absl::IsNotFound(fused) ? absl::OkStatus() : fused;
@@ -231,7 +249,7 @@ absl::StatusOr<RobotReport> ReadStatistics(const RunningAgent& agent) {
       absl::StrCat(agent.plan.name, " left no statistics in ", agent.statistics_path));
 }
 
-// A robot that failed has a report all the same, with what it left and why it failed.
+// Returns a report even if the robot failed, with what it left and why it failed.
 RobotReport ReadRobotReport(RunningAgent& agent) {
   absl::StatusOr<RobotReport> read = ReadStatistics(agent);
   agent.failure.Update(read.status());
@@ -248,7 +266,7 @@ RobotReport ReadRobotReport(RunningAgent& agent) {
 }
 
 void ProcessRun::StopServers(MissionOutcome& outcome) {
-  // The store first, so that it does not miss its worker.
+  // The store is stopped first, so that it does not miss its worker.
   for (auto server = servers_.rbegin(); server != servers_.rend(); ++server) {
     const ProcessEnd end = (*server)->Stop(kStopGrace);
     outcome.report.servers[(*server)->name()] = {end.peak_rss_mb, end.cpu_s};
@@ -265,7 +283,7 @@ absl::StatusOr<MissionOutcome> ProcessRun::Run() {
   WaitForAgents();
   ShowProgress("fusing");
   RETURN_IF_ERROR(WaitUntilFused());
-  WaitUntilShared();
+  RETURN_IF_ERROR(WaitUntilShared());
   StopAgents();
   MissionOutcome outcome;
   RETURN_IF_ERROR(ReadOutcome(*store_, options_.robots, outcome));

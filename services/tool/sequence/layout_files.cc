@@ -14,7 +14,7 @@ namespace {
 
 constexpr char kEurocTruth[] = "mav0/state_groundtruth_estimate0";
 
-// As many digits as bring the same number back.
+// Writes as many digits as bring the same number back.
 std::string Exact(double number) { return absl::StrFormat("%.17g", number); }
 
 std::string ProjectionLine(const char* name, const Camera& camera, double baseline_m) {

@@ -1,4 +1,4 @@
-// The files of the public layouts as text: what the readers of client_agent/source read.
+// Writes the files of the public layouts as text: what the readers of client_agent/source read.
 #ifndef CORBSLAM_SERVICES_TOOL_SEQUENCE_LAYOUT_FILES_H_
 #define CORBSLAM_SERVICES_TOOL_SEQUENCE_LAYOUT_FILES_H_
 
@@ -13,18 +13,18 @@
 
 namespace corbslam {
 
-// Where a frame's two pictures go below the folder: left and right, or grey and depth.
+// Paths of a frame's two pictures below the folder: left and right, or grey and depth.
 struct FramePaths {
   std::string first;
   std::string second;
 };
 FramePaths PathsOfFrame(SourceLayout layout, size_t index, int64_t timestamp_ns);
 
-// Makes the folders that the pictures go to. UNAVAILABLE.
+// Makes the folders that the pictures go to. UNAVAILABLE if that fails.
 absl::Status MakeLayoutFolders(SourceLayout layout, const std::string& folder);
 
-// Everything but the pictures: calibration, times, truth. The cameras must be the layout's:
-// rectified stereo for kKitti and kEuroc, RGB-D for kTum. UNAVAILABLE.
+// Writes everything but the pictures: calibration, times, truth. The cameras must be the layout's:
+// rectified stereo for kKitti and kEuroc, RGB-D for kTum. UNAVAILABLE if a file can't be written.
 absl::Status WriteLayoutFiles(SourceLayout layout, const std::string& folder,
                               const SensorCalibration& calibration, const Trajectory& truth);
 

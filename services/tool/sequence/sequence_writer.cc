@@ -20,7 +20,7 @@
 namespace corbslam {
 namespace {
 
-// Little is gained by more: it is mostly noise that is packed.
+// More compression gains little: most of a picture is noise.
 constexpr int kPngCompression = 1;
 
 absl::Status WritePicture(const cv::Mat& image, const std::string& path) {
@@ -39,7 +39,7 @@ absl::Status WritePicture(const cv::Mat& image, const std::string& path) {
   return file ? absl::OkStatus() : absl::UnavailableError(absl::StrCat("cannot write ", path));
 }
 
-// The frames of one source, drawn and written by several threads.
+// Draws and writes the frames of one source by several threads.
 class FrameWriter {
  public:
   FrameWriter(const SourceSpec& source, const WriteSequenceOptions& options,
@@ -107,7 +107,7 @@ absl::StatusOr<size_t> WriteSequence(const SourceSpec& source,
   }
   SimulationSpec simulation = *asked_for;
   if (!simulation.rig.has_value()) simulation.rig = RigOfLayout(options.layout);
-  // Frames are drawn side by side, each by one thread.
+  // Several frames are drawn at a time, each by one thread.
   simulation.threads = 1;
   SourceSpec drawn = source;
   SetSimulation(simulation, drawn);

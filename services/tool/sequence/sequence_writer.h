@@ -18,16 +18,17 @@ struct WriteSequenceOptions {
   //   camera's.
   // kTum: rgb, depth, associated.txt, groundtruth.txt, calibration.yaml.
   SourceLayout layout = SourceLayout::kKitti;
-  std::string folder;  // Made; files that are there are written over.
-  int threads = 1;     // Frames drawn and encoded at a time. Changes speed only.
-  // Frames done and in all; called from any of the threads, one at a time.
+  std::string folder;  // The folder is made; files that are there are written over.
+  int threads = 1;     // Number of frames drawn and encoded at a time. It changes speed only.
+  // Called with the number of frames done and of all frames, from any of the threads, one at a
+  // time.
   std::function<void(size_t, size_t)> on_progress;
 };
 
-// Where `source` names no rig, the layout's own is taken. The same source gives the same bytes.
-// Returns the frames written. INVALID_ARGUMENT for a source that is no simulation, is played
-// backwards, or whose cameras the layout has no place for; UNAVAILABLE, naming the file, where
-// writing fails.
+// Writes the frames and returns their number. Where `source` names no rig, the layout's own is
+// taken. The same source gives the same bytes. INVALID_ARGUMENT for a source that is no simulation,
+// is played backwards, or whose cameras the layout has no place for; UNAVAILABLE, naming the file,
+// where writing fails.
 absl::StatusOr<size_t> WriteSequence(const SourceSpec& source, const WriteSequenceOptions& options);
 
 }  // namespace corbslam

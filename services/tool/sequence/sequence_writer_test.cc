@@ -102,7 +102,8 @@ TEST_P(LayoutTest, KeepsTheCalibration) {
   const auto drawn = OpenReader(*ParseSourceSpec(absl::StrCat(kSmall, "&rig=", c.rig)));
   const auto read = OpenReader(*ParseSourceSpec(absl::StrCat(c.name, ":", folder)));
   ASSERT_TRUE(drawn.ok() && read.ok());
-  // As the sensor has it: EuRoC's goes through a rectification that has nothing to do.
+  // The pictures are compared as the sensor has them: EuRoC's go through a rectification that has
+  // nothing to do.
   const auto a = MakeSensor((*drawn)->calibration(), {});
   const auto b = MakeSensor((*read)->calibration(), {});
   ASSERT_TRUE(a.ok() && b.ok()) << a.status() << b.status();

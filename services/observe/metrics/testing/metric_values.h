@@ -19,7 +19,7 @@ struct Series {
   prometheus::ClientMetric metric;
 };
 
-// The one with exactly these labels.
+// Returns the series with exactly these labels.
 inline std::optional<Series> FindSeries(const MetricFamilies& families, const std::string& name,
                                         const LabelMap& labels) {
   for (const prometheus::MetricFamily& family : families) {
@@ -33,7 +33,8 @@ inline std::optional<Series> FindSeries(const MetricFamilies& families, const st
   return std::nullopt;
 }
 
-// Of a histogram the count of observations. None where there is no such series.
+// Returns the value of a series, or of a histogram its count of observations; nullopt if there is
+// no such series.
 inline std::optional<double> ValueOf(const MetricFamilies& families, const std::string& name,
                                      const LabelMap& labels = {}) {
   const std::optional<Series> series = FindSeries(families, name, labels);
@@ -43,7 +44,7 @@ inline std::optional<double> ValueOf(const MetricFamilies& families, const std::
   return static_cast<double>(series->metric.histogram.sample_count);
 }
 
-// Of a histogram: what was observed, together.
+// Returns the sum of what a histogram observed; nullopt if there is no such series.
 inline std::optional<double> SumOf(const MetricFamilies& families, const std::string& name,
                                    const LabelMap& labels = {}) {
   const std::optional<Series> series = FindSeries(families, name, labels);

@@ -12,10 +12,11 @@
 
 namespace corbslam::testing {
 
-// All events, the process' name first. INVALID_ARGUMENT, with the line, where it is no such file.
+// Returns all events, the process' name first. INVALID_ARGUMENT, with the line, if the file is no
+// trace.
 absl::StatusOr<std::vector<nlohmann::json>> ReadTrace(const std::string& path);
 
-// The names of what happened to each keyframe, by trace id.
+// Returns the names of what happened to each keyframe, by trace id.
 std::map<std::string, std::set<std::string>> WaysOf(const std::vector<nlohmann::json>& events);
 
 }  // namespace corbslam::testing

@@ -1,4 +1,4 @@
-// A live camera as a test plays it.
+// Plays a live camera for a test.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_TESTING_QUEUED_STREAM_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_TESTING_QUEUED_STREAM_H_
 
@@ -16,22 +16,23 @@
 
 namespace corbslam {
 
-// Has no size: gives what a test puts in, in that order, and notes how it was asked.
+// A stream of unknown length: it gives what a test puts in, in that order, and notes how it was
+// asked. Not thread-safe.
 class QueuedStream : public FrameStream {
  public:
   void Put(absl::StatusOr<NextFrame> next) { queue_.push_back(std::move(next)); }
-  // Without pictures.
+  // Puts a frame without pictures.
   void PutFrame(size_t number, double time_s, int drive = 0) {
     StreamFrame frame;
     frame.frame = {number, static_cast<int64_t>(time_s * 1e9), drive};
     frame.images.timestamp_ns = frame.frame.timestamp_ns;
     Put(NextFrame(std::move(frame)));
   }
-  // The deadlines of the questions so far.
+  // Returns the deadlines of the questions so far.
   const std::vector<absl::Time>& asked() const { return asked_; }
-  // Called where nothing is left to give.
+  // Called when nothing is left to give.
   std::function<void()> when_empty;
-  // What was left out so far.
+  // What left_out returns.
   LeftOutFrames left_out_frames;
 
   const SensorCalibration& calibration() const override { return calibration_; }

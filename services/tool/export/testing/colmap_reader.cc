@@ -15,7 +15,7 @@ namespace {
 
 using Fields = std::vector<std::string>;
 
-// All lines but comments; empty ones count (an image may have no keypoints).
+// Returns all lines but comments; empty ones count (an image may have no keypoints).
 absl::StatusOr<std::vector<Fields>> ReadFields(const std::string& path) {
   std::ifstream file(path);
   if (!file) return absl::NotFoundError(absl::StrCat("can't read ", path));
@@ -60,7 +60,7 @@ absl::Status ReadCameras(const std::string& path, ColmapModel& model) {
   return absl::OkStatus();
 }
 
-// As COLMAP's documentation of its camera models says.
+// Projects as COLMAP's documentation of its camera models says.
 Eigen::Vector2d ProjectAsColmap(const ColmapCamera& camera, const Eigen::Vector3d& x) {
   std::vector<double> k = camera.distortion;
   k.resize(8);
@@ -111,7 +111,7 @@ absl::Status ReadPoints(const std::string& path, ColmapModel& model) {
   return absl::OkStatus();
 }
 
-// Tracks and keypoints say the same.
+// Checks that tracks and keypoints say the same.
 absl::Status CheckTracks(const ColmapModel& model) {
   size_t sights = 0;
   for (const auto& [id, point] : model.points) {
