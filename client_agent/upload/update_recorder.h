@@ -29,7 +29,7 @@ namespace corbslam {
 struct BatchLimits {
   size_t full_points = 8000;
   size_t light_keyframes = 20000;
-  size_t light_points = 30000;
+  size_t light_points = 20000;
   size_t replacements = 10000;
   // Beside those of the last keyframe that has any.
   size_t observations = 30000;
@@ -37,7 +37,7 @@ struct BatchLimits {
   size_t removed_keyframes = 1000;
   size_t loop_edges = 10000;
   // Tracked ones, and as many lost ones.
-  size_t frames = 20000;
+  size_t frames = 30000;
   // Pairs of keyframes of which the number of points that both see changes, by replacements,
   // observations and removals together, beside those of the last item.
   uint64_t pairs = 250000;

@@ -1,6 +1,9 @@
 #include "map_store/ingest/batch_cost.h"
 
+#include <utility>
+
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 
 namespace corbslam::map_store {
@@ -18,7 +21,8 @@ class StepCounter {
   void Add(const ObservationChange& change) {
     uint64_t& viewers = ViewersOf(change.point);
     steps_ += viewers;
-    if (change.kind == ObservationChange::Kind::kAdded) ++viewers;
+    if (change.kind != ObservationChange::Kind::kAdded) return;
+    if (added_.insert({change.point, change.keyframe}).second) ++viewers;
   }
   void Add(const PointReplacement& replacement) {
     // The replaced point is taken from all its pairs, and counted again with the survivor's
@@ -65,6 +69,7 @@ class StepCounter {
 
   const LocalMapState* const local_map_;
   absl::flat_hash_map<MapPointId, uint64_t> viewers_;
+  absl::flat_hash_set<std::pair<MapPointId, KeyframeId>> added_;
   uint64_t steps_ = 0;
   uint64_t parents_ = 0;
 };

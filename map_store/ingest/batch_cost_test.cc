@@ -66,6 +66,8 @@ TEST_F(BatchCostTest, EachSightCostsAsManyAsSeeThePoint) {
   MapUpdateBatch batch = Empty(2);
   batch.observations = {{Kind::kRemoved, Pt(0), Kf(3), 0}, {Kind::kAdded, Pt(1), Kf(3), 0}};
   EXPECT_EQ(Count(batch), kKeyframes + 1);
+  batch.observations.assign(10, {Kind::kAdded, Pt(1), Kf(3), 0});
+  EXPECT_EQ(Count(batch), 1 + 9 * 2) << "it sees it once, however often that is said";
 }
 
 TEST_F(BatchCostTest, RemovalsAndReplacementsCostPairs) {

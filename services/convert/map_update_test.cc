@@ -258,7 +258,7 @@ TEST(CodedMapUpdateTest, WhatCameCodedGoesOnAsItCame) {
   v1::KeyframePayload plain;
   ToProto(*other, &plain);
   EXPECT_TRUE(plain.features().coded().empty());
-  EXPECT_EQ(plain.features().x_px64_size(), static_cast<int>(payload.features.keypoints.size()));
+  EXPECT_EQ(plain.features().x_px64_size(), static_cast<int>(other->features.keypoints.size()));
 
   // A code that nobody keeps is made anew.
   keyframe.code.reset();
