@@ -147,7 +147,7 @@ TEST(MapHistoryBoundTest, CountsOwnItemsAsTheyComeAndGo) {
   for (const LocalMapId id : {kMap, kOther}) {
     for (uint32_t i = 0; i < 3; ++i) {
       Keyframe keyframe;
-      keyframe.payload = MakeKeyframePayload({id, i}, 0, 0, nullptr, {});
+      keyframe.payload = MakeKeyframePayload({id, i}, 0, 0, std::make_shared<const Camera>(), {});
       map.AddKeyframe(std::move(keyframe));
       MapPoint point;
       point.id = {id, i};

@@ -27,7 +27,7 @@ MapStoreOptions Options() {
   MapStoreOptions options;
   options.max_keypoints_per_keyframe = 10;
   options.max_items_per_batch = 50;
-  options.max_pair_steps_per_batch = 20;
+  options.max_pair_steps_per_batch = 8;
   options.max_parked_references = 2;
   options.max_cameras_per_local_map = 2;
   return options;
@@ -340,7 +340,7 @@ std::vector<Case> GraphCases() {
          }
        },
        kTooMuch,
-       {"steps", "limit is 20"}},
+       {"steps", "limit is 8"}},
       {"TooManyParkedObservations",
        [](B b) {
          b.observations.resize(4, {ObservationChange::Kind::kAdded, Pt(90), Kf(0), 1});
