@@ -118,7 +118,9 @@ class LoopCloserTest : public ::testing::Test {
         [this](const Keyframe& query, const absl::btree_set<KeyframeId>& excluded) {
           return FindCandidates(query, excluded);
         },
-        [this](const OwnCorrection& correction, GuardedMap&) { corrections_.push_back(correction); });
+        [this](const OwnCorrection& correction, GuardedMap&) {
+          corrections_.push_back(correction);
+        });
   }
 
   std::vector<KeyframeId> FindCandidates(const Keyframe& query,

@@ -62,7 +62,8 @@ class ProcessRun {
   void WaitForAgents();
   // Waits until the agents that stay have what the store has for them.
   absl::Status WaitUntilShared();
-  // Returns whether the agent has all that the store has for it, by what the store and the agent say.
+  // Returns whether the agent has all that the store has for it, by what the store and the agent
+  // say.
   bool KnowsAll(const RunningAgent& agent,
                 const std::map<std::string, v1::MissionAgent>& at_store) const;
   void StopAgents();
