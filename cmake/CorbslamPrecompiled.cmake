@@ -2,14 +2,15 @@
 # parsing them. Each file still includes what it uses: the fuzzers' build and the checks by clang read
 # everything without.
 option(CORBSLAM_PRECOMPILE "Parse the headers of other libraries once" ON)
-if(CORBSLAM_BUILD_FUZZERS OR CORBSLAM_SANITIZE)
+# Clang's builds are checks: they read all headers.
+if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(CORBSLAM_PRECOMPILE OFF)
 endif()
 
 # A precompiled header is taken where the same macros are defined: these are what packages define for
 # those who link them.
 add_compile_definitions(NOMINMAX GFLAGS_IS_A_DLL=0 GLOG_CUSTOM_PREFIX_SUPPORT GTEST_HAS_PTHREAD=1)
-if(CORBSLAM_PRECOMPILE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+if(CORBSLAM_PRECOMPILE)
   # Tells ccache which precompiled header was taken.
   add_compile_options(-fpch-preprocess)
 endif()
