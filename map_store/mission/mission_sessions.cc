@@ -82,6 +82,7 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
     absl::MutexLock telling(&opened.told->mutex);
     ResumeSharing(request.last_revision, opened.told->share);
     opened.told->updates = 0;
+    opened.told->complete_at_version = opened.told->share.complete_at_version;
   }
   // The acknowledged batches must be durable, as the robot forgets them.
   if (const absl::Status durable = strand_.Sync(); !durable.ok()) {

@@ -209,7 +209,9 @@ TEST_F(SharingTest, AResumedSessionGoesOnOrStartsAgain) {
   const auto certain = store_.OpenSession(request);
   EXPECT_FALSE(store_.NextShared(certain->session_id, 1 << 20)->has_value());
   request.last_revision = b.mirror().revision - 1;
+  EXPECT_TRUE(store_.ListAgents(kMission, {})->items.at(1).up_to_date);
   const auto behind = store_.OpenSession(request);
+  EXPECT_FALSE(store_.ListAgents(kMission, {})->items.at(1).up_to_date) << "nothing was told anew";
   const auto update = store_.NextShared(behind->session_id, 1 << 20);
   ASSERT_TRUE(update->has_value());
   EXPECT_TRUE((*update)->restart);
