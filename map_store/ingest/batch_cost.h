@@ -12,8 +12,9 @@
 
 namespace corbslam::map_store {
 
-// Returns how many steps applying the batch to the local map (null: it is new) takes at most for
-// pairs of keyframes and for parents. It is computed in time that grows with the batch alone.
+// Returns about how many steps applying the batch to the local map (null: it is new) takes for
+// pairs of keyframes and for parents: at most twice as many. Looks at the batch, and at what the
+// removed keyframes see.
 uint64_t CountPairSteps(const LocalMapState* local_map, const MapUpdateBatch& batch);
 
 // Returns RESOURCE_EXHAUSTED if these are more than `max_pair_steps_per_batch`.
