@@ -27,6 +27,11 @@ if(CORBSLAM_SANITIZE STREQUAL "thread")
   list(APPEND CORBSLAM_IN_EXECUTABLES corbslam_abseil_mutex)
 endif()
 
+if(CORBSLAM_BUILD_TESTS)
+  add_library(corbslam_test_main STATIC "${CMAKE_SOURCE_DIR}/tests/support/test_main.cc")
+  target_link_libraries(corbslam_test_main PUBLIC GTest::gmock PRIVATE corbslam_warnings)
+endif()
+
 function(corbslam_program NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(${NAME} ${ARG_SOURCES})
@@ -40,7 +45,7 @@ function(corbslam_test_program NAME)
   add_executable(${NAME} ${ARG_SOURCES})
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
   target_compile_options(${NAME} PRIVATE ${CORBSLAM_TEST_OPTIONS})
-  target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} GTest::gmock GTest::gtest_main
+  target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} corbslam_test_main
                                         ${CORBSLAM_IN_EXECUTABLES})
   corbslam_precompile(${NAME} TEST)
 endfunction()

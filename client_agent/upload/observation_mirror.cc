@@ -69,6 +69,7 @@ bool ObservationMirror::AppendChanges(const Keyframe& keyframe, const Rules& rul
         !sees(told[k])) {
       continue;
     }
+    if (!rules.has_room()) return false;
     changes.push_back({ObservationChange::Kind::kRemoved, told[k], id, k});
     Erase(id, k);
   }
@@ -80,6 +81,7 @@ bool ObservationMirror::AppendChanges(const Keyframe& keyframe, const Rules& rul
       complete = false;
       continue;
     }
+    if (!rules.has_room()) return false;
     changes.push_back({ObservationChange::Kind::kAdded, now, id, k});
     told[k] = now;
     auto& observers = observers_[now];

@@ -33,6 +33,8 @@ class ObservationMirror {
     std::function<bool(uint32_t)> is_withdrawn;
     // Keypoints for which it is false have no observations that are told.
     std::function<bool(uint32_t)> is_sent = [](uint32_t) { return true; };
+    // Once it is false, the rest of the changes waits.
+    std::function<bool()> has_room = [] { return true; };
   };
   // Appends the changes that turn the mirrored observations of `keyframe` into those it has now,
   // removals first, and mirrors them. Returns false if some wait, and it is to be called again

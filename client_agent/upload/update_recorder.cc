@@ -474,10 +474,13 @@ void UpdateRecorder::TakeObservations(const Map& map, MapUpdateBatch& batch) {
   const auto can_tell = [this](MapPointId id) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return !IsOwn(id) || sent_points_.contains(id);
   };
+  const auto has_room = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return batch.observations.size() < options_.limits.observations && !IsOutOfPairs();
+  };
   for (const KeyframeId& id : reobserved_keyframes_) {
     const Keyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr || refused_keyframes_.contains(id)) continue;
-    if (batch.observations.size() >= options_.limits.observations || IsOutOfPairs()) {
+    if (!has_room()) {
       waiting.insert(id);
       continue;
     }
@@ -488,7 +491,8 @@ void UpdateRecorder::TakeObservations(const Map& map, MapUpdateBatch& batch) {
       return NumberAtStore(id, keypoint) != kLeftOut;
     };
     if (!sent_keyframes_.contains(id) ||
-        !mirror_.AppendChanges(*keyframe, {can_tell, is_withdrawn, is_sent}, batch.observations)) {
+        !mirror_.AppendChanges(*keyframe, {can_tell, is_withdrawn, is_sent, has_room},
+                               batch.observations)) {
       waiting.insert(id);
     }
   }
