@@ -201,6 +201,7 @@ TEST(MapStoreOptionsTest, NoLimitMayBeNothing) {
       {"max_keyframe_bytes", [](auto& o) { o.max_keyframe_bytes = 0; }},
       {"max_cameras_per_local_map", [](auto& o) { o.max_cameras_per_local_map = 0; }},
       {"max_items_per_batch", [](auto& o) { o.max_items_per_batch = 0; }},
+      {"max_frames_per_batch", [](auto& o) { o.max_frames_per_batch = 0; }},
       {"max_parked_references", [](auto& o) { o.max_parked_references = 0; }},
       {"max_parked_s", [](auto& o) { o.max_parked_s = -1; }},
       {"max_bytes_per_agent", [](auto& o) { o.max_bytes_per_agent = 0; }},

@@ -48,6 +48,7 @@ absl::Status MapStoreOptions::Validate() const {
            {"max_keyframe_bytes", max_keyframe_bytes},
            {"max_cameras_per_local_map", max_cameras_per_local_map},
            {"max_items_per_batch", max_items_per_batch},
+           {"max_frames_per_batch", max_frames_per_batch},
            {"max_pair_steps_per_batch", max_pair_steps_per_batch},
            {"max_parked_references", max_parked_references},
            {"max_bytes_per_agent", max_bytes_per_agent},
@@ -70,6 +71,7 @@ MapStoreOptions MapStoreOptions::WithoutBatchLimits() {
   options.max_keyframe_bytes = kAny;
   options.max_cameras_per_local_map = kAny;
   options.max_items_per_batch = kAny;
+  options.max_frames_per_batch = kAny;
   options.max_pair_steps_per_batch = kAny;
   options.max_parked_references = kAny;
   return options;

@@ -81,12 +81,14 @@ struct MapStoreOptions {
   // Bytes of what a keyframe's camera saw: keypoints and descriptors.
   size_t max_keyframe_bytes = 2u << 20;
   size_t max_cameras_per_local_map = 16;
-  // While a batch is applied, all other robots of the mission wait.
-  size_t max_items_per_batch = 200000;
+  // While a batch is applied, all other robots of the mission wait. Frames, which cost little, are
+  // counted by themselves.
+  size_t max_items_per_batch = 65000;
+  size_t max_frames_per_batch = 200000;
   // What applying a batch may cost beside its number of items: map_store/ingest/batch_cost.h.
-  uint64_t max_pair_steps_per_batch = 1000000;
+  uint64_t max_pair_steps_per_batch = 500000;
   // How many references of one local map wait for what has not arrived, and how long.
-  size_t max_parked_references = 100000;
+  size_t max_parked_references = 65000;
   double max_parked_s = 3600;
   // Bytes kept of what one agent, and all agents of a mission, sent.
   uint64_t max_bytes_per_agent = uint64_t{16} << 30;

@@ -24,23 +24,22 @@
 namespace corbslam {
 
 // Items of one batch, beside full keyframes; what is over goes into the next one. Together they are
-// below the 200,000 items, and a quarter of the million steps, for which a store refuses a batch,
-// and would do so for ever.
+// below the 65,000 items and 200,000 frames, and a quarter of the 500,000 steps, beyond which a
+// store refuses a batch, and would do so for ever (docs/adr/0024-what-a-batch-costs.md).
 struct BatchLimits {
   size_t full_points = 8000;
-  size_t light_keyframes = 20000;
-  size_t light_points = 20000;
-  size_t replacements = 10000;
-  // Beside those of the last keyframe that has any.
-  size_t observations = 30000;
-  size_t removed_points = 20000;
-  size_t removed_keyframes = 1000;
-  size_t loop_edges = 10000;
+  size_t light_keyframes = 8000;
+  size_t light_points = 10000;
+  size_t replacements = 4000;
+  size_t observations = 20000;
+  size_t removed_points = 8000;
+  size_t removed_keyframes = 500;
+  size_t loop_edges = 2000;
   // Tracked ones, and as many lost ones.
   size_t frames = 30000;
   // Pairs of keyframes of which the number of points that both see changes, by replacements,
   // observations and removals together, beside those of the last item.
-  uint64_t pairs = 250000;
+  uint64_t pairs = 125000;
 };
 
 struct RecorderOptions {

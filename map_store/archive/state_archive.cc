@@ -15,6 +15,7 @@
 #include "map_store/archive/state_fields.h"
 #include "map_store/ingest/item_validation.h"
 #include "map_store/records/state_validation.h"
+#include "map_store/view/placement.h"
 #include "slam/coding/feature_coding.h"
 #include "slam/coding/feature_columns.h"
 #include "slam/map/map.h"
@@ -75,9 +76,11 @@ void Fields(Archive& archive, T& agent) {
 
 namespace {
 
-// Format 3 has no recorded cameras, which follow everything else.
+// Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
+// their islands and not in an anchor.
 constexpr uint32_t kOldestStateFormat = 3;
-constexpr uint32_t kStateFormat = 4;
+constexpr uint32_t kFirstWithAnchors = 5;
+constexpr uint32_t kStateFormat = 5;
 
 absl::Status Unreadable(absl::string_view what) {
   return absl::DataLossError(absl::StrCat(what, " can't be read: its bytes are damaged"));
@@ -271,6 +274,29 @@ void GlobalFields(Archive& archive, State& state) {
           global.island_from_local, global.taken_back, global.kept_apart);
 }
 
+// Anchors points of an older format, which are placed in their islands. Where no keyframe is placed
+// that sees a point, the point is not placed any more.
+void AnchorPoints(MissionState& state) {
+  PlacedPoints anchored;
+  for (const auto& [id, placed] : state.global.points) {
+    const MapPoint* point = state.FindPoint(id);
+    if (point == nullptr) continue;
+    std::optional<PlacedPoint> there =
+        Anchor(*point, placed.position_in_anchor, state.global, state.global.keyframes);
+    if (!there.has_value()) continue;
+    there->revision = placed.revision;
+    anchored.emplace_hint(anchored.end(), id, *there);
+  }
+  state.global.points = std::move(anchored);
+}
+
+absl::Status SetAnchors(const std::vector<KeyframeId>& anchors, PlacedPoints& points) {
+  if (anchors.size() != points.size()) return Unreadable("what a mission's points are anchored in");
+  auto anchor = anchors.begin();
+  for (auto& [id, placed] : points) placed.anchor = *anchor++;
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 std::string EncodeFeatures(const KeyframePayload& payload) {
@@ -349,6 +375,9 @@ std::string EncodeState(const MissionState& state) {
     writer(local_map, ToStored(local_map.map));
   }
   for (const LocalMapId& id : state.order) writer(state.FindLocalMap(id)->recorded_cameras);
+  std::vector<KeyframeId> anchors;
+  for (const auto& [id, placed] : state.global.points) anchors.push_back(placed.anchor);
+  writer(anchors);
   return writer.Take();
 }
 
@@ -389,6 +418,13 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
     if (format > kOldestStateFormat) reader(local_map.recorded_cameras);
     RETURN_IF_ERROR(CheckRecordedCameras(local_map));
     local_map.recorded_cameras.resize(local_map.cameras.size());
+  }
+  if (format < kFirstWithAnchors) {
+    AnchorPoints(state);
+  } else {
+    std::vector<KeyframeId> anchors;
+    reader(anchors);
+    RETURN_IF_ERROR(SetAnchors(anchors, state.global.points));
   }
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));

@@ -87,9 +87,14 @@ template <typename Archive, MayBeConst<PlacedKeyframe> T>
 void Fields(Archive& archive, T& placed) {
   archive(placed.camera_from_island, placed.camera_from_local, placed.revision);
 }
+// The anchors of all placed points stand apart, behind everything else: the format is older.
 template <typename Archive, MayBeConst<PlacedPoint> T>
 void Fields(Archive& archive, T& placed) {
-  archive(placed.position_in_island, placed.revision);
+  archive(placed.position_in_anchor, placed.revision);
+}
+template <typename Archive, MayBeConst<PlannedPoint> T>
+void Fields(Archive& archive, T& planned) {
+  archive(planned.position_in_island, planned.revision);
 }
 template <typename Archive, MayBeConst<Island> T>
 void Fields(Archive& archive, T& island) {

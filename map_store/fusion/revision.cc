@@ -7,6 +7,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "map_store/ingest/anchoring.h"
 #include "map_store/ingest/change_recording.h"
 #include "map_store/ingest/local_motion.h"
 #include "map_store/view/placement.h"
@@ -72,64 +73,24 @@ void PlanPointsOfView(const MissionState& state, const IslandSnapshot& snapshot,
   }
 }
 
-// Moves points along with their reference keyframes into a revision that moves those.
-class Followers {
- public:
-  Followers(const MissionState& state, const IslandSnapshot& snapshot, const RevisionPlan& plan)
-      : state_(state), snapshot_(snapshot), plan_(plan) {}
-
-  // Returns where a placed point comes to lie; nullopt where its keyframe is not placed.
-  std::optional<Eigen::Vector3d> Follow(const MapPoint& point, const PlacedPoint& placed) {
-    const KeyframeId reference = ReferenceOf(point, state_.global);
-    const auto [it, added] = motions_.try_emplace(reference);
-    if (added) it->second = MotionOf(reference);
-    if (!it->second.has_value()) return std::nullopt;
-    const Motion& motion = *it->second;
-    return motion.moved * (motion.from_local ? point.position_in_map : placed.position_in_island);
-  }
-
- private:
-  struct Motion {
-    Similarity3d moved;
-    // True: the keyframe was derived anew from its owner's poses, and so are the points that it
-    // sees.
-    bool from_local = false;
-  };
-
-  std::optional<Motion> MotionOf(KeyframeId id) const {
-    const auto planned = plan_.keyframes.find(id);
-    if (planned == plan_.keyframes.end()) return std::nullopt;
-    const Similarity3d island_from_camera = planned->second.camera_from_island.Inverse();
-    if (snapshot_.unplaced.contains(id)) {
-      const Similarity3d local = Similarity3d::FromRigid(planned->second.camera_from_local);
-      return Motion{island_from_camera * local, true};
-    }
-    if (const auto it = state_.global.keyframes.find(id); it != state_.global.keyframes.end()) {
-      return Motion{island_from_camera * it->second.camera_from_island, false};
-    }
-    const auto derived = snapshot_.poses.find(id);
-    if (derived == snapshot_.poses.end()) return std::nullopt;
-    return Motion{island_from_camera * derived->second, false};
-  }
-
-  const MissionState& state_;
-  const IslandSnapshot& snapshot_;
-  const RevisionPlan& plan_;
-  absl::flat_hash_map<KeyframeId, std::optional<Motion>> motions_;
-};
-
-void PlanFollowers(const MissionState& state, const IslandSnapshot& snapshot, RevisionPlan& plan) {
-  const auto island = state.global.islands.find(snapshot.island);
-  if (island == state.global.islands.end()) return;
-  Followers followers(state, snapshot, plan);
-  for (const LocalMapId& local_map : island->second.local_maps) {
+// Points that are anchored in a keyframe move with it. Those whose keyframe is derived anew from
+// its owner's poses are derived anew, too.
+void PlanDerivedPoints(const MissionState& state, const IslandSnapshot& snapshot,
+                       RevisionPlan& plan) {
+  std::set<LocalMapId> derived;
+  for (const KeyframeId& id : snapshot.unplaced) derived.insert(id.local_map);
+  for (const LocalMapId& local_map : derived) {
     const Map& map = state.FindLocalMap(local_map)->map;
     for (auto it = state.global.points.lower_bound(MapPointId{local_map, 0});
          it != state.global.points.end() && it->first.local_map == local_map; ++it) {
       const MapPoint* point = map.FindPoint(it->first);
       if (point == nullptr) continue;
-      const auto position = followers.Follow(*point, it->second);
-      if (position.has_value()) plan.points[it->first] = {*position, plan.revision};
+      const KeyframeId reference = ReferenceOf(*point, state.global);
+      const auto planned = plan.keyframes.find(reference);
+      if (planned == plan.keyframes.end() || !snapshot.unplaced.contains(reference)) continue;
+      const Similarity3d local = Similarity3d::FromRigid(planned->second.camera_from_local);
+      const Similarity3d island_from_local = planned->second.camera_from_island.Inverse() * local;
+      plan.points[it->first] = {island_from_local * point->position_in_map, plan.revision};
     }
   }
 }
@@ -186,25 +147,45 @@ std::vector<LocalMapId> LocalMapsOfSource(const RevisionPlan& plan, const Missio
   return source->second.local_maps;
 }
 
-// Erases what an adjustment placed in the source's own frame after the snapshot was taken.
-template <typename Items>
-void EraseItemsOf(LocalMapId local_map, Items& items) {
-  using Id = typename Items::key_type;
-  const auto begin = items.lower_bound(Id{local_map, 0});
+// Erases what an adjustment placed in the source's own frame after the snapshot was taken. Points
+// that are anchored in them are not placed then.
+void EraseKeyframesOf(LocalMapId local_map, PlacedKeyframes& keyframes) {
+  const auto begin = keyframes.lower_bound(KeyframeId{local_map, 0});
   auto end = begin;
-  while (end != items.end() && end->first.local_map == local_map) ++end;
-  items.erase(begin, end);
+  while (end != keyframes.end() && end->first.local_map == local_map) ++end;
+  keyframes.erase(begin, end);
 }
 
-void PlaceItems(const RevisionPlan& plan, const MissionState& state, RevisionLayers& layers) {
+void PlaceKeyframes(const RevisionPlan& plan, const MissionState& state, RevisionLayers& layers) {
   for (const LocalMapId& id : LocalMapsOfSource(plan, state)) {
-    EraseItemsOf(id, layers.keyframes);
-    EraseItemsOf(id, layers.points);
+    EraseKeyframesOf(id, layers.keyframes);
   }
   for (const auto& [id, placed] : plan.keyframes) layers.keyframes[id] = placed;
-  for (const auto& [id, placed] : plan.points) layers.points[id] = placed;
   for (const KeyframeId& id : plan.culled) {
     if (state.FindKeyframe(id) != nullptr) layers.keyframes.erase(id);
+  }
+}
+
+// Anchors the plan's points in the keyframes as the plan places them.
+void PlacePoints(const RevisionPlan& plan, const MissionState& state, RevisionLayers& layers) {
+  for (const auto& [id, planned] : plan.points) {
+    const MapPoint* point = state.FindPoint(id);
+    std::optional<PlacedPoint> placed;
+    if (point != nullptr) {
+      placed = Anchor(*point, planned.position_in_island, state.global, layers.keyframes);
+    }
+    if (placed.has_value()) placed->revision = planned.revision;
+    layers.changed_points.emplace_back(id, placed);
+  }
+}
+
+void ChangePoints(const RevisionLayers& layers, PlacedPoints& points) {
+  for (const auto& [id, placed] : layers.changed_points) {
+    if (placed.has_value()) {
+      points[id] = *placed;
+    } else {
+      points.erase(id);
+    }
   }
 }
 
@@ -277,10 +258,23 @@ std::set<KeyframeId> FindMoved(const RevisionPlan& plan, double threshold_px,
   return moved;
 }
 
-// Fills in the rest of `layers`, which has the keyframes and points as they were.
+// An adjustment decides anew about each keyframe that it saw.
+void DecideAnew(const RevisionPlan& plan, RejectedObservations& rejected, RevisionLayers& layers) {
+  for (const KeyframeId& id : plan.decided_anew) {
+    const auto begin = rejected.lower_bound({id, 0});
+    auto end = begin;
+    while (end != rejected.end() && end->first.first == id) ++end;
+    if (begin != end) layers.taken_back.push_back(id);
+    rejected.erase(begin, end);
+  }
+  for (const auto& [observation, raw] : plan.rejected_raw) rejected[observation] = raw;
+}
+
+// Fills in the rest of `layers`, which has the keyframes as they were.
 void Prepare(const RevisionPlan& plan, const MapStoreOptions& options, const MissionState& state,
              RevisionLayers& layers) {
-  PlaceItems(plan, state, layers);
+  PlaceKeyframes(plan, state, layers);
+  PlacePoints(plan, state, layers);
   layers.displaced = FindMotionSince(plan, options.local_motion_px, state, layers);
   RememberIslandFrames(plan, state, layers);
   if (plan.IsAdjustment()) layers.adjusted = CountAdjusted(plan, state, layers);
@@ -309,21 +303,18 @@ void MergeIslands(const RevisionPlan& plan, MissionState& state) {
   for (const LocalMapId& id : source.local_maps) state.global.island_of[id] = plan.target;
 }
 
-void RejectObservations(const RevisionPlan& plan, MissionState& state) {
-  RejectedObservations& rejected = state.global.rejected;
+void RejectObservations(const RevisionPlan& plan, RevisionLayers& layers, MissionState& state) {
   const auto note = [&state](KeyframeId id) {
     if (LocalMapState* owner = state.FindLocalMap(id.local_map)) owner->changes.NoteSights(id);
   };
-  for (const KeyframeId& id : plan.decided_anew) {
-    const auto begin = rejected.lower_bound({id, 0});
-    auto end = begin;
-    while (end != rejected.end() && end->first.first == id) ++end;
-    if (begin != end) note(id);
-    rejected.erase(begin, end);
+  for (const KeyframeId& id : layers.taken_back) note(id);
+  for (const auto& [observation, raw] : plan.rejected_raw) note(observation.first);
+  if (layers.rejected.has_value()) {
+    std::swap(state.global.rejected, *layers.rejected);
+    return;
   }
   for (const auto& [observation, raw] : plan.rejected_raw) {
-    rejected[observation] = raw;
-    note(observation.first);
+    state.global.rejected[observation] = raw;
   }
 }
 
@@ -351,11 +342,7 @@ void MergeLandmarks(const RevisionPlan& plan, MissionState& state) {
                       global.island_of.at(member.local_map) == plan.target;
     if (!here) continue;
     global.landmarks.Merge(survivor, member);
-    const auto lost = global.points.find(member);
-    if (lost == global.points.end()) continue;
-    const PlacedPoint placed = lost->second;
-    global.points.erase(lost);
-    global.points.try_emplace(survivor, placed);
+    HandOverPlace(member, survivor, state);
   }
 }
 
@@ -373,10 +360,10 @@ RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseM
   std::vector<const Map*> views = {&job.request.target};
   if (job.source.has_value()) {
     PlanKeyframes(state, *job.source, poses, result.target_from_source.Inverse(), plan);
-    PlanFollowers(state, *job.source, plan);
+    PlanDerivedPoints(state, *job.source, plan);
     views.push_back(&job.request.source);
   }
-  PlanFollowers(state, job.target, plan);
+  PlanDerivedPoints(state, job.target, plan);
   PlanPositions(state, result.positions, plan);
   PlanRejected(state, views, result.rejected, plan);
   return plan;
@@ -400,11 +387,20 @@ RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
 
 RevisionLayers PrepareLayers(const RevisionPlan& plan, const MapStoreOptions& options,
                              const MissionState& state) {
+  // Changing so many points takes a millisecond or two.
+  constexpr size_t kPointsInPlace = 5000;
   RevisionLayers layers;
   if (plan.IsWelding()) layers.moved = FindMoved(plan, options.loop_residual_px, state);
   layers.keyframes = state.global.keyframes;
-  layers.points = state.global.points;
   Prepare(plan, options, state, layers);
+  if (layers.changed_points.size() > kPointsInPlace) {
+    layers.points = state.global.points;
+    ChangePoints(layers, *layers.points);
+  }
+  if (plan.IsAdjustment()) {
+    layers.rejected = state.global.rejected;
+    DecideAnew(plan, *layers.rejected, layers);
+  }
   return layers;
 }
 
@@ -413,8 +409,8 @@ RevisionLayers TakeLayers(const RevisionPlan& plan, const MapStoreOptions& optio
   RevisionLayers layers;
   if (plan.IsWelding()) layers.moved = FindMoved(plan, options.loop_residual_px, state);
   layers.keyframes = std::move(state.global.keyframes);
-  layers.points = std::move(state.global.points);
   Prepare(plan, options, state, layers);
+  if (plan.IsAdjustment()) DecideAnew(plan, state.global.rejected, layers);
   return layers;
 }
 
@@ -422,8 +418,12 @@ void CommitRevision(const RevisionPlan& plan, RevisionLayers& layers, MissionSta
   state.global.revision = plan.revision;
   MergeIslands(plan, state);
   std::swap(state.global.keyframes, layers.keyframes);
-  std::swap(state.global.points, layers.points);
-  RejectObservations(plan, state);
+  if (layers.points.has_value()) {
+    std::swap(state.global.points, *layers.points);
+  } else {
+    ChangePoints(layers, state.global.points);
+  }
+  RejectObservations(plan, layers, state);
   CullKeyframes(plan, state);
   MergeLandmarks(plan, state);
   Island& island = state.global.islands.at(plan.target);

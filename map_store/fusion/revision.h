@@ -4,11 +4,15 @@
 #ifndef CORBSLAM_MAP_STORE_FUSION_REVISION_H_
 #define CORBSLAM_MAP_STORE_FUSION_REVISION_H_
 
+#include <Eigen/Core>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "absl/container/btree_map.h"
 #include "absl/time/time.h"
 #include "map_store/fusion/fusion_job.h"
 #include "map_store/options.h"
@@ -16,12 +20,20 @@
 
 namespace corbslam::map_store {
 
+// A position that a plan gives to a point, in the frame of the plan's target.
+struct PlannedPoint {
+  Eigen::Vector3d position_in_island = Eigen::Vector3d::Zero();
+  uint64_t revision = 0;
+};
+using PlannedPoints = absl::btree_map<MapPointId, PlannedPoint>;
+
 struct RevisionPlan {
   uint64_t revision = 0;
   IslandId target;
   IslandId source;  // The island that moves into `target`; invalid: none does.
   std::map<KeyframeId, PlacedKeyframe> keyframes;
-  PlacedPoints points;
+  // All other placed points keep their places in the keyframes that they are anchored in.
+  PlannedPoints points;
   std::vector<FuseMapsResult::Merge> merges;
   // Raw observations that were found wrong, and keyframes whose earlier rejections the plan takes
   // back.
@@ -38,8 +50,7 @@ struct RevisionPlan {
 
 // Plans the result's poses; a keyframe without one keeps its pose of the snapshot that the worker
 // saw. Only settled keyframes are placed: provisional ones still follow their robot's adjustment.
-// Removed keyframes, and points whose reference keyframe is not placed, are skipped. Fusing sees
-// few of the points: the others follow their reference keyframes.
+// Removed keyframes, and points whose reference keyframe is not placed, are skipped.
 RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseMapsResult& result);
 RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
                         const AdjustBundleResult& result);
@@ -48,7 +59,13 @@ RevisionPlan PlanAdjust(const MissionState& state, const AdjustJob& job,
 // state, so that committing costs as much as changed hands and not as much as the map.
 struct RevisionLayers {
   PlacedKeyframes keyframes;
-  PlacedPoints points;
+  // Where many points are placed, all of them; else these alone, of which nullopt is not placed any
+  // more.
+  std::optional<PlacedPoints> points;
+  std::vector<std::pair<MapPointId, std::optional<PlacedPoint>>> changed_points;
+  // After an adjustment: all that fusion rejects, and keyframes whose rejections it takes back.
+  std::optional<RejectedObservations> rejected;
+  std::vector<KeyframeId> taken_back;
   // Frames of the local maps of the plan's islands.
   std::map<LocalMapId, Similarity3d> island_from_local;
   // Keyframes of the target that owners moved while the worker was busy.

@@ -15,16 +15,22 @@
 namespace corbslam::map_store {
 namespace {
 
+absl::Status ValidateAmount(const MapUpdateBatch& batch, absl::string_view what, size_t amount,
+                            size_t limit) {
+  if (amount <= limit) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat("batch ", batch.number, " has ", amount, " ",
+                                                   what, "; the limit is ", limit));
+}
+
 absl::Status ValidateCount(const MapUpdateBatch& batch, const MapStoreOptions& options) {
-  const size_t items =
-      batch.cameras.size() + batch.full_keyframes.size() + batch.full_points.size() +
-      batch.light_keyframes.size() + batch.light_points.size() + batch.replacements.size() +
-      batch.observations.size() + batch.removed_points.size() + batch.removed_keyframes.size() +
-      batch.loop_edges.size() + batch.tracked_frames.size() + batch.lost_frames_ns.size();
-  if (items <= options.max_items_per_batch) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrCat("batch ", batch.number, " has ", items,
-                                                   " items; the limit is ",
-                                                   options.max_items_per_batch));
+  const size_t items = batch.cameras.size() + batch.full_keyframes.size() +
+                       batch.full_points.size() + batch.light_keyframes.size() +
+                       batch.light_points.size() + batch.replacements.size() +
+                       batch.observations.size() + batch.removed_points.size() +
+                       batch.removed_keyframes.size() + batch.loop_edges.size();
+  const size_t frames = batch.tracked_frames.size() + batch.lost_frames_ns.size();
+  RETURN_IF_ERROR(ValidateAmount(batch, "items", items, options.max_items_per_batch));
+  return ValidateAmount(batch, "frames", frames, options.max_frames_per_batch);
 }
 
 absl::Status ValidateRecordedCameras(const LocalMapState* local_map, const MapUpdateBatch& batch) {

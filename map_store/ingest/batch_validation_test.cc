@@ -27,6 +27,7 @@ MapStoreOptions Options() {
   MapStoreOptions options;
   options.max_keypoints_per_keyframe = 10;
   options.max_items_per_batch = 50;
+  options.max_frames_per_batch = 60;
   options.max_pair_steps_per_batch = 8;
   options.max_parked_references = 2;
   options.max_cameras_per_local_map = 2;
@@ -327,9 +328,13 @@ std::vector<Case> GraphCases() {
        {"reference_from_camera is nan"}},
       {"LostTime", [](B b) { b.lost_frames_ns[0] = -7; }, kBad, {"lost frame", "is -7"}},
       {"TooManyItems",
-       [](B b) { b.lost_frames_ns.resize(100, 1); },
+       [](B b) { b.removed_points.resize(100, Pt(0)); },
        kTooMuch,
        {"items", "limit is 50"}},
+      {"TooManyFrames",
+       [](B b) { b.lost_frames_ns.resize(100, 1); },
+       kTooMuch,
+       {"frames", "limit is 60"}},
       {"TooManySteps",
        [](B b) {
          for (int i = 0; i < 6; ++i) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
+#include "map_store/ingest/anchoring.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -108,15 +109,6 @@ void HangOnOneBefore(const Keyframe& child, LocalMapState& local_map) {
     const KeyframeId& id = local_map.arrived[before - 1];
     if (!family.contains(id) && local_map.map.SetParent(child.id(), id)) return;
   }
-}
-
-// Hands the global position of a landmark over to the point that stands for it now.
-void HandOverPosition(MapPointId from, MapPointId to, GlobalLayer& global) {
-  const auto it = global.points.find(from);
-  if (it == global.points.end()) return;
-  const PlacedPoint placed = it->second;
-  global.points.erase(it);
-  if (to.IsValid()) global.points.try_emplace(to, placed);
 }
 
 }  // namespace
@@ -224,7 +216,7 @@ void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
       state.global.island_of.at(stands_for.local_map) == state.global.island_of.at(local_map.id);
   const MapPointId elected = joins ? state.global.landmarks.Replace(replaced, stands_for)
                                    : state.global.landmarks.Remove(replaced);
-  HandOverPosition(replaced, elected, state.global);
+  HandOverPlace(replaced, elected, state);
 }
 
 void ApplyPointRemoval(MapPointId point, MissionState& state, LocalMapState& local_map) {
@@ -233,7 +225,7 @@ void ApplyPointRemoval(MapPointId point, MissionState& state, LocalMapState& loc
   local_map.map.RemovePoint(point);
   local_map.parked.Release(point);
   const MapPointId elected = state.global.landmarks.Remove(point);
-  HandOverPosition(point, elected, state.global);
+  HandOverPlace(point, elected, state);
   // Other local maps' keyframes that saw this very point still see the landmark.
   if (!elected.IsValid()) return;
   state.global.heirs[point] = elected;
@@ -251,10 +243,12 @@ void ApplyKeyframeRemoval(const KeyframeRemoval& removal, MissionState& state,
   local_map.parked_parents.Release(removal.id);
   local_map.parked_parents.Erase(removal.id);
   local_map.database.Remove(removal.id);
+  const std::vector<LostPlace> lost = TakePlaces(removal.id, state.global, local_map);
   local_map.map.RemoveKeyframe(removal.id);
   local_map.followers.Forget(removal.id);
   ForgetForeignObservations(removal.id, state, local_map);
   state.global.keyframes.erase(removal.id);
+  AnchorElsewhere(lost, state);
   state.global.culled.erase(removal.id);
   RejectedObservations& rejected = state.global.rejected;
   const auto first = rejected.lower_bound({removal.id, 0});

@@ -54,31 +54,29 @@ absl::StatusOr<BatchIntake::Known> BatchIntake::CheckAndValidate(
 }
 
 absl::StatusOr<BatchIntake::Known> BatchIntake::ApplyInTurn(uint64_t session_id,
-                                                            const std::string& agent,
-                                                            const MapUpdateBatch& batch,
+                                                            const BatchRecord& record,
                                                             const BatchWords& words) {
   absl::MutexLock turn(&strand_.turn());
   {
     absl::ReaderMutexLock lock(&strand_.mutex());
     // As long as this is the next batch, its local map is as it was validated against.
-    ASSIGN_OR_RETURN(const Known known, Check(session_id, agent, batch));
+    ASSIGN_OR_RETURN(const Known known, Check(session_id, record.agent, *record.batch));
     if (known.has_value()) return known;
   }
-  RETURN_IF_ERROR(ApplyNext(agent, batch, words));
+  RETURN_IF_ERROR(strand_.Append(record));
+  StateWriteLock lock(strand_);
+  map_store::Apply(record, words, strand_.options(), strand_.mutable_state());
   return std::nullopt;
 }
 
-absl::Status BatchIntake::ApplyNext(const std::string& agent, const MapUpdateBatch& batch,
-                                    const BatchWords& words) {
+BatchRecord BatchIntake::MakeRecord(const std::string& agent, const MapUpdateBatch& batch) const {
   BatchRecord record{agent, nullptr, strand_.environment().clock()};
   {
     absl::ReaderMutexLock lock(&strand_.mutex());
     record.batch = WithoutKnownKeyframes(batch, strand_.state().FindLocalMap(batch.local_map));
   }
-  RETURN_IF_ERROR(strand_.Append(record));
-  absl::MutexLock lock(&strand_.mutex());
-  map_store::Apply(record, words, strand_.options(), strand_.mutable_state());
-  return absl::OkStatus();
+  strand_.environment().journal->Prepare(record);
+  return record;
 }
 
 // What the store keeps of a batch takes about twice its bytes: words, indices, tables.
@@ -96,7 +94,7 @@ absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const st
   if (!known.has_value()) {
     RETURN_IF_ERROR(CheckMemory(batch));
     const BatchWords words = ComputeWords(batch, strand_.environment().vocabulary);
-    ASSIGN_OR_RETURN(known, ApplyInTurn(session_id, agent, batch, words));
+    ASSIGN_OR_RETURN(known, ApplyInTurn(session_id, MakeRecord(agent, batch), words));
   }
   // A batch that came again may not be durable yet.
   if (known.has_value()) {
@@ -105,7 +103,7 @@ absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const st
   }
   {
     const BatchTransfer transfer = measured != nullptr ? *measured : EstimateTransfer(batch);
-    absl::MutexLock lock(&strand_.mutex());
+    StateWriteLock lock(strand_);
     CountTransfer(batch, transfer,
                   absl::ToDoubleMilliseconds(strand_.environment().clock() - begin),
                   strand_.mutable_state().statistics);

@@ -42,12 +42,13 @@ class BatchIntake {
                                          const MapUpdateBatch& batch) const;
   // RESOURCE_EXHAUSTED: the process has no memory for the batch.
   absl::Status CheckMemory(const MapUpdateBatch& batch) const;
+  // Makes what ApplyInTurn appends and applies; most of the journal's work is in it, so that others
+  // don't wait for it. It must not outlive the batch, which is valid.
+  BatchRecord MakeRecord(const std::string& agent, const MapUpdateBatch& batch) const;
   // Returns an acknowledgement if the same session has sent the batch twice and the other one was
   // applied meanwhile.
-  absl::StatusOr<Known> ApplyInTurn(uint64_t session_id, const std::string& agent,
-                                    const MapUpdateBatch& batch, const BatchWords& words);
-  absl::Status ApplyNext(const std::string& agent, const MapUpdateBatch& batch,
-                         const BatchWords& words) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  absl::StatusOr<Known> ApplyInTurn(uint64_t session_id, const BatchRecord& record,
+                                    const BatchWords& words);
 
   MissionStrand& strand_;
   const Listeners& listeners_;

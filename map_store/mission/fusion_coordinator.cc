@@ -102,7 +102,7 @@ FusionCoordinator::Started FusionCoordinator::TryStart(FusionLane lane) {
     return {Attempt::kStarted, FusionJob{**std::move(request), claim->cancelled}};
   }
   if (request.ok()) {
-    absl::MutexLock lock(&strand_.mutex());
+    StateWriteLock lock(strand_);
     if (!claim->cancelled->load()) SkipAction(claim->action);
   }
   ReleaseLane(lane);
@@ -110,7 +110,7 @@ FusionCoordinator::Started FusionCoordinator::TryStart(FusionLane lane) {
 }
 
 std::optional<FusionCoordinator::Claim> FusionCoordinator::ClaimLane(FusionLane lane) {
-  absl::MutexLock lock(&strand_.mutex());
+  StateWriteLock lock(strand_);
   if (lanes_.IsBusy(lane)) return std::nullopt;
   const std::optional<FusionAction> action = NextAction(lane);
   if (!action.has_value()) {
@@ -132,7 +132,7 @@ absl::StatusOr<std::optional<FusionRequest>> FusionCoordinator::Prepare(const Cl
 }
 
 void FusionCoordinator::ReleaseLane(FusionLane lane) {
-  absl::MutexLock lock(&strand_.mutex());
+  StateWriteLock lock(strand_);
   lanes_.Release(lane);
   lane_released_.SignalAll();
 }
@@ -148,7 +148,7 @@ JobEnd FusionCoordinator::FinishJob(FusionLane lane, const FusionJob& job,
   }
   try_later = try_later && !strand_.options().deterministic;
   if (!status.ok() && !try_later) {
-    absl::MutexLock lock(&strand_.mutex());
+    StateWriteLock lock(strand_);
     if (!job.cancelled->load()) NoteFailure(job, status);
   }
   ReleaseLane(lane);
@@ -157,12 +157,12 @@ JobEnd FusionCoordinator::FinishJob(FusionLane lane, const FusionJob& job,
 }
 
 void FusionCoordinator::CancelJobs() {
-  absl::MutexLock lock(&strand_.mutex());
+  StateWriteLock lock(strand_);
   lanes_.CancelAll();
 }
 
 void FusionCoordinator::Stop() {
-  absl::MutexLock lock(&strand_.mutex());
+  StateWriteLock lock(strand_);
   strand_.mutable_state().queries.Clear();
   lanes_.CancelAll();
   lane_released_.SignalAll();
@@ -173,7 +173,7 @@ void FusionCoordinator::Stop() {
 absl::Status FusionCoordinator::CommitDecision(const JournalRecord& record,
                                                absl::FunctionRef<void(MissionState&)> apply) {
   RETURN_IF_ERROR(strand_.Append(record));
-  absl::MutexLock lock(&strand_.mutex());
+  StateWriteLock lock(strand_);
   lanes_.CancelAll();
   apply(strand_.mutable_state());
   lanes_.ForgetTrouble();

@@ -67,7 +67,7 @@ absl::Status FusionCoordinator::CommitQuery(const QueryJob& job,
                                             const VerifyOverlapResult& result) {
   const QueryRecord record{job.task, result.overlaps, strand_.environment().clock()};
   RETURN_IF_ERROR(strand_.Append(record));
-  absl::MutexLock lock(&strand_.mutex());
+  StateWriteLock lock(strand_);
   map_store::Apply(record, strand_.options(), strand_.mutable_state());
   return absl::OkStatus();
 }
@@ -77,7 +77,7 @@ absl::Status FusionCoordinator::CommitRefusedFuse(const FuseJob& job,
   const FuseRefusedRecord record{job.action.target, job.new_overlaps, job.relaxed,
                                  result.worst_edge_chi2};
   RETURN_IF_ERROR(strand_.Append(record));
-  absl::MutexLock lock(&strand_.mutex());
+  StateWriteLock lock(strand_);
   map_store::Apply(record, strand_.mutable_state());
   if (!job.relaxed.empty()) lanes_.CancelAdjustment(job.action);
   return absl::OkStatus();
@@ -99,7 +99,7 @@ absl::Status FusionCoordinator::CommitFuse(const FuseJob& job, const FuseMapsRes
   RETURN_IF_ERROR(strand_.Append(record));
   // The layers are given up after the lock: freeing them takes time, too.
   RevisionLayers layers = PrepareLayers(record.plan, strand_.options(), strand_.state_in_turn());
-  absl::MutexLock lock(&strand_.mutex());
+  StateWriteLock lock(strand_);
   const bool urgent = map_store::Apply(record, layers, strand_.mutable_state());
   if (urgent) lanes_.CancelAdjustment(job.action);
   return absl::OkStatus();
@@ -137,7 +137,7 @@ absl::Status FusionCoordinator::CommitAdjust(const AdjustJob& job,
   record.statistics = {result.keyframes, result.points, result.iterations, result.seconds * 1e3};
   RETURN_IF_ERROR(strand_.Append(record));
   RevisionLayers layers = PrepareLayers(record.plan, strand_.options(), strand_.state_in_turn());
-  absl::MutexLock lock(&strand_.mutex());
+  StateWriteLock lock(strand_);
   map_store::Apply(record, layers, strand_.mutable_state());
   lanes_.ForgetTrouble(record.plan.target);
   return absl::OkStatus();

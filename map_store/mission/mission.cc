@@ -42,6 +42,9 @@ MissionLoad Mission::Load() const {
   MissionLoad load = WithState(&MeasureLoad);
   load.mission = strand_.name();
   load.waiting = fusion_.CountWaiting();
+  const MissionStrand::WriteTimes writes = strand_.write_times();
+  load.written_s = absl::ToDoubleSeconds(writes.total);
+  load.longest_write_s = absl::ToDoubleSeconds(writes.longest);
   return load;
 }
 

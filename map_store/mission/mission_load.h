@@ -38,6 +38,10 @@ struct MissionLoad {
   // Requests that there would be if workers were idle, less those that a worker has; 0 without a
   // worker.
   FusionRequestCounts waiting;
+  // Seconds for which the state's lock was held for writing, while all others wait, since the
+  // process began: all together, and the longest time.
+  double written_s = 0;
+  double longest_write_s = 0;
 };
 
 namespace map_store {

@@ -53,7 +53,7 @@ absl::Status MissionSessions::CheckRequest(const SessionRequest& request) const 
 
 absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_id,
                                                                const SessionRequest& request) {
-  absl::MutexLock lock(&strand_.mutex());
+  StateWriteLock lock(strand_);
   RETURN_IF_ERROR(CheckRequest(request));
   MissionState& state = strand_.mutable_state();
   const absl::Time now = strand_.environment().clock();
@@ -86,7 +86,7 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
   }
   // The acknowledged batches must be durable, as the robot forgets them.
   if (const absl::Status durable = strand_.Sync(); !durable.ok()) {
-    absl::MutexLock lock(&strand_.mutex());
+    StateWriteLock lock(strand_);
     uint64_t& session = strand_.mutable_state().agents.at(request.agent).session;
     if (session == session_id) session = 0;
     return durable;
@@ -109,7 +109,7 @@ absl::Status CheckSession(const MissionStrand& strand, uint64_t session_id,
 
 void MissionSessions::Close(uint64_t session_id, const std::string& agent) {
   {
-    absl::MutexLock lock(&strand_.mutex());
+    StateWriteLock lock(strand_);
     auto& agents = strand_.mutable_state().agents;
     const auto it = agents.find(agent);
     if (it != agents.end() && it->second.session == session_id) it->second.session = 0;

@@ -1,5 +1,7 @@
 #include "map_store/mission/mission_strand.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <variant>
 
@@ -132,6 +134,23 @@ absl::Status MissionStrand::Append(const JournalRecord& record) {
   return absl::OkStatus();
 }
 
+MissionStrand::WriteTimes MissionStrand::write_times() const {
+  return {absl::Nanoseconds(written_ns_.load()), absl::Nanoseconds(longest_write_ns_.load())};
+}
+
 absl::Status MissionStrand::Sync() { return environment_.journal->Sync(appended_); }
+
+StateWriteLock::StateWriteLock(MissionStrand& strand) : strand_(strand) {
+  strand_.mutex().Lock();
+  begin_ = std::chrono::steady_clock::now();
+}
+
+StateWriteLock::~StateWriteLock() {
+  const std::chrono::nanoseconds held = std::chrono::steady_clock::now() - begin_;
+  const int64_t held_ns = held.count();
+  strand_.written_ns_ += held_ns;
+  strand_.longest_write_ns_ = std::max(strand_.longest_write_ns_.load(), held_ns);
+  strand_.mutex().Unlock();
+}
 
 }  // namespace corbslam::map_store

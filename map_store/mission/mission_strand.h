@@ -3,6 +3,8 @@
 #define CORBSLAM_MAP_STORE_MISSION_MISSION_STRAND_H_
 
 #include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
@@ -75,6 +77,13 @@ class MissionStrand {
     return read(static_cast<const MissionState&>(state_));
   }
 
+  // How long writers held the state's lock so far, all together and the longest time.
+  struct WriteTimes {
+    absl::Duration total;
+    absl::Duration longest;
+  };
+  WriteTimes write_times() const;
+
   // Ends all writing: from here on nothing is written any more. Whoever holds the turn sees no
   // change of it.
   void MarkDeleted() ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -90,6 +99,8 @@ class MissionStrand {
   absl::Status Sync() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
 
  private:
+  friend class StateWriteLock;
+
   void Begin(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::string name_;
@@ -100,6 +111,22 @@ class MissionStrand {
   mutable absl::Mutex mutex_;
   MissionState state_ ABSL_GUARDED_BY(mutex_);
   bool deleted_ ABSL_GUARDED_BY(mutex_) = false;
+  // Only who holds the state's lock for writing changes these.
+  std::atomic<int64_t> written_ns_ = 0;
+  std::atomic<int64_t> longest_write_ns_ = 0;
+};
+
+// Holds the state's lock for writing, and counts how long.
+class ABSL_SCOPED_LOCKABLE StateWriteLock {
+ public:
+  explicit StateWriteLock(MissionStrand& strand) ABSL_EXCLUSIVE_LOCK_FUNCTION(strand.mutex());
+  ~StateWriteLock() ABSL_UNLOCK_FUNCTION();
+  StateWriteLock(const StateWriteLock&) = delete;
+  StateWriteLock& operator=(const StateWriteLock&) = delete;
+
+ private:
+  MissionStrand& strand_;
+  std::chrono::steady_clock::time_point begin_;
 };
 
 }  // namespace corbslam::map_store

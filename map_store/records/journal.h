@@ -46,6 +46,9 @@ class Journal {
 
   virtual ~Journal() = default;
 
+  // Makes of the batch's record what Append will write. That is most of the work and needs no order
+  // among callers; Append does it where it was not done. The record is not changed afterwards.
+  virtual void Prepare(map_store::BatchRecord&) const {}
   // Puts the record behind the ones before it. An error means that nothing was written:
   // RESOURCE_EXHAUSTED (no room), UNAVAILABLE (the disk refuses), each naming the journal.
   virtual absl::StatusOr<Position> Append(absl::string_view mission,

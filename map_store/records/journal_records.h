@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -18,11 +19,19 @@
 
 namespace corbslam::map_store {
 
+// What a journal writes of a batch: the record, and the features of each full keyframe.
+struct BatchBytes {
+  std::string record;
+  std::vector<std::pair<KeyframeId, std::string>> features;
+};
+
 // A batch passed validation.
 struct BatchRecord {
   std::string agent;
   std::shared_ptr<const MapUpdateBatch> batch;
   absl::Time received_at;
+  // What Journal::Prepare made of the rest; null until then.
+  std::shared_ptr<const BatchBytes> bytes = nullptr;
 };
 
 // The first query of the queue was answered.

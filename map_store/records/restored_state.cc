@@ -73,7 +73,7 @@ absl::Status ValidateGlobal(const GlobalLayer& global) {
         ValidatePose("placed keyframe", id, "camera_from_local", placed.camera_from_local));
   }
   for (const auto& [id, placed] : global.points) {
-    RETURN_IF_ERROR(ValidatePosition("placed point", id, "position", placed.position_in_island));
+    RETURN_IF_ERROR(ValidatePosition("placed point", id, "position", placed.position_in_anchor));
   }
   for (const auto& [id, island_from_local] : global.island_from_local) {
     RETURN_IF_ERROR(ValidateSimilarity("local map of", KeyframeId{id, 0}, island_from_local));

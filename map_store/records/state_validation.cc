@@ -120,6 +120,10 @@ absl::Status ValidatePlaces(const MissionState& state) {
   const bool places = std::ranges::all_of(state.global.keyframes, known) &&
                       std::ranges::all_of(state.global.points, known);
   RETURN_IF_ERROR(Check(places, "what fusion placed"));
+  const bool anchors = std::ranges::all_of(state.global.points, [&state](const auto& item) {
+    return IsKnown(state, item.second.anchor.local_map);
+  });
+  RETURN_IF_ERROR(Check(anchors, "what fusion's points are anchored in"));
   const bool culled = std::ranges::all_of(
       state.global.culled, [&state](KeyframeId id) { return IsKnown(state, id.local_map); });
   RETURN_IF_ERROR(Check(culled, "what fusion culled"));

@@ -21,6 +21,7 @@
 namespace corbslam {
 
 using map_store::ArchiveWriter;
+using map_store::BatchBytes;
 using map_store::BatchRecord;
 using map_store::EndOfPrefix;
 using map_store::FeaturesKey;
@@ -38,6 +39,24 @@ using map_store::SnapshotKey;
 namespace {
 
 constexpr size_t kChunkBytes = 1 << 20;
+
+std::shared_ptr<const BatchBytes> EncodeBatch(const BatchRecord& record) {
+  auto bytes = std::make_shared<BatchBytes>();
+  bytes->record = map_store::EncodeRecord(record);
+  for (const FullKeyframe& keyframe : record.batch->full_keyframes) {
+    bytes->features.emplace_back(keyframe.payload->id,
+                                 map_store::EncodeFeatures(*keyframe.payload));
+  }
+  return bytes;
+}
+
+// Returns what is to be written of the record; only batches have features.
+std::shared_ptr<const BatchBytes> BytesOf(const JournalRecord& record) {
+  if (const auto* batch = std::get_if<BatchRecord>(&record)) {
+    return batch->bytes != nullptr ? batch->bytes : EncodeBatch(*batch);
+  }
+  return std::make_shared<const BatchBytes>(BatchBytes{map_store::EncodeRecord(record), {}});
+}
 
 // RocksDB locks this file of the folder as long as it has the database open.
 constexpr char kLockName[] = "LOCK";
@@ -141,22 +160,17 @@ Journal::Position RocksJournal::NextPosition() {
   return ++last_;
 }
 
+void RocksJournal::Prepare(BatchRecord& record) const { record.bytes = EncodeBatch(record); }
+
 absl::StatusOr<Journal::Position> RocksJournal::Append(absl::string_view mission,
                                                        const JournalRecord& record) {
-  const std::string bytes = map_store::EncodeRecord(record);
+  const std::shared_ptr<const BatchBytes> bytes = BytesOf(record);
   const std::string name(mission);
   rocksdb::WriteBatch batch;
-  std::vector<KeyframeId> keyframes;
-  if (const auto* update = std::get_if<BatchRecord>(&record)) {
-    for (const FullKeyframe& keyframe : update->batch->full_keyframes) {
-      const KeyframePayload& payload = *keyframe.payload;
-      batch.Put(FeaturesKey(name, payload.id), map_store::EncodeFeatures(payload));
-      keyframes.push_back(payload.id);
-    }
-  }
-  RETURN_IF_ERROR(CheckRoomForRecord(batch.GetDataSize() + bytes.size()));
+  for (const auto& [id, features] : bytes->features) batch.Put(FeaturesKey(name, id), features);
+  RETURN_IF_ERROR(CheckRoomForRecord(batch.GetDataSize() + bytes->record.size()));
   const Position position = NextPosition();
-  batch.Put(RecordKey(name, position), bytes);
+  batch.Put(RecordKey(name, position), bytes->record);
   bool is_listed = false;
   {
     absl::MutexLock lock(&mutex_);
@@ -168,8 +182,8 @@ absl::StatusOr<Journal::Position> RocksJournal::Append(absl::string_view mission
   if (options_.sync) unsynced_.insert(position);
   MissionFiles& files = FilesOf(mission);
   files.is_listed = true;
-  NoteRecord(position, bytes.size(), files);
-  for (const KeyframeId& id : keyframes) files.features[id] = position;
+  NoteRecord(position, bytes->record.size(), files);
+  for (const auto& [id, features] : bytes->features) files.features[id] = position;
   return position;
 }
 

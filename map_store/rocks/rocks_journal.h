@@ -50,6 +50,7 @@ class RocksJournal : public Journal {
   static absl::StatusOr<std::unique_ptr<RocksJournal>> Open(const RocksJournalOptions& options);
   ~RocksJournal() override;
 
+  void Prepare(map_store::BatchRecord& record) const override;
   absl::StatusOr<Position> Append(absl::string_view mission,
                                   const map_store::JournalRecord& record) override;
   absl::Status Sync(Position position) override;

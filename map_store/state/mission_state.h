@@ -65,7 +65,7 @@ struct LocalMapState {
   Map map;
   // The points of `map` that move with a keyframe; derived from `map`.
   PointFollowers followers;
-  std::map<KeyframeId, std::map<uint32_t, MapPointId>> foreign_observations;
+  std::map<KeyframeId, absl::btree_map<uint32_t, MapPointId>> foreign_observations;
   std::vector<LoopEdge> foreign_loop_edges;
 
   // Items that the owner removed or replaced. Their ids never come back.
@@ -120,9 +120,13 @@ struct PlacedKeyframe {
 
 using PlacedKeyframes = std::map<KeyframeId, PlacedKeyframe>;
 
+// A position that fusion itself gave to a point. It is kept relative to a placed keyframe, the
+// anchor, so that a revision that moves keyframes moves their points without naming them. Where the
+// anchor is not placed any more, the point is not placed either (view/placement.h).
 struct PlacedPoint {
-  Eigen::Vector3d position_in_island = Eigen::Vector3d::Zero();
-  uint64_t revision = 0;
+  KeyframeId anchor;
+  Eigen::Vector3d position_in_anchor = Eigen::Vector3d::Zero();
+  uint64_t revision = 0;  // The one that placed the point; its anchor may have moved since.
 };
 using PlacedPoints = absl::btree_map<MapPointId, PlacedPoint>;
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "map_store/view/answers.h"
+#include "map_store/view/placement.h"
 
 namespace corbslam {
 
@@ -25,7 +26,8 @@ void AddFollowers(const MissionState& state, const LocalMapState& local_map, Key
   const Keyframe* keyframe = local_map.map.FindKeyframe(id);
   if (keyframe == nullptr) return;
   for (const MapPointId& point : keyframe->points) {
-    if (point.IsValid() && !state.global.points.contains(point)) points.insert(point);
+    const bool follows = point.IsValid() && !map_store::FindPlaced(point, state.global).has_value();
+    if (follows) points.insert(point);
   }
 }
 
@@ -170,8 +172,8 @@ bool MapWatcher::TakePoints(const MissionState& state, Part& part, size_t& room,
       return false;
     }
     if (!part.whole) {
-      const auto placed = state.global.points.find(id);
-      if (placed == state.global.points.end() || placed->second.revision <= revision_) continue;
+      const auto placed = map_store::FindPlaced(id, state.global);
+      if (!placed.has_value() || placed->revision() <= revision_) continue;
     }
     if (IsShown(state, id)) take(id);
   }

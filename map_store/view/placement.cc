@@ -132,13 +132,33 @@ Similarity3d IslandFromLocal(const LocalMapState& local_map, const IslandPoses& 
   return pose.Inverse() * Similarity3d::FromRigid(local_map.map.FindKeyframe(id)->camera_from_map);
 }
 
+std::optional<PlacedAnchor> FindPlaced(MapPointId id, const GlobalLayer& global) {
+  const auto point = global.points.find(id);
+  if (point == global.points.end()) return std::nullopt;
+  const auto keyframe = global.keyframes.find(point->second.anchor);
+  if (keyframe == global.keyframes.end()) return std::nullopt;
+  return PlacedAnchor{&point->second, &keyframe->second};
+}
+
+std::optional<PlacedPoint> Anchor(const MapPoint& point, const Eigen::Vector3d& position_in_island,
+                                  const GlobalLayer& global, const PlacedKeyframes& placed) {
+  auto anchor = placed.find(ReferenceOf(point, global));
+  for (auto seen = point.observations.begin();
+       anchor == placed.end() && seen != point.observations.end(); ++seen) {
+    anchor = placed.find(seen->first);
+  }
+  if (anchor == placed.end()) return std::nullopt;
+  return PlacedPoint{anchor->first, anchor->second.camera_from_island * position_in_island, 0};
+}
+
 Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& local_map,
                                 const GlobalLayer& global, const IslandPoses& poses,
                                 const Unplaced& unplaced) {
-  const auto placed = global.points.find(point.id);
   KeyframeId reference = ReferenceOf(point, global);
-  if (placed != global.points.end() && !unplaced.contains(reference)) {
-    return placed->second.position_in_island;
+  const std::optional<PlacedAnchor> placed = FindPlaced(point.id, global);
+  if (placed.has_value() && !unplaced.contains(reference) &&
+      !unplaced.contains(placed->point->anchor)) {
+    return placed->PositionInIsland();
   }
   if (!poses.contains(reference) && !point.observations.empty()) {
     reference = point.observations.begin()->first;

@@ -4,7 +4,9 @@
 #ifndef CORBSLAM_MAP_STORE_VIEW_PLACEMENT_H_
 #define CORBSLAM_MAP_STORE_VIEW_PLACEMENT_H_
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "absl/container/flat_hash_map.h"
@@ -44,6 +46,26 @@ class PoseCache {
   const Unplaced& unplaced_;
   absl::flat_hash_map<LocalMapId, std::shared_ptr<const IslandPoses>> poses_;
 };
+
+// A point that is placed, and the keyframe that it is anchored in.
+struct PlacedAnchor {
+  const PlacedPoint* point = nullptr;
+  const PlacedKeyframe* keyframe = nullptr;
+
+  Eigen::Vector3d PositionInIsland() const {
+    return keyframe->camera_from_island.Inverse() * point->position_in_anchor;
+  }
+  // The last revision that put the point where it is.
+  uint64_t revision() const { return std::max(point->revision, keyframe->revision); }
+};
+// Returns nullopt where the point is not placed, or its anchor is not any more.
+std::optional<PlacedAnchor> FindPlaced(MapPointId id, const GlobalLayer& global);
+
+// Returns the keyframe in which a living point that lies at `position_in_island` is to be anchored,
+// and its place there: the one that it follows or, if that is not placed, the first one of those
+// that see it. Nullopt: none of them is placed.
+std::optional<PlacedPoint> Anchor(const MapPoint& point, const Eigen::Vector3d& position_in_island,
+                                  const GlobalLayer& global, const PlacedKeyframes& placed);
 
 // Returns the position of a living point of `local_map` in its island: fusion's own, if its
 // reference keyframe is placed, or else by its place relative to its reference keyframe. `poses`

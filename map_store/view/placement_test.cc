@@ -124,7 +124,10 @@ TEST_F(PlacementTest, APointWhoseReferenceWasCulledFollowsAnotherThatSeesIt) {
   Place(3, 13);
   const IslandPoses poses = ComputePoses(local_map_, state_.global);
   EXPECT_NEAR(ComputePosition(point, local_map_, state_.global, poses).x(), 12, 1e-12);
-  state_.global.points[point.id] = {{4, 0, 5}, 1};
+  const auto placed = Anchor(point, {4, 0, 5}, state_.global, state_.global.keyframes);
+  ASSERT_TRUE(placed.has_value());
+  EXPECT_EQ(placed->anchor, Kf(3));
+  state_.global.points[point.id] = *placed;
   EXPECT_EQ(ComputePosition(point, local_map_, state_.global, poses).x(), 4);
   EXPECT_NEAR(ComputePosition(point, local_map_, state_.global, poses, {Kf(3)}).x(), 12, 1e-12);
   state_.global.culled.insert(Kf(3));

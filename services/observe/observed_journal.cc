@@ -14,6 +14,8 @@ class ObservedJournal : public Journal {
   ObservedJournal(std::unique_ptr<Journal> journal, std::vector<JournalObserver*> observers)
       : journal_(std::move(journal)), observers_(std::move(observers)) {}
 
+  void Prepare(map_store::BatchRecord& record) const override { journal_->Prepare(record); }
+
   absl::StatusOr<Position> Append(absl::string_view mission,
                                   const map_store::JournalRecord& record) override {
     const absl::Time start = absl::Now();

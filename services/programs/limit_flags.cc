@@ -19,7 +19,9 @@ void AddStoreLimitFlags(CLI::App& app, MapStoreOptions& options) {
   Add(app, "--max-cameras", options.max_cameras_per_local_map, "Cameras of a local map");
   Add(app, "--max-features", options.max_keypoints_per_keyframe, "Features of a keyframe");
   Add(app, "--max-keyframe-bytes", options.max_keyframe_bytes, "Bytes of a keyframe's features");
-  Add(app, "--max-batch-items", options.max_items_per_batch, "Items of a batch");
+  Add(app, "--max-batch-items", options.max_items_per_batch, "Items of a batch, without frames");
+  Add(app, "--max-batch-frames", options.max_frames_per_batch,
+      "Frames of a batch, tracked and lost ones");
   Add(app, "--max-batch-steps", options.max_pair_steps_per_batch,
       "Steps for pairs of keyframes and for parents that a batch takes");
   Add(app, "--max-agent-bytes", options.max_bytes_per_agent, "Bytes stored for one agent");

@@ -12,8 +12,8 @@ using Kind = ObservationChange::Kind;
 constexpr LocalMapId kNobody{0xdeadbeef};
 // Indices of points that never arrive.
 constexpr uint32_t kNeverArrives = 1u << 31;
-constexpr size_t kItemLimit = 200'000;
-constexpr size_t kParkedLimit = 100'000;
+constexpr size_t kItemLimit = 65'000;
+constexpr size_t kParkedLimit = 65'000;
 
 // Moves by millimetres, elsewhere in each round.
 double Shift_m(size_t i, uint32_t round) {
@@ -150,7 +150,7 @@ MapUpdateBatch DearMap::SeeAndUnsee() const {
 
 // Many keyframes come to see the first one's points, and lose sight of them: each time with all the
 // others that do, which is one and a half times the crowd's square for each point, and just below
-// the million steps that a batch may take.
+// the 500,000 steps that a batch may take.
 MapUpdateBatch DearMap::CrowdAndPart() const {
   MapUpdateBatch batch = Empty(first_);
   for (const Kind kind : {Kind::kAdded, Kind::kRemoved}) {
@@ -163,12 +163,12 @@ MapUpdateBatch DearMap::CrowdAndPart() const {
   return batch;
 }
 
-// More than a million steps: every keyframe loses sight of a point again and again while it is seen
+// More steps than may be: every keyframe loses sight of a point again and again while it is seen
 // by others.
 MapUpdateBatch DearMap::TooManySteps() const {
   MapUpdateBatch batch = CrowdAndPart();
   const std::vector<ObservationChange> once = batch.observations;
-  constexpr size_t kStepLimit = 1'000'000;
+  constexpr size_t kStepLimit = 500'000;
   const size_t steps_at_least = once.size() * sizes_.crowd / 4;
   for (size_t steps = 0; steps <= kStepLimit; steps += steps_at_least) {
     batch.observations.insert(batch.observations.end(), once.begin(), once.end());
@@ -256,7 +256,7 @@ std::vector<DearBatch> DearMap::Round(uint32_t round) {
 
 std::vector<DearMap::Refused> DearMap::BeyondLimits() const {
   std::vector<Refused> refused;
-  Refused items{"too many items", Empty(first_), "items; the limit is 200000"};
+  Refused items{"too many items", Empty(first_), "items; the limit is 65000"};
   for (size_t i = 0; i <= kItemLimit; ++i) {
     items.batch.observations.push_back({Kind::kRemoved, PointOf(0, 0), Chain(0), 0});
   }
@@ -264,13 +264,13 @@ std::vector<DearMap::Refused> DearMap::BeyondLimits() const {
   // 21 MB.
   Refused bytes{"too many bytes", FillWithFeatures(25, 20'000), "the limit is 16777216"};
   refused.push_back(std::move(bytes));
-  Refused parked{"too much that waits", ParkAll(), "the limit is 100000"};
+  Refused parked{"too much that waits", ParkAll(), "the limit is 65000"};
   const MapUpdateBatch more = ParkAll();
   while (parked.batch.observations.size() <= kParkedLimit) {
     parked.batch.observations.push_back(more.observations.front());
   }
   refused.push_back(std::move(parked));
-  refused.push_back({"too many steps", TooManySteps(), "the limit is 1000000"});
+  refused.push_back({"too many steps", TooManySteps(), "the limit is 500000"});
   Refused twice{"a keyframe moved twice", MoveChain(0), "comes twice"};
   twice.batch.light_keyframes.push_back(twice.batch.light_keyframes.front());
   refused.push_back(std::move(twice));

@@ -15,22 +15,22 @@ namespace corbslam {
 
 struct DearSizes {
   // Keyframes of the chain, in which each hangs on the one before.
-  size_t keyframes = 3900;
+  size_t keyframes = 1500;
   // Features of each of them; every one sees a point of its own.
   size_t features = 20;
   // So many keyframes are made to see the same points.
-  size_t crowd = 180;
+  size_t crowd = 127;
   // Keyframes of a second local map, in which each hangs on the one after: none of those before a
   // keyframe can be its parent.
-  size_t reversed = 1900;
+  size_t reversed = 1400;
   // Features of one keyframe that sees nothing but points of robots that are not there.
   size_t wide_features = 20000;
   // Items of a batch of observations or replacements at most.
-  size_t items = 190'000;
+  size_t items = 64'000;
   // Keyframes of as many features in one batch: 18 of 20,000 are just below 16 MiB.
   size_t full_keyframes = 18;
-  // References to what never arrives; the store's limit is 100,000.
-  size_t parked = 100'000;
+  // References to what never arrives; the store's limit is 65,000.
+  size_t parked = 65'000;
 };
 
 // What is sent, without its number: whoever sends it counts.

@@ -27,6 +27,12 @@ void AddContents(const MissionLoad& load, Families& families) {
                  Number(load.connected_agents), mission);
   families.Gauge("corbslam_mission_revision", "Changes of the global layer committed so far.",
                  Number(load.revision), mission);
+  families.Counter("corbslam_mission_locked_seconds_total",
+                   "Time for which changes of the state kept everybody else out.", load.written_s,
+                   mission);
+  families.Gauge("corbslam_mission_longest_lock_seconds",
+                 "Longest time for which one change of the state kept everybody else out.",
+                 load.longest_write_s, mission);
 }
 
 void AddFusion(const MissionLoad& load, Families& families) {
