@@ -18,8 +18,8 @@ namespace {
 absl::Status ValidateAmount(const MapUpdateBatch& batch, absl::string_view what, size_t amount,
                             size_t limit) {
   if (amount <= limit) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrCat("batch ", batch.number, " has ", amount, " ",
-                                                   what, "; the limit is ", limit));
+  return absl::ResourceExhaustedError(
+      absl::StrCat("batch ", batch.number, " has ", amount, " ", what, "; the limit is ", limit));
 }
 
 absl::Status ValidateCount(const MapUpdateBatch& batch, const MapStoreOptions& options) {

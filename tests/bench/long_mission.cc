@@ -18,6 +18,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "map_store/map_store.h"
+#include "map_store/mission/mission_load.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "services/map_store_service/map_changes_to_proto.h"
 #include "services/programs/default_vocabulary.h"
@@ -80,6 +81,7 @@ class LockProbe {
 // What was measured since the last row.
 struct Spell {
   std::vector<double> apply_ms;
+  std::vector<double> locked_ms;  // Of these, under the state's lock for writing.
   std::vector<double> shared_ms;
   std::vector<double> fusion_ms;
 };
@@ -108,9 +110,11 @@ class LongMission {
   absl::Status AddKeyframe() {
     const size_t robot = keyframes_ % fleet_.robots();
     const MapUpdateBatch batch = fleet_.NextBatch(robot);
+    const double written_s = Load().written_s;
     absl::Time begin = absl::Now();
     RETURN_IF_ERROR(store_.Apply(sessions_[robot], batch).status());
     spell_.apply_ms.push_back(Milliseconds(begin));
+    spell_.locked_ms.push_back(1e3 * (Load().written_s - written_s));
     begin = absl::Now();
     RETURN_IF_ERROR(store_.RunFusionUntilIdle(kMission));
     spell_.fusion_ms.push_back(Milliseconds(begin));
@@ -128,6 +132,8 @@ class LongMission {
       row[absl::StrCat(what, "_p99_ms")] = Quantile(ms, 0.99);
     };
     spread("batch", spell_.apply_ms);
+    spread("batch_locked", spell_.locked_ms);
+    row["longest_lock_so_far_ms"] = 1e3 * Load().longest_write_s;
     spread("shared_update", spell_.shared_ms);
     spread("fusion", spell_.fusion_ms);
     const std::vector<double> probed_ms = probe.Take();
@@ -150,6 +156,9 @@ class LongMission {
   size_t keyframes() const { return keyframes_; }
 
  private:
+  // The store has no other mission.
+  MissionLoad Load() const { return store_.ListLoads().front(); }
+
   static FleetOptions Options(const Flags& flags) {
     FleetOptions options;
     options.robots = flags.robots;
