@@ -23,6 +23,7 @@
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
 #include "map_store/testing/unsynced_loss_env.h"
+#include "map_store/view/placement.h"
 
 namespace corbslam {
 namespace {
@@ -157,9 +158,25 @@ TEST_F(MissionArchiveTest, AMissionThatIsThereIsNotOverwritten) {
   EXPECT_TRUE(absl::IsNotFound(store_->BackUpMission("nowhere").status()));
 }
 
+// Returns a state as programs before anchors wrote it: with another format number, its points
+// placed in their islands, and without anchors at the end.
+std::string AsFormat4(const map_store::MissionState& of) {
+  map_store::MissionState in_islands = of;
+  for (auto& [id, placed] : in_islands.global.points) {
+    placed.position_in_anchor = map_store::FindPlaced(id, of.global)->PositionInIsland();
+  }
+  std::string state = map_store::EncodeState(in_islands);
+  const uint32_t format = 4;
+  std::memcpy(state.data(), &format, sizeof(format));
+  // The anchors take their number, and twelve bytes each.
+  state.resize(state.size() - 8 - 12 * of.global.points.size());
+  return state;
+}
+
 // Returns a state as programs before recorded cameras wrote it: with another format number, and
 // without recorded cameras at the end.
-std::string AsFormat3(std::string state, const map_store::MissionState& of) {
+std::string AsFormat3(const map_store::MissionState& of) {
+  std::string state = AsFormat4(of);
   const uint32_t format = 3;
   std::memcpy(state.data(), &format, sizeof(format));
   for (const auto& [id, local_map] : of.local_maps) {
@@ -190,11 +207,25 @@ TEST_F(MissionArchiveTest, RecordedCamerasGoAlong) {
 
 TEST_F(MissionArchiveTest, AStateFromBeforeRecordedCamerasIsRead) {
   const auto state = *Read(BackUp());
-  const auto read =
-      map_store::DecodeState(AsFormat3(map_store::EncodeState(state), state), nullptr);
+  const auto read = map_store::DecodeState(AsFormat3(state), nullptr);
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(read->local_maps.size(), state.local_maps.size());
   EXPECT_FALSE(read->local_maps.begin()->second.Recorded().has_value());
+}
+
+TEST_F(MissionArchiveTest, AStateFromBeforeAnchorsHasItsPointsWhereTheyWere) {
+  const auto state = *Read(BackUp());
+  ASSERT_GT(state.global.points.size(), 100u);
+  const auto read = map_store::DecodeState(AsFormat4(state), nullptr);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->global.points.size(), state.global.points.size());
+  for (const auto& [id, placed] : state.global.points) {
+    const auto before = map_store::FindPlaced(id, state.global);
+    const auto now = map_store::FindPlaced(id, read->global);
+    ASSERT_TRUE(before.has_value() && now.has_value()) << ToString(id);
+    EXPECT_LT((now->PositionInIsland() - before->PositionInIsland()).norm(), 1e-12);
+    EXPECT_EQ(now->point->revision, placed.revision);
+  }
 }
 
 TEST_F(MissionArchiveTest, DamageIsFoundWhereverItIs) {

@@ -12,7 +12,7 @@
 
 int main(int argc, char** argv) {
   testing::InitGoogleMock(&argc, argv);
-  std::string folder = testing::TempDir() + "/corbslam_test_XXXXXX";
+  std::string folder = testing::TempDir() + "corbslam_test_XXXXXX";
   if (mkdtemp(folder.data()) == nullptr) {
     std::perror(folder.c_str());
     return 1;
