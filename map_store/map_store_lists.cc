@@ -112,7 +112,7 @@ absl::StatusOr<Page<AgentInfo>> MapStore::ListAgents(absl::string_view mission_n
         EndPage(start, page.items, [](const AgentInfo& agent) { return agent.name; });
     return page;
   });
-  for (AgentInfo& agent : agents.items) mission->sessions().DescribeTold(agent);
+  mission->sessions().DescribeTold(agents.items);
   return agents;
 }
 

@@ -261,11 +261,9 @@ std::set<KeyframeId> FindMoved(const RevisionPlan& plan, double threshold_px,
 // An adjustment decides anew about each keyframe that it saw.
 void DecideAnew(const RevisionPlan& plan, RejectedObservations& rejected, RevisionLayers& layers) {
   for (const KeyframeId& id : plan.decided_anew) {
-    const auto begin = rejected.lower_bound({id, 0});
-    auto end = begin;
-    while (end != rejected.end() && end->first.first == id) ++end;
-    if (begin != end) layers.taken_back.push_back(id);
-    rejected.erase(begin, end);
+    const RejectedOf before(id, rejected);
+    if (!before.empty()) layers.taken_back.push_back(id);
+    rejected.erase(before.begin(), before.end());
   }
   for (const auto& [observation, raw] : plan.rejected_raw) rejected[observation] = raw;
 }

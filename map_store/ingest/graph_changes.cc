@@ -250,11 +250,8 @@ void ApplyKeyframeRemoval(const KeyframeRemoval& removal, MissionState& state,
   state.global.keyframes.erase(removal.id);
   AnchorElsewhere(lost, state);
   state.global.culled.erase(removal.id);
-  RejectedObservations& rejected = state.global.rejected;
-  const auto first = rejected.lower_bound({removal.id, 0});
-  auto last = first;
-  while (last != rejected.end() && last->first.first == removal.id) ++last;
-  rejected.erase(first, last);
+  const RejectedOf rejected(removal.id, state.global.rejected);
+  state.global.rejected.erase(rejected.begin(), rejected.end());
   state.FindIslandOf(local_map.id)->displaced.erase(removal.id);
 }
 

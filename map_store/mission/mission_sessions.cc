@@ -134,8 +134,12 @@ absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::NextShared(uint64_t
   return update;
 }
 
-void MissionSessions::DescribeTold(AgentInfo& agent) const {
+void MissionSessions::DescribeTold(std::vector<AgentInfo>& agents) const {
   absl::ReaderMutexLock lock(&strand_.mutex());
+  for (AgentInfo& agent : agents) DescribeTold(agent);
+}
+
+void MissionSessions::DescribeTold(AgentInfo& agent) const {
   const auto told = told_.find(agent.name);
   if (told == told_.end() || !agent.connected) return;
   agent.shared_updates = told->second.updates;

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -42,13 +43,14 @@ class MissionSessions {
   absl::Status AskForExactPlaces(const std::string& agent);
   bool TakeExactPlacesWanted(const std::string& agent);
 
-  // Says of a connected agent what its session was told.
-  void DescribeTold(AgentInfo& agent) const;
+  // Says of those agents that are connected what their sessions were told.
+  void DescribeTold(std::vector<AgentInfo>& agents) const;
 
   Listeners& listeners() { return listeners_; }
   const Listeners& listeners() const { return listeners_; }
 
  private:
+  void DescribeTold(AgentInfo& agent) const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   // What one agent was told. Its lock is taken before the state's lock; who tells the agent more
   // lets go of the state's lock now and then.
   struct Told {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -159,6 +160,20 @@ struct Island {
 // Raw observations that fusion found to be wrong. Each is ignored as long as the owner says the
 // same.
 using RejectedObservations = std::map<std::pair<KeyframeId, uint32_t>, MapPointId>;
+// Those of one keyframe.
+class RejectedOf {
+ public:
+  RejectedOf(KeyframeId id, const RejectedObservations& rejected)
+      : begin_(rejected.lower_bound({id, 0})),
+        end_(rejected.upper_bound({id, std::numeric_limits<uint32_t>::max()})) {}
+  RejectedObservations::const_iterator begin() const { return begin_; }
+  RejectedObservations::const_iterator end() const { return end_; }
+  bool empty() const { return begin_ == end_; }
+
+ private:
+  RejectedObservations::const_iterator begin_;
+  RejectedObservations::const_iterator end_;
+};
 
 // Fusion's own estimates, beside what the owners say.
 struct GlobalLayer {

@@ -4,6 +4,10 @@ namespace corbslam::map_store {
 
 std::shared_ptr<const Sights> SightsTable::Share(KeyframeId keyframe, Sights sights) const {
   absl::MutexLock lock(&mutex_);
+  if (newest_.size() >= tidy_at_) {
+    absl::erase_if(newest_, [](const auto& entry) { return entry.second.expired(); });
+    tidy_at_ = 1000 + 2 * newest_.size();
+  }
   std::weak_ptr<const Sights>& newest = newest_[keyframe];
   if (auto same = newest.lock(); same != nullptr && *same == sights) return same;
   sights.shrink_to_fit();

@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_MAP_STORE_STATE_SIGHTS_TABLE_H_
 #define CORBSLAM_MAP_STORE_STATE_SIGHTS_TABLE_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -18,8 +19,8 @@ namespace corbslam::map_store {
 // Pairs of keypoint and landmark, by keypoint; keypoints that see no landmark are left out.
 using Sights = std::vector<std::pair<uint32_t, MapPointId>>;
 
-// The newest sights of each keyframe that are in use. It is thread-safe, and keeps nothing alive by
-// itself. A copy begins empty.
+// The newest sights of each keyframe that are in use. It is thread-safe, keeps nothing alive by
+// itself, and forgets what nobody uses. A copy begins empty.
 class SightsTable {
  public:
   SightsTable() = default;
@@ -37,6 +38,7 @@ class SightsTable {
   mutable absl::Mutex mutex_;
   mutable absl::flat_hash_map<KeyframeId, std::weak_ptr<const Sights>> newest_
       ABSL_GUARDED_BY(mutex_);
+  mutable size_t tidy_at_ ABSL_GUARDED_BY(mutex_) = 1000;
 };
 
 }  // namespace corbslam::map_store

@@ -267,13 +267,9 @@ std::vector<MapPointId> ObservedPoints(const MissionState& state, const LocalMap
     }
   }
   if (treatment == Rejected::kTryAgain) return points;
-  const RejectedObservations& rejected = state.global.rejected;
-  for (auto it = rejected.lower_bound({keyframe.id(), 0});
-       it != rejected.end() && it->first.first == keyframe.id(); ++it) {
-    const uint32_t keypoint = it->first.second;
-    if (RawObservation(local_map, keyframe.id(), keypoint) == it->second) {
-      points[keypoint] = MapPointId();
-    }
+  for (const auto& [sight, raw] : RejectedOf(keyframe.id(), state.global.rejected)) {
+    const uint32_t keypoint = sight.second;
+    if (RawObservation(local_map, keyframe.id(), keypoint) == raw) points[keypoint] = MapPointId();
   }
   return points;
 }
@@ -298,11 +294,9 @@ size_t CountObservedPoints(const MissionState& state, const LocalMapState& local
       if (sees_any(keypoint)) ++count;
     }
   }
-  const RejectedObservations& rejected = state.global.rejected;
-  for (auto it = rejected.lower_bound({keyframe.id(), 0});
-       it != rejected.end() && it->first.first == keyframe.id(); ++it) {
-    const uint32_t keypoint = it->first.second;
-    const bool holds = RawObservation(local_map, keyframe.id(), keypoint) == it->second;
+  for (const auto& [sight, raw] : RejectedOf(keyframe.id(), state.global.rejected)) {
+    const uint32_t keypoint = sight.second;
+    const bool holds = RawObservation(local_map, keyframe.id(), keypoint) == raw;
     if (holds && sees_any(keypoint)) --count;
   }
   return count;

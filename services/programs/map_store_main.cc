@@ -82,6 +82,15 @@ std::vector<absl::Status> CheckWorkers(const Flags& flags) {
   return found;
 }
 
+// A number without a unit is one of bytes, which is hardly ever meant.
+absl::Status CheckMemoryBudget(uint64_t bytes) {
+  constexpr uint64_t kLeast = uint64_t{64} << 20;
+  if (bytes == 0 || bytes >= kLeast) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--memory-budget is ", bytes, " bytes; the store itself needs ", kLeast,
+                   " (64MiB). Give it with a unit, as 6GiB, or 0 for no limit"));
+}
+
 std::vector<absl::Status> Check(const Flags& flags) {
   std::vector<absl::Status> found = {
       flags.store.Validate(),
@@ -94,12 +103,14 @@ std::vector<absl::Status> Check(const Flags& flags) {
   const std::vector<absl::Status> workers = CheckWorkers(flags);
   found.insert(found.end(), workers.begin(), workers.end());
   if (!flags.data_dir.empty()) found.push_back(CheckFolder("--data-dir", flags.data_dir));
+  found.push_back(CheckMemoryBudget(flags.memory_budget_bytes.value_or(0)));
   const std::vector<absl::Status> observing = CheckObserving(flags.observe);
   found.insert(found.end(), observing.begin(), observing.end());
   return found;
 }
 
 absl::Status Run(Flags flags) {
+  RETURN_IF_ERROR(CheckMemoryBudget(flags.memory_budget_bytes.value_or(0)));
   flags.store.memory_budget_bytes = flags.memory_budget_bytes.value_or(DefaultMemoryBudget());
   LOG(INFO) << "memory budget: " << (flags.store.memory_budget_bytes >> 20) << " MiB";
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
