@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "map_store/map_store.h"
 #include "map_store/rocks/rocks_journal.h"
