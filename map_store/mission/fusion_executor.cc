@@ -1,5 +1,9 @@
 #include "map_store/mission/fusion_executor.h"
 
+#include <optional>
+
+#include "slam/util/resident_memory.h"
+
 namespace corbslam::map_store {
 
 void FusionExecutor::Start(ListMissions missions, int threads_per_lane) {
@@ -21,6 +25,9 @@ void FusionExecutor::Stop() {
 }
 
 FusionExecutor::Turn FusionExecutor::RunOne(Mission& mission, FusionLane lane) {
+  // An adjustment works on a copy of its island.
+  std::optional<ReturnsFreeMemory> after;
+  if (lane == FusionLane::kAdjustment) after.emplace();
   const std::optional<FusionJob> job = mission.fusion().StartJob(lane);
   if (!job.has_value()) return Turn::kNothingToDo;
   const ProgressCallback progress = [this, &job](double) {

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/records/unrecorded_state.h"
+#include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -81,6 +82,7 @@ absl::Status MissionSnapshots::Keep(const std::function<bool()>& goes_on) {
     beginning = Begin();
   }
   const Journal::Position position = beginning.position;
+  const ReturnsFreeMemory after;
   ASSIGN_OR_RETURN(const MissionState state, Replay(std::move(beginning), goes_on));
   JournalSnapshot snapshot = TakeSnapshot(state);
   snapshot.position = position;
@@ -101,6 +103,7 @@ absl::StatusOr<MissionBackup> MissionSnapshots::BackUp() {
     beginning = Begin();
     keyframes = strand_.WithState(&ListPayloads);
   }
+  const ReturnsFreeMemory after;
   ASSIGN_OR_RETURN(const MissionState state, Replay(std::move(beginning), [] { return true; }));
   return MissionBackup(EncodeState(state), std::move(keyframes));
 }

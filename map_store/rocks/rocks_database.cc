@@ -42,8 +42,9 @@ rocksdb::Options MakeOptions(rocksdb::Env* env) {
   made.bytes_per_sync = 1 << 20;
   made.strict_bytes_per_sync = true;
   // A burst of uploads fills one buffer while another is flushed; with two, which is the default,
-  // all writers then wait for the disk.
+  // all writers then wait for the disk. All four together are as large as those two.
   made.max_write_buffer_number = 4;
+  made.write_buffer_size = 32 << 20;
   // Features are large and never change: compaction leaves them where they are.
   made.enable_blob_files = true;
   made.min_blob_size = 16 << 10;

@@ -1,4 +1,4 @@
-// Measures how much memory the process has.
+// Measures how much memory the process has, and gives back what it does not use.
 #ifndef CORBSLAM_SLAM_UTIL_RESIDENT_MEMORY_H_
 #define CORBSLAM_SLAM_UTIL_RESIDENT_MEMORY_H_
 
@@ -8,6 +8,19 @@ namespace corbslam {
 
 // Returns what the kernel counts as resident; 0 where it does not say.
 uint64_t ResidentBytes();
+
+// Gives memory that the process has freed back to the system, if it is much: the allocator would
+// keep it, for ever where something small lies above it.
+void ReturnFreeMemory();
+
+// Does so at the end of its scope, when what is declared after it is gone.
+class ReturnsFreeMemory {
+ public:
+  ReturnsFreeMemory() = default;
+  ~ReturnsFreeMemory() { ReturnFreeMemory(); }
+  ReturnsFreeMemory(const ReturnsFreeMemory&) = delete;
+  ReturnsFreeMemory& operator=(const ReturnsFreeMemory&) = delete;
+};
 
 }  // namespace corbslam
 
