@@ -1,7 +1,5 @@
 #include "map_store/mission/fusion_executor.h"
 
-#include <optional>
-
 #include "slam/util/resident_memory.h"
 
 namespace corbslam::map_store {
@@ -25,9 +23,13 @@ void FusionExecutor::Stop() {
 }
 
 FusionExecutor::Turn FusionExecutor::RunOne(Mission& mission, FusionLane lane) {
-  // An adjustment works on a copy of its island.
-  std::optional<ReturnsFreeMemory> after;
-  if (lane == FusionLane::kAdjustment) after.emplace();
+  const Turn turn = RunJob(mission, lane);
+  // An adjustment works on a copy of its island, which is gone now.
+  if (turn == Turn::kDone && lane == FusionLane::kAdjustment) ReturnFreeMemory();
+  return turn;
+}
+
+FusionExecutor::Turn FusionExecutor::RunJob(Mission& mission, FusionLane lane) {
   const std::optional<FusionJob> job = mission.fusion().StartJob(lane);
   if (!job.has_value()) return Turn::kNothingToDo;
   const ProgressCallback progress = [this, &job](double) {

@@ -48,6 +48,7 @@ class FusionExecutor {
   enum class Turn { kNothingToDo, kDone, kTryLater };
 
   Turn RunOne(Mission& mission, FusionLane lane);
+  Turn RunJob(Mission& mission, FusionLane lane);
   void RunLane(FusionLane lane);
 
   FusionWorker* const worker_;
