@@ -67,6 +67,8 @@ absl::Status FusionCoordinator::CommitQuery(const QueryJob& job,
                                             const VerifyOverlapResult& result) {
   const QueryRecord record{job.task, result.overlaps, strand_.environment().clock()};
   RETURN_IF_ERROR(strand_.Append(record));
+  // The tables of poses that it needs are made while others may read.
+  strand_.WithState([&record](const MissionState& state) { PrepareToApply(record, state); });
   StateWriteLock lock(strand_);
   map_store::Apply(record, strand_.options(), strand_.mutable_state());
   return absl::OkStatus();

@@ -12,6 +12,7 @@
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/ingest/parked_references.h"
 #include "map_store/records/retraction.h"
+#include "map_store/view/placement.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -77,6 +78,17 @@ void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionSta
       entry.urgent = inside && GraphResidualPx(state, overlap) > options.loop_residual_px;
     }
     state.global.overlaps.Add(std::move(entry));
+  }
+}
+
+void PrepareToApply(const QueryRecord& record, const MissionState& state) {
+  for (const Overlap& overlap : record.overlaps) {
+    if (!overlap.IsAccepted()) continue;
+    for (const KeyframeId& id : {overlap.query, overlap.candidate}) {
+      if (const LocalMapState* local_map = state.FindLocalMap(id.local_map)) {
+        FindPoses(state, *local_map);
+      }
+    }
   }
 }
 

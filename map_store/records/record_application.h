@@ -19,6 +19,8 @@ BatchWords ComputeWords(const MapUpdateBatch& batch, const Vocabulary* vocabular
 void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOptions& options,
            MissionState& state);
 void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionState& state);
+// Computes what applying the record next will look up (tables of poses, which the state keeps).
+void PrepareToApply(const QueryRecord& record, const MissionState& state);
 // Returns whether the record merges islands, or mends what a loop has shown to be wrong: then an
 // adjustment of what it touches is due at once.
 bool IsUrgent(const FuseRecord& record, const MissionState& state);

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <vector>
 
 #include "absl/base/thread_annotations.h"
-#include "absl/container/flat_hash_map.h"
 #include "absl/synchronization/mutex.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
@@ -20,13 +20,14 @@ using IslandPoses = std::map<KeyframeId, Similarity3d>;
 // The poses of all keyframes of one local map.
 struct PoseTable {
   struct Standing {
+    KeyframeId id;
     bool placed = false;      // By fusion itself.
     uint64_t changed_at = 0;  // The version of the places at which this keyframe's changed last.
   };
 
   uint64_t version = 0;  // The version of the local map's places (LocalMapState::places_version).
   IslandPoses poses;
-  absl::flat_hash_map<KeyframeId, Standing> standings;
+  std::vector<Standing> standings;  // One for each pose, in the same order.
 };
 
 // The newest table of each local map. It is thread-safe: whoever reads a mission's state may add

@@ -118,11 +118,13 @@ bool MapWatcher::TakeKeyframes(const MissionState& state, Part& part, size_t& ro
                                MapChanges::Island& changes) {
   const LocalMapState& local_map = *state.FindLocalMap(part.local_map);
   const std::shared_ptr<const PoseTable> table = map_store::FindPoses(state, local_map);
-  for (auto it = table->poses.lower_bound(part.next_keyframe); it != table->poses.end(); ++it) {
-    const auto& [id, pose] = *it;
-    const PoseTable::Standing& standing = table->standings.at(id);
+  auto pose_of = table->poses.lower_bound(part.next_keyframe);
+  const auto begin =
+      std::ranges::lower_bound(table->standings, part.next_keyframe, {}, &PoseTable::Standing::id);
+  for (auto standing = begin; standing != table->standings.end(); ++standing, ++pose_of) {
+    const auto& [id, pose] = *pose_of;
     const bool is_news =
-        part.whole || standing.changed_at > part.since || part.keyframes.contains(id);
+        part.whole || standing->changed_at > part.since || part.keyframes.contains(id);
     if (!is_news) continue;
     if (room == 0) {
       part.next_keyframe = id;
@@ -131,7 +133,7 @@ bool MapWatcher::TakeKeyframes(const MissionState& state, Part& part, size_t& ro
     --room;
     const Keyframe& keyframe = *local_map.map.FindKeyframe(id);
     changes.keyframes.push_back({id, local_map.agent, keyframe.payload->timestamp_ns,
-                                 pose.ToRigid(), keyframe.parent, standing.placed});
+                                 pose.ToRigid(), keyframe.parent, standing->placed});
     if (include_points_ && !part.whole) AddFollowers(state, local_map, id, part.points);
   }
   for (const KeyframeId& id : std::exchange(part.keyframes, {})) {

@@ -1,6 +1,8 @@
 #include "map_store/view/placement.h"
 
 #include <deque>
+#include <utility>
+#include <vector>
 
 namespace corbslam::map_store {
 namespace {
@@ -14,7 +16,7 @@ Similarity3d Follow(const Keyframe& keyframe, const Keyframe& relative,
 }
 
 // Gives keyframes the pose by their nearest placed relative in the tree. It searches breadth first
-// from all placed keyframes at once; ties go by id.
+// from all placed keyframes at once (those in `front`: the others find nothing); ties go by id.
 void SpreadOverTree(const Map& map, std::deque<KeyframeId> front, IslandPoses& poses) {
   while (!front.empty()) {
     const Keyframe& from = *map.FindKeyframe(front.front());
@@ -41,12 +43,50 @@ void SpreadInOrder(const Map& map, IslandPoses& poses) {
   }
 }
 
-bool StoodSo(const PoseTable& table, KeyframeId id, const Similarity3d& pose, bool placed) {
-  const auto it = table.poses.find(id);
-  return it != table.poses.end() && table.standings.at(id).placed == placed &&
-         it->second.scale == pose.scale && it->second.rotation.coeffs() == pose.rotation.coeffs() &&
-         it->second.translation == pose.translation;
+// Returns the placed keyframes that have a relative without a pose, in the order of their ids.
+std::deque<KeyframeId> FindFront(const Map& map, const IslandPoses& poses) {
+  std::set<KeyframeId> front;
+  auto placed = poses.begin();
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (placed != poses.end() && placed->first == id) {
+      ++placed;
+      continue;
+    }
+    if (poses.contains(keyframe.parent)) front.insert(keyframe.parent);
+    for (const KeyframeId& child : keyframe.children) {
+      if (poses.contains(child)) front.insert(child);
+    }
+  }
+  return {front.begin(), front.end()};
 }
+
+bool IsSame(const Similarity3d& a, const Similarity3d& b) {
+  return a.scale == b.scale && a.rotation.coeffs() == b.rotation.coeffs() &&
+         a.translation == b.translation;
+}
+
+// Goes through a table in the order of ids.
+class TableWalk {
+ public:
+  // `table` may be null: then nothing stood anywhere.
+  explicit TableWalk(const PoseTable* table) : table_(table) {
+    if (table_ != nullptr) pose_ = table_->poses.begin();
+  }
+
+  // Returns where the keyframe stood; null if it did not. Ids rise from call to call.
+  const PoseTable::Standing* Find(KeyframeId id, const Similarity3d& pose) {
+    if (table_ == nullptr) return nullptr;
+    const std::vector<PoseTable::Standing>& standings = table_->standings;
+    for (; at_ < standings.size() && standings[at_].id < id; ++at_) ++pose_;
+    if (at_ == standings.size() || standings[at_].id != id) return nullptr;
+    return IsSame(pose_->second, pose) ? &standings[at_] : nullptr;
+  }
+
+ private:
+  const PoseTable* const table_;
+  IslandPoses::const_iterator pose_;
+  size_t at_ = 0;
+};
 
 bool HasAnyOf(const Unplaced& unplaced, LocalMapId local_map) {
   const auto it = unplaced.lower_bound(KeyframeId{local_map, 0});
@@ -65,16 +105,16 @@ IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& glob
 IslandPoses ComputePoses(const LocalMapState& local_map, const PlacedKeyframes& all_placed,
                          const Similarity3d* last, const Unplaced& unplaced) {
   IslandPoses poses;
-  std::deque<KeyframeId> front;
-  for (auto placed = all_placed.lower_bound(KeyframeId{local_map.id, 0});
-       placed != all_placed.end() && placed->first.local_map == local_map.id; ++placed) {
-    const KeyframeId id = placed->first;
-    if (unplaced.contains(id) || local_map.map.FindKeyframe(id) == nullptr) continue;
+  auto placed = all_placed.lower_bound(KeyframeId{local_map.id, 0});
+  for (const auto& [id, keyframe] : local_map.map.keyframes()) {
+    while (placed != all_placed.end() && placed->first < id) ++placed;
+    if (placed == all_placed.end()) break;
+    if (placed->first != id || unplaced.contains(id)) continue;
     poses.emplace_hint(poses.end(), id, placed->second.camera_from_island);
-    front.push_back(id);
   }
+  if (poses.size() == local_map.map.keyframes().size()) return poses;
   if (!poses.empty()) {
-    SpreadOverTree(local_map.map, std::move(front), poses);
+    SpreadOverTree(local_map.map, FindFront(local_map.map, poses), poses);
     SpreadInOrder(local_map.map, poses);
     return poses;
   }
@@ -93,10 +133,15 @@ std::shared_ptr<const PoseTable> FindPoses(const MissionState& state,
   table->version = local_map.places_version;
   table->poses = ComputePoses(local_map, state.global);
   table->standings.reserve(table->poses.size());
+  TableWalk before(old.get());
+  const PlacedKeyframes& all_placed = state.global.keyframes;
+  auto placed = all_placed.lower_bound(KeyframeId{local_map.id, 0});
   for (const auto& [id, pose] : table->poses) {
-    const bool placed = state.global.keyframes.contains(id);
-    const bool stands = old != nullptr && StoodSo(*old, id, pose, placed);
-    table->standings[id] = {placed, stands ? old->standings.at(id).changed_at : table->version};
+    while (placed != all_placed.end() && placed->first < id) ++placed;
+    const bool is_placed = placed != all_placed.end() && placed->first == id;
+    const PoseTable::Standing* stood = before.Find(id, pose);
+    const bool stands = stood != nullptr && stood->placed == is_placed;
+    table->standings.push_back({id, is_placed, stands ? stood->changed_at : table->version});
   }
   state.poses.Add(local_map.id, table);
   return table;
