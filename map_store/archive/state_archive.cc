@@ -281,11 +281,9 @@ void AnchorPoints(MissionState& state) {
   for (const auto& [id, placed] : state.global.points) {
     const MapPoint* point = state.FindPoint(id);
     if (point == nullptr) continue;
-    std::optional<PlacedPoint> there =
-        Anchor(*point, placed.position_in_anchor, state.global, state.global.keyframes);
-    if (!there.has_value()) continue;
-    there->revision = placed.revision;
-    anchored.emplace_hint(anchored.end(), id, *there);
+    const auto there = Anchor(*point, placed.position_in_anchor, placed.revision, state.global,
+                              state.global.keyframes);
+    if (there.has_value()) anchored.emplace_hint(anchored.end(), id, *there);
   }
   state.global.points = std::move(anchored);
 }

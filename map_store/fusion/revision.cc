@@ -172,9 +172,9 @@ void PlacePoints(const RevisionPlan& plan, const MissionState& state, RevisionLa
     const MapPoint* point = state.FindPoint(id);
     std::optional<PlacedPoint> placed;
     if (point != nullptr) {
-      placed = Anchor(*point, planned.position_in_island, state.global, layers.keyframes);
+      placed = Anchor(*point, planned.position_in_island, planned.revision, state.global,
+                      layers.keyframes);
     }
-    if (placed.has_value()) placed->revision = planned.revision;
     layers.changed_points.emplace_back(id, placed);
   }
 }

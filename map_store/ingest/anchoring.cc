@@ -10,10 +10,9 @@ namespace {
 void PlaceAgain(const LostPlace& place, MissionState& state) {
   const MapPoint* point = state.FindPoint(place.id);
   if (point == nullptr) return;
-  auto placed = Anchor(*point, place.position_in_island, state.global, state.global.keyframes);
-  if (!placed.has_value()) return;
-  placed->revision = place.revision;
-  state.global.points.try_emplace(place.id, *placed);
+  const auto placed = Anchor(*point, place.position_in_island, place.revision, state.global,
+                             state.global.keyframes);
+  if (placed.has_value()) state.global.points.try_emplace(place.id, *placed);
 }
 
 }  // namespace

@@ -186,14 +186,16 @@ std::optional<PlacedAnchor> FindPlaced(MapPointId id, const GlobalLayer& global)
 }
 
 std::optional<PlacedPoint> Anchor(const MapPoint& point, const Eigen::Vector3d& position_in_island,
-                                  const GlobalLayer& global, const PlacedKeyframes& placed) {
+                                  uint64_t revision, const GlobalLayer& global,
+                                  const PlacedKeyframes& placed) {
   auto anchor = placed.find(ReferenceOf(point, global));
   for (auto seen = point.observations.begin();
        anchor == placed.end() && seen != point.observations.end(); ++seen) {
     anchor = placed.find(seen->first);
   }
   if (anchor == placed.end()) return std::nullopt;
-  return PlacedPoint{anchor->first, anchor->second.camera_from_island * position_in_island, 0};
+  return PlacedPoint{anchor->first, anchor->second.camera_from_island * position_in_island,
+                     revision};
 }
 
 Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& local_map,

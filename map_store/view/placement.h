@@ -63,9 +63,10 @@ std::optional<PlacedAnchor> FindPlaced(MapPointId id, const GlobalLayer& global)
 
 // Returns the keyframe in which a living point that lies at `position_in_island` is to be anchored,
 // and its place there: the one that it follows or, if that is not placed, the first one of those
-// that see it. Nullopt: none of them is placed.
+// that see it. Nullopt: none of them is placed. `revision` put the point where it lies.
 std::optional<PlacedPoint> Anchor(const MapPoint& point, const Eigen::Vector3d& position_in_island,
-                                  const GlobalLayer& global, const PlacedKeyframes& placed);
+                                  uint64_t revision, const GlobalLayer& global,
+                                  const PlacedKeyframes& placed);
 
 // Returns the position of a living point of `local_map` in its island: fusion's own, if its
 // reference keyframe is placed, or else by its place relative to its reference keyframe. `poses`

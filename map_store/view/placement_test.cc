@@ -124,7 +124,7 @@ TEST_F(PlacementTest, APointWhoseReferenceWasCulledFollowsAnotherThatSeesIt) {
   Place(3, 13);
   const IslandPoses poses = ComputePoses(local_map_, state_.global);
   EXPECT_NEAR(ComputePosition(point, local_map_, state_.global, poses).x(), 12, 1e-12);
-  const auto placed = Anchor(point, {4, 0, 5}, state_.global, state_.global.keyframes);
+  const auto placed = Anchor(point, {4, 0, 5}, 1, state_.global, state_.global.keyframes);
   ASSERT_TRUE(placed.has_value());
   EXPECT_EQ(placed->anchor, Kf(3));
   state_.global.points[point.id] = *placed;
