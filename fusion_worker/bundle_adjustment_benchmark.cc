@@ -4,7 +4,7 @@
 #include "fusion_worker/local_fusion_worker.h"
 #include "slam/verification/testing/synthetic_world.h"
 
-namespace corbslam {
+namespace corbslam::fusion_worker {
 namespace {
 
 void BM_AdjustBundle(benchmark::State& state) {
@@ -31,6 +31,6 @@ void BM_AdjustBundle(benchmark::State& state) {
 BENCHMARK(BM_AdjustBundle)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::fusion_worker
 
 BENCHMARK_MAIN();

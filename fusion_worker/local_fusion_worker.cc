@@ -14,7 +14,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/verification/place_verification.h"
 
-namespace corbslam {
+namespace corbslam::fusion_worker {
 namespace {
 
 constexpr int kMaxIterations = 1000;
@@ -166,4 +166,4 @@ std::unique_ptr<FusionWorker> MakeLocalFusionWorker(const FusionWorkerOptions& o
   return std::make_unique<LocalFusionWorker>(options);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::fusion_worker

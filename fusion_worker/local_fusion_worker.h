@@ -8,7 +8,7 @@
 
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::fusion_worker {
 
 struct FusionWorkerOptions {
   // Threads of the solver for FuseMaps; AdjustBundle takes the request's number. With 1, results
@@ -23,6 +23,6 @@ struct FusionWorkerOptions {
 // progress callback returns false.
 std::unique_ptr<FusionWorker> MakeLocalFusionWorker(const FusionWorkerOptions& options = {});
 
-}  // namespace corbslam
+}  // namespace corbslam::fusion_worker
 
 #endif  // CORBSLAM_FUSION_WORKER_LOCAL_FUSION_WORKER_H_

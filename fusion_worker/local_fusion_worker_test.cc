@@ -7,7 +7,7 @@
 #include "slam/fusing/testing/fused_maps.h"
 #include "slam/verification/testing/synthetic_world.h"
 
-namespace corbslam {
+namespace corbslam::fusion_worker {
 namespace {
 
 using testing::ApplyFusing;
@@ -161,4 +161,4 @@ TEST_F(LocalFusionWorkerTest, TheSameRequestGivesTheSameBits) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::fusion_worker

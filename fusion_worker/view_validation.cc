@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "slam/camera/camera.h"
 
-namespace corbslam {
+namespace corbslam::fusion_worker {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;
@@ -61,4 +61,4 @@ absl::Status CheckView(const Map& view) {
   return absl::OkStatus();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::fusion_worker

@@ -6,12 +6,12 @@
 #include "absl/status/status.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::fusion_worker {
 
 // Returns INVALID_ARGUMENT, naming the id, for a keyframe without payload or camera, an impossible
 // camera, a rotation that is none, or a value that is not finite.
 absl::Status CheckView(const Map& view);
 
-}  // namespace corbslam
+}  // namespace corbslam::fusion_worker
 
 #endif  // CORBSLAM_FUSION_WORKER_VIEW_VALIDATION_H_

@@ -11,7 +11,7 @@
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::ByteJournal;
@@ -126,4 +126,4 @@ TEST_F(CullingTest, DerivingAgainTakesItBack) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -6,7 +6,7 @@
 
 #include "map_store/testing/two_robots.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::DeterministicOptions;
@@ -255,4 +255,4 @@ TEST_F(FusionFlowTest, EveryTrackedFrameIsInTheGlobalTrajectory) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -7,7 +7,7 @@
 
 #include "map_store/map_store.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using ::testing::HasSubstr;
@@ -48,8 +48,7 @@ FullMapPoint MakePoint(MapPointId id, KeyframeId reference) {
 
 class FailingJournal : public InMemoryJournal {
  public:
-  absl::StatusOr<Position> Append(absl::string_view mission,
-                                  const map_store::JournalRecord& record) override {
+  absl::StatusOr<Position> Append(absl::string_view mission, const JournalRecord& record) override {
     if (fails) return absl::ResourceExhaustedError("disk full");
     return InMemoryJournal::Append(mission, record);
   }
@@ -503,4 +502,4 @@ TEST_F(IngestionTest, WatchersSeeWhatChanged) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/map_store.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using ::testing::ElementsAre;
@@ -218,4 +218,4 @@ TEST(MapStoreOptionsTest, NoLimitMayBeNothing) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

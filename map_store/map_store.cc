@@ -13,13 +13,7 @@
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
-
-using map_store::FusionExecutor;
-using map_store::MemoryBudget;
-using map_store::Mission;
-using map_store::MissionEnvironment;
-using map_store::SnapshotKeeper;
+namespace corbslam::map_store {
 
 MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabulary> vocabulary,
                    std::unique_ptr<Journal> journal, FusionWorker* worker, Clock clock)
@@ -236,7 +230,7 @@ MissionRestorer MapStore::StartRestoring() const {
   });
 }
 
-absl::Status MapStore::RestoreMission(const std::string& name, map_store::MissionState state) {
+absl::Status MapStore::RestoreMission(const std::string& name, MissionState state) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
   RETURN_IF_ERROR(map_store::ValidateRestored(state, options_));
   {
@@ -260,4 +254,4 @@ absl::Status MapStore::RestoreMission(const std::string& name, map_store::Missio
   return status;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store

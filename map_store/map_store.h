@@ -30,16 +30,14 @@
 #include "slam/exchange/uplink.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 
 struct MissionLoad;
 
-namespace map_store {
 class FusionExecutor;
 class MemoryBudget;
 class Mission;
 class SnapshotKeeper;
-}  // namespace map_store
 
 // The store of all missions. It is thread-safe. Listeners are called without any lock of the store
 // held, from the thread that made the change; they must return soon and may call the store. Once a
@@ -152,7 +150,7 @@ class MapStore {
   // Its agents go on where the backup has them. The mission is durable when the function returns.
   // Returns ALREADY_EXISTS, or INVALID_ARGUMENT and RESOURCE_EXHAUSTED for content that would not
   // be taken from agents either.
-  absl::Status RestoreMission(const std::string& mission, map_store::MissionState state);
+  absl::Status RestoreMission(const std::string& mission, MissionState state);
   absl::StatusOr<Page<AgentInfo>> ListAgents(absl::string_view mission,
                                              const PageRequest& page) const;
   absl::StatusOr<Page<LocalMapInfo>> ListLocalMaps(absl::string_view mission,
@@ -191,40 +189,39 @@ class MapStore {
  private:
   struct Session {
     std::string agent;
-    std::shared_ptr<map_store::Mission> mission;
+    std::shared_ptr<Mission> mission;
   };
 
-  absl::StatusOr<std::shared_ptr<map_store::Mission>> FindMission(absl::string_view name) const;
+  absl::StatusOr<std::shared_ptr<Mission>> FindMission(absl::string_view name) const;
   // Registers a session in the mission, which is made if there is none. Returns the session's id.
   absl::StatusOr<uint64_t> EnterMission(const std::string& name, const std::string& agent);
   // Forgets the session, and the mission if nothing was ever written of it and nobody is in it.
   void LeaveMission(uint64_t session_id);
   // Wakes the fusion threads and the snapshot keeper, which may have work now.
   void Wake();
-  std::shared_ptr<map_store::Mission> MakeMission(const std::string& name);
+  std::shared_ptr<Mission> MakeMission(const std::string& name);
   absl::Status CheckRoomForMission() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
-  MissionInfo Describe(const map_store::Mission& mission) const;
+  MissionInfo Describe(const Mission& mission) const;
 
   const MapStoreOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
   const std::unique_ptr<Journal> journal_;
   const Clock clock_;
-  const std::unique_ptr<map_store::MemoryBudget> memory_;
-  std::unique_ptr<map_store::FusionExecutor> executor_;
-  std::unique_ptr<map_store::SnapshotKeeper> snapshots_;
+  const std::unique_ptr<MemoryBudget> memory_;
+  std::unique_ptr<FusionExecutor> executor_;
+  std::unique_ptr<SnapshotKeeper> snapshots_;
 
   // A deletion holds this lock from its beginning to its end.
   absl::Mutex deletion_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
   mutable absl::Mutex mutex_;
-  std::map<std::string, std::shared_ptr<map_store::Mission>, std::less<>> missions_
-      ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, std::shared_ptr<Mission>, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
   // Names of missions that are being restored.
   std::set<std::string, std::less<>> restoring_ ABSL_GUARDED_BY(mutex_);
   std::map<uint64_t, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   uint64_t next_session_ ABSL_GUARDED_BY(mutex_) = 1;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store
 
 #endif  // CORBSLAM_MAP_STORE_MAP_STORE_H_

@@ -14,15 +14,7 @@
 #include "map_store/view/page_tokens.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
-
-using map_store::EndPage;
-using map_store::LocalMapState;
-using map_store::Mission;
-using map_store::MissionState;
-using map_store::NoSuchPageToken;
-using map_store::PageStart;
-using map_store::ReadPageStart;
+namespace corbslam::map_store {
 
 namespace {
 
@@ -187,4 +179,4 @@ absl::StatusOr<Page<OverlapInfo>> MapStore::ListOverlaps(absl::string_view missi
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store

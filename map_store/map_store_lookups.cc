@@ -11,11 +11,7 @@
 #include "map_store/view/trajectory.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
-
-using map_store::LocalMapState;
-using map_store::Mission;
-using map_store::MissionState;
+namespace corbslam::map_store {
 
 bool MapStore::has_worker() const { return executor_->has_worker(); }
 
@@ -56,7 +52,7 @@ absl::StatusOr<KeyframeInfo> MapStore::GetKeyframe(absl::string_view mission_nam
 
 absl::StatusOr<MissionStatistics> MapStore::GetStatistics(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->WithState(map_store::DescribeStatistics);
+  return mission->WithState(DescribeStatistics);
 }
 
 std::vector<MissionLoad> MapStore::ListLoads() const {
@@ -96,7 +92,7 @@ absl::StatusOr<std::vector<IslandView>> MapStore::GlobalMapView(
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   return mission->WithState([](const MissionState& state) {
     std::vector<IslandView> views;
-    for (const map_store::Island* island : map_store::OrderedIslands(state)) {
+    for (const Island* island : map_store::OrderedIslands(state)) {
       views.push_back(map_store::DescribeIsland(state, *island));
     }
     return views;
@@ -122,4 +118,4 @@ void MapStore::RemoveMapListener(absl::string_view mission_name, uint64_t token)
   if (mission.ok()) (*mission)->listeners().RemoveOfMap(token);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 absl::Status CheckPositive(absl::string_view field, double value) {
@@ -77,4 +77,4 @@ MapStoreOptions MapStoreOptions::WithoutBatchLimits() {
   return options;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store

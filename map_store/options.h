@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 
 struct MapStoreOptions {
   // Options that change results.
@@ -107,6 +107,6 @@ struct MapStoreOptions {
   static MapStoreOptions WithoutBatchLimits();
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store
 
 #endif  // CORBSLAM_MAP_STORE_OPTIONS_H_

@@ -10,7 +10,7 @@
 #include "map_store/testing/name_lists.h"
 #include "map_store/testing/two_robots.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::Agents;
@@ -133,4 +133,4 @@ TEST_F(PagesTest, OverlapsThatAreFoundAgainBetweenPages) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

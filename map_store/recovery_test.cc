@@ -21,15 +21,9 @@
 #include "map_store/testing/small_mission.h"
 #include "slam/coding/testing/plausible_features.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
-using map_store::BatchRecord;
-using map_store::FuseRecord;
-using map_store::FuseRefusedRecord;
-using map_store::JournalRecord;
-using map_store::MissionState;
-using map_store::QueryRecord;
 using testing::ByteJournal;
 using testing::JournalBytes;
 using testing::kSmallMapA;
@@ -219,7 +213,7 @@ struct StateDamage {
   std::function<void(MissionState&)> damage;
 };
 
-map_store::LocalMapState& MapA(MissionState& state) { return state.local_maps.at(kSmallMapA); }
+LocalMapState& MapA(MissionState& state) { return state.local_maps.at(kSmallMapA); }
 
 std::vector<StateDamage> MakeStateDamages() {
   return {{"ALocalMapInTwoPlaces", [](auto& state) { std::swap(state.order[0], state.order[1]); }},
@@ -259,7 +253,7 @@ std::vector<StateDamage> MakeStateDamages() {
           {"AnOverlapInNoState",
            [](auto& state) {
              state.global.overlaps.Change(
-                 1, [](auto& entry) { entry.state = static_cast<map_store::OverlapState>(-1); });
+                 1, [](auto& entry) { entry.state = static_cast<OverlapState>(-1); });
            }},
           {"AQueryOfNobody",
            [](auto& state) {
@@ -292,7 +286,7 @@ class DamagedStateTest : public ::testing::TestWithParam<StateDamage> {};
 
 TEST_P(DamagedStateTest, IsRefused) {
   const auto bytes = WriteSnapshot();
-  const map_store::FeatureLoader load = [](KeyframeId) { return testing::MakeSmallFeatures(); };
+  const FeatureLoader load = [](KeyframeId) { return testing::MakeSmallFeatures(); };
   auto state = map_store::DecodeState(bytes->snapshot, load);
   ASSERT_TRUE(state.ok()) << state.status();
   GetParam().damage(*state);
@@ -304,7 +298,7 @@ INSTANTIATE_TEST_SUITE_P(All, DamagedStateTest, ::testing::ValuesIn(MakeStateDam
 
 TEST(RecoveryTest, EveryCutIsRefused) {
   const std::string snapshot = WriteSnapshot()->snapshot;
-  const map_store::FeatureLoader load = [](KeyframeId) { return testing::MakeSmallFeatures(); };
+  const FeatureLoader load = [](KeyframeId) { return testing::MakeSmallFeatures(); };
   for (size_t size = 0; size < snapshot.size(); size += 7) {
     EXPECT_FALSE(map_store::DecodeState({snapshot.data(), size}, load).ok()) << size;
   }
@@ -356,7 +350,7 @@ TEST(CodedFeaturesTest, WhatNeverPassedTheWireIsKeptToTheBitAsWell) {
 
 TEST(CodedFeaturesTest, OfOlderJournalsAreRead) {
   const KeyframePayload payload = PlausiblePayload();
-  map_store::ArchiveWriter plain;
+  ArchiveWriter plain;
   plain(payload.features);
   const auto read = map_store::DecodeFeatures(plain.Take());
   ASSERT_TRUE(read.ok()) << read.status();
@@ -374,4 +368,4 @@ TEST(CodedFeaturesTest, DamageIsDataLoss) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

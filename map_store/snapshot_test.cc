@@ -19,7 +19,7 @@
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::ByteJournal;
@@ -130,4 +130,4 @@ TEST_F(SnapshotTest, OneOfADeletedMissionIsGivenUp) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -17,7 +17,7 @@
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::MakeRingMap;
@@ -124,9 +124,8 @@ TEST_F(ThreadedStoreTest, WaitsForAWorkerThatIsAway) {
 // A journal that takes batches, but refuses the first few records of other kinds.
 class NarrowJournal : public InMemoryJournal {
  public:
-  absl::StatusOr<Position> Append(absl::string_view mission,
-                                  const map_store::JournalRecord& record) override {
-    const bool is_batch = std::holds_alternative<map_store::BatchRecord>(record);
+  absl::StatusOr<Position> Append(absl::string_view mission, const JournalRecord& record) override {
+    const bool is_batch = std::holds_alternative<BatchRecord>(record);
     if (!is_batch && refusals_-- > 0) return absl::ResourceExhaustedError("no room");
     return InMemoryJournal::Append(mission, record);
   }
@@ -269,4 +268,4 @@ TEST_F(ThreadedStoreTest, NothingIsWrittenToAMissionThatIsBeingDeleted) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -23,7 +23,7 @@
 #include "slam/util/bounded_sample.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct AgentOptions {
   std::string mission = "default";
@@ -140,6 +140,6 @@ class Agent {
   virtual Map CopyMap() const = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_AGENT_AGENT_H_

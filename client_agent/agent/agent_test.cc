@@ -10,7 +10,7 @@
 
 #include "client_agent/source/recorded_sequence.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 std::shared_ptr<const Vocabulary> ShippedVocabulary() {
@@ -161,4 +161,4 @@ TEST_F(RecordedAgentTest, LostForAWhileItFindsBackLostForLongItOpensANewMap) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -4,7 +4,7 @@
 
 #include "absl/time/clock.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 LocalMapSession::LocalMapSession(const LocalMapSessionOptions& options,
                                  std::shared_ptr<const Camera> camera,
@@ -82,4 +82,4 @@ void LocalMapSession::OnPlaced(const PlacementChange& change, const Map& map) {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

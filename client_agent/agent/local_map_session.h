@@ -19,7 +19,7 @@
 #include "client_agent/shared/shared_map.h"
 #include "client_agent/tracking/tracker.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct LocalMapSessionOptions {
   LocalMapId local_map;
@@ -73,6 +73,6 @@ class LocalMapSession : public MapJobs {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_AGENT_LOCAL_MAP_SESSION_H_

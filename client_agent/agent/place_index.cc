@@ -6,7 +6,7 @@
 #include "slam/place/candidate_groups.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr size_t kMaxGroups = 5;
@@ -68,4 +68,4 @@ std::vector<KeyframeId> PlaceIndex::FindLoops(const Keyframe& query,
   return BestOfGroups(candidates);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -11,7 +11,7 @@
 #include "client_agent/map/guarded_map.h"
 #include "slam/place/keyframe_database.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The index is thread-safe; no lock is held across a call to the map.
 class PlaceIndex {
@@ -39,6 +39,6 @@ class PlaceIndex {
   KeyframeDatabase database_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_AGENT_PLACE_INDEX_H_

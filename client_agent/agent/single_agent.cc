@@ -8,7 +8,7 @@
 #include "client_agent/agent/trajectory_log.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // The agent's name makes the ids of two agents with one seed differ (FNV-1a).
@@ -261,4 +261,4 @@ Map SingleAgent::CopyMap() const {
   return session->map().Read([](const Map& map) { return map; });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

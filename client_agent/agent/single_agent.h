@@ -15,7 +15,7 @@
 #include "client_agent/source_checks/input_watch.h"
 #include "slam/util/bounded_sample.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 class SingleAgent : public Agent {
  public:
@@ -77,6 +77,6 @@ class SingleAgent : public Agent {
   std::unique_ptr<StoreLink> link_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_AGENT_SINGLE_AGENT_H_

@@ -1,6 +1,6 @@
 #include "client_agent/agent/trajectory_log.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 void AppendTrajectory(const std::vector<TrackedFrame>& frames, const GuardedMap& guarded,
                       std::vector<TrajectoryPose>& trajectory) {
@@ -15,4 +15,4 @@ void AppendTrajectory(const std::vector<TrackedFrame>& frames, const GuardedMap&
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

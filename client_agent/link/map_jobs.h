@@ -7,7 +7,7 @@
 #include "client_agent/map/guarded_map.h"
 #include "client_agent/shared/shared_map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 class MapJobs {
  public:
@@ -20,6 +20,6 @@ class MapJobs {
   virtual void OnPlaced(const PlacementChange& change, const Map& map) = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_LINK_MAP_JOBS_H_

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 size_t ApproximateBytes(const SharedUpdate& update) {
   constexpr size_t kFeatureBytes = sizeof(Keypoint) + sizeof(Descriptor) + sizeof(MapPointId);
@@ -113,4 +113,4 @@ size_t SharedInbox::keyframes() const {
   return keyframes_;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -15,7 +15,7 @@
 #include "client_agent/shared/shared_map.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Bounds the updates that the mapping thread has not taken over yet. When one of the two is
 // reached, the session reads on only once the mapping thread has taken them all: nothing is lost,
@@ -79,6 +79,6 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   size_t keyframes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_LINK_SHARED_INBOX_H_

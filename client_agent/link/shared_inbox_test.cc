@@ -9,7 +9,7 @@
 #include "client_agent/link/testing/fake_uplink.h"
 #include "client_agent/link/testing/test_payload.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kOwn{1};
@@ -96,4 +96,4 @@ TEST_F(SharedInboxTest, AClosedOnePostsNothingAndLetsTheSessionRead) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 bool IsRefusal(const absl::Status& status) {
@@ -479,4 +479,4 @@ std::optional<absl::Time> StoreLink::first_acknowledged() const {
   return first_acknowledged_;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

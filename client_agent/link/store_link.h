@@ -26,7 +26,7 @@
 #include "client_agent/upload/upload_queue.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct StoreLinkOptions {
   std::string mission;
@@ -190,6 +190,6 @@ class StoreLink : private UplinkListener {
   std::thread thread_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_LINK_STORE_LINK_H_

@@ -12,7 +12,7 @@
 #include "client_agent/link/testing/test_payload.h"
 #include "client_agent/upload/testing/fake_spool.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::AllOf;
@@ -316,4 +316,4 @@ TEST_F(StoreLinkBudgetTest, TheThreadKeepsToItToo) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

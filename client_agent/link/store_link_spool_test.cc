@@ -10,7 +10,7 @@
 #include "client_agent/link/testing/fake_uplink.h"
 #include "client_agent/upload/testing/fake_spool.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kOwn{1};
@@ -288,4 +288,4 @@ TEST_F(StoreLinkSpoolTest, AFullDiskStopsTheUploadOnlyAndNothingIsLost) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

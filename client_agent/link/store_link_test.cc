@@ -8,7 +8,7 @@
 #include "client_agent/link/testing/fake_uplink.h"
 #include "gtest/gtest.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kOwn{1};
@@ -334,4 +334,4 @@ TEST_F(StoreLinkTest, ThreadedModeSendsAndStops) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

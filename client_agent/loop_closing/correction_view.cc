@@ -5,7 +5,7 @@
 #include "absl/container/btree_set.h"
 #include "slam/fusing/map_fusing.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 absl::btree_set<KeyframeId> LoopEnds(const Map& map, LocalMapId own,
@@ -67,4 +67,4 @@ Map CorrectionView(const Map& map, LocalMapId own, const std::optional<KeyframeI
   return view;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -6,7 +6,7 @@
 
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Returns a copy of all that is own with all that it sees, and of what others made that own loops
 // end at: the candidate of a loop about to be closed, the ends of earlier loop edges, as many of
@@ -16,6 +16,6 @@ namespace corbslam {
 // those.
 Map CorrectionView(const Map& map, LocalMapId own, const std::optional<KeyframeId>& candidate);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_LOOP_CLOSING_CORRECTION_VIEW_H_

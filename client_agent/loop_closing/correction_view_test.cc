@@ -7,7 +7,7 @@
 
 #include "slam/fusing/map_fusing.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kOwn{0xa};
@@ -89,4 +89,4 @@ TEST(CorrectionViewTest, HasTheEndsOfEarlierLoops) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

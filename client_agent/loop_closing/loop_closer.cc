@@ -10,7 +10,7 @@
 #include "slam/optimisation/bundle_adjustment.h"
 #include "slam/verification/neighbourhood.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Keyframes that see so many points together stand well to each other already.
@@ -263,4 +263,4 @@ LoopCloserCounts LoopCloser::counts() const {
   return counts_;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

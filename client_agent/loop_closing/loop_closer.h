@@ -22,7 +22,7 @@
 #include "slam/map/map.h"
 #include "slam/verification/place_verification.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct LoopCloserOptions {
   // What changes results.
@@ -124,6 +124,6 @@ class LoopCloser {
   LoopCloserCounts counts_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_LOOP_CLOSING_LOOP_CLOSER_H_

@@ -15,7 +15,7 @@
 #include "slam/rendering/map_picture.h"
 #include "slam/verification/testing/synthetic_world.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using testing::AteRmse_m;
@@ -324,4 +324,4 @@ TEST_F(LoopCloserTest, KeyframesThatAreGoneAreSkipped) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -2,7 +2,7 @@
 
 #include "absl/container/btree_map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Returns everything as it was in the copy.
@@ -153,4 +153,4 @@ std::map<KeyframeId, OwnCorrection::Motion> ApplyCorrection(const MapCorrection&
   return moved;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -14,7 +14,7 @@
 #include "slam/map/map.h"
 #include "slam/optimisation/bundle_adjustment.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct MapCorrection {
   struct MovedKeyframe {
@@ -50,6 +50,6 @@ MapCorrection MakeCorrection(const Map& map, LocalMapId own, const BundleResult&
 std::map<KeyframeId, OwnCorrection::Motion> ApplyCorrection(const MapCorrection& correction,
                                                             LocalMapId own, Map& map);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_LOOP_CLOSING_MAP_CORRECTION_H_

@@ -11,7 +11,7 @@
 #include "client_agent/map/map_history.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Any thread may read; only the mapping thread writes (others post a job to MappingQueue). Nobody
 // optimises, waits or calls out while inside Read or Write, and the two never nest.
@@ -82,6 +82,6 @@ class GuardedMap {
   Map map_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAP_GUARDED_MAP_H_

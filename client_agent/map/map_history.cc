@@ -1,6 +1,6 @@
 #include "client_agent/map/map_history.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 MapPointId MapHistory::CurrentPoint(MapPointId id) const {
   for (auto it = replaced_points_.find(id); it != replaced_points_.end();
@@ -93,4 +93,4 @@ bool MapHistory::MayChangeKeypoints(KeyframeId id) const {
   return next_ == nullptr || next_->MayChangeKeypoints(id);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -13,7 +13,7 @@
 #include "slam/map/map.h"
 #include "slam/map/map_observer.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Counts the items of a map that are of its own local map.
 struct OwnItems {
@@ -86,6 +86,6 @@ class MapHistory : public MapObserver {
   uint64_t replacements_ = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAP_MAP_HISTORY_H_

@@ -7,7 +7,7 @@
 #include "client_agent/map/guarded_map.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 class CountingObserver : public MapObserver {
@@ -174,4 +174,4 @@ TEST(MapHistoryBoundTest, CountsOwnItemsAsTheyComeAndGo) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // What moved after a loop was closed, or after everything was adjusted because of one.
 struct OwnCorrection {
@@ -26,6 +26,6 @@ struct OwnCorrection {
   absl::btree_set<KeyframeId> held;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAP_OWN_CORRECTION_H_

@@ -3,7 +3,7 @@
 #include <iterator>
 #include <limits>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 KeyframeId NewestBut(const Map& map, LocalMapId local_map, size_t count) {
   const auto& keyframes = map.keyframes();
@@ -16,4 +16,4 @@ KeyframeId NewestBut(const Map& map, LocalMapId local_map, size_t count) {
   return KeyframeId();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

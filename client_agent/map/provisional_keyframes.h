@@ -6,7 +6,7 @@
 
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The newest so many of a local map's own keyframes are provisional: mapping judges each as it
 // leaves them (docs/adr/0012-provisional-keyframes.md).
@@ -16,6 +16,6 @@ inline constexpr size_t kProvisionalKeyframes = 6;
 // invalid if there is none.
 KeyframeId NewestBut(const Map& map, LocalMapId local_map, size_t count);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAP_PROVISIONAL_KEYFRAMES_H_

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kOwn{5};
@@ -33,4 +33,4 @@ TEST(NewestButTest, CountsOwnKeyframesThatAreThere) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -4,7 +4,7 @@
 
 #include "client_agent/mapping/keyframe_insertion.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr double kMinFoundRatio = 0.25;
@@ -118,4 +118,4 @@ void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 #include "client_agent/mapping/point_statistics.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 inline constexpr double kRedundantShare = 0.95;
 
@@ -57,6 +57,6 @@ void RemoveKeyframeAndItsPoints(KeyframeId id, Map& map);
 // observation of each was dropped.
 void RemoveWeakPoints(const std::vector<MapPointId>& points, LocalMapId own, Map& map);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAPPING_CULLING_H_

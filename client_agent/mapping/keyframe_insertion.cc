@@ -4,7 +4,7 @@
 
 #include "client_agent/mapping/nearest_keypoints.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr size_t kMinPointsFromDepth = 100;
@@ -102,4 +102,4 @@ int CountObservations(const Map& map, const MapPoint& point) {
   return count;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -9,7 +9,7 @@
 #include "client_agent/mapping/mapping_queue.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Adds the keyframe, the observations that tracking found, and points for its close keypoints that
 // see none (ORB-SLAM2, T-RO 2017). Returns the new points. Mapping thread only; writes.
@@ -18,6 +18,6 @@ std::vector<MapPointId> InsertKeyframe(const NewKeyframe& keyframe, GuardedMap& 
 // Counts an observation twice where it has depth (ORB-SLAM2).
 int CountObservations(const Map& map, const MapPoint& point);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAPPING_KEYFRAME_INSERTION_H_

@@ -3,7 +3,7 @@
 #include "client_agent/map/provisional_keyframes.h"
 #include "client_agent/mapping/culling.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr double kRedundantShareOfProvisional = 0.7;
@@ -41,4 +41,4 @@ std::vector<KeyframeId> KeyframeJudge::Judge(GuardedMap& guarded) {
   return removed;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 
 #include "client_agent/map/guarded_map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Takes out those own keyframes that turn out to be redundant as they leave the newest
 // kProvisionalKeyframes. Nobody has been told of them yet, so they go more easily than those that
@@ -25,6 +25,6 @@ class KeyframeJudge {
   std::optional<uint32_t> judged_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAPPING_KEYFRAME_JUDGEMENT_H_

@@ -9,7 +9,7 @@
 #include "client_agent/map/provisional_keyframes.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::ElementsAre;
@@ -79,4 +79,4 @@ TEST_F(KeyframeJudgementTest, WhileAllAreNewNoneIsJudged) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

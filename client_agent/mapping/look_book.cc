@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 void AddDisparity(const LookSum& looks, double own_weight, Keypoint& keypoint) {
@@ -53,4 +53,4 @@ absl::btree_map<KeyframeId, KeyframeLooks> LookBook::TakeUpTo(KeyframeId last) {
   return taken;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

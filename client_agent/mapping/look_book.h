@@ -14,7 +14,7 @@
 #include "slam/features/keypoint.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Another measurement of what a keyframe's keypoint sees, in the keyframe's pixels.
 struct Look {
@@ -58,6 +58,6 @@ class LookBook {
   std::optional<KeyframeId> taken_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAPPING_LOOK_BOOK_H_

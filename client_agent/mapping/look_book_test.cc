@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::IsEmpty;
@@ -93,4 +93,4 @@ TEST(LookBookTest, LooksBeyondTheKeypointsAreNone) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

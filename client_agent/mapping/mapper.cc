@@ -15,7 +15,7 @@
 #include "client_agent/mapping/point_fusion.h"
 #include "slam/optimisation/bundle_scope.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // A map with fewer keyframes has nothing to adjust.
@@ -200,4 +200,4 @@ void Mapper::ApplyLooks() {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

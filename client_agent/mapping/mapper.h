@@ -15,7 +15,7 @@
 #include "slam/optimisation/bundle_adjustment.h"
 #include "slam/util/bounded_sample.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct MapperOptions {
   BundleOptions local_bundle;
@@ -68,6 +68,6 @@ class Mapper {
   bool is_jobs_turn_ = true;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAPPING_MAPPER_H_

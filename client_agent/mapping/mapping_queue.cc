@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 bool MappingQueue::HasRoom() const {
   absl::MutexLock lock(&mutex_);
@@ -75,4 +75,4 @@ void MappingQueue::Stop() {
   keyframes_.clear();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

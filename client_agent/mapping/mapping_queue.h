@@ -16,7 +16,7 @@
 #include "client_agent/map/guarded_map.h"
 #include "slam/map/keyframe.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // A frame that tracking chose to keep.
 struct NewKeyframe {
@@ -79,6 +79,6 @@ class MappingQueue {
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAPPING_MAPPING_QUEUE_H_

@@ -7,7 +7,7 @@
 
 #include "absl/time/clock.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 NewKeyframe Numbered(uint32_t index) {
@@ -69,4 +69,4 @@ TEST(MappingQueueTest, StopWakesTheConsumerAndRefusesMore) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -14,7 +14,7 @@
 #include "client_agent/mapping/point_fusion.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kOwn{0x5ce7e};
@@ -396,4 +396,4 @@ TEST_F(CrowdedMappingTest, RemovedKeyframeTakesWeakPointsAlong) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

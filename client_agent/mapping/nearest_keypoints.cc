@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 std::vector<uint32_t> NearestKeypoints(const Camera& camera, const std::vector<Keypoint>& keypoints,
                                        size_t at_least) {
@@ -23,4 +23,4 @@ std::vector<uint32_t> NearestKeypoints(const Camera& camera, const std::vector<K
   return nearest;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 #include "slam/matching/triangulation_matching.h"
 #include "slam/solvers/triangulation.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr int kNeighbours = 10;
@@ -137,4 +137,4 @@ std::vector<MapPointId> CreatePoints(KeyframeId keyframe, GuardedMap& guarded) {
   return made;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

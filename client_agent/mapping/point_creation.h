@@ -8,7 +8,7 @@
 #include "client_agent/map/guarded_map.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Locates the point that keypoint `index_a` of `a` and `index_b` of `b` see: from the two rays, or
 // from the depth of one of them where that says more than their parallax. Returns none where
@@ -21,6 +21,6 @@ std::optional<Eigen::Vector3d> LocatePoint(const Keyframe& a, uint32_t index_a, 
 // returns the new ones. Mapping thread only; writes.
 std::vector<MapPointId> CreatePoints(KeyframeId keyframe, GuardedMap& map);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAPPING_POINT_CREATION_H_

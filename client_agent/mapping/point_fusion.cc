@@ -5,7 +5,7 @@
 
 #include "absl/container/flat_hash_set.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr int kNeighbours = 10;
@@ -103,4 +103,4 @@ void FuseNeighbours(KeyframeId keyframe, GuardedMap& guarded) {
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -6,7 +6,7 @@
 #include "client_agent/map/guarded_map.h"
 #include "slam/matching/fuse_matching.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Projects the keyframe's points into its neighbours (ten, and five of each of theirs) and theirs
 // into it (ORB-SLAM, T-RO 2015, VI.C). Others' keyframes are not given observations; where an own
@@ -18,6 +18,6 @@ void FuseNeighbours(KeyframeId keyframe, GuardedMap& map);
 void ApplyFuseProposals(KeyframeId keyframe, absl::Span<const FuseProposal> proposals,
                         LocalMapId own, Map& map);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAPPING_POINT_FUSION_H_

@@ -1,6 +1,6 @@
 #include "client_agent/mapping/point_statistics.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 void PointStatistics::Watch(MapPointId id) {
   absl::MutexLock lock(&mutex_);
@@ -29,4 +29,4 @@ double PointStatistics::FoundRatio(MapPointId id) const {
   return it == counts_.end() ? 1.0 : static_cast<double>(it->second.found) / it->second.visible;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

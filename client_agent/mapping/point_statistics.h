@@ -10,7 +10,7 @@
 #include "absl/synchronization/mutex.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Only watched points are counted. Thread-safe.
 class PointStatistics {
@@ -35,6 +35,6 @@ class PointStatistics {
   absl::flat_hash_map<MapPointId, Counts> counts_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_MAPPING_POINT_STATISTICS_H_

@@ -4,7 +4,7 @@
 
 #include "slam/features/keypoint.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr int kEnoughPoints = 15;
@@ -87,4 +87,4 @@ void HeldKeyframes::Update(const Map& map) {
   contacts_ = std::move(contacts);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 #include "slam/map/map.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The foreign keyframes that are held. A foreign keyframe is held by the own one that shares the
 // most points with it, if both see most of these where they stand in the map. Not thread-safe.
@@ -39,6 +39,6 @@ class HeldKeyframes {
   std::map<KeyframeId, Contact> contacts_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SHARED_HELD_KEYFRAMES_H_

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Corrections remembered of one keyframe, so that a robot that is never told its places keeps no
@@ -72,4 +72,4 @@ void OwnPlaces::Correct(const OwnCorrection& correction) {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -11,7 +11,7 @@
 #include "slam/map/map.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The own places. Each comes with the local pose from which fusion derived it. That one, not the
 // keyframe's pose now, says where the global frame lies: what the robot adjusts must not move what
@@ -44,6 +44,6 @@ class OwnPlaces {
   std::map<KeyframeId, Motions> motions_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SHARED_OWN_PLACES_H_

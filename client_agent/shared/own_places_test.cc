@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr KeyframeId kKeyframe{LocalMapId{1}, 3};
@@ -39,4 +39,4 @@ TEST(OwnPlacesTest, AnythingThatTheStoreWasNotToldForLongIsAdded) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -1,6 +1,6 @@
 #include "client_agent/shared/placement_planner.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // A keyframe whose placing differs by less is left where it is, because the difference is below
@@ -119,4 +119,4 @@ Rigid3d PlacementPlanner::PlacingOf(const SharedMapPoint& point, const SharedCon
   return anchors_.LocalFromGlobalAt(point.position_in_global);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

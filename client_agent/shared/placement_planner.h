@@ -12,7 +12,7 @@
 #include "client_agent/shared/shared_content.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // What is to be written into a map: items that are new to it, that are news from the store, or that
 // lie elsewhere now. A plan is good as long as the map and the content that it was made of do not
@@ -72,6 +72,6 @@ class PlacementPlanner {
   absl::btree_set<MapPointId> points_alone_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SHARED_PLACEMENT_PLANNER_H_

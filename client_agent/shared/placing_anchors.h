@@ -8,7 +8,7 @@
 
 #include "slam/geometry/rigid3.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The anchors: keyframes of which it is known both where they are in the global frame and in the
 // robot's. Not thread-safe.
@@ -33,6 +33,6 @@ class PlacingAnchors {
   std::vector<Rigid3d> local_from_global_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SHARED_PLACING_ANCHORS_H_

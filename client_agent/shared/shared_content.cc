@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 void SharedContent::Apply(const ArrivedUpdate& arrived) {
   const SharedUpdate& update = arrived.update;
@@ -190,4 +190,4 @@ MapPointId SharedContent::Representative(const Map& map, MapPointId id) const {
   return survivor;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -14,7 +14,7 @@
 #include "slam/map/item_table.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // One step of the store's view, as it came, with what the robot computes of it.
 struct ArrivedUpdate {
@@ -99,6 +99,6 @@ class SharedContent {
   std::map<LocalMapId, SourceNews> news_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SHARED_SHARED_CONTENT_H_

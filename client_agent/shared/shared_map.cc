@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 void SharedMap::Apply(const ArrivedUpdate& arrived) {
   content_.Apply(arrived);
@@ -146,4 +146,4 @@ void SharedMap::PlaceSights(KeyframeId id, Map& map) const {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -11,7 +11,7 @@
 #include "client_agent/shared/shared_content.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Foreign keyframes that came into, or went from, the robot's map.
 struct PlacementChange {
@@ -72,6 +72,6 @@ class SharedMap {
   absl::btree_set<KeyframeId> orphans_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SHARED_SHARED_MAP_H_

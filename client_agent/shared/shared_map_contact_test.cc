@@ -9,7 +9,7 @@
 #include "client_agent/shared/shared_map.h"
 #include "slam/camera/testing/test_camera.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kOwn{1};
@@ -207,4 +207,4 @@ TEST_F(SharedMapContactTest, OwnKeyframesThatSeeOthersPointsHoldThem) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

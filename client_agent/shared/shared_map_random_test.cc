@@ -8,7 +8,7 @@
 #include "client_agent/shared/shared_map.h"
 #include "gtest/gtest.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kOwn{1};
@@ -388,4 +388,4 @@ TEST_P(SharedMapRandomTest, PieceByPieceIsAsAllAtOnce) {
 INSTANTIATE_TEST_SUITE_P(Seeds, SharedMapRandomTest, ::testing::Range(0u, 40u));
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

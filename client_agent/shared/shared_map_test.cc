@@ -5,7 +5,7 @@
 #include "client_agent/link/testing/test_payload.h"
 #include "gtest/gtest.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kOwn{1};
@@ -337,4 +337,4 @@ TEST_F(SharedMapTest, APointThatLeavesALandmarkToLeadAnotherStandsForTheFirstNoM
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

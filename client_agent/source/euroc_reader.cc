@@ -10,7 +10,7 @@
 #include "client_agent/source/lists/camera_list.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr double kCloseDepth_baselines = 50;
@@ -97,4 +97,4 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec) {
   return MakeListedReader(std::move(sequence));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 #include "client_agent/source/perturb.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenLayout(const SourceSpec& spec) {
@@ -42,4 +42,4 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) 
   return WithLayoutHint(reader.status(), spec);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -12,7 +12,7 @@
 #include "client_agent/source/source_spec.h"
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The frames of one sequence. Immutable after it is made; Read may be called from any thread.
 class FrameReader {
@@ -49,6 +49,6 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec);
 absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t frame,
                                            const Perturbation& perturbation);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_FRAME_READER_H_

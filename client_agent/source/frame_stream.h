@@ -12,7 +12,7 @@
 #include "absl/time/time.h"
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct SourceFrame {
   size_t number = 0;         // Counts in the whole sequence or since the camera was opened, from 0.
@@ -56,6 +56,6 @@ class FrameStream {
   virtual LeftOutFrames left_out() const = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_FRAME_STREAM_H_

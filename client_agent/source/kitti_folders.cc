@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,4 +56,4 @@ absl::StatusOr<KittiFolders> FindKittiFolders(const SourceSpec& spec) {
       "(colour), KITTI raw has image_00/data and image_01/data"));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "client_agent/source/source_spec.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct KittiFolders {
   std::string layout;  // Name for people: "KITTI odometry, grey".
@@ -26,6 +26,6 @@ struct KittiFolders {
 // looked for, where there is no pair of folders.
 absl::StatusOr<KittiFolders> FindKittiFolders(const SourceSpec& spec);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_KITTI_FOLDERS_H_

@@ -16,7 +16,7 @@
 #include "client_agent/source/pictures/image_file.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using Numbered = std::map<size_t, std::string>;
@@ -119,4 +119,4 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenKitti(const SourceSpec& spec) {
   return MakeListedReader(std::move(sequence));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

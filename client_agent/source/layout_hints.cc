@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 namespace fs = std::filesystem;
@@ -86,4 +86,4 @@ absl::Status WithLayoutHint(const absl::Status& error, const SourceSpec& spec) {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,4 +82,4 @@ TEST_F(LayoutHintsTest, WhatIsNoFolderIsNamed) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

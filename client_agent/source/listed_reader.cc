@@ -10,7 +10,7 @@
 #include "client_agent/source/pictures/image_file.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Number of pictures that are looked at for how many bits a source uses.
@@ -123,4 +123,4 @@ absl::Status TellMissing(const std::vector<ListedFrame>& frames, SourceDescripti
   return absl::OkStatus();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "client_agent/source/frame_reader.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct ListedFrame {
   int64_t timestamp_ns = 0;
@@ -35,6 +35,6 @@ absl::StatusOr<std::unique_ptr<FrameReader>> MakeListedReader(ListedSequence seq
 // they are played. Returns NOT_FOUND, naming a file, where it is more than half of them.
 absl::Status TellMissing(const std::vector<ListedFrame>& frames, SourceDescription& description);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_

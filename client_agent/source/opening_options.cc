@@ -7,7 +7,7 @@
 #include "client_agent/source/calibration/named_cameras.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 absl::Status BadOption(absl::string_view key, absl::string_view value, absl::string_view wanted) {
@@ -87,4 +87,4 @@ std::vector<std::string> FormatOpening(const SourceOpening& opening) {
   return options;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -10,7 +10,7 @@
 #include "absl/strings/string_view.h"
 #include "client_agent/source/source_spec.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Returns the options that mean something for the layout, spelled with '_'.
 std::vector<absl::string_view> OpeningOptionNames(SourceLayout layout);
@@ -23,6 +23,6 @@ absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
 // Writes the options that differ from their defaults: "camera=freiburg2" and so on.
 std::vector<std::string> FormatOpening(const SourceOpening& opening);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_OPENING_OPTIONS_H_

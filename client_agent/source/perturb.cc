@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Spreads seed and stream over all bits, so that neighbouring streams have nothing in common
@@ -56,4 +56,4 @@ absl::Status PerturbImages(const Perturbation& perturbation, size_t number, Sens
   return absl::OkStatus();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

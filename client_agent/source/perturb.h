@@ -10,7 +10,7 @@
 #include "client_agent/source/source_spec.h"
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Applies gamma first, then noise. `image` is CV_8UC1; the same stream (frame and camera) gets the
 // same noise each time, other streams get other noise. May throw cv::Exception.
@@ -20,6 +20,6 @@ cv::Mat Perturb(const cv::Mat& image, const Perturbation& perturbation, uint64_t
 // INTERNAL, naming the frame, where OpenCV throws.
 absl::Status PerturbImages(const Perturbation& perturbation, size_t number, SensorImages& images);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_PERTURB_H_

@@ -5,7 +5,7 @@
 
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 ReadAhead::ReadAhead(size_t capacity, Read read)
     : capacity_(std::max<size_t>(capacity, 1)),
@@ -49,4 +49,4 @@ absl::StatusOr<std::optional<StreamFrame>> ReadAhead::Next() {
   return *std::move(frame);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

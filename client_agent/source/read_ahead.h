@@ -13,7 +13,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client_agent/source/frame_stream.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The reader is thread-safe, though frames go to whoever asks first.
 class ReadAhead {
@@ -45,6 +45,6 @@ class ReadAhead {
   std::thread thread_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_READ_AHEAD_H_

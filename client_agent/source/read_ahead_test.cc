@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 StreamFrame Numbered(size_t number) {
@@ -37,4 +37,4 @@ TEST(ReadAheadTest, CanBeLeftWhileItsReaderHasMore) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -11,7 +11,7 @@
 #include "slam/util/median.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Number of pictures that are decoded and not yet taken: enough to even out the disk, little
@@ -113,4 +113,4 @@ absl::StatusOr<std::unique_ptr<RecordedSequence>> OpenSource(absl::string_view s
   return OpenSource(parsed);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -14,7 +14,7 @@
 #include "client_agent/source/source_spec.h"
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // A fixed list of frames, played once in the order of the list. All of them are there from the
 // beginning: Next waits while one is decoded, whatever the deadline. Frames that can't be read are
@@ -45,6 +45,6 @@ absl::StatusOr<std::unique_ptr<RecordedSequence>> PlayReader(std::unique_ptr<Fra
 absl::StatusOr<std::unique_ptr<RecordedSequence>> OpenSource(const SourceSpec& spec);
 absl::StatusOr<std::unique_ptr<RecordedSequence>> OpenSource(absl::string_view spec);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_RECORDED_SEQUENCE_H_

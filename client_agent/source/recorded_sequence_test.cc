@@ -13,7 +13,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 namespace fs = std::filesystem;
@@ -558,4 +558,4 @@ INSTANTIATE_TEST_SUITE_P(All, RecordedSourceTest,
                                            Recorded{"euroc:euroc_v1_01_first40", 40}));
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 #include "client_agent/source/pictures/image_file.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 namespace {
 
@@ -52,4 +52,4 @@ void TakeCalibration(FoundRgbdCalibration found, ListedSequence& sequence) {
   description.remarks.Add(std::move(found.findings));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 #include "client_agent/source/calibration/rgbd_calibration.h"
 #include "client_agent/source/listed_reader.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Makes the query of the options and the first picture that can be read. Errors name the picture.
 absl::StatusOr<RgbdCalibrationQuery> MakeCalibrationQuery(const SourceSpec& spec,
@@ -17,6 +17,6 @@ absl::StatusOr<RgbdCalibrationQuery> MakeCalibrationQuery(const SourceSpec& spec
 // Puts the calibration, and where it is from, into `sequence`.
 void TakeCalibration(FoundRgbdCalibration found, ListedSequence& sequence);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_RGBD_OPENING_H_

@@ -11,7 +11,7 @@
 #include "client_agent/source/rgbd_opening.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 absl::StatusOr<std::vector<ListedFrame>> ListFrames(const SourceSpec& spec) {
@@ -50,4 +50,4 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenSevenScenes(const SourceSpec& s
   return MakeListedReader(std::move(sequence));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -6,7 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 std::string Describe(const RadialTangential& distortion) {
@@ -87,4 +87,4 @@ std::vector<std::pair<std::string, std::string>> DescribeInWords(
   return lines;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

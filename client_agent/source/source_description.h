@@ -13,7 +13,7 @@
 #include "client_agent/source/source_finding.h"
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct SourceDescription {
   std::string layout;        // Name for people: "KITTI odometry, grey".
@@ -38,6 +38,6 @@ std::vector<std::pair<std::string, std::string>> DescribeInWords(
 // Fills in camera model, intrinsics and baseline or depth units, from the calibration.
 void DescribeCamera(const SensorCalibration& calibration, SourceDescription& description);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_DESCRIPTION_H_

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 enum class FindingLevel {
   kWarning,  // Improbable: the run goes on, unless the user is strict.
@@ -37,6 +37,6 @@ struct SourceRemarks {
   }
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_FINDING_H_

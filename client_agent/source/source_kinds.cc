@@ -8,7 +8,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client_agent/source/source_spec.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 struct Registry {
@@ -66,4 +66,4 @@ std::string SourceUsage() {
   return absl::StrCat(absl::StrJoin(usages, ", "), " or ", last);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 class FrameReader;
 class KindSettings;
@@ -65,6 +65,6 @@ std::vector<std::string> KnownSourceKinds();
 // Returns "kitti:DIR, euroc:DIR, tum:DIR, 7scenes:DIR or sim:WORLD".
 std::string SourceUsage();
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_KINDS_H_

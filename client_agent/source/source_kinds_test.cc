@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/recorded_sequence.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::ElementsAre;
@@ -109,4 +109,4 @@ TEST(SourceKindsTest, AProgramPlaysWhatItRegistered) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

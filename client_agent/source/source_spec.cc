@@ -15,7 +15,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using KeyAndValue = std::pair<absl::string_view, absl::string_view>;
@@ -294,4 +294,4 @@ std::string FormatSourceSpec(const SourceSpec& spec) {
                       absl::StrJoin(options, "&"));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -14,7 +14,7 @@
 #include "absl/strings/string_view.h"
 #include "client_agent/source/source_kinds.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 enum class SourceLayout {
   kKitti,        // KITTI odometry: image_0, image_1, calib.txt, times.txt.
@@ -116,6 +116,6 @@ std::string FormatSourceSpec(const SourceSpec& spec);
 // spec have this form.
 absl::Status ApplyOptions(absl::string_view options, SourceSpec& spec);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_SOURCE_SPEC_H_

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::ElementsAre;
@@ -127,4 +127,4 @@ TEST(SelectFramesTest, EndsWithTheSequence) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -9,7 +9,7 @@
 #include "client_agent/source/rgbd_opening.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 struct Listed {
@@ -66,4 +66,4 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec) {
   return MakeListedReader(std::move(sequence));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

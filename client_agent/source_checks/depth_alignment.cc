@@ -8,7 +8,7 @@
 #include "client_agent/source_checks/depth_evidence.h"
 #include "slam/util/median.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // The checks work on pictures of half the size: outlines of depth are no sharper than that.
@@ -184,4 +184,4 @@ AlignmentEvidence AlignDepth(const Sample& sample) {
   return evidence;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 
 #include "client_agent/source_checks/sample.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // A hypothesis: depth images are those of `late_frames` earlier, and their outlines lie by
 // `offset_px` beside those of the pictures (seen from elsewhere, or not registered).
@@ -31,6 +31,6 @@ struct AlignmentEvidence {
 // Tries delays of up to four frames either way and offsets of up to 24 pixels on the whole sample.
 AlignmentEvidence AlignDepth(const Sample& sample);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_ALIGNMENT_H_

@@ -14,7 +14,7 @@
 #include "client_agent/source_checks/depth_parallax.h"
 #include "slam/util/median.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // docs/sources_checks.md says what these limits were derived from.
@@ -198,4 +198,4 @@ SourceFindings CheckDepth(const RgbdCalibration& calibration, const Sample& samp
   return findings;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

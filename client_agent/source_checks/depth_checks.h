@@ -5,7 +5,7 @@
 #include "client_agent/source/source_finding.h"
 #include "client_agent/source_checks/sample.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Finds empty, constant or saturated depth; depth that is of another time, seen from elsewhere, or
 // not in proportion to the parallax of its picture; units that make the scene a dolls' house or a
@@ -13,6 +13,6 @@ namespace corbslam {
 // through which a camera moves twice as fast, looks the same. Pure; any thread.
 SourceFindings CheckDepth(const RgbdCalibration& calibration, const Sample& sample);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_CHECKS_H_

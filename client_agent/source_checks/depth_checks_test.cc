@@ -7,7 +7,7 @@
 
 #include "client_agent/source_checks/testing/layered_scene.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::ElementsAre;
@@ -120,4 +120,4 @@ TEST(DepthChecksTest, LetABareWallBe) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr int kStep_px = 3;
@@ -110,4 +110,4 @@ double EdgeAgreement(const std::vector<cv::Point>& depth_edges, const cv::Mat& g
   return sum / static_cast<double>(count) / everywhere;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

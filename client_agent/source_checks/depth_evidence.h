@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Shares are of all pixels. Depths are in metres, of the pixels that have one (0 where none has).
 struct DepthStatistics {
@@ -33,6 +33,6 @@ cv::Mat MeasureGreyEdges(const cv::Mat& grey);
 double EdgeAgreement(const std::vector<cv::Point>& depth_edges, const cv::Mat& grey_edges,
                      const cv::Point& shift);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_EVIDENCE_H_

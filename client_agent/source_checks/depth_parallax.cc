@@ -7,7 +7,7 @@
 #include "slam/sensor/corner_depth.h"
 #include "slam/util/median.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr size_t kMinMatches = 30;  // Nothing is estimated from fewer.
@@ -117,4 +117,4 @@ double MeasureParallaxGain(const RgbdCalibration& calibration, const Sample& sam
          static_cast<double>(sum.rigid - sum.with_one_depth);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 #include "client_agent/source_checks/sample.h"
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct ParallaxEvidence {
   // Matches of two pictures that some motion of the camera explains, of features with depth.
@@ -27,6 +27,6 @@ ParallaxEvidence CompareParallax(const RgbdCalibration& calibration, const Senso
 // less than one depth does. It is 1 where there is too little parallax to judge.
 double MeasureParallaxGain(const RgbdCalibration& calibration, const Sample& sample);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_DEPTH_PARALLAX_H_

@@ -7,7 +7,7 @@
 
 #include "slam/features/orb_extractor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr int kFeatures = 500;
@@ -84,4 +84,4 @@ std::vector<FeatureMatch> MatchFeatures(const CheckFeatures& a, const CheckFeatu
   return matches;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 
 #include "slam/features/keypoint.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The features are few and spread evenly: statistics need hundreds of matches, not thousands.
 // Pictures wider than 500 pixels are halved first; positions and octaves' scales are in pixels of
@@ -28,6 +28,6 @@ struct FeatureMatch {
 // Pairs of features each of which is the other's most similar one, clearly so against the second.
 std::vector<FeatureMatch> MatchFeatures(const CheckFeatures& a, const CheckFeatures& b);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_FEATURE_MATCHES_H_

@@ -2,7 +2,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // docs/sources_checks.md says what these limits were derived from.
@@ -80,4 +80,4 @@ std::optional<SourceFinding> InputWatch::Judge() const {
                       100 * at_infinity, kFrames, static_cast<double>(kInfinity_px))};
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

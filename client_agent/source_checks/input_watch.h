@@ -10,7 +10,7 @@
 #include "slam/features/keypoint.h"
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Counts how many features have depth: a pair that is none, or depth that fails, gives hardly any.
 // A frame costs one look at each feature. Thread-compatible.
@@ -38,6 +38,6 @@ class InputWatch {
   bool told_ = false;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_INPUT_WATCH_H_

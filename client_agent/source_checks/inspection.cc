@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "client_agent/source_checks/source_checks.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 struct ReadSample {
@@ -62,4 +62,4 @@ SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
   return findings;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -6,7 +6,7 @@
 #include "client_agent/source/source_finding.h"
 #include "client_agent/source_checks/sample.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Returns what the source's files and a sample of the frames that `spec` selects show: the reader's
 // own findings, then those of CheckSample, then frames of the sample that can't be read. A source
@@ -15,6 +15,6 @@ namespace corbslam {
 SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
                              const SampleOptions& options = {});
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_INSPECTION_H_

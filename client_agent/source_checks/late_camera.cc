@@ -2,7 +2,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // docs/sources_checks.md says what these limits were derived from.
@@ -55,4 +55,4 @@ std::optional<SourceFinding> CheckLateCamera(const std::vector<JudgedPair>& pair
   return std::nullopt;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -28,7 +28,7 @@
 #include "client_agent/source_checks/stereo_checks.h"
 #include "client_agent/source_checks/testing/damage.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 double Now_ms() {
@@ -209,7 +209,7 @@ int Run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 int main(int argc, char** argv) {
   if (argc < 2) {
@@ -217,5 +217,5 @@ int main(int argc, char** argv) {
         << "usage: measure_source_checks SOURCE [PLACES|watch [DAMAGE AMOUNT [OTHER_SOURCE]]]\n";
     return 2;
   }
-  return corbslam::Run(argc, argv);
+  return corbslam::client_agent::Run(argc, argv);
 }

@@ -8,7 +8,7 @@
 
 #include "slam/util/median.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // A corner is found in a pixel of its octave: rows of a match agree within two of them.
@@ -137,4 +137,4 @@ PairEvidence GatherPairEvidence(const CheckFeatures& left, const CheckFeatures& 
   return evidence;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 
 #include "client_agent/source_checks/feature_matches.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // How rows of the right picture lie against the left one's:
 // y_right - y_left = offset_px + roll_rad (x - width / 2) + stretch (y - height / 2).
@@ -41,6 +41,6 @@ struct PairEvidence {
 PairEvidence GatherPairEvidence(const CheckFeatures& left, const CheckFeatures& right,
                                 const cv::Size& size);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_EVIDENCE_H_

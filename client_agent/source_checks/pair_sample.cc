@@ -5,7 +5,7 @@
 #include "slam/util/median.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // With fewer features nothing tells whether matches are missing or were never to be had.
@@ -92,4 +92,4 @@ double PairPreparation::MatchShareInTime(const Sample& sample) const {
   return shares.empty() ? 0 : Median(std::move(shares));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -10,7 +10,7 @@
 #include "client_agent/source_checks/sample.h"
 #include "slam/camera/rectification.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct JudgedPair {
   size_t number = 0;
@@ -53,6 +53,6 @@ class PairPreparation {
   double right_cx_offset_px_ = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_SAMPLE_H_

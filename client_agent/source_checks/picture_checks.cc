@@ -11,7 +11,7 @@
 #include "client_agent/source_checks/picture_statistics.h"
 #include "slam/util/median.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // docs/sources_checks.md says what these limits were derived from.
@@ -215,4 +215,4 @@ SourceFindings CheckPictures(const SensorCalibration& calibration, const Sample&
   return findings;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

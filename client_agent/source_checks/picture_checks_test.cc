@@ -8,7 +8,7 @@
 #include "client_agent/source_checks/source_checks.h"
 #include "client_agent/source_checks/testing/layered_scene.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::Contains;
@@ -122,4 +122,4 @@ TEST(SourceChecksTest, TellNothingMoreThanAnErrorOfThePictures) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using Histogram = std::array<uint32_t, 256>;
@@ -50,4 +50,4 @@ bool AreSame(const cv::Mat& a, const cv::Mat& b) {
   return true;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

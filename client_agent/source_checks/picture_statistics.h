@@ -4,7 +4,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Grey levels; shares are of the pixels.
 struct PictureStatistics {
@@ -25,6 +25,6 @@ PictureStatistics MeasurePicture(const cv::Mat& grey);
 // Returns whether two pictures are the same to the byte.
 bool AreSame(const cv::Mat& a, const cv::Mat& b);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PICTURE_STATISTICS_H_

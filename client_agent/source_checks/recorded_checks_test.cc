@@ -9,7 +9,7 @@
 #include "client_agent/source_checks/source_checks.h"
 #include "client_agent/source_checks/testing/sample_source.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::ElementsAre;
@@ -80,4 +80,4 @@ INSTANTIATE_TEST_SUITE_P(
                       Recorded{kEuroc, "mirrored", 0, "error pair-unrelated"}));
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 std::vector<size_t> ChooseSampleFrames(const SensorCalibration& calibration, size_t begin,
                                        size_t end, const SampleOptions& options) {
@@ -21,4 +21,4 @@ std::vector<size_t> ChooseSampleFrames(const SensorCalibration& calibration, siz
   return {chosen.begin(), chosen.end()};
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

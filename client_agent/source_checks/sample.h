@@ -7,7 +7,7 @@
 
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // One frame as the source recorded it: not perturbed, in the source's own numbering.
 struct SampleFrame {
@@ -33,6 +33,6 @@ struct SampleOptions {
 std::vector<size_t> ChooseSampleFrames(const SensorCalibration& calibration, size_t begin,
                                        size_t end, const SampleOptions& options = {});
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_SAMPLE_H_

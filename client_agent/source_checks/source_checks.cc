@@ -10,7 +10,7 @@
 #include "client_agent/source_checks/picture_checks.h"
 #include "client_agent/source_checks/stereo_checks.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 namespace {
 
@@ -39,4 +39,4 @@ SourceFindings CheckSample(const SensorCalibration& calibration, const Sample& s
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -5,12 +5,12 @@
 #include "client_agent/source/source_finding.h"
 #include "client_agent/source_checks/sample.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Calls CheckPictures, and CheckStereoPair or CheckDepth as the calibration says. Where the
 // pictures by themselves show an error, only that is told. Pure; any thread.
 SourceFindings CheckSample(const SensorCalibration& calibration, const Sample& sample);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_SOURCE_CHECKS_H_

@@ -16,7 +16,7 @@
 #include "client_agent/source_checks/pair_sample.h"
 #include "slam/util/median.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // docs/sources_checks.md says what these limits were derived from.
@@ -203,4 +203,4 @@ SourceFindings CheckStereoPair(const StereoCalibration& calibration, const Sampl
   return findings;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

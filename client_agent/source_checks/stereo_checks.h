@@ -5,7 +5,7 @@
 #include "client_agent/source/source_finding.h"
 #include "client_agent/source_checks/sample.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Judges matches between the pictures of pairs, found without knowledge of the geometry: exchanged
 // cameras, rows apart or turned against each other, a camera that is late, pictures that have
@@ -14,6 +14,6 @@ namespace corbslam {
 // to judge. Pure; any thread.
 SourceFindings CheckStereoPair(const StereoCalibration& calibration, const Sample& sample);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_STEREO_CHECKS_H_

@@ -7,7 +7,7 @@
 
 #include "client_agent/source_checks/testing/layered_scene.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::ElementsAre;
@@ -138,4 +138,4 @@ TEST(StereoChecksTest, TellAnImpossibleCalibration) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -5,7 +5,7 @@
 #include "client_agent/mapping/nearest_keypoints.h"
 #include "slam/optimisation/pose_optimisation.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 Frame MakeFrame(int64_t timestamp_ns, std::shared_ptr<const Camera> camera, Features features) {
   Frame frame;
@@ -85,4 +85,4 @@ void DropTemporaryPoints(Frame& frame) {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

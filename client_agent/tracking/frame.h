@@ -13,7 +13,7 @@
 #include "slam/util/ids.h"
 #include "slam/vocabulary/words.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // What a keypoint is taken to see.
 struct Association {
@@ -73,6 +73,6 @@ InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId
 void AddTemporaryPoints(Frame& frame);
 void DropTemporaryPoints(Frame& frame);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_H_

@@ -8,7 +8,7 @@
 
 #include "client_agent/map/provisional_keyframes.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // 95 % bounds of chi square with two degrees of freedom, and with one.
@@ -93,4 +93,4 @@ std::vector<Look> FindLooks(const Map& map, LocalMapId own, const Frame& frame) 
   return looks;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

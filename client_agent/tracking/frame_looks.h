@@ -8,13 +8,13 @@
 #include "client_agent/tracking/frame.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Returns a look for each map point that the frame sees, at the newest keyframe of `own` that sees
 // the point, if that keyframe is provisional and noise explains the difference (95 %). There are
 // none where the frame's reference is not in the map.
 std::vector<Look> FindLooks(const Map& map, LocalMapId own, const Frame& frame);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_LOOKS_H_

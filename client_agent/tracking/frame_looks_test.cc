@@ -8,7 +8,7 @@
 #include "client_agent/map/provisional_keyframes.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Eight keyframes in a row with noise in their pixels and none in their poses. A frame stands where
@@ -124,4 +124,4 @@ TEST_F(FrameLooksTest, OthersKeyframesGetNone) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -6,7 +6,7 @@
 #include "slam/matching/projection_matching.h"
 #include "slam/matching/word_matching.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Sets the octaves on which a keypoint of the previous frame may appear now: coarser ones when the
@@ -120,4 +120,4 @@ int MatchLocalPoints(const std::vector<PointInView>& points, double widening, Fr
   return count;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

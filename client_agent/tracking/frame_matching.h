@@ -7,7 +7,7 @@
 #include "client_agent/tracking/frame.h"
 #include "client_agent/tracking/local_map_view.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Each replaces frame.associations or adds to them, and returns how many there are (were added).
 
@@ -23,6 +23,6 @@ int MatchKeyframe(const Map& map, const Keyframe& keyframe, Frame& frame);
 int MatchLocalPoints(const std::vector<PointInView>& points, double widening, Frame& frame,
                      std::vector<MapPointId>& visible);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_MATCHING_H_

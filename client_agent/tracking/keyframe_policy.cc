@@ -1,6 +1,6 @@
 #include "client_agent/tracking/keyframe_policy.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 void CountClosePoints(const Frame& frame, KeyframeEvidence& evidence) {
   if (!frame.camera().IsMetric()) return;
@@ -29,4 +29,4 @@ bool ShouldMakeKeyframe(const KeyframeEvidence& evidence, const KeyframePolicyOp
   return evidence.mapper_idle || urgent || evidence.since_last_keyframe_s >= options.max_interval_s;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -4,7 +4,7 @@
 
 #include "client_agent/tracking/frame.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct KeyframePolicyOptions {
   // Largest share of the reference keyframe's points that may be tracked for a new keyframe.
@@ -51,6 +51,6 @@ void CountClosePoints(const Frame& frame, KeyframeEvidence& evidence);
 bool ShouldMakeKeyframe(const KeyframeEvidence& evidence,
                         const KeyframePolicyOptions& options = {});
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_TRACKING_KEYFRAME_POLICY_H_

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // A frame that sees most of what its reference sees.
@@ -90,4 +90,4 @@ TEST(KeyframePolicyTest, AtTheStartMoreMustBeLost) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "client_agent/tracking/point_set.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr size_t kMaxKeyframes = 80;
@@ -128,4 +128,4 @@ LocalMapView GatherLocalMap(const Map& map, LocalMapId own, const std::vector<Ma
   return view;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 #include "slam/map/map.h"
 #include "slam/matching/match_point.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct PointInView {
   MatchPoint point;
@@ -34,6 +34,6 @@ LocalMapView GatherLocalMap(const Map& map, LocalMapId own, const std::vector<Ma
                             KeyframeId fallback, const Camera& camera,
                             const Rigid3d& camera_from_map);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_TRACKING_LOCAL_MAP_VIEW_H_

@@ -7,7 +7,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The own map's points are numbered without large gaps, so each takes a bit. Nobody knows how
 // others' points are numbered, so they are hashed.
@@ -30,6 +30,6 @@ class PointSet {
   absl::flat_hash_set<MapPointId> others_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_TRACKING_POINT_SET_H_

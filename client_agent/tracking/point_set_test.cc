@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 TEST(PointSetTest, EachPointIsNewOnce) {
@@ -18,4 +18,4 @@ TEST(PointSetTest, EachPointIsNewOnce) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

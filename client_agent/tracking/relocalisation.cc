@@ -6,7 +6,7 @@
 #include "client_agent/tracking/local_map_view.h"
 #include "slam/solvers/pnp_ransac.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr size_t kMaxCandidates = 5;
@@ -69,4 +69,4 @@ bool RelocaliseFrame(const GuardedMap& map, const PlaceFinder& places, uint64_t 
   return false;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -10,7 +10,7 @@
 #include "client_agent/tracking/frame.h"
 #include "slam/vocabulary/words.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Returns keyframes of the map that look like what has these words, best first. Thread-safe.
 using PlaceFinder = std::function<std::vector<KeyframeId>(const Words& words)>;
@@ -20,6 +20,6 @@ using PlaceFinder = std::function<std::vector<KeyframeId>(const Words& words)>;
 // frame's pose and associations. The frame needs words. Deterministic given the seed.
 bool RelocaliseFrame(const GuardedMap& map, const PlaceFinder& places, uint64_t seed, Frame& frame);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_TRACKING_RELOCALISATION_H_

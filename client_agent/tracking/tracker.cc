@@ -7,7 +7,7 @@
 #include "client_agent/tracking/frame_looks.h"
 #include "client_agent/tracking/frame_matching.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // With fewer matches in the first radius, the search goes on in twice that (ORB-SLAM, T-RO 2015,
@@ -275,4 +275,4 @@ TrackingResult Tracker::Conclude(Frame frame, bool tracked) {
   return result;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

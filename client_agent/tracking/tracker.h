@@ -19,7 +19,7 @@
 #include "client_agent/tracking/tracking_result.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct TrackerOptions {
   // A local map begins with a frame of so many keypoints, a fifth of them with depth.
@@ -115,6 +115,6 @@ class Tracker {
   int frames_since_relocalisation_ = 1 << 20;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_TRACKING_TRACKER_H_

@@ -12,7 +12,7 @@
 #include "client_agent/mapping/mapper.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 testing::SyntheticSceneOptions SceneOptions() {
@@ -209,4 +209,4 @@ TEST_F(TrackerTest, PointsOfOthersAreUsedAndCounted) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 enum class TrackingState {
   kNotInitialised,  // There is no local map yet, or a new one has not begun.
@@ -29,6 +29,6 @@ struct TrackingResult {
   bool made_keyframe = false;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_TRACKING_TRACKING_RESULT_H_

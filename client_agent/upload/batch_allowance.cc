@@ -1,6 +1,6 @@
 #include "client_agent/upload/batch_allowance.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // These sizes were measured (docs/wire.md). A codec makes items smaller, which the scale tells.
@@ -49,4 +49,4 @@ void BatchAllowance::SpendPoint(size_t observations) {
 
 void BatchAllowance::SpendLightPoint() { left_ -= static_cast<double>(kLightPointBytes); }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 
 #include "slam/exchange/map_update.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Returns about how many bytes a batch takes on the wire, as BatchAllowance counts them at a scale
 // of 1.
@@ -40,6 +40,6 @@ class BatchAllowance {
   double left_ = std::numeric_limits<double>::infinity();
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_BATCH_ALLOWANCE_H_

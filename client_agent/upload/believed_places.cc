@@ -5,7 +5,7 @@
 
 #include "slam/camera/camera.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr double kMinDepth_m = 1e-6;
@@ -75,4 +75,4 @@ bool LooksTheSame(const Map& map, const MapPoint& point, const Eigen::Vector3d& 
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

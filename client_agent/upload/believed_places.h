@@ -13,7 +13,7 @@
 #include "slam/map/map.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The believed places of one local map. At the store a point keeps its place in the camera of its
 // reference, the keyframe that it came with, and so moves when the reference does
@@ -55,6 +55,6 @@ class BelievedPlaces {
 bool LooksTheSame(const Map& map, const MapPoint& point, const Eigen::Vector3d& told,
                   double bound_px);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_BELIEVED_PLACES_H_

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kMap{1};
@@ -131,4 +131,4 @@ class LooksTheSameToOneEyeTest : public LooksTheSameTest {
 TEST_F(LooksTheSameToOneEyeTest, WhateverTheDepth) { EXPECT_TRUE(Same({0, 0, 20})); }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

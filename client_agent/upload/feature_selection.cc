@@ -6,7 +6,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr size_t kMostFeatures = 20'000;
@@ -64,4 +64,4 @@ SelectedFeatures SelectFeatures(const Keyframe& keyframe, const FeatureSelection
   return selected;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -13,7 +13,7 @@
 #include "absl/strings/string_view.h"
 #include "slam/map/keyframe.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Which of a keyframe's features are told to the store.
 struct FeatureSelection {
@@ -41,6 +41,6 @@ struct SelectedFeatures {
 // and so from all scales.
 SelectedFeatures SelectFeatures(const Keyframe& keyframe, const FeatureSelection& selection);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_FEATURE_SELECTION_H_

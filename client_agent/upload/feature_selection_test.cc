@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kMap{1};
@@ -94,4 +94,4 @@ TEST(FeatureSelectionTest, IsWhatItsWordSays) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

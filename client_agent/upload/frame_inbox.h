@@ -12,7 +12,7 @@
 #include "absl/time/time.h"
 #include "slam/exchange/map_update.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The inbox is thread-safe. Its lock is held for moments only: tracking waits for nobody who makes
 // batches.
@@ -45,6 +45,6 @@ class FrameInbox {
   absl::Time last_added_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_FRAME_INBOX_H_

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 UpdateCounts CountUpdates(const MapUpdateBatch& batch) {
   return {batch.light_keyframes.size() + batch.tracked_frames.size() + batch.lost_frames_ns.size(),
@@ -51,4 +51,4 @@ HeldBack HeldBackWatch::status(absl::Time now) const {
   return held;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

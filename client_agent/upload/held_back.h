@@ -11,7 +11,7 @@
 #include "absl/time/time.h"
 #include "slam/exchange/map_update.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The kinds of items in a batch. What matters most comes first.
 enum class UpdateKind {
@@ -67,6 +67,6 @@ class HeldBackWatch {
   std::array<Kind, kUpdateKinds> kinds_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_HELD_BACK_H_

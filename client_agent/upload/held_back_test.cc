@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr absl::Time kStart = absl::UnixEpoch();
@@ -55,4 +55,4 @@ TEST(HeldBackTest, IsSaidInWords) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

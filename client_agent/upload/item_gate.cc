@@ -2,7 +2,7 @@
 
 #include <glog/logging.h>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // A solver that diverges spoils thousands of items at once.
@@ -21,4 +21,4 @@ bool ItemGate::Admit(const absl::Status& check) {
   return false;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Counts the items that were not let through. Not thread-safe.
 class ItemGate {
@@ -21,6 +21,6 @@ class ItemGate {
   uint64_t refused_ = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_ITEM_GATE_H_

@@ -8,7 +8,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The depths of keyframes in a map that does not change meanwhile. Each keyframe is looked at once,
 // however many depths are asked for. Not thread-safe.
@@ -37,6 +37,6 @@ class KeyframeDepths {
   absl::flat_hash_map<KeyframeId, size_t> depths_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_KEYFRAME_DEPTHS_H_

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // A smaller batch is mostly its own frame.
@@ -57,4 +57,4 @@ BatchAllowance LinkBudget::Allow(size_t max_keyframes, absl::Time now) {
   return BatchAllowance(max_keyframes, std::max(level, kLeastBatchBytes), scale_);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -11,7 +11,7 @@
 #include "client_agent/upload/batch_allowance.h"
 #include "slam/util/byte_bucket.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Counts what the transport has really taken, including what it took a second time after a break;
 // estimates only decide what goes into a batch, and are corrected by what batches took. While the
@@ -50,6 +50,6 @@ class LinkBudget {
   double scale_ ABSL_GUARDED_BY(mutex_) = 1;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_LINK_BUDGET_H_

@@ -3,7 +3,7 @@
 #include "client_agent/link/testing/test_payload.h"
 #include "gtest/gtest.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr absl::Time kStart = absl::UnixEpoch();
@@ -93,4 +93,4 @@ TEST(LinkBudgetTest, LiftedItIsNone) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

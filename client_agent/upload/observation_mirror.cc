@@ -2,7 +2,7 @@
 
 #include "absl/container/flat_hash_set.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 void ObservationMirror::AddKeyframe(KeyframeId id, size_t keypoints) {
   points_.try_emplace(id, keypoints);
@@ -91,4 +91,4 @@ bool ObservationMirror::AppendChanges(const Keyframe& keyframe, const Rules& rul
   return complete;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

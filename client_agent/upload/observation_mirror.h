@@ -10,7 +10,7 @@
 #include "slam/exchange/map_update.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The mirror follows the same rules as Map, so that it stays equal to the store's side. Not
 // thread-safe.
@@ -54,6 +54,6 @@ class ObservationMirror {
   uint64_t pairs_ = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_OBSERVATION_MIRROR_H_

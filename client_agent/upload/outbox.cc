@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 size_t ApproximateBytes(const MapUpdateBatch& batch) {
   constexpr size_t kFeatureBytes = sizeof(Keypoint) + sizeof(Descriptor);
@@ -202,4 +202,4 @@ bool Outbox::IsOfEarlierProcess(LocalMapId local_map) const {
   return it != local_maps_.end() && it->second.of_earlier_process;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

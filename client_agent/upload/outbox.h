@@ -15,7 +15,7 @@
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Returns about how many bytes a batch takes, in memory and on the wire.
 size_t ApproximateBytes(const MapUpdateBatch& batch);
@@ -116,6 +116,6 @@ class Outbox {
   std::vector<SpooledBatch> released_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_OUTBOX_H_

@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 MapUpdateBatch BatchOf(uint64_t local_map) {
@@ -74,4 +74,4 @@ TEST(OutboxTest, IsBoundedInBytes) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -5,7 +5,7 @@
 #include "slam/exchange/item_checks.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 absl::Status ValidateFrame(const TrackedFrame& frame) {
@@ -179,4 +179,4 @@ void UpdateRecorder::TakeFrames(MapUpdateBatch& batch) {
   lost_frames_ns_.erase(lost_frames_ns_.begin(), lost);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

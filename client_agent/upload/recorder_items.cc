@@ -8,7 +8,7 @@
 #include "client_agent/upload/update_recorder.h"
 #include "slam/exchange/item_checks.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // What a keyframe's picture doesn't tell: an observation's noise is a pixel at its finest.
@@ -240,4 +240,4 @@ void UpdateRecorder::TakeLightPoints(const Map& map, BatchAllowance& allowance,
   if (moved_points_.empty()) points_told_ns_ = newest_frame_ns_;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -10,7 +10,7 @@
 #include "absl/strings/strip.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr char kSuffix[] = ".spool";
@@ -160,4 +160,4 @@ void Spool::RemoveSegment(uint64_t number) {
   segments_.erase(number);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -18,7 +18,7 @@
 #include "client_agent/upload/spool_segment.h"
 #include "slam/exchange/map_update.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Turns batches into bytes that can be read by themselves, and back.
 struct BatchCodec {
@@ -92,6 +92,6 @@ class Spool {
   uint64_t bytes_ = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_H_

@@ -16,7 +16,7 @@
 #include "slam/util/lock_holder.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr char kLockName[] = "lock";
@@ -152,4 +152,4 @@ absl::StatusOr<std::unique_ptr<SpoolFiles>> OpenSpoolFolder(const std::string& p
   return std::make_unique<SpoolFolder>(path, std::move(lock));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // The files of one folder. Not thread-safe. Errors name the file: RESOURCE_EXHAUSTED for a full
 // disk or quota, UNAVAILABLE for anything else. Names have no folder in them.
@@ -38,6 +38,6 @@ class SpoolFiles {
 // Returns FAILED_PRECONDITION where another process has it.
 absl::StatusOr<std::unique_ptr<SpoolFiles>> OpenSpoolFolder(const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_FILES_H_

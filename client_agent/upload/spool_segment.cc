@@ -9,7 +9,7 @@
 #include "slam/util/checksum.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
@@ -148,4 +148,4 @@ absl::StatusOr<std::string> ReadSpoolPayload(SpoolFiles& files, const std::strin
   return bytes.substr(kRecordHeaderBytes);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

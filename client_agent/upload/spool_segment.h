@@ -19,7 +19,7 @@
 #include "client_agent/upload/spool_files.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Bytes of one record's payload at most; a record that claims to be longer is torn.
 inline constexpr uint32_t kMaxSpoolPayloadBytes = 128u << 20;
@@ -51,6 +51,6 @@ absl::StatusOr<SegmentContents> ScanSegment(SpoolFiles& files, const std::string
 absl::StatusOr<std::string> ReadSpoolPayload(SpoolFiles& files, const std::string& name,
                                              const SpoolRecord& record);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_SEGMENT_H_

@@ -8,7 +8,7 @@
 
 #include "client_agent/upload/testing/fake_spool.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::HasSubstr;
@@ -228,4 +228,4 @@ TEST(SpoolFolderTest, AFolderThatCannotBeIsNamed) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -5,7 +5,7 @@
 
 #include "client_agent/upload/outbox.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 void UpdateRecorder::OnKeyframeAdded(KeyframeId id) {
   if (!IsOwn(id)) return;
   absl::MutexLock lock(&mutex_);
@@ -169,4 +169,4 @@ MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, BatchAllowance allowanc
   return batch;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

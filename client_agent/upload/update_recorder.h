@@ -21,7 +21,7 @@
 #include "slam/exchange/map_update.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Items of one batch, beside full keyframes; what is over goes into the next one. Together they are
 // below the 65,000 items and 200,000 frames, and a quarter of the 500,000 steps, beyond which a
@@ -204,6 +204,6 @@ class UpdateRecorder : public MapObserver {
   std::vector<int64_t> lost_frames_ns_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_UPDATE_RECORDER_H_

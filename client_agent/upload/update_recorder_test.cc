@@ -11,7 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::ElementsAre;
@@ -650,7 +650,7 @@ TEST_F(RecordedMapTest, AHugeBacklogGoesUpInBatchesThatAStoreTakes) {
     keyframe.parent = i == 0 ? KeyframeId() : KeyframeId{kOwn, 0};
     map_.AddKeyframe(keyframe);
   }
-  while (!corbslam::IsEmpty(recorder_.TakeBatch(map_, kMany))) {
+  while (!corbslam::client_agent::IsEmpty(recorder_.TakeBatch(map_, kMany))) {
   }
   // The whole map moves, and a long way was tracked meanwhile.
   for (uint32_t i = 0; i < kMany; ++i) {
@@ -663,7 +663,7 @@ TEST_F(RecordedMapTest, AHugeBacklogGoesUpInBatchesThatAStoreTakes) {
   size_t frames = 0;
   while (true) {
     const MapUpdateBatch batch = recorder_.TakeBatch(map_, 8);
-    if (corbslam::IsEmpty(batch)) break;
+    if (corbslam::client_agent::IsEmpty(batch)) break;
     EXPECT_LT(batch.light_keyframes.size() + batch.tracked_frames.size(), kStoreTakes / 2);
     keyframes += batch.light_keyframes.size();
     frames += batch.tracked_frames.size();
@@ -907,4 +907,4 @@ TEST(RecordedCameraTest, GoesUpOnceWithItsCamera) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 UploadQueue::UploadQueue(size_t max_memory_bytes, std::unique_ptr<Spool> spool)
     : max_memory_bytes_(max_memory_bytes), spool_(std::move(spool)), outbox_(max_memory_bytes) {
@@ -214,4 +214,4 @@ std::shared_ptr<const MapUpdateBatch> UploadQueue::TakeUnsent(std::vector<LostLo
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -18,7 +18,7 @@
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct UploadStatus {
   size_t batches = 0;
@@ -101,6 +101,6 @@ class UploadQueue {
   int lost_local_maps_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_UPLOAD_QUEUE_H_

@@ -5,7 +5,7 @@
 
 #include "client_agent/upload/testing/fake_spool.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::ElementsAre;
@@ -258,4 +258,4 @@ TEST_F(UploadQueueTest, WhatTheStoreRefusesTwiceOfThisProcessIsGivenUp) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -11,11 +11,7 @@
 #include "slam/util/checksum.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
-
-using map_store::ArchiveReader;
-using map_store::ArchiveWriter;
-using map_store::MissionState;
+namespace corbslam::map_store {
 
 namespace {
 
@@ -206,4 +202,4 @@ absl::StatusOr<MissionState> MissionRestorer::Finish() {
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -24,13 +24,13 @@
 #include "slam/map/keyframe.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 
 // Writes a mission as it was at one moment; what comes later does not change it. It shares what
 // cameras saw with the mission, so that making one costs little memory and time.
 class MissionBackup {
  public:
-  explicit MissionBackup(const map_store::MissionState& state);
+  explicit MissionBackup(const MissionState& state);
   // Takes a state that was encoded elsewhere (EncodeState), with all its keyframes.
   MissionBackup(std::string state, std::vector<std::shared_ptr<const KeyframePayload>> keyframes)
       : keyframes_(std::move(keyframes)), state_(std::move(state)) {}
@@ -65,7 +65,7 @@ class MissionRestorer {
   absl::Status Add(std::string_view piece);
   // Returns the mission; called once, after the last piece. DATA_LOSS: the file was cut short or
   // its parts don't fit together.
-  absl::StatusOr<map_store::MissionState> Finish();
+  absl::StatusOr<MissionState> Finish();
 
  private:
   // Takes a whole part off the front of `rest`; returns false if more bytes are needed.
@@ -85,6 +85,6 @@ class MissionRestorer {
   std::string state_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store
 
 #endif  // CORBSLAM_MAP_STORE_ARCHIVE_MISSION_ARCHIVE_H_

@@ -25,7 +25,7 @@
 #include "map_store/testing/unsynced_loss_env.h"
 #include "map_store/view/placement.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 namespace fs = std::filesystem;
@@ -42,8 +42,8 @@ using testing::UnsyncedLossEnv;
 
 constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
 
-absl::StatusOr<map_store::MissionState> Read(const std::string& file, size_t piece_bytes = 100000,
-                                             uint64_t max_bytes = kNoLimit) {
+absl::StatusOr<MissionState> Read(const std::string& file, size_t piece_bytes = 100000,
+                                  uint64_t max_bytes = kNoLimit) {
   MissionRestorer restorer(max_bytes);
   for (size_t at = 0; at < file.size(); at += piece_bytes) {
     const absl::Status status = restorer.Add(std::string_view(file).substr(at, piece_bytes));
@@ -160,8 +160,8 @@ TEST_F(MissionArchiveTest, AMissionThatIsThereIsNotOverwritten) {
 
 // Returns a state as programs before anchors wrote it: with another format number, its points
 // placed in their islands, and without anchors at the end.
-std::string AsFormat4(const map_store::MissionState& of) {
-  map_store::MissionState in_islands = of;
+std::string AsFormat4(const MissionState& of) {
+  MissionState in_islands = of;
   for (auto& [id, placed] : in_islands.global.points) {
     placed.position_in_anchor = map_store::FindPlaced(id, of.global)->PositionInIsland();
   }
@@ -175,7 +175,7 @@ std::string AsFormat4(const map_store::MissionState& of) {
 
 // Returns a state as programs before recorded cameras wrote it: with another format number, and
 // without recorded cameras at the end.
-std::string AsFormat3(const map_store::MissionState& of) {
+std::string AsFormat3(const MissionState& of) {
   std::string state = AsFormat4(of);
   const uint32_t format = 3;
   std::memcpy(state.data(), &format, sizeof(format));
@@ -300,4 +300,4 @@ TEST_F(MissionArchiveTest, AFullDiskLeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -13,7 +13,7 @@
 #include "map_store/records/journal_records.h"
 #include "map_store/state/mission_state.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 
 template <typename Archive, MayBeConst<FuseMapsResult::Merge> T>
 void Fields(Archive& archive, T& merge) {
@@ -35,8 +35,6 @@ void Fields(Archive& archive, T& statistics) {
           statistics.overlaps_accepted, statistics.merge_ms, statistics.global_adjustments,
           statistics.failed_requests);
 }
-
-namespace map_store {
 
 constexpr OverlapState LastValue(OverlapState) { return OverlapState::kFailed; }
 
@@ -168,7 +166,7 @@ template <typename Archive, MayBeConst<AdjustRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.plan, record.dirty, record.statistics);
 }
-}  // namespace map_store
-}  // namespace corbslam
+
+}  // namespace corbslam::map_store
 
 #endif  // CORBSLAM_MAP_STORE_ARCHIVE_STATE_FIELDS_H_

@@ -15,7 +15,7 @@
 #include "slam/verification/neighbourhood.h"
 #include "slam/verification/place_verification.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::DeterministicOptions;
@@ -133,4 +133,4 @@ TEST(VerifyRequestTest, HoldsThemAlsoWhereTheyTouch) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -9,7 +9,7 @@
 
 #include "map_store/fusion/fusion_policy.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 
 // Numbers of requests to fusion workers, by kind.
 struct FusionRequestCounts {
@@ -44,8 +44,6 @@ struct MissionLoad {
   double longest_write_s = 0;
 };
 
-namespace map_store {
-
 // Counts all requests that the policy has for the summary, also those that run: each action that it
 // decides is taken as done, and the next one asked for, until none is left.
 FusionRequestCounts CountRequests(FusionSummary summary, const PolicyLimits& limits);
@@ -53,7 +51,6 @@ FusionRequestCounts CountRequests(FusionSummary summary, const PolicyLimits& lim
 // Counts one of this kind less, if there is any.
 void TakeOne(FusionAction::Kind kind, FusionRequestCounts& counts);
 
-}  // namespace map_store
-}  // namespace corbslam
+}  // namespace corbslam::map_store
 
 #endif  // CORBSLAM_MAP_STORE_MISSION_MISSION_LOAD_H_

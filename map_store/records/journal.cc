@@ -1,9 +1,8 @@
 #include "map_store/records/journal.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 
-absl::StatusOr<Journal::Position> InMemoryJournal::Append(absl::string_view,
-                                                          const map_store::JournalRecord&) {
+absl::StatusOr<Journal::Position> InMemoryJournal::Append(absl::string_view, const JournalRecord&) {
   absl::MutexLock lock(&mutex_);
   return ++records_;
 }
@@ -13,4 +12,4 @@ uint64_t InMemoryJournal::records() const {
   return records_;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -16,7 +16,7 @@
 #include "absl/synchronization/mutex.h"
 #include "map_store/records/journal_records.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 
 // A mission's state after all records up to a position.
 struct JournalSnapshot {
@@ -34,9 +34,9 @@ class Journal {
 
   struct Replay {
     // Called once at most, before all records, with the state that a snapshot held.
-    std::function<absl::Status(map_store::MissionState)> on_snapshot;
+    std::function<absl::Status(MissionState)> on_snapshot;
     // Called for each record since the snapshot, in order.
-    std::function<absl::Status(const map_store::JournalRecord&)> on_record;
+    std::function<absl::Status(const JournalRecord&)> on_record;
     // Records after this position are left out.
     Position until = std::numeric_limits<Position>::max();
     // False: a snapshot's keyframes come with empty features, a record's with as many as there are,
@@ -48,11 +48,11 @@ class Journal {
 
   // Makes of the batch's record what Append will write. That is most of the work and needs no order
   // among callers; Append does it where it was not done. The record is not changed afterwards.
-  virtual void Prepare(map_store::BatchRecord&) const {}
+  virtual void Prepare(BatchRecord&) const {}
   // Puts the record behind the ones before it. An error means that nothing was written:
   // RESOURCE_EXHAUSTED (no room), UNAVAILABLE (the disk refuses), each naming the journal.
   virtual absl::StatusOr<Position> Append(absl::string_view mission,
-                                          const map_store::JournalRecord& record) = 0;
+                                          const JournalRecord& record) = 0;
   // Returns once everything up to the position would survive what this journal promises to survive.
   // An error means that it is not certain.
   virtual absl::Status Sync(Position position) = 0;
@@ -67,8 +67,7 @@ class Journal {
   // Begins a mission with a state that was made elsewhere, as a snapshot and the features of its
   // keyframes. All of it or nothing is durable. The caller does this for one mission once at a
   // time, and never for a mission that has records.
-  virtual absl::Status CreateMission(absl::string_view mission,
-                                     const map_store::MissionState& state) = 0;
+  virtual absl::Status CreateMission(absl::string_view mission, const MissionState& state) = 0;
 
   virtual absl::StatusOr<std::vector<std::string>> ListMissions() const = 0;
   // Returns whether Recover replays what was appended.
@@ -88,14 +87,13 @@ class Journal {
 // Keeps nothing and only counts: a journal for tests and for stores without a disk. Thread-safe.
 class InMemoryJournal : public Journal {
  public:
-  absl::StatusOr<Position> Append(absl::string_view mission,
-                                  const map_store::JournalRecord& record) override;
+  absl::StatusOr<Position> Append(absl::string_view mission, const JournalRecord& record) override;
   absl::Status Sync(Position) override { return absl::OkStatus(); }
   bool WantsSnapshot(absl::string_view) const override { return false; }
   absl::Status WriteSnapshot(absl::string_view, const JournalSnapshot&) override {
     return absl::OkStatus();
   }
-  absl::Status CreateMission(absl::string_view, const map_store::MissionState&) override {
+  absl::Status CreateMission(absl::string_view, const MissionState&) override {
     return absl::OkStatus();
   }
   absl::StatusOr<std::vector<std::string>> ListMissions() const override {
@@ -113,6 +111,6 @@ class InMemoryJournal : public Journal {
   uint64_t records_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store
 
 #endif  // CORBSLAM_MAP_STORE_RECORDS_JOURNAL_H_

@@ -18,7 +18,7 @@
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::ByteJournal;
@@ -176,12 +176,12 @@ TEST_F(RetractionTest, RobotsForgetWhatTheyWereToldByIt) {
 }
 
 TEST(CheckRetractionTest, ALocalMapIsNotKeptApartFromItself) {
-  map_store::MissionState state;
-  map_store::OverlapEntry loop;
+  MissionState state;
+  OverlapEntry loop;
   loop.id = 1;
   loop.overlap.query = {LocalMapId{0xa}, 90};
   loop.overlap.candidate = {LocalMapId{0xa}, 1};
-  loop.state = map_store::OverlapState::kInGraph;
+  loop.state = OverlapState::kInGraph;
   state.global.overlaps.Add(loop);
   EXPECT_TRUE(map_store::CheckRetraction(state, {1, false}).ok());
   const absl::Status refused = map_store::CheckRetraction(state, {1, true});
@@ -204,4 +204,4 @@ TEST_F(RetractionTest, OnlyWhatIsAcceptedCanBeTakenBack) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

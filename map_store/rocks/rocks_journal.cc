@@ -18,23 +18,7 @@
 #include "slam/util/lock_holder.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
-
-using map_store::ArchiveWriter;
-using map_store::BatchBytes;
-using map_store::BatchRecord;
-using map_store::EndOfPrefix;
-using map_store::FeaturesKey;
-using map_store::JournalPart;
-using map_store::JournalRecord;
-using map_store::kNotWhole;
-using map_store::MissionHeader;
-using map_store::MissionKey;
-using map_store::MissionPrefix;
-using map_store::MissionState;
-using map_store::RecordKey;
-using map_store::RocksDatabase;
-using map_store::SnapshotKey;
+namespace corbslam::map_store {
 
 namespace {
 
@@ -111,7 +95,7 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
 
 absl::Status RocksJournal::WriteFormat() {
   ArchiveWriter writer;
-  writer(map_store::kJournalFormat);
+  writer(kJournalFormat);
   rocksdb::WriteBatch batch;
   batch.Put(map_store::FormatKey(), writer.Take());
   return ToStatus(database_->Write(batch, true));
@@ -321,4 +305,4 @@ absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
   return absl::OkStatus();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -23,10 +23,8 @@ class Env;
 class Status;
 }  // namespace rocksdb
 
-namespace corbslam {
-namespace map_store {
+namespace corbslam::map_store {
 class RocksDatabase;
-}  // namespace map_store
 
 struct RocksJournalOptions {
   std::string directory;
@@ -50,14 +48,12 @@ class RocksJournal : public Journal {
   static absl::StatusOr<std::unique_ptr<RocksJournal>> Open(const RocksJournalOptions& options);
   ~RocksJournal() override;
 
-  void Prepare(map_store::BatchRecord& record) const override;
-  absl::StatusOr<Position> Append(absl::string_view mission,
-                                  const map_store::JournalRecord& record) override;
+  void Prepare(BatchRecord& record) const override;
+  absl::StatusOr<Position> Append(absl::string_view mission, const JournalRecord& record) override;
   absl::Status Sync(Position position) override;
   bool WantsSnapshot(absl::string_view mission) const override;
   absl::Status WriteSnapshot(absl::string_view mission, const JournalSnapshot& snapshot) override;
-  absl::Status CreateMission(absl::string_view mission,
-                             const map_store::MissionState& state) override;
+  absl::Status CreateMission(absl::string_view mission, const MissionState& state) override;
   absl::StatusOr<std::vector<std::string>> ListMissions() const override;
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override;
   absl::Status DeleteMission(absl::string_view mission) override;
@@ -75,8 +71,7 @@ class RocksJournal : public Journal {
     std::map<KeyframeId, Position> features;
   };
 
-  RocksJournal(const RocksJournalOptions& options,
-               std::unique_ptr<map_store::RocksDatabase> database);
+  RocksJournal(const RocksJournalOptions& options, std::unique_ptr<RocksDatabase> database);
 
   absl::Status LoadMissions();
   absl::Status LoadMission(const std::string& name) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -90,7 +85,7 @@ class RocksJournal : public Journal {
   absl::Status ReplayRecords(const std::string& mission, const Replay& replay,
                              Position& position) const;
   absl::Status Erase(const std::string& mission);
-  absl::Status WriteFeatures(const std::string& mission, const map_store::MissionState& state,
+  absl::Status WriteFeatures(const std::string& mission, const MissionState& state,
                              Position position);
   absl::Status WriteFormat();
   // Returns RESOURCE_EXHAUSTED when less than min_free_bytes would be left.
@@ -107,7 +102,7 @@ class RocksJournal : public Journal {
   absl::Status ToStatus(const rocksdb::Status& status) const;
 
   const RocksJournalOptions options_;
-  const std::unique_ptr<map_store::RocksDatabase> database_;
+  const std::unique_ptr<RocksDatabase> database_;
 
   std::atomic<uint64_t> record_without_room_ = 0;
 
@@ -121,6 +116,6 @@ class RocksJournal : public Journal {
   bool syncing_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store
 
 #endif  // CORBSLAM_MAP_STORE_ROCKS_ROCKS_JOURNAL_H_

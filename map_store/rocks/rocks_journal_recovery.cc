@@ -12,22 +12,7 @@
 #include "map_store/rocks/rocks_journal.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
-
-using map_store::ArchiveReader;
-using map_store::DecodeHeader;
-using map_store::EndOfPrefix;
-using map_store::FeatureLoader;
-using map_store::FeaturesKey;
-using map_store::JournalPart;
-using map_store::JournalRecord;
-using map_store::kNotWhole;
-using map_store::MissionHeader;
-using map_store::MissionKey;
-using map_store::MissionPrefix;
-using map_store::MissionState;
-using map_store::RecordKey;
-using map_store::SnapshotKey;
+namespace corbslam::map_store {
 
 absl::Status RocksJournal::LoadMissions() {
   std::string bytes;
@@ -41,16 +26,16 @@ absl::Status RocksJournal::LoadMissions() {
     return absl::DataLossError(
         absl::StrCat("journal ", options_.directory, ": its format's number is damaged"));
   }
-  if (format < map_store::kOldestJournalFormat || format > map_store::kJournalFormat) {
-    return absl::FailedPreconditionError(absl::StrCat(
-        "journal ", options_.directory, " has format ", format, ", this program reads ",
-        map_store::kOldestJournalFormat, " to ", map_store::kJournalFormat));
+  if (format < kOldestJournalFormat || format > kJournalFormat) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("journal ", options_.directory, " has format ", format,
+                     ", this program reads ", kOldestJournalFormat, " to ", kJournalFormat));
   }
   ASSIGN_OR_RETURN(const std::vector<std::string> names, ListMissions());
   absl::MutexLock lock(&mutex_);
   for (const std::string& name : names) RETURN_IF_ERROR(LoadMission(name));
   // An older program would not understand what is written from now on.
-  return format == map_store::kJournalFormat ? absl::OkStatus() : WriteFormat();
+  return format == kJournalFormat ? absl::OkStatus() : WriteFormat();
 }
 
 absl::Status RocksJournal::LoadMission(const std::string& name) {
@@ -154,4 +139,4 @@ absl::StatusOr<Journal::Position> RocksJournal::Recover(absl::string_view missio
                                                   name, ": ", status.message()));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store

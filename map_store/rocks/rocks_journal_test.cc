@@ -28,7 +28,7 @@
 #include "map_store/testing/truthful_worker.h"
 #include "map_store/testing/unsynced_loss_env.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 namespace fs = std::filesystem;
@@ -427,10 +427,10 @@ TEST_F(RocksJournalTest, AKeyframeThatComesAgainWithOtherFeaturesChangesNothing)
 }
 
 // Returns a mission of many keyframes with features, and nothing else.
-map_store::MissionState MakeLargeMission(uint32_t keyframes, size_t features) {
-  map_store::MissionState state;
+MissionState MakeLargeMission(uint32_t keyframes, size_t features) {
+  MissionState state;
   state.name = "large";
-  map_store::LocalMapState& local_map = map_store::AddLocalMap(state, LocalMapId{1}, "a");
+  LocalMapState& local_map = map_store::AddLocalMap(state, LocalMapId{1}, "a");
   for (uint32_t i = 0; i < keyframes; ++i) {
     auto payload = std::make_shared<KeyframePayload>();
     payload->id = {local_map.id, i};
@@ -448,7 +448,7 @@ TEST_F(RocksJournalTest, ARestoreHoldsUpNobodysSync) {
   options.directory = Folder("journal");
   auto journal = RocksJournal::Open(options);
   ASSERT_TRUE(journal.ok()) << journal.status();
-  const map_store::MissionState large = MakeLargeMission(500, 2000);
+  const MissionState large = MakeLargeMission(500, 2000);
   std::atomic<bool> restored = false;
   std::thread restore([&] {
     const absl::Status status = (*journal)->CreateMission("large", large);
@@ -527,4 +527,4 @@ TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

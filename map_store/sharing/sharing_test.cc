@@ -10,7 +10,7 @@
 
 #include "map_store/testing/sharing_mission.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::DeterministicOptions;
@@ -505,4 +505,4 @@ TEST_F(SharingTest, ListenersHearOfARevision) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -7,7 +7,7 @@
 
 #include "map_store/testing/sharing_mission.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::kMission;
@@ -99,4 +99,4 @@ TEST_F(ToldPlacesTest, AnUpdateSaysWhetherAllThatMovedIsTold) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -15,7 +15,7 @@
 #include "slam/map/keyframe.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 
 // An island is named by its first local map; its frame is the island's frame.
 using IslandId = LocalMapId;
@@ -232,6 +232,6 @@ struct MapChanges {
   std::vector<IslandId> removed_islands;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store
 
 #endif  // CORBSLAM_MAP_STORE_STATE_LOOKUPS_H_

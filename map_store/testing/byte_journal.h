@@ -20,14 +20,14 @@ namespace corbslam::testing {
 struct JournalBytes {
   std::string mission = "m";
   std::string snapshot;  // As EncodeState makes it; empty: none.
-  Journal::Position snapshot_position = 0;
+  map_store::Journal::Position snapshot_position = 0;
   std::vector<std::string> records;  // Those since the snapshot.
   std::map<KeyframeId, std::string> features;
   std::string other_features;  // The features of all other keyframes.
   bool wants_snapshot = false;
 };
 
-class ByteJournal : public Journal {
+class ByteJournal : public map_store::Journal {
  public:
   explicit ByteJournal(std::shared_ptr<JournalBytes> bytes) : bytes_(std::move(bytes)) {}
 
@@ -44,7 +44,8 @@ class ByteJournal : public Journal {
   }
   absl::Status Sync(Position) override { return absl::OkStatus(); }
   bool WantsSnapshot(absl::string_view) const override { return bytes_->wants_snapshot; }
-  absl::Status WriteSnapshot(absl::string_view, const JournalSnapshot& snapshot) override {
+  absl::Status WriteSnapshot(absl::string_view,
+                             const map_store::JournalSnapshot& snapshot) override {
     bytes_->snapshot = snapshot.state;
     const auto begin = bytes_->records.begin();
     bytes_->records.erase(

@@ -17,11 +17,15 @@
 namespace corbslam::testing {
 
 // Returns the name of an item of any list.
-inline std::string NameOf(const MissionInfo& mission) { return mission.name; }
-inline std::string NameOf(const AgentInfo& agent) { return agent.name; }
-inline std::string NameOf(const LocalMapInfo& local_map) { return ToString(local_map.id); }
-inline std::string NameOf(const KeyframeInfo& keyframe) { return ToString(keyframe.id); }
-inline std::string NameOf(const OverlapInfo& overlap) { return absl::StrCat(overlap.id); }
+inline std::string NameOf(const map_store::MissionInfo& mission) { return mission.name; }
+inline std::string NameOf(const map_store::AgentInfo& agent) { return agent.name; }
+inline std::string NameOf(const map_store::LocalMapInfo& local_map) {
+  return ToString(local_map.id);
+}
+inline std::string NameOf(const map_store::KeyframeInfo& keyframe) { return ToString(keyframe.id); }
+inline std::string NameOf(const map_store::OverlapInfo& overlap) {
+  return absl::StrCat(overlap.id);
+}
 
 struct Names {
   std::vector<std::string> names;
@@ -29,7 +33,7 @@ struct Names {
 };
 
 template <typename T>
-absl::StatusOr<Names> NamesOf(const absl::StatusOr<Page<T>>& page) {
+absl::StatusOr<Names> NamesOf(const absl::StatusOr<map_store::Page<T>>& page) {
   if (!page.ok()) return page.status();
   Names names;
   for (const T& item : page->items) names.names.push_back(NameOf(item));
@@ -37,33 +41,36 @@ absl::StatusOr<Names> NamesOf(const absl::StatusOr<Page<T>>& page) {
   return names;
 }
 
-using List = std::function<absl::StatusOr<Names>(const PageRequest&)>;
+using List = std::function<absl::StatusOr<Names>(const map_store::PageRequest&)>;
 
-inline List Missions(const MapStore& store) {
-  return [&store](const PageRequest& page) { return NamesOf(store.ListMissions(page)); };
+inline List Missions(const map_store::MapStore& store) {
+  return [&store](const map_store::PageRequest& page) { return NamesOf(store.ListMissions(page)); };
 }
-inline List Agents(const MapStore& store, const std::string& mission = "m") {
-  return [&store, mission](const PageRequest& page) {
+inline List Agents(const map_store::MapStore& store, const std::string& mission = "m") {
+  return [&store, mission](const map_store::PageRequest& page) {
     return NamesOf(store.ListAgents(mission, page));
   };
 }
-inline List LocalMaps(const MapStore& store) {
-  return [&store](const PageRequest& page) { return NamesOf(store.ListLocalMaps("m", page)); };
+inline List LocalMaps(const map_store::MapStore& store) {
+  return [&store](const map_store::PageRequest& page) {
+    return NamesOf(store.ListLocalMaps("m", page));
+  };
 }
-inline List Keyframes(const MapStore& store, LocalMapId local_map) {
-  return [&store, local_map](const PageRequest& page) {
+inline List Keyframes(const map_store::MapStore& store, LocalMapId local_map) {
+  return [&store, local_map](const map_store::PageRequest& page) {
     return NamesOf(store.ListKeyframes("m", local_map, page));
   };
 }
-inline List Overlaps(const MapStore& store, const OverlapFilter& filter = {}) {
-  return [&store, filter](const PageRequest& page) {
+inline List Overlaps(const map_store::MapStore& store,
+                     const map_store::OverlapFilter& filter = {}) {
+  return [&store, filter](const map_store::PageRequest& page) {
     return NamesOf(store.ListOverlaps("m", filter, page));
   };
 }
 
 // Returns the lists of mission "m", each with what it is a list of.
-inline std::vector<std::pair<std::string, List>> AllLists(const MapStore& store, LocalMapId a,
-                                                          LocalMapId b) {
+inline std::vector<std::pair<std::string, List>> AllLists(const map_store::MapStore& store,
+                                                          LocalMapId a, LocalMapId b) {
   return {{"missions", Missions(store)},
           {"agents", Agents(store)},
           {"local maps", LocalMaps(store)},
@@ -79,7 +86,7 @@ inline std::vector<std::pair<std::string, List>> AllLists(const MapStore& store,
 inline std::vector<std::string> ReadInPages(
     const List& list, size_t page_size, const std::function<void()>& between = [] {}) {
   std::vector<std::string> all;
-  PageRequest request = {page_size, ""};
+  map_store::PageRequest request = {page_size, ""};
   do {
     const auto page = list(request);
     EXPECT_TRUE(page.ok()) << page.status();

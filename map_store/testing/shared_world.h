@@ -30,8 +30,8 @@ inline SyntheticMap MakeRingMap(uint64_t local_map, double begin_degrees, int ke
   return MakeSyntheticMap(TheWorld().world, PosesOnRing(begin_degrees, 4, keyframes), options);
 }
 
-inline MapStoreOptions DeterministicOptions() {
-  MapStoreOptions options;
+inline map_store::MapStoreOptions DeterministicOptions() {
+  map_store::MapStoreOptions options;
   options.deterministic = true;
   options.settle_after = 3;
   options.share_after = 3;

@@ -24,8 +24,8 @@ class SharingMission : public ::testing::Test {
   SyntheticMap map_b_ = MakeRingMap(0xb, 32, 14);
   SyntheticMap map_c_ = MakeRingMap(0xc, 64, 14);
   TruthfulWorker worker_{{&map_a_, &map_b_, &map_c_}};
-  MapStore store_{DeterministicOptions(), TheWorld().vocabulary,
-                  std::make_unique<InMemoryJournal>(), &worker_};
+  map_store::MapStore store_{DeterministicOptions(), TheWorld().vocabulary,
+                             std::make_unique<map_store::InMemoryJournal>(), &worker_};
 };
 
 }  // namespace corbslam::testing

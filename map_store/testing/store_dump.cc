@@ -7,6 +7,15 @@
 #include "absl/strings/str_split.h"
 
 namespace corbslam::testing {
+
+using map_store::IslandView;
+using map_store::KeyframeInfo;
+using map_store::LocalMapInfo;
+using map_store::MapStore;
+using map_store::MissionStatistics;
+using map_store::OverlapInfo;
+using map_store::Page;
+
 namespace {
 
 std::string PoseText(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) {

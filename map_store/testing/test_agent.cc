@@ -8,6 +8,8 @@
 
 namespace corbslam::testing {
 
+using map_store::MapStore;
+
 std::shared_ptr<const Vocabulary> MakeTestVocabulary(const SyntheticWorld& world) {
   constexpr size_t kPictures = 20;
   PictureDescriptors pictures(kPictures);

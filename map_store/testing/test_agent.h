@@ -31,7 +31,8 @@ struct SharedMirror {
 class TestAgent {
  public:
   // Opens the agent's session. `store` and `made` must outlive it.
-  TestAgent(MapStore& store, std::string mission, std::string name, const SyntheticMap& made);
+  TestAgent(map_store::MapStore& store, std::string mission, std::string name,
+            const SyntheticMap& made);
 
   // Returns the next numbered batch, of `keyframes` keyframes with their points and a tracked frame
   // each.
@@ -54,7 +55,7 @@ class TestAgent {
  private:
   void AddPoints(const Keyframe& keyframe, MapUpdateBatch& batch);
 
-  MapStore& store_;
+  map_store::MapStore& store_;
   const SyntheticMap& made_;
   const LocalMapId local_map_;
   uint64_t session_ = 0;

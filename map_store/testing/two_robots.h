@@ -26,7 +26,7 @@ class TwoRobots : public ::testing::Test {
     ASSERT_TRUE(b_.Close().ok());
   }
   void Fuse() { ASSERT_TRUE(store_.RunFusionUntilIdle(kMission).ok()); }
-  MissionStatistics Statistics() { return *store_.GetStatistics(kMission); }
+  map_store::MissionStatistics Statistics() { return *store_.GetStatistics(kMission); }
   Similarity3d Pose(KeyframeId id) { return store_.GetKeyframe(kMission, id)->camera_from_island; }
   // Returns b_from_a by the global layer.
   Rigid3d Relative(KeyframeId a, KeyframeId b) {
@@ -45,8 +45,8 @@ class TwoRobots : public ::testing::Test {
   SyntheticMap map_a_ = MakeRingMap(0xa, 0, 14);
   SyntheticMap map_b_ = MakeRingMap(0xb, 32, 14);
   TruthfulWorker worker_{{&map_a_, &map_b_}};
-  MapStore store_{DeterministicOptions(), TheWorld().vocabulary,
-                  std::make_unique<InMemoryJournal>(), &worker_};
+  map_store::MapStore store_{DeterministicOptions(), TheWorld().vocabulary,
+                             std::make_unique<map_store::InMemoryJournal>(), &worker_};
   TestAgent a_{store_, kMission, "a", map_a_};
   TestAgent b_{store_, kMission, "b", map_b_};
 };

@@ -7,12 +7,7 @@
 #include "map_store/view/answers.h"
 #include "map_store/view/placement.h"
 
-namespace corbslam {
-
-using map_store::Island;
-using map_store::LocalMapState;
-using map_store::MissionState;
-using map_store::PoseTable;
+namespace corbslam::map_store {
 
 namespace {
 
@@ -77,7 +72,7 @@ std::optional<MapWatcher::Part> MapWatcher::MakePart(const MissionState& state, 
   const auto seen = seen_.find(id);
   part.whole = anew || seen == seen_.end() || seen->second != island;
   if (part.whole) return part;
-  const map_store::ItemChanges changes = *local_map.changes.Since(version_);
+  const ItemChanges changes = *local_map.changes.Since(version_);
   if (changes.size() == 0 && local_map.places_version <= version_) return std::nullopt;
   part.keyframes = {changes.keyframes.begin(), changes.keyframes.end()};
   if (!include_points_) return part;
@@ -209,4 +204,4 @@ std::optional<MapChanges> MapWatcher::Next(const MissionState& state, size_t max
   return changes;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -15,7 +15,7 @@
 #include "map_store/state/mission_state.h"
 #include "map_store/view/placement.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 
 // What one watcher has seen of one mission. A value; not thread-safe. It remembers which local maps
 // were seen in which islands, not what was in them: that follows from versions. Its cost is that of
@@ -30,7 +30,7 @@ class MapWatcher {
   // Returns the next piece, about `max_items` keyframes and points; none if nothing is new. What
   // changes while a change is told in pieces comes with the next change at the latest. The state
   // must always be of the same mission.
-  std::optional<MapChanges> Next(const map_store::MissionState& state, size_t max_items);
+  std::optional<MapChanges> Next(const MissionState& state, size_t max_items);
 
  private:
   // One local map's part of the change that is being told.
@@ -49,18 +49,16 @@ class MapWatcher {
     bool fusion_moved_points = false;
   };
 
-  void Begin(const map_store::MissionState& state, MapChanges& changes);
-  void BeginIsland(const map_store::MissionState& state, const map_store::Island& island,
-                   MapChanges& changes);
+  void Begin(const MissionState& state, MapChanges& changes);
+  void BeginIsland(const MissionState& state, const Island& island, MapChanges& changes);
   // Returns false if what the watcher knows of the island can't be brought up to date.
-  bool CanUpdate(const map_store::MissionState& state, const map_store::Island& island) const;
-  std::optional<Part> MakePart(const map_store::MissionState& state, LocalMapId local_map,
-                               IslandId island, bool anew) const;
+  bool CanUpdate(const MissionState& state, const Island& island) const;
+  std::optional<Part> MakePart(const MissionState& state, LocalMapId local_map, IslandId island,
+                               bool anew) const;
   // Both return whether the part has no more of them.
-  bool TakeKeyframes(const map_store::MissionState& state, Part& part, size_t& room,
+  bool TakeKeyframes(const MissionState& state, Part& part, size_t& room,
                      MapChanges::Island& changes);
-  bool TakePoints(const map_store::MissionState& state, Part& part, size_t& room,
-                  MapChanges::Island& changes);
+  bool TakePoints(const MissionState& state, Part& part, size_t& room, MapChanges::Island& changes);
 
   bool include_points_;
   uint64_t version_;
@@ -74,6 +72,6 @@ class MapWatcher {
   std::deque<Part> parts_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::map_store
 
 #endif  // CORBSLAM_MAP_STORE_VIEW_MAP_WATCHER_H_

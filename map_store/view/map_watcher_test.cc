@@ -8,7 +8,7 @@
 
 #include "map_store/testing/two_robots.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::MakeRingMap;
@@ -186,4 +186,4 @@ TEST_F(MapWatcherTest, WhoComesBackIsToldWhatChangedSince) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

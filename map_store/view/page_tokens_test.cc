@@ -11,7 +11,7 @@
 #include "map_store/testing/name_lists.h"
 #include "map_store/testing/two_robots.h"
 
-namespace corbslam {
+namespace corbslam::map_store {
 namespace {
 
 using testing::Agents;
@@ -95,4 +95,4 @@ TEST_F(PageTokensTest, KeysThatAreMadeUpAreRefusedOrEmpty) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::map_store

@@ -19,7 +19,7 @@
 #include "slam/camera/recorded_camera.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct AgentServiceOptions {
   // Empty without a map store.
@@ -36,11 +36,12 @@ struct AgentServiceOptions {
 // outlive it; the server must be shut down before it is destroyed. Thread-safe.
 class AgentService : public v1::Agent::CallbackService {
  public:
-  AgentService(const Agent* agent, const Uplink* uplink, const AgentServiceOptions& options)
+  AgentService(const client_agent::Agent* agent, const Uplink* uplink,
+               const AgentServiceOptions& options)
       : agent_(*agent), uplink_(uplink), options_(options), pool_(1) {}
 
   // Tells watchers of a frame; `dropped` counts the frames so far that came too fast.
-  void OnFrame(const TrackingResult& result, uint64_t dropped);
+  void OnFrame(const client_agent::TrackingResult& result, uint64_t dropped);
 
   grpc::ServerWriteReactor<v1::WatchPoseResponse>* WatchPose(
       grpc::CallbackServerContext* context, const v1::WatchPoseRequest* request) override;
@@ -51,15 +52,15 @@ class AgentService : public v1::Agent::CallbackService {
       grpc::CallbackServerContext* context, const v1::GetAgentTrajectoryRequest* request) override;
 
  private:
-  const Agent& agent_;
+  const client_agent::Agent& agent_;
   const Uplink* const uplink_;
   const AgentServiceOptions options_;
   PoseBoard poses_;
   TaskPool pool_;
 };
 
-v1::TrackingState ToProto(TrackingState state);
+v1::TrackingState ToProto(client_agent::TrackingState state);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_AGENT_SERVICE_AGENT_SERVICE_H_

@@ -10,7 +10,15 @@
 
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::AgentStatus;
+using client_agent::AgentTimings;
+using client_agent::TrackingResult;
+using client_agent::TrackingState;
+using client_agent::TrajectoryPose;
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -241,4 +249,4 @@ TEST_F(AgentServiceTest, StreamsItsTrajectory) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

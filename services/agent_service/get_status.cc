@@ -3,7 +3,15 @@
 #include "services/convert/resource_names.h"
 #include "services/server/unary.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::AgentStatus;
+using client_agent::HeldBack;
+using client_agent::kUpdateKinds;
+using client_agent::ToString;
+using client_agent::TrackingState;
+using client_agent::UploadStatus;
+
 namespace {
 
 uint64_t Count(int value) { return static_cast<uint64_t>(value); }
@@ -81,4 +89,4 @@ grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* c
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,11 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::ToString;
+using client_agent::TrajectoryPose;
+
 namespace {
 
 constexpr int kPosesPerMessage = 1000;
@@ -42,4 +46,4 @@ grpc::ServerWriteReactor<v1::GetAgentTrajectoryResponse>* AgentService::GetTraje
       });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

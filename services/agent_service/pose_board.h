@@ -12,7 +12,7 @@
 #include "absl/synchronization/mutex.h"
 #include "corbslam/v1/agent_service.pb.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Calls its readers one after the other, from the thread that posts; they must return at once.
 // Thread-safe.
@@ -53,6 +53,6 @@ class PoseBoard {
   std::map<uint64_t, Reader> readers_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_AGENT_SERVICE_POSE_BOARD_H_

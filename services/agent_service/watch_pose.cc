@@ -10,7 +10,12 @@
 #include "services/convert/geometry.h"
 #include "services/convert/status.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::ToString;
+using client_agent::TrackingResult;
+using client_agent::TrackingState;
+
 namespace {
 
 constexpr double kMinRate_hz = 0.1;
@@ -144,4 +149,4 @@ grpc::ServerWriteReactor<v1::WatchPoseResponse>* AgentService::WatchPose(
   return new WatchPoseReactor(poses_, interval_ns, *poses_of, *camera_from_wanted);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

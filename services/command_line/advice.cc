@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "services/command_line/help_formatter.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Returns how many letters must be changed, added, taken out, or exchanged with the next one
@@ -110,4 +110,4 @@ std::string DescribeWrongFlag(const CLI::App& app) {
   return "";
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns the one of `words` that takes the fewest changed, added, missing or exchanged letters to
 // make `typed`; empty where each takes more than a third of the letters.
@@ -22,6 +22,6 @@ std::string DescribeWrongCommand(const CLI::App& app);
 // Returns the same for the first flag that none of the commands knows; empty if all are known.
 std::string DescribeWrongFlag(const CLI::App& app);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_COMMAND_LINE_ADVICE_H_

@@ -7,7 +7,7 @@
 
 #include "services/command_line/command_line.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -91,4 +91,4 @@ TEST(AdviceTest, NothingIsSaidOfWhatIsRight) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

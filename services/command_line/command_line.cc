@@ -11,7 +11,7 @@
 #include "services/command_line/help_formatter.h"
 #include "services/command_line/man_page.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 std::string GetVariable(const std::string& name) {
@@ -151,4 +151,4 @@ std::string CommandLine::DescribeConfiguration() {
                       set.empty() ? "nothing" : absl::StrJoin(set, "; "));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -11,7 +11,7 @@
 
 #include "services/command_line/config_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns the version of all programs, such as "0.1.0".
 std::string ProgramVersion();
@@ -49,6 +49,6 @@ class CommandLine {
   std::shared_ptr<ConfigFile> file_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_COMMAND_LINE_COMMAND_LINE_H_

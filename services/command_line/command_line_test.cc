@@ -11,7 +11,7 @@
 
 #include "services/testing/test_path.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -239,4 +239,4 @@ TEST(CommandLineTest, CommandsTakeEnvironment) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 #include "absl/strings/str_split.h"
 #include "services/command_line/help_formatter.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Calls `visit` with each command and the words that lead to it; "" is the program itself.
@@ -138,4 +138,4 @@ std::string ZshCompletion(const CLI::App& app) {
                       "_bash_complete -o default -F ", FunctionName(app), "\n");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

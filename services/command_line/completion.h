@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns the values of an option that takes one of a few; empty for all others.
 std::vector<std::string> Choices(const CLI::Option& option);
@@ -17,6 +17,6 @@ std::string BashCompletion(const CLI::App& app);
 // Returns a file of zsh's $fpath, _PROGRAM: the same function, by zsh's bashcompinit.
 std::string ZshCompletion(const CLI::App& app);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_COMMAND_LINE_COMPLETION_H_

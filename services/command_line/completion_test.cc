@@ -16,7 +16,7 @@
 #include "services/command_line/command_line.h"
 #include "services/testing/test_path.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -134,4 +134,4 @@ TEST(CompletionTest, IsPrintedByThePrograms) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 #include "absl/strings/strip.h"
 #include "services/command_line/environment.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 bool IsSetByEnvironment(const CLI::Option& option) {
@@ -113,4 +113,4 @@ std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& input) const 
   return taken;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Reads the file for CLI11. Not thread-safe. The app must outlive it.
 class ConfigFile : public CLI::ConfigTOML {
@@ -34,6 +34,6 @@ class ConfigFile : public CLI::ConfigTOML {
   mutable std::map<std::string, std::string> places_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_COMMAND_LINE_CONFIG_FILE_H_

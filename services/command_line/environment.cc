@@ -13,7 +13,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 std::string ToVariable(absl::string_view name) {
@@ -71,4 +71,4 @@ std::string DescribeUnknownVariables(CLI::App& app, const std::string& prefix) {
                       " means no flag of this program");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

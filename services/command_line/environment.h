@@ -8,7 +8,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns "CORBSLAM_MAP_STORE_" for "map_store".
 std::string EnvironmentPrefix(absl::string_view program);
@@ -25,6 +25,6 @@ void ReadFromEnvironment(CLI::App& app, const std::string& prefix);
 // are not ours.
 std::string DescribeUnknownVariables(CLI::App& app, const std::string& prefix);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_COMMAND_LINE_ENVIRONMENT_H_

@@ -6,7 +6,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr size_t kLineLength = 100;
@@ -84,4 +84,4 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name,
                       make_footer(app));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Flags of this group are in --help-all only.
 inline constexpr char kRareGroup[] = "Limits";
@@ -30,6 +30,6 @@ class HelpFormatter : public CLI::Formatter {
   std::string TwoColumns(const std::string& left, const std::string& right) const;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_COMMAND_LINE_HELP_FORMATTER_H_

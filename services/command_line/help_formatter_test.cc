@@ -8,7 +8,7 @@
 #include "absl/strings/str_split.h"
 #include "services/command_line/command_line.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -59,4 +59,4 @@ TEST(HelpFormatterTest, BreaksLongDescriptions) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -6,7 +6,7 @@
 #include "absl/strings/str_replace.h"
 #include "services/command_line/help_formatter.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Escapes the text so that troff takes it for nothing else.
@@ -86,4 +86,4 @@ std::string FormatManPage(const CLI::App& app, const std::string& environment_pr
           "corbslam(1), map_store(1), fusion_worker(1), client_agent(1), simulated_agent(1)\n"));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,13 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns a page of section 1, for troff's man macros. Defaults that are paths are left out: they
 // are this machine's.
 std::string FormatManPage(const CLI::App& app, const std::string& environment_prefix,
                           const std::string& version);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_COMMAND_LINE_MAN_PAGE_H_

@@ -12,7 +12,7 @@
 #include "services/command_line/command_line.h"
 #include "services/testing/test_path.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -64,4 +64,4 @@ TEST(ManPageTest, IsRenderedWithoutWarnings) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,7 +7,7 @@
 #include "services/convert/limits.h"
 #include "services/convert/map_update.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 std::string EncodeBatch(const MapUpdateBatch& batch) {
   CameraBook none_sent;
@@ -35,4 +35,4 @@ absl::StatusOr<MapUpdateBatch> DecodeBatch(absl::string_view bytes) {
   return FromProto(proto, cameras);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include "absl/strings/string_view.h"
 #include "slam/exchange/map_update.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns one serialised v1::MapUpdateBatch, rounded as on the wire; features are rounded once
 // only, however often they pass.
@@ -18,6 +18,6 @@ std::string EncodeBatch(const MapUpdateBatch& batch);
 // Returns INVALID_ARGUMENT where the bytes are no batch, or one that the wire's rules forbid.
 absl::StatusOr<MapUpdateBatch> DecodeBatch(absl::string_view bytes);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_BATCH_BYTES_H_

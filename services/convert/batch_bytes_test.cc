@@ -7,7 +7,7 @@
 #include "services/convert/limits.h"
 #include "services/convert/testing/test_data.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 TEST(BatchBytesTest, StandForThemselves) {
@@ -46,4 +46,4 @@ TEST(BatchBytesTest, NonsenseIsRefused) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -11,7 +11,7 @@
 #include "slam/coding/sourced_descriptors.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr double kNormalSteps = 8191;
@@ -381,4 +381,4 @@ absl::StatusOr<std::vector<int64_t>> ReadTimes(const TimeColumn& proto, absl::st
   return times;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

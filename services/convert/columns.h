@@ -17,7 +17,7 @@
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/shared_update.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 using TimeColumn = google::protobuf::RepeatedField<int64_t>;
 
@@ -67,6 +67,6 @@ absl::StatusOr<std::vector<int64_t>> ReadTimes(const TimeColumn& proto, absl::st
 // Returns a unit vector if the normal was nearly one, or zero if it is zero.
 absl::StatusOr<Eigen::Vector3d> CheckNormal(const Eigen::Vector3d& normal);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_COLUMNS_H_

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 inline absl::Status BadLength(absl::string_view field, int64_t length, int64_t expected) {
   return absl::InvalidArgumentError(
@@ -27,6 +27,6 @@ inline absl::Status Locate(const absl::Status& status, absl::string_view where) 
   return absl::Status(status.code(), absl::StrCat(where, ": ", status.message()));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_ERRORS_H_

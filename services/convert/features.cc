@@ -11,7 +11,7 @@
 #include "slam/coding/feature_columns.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "descriptors are copied as they lie");
@@ -219,4 +219,4 @@ absl::StatusOr<std::shared_ptr<const KeyframePayload>> FromProto(
   return MakeKeyframePayload(std::move(payload));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -16,7 +16,7 @@
 #include "slam/map/keyframe.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Knows the cameras that one side of a stream has named so far. Not thread-safe.
 class CameraBook {
@@ -66,6 +66,6 @@ Descriptor DescriptorFromBytes(const std::string& bytes, size_t index);
 // Returns an error unless the time is from 0 to kMaxTimestamp_ns.
 absl::Status CheckTimestamp(int64_t timestamp_ns);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_FEATURES_H_

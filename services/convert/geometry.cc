@@ -8,7 +8,7 @@
 #include "slam/exchange/overlap.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr int kCovarianceEntries = 28;
@@ -197,4 +197,4 @@ absl::StatusOr<PosesOf> FromProto(v1::PosesOf poses_of) {
       absl::StrCat("poses_of is ", static_cast<int>(poses_of), ", must be 0 to 3"));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 void ToProto(const Rigid3d& rigid, v1::Rigid* proto);
 void ToProto(const Similarity3d& similarity, v1::Similarity* proto);
@@ -34,6 +34,6 @@ absl::Status CheckPosition(const Eigen::Vector3d& position);
 // Returns the quaternion made of unit length, if it was nearly so.
 absl::StatusOr<Eigen::Quaterniond> CheckRotation(double w, double x, double y, double z);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_GEOMETRY_H_

@@ -4,7 +4,7 @@
 #include "services/convert/limits.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 template <typename Id>
@@ -122,4 +122,4 @@ absl::Status CheckOwned(const std::vector<KeyframeId>& ids, LocalMapId owner,
   return CheckAllOwned(ids, owner, field);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

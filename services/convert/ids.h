@@ -12,7 +12,7 @@
 #include "corbslam/v1/items.pb.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 using MapTable = google::protobuf::RepeatedField<uint64_t>;
 
@@ -91,6 +91,6 @@ absl::Status CheckOwned(const std::vector<MapPointId>& ids, LocalMapId owner,
 absl::Status CheckOwned(const std::vector<KeyframeId>& ids, LocalMapId owner,
                         absl::string_view field);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_IDS_H_

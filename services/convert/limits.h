@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace corbslam {
+namespace corbslam::services {
 
 inline constexpr int kMaxKeypoints = 20000;
 inline constexpr int kMaxLocalMapsOfMessage = 10000;
@@ -42,6 +42,6 @@ inline constexpr int kMaxCandidates = 100;
 inline constexpr int kMaxIterations = 1000;
 inline constexpr int kMaxSolverThreads = 64;
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_LIMITS_H_

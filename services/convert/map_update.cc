@@ -12,7 +12,7 @@
 #include "services/convert/parts.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // An entry of a column takes at most so many bytes.
@@ -396,4 +396,4 @@ absl::StatusOr<std::optional<MapUpdateBatch>> BatchAssembler::Add(const v1::MapU
   return std::exchange(started_, std::nullopt);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

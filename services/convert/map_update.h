@@ -11,7 +11,7 @@
 #include "services/convert/features.h"
 #include "slam/exchange/map_update.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns one or more messages of about `part_bytes` at most (a single keyframe is never split).
 // `sent` has the cameras named on this stream and learns those of the batch.
@@ -41,6 +41,6 @@ class BatchAssembler {
   size_t items_ = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_MAP_UPDATE_H_

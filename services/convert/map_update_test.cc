@@ -11,7 +11,7 @@
 #include "services/convert/testing/test_data.h"
 #include "slam/coding/testing/plausible_features.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using test_data::kMap;
@@ -553,4 +553,4 @@ TEST(CameraBookTest, HoldsOnlySoMany) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 #include "services/convert/geometry.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr uint32_t kMaxCount = std::numeric_limits<int>::max();
@@ -113,4 +113,4 @@ absl::StatusOr<Overlap> FromProto(const v1::VerifiedOverlap& proto, const SlotRe
   return overlap;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 #include "services/convert/ids.h"
 #include "slam/exchange/overlap.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 v1::OverlapVerdict ToProto(OverlapVerdict verdict);
 absl::StatusOr<OverlapVerdict> FromProto(v1::OverlapVerdict verdict);
@@ -17,6 +17,6 @@ absl::StatusOr<OverlapEvidence> FromProto(const v1::OverlapEvidence& proto);
 void ToProto(const Overlap& overlap, SlotWriter& slots, v1::VerifiedOverlap* proto);
 absl::StatusOr<Overlap> FromProto(const v1::VerifiedOverlap& proto, const SlotReader& slots);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_OVERLAP_H_

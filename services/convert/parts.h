@@ -15,7 +15,7 @@
 #include "services/convert/ids.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Fills one part after the other. `start` writes what each part begins with and returns the writer
 // of its table. Not thread-safe.
@@ -74,6 +74,6 @@ void AppendAll(std::vector<Item>& to, std::vector<Item>& from) {
   to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_PARTS_H_

@@ -10,7 +10,7 @@
 #include "absl/strings/str_split.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr size_t kMaxSegment = 63;
@@ -132,4 +132,4 @@ absl::StatusOr<OverlapPath> ParseOverlapName(absl::string_view name) {
   return OverlapPath{std::string(values[0]), *number};
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,7 @@
 #include "absl/strings/string_view.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 std::string MissionName(absl::string_view mission);
 std::string AgentName(absl::string_view mission, absl::string_view agent);
@@ -46,6 +46,6 @@ absl::StatusOr<LocalMapPath> ParseLocalMapName(absl::string_view name, bool may_
 absl::StatusOr<KeyframePath> ParseKeyframeName(absl::string_view name);
 absl::StatusOr<OverlapPath> ParseOverlapName(absl::string_view name);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_RESOURCE_NAMES_H_

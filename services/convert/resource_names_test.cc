@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -57,4 +57,4 @@ TEST(ResourceNamesTest, HostileBytesAreEscapedInTheMessage) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 #include "services/convert/resource_names.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // One entry takes at most so many bytes.
@@ -370,4 +370,4 @@ absl::StatusOr<SessionGrant> FromProto(const v1::SessionGrant& proto) {
   return grant;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

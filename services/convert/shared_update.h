@@ -13,7 +13,7 @@
 #include "slam/exchange/shared_update.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns one or more messages of about `part_bytes` at most. `sent` has the cameras named on this
 // stream and learns those of the update.
@@ -42,6 +42,6 @@ absl::StatusOr<Acknowledgement> FromProto(const v1::Acknowledgement& proto);
 void ToProto(const SessionGrant& grant, v1::SessionGrant* proto);
 absl::StatusOr<SessionGrant> FromProto(const v1::SessionGrant& proto);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_SHARED_UPDATE_H_

@@ -6,7 +6,7 @@
 #include "services/convert/limits.h"
 #include "services/convert/testing/test_data.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -161,4 +161,4 @@ TEST(SessionTest, ADownlinkThatNothingPassesIsRefused) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

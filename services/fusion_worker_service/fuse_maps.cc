@@ -1,7 +1,7 @@
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/fusion_worker_service/work_reactor.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 grpc::ServerBidiReactor<v1::FuseMapsRequest, v1::FuseMapsResponse>* FusionWorkerService::FuseMaps(
     grpc::CallbackServerContext*) {
@@ -13,4 +13,4 @@ grpc::ServerBidiReactor<v1::FuseMapsRequest, v1::FuseMapsResponse>* FusionWorker
                      });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,7 @@
 #include "services/server/task_pool.h"
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct FusionWorkerServiceOptions {
   // Number of requests that are worked on at once; the rest wait.
@@ -46,6 +46,6 @@ class FusionWorkerService : public v1::FusionWorker::CallbackService {
   TaskPool pool_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_FUSION_WORKER_SERVICE_H_

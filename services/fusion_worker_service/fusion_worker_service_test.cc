@@ -18,7 +18,7 @@
 #include "services/convert/work/work.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using test_data::kMap;
@@ -291,4 +291,4 @@ TEST_F(FusionWorkerServiceTest, AFullWorkerSendsItsCallersElsewhere) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -1,7 +1,7 @@
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/fusion_worker_service/work_reactor.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 grpc::ServerBidiReactor<v1::VerifyOverlapRequest, v1::VerifyOverlapResponse>*
 FusionWorkerService::VerifyOverlap(grpc::CallbackServerContext*) {
@@ -13,4 +13,4 @@ FusionWorkerService::VerifyOverlap(grpc::CallbackServerContext*) {
                      });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

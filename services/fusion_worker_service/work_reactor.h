@@ -18,7 +18,7 @@
 #include "services/server/task_pool.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Reads on gRPC's threads, works on the pool. At most one progress message waits to be written.
 // Owns itself.
@@ -177,6 +177,6 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_FUSION_WORKER_SERVICE_WORK_REACTOR_H_

@@ -17,7 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 namespace beast = boost::beast;
@@ -116,4 +116,4 @@ void HttpConnection::Drain() {
                           });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

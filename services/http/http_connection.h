@@ -15,7 +15,7 @@
 #include "absl/time/time.h"
 #include "services/http/http_message.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Reads the head of one request, answers it, and closes. It lives as long as one of its operations
 // is under way. Only the one thread that runs the socket's context may use it.
@@ -53,6 +53,6 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::array<char, 4096> rest_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_HTTP_HTTP_CONNECTION_H_

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Holds a request's first line. Its headers count for nothing, and its body is not read.
 struct HttpRequest {
@@ -24,6 +24,6 @@ struct HttpResponse {
 // Called on the server's one thread. If it throws, the answer is 500.
 using HttpHandler = std::function<HttpResponse(const HttpRequest&)>;
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_HTTP_HTTP_MESSAGE_H_

@@ -19,7 +19,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/thread_priority.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using boost::asio::ip::tcp;
@@ -143,4 +143,4 @@ HttpServer::HttpServer(std::string address, std::unique_ptr<Loop> loop)
 
 HttpServer::~HttpServer() = default;
 
-}  // namespace corbslam
+}  // namespace corbslam::services

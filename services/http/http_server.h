@@ -11,7 +11,7 @@
 #include "absl/time/time.h"
 #include "services/http/http_message.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Checks that an address is "HOST:PORT" with an IP address as HOST (IPv6 in brackets) and a port of
 // 0 to 65535. INVALID_ARGUMENT otherwise.
@@ -55,6 +55,6 @@ class HttpServer {
   const std::unique_ptr<Loop> loop_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_HTTP_HTTP_SERVER_H_

@@ -17,7 +17,7 @@
 #include "absl/time/clock.h"
 #include "services/http/testing/raw_http.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -262,4 +262,4 @@ TEST(HttpAddressTest, IsAnIpAddressAndAPort) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

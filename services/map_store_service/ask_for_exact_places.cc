@@ -3,7 +3,7 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 grpc::ServerUnaryReactor* MapStoreService::AskForExactPlaces(
     grpc::CallbackServerContext* context, const v1::AskForExactPlacesRequest* request,
@@ -14,4 +14,4 @@ grpc::ServerUnaryReactor* MapStoreService::AskForExactPlaces(
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

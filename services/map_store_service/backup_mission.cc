@@ -5,7 +5,10 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::MissionBackup;
+
 namespace {
 
 // A piece with one keyframe more is still shorter than a message may be.
@@ -28,4 +31,4 @@ grpc::ServerWriteReactor<v1::BackupMissionResponse>* MapStoreService::BackupMiss
                         });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,16 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FakeMapJobs;
+using client_agent::GuardedMap;
+using client_agent::StoreLink;
+using client_agent::StoreLinkOptions;
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -139,4 +148,4 @@ TEST_F(BudgetedUploadTest, WithoutABudgetItIsAsBefore) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,9 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::MissionInfo;
 
 grpc::ServerUnaryReactor* MapStoreService::DeleteMission(grpc::CallbackServerContext* context,
                                                          const v1::DeleteMissionRequest* request,
@@ -23,4 +25,4 @@ grpc::ServerUnaryReactor* MapStoreService::DeleteMission(grpc::CallbackServerCon
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

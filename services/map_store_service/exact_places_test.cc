@@ -11,7 +11,12 @@
 #include "services/server/server.h"
 #include "services/testing/uplink_notes.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -87,4 +92,4 @@ TEST_F(ExactPlacesTest, WhoIsNotThereIsNotAsked) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

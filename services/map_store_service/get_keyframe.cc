@@ -6,7 +6,9 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::KeyframeInfo;
 
 grpc::ServerUnaryReactor* MapStoreService::GetKeyframe(grpc::CallbackServerContext* context,
                                                        const v1::GetKeyframeRequest* request,
@@ -26,4 +28,4 @@ grpc::ServerUnaryReactor* MapStoreService::GetKeyframe(grpc::CallbackServerConte
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,9 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::LocalMapInfo;
 
 grpc::ServerUnaryReactor* MapStoreService::GetLocalMap(grpc::CallbackServerContext* context,
                                                        const v1::GetLocalMapRequest* request,
@@ -19,4 +21,4 @@ grpc::ServerUnaryReactor* MapStoreService::GetLocalMap(grpc::CallbackServerConte
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,9 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::MissionInfo;
 
 grpc::ServerUnaryReactor* MapStoreService::GetMission(grpc::CallbackServerContext* context,
                                                       const v1::GetMissionRequest* request,
@@ -18,4 +20,4 @@ grpc::ServerUnaryReactor* MapStoreService::GetMission(grpc::CallbackServerContex
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -6,7 +6,12 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::AgentInfo;
+using map_store::LocalMapInfo;
+using map_store::MissionStatistics;
+using map_store::PageRequest;
 
 grpc::ServerUnaryReactor* MapStoreService::GetStatistics(grpc::CallbackServerContext* context,
                                                          const v1::GetStatisticsRequest* request,
@@ -36,4 +41,4 @@ grpc::ServerUnaryReactor* MapStoreService::GetStatistics(grpc::CallbackServerCon
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

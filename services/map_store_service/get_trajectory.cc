@@ -9,7 +9,12 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::AgentTrajectory;
+using map_store::MissionInfo;
+using map_store::TrajectoryFrame;
+
 namespace {
 
 constexpr size_t kPosesPerMessage = 1000;
@@ -85,4 +90,4 @@ grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* MapStoreService::GetTraject
       });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,9 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::PageRequest;
 
 grpc::ServerUnaryReactor* MapStoreService::ListAgents(grpc::CallbackServerContext* context,
                                                       const v1::ListAgentsRequest* request,
@@ -20,4 +22,4 @@ grpc::ServerUnaryReactor* MapStoreService::ListAgents(grpc::CallbackServerContex
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

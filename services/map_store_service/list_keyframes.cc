@@ -5,7 +5,9 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::PageRequest;
 
 grpc::ServerUnaryReactor* MapStoreService::ListKeyframes(grpc::CallbackServerContext* context,
                                                          const v1::ListKeyframesRequest* request,
@@ -21,4 +23,4 @@ grpc::ServerUnaryReactor* MapStoreService::ListKeyframes(grpc::CallbackServerCon
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

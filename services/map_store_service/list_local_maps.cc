@@ -5,7 +5,9 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::PageRequest;
 
 grpc::ServerUnaryReactor* MapStoreService::ListLocalMaps(grpc::CallbackServerContext* context,
                                                          const v1::ListLocalMapsRequest* request,
@@ -20,4 +22,4 @@ grpc::ServerUnaryReactor* MapStoreService::ListLocalMaps(grpc::CallbackServerCon
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,9 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::PageRequest;
 
 grpc::ServerUnaryReactor* MapStoreService::ListMissions(grpc::CallbackServerContext* context,
                                                         const v1::ListMissionsRequest* request,
@@ -19,4 +21,4 @@ grpc::ServerUnaryReactor* MapStoreService::ListMissions(grpc::CallbackServerCont
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -6,7 +6,10 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::OverlapFilter;
+using map_store::PageRequest;
 
 grpc::ServerUnaryReactor* MapStoreService::ListOverlaps(grpc::CallbackServerContext* context,
                                                         const v1::ListOverlapsRequest* request,
@@ -32,4 +35,4 @@ grpc::ServerUnaryReactor* MapStoreService::ListOverlaps(grpc::CallbackServerCont
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -11,7 +11,19 @@
 #include "services/convert/overlap.h"
 #include "services/convert/resource_names.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::AgentInfo;
+using map_store::GlobalAdjustmentStatistics;
+using map_store::IslandId;
+using map_store::KeyframeInfo;
+using map_store::LocalMapInfo;
+using map_store::MissionInfo;
+using map_store::MissionStatistics;
+using map_store::OverlapInfo;
+using map_store::TransferStatistics;
+using map_store::UncomparedPair;
+
 namespace {
 
 std::string NameOrEmpty(absl::string_view mission, LocalMapId id) {
@@ -166,4 +178,4 @@ void AddIslands(absl::string_view mission, const std::vector<LocalMapInfo>& loca
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,12 @@
 #include "services/convert/limits.h"
 #include "services/convert/parts.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::IslandId;
+using map_store::IslandView;
+using map_store::MapChanges;
+
 namespace {
 
 constexpr size_t kKeyframeBytes = 140;
@@ -124,4 +129,4 @@ std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes) {
   return parts;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,11 +7,11 @@
 #include "corbslam/v1/map_store_service.pb.h"
 #include "map_store/state/lookups.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns one or more messages, which are the parts of one change.
-std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes);
+std::vector<v1::WatchMapResponse> ToProto(const map_store::MapChanges& changes);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_CHANGES_TO_PROTO_H_

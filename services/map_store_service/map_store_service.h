@@ -16,7 +16,7 @@
 #include "services/map_store_service/sync_observer.h"
 #include "services/server/task_pool.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Has all methods, with Sync's messages as bytes: a message that can't be read would otherwise look
 // like the end of the stream.
@@ -69,7 +69,7 @@ struct MapStoreServiceOptions {
 // the server must be shut down before it is destroyed. Thread-safe.
 class MapStoreService : public MapStoreMethods {
  public:
-  explicit MapStoreService(MapStore* store, const MapStoreServiceOptions& options = {})
+  explicit MapStoreService(map_store::MapStore* store, const MapStoreServiceOptions& options = {})
       : store_(*store),
         options_(Observed(options, &recent_codes_)),
         limits_(options.streams),
@@ -139,13 +139,13 @@ class MapStoreService : public MapStoreMethods {
     return options;
   }
 
-  MapStore& store_;
+  map_store::MapStore& store_;
   RecentCodes recent_codes_;
   const MapStoreServiceOptions options_;
   StreamLimits limits_;
   TaskPool pool_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_MAP_STORE_SERVICE_H_

@@ -22,7 +22,12 @@
 #include "services/server/server.h"
 #include "services/testing/uplink_notes.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 using test_data::kMap;
@@ -496,4 +501,4 @@ TEST_F(MapStoreServiceTest, AClientThatKnowsNoProtoAsksForTheTrajectories) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,19 +9,19 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/state/lookups.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 inline constexpr int kDefaultPageSize = 100;
 inline constexpr int kMaxPageSize = 1000;
 
 // Reads the page of any request with page_size and page_token.
 template <typename Request>
-absl::StatusOr<PageRequest> ReadPage(const Request& request) {
+absl::StatusOr<map_store::PageRequest> ReadPage(const Request& request) {
   const int32_t size = request.page_size();
   if (size < 0) {
     return absl::InvalidArgumentError(absl::StrCat("page_size is ", size, ", must be at least 0"));
   }
-  PageRequest page;
+  map_store::PageRequest page;
   page.page_size = static_cast<size_t>(size == 0 ? kDefaultPageSize : std::min(size, kMaxPageSize));
   page.page_token = request.page_token();
   return page;
@@ -31,9 +31,9 @@ absl::StatusOr<PageRequest> ReadPage(const Request& request) {
 template <typename Item, typename List>
 absl::StatusOr<std::vector<Item>> ReadAllPages(const List& list) {
   std::vector<Item> all;
-  PageRequest request;
+  map_store::PageRequest request;
   do {
-    absl::StatusOr<Page<Item>> page = list(request);
+    absl::StatusOr<map_store::Page<Item>> page = list(request);
     if (!page.ok()) return page.status();
     all.insert(all.end(), page->items.begin(), page->items.end());
     request.page_token = page->next_page_token;
@@ -41,6 +41,6 @@ absl::StatusOr<std::vector<Item>> ReadAllPages(const List& list) {
   return all;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_PAGING_H_

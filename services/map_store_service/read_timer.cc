@@ -3,7 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 void ReadTimer::Arm(double seconds, const std::string& what) {
   timer_.Arm(absl::Seconds(seconds), [this, seconds, what] {
@@ -12,4 +12,4 @@ void ReadTimer::Arm(double seconds, const std::string& what) {
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "services/map_store_service/wake_timer.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Waits for one message at a time. Only one thread at a time may call Arm and Disarm.
 class ReadTimer {
@@ -30,6 +30,6 @@ class ReadTimer {
   WakeTimer timer_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_READ_TIMER_H_

@@ -1,6 +1,6 @@
 #include "services/map_store_service/recent_codes.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 void RecentCodes::OnApplied(const SessionAgent& /*who*/, const MapUpdateBatch& batch,
                             absl::Duration /*took*/, const absl::Status& status) {
@@ -22,4 +22,4 @@ size_t RecentCodes::bytes() const {
   return bytes_;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -13,7 +13,7 @@
 #include "absl/time/time.h"
 #include "services/map_store_service/sync_observer.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Saves coding features anew, which takes milliseconds a keyframe: each other robot of the mission
 // is sent them soon after they came. For a robot that is sent them later they are coded anew
@@ -37,6 +37,6 @@ class RecentCodes : public SyncObserver {
   size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_RECENT_CODES_H_

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 class RecentCodesTest : public ::testing::Test {
@@ -46,4 +46,4 @@ TEST_F(RecentCodesTest, WhatIsRefusedIsNotKept) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -6,7 +6,7 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 grpc::ServerUnaryReactor* MapStoreService::RederiveGlobalLayer(
     grpc::CallbackServerContext* context, const v1::RederiveGlobalLayerRequest* request,
@@ -19,4 +19,4 @@ grpc::ServerUnaryReactor* MapStoreService::RederiveGlobalLayer(
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -16,7 +16,12 @@
 #include "services/server/stream_task.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::MapStore;
+using map_store::MissionInfo;
+using map_store::MissionRestorer;
+
 namespace {
 
 enum class RestoreJob { kNone, kTake, kRestore, kFinish };
@@ -154,4 +159,4 @@ grpc::ServerReadReactor<v1::RestoreMissionRequest>* MapStoreService::RestoreMiss
   return new RestoreReactor(store_, pool_, limits_, context->peer(), may_restore, response);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

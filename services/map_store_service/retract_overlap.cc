@@ -6,7 +6,7 @@
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 grpc::ServerUnaryReactor* MapStoreService::RetractOverlap(grpc::CallbackServerContext* context,
                                                           const v1::RetractOverlapRequest* request,
@@ -24,4 +24,4 @@ grpc::ServerUnaryReactor* MapStoreService::RetractOverlap(grpc::CallbackServerCo
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,11 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 using ::testing::ElementsAre;
@@ -112,4 +116,4 @@ TEST_F(RetractOverlapTest, OthersAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

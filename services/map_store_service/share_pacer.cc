@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // An update of fewer bytes is mostly its own frame; the debt is paid afterwards.
@@ -28,4 +28,4 @@ absl::Duration SharePacer::NoteSent(size_t bytes, absl::Time now) {
   return waited;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,7 @@
 #include "absl/time/time.h"
 #include "slam/util/byte_bucket.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Says when the next update may go, and how large it may be. Waiting costs nothing: the next update
 // is made when it may go, from the map as it is then. Not thread-safe.
@@ -31,6 +31,6 @@ class SharePacer {
   std::optional<absl::Time> waiting_since_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_SHARE_PACER_H_

@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr absl::Time kStart = absl::UnixEpoch();
@@ -38,4 +38,4 @@ TEST(SharePacerTest, NeverMoreThanTheStoreWouldSendNorSoLittleThatItIsAllFrame) 
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using testing::kMission;
@@ -167,4 +167,4 @@ TEST_F(SharedBudgetTest, AcknowledgementsDoNotWaitForIt) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -14,7 +14,17 @@
 #include "map_store/map_store.h"
 #include "services/convert/testing/test_data.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::BatchLimits;
+using client_agent::IsEmpty;
+using client_agent::RecorderOptions;
+using client_agent::ToString;
+using client_agent::UpdateRecorder;
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 constexpr LocalMapId kOwn{0x11};
@@ -188,4 +198,4 @@ TEST_F(SplitBatchesTest, WhateverHappensTheStoreTakesEachBatch) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

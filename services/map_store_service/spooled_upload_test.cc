@@ -16,7 +16,19 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FakeMapJobs;
+using client_agent::GuardedMap;
+using client_agent::OpenSpoolFolder;
+using client_agent::Spool;
+using client_agent::StoreLink;
+using client_agent::StoreLinkOptions;
+using client_agent::UploadStatus;
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 constexpr LocalMapId kFirst{0x11};
@@ -136,4 +148,4 @@ TEST_F(SpooledUploadTest, AStoreThatForgotIsDataLossAndTakesANewLocalMap) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 template <typename Value, typename Limit>
@@ -135,4 +135,4 @@ void StreamLimits::Ticket::ReleaseAll() {
   held_ = 0;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

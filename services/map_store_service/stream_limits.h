@@ -18,7 +18,7 @@
 #include "services/convert/limits.h"
 #include "services/server/task_pool.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct StreamLimitOptions {
   // Most streams that are open at one time: of everybody, from one host, and of one agent (older
@@ -102,6 +102,6 @@ class StreamLimits {
   Counts of_agent_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_

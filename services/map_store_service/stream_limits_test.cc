@@ -15,7 +15,12 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -242,4 +247,4 @@ TEST_F(LimitedStreamsTest, AMessageThatIsTooLongEndsItsStream) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,11 @@
 #include "services/map_store_service/sync_reactor.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::BatchTransfer;
+using map_store::MapStore;
+
 namespace {
 
 // The next message of an agent is not read while so many replies wait to be sent to it.
@@ -330,4 +334,4 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MapStoreService::Sy
   return new SyncReactor(store_, pool_, limits_, options_, may_open, context->peer());
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

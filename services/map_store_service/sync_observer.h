@@ -10,7 +10,7 @@
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/shared_update.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Says whose session it is.
 struct SessionAgent {
@@ -44,6 +44,6 @@ class SyncObserver {
   virtual void OnShareDelayed(const SessionAgent&, size_t, absl::Duration) {}
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_OBSERVER_H_

@@ -30,7 +30,7 @@
 #include "services/server/stream_task.h"
 #include "services/server/task_pool.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 enum class SyncJob { kNone, kWrite, kFinish, kRequest, kShare };
 
@@ -43,7 +43,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   using OpenCheck = std::function<absl::Status(const SessionRequest&)>;
 
   // `peer` is the caller, as gRPC spells it.
-  SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
+  SyncReactor(map_store::MapStore& store, TaskPool& pool, StreamLimits& limits,
               const MapStoreServiceOptions& options, OpenCheck may_open, absl::string_view peer);
 
   void OnReadDone(bool ok) override;
@@ -78,7 +78,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   absl::Status Leave();
   void End(const absl::Status& status);
 
-  MapStore& store_;
+  map_store::MapStore& store_;
   const size_t shared_bytes_;
   const std::vector<SyncObserver*>& observers_;
   const OpenCheck may_open_;
@@ -97,7 +97,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   CameraBook received_cameras_;
   CameraBook sent_cameras_;
   BatchAssembler assembler_;
-  BatchTransfer transfer_;
+  map_store::BatchTransfer transfer_;
   SharePacer pacer_;
 
   bool has_request_ ABSL_GUARDED_BY(mutex_) = false;
@@ -116,6 +116,6 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   ReadTimer timer_{[this](const absl::Status& overdue) { OnOverdue(overdue); }};
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_REACTOR_H_

@@ -4,7 +4,7 @@
 
 #include "absl/time/clock.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 WakeTimer::~WakeTimer() {
   absl::MutexLock lock(&link_->mutex);
@@ -32,4 +32,4 @@ void WakeTimer::Disarm() {
   ++link_->turn;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Calls one function after some time. Only one thread at a time may call Arm and Disarm.
 class WakeTimer {
@@ -39,6 +39,6 @@ class WakeTimer {
   std::unique_ptr<grpc::Alarm> alarm_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_WAKE_TIMER_H_

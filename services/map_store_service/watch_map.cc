@@ -15,7 +15,12 @@
 #include "services/server/stream_task.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::MapChanges;
+using map_store::MapStore;
+using map_store::MapWatcher;
+
 namespace {
 
 // So many keyframes and points are read under one lock, which takes some two milliseconds.
@@ -161,4 +166,4 @@ grpc::ServerWriteReactor<v1::WatchMapResponse>* MapStoreService::WatchMap(
   return new WatchMapReactor(store_, pool_, *request, limits_.Enter(context->peer()));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,14 @@
 #include "absl/time/clock.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::AgentStatus;
+using client_agent::AgentTimings;
+using client_agent::TrackingResult;
+using client_agent::TrajectoryPose;
+
 namespace {
 
 class ObservedAgent : public Agent {
@@ -41,4 +48,4 @@ std::unique_ptr<Agent> MakeObservedAgent(Agent* agent, std::vector<FrameObserver
   return std::make_unique<ObservedAgent>(agent, std::move(observers));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include "absl/time/time.h"
 #include "client_agent/agent/agent.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Hears of frames, on the thread that tracks; its functions must return soon.
 class FrameObserver {
@@ -17,13 +17,14 @@ class FrameObserver {
   virtual ~FrameObserver() = default;
   // Called when a frame of this time is there, before it is tracked.
   virtual void OnFrame(int64_t timestamp_ns) = 0;
-  virtual void OnTracked(const TrackingResult& result, absl::Duration took) = 0;
+  virtual void OnTracked(const client_agent::TrackingResult& result, absl::Duration took) = 0;
 };
 
 // Makes an agent whose thread contract and effect are those of `agent`. Neither it nor `observers`
 // is owned; both must outlive the result.
-std::unique_ptr<Agent> MakeObservedAgent(Agent* agent, std::vector<FrameObserver*> observers);
+std::unique_ptr<client_agent::Agent> MakeObservedAgent(client_agent::Agent* agent,
+                                                       std::vector<FrameObserver*> observers);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_OBSERVED_AGENT_H_

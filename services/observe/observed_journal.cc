@@ -6,7 +6,11 @@
 #include "absl/time/clock.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::Journal;
+using map_store::JournalSnapshot;
+
 namespace {
 
 class ObservedJournal : public Journal {
@@ -78,4 +82,4 @@ std::unique_ptr<Journal> MakeObservedJournal(std::unique_ptr<Journal> journal,
   return std::make_unique<ObservedJournal>(std::move(journal), std::move(observers));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

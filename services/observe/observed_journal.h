@@ -11,7 +11,7 @@
 #include "absl/time/time.h"
 #include "map_store/records/journal.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Hears of a journal, on the threads that use it, several at once; its functions must return soon.
 class JournalObserver {
@@ -29,9 +29,9 @@ class JournalObserver {
 
 // Makes a journal that owns `journal`. `observers` (not owned) must outlive the result. They don't
 // hear what Recover reads.
-std::unique_ptr<Journal> MakeObservedJournal(std::unique_ptr<Journal> journal,
-                                             std::vector<JournalObserver*> observers);
+std::unique_ptr<map_store::Journal> MakeObservedJournal(std::unique_ptr<map_store::Journal> journal,
+                                                        std::vector<JournalObserver*> observers);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_OBSERVED_JOURNAL_H_

@@ -11,7 +11,10 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/testing/small_mission.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::InMemoryJournal;
+
 namespace {
 
 using ::testing::ElementsAre;
@@ -83,4 +86,4 @@ TEST(ObservedJournalTest, ObserversHearWhatHappenedAndHowItEnded) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,7 @@
 
 #include "absl/time/clock.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 class ObservedUplink : public Uplink, private UplinkListener {
@@ -70,4 +70,4 @@ std::unique_ptr<Uplink> MakeObservedUplink(Uplink* uplink, std::vector<UplinkObs
   return std::make_unique<ObservedUplink>(uplink, std::move(observers));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

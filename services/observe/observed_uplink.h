@@ -9,7 +9,7 @@
 #include "absl/time/time.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Hears of an uplink, on the threads of the agent and of the uplink, several at once; its functions
 // must return soon. What comes down is heard here before the agent hears it.
@@ -30,6 +30,6 @@ class UplinkObserver {
 // `observers` is owned; both must outlive the result.
 std::unique_ptr<Uplink> MakeObservedUplink(Uplink* uplink, std::vector<UplinkObserver*> observers);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_OBSERVED_UPLINK_H_

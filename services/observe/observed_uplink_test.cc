@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "services/observe/pending_batches.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::ElementsAre;
@@ -117,4 +117,4 @@ TEST(PendingBatchesTest, WhatIsSentAgainIsNotedAnew) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

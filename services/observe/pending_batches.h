@@ -9,7 +9,7 @@
 
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns what was noted of a batch once the batch was sent and is acknowledged, whichever is heard
 // first. A batch that is sent again is noted anew. Not thread-safe.
@@ -48,6 +48,6 @@ class PendingBatches {
   std::map<LocalMapId, LocalMapNotes> local_maps_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_PENDING_BATCHES_H_

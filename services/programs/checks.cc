@@ -12,7 +12,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 namespace fs = std::filesystem;
 
@@ -71,4 +71,4 @@ absl::Status CheckVocabulary(const std::string& path) {
   return vocabulary->Verify();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include "absl/strings/string_view.h"
 #include "services/programs/observe_flags.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Checks that the address is HOST:PORT to listen on.
 absl::Status CheckFlagAddress(absl::string_view flag, const std::string& address);
@@ -24,6 +24,6 @@ std::vector<absl::Status> CheckObserving(const ObserveFlags& flags);
 // Reads every byte of the file.
 absl::Status CheckVocabulary(const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_CHECKS_H_

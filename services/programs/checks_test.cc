@@ -10,7 +10,7 @@
 #include "services/programs/default_vocabulary.h"
 #include "services/testing/test_path.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -77,4 +77,4 @@ TEST_F(ChecksTest, VocabulariesAreReadToTheEnd) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

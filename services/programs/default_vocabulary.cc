@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace corbslam {
+namespace corbslam::services {
 
 std::string DefaultVocabularyPath() {
   if (const char* path = std::getenv("CORBSLAM_VOCABULARY"); path != nullptr && *path != '\0') {
@@ -19,4 +19,4 @@ std::string DefaultVocabularyPath() {
   return CORBSLAM_SOURCE_VOCABULARY;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -4,13 +4,13 @@
 
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns the path in the environment variable CORBSLAM_VOCABULARY; else
 // share/corbslam/corbslam.voc beside the program's bin folder, if there; else the one of the source
 // tree that this program was built from.
 std::string DefaultVocabularyPath();
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_DEFAULT_VOCABULARY_H_

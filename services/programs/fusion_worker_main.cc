@@ -18,7 +18,11 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/thread_priority.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using fusion_worker::FusionWorkerOptions;
+using fusion_worker::MakeLocalFusionWorker;
+
 namespace {
 
 struct Flags {
@@ -82,11 +86,11 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 int main(int argc, char** argv) {
-  corbslam::BlockStopSignals();
-  corbslam::Flags flags;
+  corbslam::services::BlockStopSignals();
+  corbslam::services::Flags flags;
   CLI::App app("Verifies overlaps, fuses maps and adjusts bundles for map stores", "fusion_worker");
   app.add_option("--listen", flags.listen, "HOST:PORT to serve on; port 0: any free one")
       ->capture_default_str();
@@ -117,10 +121,10 @@ int main(int argc, char** argv) {
   app.add_option("--keep-adjustments", flags.keep_adjustments,
                  "Folder that each request to adjust is written to, to find out why a map "
                  "is as it is; nothing in it is deleted");
-  corbslam::AddTlsFlags(app, flags.security);
-  corbslam::AddServerFlags(app, flags.security);
-  corbslam::AddMetricsFlag(app, flags.observe);
-  return corbslam::RunProgram(
-      app, argc, argv,
-      {[&] { return corbslam::Run(flags); }, [&] { return corbslam::Check(flags); }});
+  corbslam::services::AddTlsFlags(app, flags.security);
+  corbslam::services::AddServerFlags(app, flags.security);
+  corbslam::services::AddMetricsFlag(app, flags.observe);
+  return corbslam::services::RunProgram(app, argc, argv,
+                                        {[&] { return corbslam::services::Run(flags); },
+                                         [&] { return corbslam::services::Check(flags); }});
 }

@@ -15,7 +15,7 @@
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr absl::Duration kTimeout = absl::Seconds(4);
@@ -67,15 +67,15 @@ void AddFlags(CLI::App& app, Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 int main(int argc, char** argv) {
-  corbslam::Flags flags;
+  corbslam::services::Flags flags;
   CLI::App app("Ends with 0 if the server says SERVING, else with 1 and why", "health");
-  corbslam::AddFlags(app, flags);
+  corbslam::services::AddFlags(app, flags);
   CLI11_PARSE(app, argc, argv);
   if (flags.address.empty()) return 0;
-  const absl::Status status = corbslam::Ask(flags);
+  const absl::Status status = corbslam::services::Ask(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "health: %s of %s: %s\n", flags.service.c_str(), flags.address.c_str(),
                status.ToString().c_str());

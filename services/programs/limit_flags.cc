@@ -2,7 +2,10 @@
 
 #include "services/command_line/help_formatter.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::MapStoreOptions;
+
 namespace {
 
 template <typename Value>
@@ -46,4 +49,4 @@ void AddStreamLimitFlags(CLI::App& app, StreamLimitOptions& options) {
   Add(app, "--max-waiting-calls", options.max_waiting_calls, "Calls that wait for a thread");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,12 +7,12 @@
 #include "map_store/options.h"
 #include "services/map_store_service/stream_limits.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Adds --max-... (docs/limits.md). The options must outlive the parsing; each checks itself.
-void AddStoreLimitFlags(CLI::App& app, MapStoreOptions& options);
+void AddStoreLimitFlags(CLI::App& app, map_store::MapStoreOptions& options);
 void AddStreamLimitFlags(CLI::App& app, StreamLimitOptions& options);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_LIMIT_FLAGS_H_

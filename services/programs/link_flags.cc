@@ -5,7 +5,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Returns what is wrong with the value; empty if it is good.
@@ -40,4 +40,4 @@ absl::Status CheckNoLinkFlags(const LinkFlags& flags) {
   return absl::OkStatus();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Bounds in thousands of bits a second; 0 means no bound.
 struct LinkFlags {
@@ -26,6 +26,6 @@ void AddLinkFlags(CLI::App& app, LinkFlags& flags);
 // Checks the flags of a robot without a map store: INVALID_ARGUMENT if one is set.
 absl::Status CheckNoLinkFlags(const LinkFlags& flags);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_LINK_FLAGS_H_

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -58,4 +58,4 @@ TEST(LinkFlagsTest, NeedAStore) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -28,7 +28,16 @@
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using fusion_worker::MakeLocalFusionWorker;
+using map_store::InMemoryJournal;
+using map_store::Journal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+using map_store::RocksJournal;
+using map_store::RocksJournalOptions;
+
 namespace {
 
 struct Flags {
@@ -200,14 +209,14 @@ void AddFlags(CLI::App& app, Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 int main(int argc, char** argv) {
-  corbslam::BlockStopSignals();
-  corbslam::Flags flags;
+  corbslam::services::BlockStopSignals();
+  corbslam::services::Flags flags;
   CLI::App app("Collects the maps of agents, has them fused, and shares the result", "map_store");
-  corbslam::AddFlags(app, flags);
-  return corbslam::RunProgram(
-      app, argc, argv,
-      {[&] { return corbslam::Run(flags); }, [&] { return corbslam::Check(flags); }});
+  corbslam::services::AddFlags(app, flags);
+  return corbslam::services::RunProgram(app, argc, argv,
+                                        {[&] { return corbslam::services::Run(flags); },
+                                         [&] { return corbslam::services::Check(flags); }});
 }

@@ -1,6 +1,6 @@
 #include "services/programs/observe_flags.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 void AddMetricsFlag(CLI::App& app, ObserveFlags& flags) {
   app.add_option("--metrics-listen", flags.metrics_listen,
@@ -14,4 +14,4 @@ void AddTraceFlag(CLI::App& app, ObserveFlags& flags) {
       ->capture_default_str();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

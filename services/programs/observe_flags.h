@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 
 // An empty flag turns its part off, which then costs nothing.
 struct ObserveFlags {
@@ -18,6 +18,6 @@ void AddMetricsFlag(CLI::App& app, ObserveFlags& flags);
 // Adds --trace-file (docs/tracing.md).
 void AddTraceFlag(CLI::App& app, ObserveFlags& flags);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_OBSERVE_FLAGS_H_

@@ -17,7 +17,7 @@
 #include "services/observe/logging/log_format.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 void AddLogFlag(CLI::App& app, LogFormat& format) {
@@ -96,4 +96,4 @@ StopWatcher::~StopWatcher() {
   thread_.join();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

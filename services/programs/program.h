@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/notification.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct Program {
   // Runs until the program is told to stop, or its work is done.
@@ -42,6 +42,6 @@ class StopWatcher {
   std::thread thread_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_PROGRAM_H_

@@ -8,7 +8,9 @@
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::Agent;
 
 absl::StatusOr<std::unique_ptr<RobotObservers>> RobotObservers::Make(const ObserveFlags& flags,
                                                                      const std::string& mission,
@@ -71,4 +73,4 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> RobotObservers::Serve(const Age
   return endpoint;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -19,7 +19,7 @@
 #include "services/observe/tracing/robot_trace.h"
 #include "services/programs/observe_flags.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Watches one robot. One thread uses it. It outlives the agent, and is destroyed before the uplink
 // that it was given.
@@ -38,13 +38,14 @@ class RobotObservers {
 
   // Each returns what it is given (null too), or a watched form of it, which the observers own.
   Uplink* Watch(Uplink* uplink);
-  Agent* Watch(Agent* agent);
+  client_agent::Agent* Watch(client_agent::Agent* agent);
   // Returns the observer for ServerOptions.
   RpcObserver* OfCalls();
   void SetDropped(uint64_t frames);
   // Serves the metrics, and announces the address; null if none are wanted. The result must be
   // destroyed before `agent` and `uplink` (which may be null).
-  absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const Agent* agent, const Uplink* uplink);
+  absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const client_agent::Agent* agent,
+                                                         const Uplink* uplink);
 
  private:
   struct Metrics {
@@ -64,9 +65,9 @@ class RobotObservers {
   std::unique_ptr<RobotTrace> trace_;
   std::unique_ptr<UplinkLog> sessions_;
   std::unique_ptr<Uplink> uplink_;
-  std::unique_ptr<Agent> agent_;
+  std::unique_ptr<client_agent::Agent> agent_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_OBSERVERS_H_

@@ -37,7 +37,22 @@
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::AgentOptions;
+using client_agent::ApplyOptions;
+using client_agent::FeatureSelection;
+using client_agent::OpenSpoolFolder;
+using client_agent::ParseFeatureSelection;
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+using client_agent::SourceUsage;
+using client_agent::Spool;
+using client_agent::SpoolFiles;
+using client_agent::SpoolOptions;
+using client_agent::TrackingResult;
+
 namespace {
 
 struct Flags {
@@ -357,4 +372,4 @@ int RunRobot(const std::string& program, int argc, char** argv) {
   return RunProgram(app, argc, argv, {[&] { return Run(flags); }, [&] { return Check(flags); }});
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -4,12 +4,12 @@
 
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Does all of main: parses the flags of `program`, plays the source that they name, and returns the
 // exit code (RunProgram). The caller registers kinds of sources beside the recorded layouts before.
 int RunRobot(const std::string& program, int argc, char** argv);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_PROGRAM_H_

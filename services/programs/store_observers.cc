@@ -9,7 +9,10 @@
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::Journal;
+using map_store::MapStore;
 
 absl::StatusOr<std::unique_ptr<StoreObservers>> StoreObservers::Make(const ObserveFlags& flags) {
   std::unique_ptr<StoreObservers> observers(new StoreObservers(flags));
@@ -57,4 +60,4 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> StoreObservers::Serve(
   return endpoint;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -18,7 +18,7 @@
 #include "services/observe/tracing/store_trace.h"
 #include "services/programs/observe_flags.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Watches one map store. One thread uses it. It outlives all that it watches.
 class StoreObservers {
@@ -27,14 +27,14 @@ class StoreObservers {
   static absl::StatusOr<std::unique_ptr<StoreObservers>> Make(const ObserveFlags& flags);
 
   // Each returns what it is given, or a watched form of it.
-  std::unique_ptr<Journal> Watch(std::unique_ptr<Journal> journal);
+  std::unique_ptr<map_store::Journal> Watch(std::unique_ptr<map_store::Journal> journal);
   FusionWorker* Watch(FusionWorker* worker);
   // Return the observers for MapStoreServiceOptions and ServerOptions.
   std::vector<SyncObserver*> OfStreams();
   RpcObserver* OfCalls();
   // Serves the metrics, and announces the address; null if none are wanted. The result must be
   // destroyed before the store and its service.
-  absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const MapStore& store,
+  absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const map_store::MapStore& store,
                                                          const MapStoreService& service);
 
  private:
@@ -58,6 +58,6 @@ class StoreObservers {
   std::unique_ptr<Trace> trace_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_STORE_OBSERVERS_H_

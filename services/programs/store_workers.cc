@@ -7,7 +7,7 @@
 #include "services/client/remote/remote_fusion_worker.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 absl::StatusOr<std::unique_ptr<FusionWorker>> ConnectWorkers(
     const std::vector<std::string>& addresses, const SecurityOptions& security) {
@@ -26,4 +26,4 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> ConnectWorkers(
   return MakeRemoteFusionWorker(std::move(channels), options);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

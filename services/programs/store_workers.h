@@ -10,7 +10,7 @@
 #include "services/security/security_options.h"
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns the workers at the addresses as one. If none of them takes a request, its error has the
 // cause, which is looked for at most twice a minute. INVALID_ARGUMENT if the flags of `security`
@@ -18,6 +18,6 @@ namespace corbslam {
 absl::StatusOr<std::unique_ptr<FusionWorker>> ConnectWorkers(
     const std::vector<std::string>& addresses, const SecurityOptions& security);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_STORE_WORKERS_H_

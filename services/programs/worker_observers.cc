@@ -6,7 +6,7 @@
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 WorkerObservers::WorkerObservers(const ObserveFlags& flags) : flags_(flags) {
   if (!flags_.metrics_listen.empty()) metrics_ = std::make_unique<Metrics>();
@@ -32,4 +32,4 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> WorkerObservers::Serve(
   return endpoint;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -13,7 +13,7 @@
 #include "services/programs/observe_flags.h"
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Watches one fusion worker. One thread uses it. It outlives all that it watches, but for the
 // worker that it was given.
@@ -40,6 +40,6 @@ class WorkerObservers {
   std::unique_ptr<Metrics> metrics_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_WORKER_OBSERVERS_H_

@@ -13,7 +13,7 @@
 #include "absl/strings/strip.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr int kLargestPort = 65535;
@@ -144,4 +144,4 @@ std::string ToString(const HostPort& address) {
   return absl::StrCat(is_ipv6 ? "[" : "", address.host, is_ipv6 ? "]" : "", ":", address.port);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

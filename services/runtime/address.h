@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct HostPort {
   std::string host;  // Without the brackets of an IPv6 address.
@@ -28,6 +28,6 @@ absl::StatusOr<HostPort> ParseServerAddress(absl::string_view address);
 // Writes HOST:PORT again, for people.
 std::string ToString(const HostPort& address);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_RUNTIME_ADDRESS_H_

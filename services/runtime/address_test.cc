@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -95,4 +95,4 @@ TEST(AddressTest, IsWrittenAsItIsRead) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,7 +7,7 @@
 
 #include <memory>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Holds a channel that leads nowhere, and a call on it, which makes it a user of the threads.
@@ -34,4 +34,4 @@ void KeepCallbackThreads() {
   static_cast<void>(keeper);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -2,7 +2,7 @@
 #ifndef CORBSLAM_SERVICES_RUNTIME_CALLBACK_THREADS_H_
 #define CORBSLAM_SERVICES_RUNTIME_CALLBACK_THREADS_H_
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Makes gRPC's threads last as long as the process. Without it gRPC ends these threads when the
 // last channel or server that uses them goes, and in version 1.51 that sometimes aborts the process
@@ -10,6 +10,6 @@ namespace corbslam {
 // The caller calls it before the first channel or server. Thread-safe; more calls do nothing.
 void KeepCallbackThreads();
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_RUNTIME_CALLBACK_THREADS_H_

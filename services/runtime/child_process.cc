@@ -19,7 +19,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Lines that our programs print (services/server/server.h).
@@ -190,4 +190,4 @@ absl::StatusOr<std::string> FindProgramBeside(const std::string& name) {
   return absl::NotFoundError(absl::StrCat("no program ", name, " beside ", self.string()));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

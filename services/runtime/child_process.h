@@ -17,7 +17,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct ProcessEnd {
   int exit_code = 0;  // 128 + the signal's number if a signal ended it.
@@ -77,6 +77,6 @@ class ChildProcess {
 // Returns the path of the program `name` beside the one that runs now. NOT_FOUND names both.
 absl::StatusOr<std::string> FindProgramBeside(const std::string& name);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_RUNTIME_CHILD_PROCESS_H_

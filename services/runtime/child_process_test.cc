@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -62,4 +62,4 @@ TEST(ChildProcessTest, NamesAProgramThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -14,7 +14,7 @@
 #include "services/runtime/port_holder.h"
 #include "slam/util/process_name.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using AddressList = std::unique_ptr<addrinfo, void (*)(addrinfo*)>;
@@ -97,4 +97,4 @@ std::string ExplainListenFailure(const std::string& address) {
   return "it could not a moment ago, and can now; start this process again";
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -14,7 +14,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -103,4 +103,4 @@ TEST(ListenErrorsTest, OtherReasonsSayWhatToDo) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -16,7 +16,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 namespace fs = std::filesystem;
@@ -122,4 +122,4 @@ std::optional<pid_t> FindPortHolder(const sockaddr_storage& address) {
                                                              : FindProcessWith(holders.connected);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,13 +7,13 @@
 
 #include <optional>
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns the process with a socket that keeps others from `address` (IPv4 or IPv6): one that
 // listens there, or else one that has the port for a connection. Returns nullopt if there is none,
 // or if it can't be seen from here: a process of another user or of another container.
 std::optional<pid_t> FindPortHolder(const sockaddr_storage& address);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_RUNTIME_PORT_HOLDER_H_

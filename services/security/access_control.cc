@@ -11,7 +11,7 @@
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using Metadata = std::multimap<grpc::string_ref, grpc::string_ref>;
@@ -101,4 +101,4 @@ std::shared_ptr<grpc::AuthMetadataProcessor> MakeCallGate(
   return std::make_shared<CallGate>(std::move(access));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -17,7 +17,7 @@
 #include "services/security/policy.h"
 #include "services/security/token.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Holds what a caller shows.
 struct Evidence {
@@ -58,6 +58,6 @@ class AccessControl {
 std::shared_ptr<grpc::AuthMetadataProcessor> MakeCallGate(
     std::shared_ptr<const AccessControl> access);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SECURITY_ACCESS_CONTROL_H_

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "services/security/testing/token_keys.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -117,4 +117,4 @@ TEST(AccessControlTest, AServerOfOneMissionLetsNoOtherIn) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -13,7 +13,7 @@
 
 #include "services/security/pem_files.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr absl::Duration kSoon = absl::Hours(14 * 24);
@@ -147,4 +147,4 @@ Findings CheckSecurityFiles(const SecurityOptions& options, absl::Time now) {
   return findings;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 #include "services/security/finding.h"
 #include "services/security/security_options.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Checks certificates at the time `now`: one that has not begun or has expired fails, less than 14
 // days left is a warning. If `pem` holds several, the one that ends first counts.
@@ -24,6 +24,6 @@ Finding CheckHost(const std::string& check, const std::string& pem, const std::s
 // expired, and make a chain.
 Findings CheckSecurityFiles(const SecurityOptions& options, absl::Time now);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SECURITY_CERTIFICATE_CHECKS_H_

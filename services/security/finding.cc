@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 std::string ToString(Level level) {
   switch (level) {
@@ -44,4 +44,4 @@ bool AnyFailed(const Findings& findings) {
                      [](const Finding& finding) { return finding.level == Level::kFail; });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

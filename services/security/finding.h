@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::services {
 
 enum class Level { kOk, kWarn, kFail };
 
@@ -25,6 +25,6 @@ std::string FormatFindings(const Findings& findings);
 nlohmann::ordered_json ToJson(const Findings& findings);
 bool AnyFailed(const Findings& findings);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SECURITY_FINDING_H_

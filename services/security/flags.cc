@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 void AddSwitch(CLI::App& app, const std::string& flag, bool& value, const std::string& on,
@@ -37,4 +37,4 @@ void AddClientFlags(CLI::App& app, SecurityOptions& options) {
   app.add_option("--token-file", options.token_file, "File of the token to show to the server");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -6,7 +6,7 @@
 
 #include "services/security/security_options.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Adds --insecure, --tls-cert, --tls-key, --tls-ca. The options must outlive the parsing.
 void AddTlsFlags(CLI::App& app, SecurityOptions& options);
@@ -15,6 +15,6 @@ void AddServerFlags(CLI::App& app, SecurityOptions& options);
 // Adds --token-file.
 void AddClientFlags(CLI::App& app, SecurityOptions& options);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SECURITY_FLAGS_H_

@@ -10,7 +10,7 @@
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 absl::StatusOr<std::string> MissionOf(absl::string_view name) {
@@ -191,4 +191,4 @@ grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* GuardedMapStore::GetTraject
   return service_.GetTrajectory(context, request);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

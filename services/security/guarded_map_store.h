@@ -10,7 +10,7 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/security/access_control.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Makes a check for MapStoreServiceOptions: an agent opens sessions as itself only. Null access:
 // everybody may open any session.
@@ -85,6 +85,6 @@ class GuardedMapStore : public MapStoreMethods {
   const std::shared_ptr<const AccessControl> access_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SECURITY_GUARDED_MAP_STORE_H_

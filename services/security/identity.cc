@@ -10,7 +10,7 @@
 #include "services/convert/resource_names.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr absl::string_view kScheme = "corbslam:";
@@ -101,4 +101,4 @@ absl::StatusOr<Identity> IdentityFromUris(const std::vector<std::string>& uris) 
                    kScheme, " (docs/security.md)"));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 enum class Role {
   kAgent,     // Uploads as itself and reads, in its mission.
@@ -52,6 +52,6 @@ std::string Describe(const Identity& identity);
 // read.
 absl::StatusOr<Identity> IdentityFromUris(const std::vector<std::string>& uris);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SECURITY_IDENTITY_H_

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -64,4 +64,4 @@ TEST(IdentityTest, AMessageNamesTheFirstOfMany) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

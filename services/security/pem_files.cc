@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr size_t kMaxFileBytes = 1 << 20;
@@ -85,4 +85,4 @@ absl::StatusOr<std::string> ReadAuthorities(const std::string& path) {
   return Bad("--tls-ca", path, "holds no certificate");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

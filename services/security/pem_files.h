@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Reads a file of at most 1 MiB. INVALID_ARGUMENT names the flag and the file.
 absl::StatusOr<std::string> ReadSecurityFile(absl::string_view flag, const std::string& path);
@@ -22,6 +22,6 @@ absl::StatusOr<KeyPair> ReadKeyPair(const std::string& certificate_path,
 // Reads one or more certificates.
 absl::StatusOr<std::string> ReadAuthorities(const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SECURITY_PEM_FILES_H_

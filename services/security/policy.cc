@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "services/convert/resource_names.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 bool Allows(Role role, Action action) {
@@ -127,4 +127,4 @@ std::optional<Action> ActionOf(absl::string_view path) {
   return std::nullopt;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include "absl/strings/string_view.h"
 #include "services/security/identity.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // What a call does; each comment says who may do it.
 enum class Action {
@@ -37,6 +37,6 @@ absl::Status Authorise(const Identity& identity, const Access& access);
 // method that isn't known, which nobody may call.
 std::optional<Action> ActionOf(absl::string_view path);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SECURITY_POLICY_H_

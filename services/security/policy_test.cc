@@ -12,7 +12,7 @@
 #include "corbslam/v1/fusion_worker_service.pb.h"
 #include "corbslam/v1/map_store_service.pb.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr Action kAllActions[] = {Action::kCheckHealth,  Action::kReflect, Action::kLook,
@@ -126,4 +126,4 @@ TEST(PolicyTest, OtherMethodsHaveNone) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -26,7 +26,12 @@
 #include "services/server/server.h"
 #include "services/testing/uplink_notes.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 using test_data::TestCertificates;
@@ -332,4 +337,4 @@ TEST_F(SecureServiceTest, AListOfAllMissionsIsForThoseOfAllMissions) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -11,7 +11,7 @@
 #include "services/security/pem_files.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 bool NamesFiles(const SecurityOptions& options) {
@@ -156,4 +156,4 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials
       grpc::MetadataCredentialsFromPlugin(std::make_unique<TokenFile>(options.token_file)));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

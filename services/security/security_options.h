@@ -13,7 +13,7 @@
 #include "services/security/access_control.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct SecurityOptions {
   // True: neither encryption nor identities; everybody may do everything.
@@ -59,6 +59,6 @@ absl::StatusOr<ServerSecurity> MakeServerSecurity(
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials(
     const SecurityOptions& options);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SECURITY_SECURITY_OPTIONS_H_

@@ -9,7 +9,7 @@
 
 #include "services/security/testing/test_certificates.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using test_data::TestCertificates;
@@ -98,4 +98,4 @@ TEST_F(SecurityOptionsTest, WithInsecureNobodyHasAnIdentityThatClosedHealthCould
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,7 @@
 #include "absl/strings/strip.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr absl::string_view kPrefix = "corbslam1.";
@@ -156,4 +156,4 @@ absl::StatusOr<Identity> TokenVerifier::Verify(absl::string_view token, absl::Ti
   return Identity{std::move(claims.grants)};
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

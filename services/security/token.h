@@ -17,7 +17,7 @@
 #include "absl/time/time.h"
 #include "services/security/identity.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct TokenClaims {
   std::vector<Grant> grants;
@@ -43,6 +43,6 @@ class TokenVerifier {
   std::vector<std::shared_ptr<EVP_PKEY>> keys_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SECURITY_TOKEN_H_

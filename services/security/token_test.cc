@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "services/security/testing/token_keys.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using test_data::MakeTokenKeys;
@@ -138,4 +138,4 @@ TEST_F(TokenTest, IsNotLongerThanMetadataMayBe) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

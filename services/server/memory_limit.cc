@@ -9,7 +9,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/strip.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 uint64_t MachineMemory() {
@@ -50,4 +50,4 @@ uint64_t MemoryLimitBytes(const std::string& root) {
   return LimitIn(tree + "/memory/memory.limit_in_bytes", limit);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

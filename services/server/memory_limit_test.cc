@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 class MemoryLimitTest : public ::testing::Test {
@@ -54,4 +54,4 @@ TEST_F(MemoryLimitTest, ALimitLargerThanTheMachineIsNone) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

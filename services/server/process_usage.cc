@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 double Seconds(const timeval& time) {
@@ -32,4 +32,4 @@ ProcessUsage GetProcessUsage() {
   return {PeakRss(), Seconds(usage.ru_utime) + Seconds(usage.ru_stime)};
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct ProcessUsage {
   uint64_t peak_rss_bytes = 0;
@@ -12,6 +12,6 @@ struct ProcessUsage {
 };
 ProcessUsage GetProcessUsage();
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SERVER_PROCESS_USAGE_H_

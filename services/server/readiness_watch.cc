@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::services {
 
 ReadinessWatch::ReadinessWatch(Server* server, std::function<absl::Status()> check,
                                absl::Duration interval)
@@ -32,4 +32,4 @@ void ReadinessWatch::Run(absl::Duration interval) {
   } while (!stop_.WaitForNotificationWithTimeout(interval));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

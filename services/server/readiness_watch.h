@@ -10,7 +10,7 @@
 #include "absl/time/time.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Asks `check` again and again on a thread of its own, and sets the server's readiness by the
 // answer. Changes are in the log. `server` is not owned and must outlive it. Not thread-safe.
@@ -34,6 +34,6 @@ class ReadinessWatch {
   std::thread thread_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SERVER_READINESS_WATCH_H_

@@ -7,7 +7,7 @@
 #include "absl/strings/strip.h"
 #include "absl/time/clock.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using grpc::experimental::InterceptionHookPoints;
@@ -97,4 +97,4 @@ std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> MakeRpcIn
   return std::make_unique<RpcInterceptors>(observer);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -11,7 +11,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Is called from gRPC's threads and from those that finish calls, several at once, and must return
 // soon. `method` is one that the server has, as "package.Service/Method".
@@ -32,6 +32,6 @@ class RpcObserver {
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> MakeRpcInterceptors(
     RpcObserver* observer);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SERVER_RPC_OBSERVER_H_

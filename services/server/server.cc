@@ -17,7 +17,7 @@
 #include "services/runtime/listen_errors.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 void RegisterPlugins() {
@@ -152,4 +152,4 @@ void AnnounceMetrics(const std::string& address) {
 
 void AnnounceFinished() { std::cout << "finished" << std::endl; }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -16,7 +16,7 @@
 #include "absl/time/time.h"
 #include "services/server/rpc_observer.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // A message on the wire has at most so many bytes.
 inline constexpr int kMaxMessageBytes = 4 << 20;
@@ -86,6 +86,6 @@ void AnnounceMetrics(const std::string& address);
 // Writes likewise "finished": the program's work is done and it waits to be stopped.
 void AnnounceFinished();
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SERVER_SERVER_H_

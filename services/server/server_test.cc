@@ -14,7 +14,7 @@
 #include "services/server/process_usage.h"
 #include "services/server/readiness_watch.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -144,4 +144,4 @@ TEST(ServerTest, AnOldConnectionIsReplaced) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -11,7 +11,7 @@
 #include "absl/synchronization/mutex.h"
 #include "services/server/task_pool.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Lets others call a stream that may be gone. Thread-safe.
 class StreamLink {
@@ -115,6 +115,6 @@ class StreamTask {
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SERVER_STREAM_TASK_H_

@@ -11,7 +11,7 @@
 #include "absl/synchronization/notification.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::ElementsAre;
@@ -227,4 +227,4 @@ TEST(StreamLinkTest, CuttingWaitsForAnActionUnderWay) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

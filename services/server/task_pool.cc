@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "slam/util/thread_priority.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // A look-up's thread has a niceness that is so many steps higher than a task's: it gets a third of
@@ -87,4 +87,4 @@ void TaskPool::RunLookUps() {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Runs tasks that robots wait for, and look-ups, which have threads of their own: a quarter as many
 // (or one), of lower priority, so that no number of them keeps robots waiting. Those of each kind
@@ -63,6 +63,6 @@ class TaskPool {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SERVER_TASK_POOL_H_

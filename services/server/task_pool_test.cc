@@ -13,7 +13,7 @@
 #include "absl/synchronization/blocking_counter.h"
 #include "absl/synchronization/notification.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::ElementsAre;
@@ -113,4 +113,4 @@ TEST(TaskPoolTest, LookUpsHaveLessOfAProcessorThanTasksHoweverTheProcessWasStart
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -14,7 +14,7 @@
 #include "services/convert/status.h"
 #include "services/server/task_pool.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Answers one call with what `answer` returns, computed on the pool, or with RESOURCE_EXHAUSTED
 // where too many wait. The request and the response live until then.
@@ -89,6 +89,6 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   Response response_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SERVER_UNARY_H_

@@ -3,6 +3,6 @@
 #include "services/simulated_source/simulated_source.h"
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
-  return corbslam::RunRobot("simulated_agent", argc, argv);
+  corbslam::services::RegisterSimulatedSources();
+  return corbslam::services::RunRobot("simulated_agent", argc, argv);
 }

@@ -8,7 +8,14 @@
 #include "slam/simulation/sequence/simulated_sequence.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::DescribeCamera;
+using client_agent::FrameReader;
+using client_agent::MeasureTimes;
+using client_agent::SourceDescription;
+using client_agent::SourceFindings;
+
 namespace {
 
 class SimReader : public FrameReader {
@@ -56,4 +63,4 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenSimulation(const SimulationSpec
   return std::make_unique<SimReader>(std::move(sequence), std::move(description));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

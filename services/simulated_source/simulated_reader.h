@@ -8,12 +8,13 @@
 #include "client_agent/source/frame_reader.h"
 #include "slam/simulation/sequence/simulation_spec.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Opens a reader. Errors of its Read are those of SimulatedSequence::Render, others those of
 // SimulatedSequence::Make.
-absl::StatusOr<std::unique_ptr<FrameReader>> OpenSimulation(const SimulationSpec& spec);
+absl::StatusOr<std::unique_ptr<client_agent::FrameReader>> OpenSimulation(
+    const SimulationSpec& spec);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SIMULATED_SOURCE_SIMULATED_READER_H_

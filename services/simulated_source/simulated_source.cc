@@ -10,7 +10,14 @@
 #include "slam/simulation/sequence/simulation_options.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FrameReader;
+using client_agent::KindSettings;
+using client_agent::RegisterSourceKind;
+using client_agent::SharedKindSettings;
+using client_agent::SourceSpec;
+
 namespace {
 
 constexpr char kKind[] = "sim";
@@ -65,4 +72,4 @@ void SetSimulation(const SimulationSpec& simulation, SourceSpec& source) {
   source.settings = std::make_shared<SimulationSettings>(simulation);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

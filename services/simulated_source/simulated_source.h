@@ -7,7 +7,7 @@
 #include "client_agent/source/source_spec.h"
 #include "slam/simulation/sequence/simulation_spec.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Registers the kind of source, before the program parses its first one; any thread may call it
 // again. Returns true, so that a test may call it where it is loaded.
@@ -15,11 +15,11 @@ bool RegisterSimulatedSources();
 
 // Returns what `source` draws; null if it is no simulation. The result lives as long as `source` is
 // not changed.
-const SimulationSpec* FindSimulation(const SourceSpec& source);
+const SimulationSpec* FindSimulation(const client_agent::SourceSpec& source);
 
 // Makes `source`, which must be a simulation, draw `simulation` from now on.
-void SetSimulation(const SimulationSpec& simulation, SourceSpec& source);
+void SetSimulation(const SimulationSpec& simulation, client_agent::SourceSpec& source);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_SIMULATED_SOURCE_SIMULATED_SOURCE_H_

@@ -11,7 +11,17 @@
 #include "client_agent/source/recorded_sequence.h"
 #include "client_agent/source/source_kinds.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::ApplyOptions;
+using client_agent::FormatSourceSpec;
+using client_agent::FramesOf;
+using client_agent::KnownSourceKinds;
+using client_agent::OpenSource;
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+using client_agent::SourceUsage;
+
 namespace {
 
 using ::testing::ElementsAre;
@@ -98,4 +108,4 @@ TEST(SimulatedSourceTest, NamesAFileThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

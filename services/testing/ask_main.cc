@@ -12,7 +12,7 @@
 #include "services/security/flags.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 struct Flags {
@@ -40,23 +40,23 @@ absl::Status Ask(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 int main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
   FLAGS_minloglevel = google::GLOG_ERROR;
-  corbslam::Flags flags;
+  corbslam::services::Flags flags;
   CLI::App app("Asks a server that has reflection on", "ask");
   app.add_option("address", flags.address, "HOST:PORT")->required();
   app.add_option("method", flags.method, "PACKAGE.SERVICE/METHOD; without: lists the services");
   app.add_option("request", flags.request, "JSON")->capture_default_str();
   app.add_flag("--omit-defaults", flags.omit_defaults, "Leave out fields with default values");
   app.add_option("--max-time", flags.max_time_s, "Seconds after which a stream's answer is whole");
-  corbslam::AddTlsFlags(app, flags.security);
-  corbslam::AddClientFlags(app, flags.security);
+  corbslam::services::AddTlsFlags(app, flags.security);
+  corbslam::services::AddClientFlags(app, flags.security);
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Ask(flags);
+  const absl::Status status = corbslam::services::Ask(flags);
   if (status.ok()) return 0;
   std::cerr << status << "\n";
   return 1;

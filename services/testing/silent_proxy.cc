@@ -12,7 +12,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 sockaddr_in Loopback(int port) {
@@ -98,4 +98,4 @@ void SilentProxy::Carry(int from, int to, std::atomic<bool>& dead) {
   if (!dead) shutdown(to, SHUT_RDWR);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Carries TCP between its clients and one server on the loopback device. Thread-safe.
 class SilentProxy {
@@ -49,6 +49,6 @@ class SilentProxy {
   std::thread accepting_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TESTING_SILENT_PROXY_H_

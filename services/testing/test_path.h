@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns a path in the folder for such files that no other test uses: tests run side by side.
 inline std::string TestPath(const std::string& name) {
@@ -20,6 +20,6 @@ inline std::string TestPath(const std::string& name) {
   return ::testing::TempDir() + "/" + own;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TESTING_TEST_PATH_H_

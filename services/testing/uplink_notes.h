@@ -12,7 +12,7 @@
 #include "absl/time/time.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Notes what an uplink tells its listener. Thread-safe. Each wait takes 20 s at most.
 class UplinkNotes : public UplinkListener {
@@ -83,6 +83,6 @@ class UplinkNotes : public UplinkListener {
   std::optional<absl::Status> closed_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TESTING_UPLINK_NOTES_H_

@@ -27,7 +27,13 @@
 #include "slam/util/status_macros.h"
 #include "tests/replay/quantile.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::FramesOf;
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+using services::FindSimulation;
+
 namespace {
 
 struct Flags {
@@ -159,18 +165,18 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
-  corbslam::Flags flags;
+  corbslam::services::RegisterSimulatedSources();
+  corbslam::tests::Flags flags;
   CLI::App app("Errors of disparities against a simulated world", "disparity_errors");
   app.add_option("--source", flags.source, "sim:WORLD?OPTIONS")->required();
   app.add_option("--every", flags.every, "Frames between those measured")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "disparity_errors: %s\n", status.ToString().c_str());
   return 1;

@@ -14,7 +14,7 @@
 #include "absl/strings/str_join.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using Json = nlohmann::json;
@@ -157,7 +157,7 @@ absl::Status Write(const std::string& path, const std::vector<std::string>& argu
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
   if (argc < 3) {
@@ -166,7 +166,7 @@ int main(int argc, char** argv) {
   }
   absl::Status status;
   try {
-    status = corbslam::Write(argv[1], {argv + 2, argv + argc});
+    status = corbslam::tests::Write(argv[1], {argv + 2, argv + argc});
   } catch (const nlohmann::json::exception& error) {
     status = absl::InvalidArgumentError(error.what());
   }

@@ -21,7 +21,10 @@
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::OpenSource;
+
 namespace {
 
 constexpr int kFeatures = 2000;
@@ -238,15 +241,15 @@ absl::Status Run(const std::string& vocabulary_path, const std::vector<std::stri
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
+  corbslam::services::RegisterSimulatedSources();
   if (argc < 3) {
     std::fprintf(stderr, "usage: picture_statistics VOCABULARY SOURCE...\n");
     return 2;
   }
-  const absl::Status status = corbslam::Run(argv[1], {argv + 2, argv + argc});
+  const absl::Status status = corbslam::tests::Run(argv[1], {argv + 2, argv + argc});
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
   return status.ok() ? 0 : 1;
 }

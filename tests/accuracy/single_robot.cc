@@ -18,7 +18,17 @@
 #include "slam/util/median.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::Agent;
+using client_agent::AgentOptions;
+using client_agent::AgentStatus;
+using client_agent::AgentTimings;
+using client_agent::OpenSource;
+using client_agent::TrackingResult;
+using client_agent::TrackingState;
+using client_agent::TrajectoryPose;
+
 namespace {
 
 struct Options {
@@ -112,16 +122,16 @@ absl::Status Run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
+  corbslam::services::RegisterSimulatedSources();
   if (argc < 4) {
     std::fprintf(stderr,
                  "usage: single_robot SOURCE VOCABULARY TRUTH [FEATURES] [--threads] [--frames]\n");
     return 2;
   }
-  corbslam::Options options{argv[1], argv[2], argv[3]};
+  corbslam::tests::Options options{argv[1], argv[2], argv[3]};
   for (int i = 4; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--threads") {
@@ -132,7 +142,7 @@ int main(int argc, char** argv) {
       options.features = std::atoi(argv[i]);
     }
   }
-  const absl::Status status = corbslam::Run(options);
+  const absl::Status status = corbslam::tests::Run(options);
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
   return status.ok() ? 0 : 1;
 }

@@ -10,7 +10,13 @@
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/evaluation/trajectory_io.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::Agent;
+using client_agent::AgentOptions;
+using client_agent::OpenSource;
+using client_agent::TrajectoryPose;
+
 namespace {
 
 constexpr int64_t kBeforeFrame15_ns = 1'500'000'000;  // KITTI: 10 Hz, times from zero.
@@ -88,4 +94,4 @@ TEST_F(SingleRobotTest, TumDeskInLargeSteps) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -4,7 +4,7 @@
 #include "absl/strings/str_format.h"
 #include "tests/accuracy/split_verdict.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -129,4 +129,4 @@ nlohmann::ordered_json ToJson(const std::vector<SplitVerdict>& verdicts) {
   return json;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -75,4 +75,4 @@ absl::StatusOr<std::vector<SplitRun>> ReadRuns(const std::string& folder, const 
   return runs;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

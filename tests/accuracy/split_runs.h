@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct RobotOfRun {
   std::string name;
@@ -36,6 +36,6 @@ struct SplitRun {
 // none. DATA_LOSS names the report that can't be understood.
 absl::StatusOr<std::vector<SplitRun>> ReadRuns(const std::string& folder, const std::string& name);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_ACCURACY_SPLIT_RUNS_H_

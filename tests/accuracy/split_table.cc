@@ -16,7 +16,7 @@
 #include "tests/accuracy/split_runs.h"
 #include "tests/accuracy/split_verdict.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 struct Flags {
@@ -43,10 +43,10 @@ absl::StatusOr<bool> Tabulate(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::Flags flags;
+  corbslam::tests::Flags flags;
   CLI::App app("Fused maps beside one robot's", "split_table");
   app.add_option("--folder", flags.folder, "Holds NAME/RUN/report.json")->required();
   app.add_option("--runs", flags.runs, "That each split should have")
@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("splits", flags.splits, "SPLIT:REFERENCE")->required();
   CLI11_PARSE(app, argc, argv);
-  const absl::StatusOr<bool> all_met = corbslam::Tabulate(flags);
+  const absl::StatusOr<bool> all_met = corbslam::tests::Tabulate(flags);
   if (all_met.ok()) return *all_met ? 0 : 1;
   std::fprintf(stderr, "split_table: %s\n", all_met.status().ToString().c_str());
   return 2;

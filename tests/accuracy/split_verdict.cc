@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using Values = std::vector<double>;
@@ -90,4 +90,4 @@ SplitVerdict Judge(const std::string& name, const std::string& reference,
   return verdict;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

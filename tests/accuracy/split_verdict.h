@@ -9,7 +9,7 @@
 
 #include "tests/accuracy/split_runs.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // One robot of a split, over the runs in which both of its errors are known.
 struct RobotVerdict {
@@ -57,6 +57,6 @@ SplitVerdict Judge(const std::string& name, const std::string& reference,
 std::string ToMarkdown(const std::vector<SplitVerdict>& verdicts);
 nlohmann::ordered_json ToJson(const std::vector<SplitVerdict>& verdicts);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_ACCURACY_SPLIT_VERDICT_H_

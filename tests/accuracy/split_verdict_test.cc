@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using ::testing::DoubleEq;
@@ -133,4 +133,4 @@ TEST_F(SplitRunsTest, NamesTheReportThatIsDamaged) {
 TEST_F(SplitRunsTest, NoFolderIsNoRun) { EXPECT_TRUE(ReadRuns(folder_, "three")->empty()); }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -21,7 +21,15 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+using fusion_worker::MakeLocalFusionWorker;
+using services::GroundTruth;
+using services::ReadAdjustment;
+using services::ReadGroundTruth;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -147,11 +155,11 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
-  corbslam::Flags flags;
+  corbslam::services::RegisterSimulatedSources();
+  corbslam::tests::Flags flags;
   CLI::App app("Global adjustments done again", "adjust_again");
   app.add_option("files", flags.files, "What fusion_worker --keep-adjustments wrote")->required();
   app.add_option("--source", flags.source, "Where the truth is: kitti:DIR, tum:DIR, sim:...")
@@ -164,7 +172,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "adjust_again: %s\n", status.ToString().c_str());
   return 1;

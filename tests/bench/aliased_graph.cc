@@ -10,7 +10,7 @@
 #include "slam/geometry/lie.h"
 #include "slam/verification/testing/synthetic_world.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 constexpr double kRadius_m = 30;
@@ -209,4 +209,4 @@ class Maker {
 
 AliasedGraph MakeAliasedGraph(const AliasedGraphOptions& options) { return Maker(options).Make(); }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -9,7 +9,7 @@
 #include "absl/container/btree_set.h"
 #include "slam/optimisation/pose_graph.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct AliasedGraphOptions {
   int maps = 2;
@@ -40,6 +40,6 @@ struct AliasedGraph {
 // overlaps say, of keyframes more than 10 m apart, that they are within 3 m of each other.
 AliasedGraph MakeAliasedGraph(const AliasedGraphOptions& options);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_BENCH_ALIASED_GRAPH_H_

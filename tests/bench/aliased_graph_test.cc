@@ -9,7 +9,7 @@
 #include "slam/verification/testing/synthetic_world.h"
 #include "tests/bench/robust_solvers.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 struct Case {
@@ -46,4 +46,4 @@ INSTANTIATE_TEST_SUITE_P(FoundWrong, ClustersTest,
                                            Case{4, 20, 9}, Case{4, 30, 5}, Case{4, 30, 9}));
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -21,7 +21,14 @@
 #include "tests/bench/started_server.h"
 #include "tests/replay/quantile.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::CameraBook;
+using services::FeatureForm;
+using services::kMaxKeypoints;
+using services::kPartBytes;
+using services::ToProto;
+
 namespace {
 
 // Returns the time of this thread's processor: other programs don't count.
@@ -134,16 +141,16 @@ absl::Status Run(const std::vector<std::string>& sources) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
+  corbslam::services::RegisterSimulatedSources();
   std::vector<std::string> sources;
   CLI::App app("Bytes and times of coded features", "coded_features");
   app.add_option("--source", sources, "What robots have seen: kitti:DIR, tum:DIR, sim:WORLD, ...")
       ->required();
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(sources);
+  const absl::Status status = corbslam::tests::Run(sources);
   if (status.ok()) return 0;
   std::fprintf(stderr, "coded_features: %s\n", status.ToString().c_str());
   return 1;

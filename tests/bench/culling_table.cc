@@ -17,7 +17,12 @@
 #include "tests/bench/replayed_mission.h"
 #include "tests/bench/timed_worker.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using fusion_worker::MakeLocalFusionWorker;
+using map_store::MapStoreOptions;
+using map_store::MissionStatistics;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -102,11 +107,11 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
-  corbslam::Flags flags;
+  corbslam::services::RegisterSimulatedSources();
+  corbslam::tests::Flags flags;
   CLI::App app("Culling redundant keyframes", "culling_table");
   app.add_option("--source", flags.source, "What the robots share: kitti:DIR, tum:DIR, ...")
       ->required();
@@ -115,7 +120,7 @@ int main(int argc, char** argv) {
   app.add_option("--targets", flags.targets, "Of --cull-target")->capture_default_str();
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "culling_table: %s\n", status.ToString().c_str());
   return 1;

@@ -24,7 +24,14 @@
 #include "tests/replay/quantile.h"
 #include "tests/replay/replaying_agent.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+using services::FindProgramBeside;
+using services::MakeChannel;
+using services::MakeRemoteUplink;
+using services::ProcessEnd;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -223,10 +230,10 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::Flags flags;
+  corbslam::tests::Flags flags;
   CLI::App app("What a dear robot costs the others of its mission", "dear_neighbour");
   app.add_option("--source", flags.source, "What the others have seen: tum:DIR, ...")->required();
   app.add_option("--data-dir", flags.data_dir, "Folder of the journal; made new, then removed")
@@ -243,7 +250,7 @@ int main(int argc, char** argv) {
   app.add_option("attack", flags.attack, "Options of dear_attacker, after --");
   app.add_option("--json", flags.json, "File for the runs");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "dear_neighbour: %s\n", status.ToString().c_str());
   return 1;

@@ -21,7 +21,12 @@
 #include "tests/replay/quantile.h"
 #include "tests/replay/replaying_agent.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::MakeChannel;
+using services::MakeRemoteUplink;
+using services::ProcessEnd;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -132,11 +137,11 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
-  corbslam::Flags flags;
+  corbslam::services::RegisterSimulatedSources();
+  corbslam::tests::Flags flags;
   CLI::App app("Durable ingest of the map store", "durable_ingest");
   app.add_option("--source", flags.source, "What the robots have seen: kitti:DIR, sim:WORLD, ...")
       ->required();
@@ -152,7 +157,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", flags.threads, "The store's --threads; 0: its default");
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "durable_ingest: %s\n", status.ToString().c_str());
   return 1;

@@ -29,7 +29,16 @@
 #include "slam/verification/testing/synthetic_world.h"
 #include "tests/bench/timed_worker.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using fusion_worker::MakeLocalFusionWorker;
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+using map_store::MissionStatistics;
+using services::DefaultVocabularyPath;
+using services::GetProcessUsage;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -203,10 +212,10 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::Flags flags;
+  corbslam::tests::Flags flags;
   CLI::App app("Merge and global bundle adjustment by map size", "fusion_table");
   app.add_option("--keyframes", flags.keyframes, "Of both robots together")
       ->check(CLI::Range(100, 20000))
@@ -216,7 +225,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "fusion_table: %s\n", status.ToString().c_str());
   return 1;

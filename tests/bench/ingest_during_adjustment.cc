@@ -28,7 +28,14 @@
 #include "tests/replay/quantile.h"
 #include "tests/replay/replaying_agent.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::FusionWorkerService;
+using services::MakeChannel;
+using services::MakeRemoteFusionWorker;
+using services::MakeRemoteUplink;
+using services::Server;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -228,11 +235,11 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
-  corbslam::Flags flags;
+  corbslam::services::RegisterSimulatedSources();
+  corbslam::tests::Flags flags;
   CLI::App app("Acknowledgements while bundles are adjusted, and while not",
                "ingest_during_adjustment");
   app.add_option("--source", flags.sources,
@@ -252,7 +259,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--json", flags.json, "File for the figures");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "ingest_during_adjustment: %s\n", status.ToString().c_str());
   return 1;

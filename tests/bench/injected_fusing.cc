@@ -15,7 +15,7 @@
 #include "slam/verification/place_verification.h"
 #include "slam/verification/testing/synthetic_world.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using testing::SyntheticMap;
@@ -166,4 +166,4 @@ absl::StatusOr<InjectionResult> FuseWithInjection(const InjectionOptions& option
   return Experiment(options).Run();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct InjectionOptions {
   double wrong_share = 0;  // Share of all overlaps.
@@ -28,6 +28,6 @@ struct InjectionResult {
 // more than 10 m apart, with 30 pairs of points that have nothing to do with each other.
 absl::StatusOr<InjectionResult> FuseWithInjection(const InjectionOptions& options);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_BENCH_INJECTED_FUSING_H_

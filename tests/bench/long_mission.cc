@@ -28,7 +28,20 @@
 #include "tests/bench/synthetic_fleet.h"
 #include "tests/replay/quantile.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+using map_store::MapWatcher;
+using map_store::MissionBackup;
+using map_store::MissionLoad;
+using map_store::MissionStatistics;
+using map_store::PageRequest;
+using map_store::RocksJournal;
+using map_store::RocksJournalOptions;
+using services::DefaultVocabularyPath;
+using services::ToProto;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -286,10 +299,10 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::Flags flags;
+  corbslam::tests::Flags flags;
   CLI::App app("What a mission costs as it grows", "long_mission");
   app.add_option("--keyframes", flags.keyframes, "Sizes at which it is measured, rising")
       ->capture_default_str();
@@ -303,7 +316,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
   FLAGS_minloglevel = google::GLOG_ERROR;
-  if (const absl::Status status = corbslam::Run(flags); !status.ok()) {
+  if (const absl::Status status = corbslam::tests::Run(flags); !status.ok()) {
     std::fprintf(stderr, "long_mission: %s\n", status.ToString().c_str());
     return 1;
   }

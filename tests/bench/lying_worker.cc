@@ -10,7 +10,10 @@
 #include "slam/geometry/lie.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using fusion_worker::MakeLocalFusionWorker;
+
 namespace {
 
 std::vector<MapPointId> PointsOf(const Map& map, KeyframeId id) {
@@ -92,4 +95,4 @@ absl::StatusOr<FuseMapsResult> LyingWorker::FuseMaps(const FuseMapsRequest& requ
   return corbslam::FuseMaps(request, gullible, progress);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

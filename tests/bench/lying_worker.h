@@ -11,7 +11,7 @@
 
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct LieOptions {
   // Number of verified places of two different local maps before the first that is lied about.
@@ -57,6 +57,6 @@ class LyingWorker : public FusionWorker {
   std::set<std::pair<KeyframeId, KeyframeId>> told_;  // Queries and candidates of the lies.
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_BENCH_LYING_WORKER_H_

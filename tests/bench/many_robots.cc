@@ -28,7 +28,15 @@
 #include "tests/bench/synthetic_fleet.h"
 #include "tests/replay/quantile.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+using map_store::MissionInfo;
+using map_store::RocksJournal;
+using map_store::RocksJournalOptions;
+using services::DefaultVocabularyPath;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -254,10 +262,10 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::Flags flags;
+  corbslam::tests::Flags flags;
   CLI::App app("Many robots, one store, minute by minute", "many_robots");
   app.add_option("--robots", flags.robots, "On the same ground")
       ->check(CLI::Range(1, 1000))
@@ -274,7 +282,7 @@ int main(int argc, char** argv) {
   app.add_option("--data-dir", flags.data_dir, "Folder of the journal; made new")->required();
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
-  if (const absl::Status status = corbslam::Run(flags); !status.ok()) {
+  if (const absl::Status status = corbslam::tests::Run(flags); !status.ok()) {
     std::fprintf(stderr, "many_robots: %s\n", status.ToString().c_str());
     return 1;
   }

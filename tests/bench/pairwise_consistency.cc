@@ -8,7 +8,7 @@
 
 #include "slam/geometry/lie.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 // 95 % bound of chi2 with three degrees of freedom: positions alone are compared.
@@ -88,4 +88,4 @@ std::vector<double> ConsistentOverlaps(const AliasedGraph& graph) {
   return weights;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

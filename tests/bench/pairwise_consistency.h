@@ -6,7 +6,7 @@
 
 #include "tests/bench/aliased_graph.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Returns 1 for the overlaps of the largest set, between each two local maps, of which every two
 // agree: the way round through both and the odometry between them leads back to where it began,
@@ -14,6 +14,6 @@ namespace corbslam {
 // largest set is searched greedily from each overlap, as in their section IV.
 std::vector<double> ConsistentOverlaps(const AliasedGraph& graph);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_BENCH_PAIRWISE_CONSISTENCY_H_

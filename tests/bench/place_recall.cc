@@ -23,7 +23,11 @@
 #include "slam/vocabulary/vocabulary.h"
 #include "tests/bench/recognition.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::Perturb;
+using client_agent::Perturbation;
+
 namespace {
 
 constexpr int kFeatures = 2000;
@@ -205,7 +209,7 @@ absl::Status Run(const std::string& folder, const std::string& vocabulary_path,
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
   const char* const folder = std::getenv("CORBSLAM_DATA_DIR");
@@ -213,7 +217,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: CORBSLAM_DATA_DIR=FOLDER %s VOCABULARY [OUTPUT.json]\n", argv[0]);
     return 2;
   }
-  const absl::Status status = corbslam::Run(folder, argv[1], argc > 2 ? argv[2] : "");
+  const absl::Status status = corbslam::tests::Run(folder, argv[1], argc > 2 ? argv[2] : "");
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
   return status.ok() ? 0 : 1;
 }

@@ -6,7 +6,7 @@
 
 #include "slam/place/keyframe_database.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 constexpr double kSamePlace_m = 5.0;
@@ -42,4 +42,4 @@ Recognition Recognise(const std::vector<SeenPlace>& database,
   return result;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -9,7 +9,7 @@
 #include "slam/geometry/rigid3.h"
 #include "slam/vocabulary/words.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct SeenPlace {
   // Poses of different scenes have nothing to do with each other.
@@ -32,6 +32,6 @@ struct Recognition {
 Recognition Recognise(const std::vector<SeenPlace>& database,
                       const std::vector<SeenPlace>& queries);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_BENCH_RECOGNITION_H_

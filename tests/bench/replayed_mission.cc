@@ -12,7 +12,22 @@
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+using map_store::AgentTrajectory;
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+using map_store::MissionStatistics;
+using map_store::StoredPose;
+using map_store::TrajectoryFrame;
+using services::DefaultVocabularyPath;
+using services::GroundTruth;
+using services::ReadGroundTruth;
+using services::RobotName;
+
 namespace {
 
 LocalMapId MapOf(size_t robot) { return LocalMapId{0xa + robot}; }
@@ -95,4 +110,4 @@ absl::StatusOr<FusedMapError> ReplayedMission::Error() const {
   return error;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

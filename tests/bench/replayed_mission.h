@@ -13,7 +13,7 @@
 #include "slam/evaluation/trajectory.h"
 #include "tests/replay/recorded_uploads.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct RecordedMission {
   std::shared_ptr<const Vocabulary> vocabulary;
@@ -35,21 +35,22 @@ struct FusedMapError {
 class ReplayedMission {
  public:
   // `recorded` and `worker` must outlive it.
-  ReplayedMission(const RecordedMission& recorded, MapStoreOptions options, FusionWorker* worker);
+  ReplayedMission(const RecordedMission& recorded, map_store::MapStoreOptions options,
+                  FusionWorker* worker);
 
   // Every robot sends a batch in turn, and all that is to be fused is fused.
   absl::Status Stream();
   absl::Status Fuse() { return store_.RunFusionUntilIdle(name()); }
   absl::StatusOr<FusedMapError> Error() const;
 
-  MapStore& store() { return store_; }
+  map_store::MapStore& store() { return store_; }
   static const std::string& name();
 
  private:
   const RecordedMission& recorded_;
-  MapStore store_;
+  map_store::MapStore store_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_BENCH_REPLAYED_MISSION_H_

@@ -24,7 +24,7 @@
 #include "tests/bench/injected_fusing.h"
 #include "tests/bench/robust_solvers.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -190,10 +190,10 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::Flags flags;
+  corbslam::tests::Flags flags;
   CLI::App app("Wrong overlaps against robust back-ends", "robust_backend");
   app.add_option("--maps", flags.maps, "Local maps of the pose graphs")
       ->check(CLI::Range(2, 8))
@@ -205,7 +205,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 90))
       ->capture_default_str();
   std::vector<std::string> names;
-  for (const corbslam::RobustSolver& solver : corbslam::RobustSolvers()) {
+  for (const corbslam::tests::RobustSolver& solver : corbslam::tests::RobustSolvers()) {
     names.push_back(solver.name);
   }
   app.add_option("--solvers", flags.solvers, "To compare; all without")
@@ -218,7 +218,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "robust_backend: %s\n", status.ToString().c_str());
   return 1;

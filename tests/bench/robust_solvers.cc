@@ -9,7 +9,7 @@
 #include "slam/util/status_macros.h"
 #include "tests/bench/pairwise_consistency.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 // 95 % bound of chi2 with six degrees of freedom, which OptimisePoseGraph has, too.
@@ -162,4 +162,4 @@ absl::StatusOr<PoseGraphResult> SolveClean(const AliasedGraph& graph) {
   return SolveWeighted(graph, graph.initial, weights);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

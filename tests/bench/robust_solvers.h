@@ -10,7 +10,7 @@
 #include "slam/optimisation/pose_graph.h"
 #include "tests/bench/aliased_graph.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct RobustSolver {
   std::string name;
@@ -28,6 +28,6 @@ const std::vector<RobustSolver>& RobustSolvers();
 // Solves what a solver is measured against: least squares on the true overlaps alone.
 absl::StatusOr<PoseGraphResult> SolveClean(const AliasedGraph& graph);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_BENCH_ROBUST_SOLVERS_H_

@@ -6,7 +6,11 @@
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+using services::DefaultVocabularyPath;
+using services::FindProgramBeside;
 
 absl::StatusOr<StartedServer> StartServer(const std::string& name,
                                           std::vector<std::string> arguments,
@@ -30,4 +34,4 @@ absl::StatusOr<std::vector<RecordedUploads>> RecordAll(const std::vector<std::st
   return uploads;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -11,12 +11,12 @@
 #include "services/runtime/child_process.h"
 #include "tests/replay/recorded_uploads.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 inline constexpr absl::Duration kStopTimeout = absl::Seconds(30);
 
 struct StartedServer {
-  std::unique_ptr<ChildProcess> process;
+  std::unique_ptr<services::ChildProcess> process;
   std::string address;  // The address is on loopback.
 };
 
@@ -29,6 +29,6 @@ absl::StatusOr<StartedServer> StartServer(const std::string& name,
 // Returns what a robot uploads of each source, with the vocabulary that ships.
 absl::StatusOr<std::vector<RecordedUploads>> RecordAll(const std::vector<std::string>& sources);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_BENCH_STARTED_SERVER_H_

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 constexpr double kAhead_m = 5;
@@ -199,4 +199,4 @@ absl::StatusOr<AdjustBundleResult> BelievingWorker::AdjustBundle(const AdjustBun
   return result;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

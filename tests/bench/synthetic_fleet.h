@@ -13,7 +13,7 @@
 #include "slam/exchange/fusion_worker.h"
 #include "slam/exchange/map_update.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct FleetOptions {
   size_t robots = 10;
@@ -87,6 +87,6 @@ class BelievingWorker : public FusionWorker {
                                                   const ProgressCallback& progress) override;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_BENCH_SYNTHETIC_FLEET_H_

@@ -6,7 +6,7 @@
 #include "absl/time/time.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 double MillisecondsSince(absl::Time begin) {
@@ -42,4 +42,4 @@ absl::StatusOr<AdjustBundleResult> TimedWorker::AdjustBundle(const AdjustBundleR
   return result;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

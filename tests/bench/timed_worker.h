@@ -9,7 +9,7 @@
 
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Not thread-safe.
 class TimedWorker : public FusionWorker {
@@ -46,6 +46,6 @@ class TimedWorker : public FusionWorker {
   std::vector<Adjustment> adjustments_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_BENCH_TIMED_WORKER_H_

@@ -18,7 +18,13 @@
 #include "tests/bench/lying_worker.h"
 #include "tests/bench/replayed_mission.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using map_store::MapStore;
+using map_store::OverlapFilter;
+using map_store::OverlapInfo;
+using map_store::Page;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -134,11 +140,11 @@ absl::StatusOr<bool> Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
-  corbslam::Flags flags;
+  corbslam::services::RegisterSimulatedSources();
+  corbslam::tests::Flags flags;
   CLI::App app("Taking back a wrong overlap", "undo_table");
   app.add_option("--source", flags.source, "What the robots share: kitti:DIR, tum:DIR, ...")
       ->required();
@@ -153,7 +159,7 @@ int main(int argc, char** argv) {
   app.add_option("--shift", flags.shift_m, "How far off the lie is, metres")->capture_default_str();
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
-  const absl::StatusOr<bool> all_met = corbslam::Run(flags);
+  const absl::StatusOr<bool> all_met = corbslam::tests::Run(flags);
   if (all_met.ok()) return *all_met ? 0 : 1;
   std::fprintf(stderr, "undo_table: %s\n", all_met.status().ToString().c_str());
   return 2;

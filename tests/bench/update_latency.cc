@@ -24,7 +24,11 @@
 #include "tests/replay/quantile.h"
 #include "tests/replay/replaying_agent.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::MakeChannel;
+using services::MakeRemoteUplink;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -189,11 +193,11 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
-  corbslam::Flags flags;
+  corbslam::services::RegisterSimulatedSources();
+  corbslam::tests::Flags flags;
   CLI::App app("From one robot's upload to the others", "update_latency");
   app.add_option("--source", flags.sources,
                  "What the robots have seen: kitti:DIR, sim:WORLD, ...; with several, in turn")
@@ -209,7 +213,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "update_latency: %s\n", status.ToString().c_str());
   return 1;

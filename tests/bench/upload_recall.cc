@@ -23,7 +23,17 @@
 #include "tests/bench/recognition.h"
 #include "tests/replay/recorded_uploads.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::FeatureSelection;
+using client_agent::ParseFeatureSelection;
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+using services::DefaultVocabularyPath;
+using services::EncodeBatch;
+using services::GroundTruth;
+using services::ReadGroundTruth;
+
 namespace {
 
 struct Flags {
@@ -104,11 +114,11 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::RegisterSimulatedSources();
-  corbslam::Flags flags;
+  corbslam::services::RegisterSimulatedSources();
+  corbslam::tests::Flags flags;
   CLI::App app("Places that are recognised among features that were left out", "upload_recall");
   app.add_option("--first", flags.first, "What the first robot has seen: kitti:DIR, ...")
       ->required();
@@ -116,7 +126,7 @@ int main(int argc, char** argv) {
   app.add_option("--features", flags.features, "As client_agent --upload features=")
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   std::fprintf(stderr, "upload_recall: %s\n", status.ToString().c_str());
   return 1;

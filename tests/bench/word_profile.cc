@@ -16,7 +16,7 @@
 #include "slam/vocabulary/trainer.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 constexpr int kFeatures = 2000;
@@ -115,14 +115,14 @@ absl::Status Run(const std::string& vocabulary_path, const std::vector<std::stri
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
   if (argc < 3) {
     std::fprintf(stderr, "usage: %s VOCABULARY FOLDER...\n", argv[0]);
     return 2;
   }
-  const absl::Status status = corbslam::Run(argv[1], {argv + 2, argv + argc});
+  const absl::Status status = corbslam::tests::Run(argv[1], {argv + 2, argv + argc});
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
   return status.ok() ? 0 : 1;
 }

@@ -22,7 +22,12 @@
 #include "tests/fault/metrics_attacks.h"
 #include "tests/replay/recorded_uploads.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::DefaultVocabularyPath;
+using services::MakeChannel;
+using services::StoreReader;
+
 namespace {
 
 constexpr absl::Duration kPatience = absl::Seconds(40);
@@ -117,10 +122,10 @@ absl::Status Run(const Flags& flags) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::Flags flags;
+  corbslam::tests::Flags flags;
   CLI::App app("Attacks a map store that serves without TLS", "attacker");
   app.add_option("address", flags.address, "HOST:PORT of the map store")->required();
   app.add_option("mission", flags.mission, "The robots' mission")->required();
@@ -134,7 +139,7 @@ int main(int argc, char** argv) {
   // The attacker runs at the lowest priority: in the field it would compute on a machine of its
   // own.
   setpriority(PRIO_PROCESS, 0, 19);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   LOG(ERROR) << status;
   return 1;

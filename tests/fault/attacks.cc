@@ -18,7 +18,13 @@
 #include "services/convert/resource_names.h"
 #include "tests/fault/raw_stream.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::CameraBook;
+using services::MakeChannel;
+using services::MissionName;
+using services::ToProto;
+
 namespace {
 
 constexpr char kOwnAgent[] = "mallory";
@@ -270,4 +276,4 @@ Attacker::Ends Attacker::MakeCalls(const std::string& method, const std::string&
   return ends;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -12,7 +12,7 @@
 #include "slam/exchange/map_update.h"
 #include "tests/replay/recorded_uploads.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Attacks a store that serves without TLS; each attack ends by itself. Not thread-safe.
 class Attacker {
@@ -64,6 +64,6 @@ class Attacker {
   std::mt19937_64 random_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_ATTACKS_H_

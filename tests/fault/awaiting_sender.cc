@@ -8,7 +8,9 @@
 #include "services/client/remote/remote_uplink.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::MakeRemoteUplink;
 
 AwaitingSender::AwaitingSender(const std::shared_ptr<grpc::Channel>& channel, std::string mission,
                                std::string agent)
@@ -82,4 +84,4 @@ void AwaitingSender::OnSessionClosed(const absl::Status& reason) {
   end_ = reason;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

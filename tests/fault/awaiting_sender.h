@@ -16,7 +16,7 @@
 #include "absl/time/time.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // For one thread; its calls block. Numbers the batches of each local map from 1.
 class AwaitingSender : private UplinkListener {
@@ -60,6 +60,6 @@ class AwaitingSender : private UplinkListener {
   const std::unique_ptr<Uplink> uplink_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_AWAITING_SENDER_H_

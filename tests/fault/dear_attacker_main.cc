@@ -18,7 +18,10 @@
 #include "tests/fault/awaiting_sender.h"
 #include "tests/fault/dear_map.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::MakeChannel;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -100,14 +103,14 @@ void AddSizes(CLI::App& app, DearSizes& sizes) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::Flags flags;
+  corbslam::tests::Flags flags;
   CLI::App app("A dear robot, to a map store that serves without TLS", "dear_attacker");
   app.add_option("address", flags.address, "HOST:PORT of the map store")->required();
   app.add_option("mission", flags.mission, "The robots' mission")->required();
-  corbslam::AddSizes(app, flags.sizes);
+  corbslam::tests::AddSizes(app, flags.sizes);
   app.add_option("--rounds", flags.rounds, "Of every kind of batch")->capture_default_str();
   app.add_option("--patience", flags.patience_s, "Seconds for an acknowledgement")
       ->capture_default_str();
@@ -115,7 +118,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   // It has a machine of its own, as it were.
   setpriority(PRIO_PROCESS, 0, 19);
-  const absl::Status status = corbslam::Run(flags);
+  const absl::Status status = corbslam::tests::Run(flags);
   if (status.ok()) return 0;
   LOG(ERROR) << status;
   return 1;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using Kind = ObservationChange::Kind;
@@ -277,4 +277,4 @@ std::vector<DearMap::Refused> DearMap::BeyondLimits() const {
   return refused;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -11,7 +11,7 @@
 
 #include "slam/exchange/map_update.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct DearSizes {
   // Keyframes of the chain, in which each hangs on the one before.
@@ -94,6 +94,6 @@ class DearMap {
   uint32_t next_point_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_DEAR_MAP_H_

@@ -8,7 +8,10 @@
 #include "absl/strings/str_replace.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -79,4 +82,4 @@ nlohmann::json FaultTest::ReadStatistics(const std::string& path) {
   return read.is_object() ? read : nlohmann::json();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

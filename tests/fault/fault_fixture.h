@@ -17,7 +17,7 @@
 #include "absl/time/time.h"
 #include "services/runtime/child_process.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Skips the test where the status is an error, and fails it under continuous integration.
 #define SKIP_UNLESS_PERMITTED(expression)                         \
@@ -44,16 +44,17 @@ class FaultTest : public ::testing::Test {
 
   // Starts one of our programs; its output is in NAME.log. Returns null when it does not start,
   // which fails the test.
-  std::unique_ptr<ChildProcess> Start(const std::string& name, const std::string& program,
-                                      std::vector<std::string> arguments,
-                                      const std::vector<std::string>& security = {"--insecure"});
+  std::unique_ptr<services::ChildProcess> Start(const std::string& name, const std::string& program,
+                                                std::vector<std::string> arguments,
+                                                const std::vector<std::string>& security = {
+                                                    "--insecure"});
   // Sets further environment variables for programs that are started from now on.
   void StartWith(std::vector<std::pair<std::string, std::string>> variables) {
     variables_ = std::move(variables);
   }
   // Waits for the address that it says; returns an empty one when it says none, which fails the
   // test.
-  static std::string AddressOf(ChildProcess* process);
+  static std::string AddressOf(services::ChildProcess* process);
   // Returns the metrics address of a process that was started under this name and has named it.
   std::string MetricsAddressOf(const std::string& name) const;
 
@@ -68,6 +69,6 @@ class FaultTest : public ::testing::Test {
   std::vector<std::pair<std::string, std::string>> variables_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_FAULT_FIXTURE_H_

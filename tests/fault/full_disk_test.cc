@@ -16,7 +16,14 @@
 #include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::CheckHealth;
+using services::ChildProcess;
+using services::ConnectToStore;
+using services::StoreReader;
+using services::WithoutTls;
+
 namespace {
 
 using nlohmann::json;
@@ -171,4 +178,4 @@ TEST_F(FullDiskTest, AStoreThatCantWriteRefusesToStartByName) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -25,7 +25,13 @@
 #include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+using services::MakeChannel;
+using services::MakeRemoteUplink;
+using services::ProcessEnd;
+
 namespace {
 
 constexpr char kMission[] = "m";
@@ -246,4 +252,4 @@ TEST_F(HostileClientTest, DearNeighbourIsServedWithinLimitsAndNobodyIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

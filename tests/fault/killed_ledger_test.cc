@@ -21,7 +21,13 @@
 #include "tests/replay/recorded_uploads.h"
 #include "tests/replay/replaying_agent.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using fusion_worker::MakeLocalFusionWorker;
+using services::ChildProcess;
+using services::MakeChannel;
+using services::MakeRemoteUplink;
+
 namespace {
 
 constexpr char kMission[] = "killed";
@@ -136,4 +142,4 @@ TEST_F(KilledLedgerTest, HoldsWhatTheUndisturbedStoreHolds) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

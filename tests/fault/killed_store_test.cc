@@ -17,7 +17,13 @@
 #include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+using services::ConnectToStore;
+using services::StoreReader;
+using services::WithoutTls;
+
 namespace {
 
 using nlohmann::json;
@@ -110,4 +116,4 @@ TEST_F(KilledStoreTest, EveryKeyframeIsThereOnce) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -23,7 +23,18 @@
 #include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+using services::ChildProcess;
+using services::ConnectToStore;
+using services::MakeChannel;
+using services::MakeRemoteFusionWorker;
+using services::StoreReader;
+using services::WithoutTls;
+
 namespace {
 
 using nlohmann::json;
@@ -195,4 +206,4 @@ TEST_F(KilledWorkerTest, RealRobotsAreFusedAllTheSame) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

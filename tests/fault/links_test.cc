@@ -31,7 +31,14 @@
 #include "tests/fault/network/shaped_link.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+using services::ConnectToStore;
+using services::SecurityOptions;
+using services::StoreReader;
+using services::WithoutTls;
+
 namespace {
 
 using nlohmann::json;
@@ -328,4 +335,4 @@ TEST_F(LinksTest, TrackingDoesNotNoticeAndEverythingArrivesOnce) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -8,7 +8,7 @@
 #include "absl/time/clock.h"
 #include "services/http/testing/raw_http.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using testing::Ask;
@@ -147,4 +147,4 @@ MetricsAttacker::Ends MetricsAttacker::ScrapeWithoutReading(int connections,
   return AndStillScraped(std::move(ends));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

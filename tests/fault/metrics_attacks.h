@@ -10,7 +10,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Each attack ends by itself. Not thread-safe.
 class MetricsAttacker {
@@ -45,6 +45,6 @@ class MetricsAttacker {
   std::mt19937_64 random_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_METRICS_ATTACKS_H_

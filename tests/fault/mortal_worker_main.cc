@@ -15,7 +15,10 @@
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using fusion_worker::MakeLocalFusionWorker;
+
 namespace {
 
 class MortalWorker : public FusionWorker {
@@ -66,10 +69,10 @@ class MortalWorker : public FusionWorker {
 };
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  corbslam::BlockStopSignals();
+  corbslam::services::BlockStopSignals();
   std::string kind;
   int number = 1;
   std::string moment;
@@ -86,14 +89,14 @@ int main(int argc, char** argv) {
   bool insecure = false;
   app.add_flag("--insecure", insecure, "Without TLS, which it always is");
   CLI11_PARSE(app, argc, argv);
-  corbslam::MortalWorker worker(kind, number, moment == "midway");
-  corbslam::FusionWorkerService service(&worker);
-  const auto server = corbslam::Server::Start(listen, {&service});
+  corbslam::tests::MortalWorker worker(kind, number, moment == "midway");
+  corbslam::services::FusionWorkerService service(&worker);
+  const auto server = corbslam::services::Server::Start(listen, {&service});
   if (!server.ok()) {
     LOG(ERROR) << server.status();
     return 1;
   }
-  corbslam::AnnounceAddress((*server)->address());
-  corbslam::WaitForStopSignal();
+  corbslam::services::AnnounceAddress((*server)->address());
+  corbslam::services::WaitForStopSignal();
   return 0;
 }

@@ -24,7 +24,11 @@
 #include "tests/fault/replay_fixture.h"
 #include "tests/replay/recorded_uploads.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using fusion_worker::MakeLocalFusionWorker;
+using map_store::MapStore;
+
 namespace {
 
 constexpr char kMission[] = "cut";
@@ -182,4 +186,4 @@ TEST_F(PowerCutTest, AStoreThatNeverSyncsIsFoundOut) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -3,7 +3,9 @@
 #include "absl/time/clock.h"
 #include "services/convert/status.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::FromGrpcStatus;
 
 RawStream::RawStream(const std::shared_ptr<grpc::Channel>& channel, const std::string& method)
     : stub_(channel) {
@@ -86,4 +88,4 @@ void RawStream::OnDone(const grpc::Status& status) {
   end_ = FromGrpcStatus(status);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -17,7 +17,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // One call of a method of MapStore. One thread may use it; all calls block.
 class RawStream : private grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
@@ -56,6 +56,6 @@ class RawStream : private grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBu
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_RAW_STREAM_H_

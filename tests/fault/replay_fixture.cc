@@ -8,7 +8,13 @@
 #include "services/programs/default_vocabulary.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+using map_store::RocksJournal;
+using map_store::RocksJournalOptions;
+using services::DefaultVocabularyPath;
 
 ReplayFaultTest::ReplayFaultTest() {
   auto vocabulary = Vocabulary::Load(DefaultVocabularyPath());
@@ -48,4 +54,4 @@ std::string ReplayFaultTest::FuseAgain(const std::string& mission, MapStore& sto
   return testing::DumpPlaces(mission, store);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

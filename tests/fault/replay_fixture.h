@@ -12,7 +12,7 @@
 #include "tests/fault/fault_fixture.h"
 #include "tests/replay/recorded_uploads.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 class ReplayFaultTest : public FaultTest {
  protected:
@@ -24,17 +24,18 @@ class ReplayFaultTest : public FaultTest {
   // Opens what the journal holds in a store that fuses with `worker` (not owned; null: never). It
   // is deterministic, on this thread, when it is told to be. Returns null, and says why in the log,
   // where the journal can't be opened.
-  std::unique_ptr<MapStore> Reopen(const RocksJournalOptions& journal, FusionWorker* worker,
-                                   bool deterministic = true) const;
+  std::unique_ptr<map_store::MapStore> Reopen(const map_store::RocksJournalOptions& journal,
+                                              FusionWorker* worker,
+                                              bool deterministic = true) const;
 
   // Returns all that owners said, of which fusion is made to know nothing.
-  static std::string LocalLayer(const std::string& mission, MapStore& store);
+  static std::string LocalLayer(const std::string& mission, map_store::MapStore& store);
   // Fuses, and returns where everything is then.
-  static std::string FuseAgain(const std::string& mission, MapStore& store);
+  static std::string FuseAgain(const std::string& mission, map_store::MapStore& store);
 
   std::shared_ptr<const Vocabulary> vocabulary_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_REPLAY_FIXTURE_H_

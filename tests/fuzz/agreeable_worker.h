@@ -4,7 +4,7 @@
 
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 class AgreeableWorker : public FusionWorker {
  public:
@@ -45,6 +45,6 @@ class AgreeableWorker : public FusionWorker {
   }
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FUZZ_AGREEABLE_WORKER_H_

@@ -9,7 +9,9 @@
 #include "tests/fuzz/messages.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;            // NOLINT
+  using namespace corbslam::services;  // NOLINT
+  using namespace corbslam::tests;     // NOLINT
   const std::string path = WriteFuzzFile("config.toml", AsText(data, size));
   CLI::App app("program");
   MapStoreOptions store;

@@ -12,7 +12,14 @@
 #include "tests/fuzz/fuzz_files.h"
 #include "tests/fuzz/messages.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::FrameReader;
+using client_agent::OpenEuroc;
+using client_agent::OpenKitti;
+using client_agent::OpenTum;
+using client_agent::SourceSpec;
+
 namespace {
 
 // Writes a small picture at each name that the readers open first.
@@ -88,10 +95,11 @@ void ReadTrajectories(absl::string_view input) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   if (size == 0) return 0;
   WritePictures();
   const absl::string_view input = AsText(data + 1, size - 1);

@@ -9,7 +9,7 @@
 #include "slam/coding/testing/plausible_features.h"
 #include "tests/fuzz/messages.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 constexpr size_t kMaxCount = 20'000;
@@ -38,10 +38,11 @@ void ReadDescriptors(std::string_view bytes) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   const std::string_view input(reinterpret_cast<const char*>(data), size);
   if (input.empty()) return 0;
   if (input[0] == 0) ReadFeatures(input.substr(1));

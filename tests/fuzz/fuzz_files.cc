@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 class Folder {
@@ -45,4 +45,4 @@ std::string WriteFuzzFile(const std::string& name, absl::string_view content) {
   return path;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

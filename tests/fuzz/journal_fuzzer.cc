@@ -12,7 +12,10 @@
 #include "tests/fuzz/live_store.h"
 #include "tests/fuzz/messages.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using map_store::MapStore;
+
 namespace {
 
 using testing::ByteJournal;
@@ -45,10 +48,11 @@ void MustOpen(const std::shared_ptr<JournalBytes>& bytes, FusionWorker* worker) 
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   if (size == 0) return 0;
   AgreeableWorker worker;
   const std::shared_ptr<JournalBytes> bytes = ReadInput(data[0], AsText(data + 1, size - 1));

@@ -8,11 +8,11 @@
 #include "map_store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // The store has no threads, and low limits, so that inputs of a few kB reach them.
-inline MapStoreOptions LiveStoreOptions() {
-  MapStoreOptions options;
+inline map_store::MapStoreOptions LiveStoreOptions() {
+  map_store::MapStoreOptions options;
   options.deterministic = true;
   options.max_missions = 2;
   options.max_agents_per_mission = 3;
@@ -25,28 +25,28 @@ inline MapStoreOptions LiveStoreOptions() {
 }
 
 // Makes a store without a worker, on a journal of bytes.
-inline std::unique_ptr<MapStore> MakeLiveStore(
+inline std::unique_ptr<map_store::MapStore> MakeLiveStore(
     std::shared_ptr<testing::JournalBytes> bytes = std::make_shared<testing::JournalBytes>()) {
-  return std::make_unique<MapStore>(LiveStoreOptions(), nullptr,
-                                    std::make_unique<testing::ByteJournal>(std::move(bytes)),
-                                    nullptr, [] { return absl::UnixEpoch(); });
+  return std::make_unique<map_store::MapStore>(
+      LiveStoreOptions(), nullptr, std::make_unique<testing::ByteJournal>(std::move(bytes)),
+      nullptr, [] { return absl::UnixEpoch(); });
 }
 
 // Makes every look-up, and everything that is shared with another agent.
-inline void LookAtEverything(MapStore& store) {
+inline void LookAtEverything(map_store::MapStore& store) {
   const auto missions = store.ListMissions({});
   if (!missions.ok()) return;
-  for (const MissionInfo& mission : missions->items) {
+  for (const map_store::MissionInfo& mission : missions->items) {
     store.RunFusionUntilIdle(mission.name).IgnoreError();
     (void)store.GlobalMapView(mission.name);
-    MapWatcher watcher(0, true);
+    map_store::MapWatcher watcher(0, true);
     (void)store.NextChanges(mission.name, 1000, watcher);
     (void)store.GetStatistics(mission.name);
     (void)store.ListAgents(mission.name, {});
     (void)store.ListLocalMaps(mission.name, {});
     (void)store.ListKeyframes(mission.name, {}, {});
-    (void)store.GetTrajectory(mission.name, "", TrajectoryFrame::kLocal);
-    (void)store.GetTrajectory(mission.name, "", TrajectoryFrame::kGlobal, true);
+    (void)store.GetTrajectory(mission.name, "", map_store::TrajectoryFrame::kLocal);
+    (void)store.GetTrajectory(mission.name, "", map_store::TrajectoryFrame::kGlobal, true);
     SessionRequest request;
     request.mission = mission.name;
     request.agent = "onlooker";
@@ -59,6 +59,6 @@ inline void LookAtEverything(MapStore& store) {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FUZZ_LIVE_STORE_H_

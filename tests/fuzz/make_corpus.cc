@@ -31,7 +31,18 @@
 #include "tests/fuzz/messages.h"
 #include "tests/fuzz/signing_key.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::EncodeSegmentHeader;
+using client_agent::EncodeSpoolRecord;
+using client_agent::SpoolRecord;
+using map_store::MapStore;
+using services::CameraBook;
+using services::EncodeBatch;
+using services::FeatureForm;
+using services::ToProto;
+using services::WriteWork;
+
 namespace {
 
 using test_data::kMap;
@@ -346,28 +357,28 @@ void WriteChoices() {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
   if (argc != 2) {
     std::fprintf(stderr, "make_corpus FOLDER\n");
     return 2;
   }
-  corbslam::root = argv[1];
-  corbslam::WriteSync();
-  corbslam::WriteCodedSync();
-  corbslam::WriteCodedShared();
-  corbslam::WriteFeatureCoding();
-  corbslam::WriteShared();
-  corbslam::WriteWorkers();
-  corbslam::WriteSpool();
-  corbslam::WriteDatasets();
-  corbslam::WriteSpecs();
-  corbslam::WriteVocabularies();
-  corbslam::WriteJournals();
-  corbslam::WriteConfigurations();
-  corbslam::WriteNames();
-  corbslam::WriteTokens();
-  corbslam::WriteChoices();
+  corbslam::tests::root = argv[1];
+  corbslam::tests::WriteSync();
+  corbslam::tests::WriteCodedSync();
+  corbslam::tests::WriteCodedShared();
+  corbslam::tests::WriteFeatureCoding();
+  corbslam::tests::WriteShared();
+  corbslam::tests::WriteWorkers();
+  corbslam::tests::WriteSpool();
+  corbslam::tests::WriteDatasets();
+  corbslam::tests::WriteSpecs();
+  corbslam::tests::WriteVocabularies();
+  corbslam::tests::WriteJournals();
+  corbslam::tests::WriteConfigurations();
+  corbslam::tests::WriteNames();
+  corbslam::tests::WriteTokens();
+  corbslam::tests::WriteChoices();
   return 0;
 }

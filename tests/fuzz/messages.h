@@ -10,7 +10,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Takes the next message, which may be cut by the end of the input.
 inline absl::string_view TakeMessage(absl::string_view& input) {
@@ -35,6 +35,6 @@ inline absl::string_view AsText(const uint8_t* data, size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FUZZ_MESSAGES_H_

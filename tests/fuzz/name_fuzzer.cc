@@ -10,7 +10,24 @@
 #include "tests/fuzz/live_store.h"
 #include "tests/fuzz/messages.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using map_store::MapStore;
+using map_store::PageRequest;
+using services::AgentName;
+using services::Describe;
+using services::FormatGrant;
+using services::IdentityFromUris;
+using services::KeyframeName;
+using services::LocalMapName;
+using services::MissionName;
+using services::ParseAgentName;
+using services::ParseGrant;
+using services::ParseKeyframeName;
+using services::ParseLocalMapName;
+using services::ParseMissionName;
+using services::ParseMissionRole;
+
 namespace {
 
 void MustBe(bool good) {
@@ -93,10 +110,11 @@ void ReadLists(absl::string_view text) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   const absl::string_view text = AsText(data, size);
   ReadNames(text);
   ReadGrants(text);

@@ -6,7 +6,15 @@
 #include "services/convert/shared_update.h"
 #include "tests/fuzz/messages.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::ArrivedUpdate;
+using client_agent::OwnCorrection;
+using client_agent::SharedMap;
+using services::CameraBook;
+using services::FromProto;
+using services::SharedUpdateAssembler;
+
 namespace {
 
 constexpr LocalMapId kOwn{1};
@@ -35,10 +43,11 @@ Map MakeOwnMap() {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   absl::string_view input = AsText(data, size);
   Map map = MakeOwnMap();
   SharedMap shared(kOwn);

@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 class SigningKey {
  public:
@@ -57,6 +57,6 @@ class SigningKey {
   std::shared_ptr<EVP_PKEY> key_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FUZZ_SIGNING_KEY_H_

@@ -9,7 +9,10 @@
 #include "tests/fuzz/messages.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;                // NOLINT
+  using namespace corbslam::client_agent;  // NOLINT
+  using namespace corbslam::services;      // NOLINT
+  using namespace corbslam::tests;         // NOLINT
   RegisterSimulatedSources();
   const absl::string_view text = AsText(data, size);
   const auto spec = ParseSourceSpec(text);

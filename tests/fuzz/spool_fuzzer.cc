@@ -12,7 +12,19 @@
 #include "slam/util/checksum.h"
 #include "tests/fuzz/messages.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::BatchCodec;
+using client_agent::EncodeSegmentHeader;
+using client_agent::EncodeSpoolRecord;
+using client_agent::LostLocalMap;
+using client_agent::Spool;
+using client_agent::SpoolFiles;
+using client_agent::SpoolRecord;
+using client_agent::UploadQueue;
+using services::DecodeBatch;
+using services::EncodeBatch;
+
 namespace {
 
 class MemoryFiles : public SpoolFiles {
@@ -55,10 +67,11 @@ std::string MakeRightSegment(absl::string_view content) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   if (size < 2) return 0;
   absl::string_view input = AsText(data + 2, size - 2);
   auto files = std::make_unique<MemoryFiles>();

@@ -11,7 +11,12 @@
 #include "absl/strings/str_cat.h"
 #include "tests/fuzz/live_store.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using map_store::KeyframeInfo;
+using map_store::LocalMapInfo;
+using map_store::MapStore;
+
 namespace {
 
 constexpr size_t kKeypoints = 6;
@@ -142,10 +147,11 @@ struct Robot {
 };
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   FuzzedDataProvider input(data, size);
   const auto journal = std::make_shared<testing::JournalBytes>();
   auto store = MakeLiveStore(journal);

@@ -9,7 +9,13 @@
 #include "tests/fuzz/live_store.h"
 #include "tests/fuzz/messages.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using map_store::MapStore;
+using services::BatchAssembler;
+using services::CameraBook;
+using services::FromProto;
+
 namespace {
 
 // Does what SyncReactor does, without its threads.
@@ -46,10 +52,11 @@ class FuzzedStream {
 };
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   absl::string_view input = AsText(data, size);
   const std::unique_ptr<MapStore> store = MakeLiveStore();
   auto stream = std::make_unique<FuzzedStream>(*store);

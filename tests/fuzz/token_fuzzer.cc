@@ -9,7 +9,18 @@
 #include "tests/fuzz/messages.h"
 #include "tests/fuzz/signing_key.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::FormatGrant;
+using services::Grant;
+using services::Identity;
+using services::ParseGrant;
+using services::ReadAuthorities;
+using services::ReadKeyPair;
+using services::Role;
+using services::SignToken;
+using services::TokenVerifier;
+
 namespace {
 
 void ReadToken(absl::string_view token) {
@@ -36,10 +47,11 @@ void ReadFiles(absl::string_view input) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   if (size == 0) return 0;
   const absl::string_view input = AsText(data + 1, size - 1);
   switch (data[0] % 4) {

@@ -7,7 +7,7 @@
 #include "tests/fuzz/fuzz_files.h"
 #include "tests/fuzz/messages.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 // Uses the vocabulary, whose content must not make any look-up leave the file.
@@ -21,10 +21,11 @@ void Use(const Vocabulary& vocabulary) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   if (size == 0) return 0;
   const std::string path = WriteFuzzFile("vocabulary", AsText(data + 1, size - 1));
   if (data[0] % 2 == 0) {

@@ -5,7 +5,14 @@
 #include "services/convert/work/work.h"
 #include "tests/fuzz/messages.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::AdjustBundleRequestReader;
+using services::FuseMapsRequestReader;
+using services::ResultReader;
+using services::VerifyOverlapRequestReader;
+using services::WorkReader;
+
 namespace {
 
 template <typename Message, typename Reader, typename Chunk>
@@ -37,10 +44,11 @@ void ReadResult(absl::string_view input, bool ends_right) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   if (size == 0) return 0;
   const absl::string_view input = AsText(data + 1, size - 1);
   const bool ends_right = (data[0] & 0x80) != 0;

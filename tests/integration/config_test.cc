@@ -14,7 +14,10 @@
 #include "services/security/testing/test_certificates.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+
 namespace {
 
 using ::testing::AllOf;
@@ -166,4 +169,4 @@ TEST(ConfigTest, SecretsAreNotLogged) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

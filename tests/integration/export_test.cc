@@ -14,7 +14,13 @@
 #include "slam/evaluation/trajectory_io.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ConnectToStore;
+using services::StoreReader;
+using services::ToTrajectory;
+using services::WithoutTls;
+
 namespace {
 
 using ::testing::AllOf;
@@ -151,4 +157,4 @@ TEST_F(ExportTest, WhatIsWrittenIsWhatTheStoreHas) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -8,7 +8,7 @@
 #include "absl/strings/str_split.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 // Returns the texts between lines of three backquotes.
@@ -116,4 +116,4 @@ std::set<std::string> FieldPaths(const std::vector<nlohmann::json>& documents) {
   return paths;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // A call is: grpcurl -plaintext [-max-time SECONDS] [-d 'JSON'] ADDRESS list [SERVICE] |
 // SERVICE/METHOD
@@ -33,6 +33,6 @@ absl::StatusOr<std::vector<nlohmann::json>> ParseDocuments(absl::string_view tex
 // Returns the names of all fields, like "missions[].name".
 std::set<std::string> FieldPaths(const std::vector<nlohmann::json>& documents);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_INTEGRATION_GRPCURL_PAGE_H_

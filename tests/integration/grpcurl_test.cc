@@ -22,7 +22,13 @@
 #include "tests/integration/grpcurl_page.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+using services::GenericCallOptions;
+using services::GenericClient;
+using services::MakeChannel;
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -198,4 +204,4 @@ TEST(GrpcurlPageTest, ReadsCallsAndAnswers) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -12,7 +12,13 @@
 #include "services/security/testing/test_certificates.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::MakeServerSecurity;
+using services::SecurityOptions;
+using services::Server;
+using services::ServerOptions;
+
 namespace {
 
 // Returns its exit code; `environment` has entries "NAME=VALUE".
@@ -80,4 +86,4 @@ TEST(HealthTest, WhereHealthIsClosedItSaysWhoItIs) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

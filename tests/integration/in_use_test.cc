@@ -11,7 +11,10 @@
 #include "services/runtime/child_process.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+
 namespace {
 
 using ::testing::ContainsRegex;
@@ -105,4 +108,4 @@ TEST_F(InUseTest, ARobotsFolderIsSaidWithTheProgramThatHasIt) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

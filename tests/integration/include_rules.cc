@@ -9,7 +9,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using Folders = std::set<absl::string_view>;
@@ -178,4 +178,4 @@ std::vector<std::string> FindForbiddenIncludes(absl::string_view path, absl::str
   return forbidden;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_join.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 namespace fs = std::filesystem;
@@ -95,4 +95,4 @@ TEST(IncludeRulesTest, TheProjectKeepsThem) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -10,7 +10,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,4 +103,4 @@ std::string ReadText(const std::string& path) {
   return text.str();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -13,7 +13,7 @@
 
 #include "services/runtime/child_process.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Returns the part of TUM fr1_xyz that ships.
 std::string DemoSource();
@@ -62,12 +62,12 @@ class RunningServers {
   std::string Start(const std::string& program, std::vector<std::string> arguments);
 
   const std::string log_folder_;
-  std::vector<std::unique_ptr<ChildProcess>> servers_;
+  std::vector<std::unique_ptr<services::ChildProcess>> servers_;
   std::string store_address_;
 };
 
 std::string ReadText(const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_INTEGRATION_MISSION_FIXTURE_H_

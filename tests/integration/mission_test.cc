@@ -14,7 +14,11 @@
 #include "slam/evaluation/trajectory_io.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::GenericClient;
+using services::MakeChannel;
+
 namespace {
 
 using nlohmann::json;
@@ -206,4 +210,4 @@ TEST(MissionTest, FindsItsPlaceInOtherPictures) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

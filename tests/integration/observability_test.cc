@@ -17,7 +17,11 @@
 #include "tests/integration/mission_fixture.h"
 #include "tests/integration/observed_mission.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::GenericClient;
+using services::MakeChannel;
+
 namespace {
 
 using nlohmann::json;
@@ -266,4 +270,4 @@ TEST_F(TraceTest, JsonLogsSayWhoseSessionItIs) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -10,7 +10,12 @@
 #include "services/client/remote/channel.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+using services::GenericClient;
+using services::MakeChannel;
+
 namespace {
 
 using nlohmann::json;
@@ -164,4 +169,4 @@ ObservedMissionTest::Scrape ObservedMissionTest::ScrapeOf(const std::string& nam
   return Scrape(families.is_discarded() ? json::object() : std::move(families));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -12,7 +12,7 @@
 
 #include "services/runtime/child_process.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Has a fusion worker, a map store with a journal and the robots alpha and bravo on the recording
 // that ships: done, all acknowledged and fused, and all still running.
@@ -68,9 +68,9 @@ class ObservedMissionTest : public ::testing::Test {
   std::string folder_;
   std::string store_address_;
   // Processes in the order of their start.
-  std::vector<std::unique_ptr<ChildProcess>> processes_;
+  std::vector<std::unique_ptr<services::ChildProcess>> processes_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_INTEGRATION_OBSERVED_MISSION_H_

@@ -16,7 +16,11 @@
 #include "services/testing/test_path.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+using services::TestPath;
+
 namespace {
 
 using ::testing::AllOf;
@@ -203,4 +207,4 @@ TEST(ReachTest, AWorkerThatIsAwayIsToldEverywhere) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using nlohmann::json;
@@ -96,4 +96,4 @@ TEST(RecordedMissionTest, EurocIsRectifiedAndTracked) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -16,7 +16,15 @@
 #include "services/security/testing/test_certificates.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+using services::GenericClient;
+using services::MakeChannel;
+using services::MakeChannelCredentials;
+using services::ServedMap;
+using services::StoreReader;
+
 namespace {
 
 using test_data::TestCertificates;
@@ -177,4 +185,4 @@ TEST_F(SecureMissionTest, InsecurityIsLogged) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -5,7 +5,7 @@
 
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using nlohmann::json;
@@ -42,4 +42,4 @@ TEST(SimulatedMissionTest, PlacesThatLookAlikeAreNotTheSame) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

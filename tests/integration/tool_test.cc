@@ -16,7 +16,11 @@
 #include "services/testing/test_path.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ChildProcess;
+using services::TestPath;
+
 namespace {
 
 using ::nlohmann::json;
@@ -146,4 +150,4 @@ TEST(ToolTest, TrainsAVocabularyInSilenceWhereNobodyWatches) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

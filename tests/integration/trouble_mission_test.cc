@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 using nlohmann::json;
@@ -101,4 +101,4 @@ TEST(TroubleMissionTest, WalkersOnAFloorMakeOneMap) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -19,7 +19,18 @@
 #include "slam/util/text_file.h"
 #include "tests/integration/mission_fixture.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::FrameReader;
+using client_agent::FramesOf;
+using client_agent::OpenReader;
+using client_agent::ParseSourceSpec;
+using client_agent::ReadPerturbed;
+using client_agent::SourceSpec;
+using services::ReadGroundTruth;
+using services::RegisterSimulatedSources;
+using services::TruthOf;
+
 namespace {
 
 [[maybe_unused]] const bool registered = RegisterSimulatedSources();
@@ -152,4 +163,4 @@ TEST(TurnedRigTest, PosesAreOfTheCameraThatRecorded) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Returns the smallest value that at least this share (0 to 1) of the values do not exceed; 0 for
 // none.
@@ -18,6 +18,6 @@ inline double Quantile(std::vector<double> values, double share) {
   return values[std::max<size_t>(rank, 1) - 1];
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_REPLAY_QUANTILE_H_

@@ -10,7 +10,16 @@
 #include "client_agent/source/source_spec.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::Agent;
+using client_agent::AgentOptions;
+using client_agent::FeatureSelection;
+using client_agent::OpenSource;
+using client_agent::ParseSourceSpec;
+using client_agent::RecordedSequence;
+using client_agent::SourceSpec;
+
 namespace {
 
 constexpr int kStereoFeatures = 2000;
@@ -145,4 +154,4 @@ MapUpdateBatch AsLocalMap(const MapUpdateBatch& batch, LocalMapId local_map) {
   return renamed;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -12,7 +12,7 @@
 #include "slam/exchange/map_update.h"
 #include "slam/vocabulary/vocabulary.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // All batches of one local map, numbered from 1; the last closes it.
 using RecordedUploads = std::vector<MapUpdateBatch>;
@@ -21,11 +21,11 @@ using RecordedUploads = std::vector<MapUpdateBatch>;
 // goes. The result is the same every time. FAILED_PRECONDITION: it made more than one local map.
 absl::StatusOr<RecordedUploads> RecordUploads(const std::string& source,
                                               std::shared_ptr<const Vocabulary> vocabulary,
-                                              const FeatureSelection& features = {});
+                                              const client_agent::FeatureSelection& features = {});
 
 // Returns the same batch as another local map's: every id of its own map is renamed.
 MapUpdateBatch AsLocalMap(const MapUpdateBatch& batch, LocalMapId local_map);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_REPLAY_RECORDED_UPLOADS_H_

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 // A full queue is tried again so soon.
@@ -206,4 +206,4 @@ void ReplayingAgent::Run() {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -20,7 +20,7 @@
 #include "slam/exchange/uplink.h"
 #include "tests/replay/recorded_uploads.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct ReplayOptions {
   std::string mission;
@@ -125,6 +125,6 @@ class ReplayingAgent : private UplinkListener {
   std::thread thread_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_REPLAY_REPLAYING_AGENT_H_

@@ -11,7 +11,13 @@
 #include "services/tool/doctor/local_checks.h"
 #include "tests/strangers/strange_recordings.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::SourceLayout;
+using services::CheckSource;
+using services::Finding;
+using services::Level;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -458,4 +464,4 @@ Said WhatDoctorSays(const std::string& source) {
   return said;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -8,14 +8,15 @@
 
 #include "services/security/finding.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct NewcomerMistake {
   std::string dataset;
   std::string mistake;  // The mistake in words.
   // Makes the recording in a folder of this name, and returns what the newcomer calls it.
   std::function<std::string(const std::string&)> make;
-  Level level = Level::kFail;  // Worst level that corbslam doctor --source says.
+  services::Level level =
+      services::Level::kFail;  // Worst level that corbslam doctor --source says.
   std::string says;            // A part of the text of that finding.
 };
 
@@ -24,11 +25,11 @@ std::vector<NewcomerMistake> NewcomerMistakes(const std::string& recording);
 
 // The worst finding's level and text.
 struct Said {
-  Level level = Level::kOk;
+  services::Level level = services::Level::kOk;
   std::string text;
 };
 Said WhatDoctorSays(const std::string& source);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_STRANGERS_NEWCOMER_MISTAKES_H_

@@ -7,7 +7,8 @@
 #include "tests/strangers/newcomer_mistakes.h"
 
 int main() {
-  using namespace corbslam;  // NOLINT
+  using namespace corbslam;         // NOLINT
+  using namespace corbslam::tests;  // NOLINT
   std::printf("| layout | what the newcomer did | what is said |\n| --- | --- | --- |\n");
   size_t number = 0;
   for (const NewcomerMistake& mistake :

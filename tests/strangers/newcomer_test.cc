@@ -7,7 +7,10 @@
 #include "absl/strings/str_cat.h"
 #include "tests/strangers/newcomer_mistakes.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::ToString;
+
 namespace {
 
 std::vector<NewcomerMistake> All() {
@@ -27,4 +30,4 @@ TEST_P(NewcomerTest, GetsWordsThatHelp) {
 INSTANTIATE_TEST_SUITE_P(All, NewcomerTest, ::testing::Range(size_t{0}, All().size()));
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

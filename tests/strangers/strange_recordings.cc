@@ -14,7 +14,14 @@
 #include "services/simulated_source/simulated_source.h"
 #include "services/tool/sequence/sequence_writer.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::ParseSourceSpec;
+using client_agent::SourceLayout;
+using services::RegisterSimulatedSources;
+using services::WriteSequence;
+using services::WriteSequenceOptions;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,4 +151,4 @@ std::vector<std::string> FilesOf(const std::string& folder) {
   return files;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

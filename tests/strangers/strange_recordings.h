@@ -10,7 +10,7 @@
 #include "absl/strings/string_view.h"
 #include "client_agent/source/source_spec.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Makes a fresh folder below the test's temporary one.
 std::string MakeStrangerFolder(const std::string& name);
@@ -27,7 +27,7 @@ std::string CopyRgbd(const std::string& recording, const std::string& name, size
 
 // Makes a recording of a drive of 40 m through the simulated town. It is drawn once for each
 // layout, then copied (pictures as links).
-std::string CopyStereo(SourceLayout layout, const std::string& name);
+std::string CopyStereo(client_agent::SourceLayout layout, const std::string& name);
 
 // Reads each file of a folder below `directory`, and puts what `change` makes of it in its place; a
 // link is replaced, not followed. `flags` are cv::imread's.
@@ -41,6 +41,6 @@ void ChangeBytes(const std::string& directory, const std::string& folder,
 // Returns the files of a folder, sorted.
 std::vector<std::string> FilesOf(const std::string& folder);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_STRANGERS_STRANGE_RECORDINGS_H_

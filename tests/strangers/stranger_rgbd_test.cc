@@ -17,7 +17,15 @@
 #include "slam/util/text_file.h"
 #include "tests/strangers/strange_recordings.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using services::CheckSource;
+using services::Finding;
+using services::Findings;
+using services::FormatFindings;
+using services::Level;
+using services::ToString;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -332,4 +340,4 @@ INSTANTIATE_TEST_SUITE_P(
                  Level::kFail, "320x240 pixels, the calibration is of 640x480"}));
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

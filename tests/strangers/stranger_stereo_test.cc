@@ -16,7 +16,16 @@
 #include "services/tool/doctor/local_checks.h"
 #include "tests/strangers/strange_recordings.h"
 
-namespace corbslam {
+namespace corbslam::tests {
+
+using client_agent::SourceLayout;
+using services::CheckSource;
+using services::Finding;
+using services::Findings;
+using services::FormatFindings;
+using services::Level;
+using services::ToString;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -250,4 +259,4 @@ INSTANTIATE_TEST_SUITE_P(
                  Level::kFail, "pair-exchanged"}));
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -10,7 +10,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client_agent/link/map_jobs.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 class FakeMapJobs : public MapJobs {
  public:
@@ -43,6 +43,6 @@ class FakeMapJobs : public MapJobs {
   std::vector<Job> jobs_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_MAP_JOBS_H_

@@ -12,7 +12,7 @@
 #include "client_agent/upload/batch_allowance.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // A map store that forgets nothing and can be made to fail. It answers from inside the calls.
 class FakeUplink : public Uplink {
@@ -74,6 +74,6 @@ class FakeUplink : public Uplink {
   UplinkListener* listener_ = nullptr;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_LINK_TESTING_FAKE_UPLINK_H_

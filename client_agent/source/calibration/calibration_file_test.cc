@@ -12,7 +12,7 @@
 #include "client_agent/source/calibration/kitti_calibration.h"
 #include "client_agent/source/calibration/rgbd_calibration.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using ::testing::HasSubstr;
@@ -347,4 +347,4 @@ TEST(KittiCalibrationTest, TakesHalfSizeNumbersOnlyWhenTold) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -9,7 +9,7 @@
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr int kMaxSide_px = 16384;
@@ -118,4 +118,4 @@ std::string EurocRoot(const std::string& directory) {
   return std::filesystem::is_directory(mav0, ignored) ? mav0 : directory;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 #include "slam/camera/rectification.h"
 #include "slam/geometry/rigid3.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct EurocCamera {
   Rigid3d body_from_camera;  // The file's T_BS.
@@ -23,6 +23,6 @@ absl::StatusOr<EurocCamera> ReadEurocCamera(const std::string& sensor_yaml_path)
 // Returns DIR/mav0 where that is there, else DIR.
 std::string EurocRoot(const std::string& directory);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_EUROC_CALIBRATION_H_

@@ -12,7 +12,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Depth from this many baselines on is too coarse to make a point from one view.
@@ -153,4 +153,4 @@ absl::StatusOr<FoundKittiCalibration> ReadKittiCalibration(const KittiCalibratio
   return found;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

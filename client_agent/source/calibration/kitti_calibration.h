@@ -8,7 +8,7 @@
 #include "client_agent/source/source_finding.h"
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct KittiCalibrationQuery {
   std::string path;
@@ -30,6 +30,6 @@ struct FoundKittiCalibration {
 // (another focal length or principal row), a baseline or intrinsics that can't be.
 absl::StatusOr<FoundKittiCalibration> ReadKittiCalibration(const KittiCalibrationQuery& query);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_KITTI_CALIBRATION_H_

@@ -8,7 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr NamedCamera kCameras[] = {
@@ -108,4 +108,4 @@ const NamedCamera* CameraOfTumRecording(absl::string_view recording) {
   return nullptr;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -10,7 +10,7 @@
 #include "absl/strings/string_view.h"
 #include "slam/camera/distortion.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // An RGB-D camera of 640x480 pixels.
 struct NamedCamera {
@@ -31,6 +31,6 @@ std::string ListNamedCameras();
 // "rgbd_dataset_freiburg2_desk". Returns null for every other name.
 const NamedCamera* CameraOfTumRecording(absl::string_view recording);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_NAMED_CAMERAS_H_

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // One number of a calibration: what it is, and between which bounds it must and should be.
@@ -82,4 +82,4 @@ absl::StatusOr<SourceFindings> CheckBaseline(double baseline_m, absl::string_vie
                from, trust);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 #include "absl/strings/string_view.h"
 #include "client_agent/source/source_finding.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Pinhole intrinsics in pixels and the size of the pictures they are for.
 struct Intrinsics {
@@ -31,6 +31,6 @@ absl::StatusOr<SourceFindings> CheckIntrinsics(const Intrinsics& intrinsics, abs
 // Does the same for the distance between the cameras of a stereo pair.
 absl::StatusOr<SourceFindings> CheckBaseline(double baseline_m, absl::string_view from, bool trust);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_PLAUSIBILITY_H_

@@ -13,7 +13,7 @@
 #include "client_agent/source/calibration/rgbd_calibration_file.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 namespace fs = std::filesystem;
@@ -181,4 +181,4 @@ absl::StatusOr<FoundRgbdCalibration> FindRgbdCalibration(const RgbdCalibrationQu
   return found;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

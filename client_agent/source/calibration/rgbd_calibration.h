@@ -9,7 +9,7 @@
 #include "client_agent/source/source_finding.h"
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // What says which camera a recording is of, and the pictures it must fit.
 struct RgbdCalibrationQuery {
@@ -39,6 +39,6 @@ struct FoundRgbdCalibration {
 // INVALID_ARGUMENT, with file and field, for one that is not whole or can't be of these pictures.
 absl::StatusOr<FoundRgbdCalibration> FindRgbdCalibration(const RgbdCalibrationQuery& query);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_RGBD_CALIBRATION_H_

@@ -11,7 +11,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 using Fields = std::map<std::string, double>;
@@ -95,4 +95,4 @@ absl::StatusOr<RgbdCalibrationFile> ReadRgbdFile(const std::string& path) {
   return absl::EndsWith(path, ".txt") ? ReadRgbdText(path) : ReadRgbdYaml(path);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "slam/camera/distortion.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // What a file says; what it leaves out is absent.
 struct RgbdCalibrationFile {
@@ -34,6 +34,6 @@ absl::StatusOr<RgbdCalibrationFile> ReadRgbdText(const std::string& path);
 // Tells the form by the ending of the file's name: .txt is ETH3D's.
 absl::StatusOr<RgbdCalibrationFile> ReadRgbdFile(const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_RGBD_CALIBRATION_FILE_H_

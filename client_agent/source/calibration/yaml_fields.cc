@@ -10,7 +10,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 absl::Status CheckKeysDiffer(const std::string& path, const YAML::Node& file) {
@@ -56,4 +56,4 @@ bool ReadFinite(const YAML::Node& node, double& number) {
          std::isfinite(number);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Calls `use` with the file's top level, a map whose keys differ. Returns NOT_FOUND where the file
 // can't be opened; INVALID_ARGUMENT names the file and the line of what is no YAML, no map, or a
@@ -24,6 +24,6 @@ int LineOf(const YAML::Node& node);
 // Reads a finite number; returns false where it is none.
 bool ReadFinite(const YAML::Node& node, double& number);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_YAML_FIELDS_H_

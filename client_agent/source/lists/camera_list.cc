@@ -13,7 +13,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 bool IsBefore(const ListedPicture& a, const ListedPicture& b) {
@@ -102,4 +102,4 @@ std::vector<std::pair<ListedPicture, ListedPicture>> PairByTime(
   return pairs;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "client_agent/source/source_finding.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct ListedPicture {
   int64_t timestamp_ns = 0;
@@ -31,6 +31,6 @@ std::vector<std::pair<ListedPicture, ListedPicture>> PairByTime(
     const std::vector<ListedPicture>& left, const std::vector<ListedPicture>& right,
     int64_t tolerance_ns, SourceRemarks& remarks);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_CAMERA_LIST_H_

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 std::vector<ListedTime> TimesAtRate(double fps, size_t count) {
   std::vector<ListedTime> times;
@@ -19,4 +19,4 @@ absl::Status NoTimes(const std::string& path) {
       path, " is not there, and nothing else says when the pictures were taken: say ?fps=RATE"));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "client_agent/source/lists/timeline.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Returns the time n / fps seconds for picture n.
 std::vector<ListedTime> TimesAtRate(double fps, size_t count);
@@ -17,6 +17,6 @@ std::vector<ListedTime> TimesAtRate(double fps, size_t count);
 // Returns NOT_FOUND, saying how a rate is stated. `path` is the file that would have had the times.
 absl::Status NoTimes(const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_FRAME_RATE_H_

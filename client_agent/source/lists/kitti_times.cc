@@ -6,7 +6,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 absl::StatusOr<int64_t> ParseTime(absl::string_view text) {
@@ -33,4 +33,4 @@ absl::StatusOr<std::vector<ListedTime>> ReadKittiTimes(const std::string& path) 
   return times;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

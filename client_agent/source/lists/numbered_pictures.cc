@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 namespace fs = std::filesystem;
@@ -68,4 +68,4 @@ absl::StatusOr<std::map<size_t, std::string>> ListNumberedPictures(const std::st
   return pictures;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

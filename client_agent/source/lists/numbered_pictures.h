@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Returns number -> path of the files of `folder` whose names are `prefix`, digits, and `suffix`
 // with one of the endings .png, .jpg, .jpeg, .bmp, .pgm, .ppm, .tif, .tiff; others are passed over.
@@ -19,6 +19,6 @@ absl::StatusOr<std::map<size_t, std::string>> ListNumberedPictures(const std::st
                                                                    absl::string_view prefix,
                                                                    absl::string_view suffix);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_NUMBERED_PICTURES_H_

@@ -15,7 +15,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr int64_t kMaxGap_ns = 20'000'000;
@@ -174,4 +174,4 @@ absl::StatusOr<std::vector<RgbdPair>> PairLists(const std::string& directory,
   return pairs;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

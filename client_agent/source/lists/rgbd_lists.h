@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "client_agent/source/source_finding.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct RgbdPair {
   int64_t timestamp_ns = 0;  // Time of the picture.
@@ -37,6 +37,6 @@ absl::StatusOr<std::vector<RgbdPair>> ReadAssociations(const std::string& direct
 absl::StatusOr<std::vector<RgbdPair>> PairLists(const std::string& directory,
                                                 SourceRemarks& remarks);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_RGBD_LISTS_H_

@@ -8,7 +8,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Recognises "timestamp filename" without its #.
@@ -93,4 +93,4 @@ absl::StatusOr<std::vector<TimedFile>> ReadTimedFiles(const std::string& directo
   return files;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "client_agent/source/source_finding.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct TimedFile {
   int64_t timestamp_ns = 0;
@@ -30,6 +30,6 @@ absl::StatusOr<std::vector<TimedFile>> ReadTimedFiles(const std::string& directo
                                                       const std::string& path,
                                                       SourceRemarks& remarks);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_TIMED_FILES_H_

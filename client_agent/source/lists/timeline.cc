@@ -9,7 +9,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Where more than one time in so many is out of order, the list as a whole is in no order of time.
@@ -162,4 +162,4 @@ absl::StatusOr<TimeStatistics> MeasureTimes(const std::string& path,
   return statistics;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "client_agent/source/source_finding.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // A time as a list gives it.
 struct ListedTime {
@@ -54,6 +54,6 @@ absl::StatusOr<TimeStatistics> MeasureTimes(const std::string& path,
                                             const std::vector<int64_t>& times_ns,
                                             SourceFindings& findings);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_LISTS_TIMELINE_H_

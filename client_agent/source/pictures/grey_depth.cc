@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr int kBitsOfAPixel = 16;
@@ -85,4 +85,4 @@ cv::Mat ScaleGreyTo8(const cv::Mat& grey, int used_bits) {
   return scaled;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -7,7 +7,7 @@
 #include "absl/types/span.h"
 #include "client_agent/source/source_finding.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct GreyDepth {
   // The bits of a pixel that are used: 8, 10, 12, 14 or 16. The upper 8 of them are tracked.
@@ -25,6 +25,6 @@ GreyDepth DecideGreyDepth(absl::Span<const cv::Mat> sample);
 // CV_8UC1 (returned as it is) or CV_16UC1. A pure function, for any thread.
 cv::Mat ScaleGreyTo8(const cv::Mat& grey, int used_bits);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_PICTURES_GREY_DEPTH_H_

@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 // Bytes that may stand behind a picture's end: padding of file systems and of cameras.
@@ -100,4 +100,4 @@ absl::StatusOr<cv::Mat> ReadDepthImage(const std::string& path) {
   return image;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

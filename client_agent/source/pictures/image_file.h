@@ -9,7 +9,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // Returns CV_8UC1, or CV_16UC1 where the file has 16 bits; colour becomes grey. Returns NOT_FOUND
 // or INVALID_ARGUMENT, naming the file: one that is no picture, or one that is cut short.
@@ -22,6 +22,6 @@ absl::StatusOr<cv::Mat> ReadFirstGrey(const std::vector<std::string>& paths);
 // Returns one channel of 16 bits, as it is stored.
 absl::StatusOr<cv::Mat> ReadDepthImage(const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_PICTURES_IMAGE_FILE_H_

@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 cv::Mat Shifted(const cv::Mat& image, double x_px, double y_px) {
@@ -106,4 +106,4 @@ ReadFrame Damage(ReadFrame read, const std::string& name, double amount) {
   };
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "client_agent/source_checks/sample.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 using ReadFrame = std::function<absl::StatusOr<SensorImages>(size_t)>;
 
@@ -21,6 +21,6 @@ using ReadFrame = std::function<absl::StatusOr<SensorImages>(size_t)>;
 // nothing. INVALID_ARGUMENT for another name, when a frame is read.
 ReadFrame Damage(ReadFrame read, const std::string& name, double amount = 0);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_TESTING_DAMAGE_H_

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace corbslam {
+namespace corbslam::client_agent {
 namespace {
 
 constexpr int kWidth_px = 640;
@@ -151,4 +151,4 @@ SampleSource LayeredRgbd(const LayeredSceneOptions& options) {
           }};
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

@@ -10,7 +10,7 @@
 
 #include "client_agent/source_checks/testing/sample_source.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct LayeredSceneOptions {
   uint64_t seed = 1;
@@ -26,6 +26,6 @@ struct LayeredSceneOptions {
 SampleSource LayeredStereo(const LayeredSceneOptions& options = {});
 SampleSource LayeredRgbd(const LayeredSceneOptions& options = {.farthest_px = 20});
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_TESTING_LAYERED_SCENE_H_

@@ -7,7 +7,7 @@
 #include "client_agent/source/frame_reader.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 absl::StatusOr<SampleSource> OpenSampleSource(const std::string& spec) {
   ASSIGN_OR_RETURN(const SourceSpec parsed, ParseSourceSpec(spec));
@@ -37,4 +37,4 @@ std::vector<std::string> CodesOf(const SourceFindings& findings) {
   return codes;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent

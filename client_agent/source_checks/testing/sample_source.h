@@ -11,7 +11,7 @@
 #include "client_agent/source_checks/sample.h"
 #include "client_agent/source_checks/testing/damage.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 struct SampleSource {
   SensorCalibration calibration;
@@ -29,6 +29,6 @@ absl::StatusOr<Sample> TakeSample(const SampleSource& source, const std::string&
 // Writes findings like "error pair-exchanged", "warning pair-late".
 std::vector<std::string> CodesOf(const SourceFindings& findings);
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_TESTING_SAMPLE_SOURCE_H_

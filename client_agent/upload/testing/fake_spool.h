@@ -16,7 +16,7 @@
 #include "client_agent/upload/spool.h"
 #include "client_agent/upload/spool_files.h"
 
-namespace corbslam {
+namespace corbslam::client_agent {
 
 // What a simulated disk keeps; it outlives a process.
 struct FakeDisk {
@@ -99,6 +99,6 @@ inline absl::StatusOr<std::unique_ptr<Spool>> OpenFakeSpool(FakeDisk* disk,
   return Spool::Open(options, std::make_unique<FakeSpoolFiles>(disk), FakeCodec(disk));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_TESTING_FAKE_SPOOL_H_

@@ -14,7 +14,7 @@
 #include "services/runtime/address.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 struct NamedService {
@@ -135,4 +135,4 @@ absl::Status ExplainFailure(const ServerTarget& target, const absl::Status& seen
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 #include "absl/time/time.h"
 #include "services/security/security_options.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Names of our services, as reflection spells them.
 inline constexpr char kMapStoreService[] = "corbslam.v1.MapStore";
@@ -64,6 +64,6 @@ std::optional<Cause> FindCause(const ServerTarget& target,
 // transport failed and a cause is found, else `seen` itself.
 absl::Status ExplainFailure(const ServerTarget& target, const absl::Status& seen);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REACHABILITY_CAUSE_H_

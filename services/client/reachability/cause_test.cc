@@ -15,7 +15,10 @@
 #include "services/security/testing/test_certificates.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using fusion_worker::MakeLocalFusionWorker;
+
 namespace {
 
 using test_data::TestCertificates;
@@ -166,4 +169,4 @@ TEST_F(ProxyCauseTest, AProxyThatRefusesIsQuoted) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,7 @@
 #include "services/security/certificate_checks.h"
 #include "services/security/pem_files.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr char kOtherPort[] =
@@ -77,4 +77,4 @@ std::optional<Cause> FindCauseOfTransport(const ServerTarget& target, absl::Dura
                                   : FindCauseWithTls(target, *address, patience);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -11,7 +11,7 @@
 #include "services/client/reachability/tcp_probe.h"
 #include "services/runtime/address.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 bool IsOwnMachine(absl::string_view host) {
@@ -114,4 +114,4 @@ std::optional<Cause> FindCauseOfWay(const ServerTarget& target, absl::Duration p
   return CauseOfConnection(target, reached, *address);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

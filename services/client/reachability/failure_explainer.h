@@ -11,7 +11,7 @@
 #include "absl/time/time.h"
 #include "services/client/reachability/cause.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Keeps what ExplainFailure found out for a while, so that a call that fails every second is not
 // probed every second. Thread-safe; one caller probes at a time, and the others wait for it.
@@ -39,6 +39,6 @@ class FailureExplainer {
   absl::Time good_until_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REACHABILITY_FAILURE_EXPLAINER_H_

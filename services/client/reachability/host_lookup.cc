@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using Addresses = std::vector<SocketAddress>;
@@ -97,4 +97,4 @@ absl::StatusOr<Addresses> LookUpHost(const HostPort& address, absl::Duration tim
   return Start(address, resolve)->Wait(timeout);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 #include "absl/time/time.h"
 #include "services/runtime/address.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct SocketAddress {
   sockaddr_storage bytes = {};
@@ -33,6 +33,6 @@ absl::StatusOr<std::vector<SocketAddress>> ResolveBySystem(const HostPort& addre
 absl::StatusOr<std::vector<SocketAddress>> LookUpHost(
     const HostPort& address, absl::Duration timeout, const ResolveHost& resolve = &ResolveBySystem);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REACHABILITY_HOST_LOOKUP_H_

@@ -7,7 +7,7 @@
 
 #include "absl/synchronization/notification.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr absl::Duration kPatience = absl::Seconds(20);
@@ -50,4 +50,4 @@ TEST(HostLookupTest, DoesNotWaitForADnsThatHangs) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -13,7 +13,7 @@
 #include "services/security/testing/test_certificates.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using test_data::TestCertificates;
@@ -100,4 +100,4 @@ TEST(ProxyTest, IsNotForHostsThatAreExcepted) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

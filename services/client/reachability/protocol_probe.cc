@@ -9,7 +9,7 @@
 #include "services/client/reachability/tcp_probe.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // The preface of HTTP/2 (RFC 9113, 3.4) and an empty SETTINGS frame: 9 bytes, of type 4.
@@ -44,4 +44,4 @@ absl::StatusOr<Protocol> ProbeProtocol(const HostPort& address, absl::Duration t
   return ClassifyAnswer({answer.data(), size < 0 ? 0 : static_cast<size_t>(size)});
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,7 +7,7 @@
 #include "absl/time/time.h"
 #include "services/runtime/address.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 enum class Protocol {
   kHttp2,   // The server speaks what gRPC speaks without TLS.
@@ -25,6 +25,6 @@ absl::StatusOr<Protocol> ProbeProtocol(const HostPort& address, absl::Duration t
 // Returns the protocol by the first bytes of an answer; kClosed if there are none.
 Protocol ClassifyAnswer(absl::string_view bytes);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REACHABILITY_PROTOCOL_PROBE_H_

@@ -8,7 +8,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr absl::string_view kScheme = "http://";
@@ -60,4 +60,4 @@ std::optional<Proxy> FindProxy(const std::string& host) {
   return FindProxy(host, [](const char* name) -> const char* { return std::getenv(name); });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 
 #include "services/runtime/address.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct Proxy {
   std::string variable;  // For example "http_proxy".
@@ -27,6 +27,6 @@ using ReadVariable = std::function<const char*(const char*)>;
 std::optional<Proxy> FindProxy(const std::string& host, const ReadVariable& read);
 std::optional<Proxy> FindProxy(const std::string& host);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REACHABILITY_PROXY_H_

@@ -15,7 +15,7 @@
 #include "services/client/reachability/host_lookup.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Returns 0 once the socket is connected, else errno.
@@ -80,4 +80,4 @@ absl::Status ProbeTcp(const HostPort& address, absl::Duration timeout) {
   return Connect(address, timeout).status();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include "absl/time/time.h"
 #include "services/runtime/address.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Owns an open connection and closes it when it is destroyed.
 class Connection {
@@ -35,6 +35,6 @@ absl::StatusOr<Connection> Connect(const HostPort& address, absl::Duration timeo
 // Checks whether somebody listens at the address. Errors are those of Connect.
 absl::Status ProbeTcp(const HostPort& address, absl::Duration timeout);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REACHABILITY_TCP_PROBE_H_

@@ -14,7 +14,7 @@
 #include "services/client/reachability/tcp_probe.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 std::string ToPem(STACK_OF(X509) * chain) {
@@ -54,4 +54,4 @@ absl::StatusOr<std::string> FetchCertificates(const HostPort& address, absl::Dur
   return ToPem(chain);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

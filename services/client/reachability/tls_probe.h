@@ -8,12 +8,12 @@
 #include "absl/time/time.h"
 #include "services/runtime/address.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns the certificates that the server sends, as PEM, its own first; none of them is verified.
 // UNAVAILABLE if the server speaks no TLS, or nobody listens.
 absl::StatusOr<std::string> FetchCertificates(const HostPort& address, absl::Duration timeout);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REACHABILITY_TLS_PROBE_H_

@@ -16,7 +16,7 @@
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using google::protobuf::FileDescriptorProto;
@@ -189,4 +189,4 @@ absl::StatusOr<std::vector<std::string>> GenericClient::Call(const std::string& 
   return responses;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

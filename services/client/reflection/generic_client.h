@@ -13,7 +13,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct GenericCallOptions {
   absl::Duration max_time = absl::Seconds(30);
@@ -49,6 +49,6 @@ class GenericClient {
   google::protobuf::DynamicMessageFactory factory_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REFLECTION_GENERIC_CLIENT_H_

@@ -4,7 +4,7 @@
 
 #include "services/runtime/callback_threads.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 int Milliseconds(absl::Duration duration) {
@@ -35,4 +35,4 @@ std::shared_ptr<grpc::Channel> MakeChannel(
   return grpc::CreateCustomChannel(address, credentials, arguments);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,7 @@
 
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct ChannelOptions {
   // A peer that was silent for this long is asked for a sign of life.
@@ -32,6 +32,6 @@ std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address,
                                                credentials = grpc::InsecureChannelCredentials(),
                                            const ChannelOptions& options = {});
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REMOTE_CHANNEL_H_

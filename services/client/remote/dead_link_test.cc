@@ -16,7 +16,12 @@
 #include "services/testing/silent_proxy.h"
 #include "services/testing/uplink_notes.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 constexpr LocalMapId kOwn{0xabc};
@@ -128,4 +133,4 @@ TEST_F(DeadLinkTest, TheStoreNoticesARobotThatWasSilentBefore) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

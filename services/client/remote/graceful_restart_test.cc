@@ -20,7 +20,16 @@
 #include "services/programs/default_vocabulary.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FakeMapJobs;
+using client_agent::GuardedMap;
+using client_agent::StoreLink;
+using client_agent::StoreLinkOptions;
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 constexpr LocalMapId kOwn{0xabc};
@@ -102,4 +111,4 @@ TEST_F(GracefulRestartTest, TheRobotResumesWithEachKeyframeOnce) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

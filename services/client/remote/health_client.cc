@@ -10,7 +10,7 @@
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 absl::Status CheckHealth(const std::shared_ptr<grpc::Channel>& channel, const std::string& service,
                          absl::Duration timeout) {
@@ -47,4 +47,4 @@ absl::Status CheckHealth(const std::shared_ptr<grpc::Channel>& channel, const st
       absl::StrCat("not SERVING but \"", absl::CHexEscape(answer), "\""));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

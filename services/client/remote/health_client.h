@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Calls grpc.health.v1.Health/Check. Returns OK if the server says SERVING, FAILED_PRECONDITION for
 // any other answer, and otherwise how the call failed. A service's name has less than 128
@@ -18,6 +18,6 @@ namespace corbslam {
 absl::Status CheckHealth(const std::shared_ptr<grpc::Channel>& channel, const std::string& service,
                          absl::Duration timeout = absl::Seconds(10));
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REMOTE_HEALTH_CLIENT_H_

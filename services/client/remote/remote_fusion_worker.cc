@@ -14,7 +14,7 @@
 #include "services/convert/work/work.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
@@ -206,4 +206,4 @@ std::unique_ptr<FusionWorker> MakeRemoteFusionWorker(
   return std::make_unique<RemoteFusionWorker>(workers, options);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

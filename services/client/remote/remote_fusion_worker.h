@@ -13,7 +13,7 @@
 #include "absl/time/time.h"
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct RemoteFusionWorkerOptions {
   // A request that takes longer is given up (DEADLINE_EXCEEDED).
@@ -35,6 +35,6 @@ std::unique_ptr<FusionWorker> MakeRemoteFusionWorker(
     std::vector<std::shared_ptr<grpc::Channel>> workers,
     const RemoteFusionWorkerOptions& options = {});
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REMOTE_REMOTE_FUSION_WORKER_H_

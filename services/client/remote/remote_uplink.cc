@@ -9,7 +9,7 @@
 #include "absl/time/time.h"
 #include "services/client/remote/sync_session.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr absl::Duration kGoodbye = absl::Seconds(1);
@@ -117,4 +117,4 @@ std::unique_ptr<Uplink> MakeRemoteUplink(std::shared_ptr<grpc::Channel> channel,
   return std::make_unique<RemoteUplink>(channel, options);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,7 @@
 
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns the number of this process, which is drawn at random at the first call and never 0.
 uint64_t ProcessInstance();
@@ -34,6 +34,6 @@ struct RemoteUplinkOptions {
 std::unique_ptr<Uplink> MakeRemoteUplink(std::shared_ptr<grpc::Channel> channel,
                                          const RemoteUplinkOptions& options = {});
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REMOTE_REMOTE_UPLINK_H_

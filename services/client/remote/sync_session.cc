@@ -7,7 +7,7 @@
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Bytes that gRPC puts before each message.
@@ -228,4 +228,4 @@ void SyncSession::OnDone(const grpc::Status& status) {
   on_done(this);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

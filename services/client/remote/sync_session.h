@@ -17,7 +17,7 @@
 #include "services/convert/shared_update.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Holds what the sessions of one uplink share.
 struct SyncTransport {
@@ -102,6 +102,6 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   bool silenced_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_REMOTE_SYNC_SESSION_H_

@@ -13,7 +13,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Sets the deadline of a call that answers at once.
 inline void SetDeadline(grpc::ClientContext& context) {
@@ -27,6 +27,6 @@ inline absl::Status ToStatus(const grpc::Status& status, absl::string_view call)
                       absl::StrCat(call, ": ", status.error_message()));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_STORE_CALL_STATUS_H_

@@ -10,7 +10,7 @@
 #include "services/runtime/address.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Limit for a connection that succeeds at the first attempt.
@@ -70,4 +70,4 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(const std::string&
   return channel;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -2,7 +2,7 @@
 
 #include <set>
 
-namespace corbslam {
+namespace corbslam::services {
 
 Trajectory ToTrajectory(const ServedTrajectory& stored) {
   Trajectory trajectory;
@@ -19,4 +19,4 @@ size_t CountLocalMaps(const ServedTrajectory& stored) {
   return local_maps.size();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

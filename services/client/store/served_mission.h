@@ -12,7 +12,7 @@
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct ServedPose {
   int64_t timestamp_ns = 0;
@@ -41,6 +41,6 @@ struct ServedMap {
   std::vector<std::string> point_agents;  // Who made each point; "" if that is not known.
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_STORE_SERVED_MISSION_H_

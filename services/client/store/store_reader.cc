@@ -13,7 +13,7 @@
 #include "services/convert/resource_names.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // How often a store is asked whether it is idle; it has no call that waits for that.
@@ -190,4 +190,4 @@ absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
   return ToStatus(status, "WatchMap");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

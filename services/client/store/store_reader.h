@@ -16,7 +16,7 @@
 #include "services/security/security_options.h"
 #include "slam/camera/recorded_camera.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns a connected channel to the map store at HOST:PORT. INVALID_ARGUMENT for what is no
 // address. UNAVAILABLE if no map store answers, with the cause: within a second or so if the cause
@@ -53,6 +53,6 @@ class StoreReader {
   const std::unique_ptr<v1::MapStore::Stub> stub_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CLIENT_STORE_STORE_READER_H_

@@ -14,7 +14,12 @@
 #include "services/programs/default_vocabulary.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -79,4 +84,4 @@ TEST_F(StoreReaderTest, HandsOnThatThereIsNoSuchMission) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

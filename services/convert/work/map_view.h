@@ -11,7 +11,7 @@
 #include "services/convert/features.h"
 #include "slam/map/map.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Says what of a view is sent.
 struct MapViewContent {
@@ -48,6 +48,6 @@ class MapViewReader {
   Map map_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_WORK_MAP_VIEW_H_

@@ -12,7 +12,7 @@
 #include "services/convert/work/map_view.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 absl::Status ReadCameras(const v1::MapChunk& chunk, const SlotReader& slots, CameraBook& cameras) {
@@ -190,4 +190,4 @@ absl::Status MapViewReader::Add(const v1::MapChunk& chunk) {
   return ReadCovisibility(chunk.covisibility(), slots, map_);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

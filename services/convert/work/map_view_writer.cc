@@ -7,7 +7,7 @@
 #include "services/convert/limits.h"
 #include "services/convert/work/map_view.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr size_t kPointBytes = 130;
@@ -269,4 +269,4 @@ bool WriteMapView(const Map& map, v1::MapView view, const MapViewContent& conten
   return writer.open();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

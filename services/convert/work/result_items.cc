@@ -11,7 +11,7 @@
 #include "services/convert/parts.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr size_t kPoseBytes = 110;
@@ -133,4 +133,4 @@ absl::Status ReadResultChunk(const v1::ResultChunk& chunk, ResultItems& items) {
   return absl::OkStatus();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

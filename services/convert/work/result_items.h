@@ -9,7 +9,7 @@
 #include "services/convert/work/map_view.h"
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Holds the items of a result; each kind of result uses some of them.
 struct ResultItems {
@@ -25,6 +25,6 @@ bool WriteResultItems(const ResultItems& items, const ChunkSink& sink);
 // Appends the items of one chunk. INVALID_ARGUMENT names the item.
 absl::Status ReadResultChunk(const v1::ResultChunk& chunk, ResultItems& items);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_WORK_RESULT_ITEMS_H_

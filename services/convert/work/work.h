@@ -18,7 +18,7 @@
 #include "slam/exchange/fusion_worker.h"
 #include "slam/util/checksum.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // These collect what is read of one kind of request. All errors are INVALID_ARGUMENT, naming the
 // item, unless said otherwise. Not thread-safe.
@@ -184,6 +184,6 @@ class WorkReader {
   uint32_t crc_ = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_CONVERT_WORK_WORK_H_

@@ -7,7 +7,7 @@
 #include "services/convert/work/work.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr size_t kOverlapBytes = 160;
@@ -197,4 +197,4 @@ absl::StatusOr<AdjustBundleRequest> AdjustBundleRequestReader::Finish() {
   return std::move(request_);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,7 +7,7 @@
 #include "services/convert/work/work.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 absl::StatusOr<int> ReadCount(absl::string_view field, uint32_t value) {
@@ -112,4 +112,4 @@ absl::StatusOr<AdjustBundleResult> MakeResult(const v1::AdjustBundleResponse::He
   return result;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

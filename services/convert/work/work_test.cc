@@ -7,7 +7,7 @@
 
 #include "services/convert/testing/test_data.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using test_data::kMap;
@@ -332,4 +332,4 @@ TEST_F(BadWorkTest, TooManyIterations) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 #include "services/observe/logging/log_fields.h"
 #include "services/observe/tracing/keyframe_events.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr size_t kMaxRefused = 1000;
@@ -62,4 +62,4 @@ void SyncLog::OnApplied(const SessionAgent& agent, const MapUpdateBatch& batch, 
                << ToString(batch.local_map) << " is refused: " << status;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include "services/map_store_service/sync_observer.h"
 #include "slam/util/rare_reminder.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Says when a session begins and how it ends, and why a session or a batch was refused. A robot
 // that asks again and again for a session is mentioned only rarely. Thread-safe.
@@ -29,6 +29,6 @@ class SyncLog : public SyncObserver {
   std::map<SessionAgent, RareReminder> refused_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_EVENT_LOG_SYNC_LOG_H_

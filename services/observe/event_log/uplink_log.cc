@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Returns true if the robot does not ask again after this status.
@@ -114,4 +114,4 @@ void UplinkLog::WarnIfDue() {
                        : "; the robot maps on, keeps what the store lacks, and tries again");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

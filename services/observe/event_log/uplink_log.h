@@ -16,7 +16,7 @@
 #include "services/observe/observed_uplink.h"
 #include "slam/util/rare_reminder.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct UplinkLogOptions {
   // An attempt that takes longer is looked into while it lasts.
@@ -79,6 +79,6 @@ class UplinkLog : public UplinkObserver {
   std::thread thread_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_EVENT_LOG_UPLINK_LOG_H_

@@ -10,7 +10,7 @@
 
 #include "absl/strings/match.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -139,4 +139,4 @@ TEST_F(UplinkLogTest, IsNotConnectedBeforeTheFirstSession) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

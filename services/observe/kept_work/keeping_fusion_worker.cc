@@ -11,7 +11,7 @@
 #include "absl/time/time.h"
 #include "services/observe/kept_work/kept_adjustment.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 class KeepingFusionWorker : public FusionWorker {
@@ -51,4 +51,4 @@ std::unique_ptr<FusionWorker> MakeKeepingFusionWorker(FusionWorker* worker, std:
   return std::make_unique<KeepingFusionWorker>(worker, std::move(folder));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

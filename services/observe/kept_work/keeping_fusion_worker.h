@@ -7,7 +7,7 @@
 
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Writes each request to adjust to a file of its own in `folder` before `worker` works on it. The
 // files are called TIME_NUMBER.adjustment, so that they sort by when the requests came, and are
@@ -15,6 +15,6 @@ namespace corbslam {
 // contract and results are those of `worker`, which must outlive the result.
 std::unique_ptr<FusionWorker> MakeKeepingFusionWorker(FusionWorker* worker, std::string folder);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEEPING_FUSION_WORKER_H_

@@ -12,7 +12,7 @@
 #include "services/convert/work/work.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using Message = v1::AdjustBundleRequest;
@@ -59,4 +59,4 @@ absl::StatusOr<AdjustBundleRequest> ReadAdjustment(const std::string& path) {
   return request;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

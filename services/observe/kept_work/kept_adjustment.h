@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Writes the messages of the request as a worker gets them, each after its length. UNAVAILABLE
 // names the path; then there is no such file.
@@ -17,6 +17,6 @@ absl::Status WriteAdjustment(const AdjustBundleRequest& request, const std::stri
 // worker would refuse the request or the file is cut short. Both name the path.
 absl::StatusOr<AdjustBundleRequest> ReadAdjustment(const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEPT_ADJUSTMENT_H_

@@ -12,7 +12,7 @@
 #include "services/observe/kept_work/keeping_fusion_worker.h"
 #include "services/testing/test_path.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 namespace fs = std::filesystem;
@@ -128,4 +128,4 @@ TEST(KeepingFusionWorkerTest, WorksOnWhatItCannotKeep) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

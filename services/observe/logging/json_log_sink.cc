@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Takes "NAME=VALUE " from the front of the message. Returns false if the message begins with
@@ -49,4 +49,4 @@ void JsonLogSink::send(google::LogSeverity severity, const char*, const char* ba
   std::fflush(out_);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns one line of the log without its newline: {"time", "severity", "file", "line", "message"}
 // and, where the message begins with them (log_fields.h), "mission", "agent" and "trace", which the
@@ -35,6 +35,6 @@ class JsonLogSink : public google::LogSink {
   std::FILE* const out_ ABSL_PT_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_LOGGING_JSON_LOG_SINK_H_

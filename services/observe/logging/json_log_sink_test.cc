@@ -9,7 +9,7 @@
 
 #include "services/observe/logging/log_fields.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using nlohmann::json;
@@ -78,4 +78,4 @@ TEST(JsonLogSinkTest, WritesWhatGlogSendsIt) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

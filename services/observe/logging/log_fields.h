@@ -5,7 +5,7 @@
 #include <ostream>
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Fields to be put first: LOG(INFO) << LogFields{.mission = m, .agent = a} << "session opened"
 // writes "mission=m agent=a session opened"; as JSON they are members of these names. Values have
@@ -23,6 +23,6 @@ inline std::ostream& operator<<(std::ostream& out, const LogFields& fields) {
   return out;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_LOGGING_LOG_FIELDS_H_

@@ -4,7 +4,7 @@
 
 #include "services/observe/logging/json_log_sink.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // The sink is never destroyed: other threads may still log at the end.
@@ -32,4 +32,4 @@ void StartLogging(const char* program, LogFormat format) {
 
 void EndLogging() { google::ShutdownGoogleLogging(); }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -2,7 +2,7 @@
 #ifndef CORBSLAM_SERVICES_OBSERVE_LOGGING_LOG_FORMAT_H_
 #define CORBSLAM_SERVICES_OBSERVE_LOGGING_LOG_FORMAT_H_
 
-namespace corbslam {
+namespace corbslam::services {
 
 enum class LogFormat {
   kText,  // Lines as glog writes them.
@@ -14,6 +14,6 @@ void StartLogging(const char* program, LogFormat format);
 // Ends logging: nothing may be logged afterwards.
 void EndLogging();
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_LOGGING_LOG_FORMAT_H_

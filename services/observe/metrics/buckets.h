@@ -4,7 +4,7 @@
 
 #include <prometheus/histogram.h>
 
-namespace corbslam {
+namespace corbslam::services {
 
 using Buckets = prometheus::Histogram::BucketBoundaries;
 
@@ -29,6 +29,6 @@ inline Buckets MessageSizes_bytes() {
   return {64, 256, 1024, 4096, 16384, 65536, 262144, 1048576, 4194304};
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_BUCKETS_H_

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace corbslam {
+namespace corbslam::services {
 
 void Families::Gauge(const std::string& name, const std::string& help, double value,
                      MetricLabels labels) {
@@ -26,4 +26,4 @@ prometheus::ClientMetric& Families::Add(const std::string& name, const std::stri
   return metric;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::services {
 
 using MetricLabels = std::vector<prometheus::ClientMetric::Label>;
 
@@ -31,6 +31,6 @@ class Families {
   std::vector<prometheus::MetricFamily> families_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_FAMILIES_H_

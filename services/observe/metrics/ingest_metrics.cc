@@ -4,7 +4,7 @@
 
 #include "services/observe/metrics/buckets.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 prometheus::Labels CodeLabel(const absl::Status& status) {
@@ -119,4 +119,4 @@ void IngestMetrics::AddAgents(const std::set<std::string>& missions, Families& f
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

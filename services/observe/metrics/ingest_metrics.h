@@ -21,7 +21,7 @@
 #include "services/map_store_service/sync_observer.h"
 #include "services/observe/metrics/families.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Counts batches and acknowledgements in the registry, and what is counted for each agent here: an
 // agent's series go when its mission is deleted, and a while after its last session, so that
@@ -69,6 +69,6 @@ class IngestMetrics : public SyncObserver {
   std::map<SessionAgent, AgentCounts> agents_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_INGEST_METRICS_H_

@@ -4,7 +4,7 @@
 
 #include "services/observe/metrics/testing/metric_values.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using testing::LabelMap;
@@ -101,4 +101,4 @@ TEST_F(IngestMetricsTest, AnAgentsSeriesGoWithItsMission) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

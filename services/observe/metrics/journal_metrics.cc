@@ -5,7 +5,7 @@
 
 #include "services/observe/metrics/buckets.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 prometheus::Labels OperationLabel(const std::string& name) { return {{"operation", name}}; }
@@ -70,4 +70,4 @@ void JournalMetrics::OnSnapshot(absl::Duration took, const absl::Status& status)
 
 void JournalMetrics::OnChecked(const absl::Status& writable) { writable_.Set(writable.ok()); }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

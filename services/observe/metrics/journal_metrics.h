@@ -10,7 +10,7 @@
 
 #include "services/observe/observed_journal.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Listens to one journal. Thread-safe.
 class JournalMetrics : public JournalObserver {
@@ -43,6 +43,6 @@ class JournalMetrics : public JournalObserver {
   prometheus::Histogram& adjustments_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_JOURNAL_METRICS_H_

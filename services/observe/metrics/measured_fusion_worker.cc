@@ -11,7 +11,7 @@
 #include "absl/time/time.h"
 #include "services/observe/metrics/buckets.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Holds the three families, which the kinds of requests share.
@@ -105,4 +105,4 @@ std::unique_ptr<FusionWorker> MakeMeasuredFusionWorker(FusionWorker* worker,
   return std::make_unique<MeasuredFusionWorker>(worker, registry);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 
 #include "slam/exchange/fusion_worker.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Keeps the metrics corbslam_fusion_request...: by kind (verify, fuse, adjust) and by how the
 // request ended. Thread contract and effect are those of `worker`. Neither it nor `registry` is
@@ -17,6 +17,6 @@ namespace corbslam {
 std::unique_ptr<FusionWorker> MakeMeasuredFusionWorker(FusionWorker* worker,
                                                        prometheus::Registry& registry);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_MEASURED_FUSION_WORKER_H_

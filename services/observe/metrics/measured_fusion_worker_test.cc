@@ -4,7 +4,7 @@
 
 #include "services/observe/metrics/testing/metric_values.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using testing::ValueOf;
@@ -58,4 +58,4 @@ TEST(MeasuredFusionWorkerTest, RequestsAreCountedByKindAndEnd) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 std::string Scrape(const MetricsEndpoint::Collectables& collectables) {
@@ -53,4 +53,4 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::Start(const st
   return std::unique_ptr<MetricsEndpoint>(new MetricsEndpoint(*std::move(server)));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -13,7 +13,7 @@
 #include "absl/status/statusor.h"
 #include "services/http/http_server.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Checks that an address is "HOST:PORT" with an IP address as HOST and a port of 0 to 65535.
 // INVALID_ARGUMENT otherwise.
@@ -41,6 +41,6 @@ class MetricsEndpoint {
   const std::unique_ptr<HttpServer> server_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_METRICS_ENDPOINT_H_

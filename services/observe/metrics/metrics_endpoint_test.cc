@@ -13,7 +13,7 @@
 #include "services/observe/metrics/process_collector.h"
 #include "services/observe/metrics/testing/metric_values.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -109,4 +109,4 @@ TEST(ProcessCollectorTest, SaysWhatTheProcessUses) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -6,7 +6,11 @@
 #include "map_store/mission/mission_load.h"
 #include "services/observe/metrics/families.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::MapStore;
+using map_store::MissionLoad;
+
 namespace {
 
 double Number(uint64_t value) { return static_cast<double>(value); }
@@ -95,4 +99,4 @@ std::vector<prometheus::MetricFamily> MissionCollector::Collect() const {
   return families.Take();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

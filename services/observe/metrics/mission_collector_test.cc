@@ -8,7 +8,12 @@
 #include "map_store/testing/truthful_worker.h"
 #include "services/observe/metrics/testing/metric_values.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MissionStatistics;
+
 namespace {
 
 using testing::MakeRingMap;
@@ -107,4 +112,4 @@ TEST_F(MissionCollectorTest, ADeletedMissionsSeriesAreGone) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

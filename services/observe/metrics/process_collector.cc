@@ -7,7 +7,7 @@
 #include "services/server/process_usage.h"
 #include "slam/util/resident_memory.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 double OpenFiles() {
@@ -36,4 +36,4 @@ std::vector<prometheus::MetricFamily> ProcessCollector::Collect() const {
   return families.Take();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

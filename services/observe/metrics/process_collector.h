@@ -11,7 +11,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Reports time, memory and files, and which program it is in which version. Thread-safe.
 class ProcessCollector : public prometheus::Collectable {
@@ -26,6 +26,6 @@ class ProcessCollector : public prometheus::Collectable {
   const absl::Time started_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_PROCESS_COLLECTOR_H_

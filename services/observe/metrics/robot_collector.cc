@@ -2,7 +2,14 @@
 
 #include "services/observe/metrics/families.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::AgentStatus;
+using client_agent::HeldBack;
+using client_agent::kUpdateKindNames;
+using client_agent::kUpdateKinds;
+using client_agent::UploadStatus;
+
 namespace {
 
 double Number(uint64_t value) { return static_cast<double>(value); }
@@ -65,4 +72,4 @@ std::vector<prometheus::MetricFamily> RobotCollector::Collect() const {
   return families.Take();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

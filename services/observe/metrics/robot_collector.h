@@ -10,25 +10,26 @@
 
 #include "client_agent/agent/agent.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Asks Agent::GetStatus, which counts the map's keyframes and points under its reader lock.
 // Thread-safe.
 class RobotCollector : public prometheus::Collectable {
  public:
   // `agent` and `uplink` (which may be null) are not owned and must outlive it.
-  RobotCollector(const Agent* agent, const Uplink* uplink, std::string mission, std::string name)
+  RobotCollector(const client_agent::Agent* agent, const Uplink* uplink, std::string mission,
+                 std::string name)
       : agent_(*agent), uplink_(uplink), mission_(std::move(mission)), name_(std::move(name)) {}
 
   std::vector<prometheus::MetricFamily> Collect() const override;
 
  private:
-  const Agent& agent_;
+  const client_agent::Agent& agent_;
   const Uplink* const uplink_;
   const std::string mission_;
   const std::string name_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_ROBOT_COLLECTOR_H_

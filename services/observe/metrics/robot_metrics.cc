@@ -5,7 +5,11 @@
 #include "absl/time/clock.h"
 #include "services/observe/metrics/buckets.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::TrackingResult;
+using client_agent::TrackingState;
+
 namespace {
 
 constexpr std::array<const char*, 3> kStates = {"not_initialised", "tracking", "lost"};
@@ -100,4 +104,4 @@ void RobotMetrics::ObserveAcknowledged(const std::vector<absl::Time>& sent) {
   for (const absl::Time& time : sent) acknowledgements_.Observe(absl::ToDoubleSeconds(now - time));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -17,7 +17,7 @@
 #include "services/observe/observed_uplink.h"
 #include "services/observe/pending_batches.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Observes one robot. Thread-safe.
 class RobotMetrics : public FrameObserver, public UplinkObserver {
@@ -26,7 +26,7 @@ class RobotMetrics : public FrameObserver, public UplinkObserver {
   explicit RobotMetrics(prometheus::Registry& registry);
 
   void OnFrame(int64_t) override {}
-  void OnTracked(const TrackingResult& result, absl::Duration took) override;
+  void OnTracked(const client_agent::TrackingResult& result, absl::Duration took) override;
   // Sets how many frames came too fast so far.
   void SetDropped(uint64_t frames);
 
@@ -59,6 +59,6 @@ class RobotMetrics : public FrameObserver, public UplinkObserver {
   PendingBatches<absl::Time> pending_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_ROBOT_METRICS_H_

@@ -5,7 +5,11 @@
 #include "absl/time/clock.h"
 #include "services/observe/metrics/testing/metric_values.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::TrackingResult;
+using client_agent::TrackingState;
+
 namespace {
 
 using testing::SumOf;
@@ -78,4 +82,4 @@ TEST_F(RobotMetricsTest, EachAcknowledgedBatchIsObserved) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -3,7 +3,7 @@
 #include "absl/status/status.h"
 #include "services/observe/metrics/buckets.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 RpcMetrics::RpcMetrics(prometheus::Registry& registry)
     : calls_(prometheus::BuildCounter()
@@ -60,4 +60,4 @@ void RpcMetrics::OnFinished(absl::string_view name, grpc::StatusCode code, absl:
       .Increment();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

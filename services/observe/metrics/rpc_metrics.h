@@ -15,7 +15,7 @@
 #include "absl/synchronization/mutex.h"
 #include "services/server/rpc_observer.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Keeps the metrics corbslam_rpc_...: it has series for each method that was called, and for each
 // code that it ended with. Thread-safe.
@@ -48,6 +48,6 @@ class RpcMetrics : public RpcObserver {
   absl::flat_hash_map<std::string, Method> methods_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_RPC_METRICS_H_

@@ -11,7 +11,11 @@
 #include "services/observe/metrics/testing/metric_values.h"
 #include "services/server/server.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+
 namespace {
 
 using testing::SumOf;
@@ -116,4 +120,4 @@ TEST_F(RpcMetricsTest, ACallThatItsCallerGaveUpIsCancelled) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

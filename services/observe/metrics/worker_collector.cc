@@ -2,7 +2,7 @@
 
 #include "services/observe/metrics/families.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 std::vector<prometheus::MetricFamily> WorkerCollector::Collect() const {
   Families families;
@@ -16,4 +16,4 @@ std::vector<prometheus::MetricFamily> WorkerCollector::Collect() const {
   return families.Take();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

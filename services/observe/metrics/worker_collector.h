@@ -8,7 +8,7 @@
 
 #include "services/fusion_worker_service/fusion_worker_service.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Asks `service`, which is not owned and must outlive it. Thread-safe.
 class WorkerCollector : public prometheus::Collectable {
@@ -21,6 +21,6 @@ class WorkerCollector : public prometheus::Collectable {
   const FusionWorkerService& service_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_METRICS_WORKER_COLLECTOR_H_

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -54,4 +54,4 @@ int ProcessNumber(absl::string_view name) {
   return static_cast<int>(hash & 0x7fffffffu);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

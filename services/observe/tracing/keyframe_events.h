@@ -8,7 +8,7 @@
 #include "absl/time/time.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Events on the robot that made the keyframe: its frame came from the camera; the transport took
 // the keyframe, with all that the store needs; the store said that it is durable; its global pose
@@ -48,6 +48,6 @@ std::string ProcessNameLine(absl::string_view name, int process);
 // Returns a number made of the process's name: process ids are the same in all containers.
 int ProcessNumber(absl::string_view name);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_TRACING_KEYFRAME_EVENTS_H_

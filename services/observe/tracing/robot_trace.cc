@@ -2,7 +2,9 @@
 
 #include "absl/time/clock.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::TrackingResult;
 
 void RobotTrace::OnFrame(int64_t timestamp_ns) {
   absl::MutexLock lock(&mutex_);
@@ -61,4 +63,4 @@ void RobotTrace::OnShared(const SharedUpdate& update) {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

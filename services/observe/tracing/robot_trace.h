@@ -16,7 +16,7 @@
 #include "services/observe/pending_batches.h"
 #include "services/observe/tracing/trace_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Writes the robot's events. When a keyframe was captured is known if this process has tracked its
 // frame. Thread-safe.
@@ -27,7 +27,7 @@ class RobotTrace : public FrameObserver, public UplinkObserver {
       : file_(*file), mission_(std::move(mission)), agent_(std::move(agent)) {}
 
   void OnFrame(int64_t timestamp_ns) override;
-  void OnTracked(const TrackingResult& result, absl::Duration took) override;
+  void OnTracked(const client_agent::TrackingResult& result, absl::Duration took) override;
   void OnSent(const MapUpdateBatch& batch, absl::Time offered) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
   void OnShared(const SharedUpdate& update) override;
@@ -49,6 +49,6 @@ class RobotTrace : public FrameObserver, public UplinkObserver {
   std::set<KeyframeId> posed_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_TRACING_ROBOT_TRACE_H_

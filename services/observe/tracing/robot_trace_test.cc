@@ -10,7 +10,10 @@
 #include "absl/time/clock.h"
 #include "services/observe/tracing/testing/read_trace.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::TrackingResult;
+
 namespace {
 
 using ::testing::UnorderedElementsAre;
@@ -89,4 +92,4 @@ TEST_F(RobotTraceTest, WhatAnEarlierProcessCapturedHasNoSuchEvent) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -4,7 +4,7 @@
 
 #include "absl/time/clock.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 void StoreTrace::OnBatch(const SessionAgent& agent, const MapUpdateBatch& batch) {
   const absl::Time now = absl::Now();
@@ -62,4 +62,4 @@ void StoreTrace::OnDeleted(absl::string_view mission) {
   if (it != missions_.end()) missions_.erase(it);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 #include "services/observe/observed_journal.h"
 #include "services/observe/tracing/trace_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Writes the store's events. It hears of placing and adjusting from the journal, when a revision is
 // committed. Thread-safe.
@@ -50,6 +50,6 @@ class StoreTrace : public SyncObserver, public JournalObserver {
   std::map<std::string, Seen, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_TRACING_STORE_TRACE_H_

@@ -10,7 +10,7 @@
 #include "map_store/testing/small_mission.h"
 #include "services/observe/tracing/testing/read_trace.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::UnorderedElementsAre;
@@ -93,4 +93,4 @@ TEST_F(StoreTraceTest, ADeletedMissionBeginsAnew) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

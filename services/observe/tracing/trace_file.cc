@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 absl::StatusOr<std::unique_ptr<TraceFile>> TraceFile::Open(const std::string& path,
                                                            absl::string_view process,
@@ -90,4 +90,4 @@ void TraceFile::Run() {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -16,7 +16,7 @@
 #include "absl/synchronization/mutex.h"
 #include "services/observe/tracing/keyframe_events.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct TraceFileOptions {
   // Most events that may wait for the disk; further ones are dropped.
@@ -66,6 +66,6 @@ class TraceFile {
   std::thread thread_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_OBSERVE_TRACING_TRACE_FILE_H_

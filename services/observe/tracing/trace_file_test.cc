@@ -8,7 +8,7 @@
 
 #include "services/observe/tracing/testing/read_trace.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using nlohmann::json;
@@ -83,4 +83,4 @@ TEST(TraceFileTest, SaysWhichFileItCanNotWrite) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

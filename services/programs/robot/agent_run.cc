@@ -9,7 +9,18 @@
 #include "services/server/process_usage.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::AgentStatus;
+using client_agent::FindingLevel;
+using client_agent::FrameStream;
+using client_agent::LeftOutFrames;
+using client_agent::SourceFindings;
+using client_agent::SourceFrame;
+using client_agent::StreamFrame;
+using client_agent::TrackingResult;
+
 namespace {
 
 // Logs which frames `stream` has passed over since the last call.
@@ -94,4 +105,4 @@ void AddRun(const FrameStream& stream, const PlayedFrames& played, const SourceF
   report.cpu_s = usage.cpu_s;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

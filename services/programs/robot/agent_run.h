@@ -14,7 +14,7 @@
 #include "services/programs/robot/paced_stream.h"
 #include "services/programs/robot/robot_report.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct PlayedFrames {
   uint64_t played = 0;
@@ -27,20 +27,22 @@ struct PlayedFrames {
 // begins a new local map where the stream's time jumps back. A stream that fails ends with its
 // status, after the frames that came before.
 absl::Status PlayStream(
-    FrameStream& stream, Agent& agent, Pace pace, const absl::Notification& stop,
-    PlayedFrames& frames,
-    const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame);
+    client_agent::FrameStream& stream, client_agent::Agent& agent, Pace pace,
+    const absl::Notification& stop, PlayedFrames& frames,
+    const std::function<void(const client_agent::TrackingResult&, uint64_t dropped)>& on_frame);
 
 // Returns what looked wrong over a whole run: `at_start`, then what the agent's sensor found,
 // frames that were left out, and that nothing was tracked.
-SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agent,
-                               const FrameStream& stream, const PlayedFrames& played);
+client_agent::SourceFindings CollectWarnings(const client_agent::SourceFindings& at_start,
+                                             const client_agent::Agent& agent,
+                                             const client_agent::FrameStream& stream,
+                                             const PlayedFrames& played);
 
 // Adds to the report of the agent what the run knows: its frames and the time they took, what
 // looked wrong and what this process used.
-void AddRun(const FrameStream& stream, const PlayedFrames& played, const SourceFindings& warnings,
-            RobotReport& report);
+void AddRun(const client_agent::FrameStream& stream, const PlayedFrames& played,
+            const client_agent::SourceFindings& warnings, RobotReport& report);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_AGENT_RUN_H_

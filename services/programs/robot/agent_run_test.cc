@@ -8,7 +8,17 @@
 
 #include "services/programs/robot/testing/queued_stream.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::AgentStatus;
+using client_agent::AgentTimings;
+using client_agent::NoFrameYet;
+using client_agent::SourceFindings;
+using client_agent::StreamEnd;
+using client_agent::TrackingResult;
+using client_agent::TrajectoryPose;
+
 namespace {
 
 using ::testing::ElementsAre;
@@ -114,4 +124,4 @@ TEST_F(PlayStreamTest, CountsWhatTheStreamLeftOut) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

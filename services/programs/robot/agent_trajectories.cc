@@ -8,7 +8,12 @@
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::ToString;
+using client_agent::TrajectoryPose;
+
 namespace {
 
 absl::StatusOr<std::optional<Rigid3d>> FindWanted(const SensorCalibration& calibration,
@@ -60,4 +65,4 @@ absl::Status WriteAgentTrajectories(const Agent& agent, const SensorCalibration&
   return absl::OkStatus();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

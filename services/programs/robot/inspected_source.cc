@@ -10,7 +10,18 @@
 #include "client_agent/source_checks/inspection.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::DescribeInWords;
+using client_agent::FindingLevel;
+using client_agent::FrameReader;
+using client_agent::InspectSource;
+using client_agent::OpenReader;
+using client_agent::PlayReader;
+using client_agent::SourceDescription;
+using client_agent::SourceFinding;
+using client_agent::SourceFindings;
+using client_agent::SourceSpec;
 
 absl::Status JudgeFindings(const SourceFindings& findings, bool strict) {
   std::vector<std::string> wrong;
@@ -47,4 +58,4 @@ void LogSource(const InspectedSource& source) {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

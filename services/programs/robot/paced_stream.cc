@@ -7,7 +7,13 @@
 #include "absl/time/clock.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::NextFrame;
+using client_agent::NoFrameYet;
+using client_agent::StreamEnd;
+using client_agent::StreamFrame;
+
 namespace {
 
 // Longest time for which a stream without frames keeps the robot from noticing that it is stopped.
@@ -60,4 +66,4 @@ absl::StatusOr<std::optional<StreamFrame>> PacedStream::Next() {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,7 +10,7 @@
 #include "absl/time/time.h"
 #include "client_agent/source/frame_stream.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 enum class Pace {
   kSensor,  // Frames come in the stream's own time; those that come too fast are dropped.
@@ -20,36 +20,36 @@ enum class Pace {
 // Plays one stream. One thread uses it, apart from `stop`. `stream` and `stop` must outlive it.
 class PacedStream {
  public:
-  PacedStream(FrameStream& stream, Pace pace, const absl::Notification& stop)
+  PacedStream(client_agent::FrameStream& stream, Pace pace, const absl::Notification& stop)
       : stream_(stream), pace_(pace), stop_(stop) {}
 
   // Waits for the next frame to be tracked, and at kSensor until it is due. Frames whose successor
   // is there and due already are dropped, as a camera's driver would. Returns nullopt after the
   // last frame, and when stopped; the stream's error once every frame before it was given.
-  absl::StatusOr<std::optional<StreamFrame>> Next();
+  absl::StatusOr<std::optional<client_agent::StreamFrame>> Next();
 
   // Returns the number of frames dropped so far.
   uint64_t dropped() const { return dropped_; }
 
  private:
   // Returns the stream's next frame, whenever it comes; nullopt as for Next.
-  absl::StatusOr<std::optional<StreamFrame>> Await();
+  absl::StatusOr<std::optional<client_agent::StreamFrame>> Await();
   // Returns true if the stream has a frame, due by `now`, behind the one that Await gave last.
   bool IsOvertaken(absl::Time now);
-  absl::Time Due(const StreamFrame& frame) const;
+  absl::Time Due(const client_agent::StreamFrame& frame) const;
 
-  FrameStream& stream_;
+  client_agent::FrameStream& stream_;
   const Pace pace_;
   const absl::Notification& stop_;
   uint64_t dropped_ = 0;
   // What the stream answered when it was asked for the frame behind the one that waits to be due;
   // nullopt if it had none yet.
-  std::optional<absl::StatusOr<NextFrame>> ahead_;
+  std::optional<absl::StatusOr<client_agent::NextFrame>> ahead_;
   // When the first frame came, and its stamp in nanoseconds.
   std::optional<absl::Time> start_;
   int64_t first_ns_ = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_PACED_STREAM_H_

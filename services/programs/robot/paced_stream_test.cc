@@ -7,7 +7,10 @@
 #include "absl/time/clock.h"
 #include "services/programs/robot/testing/queued_stream.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::StreamEnd;
+
 namespace {
 
 // Returns the numbers of the frames until the end.
@@ -93,4 +96,4 @@ TEST(PacedStreamTest, AnErrorComesAfterTheFramesBeforeIt) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

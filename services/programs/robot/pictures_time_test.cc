@@ -7,7 +7,14 @@
 
 #include "client_agent/source/recorded_sequence.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::LeftOutFrames;
+using client_agent::NextFrame;
+using client_agent::RecordedSequence;
+using client_agent::SourceFrame;
+using client_agent::StreamEnd;
+
 namespace {
 
 // A sequence that has times and no pictures.
@@ -54,4 +61,4 @@ TEST(PicturesTimeTest, FramesOfTwoDrivesHaveNoIntervalBetweenThem) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -6,7 +6,13 @@
 
 #include "slam/util/bounded_sample.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::AgentStatus;
+using client_agent::AgentTimings;
+using client_agent::SourceFinding;
+using client_agent::SourceFindings;
 
 Spread ComputeSpread(std::vector<double> values) {
   if (values.empty()) return {};
@@ -61,4 +67,4 @@ std::vector<ReportWarning> ToReportWarnings(const SourceFindings& findings) {
   return warnings;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -15,7 +15,7 @@
 #include "client_agent/source/source_finding.h"
 #include "client_agent/upload/held_back.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct Spread {
   double median = 0;
@@ -82,7 +82,7 @@ struct RobotReport {
   std::optional<double> peak_rss_mb;
   std::optional<double> cpu_s;
   OutboxReport outbox;
-  UpdateCounts held_back = {};  // Items that were in no batch yet.
+  client_agent::UpdateCounts held_back = {};  // Items that were in no batch yet.
   uint64_t bytes_up = 0;
   uint64_t bytes_down = 0;
 
@@ -92,16 +92,16 @@ struct RobotReport {
 // Returns the report without what only the player of the pictures knows: name, source and its
 // description, dropped and unread frames, the pictures' time, warnings, bytes, memory, processor
 // time and accuracy.
-RobotReport MakeRobotReport(const Agent& agent);
+RobotReport MakeRobotReport(const client_agent::Agent& agent);
 
 // Returns the findings in the form that reports have.
-std::vector<ReportWarning> ToReportWarnings(const SourceFindings& findings);
+std::vector<ReportWarning> ToReportWarnings(const client_agent::SourceFindings& findings);
 
 // Writes the report. The names of the fields are a stable interface.
 nlohmann::ordered_json ToJson(const RobotReport& report);
 // Reads a report. DATA_LOSS names the field that is missing, of another kind or out of range.
 absl::StatusOr<RobotReport> RobotReportFromJson(const nlohmann::ordered_json& json);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_REPORT_H_

@@ -5,7 +5,11 @@
 #include "absl/strings/str_cat.h"
 #include "services/programs/robot/robot_report.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::kUpdateKindNames;
+using client_agent::kUpdateKinds;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -167,4 +171,4 @@ absl::StatusOr<RobotReport> RobotReportFromJson(const nlohmann::ordered_json& js
   return report;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -150,4 +150,4 @@ TEST(ComputeSpreadTest, HasKnownValues) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

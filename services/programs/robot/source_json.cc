@@ -2,7 +2,13 @@
 
 #include <optional>
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::Intrinsics;
+using client_agent::SourceDescription;
+using client_agent::SourceFinding;
+using client_agent::SourceFindings;
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -45,4 +51,4 @@ nlohmann::ordered_json ToJson(const SourceFindings& findings) {
   return array;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,12 +7,12 @@
 #include "client_agent/source/source_description.h"
 #include "client_agent/source/source_finding.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
-nlohmann::ordered_json ToJson(const SourceDescription& description);
+nlohmann::ordered_json ToJson(const client_agent::SourceDescription& description);
 // Returns an array of {"code", "text"}.
-nlohmann::ordered_json ToJson(const SourceFindings& findings);
+nlohmann::ordered_json ToJson(const client_agent::SourceFindings& findings);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_SOURCE_JSON_H_

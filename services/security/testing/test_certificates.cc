@@ -9,6 +9,8 @@
 
 namespace corbslam::test_data {
 
+using services::SecurityOptions;
+
 TestCertificates::TestCertificates(const std::string& mission, const std::string& hosts)
     : folder_(::testing::TempDir() + "/corbslam_certificates_XXXXXX") {
   EXPECT_NE(mkdtemp(folder_.data()), nullptr) << folder_;

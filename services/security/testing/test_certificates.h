@@ -21,7 +21,7 @@ class TestCertificates {
 
   std::string Path(const std::string& file) const { return folder_ + "/" + file; }
   // Returns the options of "store", "worker", "alpha", "bravo", "viewer" or "operator".
-  SecurityOptions Options(const std::string& name) const;
+  services::SecurityOptions Options(const std::string& name) const;
   // Returns the same options as flags.
   std::vector<std::string> Flags(const std::string& name) const;
 

@@ -8,7 +8,7 @@
 
 #include "absl/status/status.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Runs the command that was chosen.
 using Command = std::function<absl::Status()>;
@@ -28,6 +28,6 @@ void AddSplitCommand(CLI::App& app, Command& chosen);
 void AddTokenCommand(CLI::App& app, Command& chosen);
 void AddVocabularyCommand(CLI::App& app, Command& chosen);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_COMMANDS_COMMANDS_H_

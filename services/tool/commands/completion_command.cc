@@ -9,7 +9,7 @@
 #include "services/tool/commands/commands.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Replaces this process by `program`, which prints the completion of its own flags. Returns only if
@@ -39,4 +39,4 @@ void AddCompletionCommand(CLI::App& app, Command& chosen) {
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -11,7 +11,7 @@
 #include "services/tool/doctor/local_checks.h"
 #include "services/tool/doctor/server_checks.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 struct DoctorArguments {
@@ -76,4 +76,4 @@ void AddDoctorCommand(CLI::App& app, Command& chosen) {
       [arguments, &chosen] { chosen = [arguments] { return RunDoctor(*arguments); }; });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -15,7 +15,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // A sequence recorded at one frame a second still finds its own truth within this gap.
@@ -136,4 +136,4 @@ void AddEvalCommand(CLI::App& app, Command& chosen) {
   eval->callback([arguments, &chosen] { chosen = [arguments] { return Eval(*arguments); }; });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

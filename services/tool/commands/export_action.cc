@@ -20,7 +20,10 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::MissionRestorer;
+
 namespace {
 
 absl::Status ExportPoints(const MissionArguments& arguments,
@@ -165,4 +168,4 @@ void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>&
       ->check(CLI::IsMember({"camera", "rectified", "body"}));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -18,7 +18,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr char kGlobalFrame[] = "in the mission's global frame, that of its first local map";
@@ -114,4 +114,4 @@ absl::Status ExportTrajectories(const MissionArguments& arguments,
   return exporting.WriteReadme(arguments.file + "/README.md");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -17,22 +17,22 @@ int main(int argc, char** argv) {
   FLAGS_logtostderr = true;
   FLAGS_minloglevel = google::GLOG_WARNING;
   const std::string command_line = absl::StrJoin(std::vector<std::string>(argv, argv + argc), " ");
-  corbslam::RegisterSimulatedSources();
+  corbslam::services::RegisterSimulatedSources();
   CLI::App app("Several robots, one map", "corbslam");
   app.require_subcommand(1);
-  corbslam::Command chosen;
-  corbslam::AddCompletionCommand(app, chosen);
-  corbslam::AddDemoCommand(app, command_line, chosen);
-  corbslam::AddDoctorCommand(app, chosen);
-  corbslam::AddRunCommand(app, command_line, chosen);
-  corbslam::AddMissionCommand(app, chosen);
-  corbslam::AddEvalCommand(app, chosen);
-  corbslam::AddRenderCommand(app, chosen);
-  corbslam::AddSimulateCommand(app, chosen);
-  corbslam::AddSplitCommand(app, chosen);
-  corbslam::AddTokenCommand(app, chosen);
-  corbslam::AddVocabularyCommand(app, chosen);
-  corbslam::CommandLine flags(&app, "tool");
+  corbslam::services::Command chosen;
+  corbslam::services::AddCompletionCommand(app, chosen);
+  corbslam::services::AddDemoCommand(app, command_line, chosen);
+  corbslam::services::AddDoctorCommand(app, chosen);
+  corbslam::services::AddRunCommand(app, command_line, chosen);
+  corbslam::services::AddMissionCommand(app, chosen);
+  corbslam::services::AddEvalCommand(app, chosen);
+  corbslam::services::AddRenderCommand(app, chosen);
+  corbslam::services::AddSimulateCommand(app, chosen);
+  corbslam::services::AddSplitCommand(app, chosen);
+  corbslam::services::AddTokenCommand(app, chosen);
+  corbslam::services::AddVocabularyCommand(app, chosen);
+  corbslam::services::CommandLine flags(&app, "tool");
   if (const auto exit_code = flags.ParseOrExit(argc, argv); exit_code.has_value()) {
     return *exit_code;
   }

@@ -8,7 +8,7 @@
 #include "services/client/store/store_reader.h"
 #include "services/security/flags.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 absl::StatusOr<std::shared_ptr<grpc::Channel>> Connect(const MissionArguments& arguments) {
   return ConnectToStore(arguments.server, arguments.security);
@@ -46,4 +46,4 @@ void AddJsonFlag(CLI::App& action, MissionArguments& arguments) {
   action.add_flag("--json", arguments.json, "Print JSON, for scripts");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

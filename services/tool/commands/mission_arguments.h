@@ -15,7 +15,7 @@
 #include "services/security/security_options.h"
 #include "services/tool/commands/commands.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct MissionArguments {
   std::string server;
@@ -49,6 +49,6 @@ void AddShowAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& a
 void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                      Command& chosen);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_COMMANDS_MISSION_ARGUMENTS_H_

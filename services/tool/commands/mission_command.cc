@@ -12,7 +12,7 @@
 #include "services/tool/mission/mission_summary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 absl::Status ListMissions(const MissionArguments& arguments) {
@@ -96,4 +96,4 @@ void AddMissionCommand(CLI::App& app, Command& chosen) {
   AddMissionFlag(*remove, *arguments);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

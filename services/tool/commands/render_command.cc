@@ -10,7 +10,11 @@
 #include "services/tool/evaluation/picture.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+
 namespace {
 
 struct RenderArguments {
@@ -85,4 +89,4 @@ void AddRenderCommand(CLI::App& app, Command& chosen) {
   render->callback([arguments, &chosen] { chosen = [arguments] { return Render(*arguments); }; });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

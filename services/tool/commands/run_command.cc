@@ -27,7 +27,15 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FormatSourceSpec;
+using client_agent::FrameReader;
+using client_agent::OpenReader;
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+using client_agent::SourceUsage;
+
 namespace {
 
 struct RunArguments {
@@ -294,4 +302,4 @@ void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& cho
   });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,7 @@
 #include "services/tool/mission/mission_summary.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 absl::Status Show(const MissionArguments& arguments) {
@@ -29,4 +29,4 @@ void AddShowAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& a
   AddJsonFlag(*show, *arguments);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -13,7 +13,16 @@
 #include "services/tool/sequence/sequence_writer.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FormatSourceSpec;
+using client_agent::FrameReader;
+using client_agent::FramesOf;
+using client_agent::OpenReader;
+using client_agent::ParseSourceSpec;
+using client_agent::SourceLayout;
+using client_agent::SourceSpec;
+
 namespace {
 
 struct SimulateArguments {
@@ -136,4 +145,4 @@ void AddSplitCommand(CLI::App& app, Command& chosen) {
   split->callback([arguments, &chosen] { chosen = [arguments] { return Split(*arguments); }; });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 #include "services/tool/commands/commands.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 struct TokenArguments {
@@ -71,4 +71,4 @@ void AddTokenCommand(CLI::App& app, Command& chosen) {
   token->callback([arguments, &chosen] { chosen = [arguments] { return MakeToken(*arguments); }; });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -13,7 +13,7 @@
 #include "slam/vocabulary/vocabulary.h"
 #include "slam/vocabulary/vocabulary_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 struct TrainArguments {
@@ -112,4 +112,4 @@ void AddVocabularyCommand(CLI::App& app, Command& chosen) {
   convert->callback([path, to, &chosen] { chosen = [path, to] { return Convert(*path, *to); }; });
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

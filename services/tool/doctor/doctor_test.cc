@@ -17,7 +17,10 @@
 #include "services/tool/doctor/local_checks.h"
 #include "services/tool/doctor/server_checks.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using fusion_worker::MakeLocalFusionWorker;
+
 namespace {
 
 [[maybe_unused]] const bool registered = RegisterSimulatedSources();
@@ -225,4 +228,4 @@ TEST(DoctorTest, NoticesAnotherVersion) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

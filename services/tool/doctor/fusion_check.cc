@@ -6,7 +6,7 @@
 #include "absl/time/clock.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 Findings CheckFusionOf(const std::string& name, const std::vector<v1::Mission>& missions) {
   if (missions.empty()) return {};
@@ -40,4 +40,4 @@ Findings CheckFusion(const std::string& name, const std::shared_ptr<grpc::Channe
   return CheckFusionOf(name, {response.missions().begin(), response.missions().end()});
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

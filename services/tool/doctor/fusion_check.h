@@ -12,7 +12,7 @@
 #include "corbslam/v1/resources.pb.h"
 #include "services/security/finding.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Judges the fusion workers by what the missions of a store say of them. Returns no finding if
 // there is no mission.
@@ -22,6 +22,6 @@ Findings CheckFusionOf(const std::string& name, const std::vector<v1::Mission>& 
 Findings CheckFusion(const std::string& name, const std::shared_ptr<grpc::Channel>& channel,
                      absl::Duration patience);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_DOCTOR_FUSION_CHECK_H_

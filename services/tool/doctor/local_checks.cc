@@ -16,7 +16,18 @@
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::DescribeInWords;
+using client_agent::FindingLevel;
+using client_agent::FrameReader;
+using client_agent::InspectSource;
+using client_agent::OpenReader;
+using client_agent::ParseSourceSpec;
+using client_agent::SampleOptions;
+using client_agent::SourceFinding;
+using client_agent::SourceSpec;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -137,4 +148,4 @@ Findings CheckSource(const std::string& source, bool strict) {
   return LookInto(**reader, *spec, strict);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -7,7 +7,7 @@
 #include "absl/time/time.h"
 #include "services/security/finding.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Checks that `now` lies after this program was made, and that something keeps the clock right.
 // Certificates and tokens are judged by this clock; maps are not (each robot's clock is its own).
@@ -23,6 +23,6 @@ Findings CheckDataFolder(const std::string& path);
 // warnings are failures.
 Findings CheckSource(const std::string& source, bool strict);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_DOCTOR_LOCAL_CHECKS_H_

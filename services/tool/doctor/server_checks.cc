@@ -21,7 +21,7 @@
 #include "services/server/server.h"
 #include "services/tool/doctor/fusion_check.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr absl::Duration kPatience = absl::Seconds(5);
@@ -150,4 +150,4 @@ Findings CheckServer(const std::string& name, const std::string& address,
   return findings;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include "services/security/finding.h"
 #include "services/security/security_options.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Compares the methods of one service: those that this program knows with those of the server.
 Finding CompareMethods(const std::string& name, const std::set<std::string>& own,
@@ -22,6 +22,6 @@ Finding CompareMethods(const std::string& name, const std::set<std::string>& own
 Findings CheckServer(const std::string& name, const std::string& address,
                      const std::string& service, const SecurityOptions& options, absl::Time now);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_DOCTOR_SERVER_CHECKS_H_

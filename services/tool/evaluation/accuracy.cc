@@ -11,7 +11,13 @@
 #include "services/simulated_source/simulated_source.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FormatSourceSpec;
+using client_agent::FrameReader;
+using client_agent::OpenReader;
+using client_agent::SourceSpec;
+
 namespace {
 
 // Holds the truth of one sequence and the time from which errors count again.
@@ -192,4 +198,4 @@ absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, 
   return accuracy;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -13,12 +13,12 @@
 #include "slam/evaluation/trajectory.h"
 #include "slam/evaluation/trajectory_error.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Holds a robot's trajectories. Their poses are of the camera as recorded, as the truth's are.
 struct RobotPaths {
   std::string name;
-  SourceSpec source;
+  client_agent::SourceSpec source;
   ServedTrajectory local;
   ServedTrajectory global;
 };
@@ -59,6 +59,6 @@ struct Accuracy {
 absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,
                                          Alignment alignment);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_EVALUATION_ACCURACY_H_

@@ -15,7 +15,12 @@
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FramesOf;
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+
 namespace {
 
 [[maybe_unused]] const bool registered = RegisterSimulatedSources();
@@ -218,4 +223,4 @@ TEST(ComputeAccuracyTest, HasNoFusedErrorForTwoSimulatedWorlds) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

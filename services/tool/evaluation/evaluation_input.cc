@@ -13,7 +13,13 @@
 #include "slam/evaluation/trajectory_file.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FrameReader;
+using client_agent::OpenReader;
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+
 namespace {
 
 void AddNotes(const std::vector<std::string>& notes, EvaluationInput& input) {
@@ -121,4 +127,4 @@ absl::StatusOr<EvaluationInput> ReadEvaluationInput(const EvaluationFiles& files
   return input;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

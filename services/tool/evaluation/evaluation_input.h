@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "slam/evaluation/trajectory.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct EvaluationFiles {
   // LAYOUT:DIR of a sequence, or a file (ReadTrajectoryFile).
@@ -34,6 +34,6 @@ struct EvaluationInput {
 // that the estimates are of; FAILED_PRECONDITION if its calibration doesn't know that frame.
 absl::StatusOr<EvaluationInput> ReadEvaluationInput(const EvaluationFiles& files);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_EVALUATION_EVALUATION_INPUT_H_

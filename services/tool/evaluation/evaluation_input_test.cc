@@ -8,7 +8,7 @@
 #include "services/testing/test_path.h"
 #include "slam/evaluation/pose_header.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST(EvaluationInputTest, TheTruthMustHoldAPose) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -15,7 +15,16 @@
 #include "slam/simulation/sequence/simulated_sequence.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::EurocRoot;
+using client_agent::FormatSourceSpec;
+using client_agent::FrameReader;
+using client_agent::OpenReader;
+using client_agent::ReadEurocCamera;
+using client_agent::SourceLayout;
+using client_agent::SourceSpec;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -159,4 +168,4 @@ absl::StatusOr<Trajectory> TruthOf(const GroundTruth& truth, const SourceSpec& s
   return wanted;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

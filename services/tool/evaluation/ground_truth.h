@@ -12,7 +12,7 @@
 #include "slam/camera/recorded_camera.h"
 #include "slam/evaluation/trajectory.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct GroundTruth {
   // Poses of the camera as recorded; sorted, no time twice.
@@ -34,13 +34,13 @@ struct GroundTruth {
 //
 // Returns nullopt if there is none. The truth of a simulation is where its camera is.
 // INVALID_ARGUMENT names file and line; a file without poses is one, too.
-absl::StatusOr<std::optional<GroundTruth>> ReadGroundTruth(const SourceSpec& source);
+absl::StatusOr<std::optional<GroundTruth>> ReadGroundTruth(const client_agent::SourceSpec& source);
 
 // Returns the same poses for another frame. FAILED_PRECONDITION if the sequence's calibration
 // doesn't know that frame.
-absl::StatusOr<Trajectory> TruthOf(const GroundTruth& truth, const SourceSpec& source,
+absl::StatusOr<Trajectory> TruthOf(const GroundTruth& truth, const client_agent::SourceSpec& source,
                                    PosesOf poses_of);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_EVALUATION_GROUND_TRUTH_H_

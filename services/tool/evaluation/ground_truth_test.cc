@@ -10,7 +10,11 @@
 #include "services/simulated_source/simulated_source.h"
 #include "services/testing/test_path.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+
 namespace {
 
 [[maybe_unused]] const bool registered = RegisterSimulatedSources();
@@ -121,4 +125,4 @@ TEST(TruthOfTest, RefusesABodyThatNobodyKnows) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Returns the robots by name, with edges to parents of the same robot.
@@ -67,4 +67,4 @@ MapPicture ComposePicture(const ServedMap& map, const std::string& own,
   return picture;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

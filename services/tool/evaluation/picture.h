@@ -10,7 +10,7 @@
 #include "services/tool/evaluation/accuracy.h"
 #include "slam/rendering/map_picture.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns the robot that is drawn as own: `wanted`, or the first robot if `wanted` is empty.
 // INVALID_ARGUMENT names the robots there are if none has the wanted name.
@@ -22,6 +22,6 @@ absl::StatusOr<std::string> ChooseOwn(const std::string& wanted,
 MapPicture ComposePicture(const ServedMap& map, const std::string& own,
                           const FusedAccuracy& accuracy);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_EVALUATION_PICTURE_H_

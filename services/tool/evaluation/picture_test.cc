@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -32,4 +32,4 @@ TEST(ComposePictureTest, MarksTheOwnRobot) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

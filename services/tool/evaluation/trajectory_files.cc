@@ -11,7 +11,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 namespace {
 
@@ -108,4 +108,4 @@ absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf pos
   return absl::OkStatus();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -11,7 +11,7 @@
 #include "slam/camera/recorded_camera.h"
 #include "slam/evaluation/trajectory.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // The poses of one local map, sorted by time, no time twice.
 struct TrajectoryPart {
@@ -46,6 +46,6 @@ std::vector<std::string> DescribeParts(const TrajectoryFile& file);
 absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf poses_of,
                            const std::string& frame, const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_EVALUATION_TRAJECTORY_FILES_H_

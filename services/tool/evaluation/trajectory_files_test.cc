@@ -8,7 +8,7 @@
 #include "services/testing/test_path.h"
 #include "slam/evaluation/trajectory_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::ElementsAre;
@@ -82,4 +82,4 @@ TEST(TrajectoryFilesTest, FilesSayWhatTheyHold) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -13,7 +13,7 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Added to our pixel coordinates, it gives COLMAP's.
@@ -189,4 +189,4 @@ absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map, const ColmapSource
   return counts;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -24,7 +24,7 @@
 #include "slam/map/map.h"
 #include "slam/util/ids.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct ColmapCounts {
   size_t cameras = 0;
@@ -53,6 +53,6 @@ struct ColmapSource {
 absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map, const ColmapSource& source,
                                               const std::string& folder);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_EXPORT_COLMAP_MODEL_H_

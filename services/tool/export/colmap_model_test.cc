@@ -12,7 +12,7 @@
 #include "services/tool/export/robot_colours.h"
 #include "services/tool/export/testing/colmap_reader.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using testing::ColmapModel;
@@ -189,4 +189,4 @@ TEST_F(ColmapModelTest, NeedsAKeyframe) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,7 @@
 #include "absl/strings/str_format.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 absl::Status WriteEurocTrajectory(const Trajectory& trajectory, const std::string& path) {
   std::vector<std::string> lines = {
@@ -20,4 +20,4 @@ absl::Status WriteEurocTrajectory(const Trajectory& trajectory, const std::strin
   return WriteLines(lines, path);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,12 +8,12 @@
 #include "absl/status/status.h"
 #include "slam/evaluation/trajectory.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Writes poses of the camera (EuRoC's own truth is the body's). slam/evaluation reads them back,
 // with the identity as body_from_camera. UNAVAILABLE names the path.
 absl::Status WriteEurocTrajectory(const Trajectory& trajectory, const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_EXPORT_EUROC_FILE_H_

@@ -9,7 +9,7 @@
 #include "services/testing/test_path.h"
 #include "slam/evaluation/trajectory_io.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::StartsWith;
@@ -56,4 +56,4 @@ TEST(EurocFileTest, SaysWhatItCantWrite) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

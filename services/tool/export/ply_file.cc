@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file's numbers are little-endian");
@@ -39,4 +39,4 @@ absl::Status WritePly(const std::vector<ColouredPoint>& points,
   return absl::OkStatus();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "services/tool/export/robot_colours.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct ColouredPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -20,6 +20,6 @@ struct ColouredPoint {
 absl::Status WritePly(const std::vector<ColouredPoint>& points,
                       const std::vector<std::string>& comments, const std::string& path);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_EXPORT_PLY_FILE_H_

@@ -10,7 +10,7 @@
 
 #include "services/testing/test_path.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -57,4 +57,4 @@ TEST(RobotColoursTest, AreApartAndTheSameEveryTime) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_format.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Returns one channel, whose peak lies at `peak` turns of hue; it is not so bright that it is lost
@@ -33,4 +33,4 @@ std::string ToString(const Colour& colour) {
   return absl::StrFormat("#%02x%02x%02x", colour.red, colour.green, colour.blue);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

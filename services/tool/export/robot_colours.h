@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct Colour {
   uint8_t red = 0;
@@ -23,6 +23,6 @@ std::map<std::string, Colour> ChooseColours(const std::set<std::string>& robots)
 // Returns a text as "#1f77b4".
 std::string ToString(const Colour& colour);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_EXPORT_ROBOT_COLOURS_H_

@@ -9,7 +9,7 @@
 #include "services/tool/mission/whole_file.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr size_t kPieceBytes = 1 << 20;
@@ -105,4 +105,4 @@ absl::StatusOr<uint32_t> MissionAdmin::Delete(const std::string& mission) {
   return response.local_maps();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -14,7 +14,7 @@
 #include "absl/status/statusor.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Speaks to one map store. Thread-safe. Errors are those of the store, with the call that met them,
 // and those of files, with their names.
@@ -42,6 +42,6 @@ class MissionAdmin {
   std::unique_ptr<v1::MapStore::Stub> stub_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_MISSION_MISSION_ADMIN_H_

@@ -17,7 +17,12 @@
 #include "services/server/server.h"
 #include "services/testing/test_path.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,4 +105,4 @@ TEST_F(MissionAdminTest, SaysWhatIsWrongWithAFile) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -6,10 +6,10 @@
 
 #include "corbslam/v1/resources.pb.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 nlohmann::ordered_json ToJson(const v1::Mission& mission);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_MISSION_MISSION_JSON_H_

@@ -6,7 +6,7 @@
 #include "services/convert/resource_names.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Calls `list(context, request, response)` until the last page, and gives each page to `take`.
@@ -77,4 +77,4 @@ absl::StatusOr<MissionSummary> ReadSummary(const std::shared_ptr<grpc::Channel>&
   return summary;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -13,7 +13,7 @@
 #include "absl/status/statusor.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct MissionSummary {
   v1::Mission mission;
@@ -45,6 +45,6 @@ std::string DescribeFusion(const v1::Mission& mission);
 // Returns words such as "too few keypoints look alike".
 std::string DescribeVerdict(v1::OverlapVerdict verdict);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_MISSION_MISSION_SUMMARY_H_

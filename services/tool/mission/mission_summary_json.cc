@@ -2,7 +2,7 @@
 #include "services/tool/mission/mission_summary.h"
 #include "services/tool/mission/summary_pairs.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -74,4 +74,4 @@ nlohmann::ordered_json ToJson(const MissionSummary& summary) {
   return json;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

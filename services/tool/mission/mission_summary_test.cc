@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
@@ -157,4 +157,4 @@ TEST(MissionSummaryTest, DescribesEveryVerdict) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

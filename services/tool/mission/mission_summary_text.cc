@@ -9,7 +9,7 @@
 #include "services/tool/mission/mission_summary.h"
 #include "services/tool/mission/summary_pairs.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 std::string Count(uint64_t count, const std::string& what) {
@@ -170,4 +170,4 @@ std::string FormatSummary(const MissionSummary& summary) {
                       FormatLocalMaps(summary), FormatOverlaps(summary));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

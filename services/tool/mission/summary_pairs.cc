@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "services/convert/resource_names.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Returns missions/M/localMaps/L for missions/M/localMaps/L/keyframes/K.
@@ -101,4 +101,4 @@ Pairs CountPairs(const MissionSummary& summary) {
   return pairs;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

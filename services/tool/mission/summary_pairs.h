@@ -9,7 +9,7 @@
 
 #include "services/tool/mission/mission_summary.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Returns names by the name of the resource; "alpha/1" is the first local map of alpha.
 std::map<std::string, std::string> ShortNames(const MissionSummary& summary);
@@ -34,6 +34,6 @@ struct PairOverlaps {
 std::map<std::pair<std::string, std::string>, PairOverlaps> CountPairs(
     const MissionSummary& summary);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_MISSION_SUMMARY_PAIRS_H_

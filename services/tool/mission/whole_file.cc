@@ -11,7 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 // Makes the folder's list of names durable, which must survive, too.
@@ -73,4 +73,4 @@ absl::Status WholeFile::Finish() {
   return SyncFolderOf(path_) ? absl::OkStatus() : Failed("rename");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

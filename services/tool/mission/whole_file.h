@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // One file that is being written. Not thread-safe. Errors name the file: RESOURCE_EXHAUSTED for a
 // full disk, else UNAVAILABLE.
@@ -34,6 +34,6 @@ class WholeFile {
   int fd_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_MISSION_WHOLE_FILE_H_

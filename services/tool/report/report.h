@@ -12,7 +12,7 @@
 
 #include "services/programs/robot/robot_report.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct FusedReport {
   int islands = 0;
@@ -78,6 +78,6 @@ nlohmann::ordered_json ToJson(const RunReport& report);
 // Writes tables for people.
 std::string ToMarkdown(const RunReport& report);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_REPORT_REPORT_H_

@@ -1,6 +1,6 @@
 #include "services/tool/report/report_cost.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 constexpr double kMinute_s = 60;
@@ -28,4 +28,4 @@ std::optional<RobotMinuteCost> ComputeRobotMinuteCost(const RunReport& report) {
   return cost;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -8,7 +8,7 @@
 
 #include "services/tool/report/report.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct RobotMinuteCost {
   double pictures_s = 0;  // Of all robots together, in seconds by their cameras' clocks.
@@ -22,6 +22,6 @@ struct RobotMinuteCost {
 // Returns nullopt if no robot has pictures that take time.
 std::optional<RobotMinuteCost> ComputeRobotMinuteCost(const RunReport& report);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_REPORT_REPORT_COST_H_

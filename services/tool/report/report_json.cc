@@ -3,7 +3,7 @@
 #include "services/tool/report/report.h"
 #include "services/tool/report/report_cost.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -101,4 +101,4 @@ nlohmann::ordered_json ToJson(const RunReport& report) {
           {"command", report.command}};
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

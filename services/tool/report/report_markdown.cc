@@ -6,7 +6,7 @@
 #include "services/tool/report/report.h"
 #include "services/tool/report/report_cost.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 std::string Number(const std::optional<double>& value, int decimals) {
@@ -137,4 +137,4 @@ std::string ToMarkdown(const RunReport& report) {
                       report.pace, report.wall_s, report.version, report.command));
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

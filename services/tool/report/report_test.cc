@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 using ::testing::HasSubstr;
@@ -117,4 +117,4 @@ TEST(ToMarkdownTest, ShowsTheFigures) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -1,6 +1,6 @@
 #include "services/tool/report/store_statistics.h"
 
-namespace corbslam {
+namespace corbslam::services {
 namespace {
 
 TransferReport FromProto(const v1::TransferCount& proto) {
@@ -30,4 +30,4 @@ void AddStatistics(const v1::MissionStatistics& statistics, RunReport& report) {
   report.light_map_points = FromProto(transfer.light_map_points());
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,10 @@
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using map_store::MapStore;
+
 namespace {
 
 constexpr size_t kSharedBudget_bytes = 1 << 20;
@@ -74,4 +77,4 @@ void DirectUplink::End(const absl::Status& reason) {
   listener_->OnSessionClosed(reason);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

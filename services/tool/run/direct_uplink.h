@@ -9,14 +9,14 @@
 #include "services/convert/features.h"
 #include "slam/exchange/uplink.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // An uplink that does everything on the caller's thread; the listener is called from inside Open,
 // Send and DeliverShared. Not thread-safe.
 class DirectUplink : public Uplink {
  public:
   // `store` is not owned and outlives this uplink.
-  explicit DirectUplink(MapStore* store) : store_(store) {}
+  explicit DirectUplink(map_store::MapStore* store) : store_(store) {}
   ~DirectUplink() override { Close(); }
 
   void Open(const SessionRequest& request, UplinkListener* listener) override;
@@ -32,7 +32,7 @@ class DirectUplink : public Uplink {
  private:
   void End(const absl::Status& reason);
 
-  MapStore* const store_;
+  map_store::MapStore* const store_;
   UplinkListener* listener_ = nullptr;
   std::optional<uint64_t> session_;
   Capabilities agent_understands_;
@@ -44,6 +44,6 @@ class DirectUplink : public Uplink {
   uint64_t bytes_down_ = 0;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_RUN_DIRECT_UPLINK_H_

@@ -20,7 +20,20 @@
 #include "services/tool/run/mission_run.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::AgentOptions;
+using client_agent::FormatSourceSpec;
+using client_agent::FrameStream;
+using client_agent::NextFrame;
+using client_agent::StreamFrame;
+using fusion_worker::FusionWorkerOptions;
+using fusion_worker::MakeLocalFusionWorker;
+using map_store::InMemoryJournal;
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+
 namespace {
 
 constexpr absl::Duration kFinishTimeout = absl::Minutes(10);
@@ -233,4 +246,4 @@ absl::StatusOr<MissionOutcome> RunLockstep(const MissionRunOptions& options,
   return Lockstep(options, on_progress).Run();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -5,7 +5,7 @@
 #include "services/tool/report/store_statistics.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 namespace {
 
@@ -43,4 +43,4 @@ absl::Status ReadOutcome(StoreReader& store, const std::vector<RobotPlan>& robot
   return absl::OkStatus();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -17,7 +17,7 @@
 #include "services/tool/report/report.h"
 #include "services/tool/run/plan.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct MissionRunOptions {
   std::string mission = "demo";
@@ -75,6 +75,6 @@ absl::StatusOr<MissionOutcome> RunLockstep(const MissionRunOptions& options,
 absl::Status ReadOutcome(StoreReader& store, const std::vector<RobotPlan>& robots,
                          MissionOutcome& outcome);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_RUN_MISSION_RUN_H_

@@ -10,7 +10,18 @@
 #include "client_agent/source/frame_reader.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::ApplyOptions;
+using client_agent::FormatSourceSpec;
+using client_agent::FrameRange;
+using client_agent::FrameReader;
+using client_agent::FrameSelection;
+using client_agent::OpenReader;
+using client_agent::SelectFrames;
+using client_agent::SourceSpec;
+using client_agent::TakePart;
+
 namespace {
 
 constexpr absl::string_view kNames[] = {
@@ -127,4 +138,4 @@ absl::StatusOr<std::pair<size_t, std::string>> ParsePerturbation(absl::string_vi
   return std::pair<size_t, std::string>(robot, parts.second);
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

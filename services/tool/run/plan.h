@@ -11,7 +11,7 @@
 #include "absl/strings/string_view.h"
 #include "client_agent/source/source_spec.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 enum class SplitMode {
   kHalves,       // Each robot plays its part, as in the paper.
@@ -26,15 +26,16 @@ struct SplitOptions {
 };
 
 // Splits frames [begin, end) into `robots` parts as TakePart does.
-std::vector<FrameSelection> SplitFrames(size_t begin, size_t end, const SplitOptions& options);
+std::vector<client_agent::FrameSelection> SplitFrames(size_t begin, size_t end,
+                                                      const SplitOptions& options);
 
 struct RobotPlan {
   std::string name;
-  SourceSpec source;
+  client_agent::SourceSpec source;
 };
 
 struct PlanOptions {
-  std::vector<SourceSpec> sources;
+  std::vector<client_agent::SourceSpec> sources;
   SplitOptions split;
   // Maps a robot's number (the first is 1) to a text as "gamma=0.8,noise=4,reverse".
   std::map<size_t, std::string> perturbations;
@@ -52,6 +53,6 @@ std::string RobotName(size_t index);
 // Splits "2:gamma=0.8" into robot and options. Returns INVALID_ARGUMENT for another form.
 absl::StatusOr<std::pair<size_t, std::string>> ParsePerturbation(absl::string_view text);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_RUN_PLAN_H_

@@ -8,7 +8,13 @@
 #include "absl/strings/str_cat.h"
 #include "services/simulated_source/simulated_source.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FormatSourceSpec;
+using client_agent::FrameSelection;
+using client_agent::ParseSourceSpec;
+using client_agent::SelectFrames;
+
 namespace {
 
 [[maybe_unused]] const bool registered = RegisterSimulatedSources();
@@ -131,4 +137,4 @@ TEST(RobotNameTest, GoesOnBeyondTheAlphabet) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

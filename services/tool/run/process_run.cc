@@ -20,7 +20,13 @@
 #include "services/tool/run/mission_run.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FormatSourceSpec;
+using client_agent::FrameReader;
+using client_agent::FramesOf;
+using client_agent::OpenReader;
+
 namespace {
 
 constexpr absl::Duration kStartTimeout = absl::Seconds(60);
@@ -304,4 +310,4 @@ absl::StatusOr<MissionOutcome> RunProcesses(const MissionRunOptions& options,
   return ProcessRun(options, on_progress).Run();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -9,7 +9,10 @@
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::SourceLayout;
+
 namespace {
 
 constexpr char kEurocTruth[] = "mav0/state_groundtruth_estimate0";
@@ -158,4 +161,4 @@ absl::Status WriteLayoutFiles(SourceLayout layout, const std::string& folder,
       "kitti and euroc take rectified stereo (rig=kitti, rig=euroc), tum takes RGB-D (rig=rgbd)");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -11,23 +11,23 @@
 #include "slam/evaluation/trajectory.h"
 #include "slam/sensor/sensor.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // Paths of a frame's two pictures below the folder: left and right, or grey and depth.
 struct FramePaths {
   std::string first;
   std::string second;
 };
-FramePaths PathsOfFrame(SourceLayout layout, size_t index, int64_t timestamp_ns);
+FramePaths PathsOfFrame(client_agent::SourceLayout layout, size_t index, int64_t timestamp_ns);
 
 // Makes the folders that the pictures go to. UNAVAILABLE if that fails.
-absl::Status MakeLayoutFolders(SourceLayout layout, const std::string& folder);
+absl::Status MakeLayoutFolders(client_agent::SourceLayout layout, const std::string& folder);
 
 // Writes everything but the pictures: calibration, times, truth. The cameras must be the layout's:
 // rectified stereo for kKitti and kEuroc, RGB-D for kTum. UNAVAILABLE if a file can't be written.
-absl::Status WriteLayoutFiles(SourceLayout layout, const std::string& folder,
+absl::Status WriteLayoutFiles(client_agent::SourceLayout layout, const std::string& folder,
                               const SensorCalibration& calibration, const Trajectory& truth);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_SEQUENCE_LAYOUT_FILES_H_

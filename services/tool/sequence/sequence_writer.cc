@@ -17,7 +17,16 @@
 #include "services/tool/sequence/layout_files.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::FormatSourceSpec;
+using client_agent::FrameReader;
+using client_agent::FramesOf;
+using client_agent::OpenReader;
+using client_agent::ReadPerturbed;
+using client_agent::SourceLayout;
+using client_agent::SourceSpec;
+
 namespace {
 
 // More compression gains little: most of a picture is noise.
@@ -122,4 +131,4 @@ absl::StatusOr<size_t> WriteSequence(const SourceSpec& source,
   return frames.size();
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -10,14 +10,14 @@
 #include "absl/status/statusor.h"
 #include "client_agent/source/source_spec.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 struct WriteSequenceOptions {
   // kKitti: image_0, image_1, calib.txt, times.txt, poses.txt.
   // kEuroc: mav0/cam0 and cam1, mav0/state_groundtruth_estimate0; the body's frame is the left
   //   camera's.
   // kTum: rgb, depth, associated.txt, groundtruth.txt, calibration.yaml.
-  SourceLayout layout = SourceLayout::kKitti;
+  client_agent::SourceLayout layout = client_agent::SourceLayout::kKitti;
   std::string folder;  // The folder is made; files that are there are written over.
   int threads = 1;     // Number of frames drawn and encoded at a time. It changes speed only.
   // Called with the number of frames done and of all frames, from any of the threads, one at a
@@ -29,8 +29,9 @@ struct WriteSequenceOptions {
 // taken. The same source gives the same bytes. INVALID_ARGUMENT for a source that is no simulation,
 // is played backwards, or whose cameras the layout has no place for; UNAVAILABLE, naming the file,
 // where writing fails.
-absl::StatusOr<size_t> WriteSequence(const SourceSpec& source, const WriteSequenceOptions& options);
+absl::StatusOr<size_t> WriteSequence(const client_agent::SourceSpec& source,
+                                     const WriteSequenceOptions& options);
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_TOOL_SEQUENCE_SEQUENCE_WRITER_H_

@@ -17,7 +17,14 @@
 #include "services/simulated_source/simulated_source.h"
 #include "services/tool/evaluation/accuracy.h"
 
-namespace corbslam {
+namespace corbslam::services {
+
+using client_agent::OpenReader;
+using client_agent::ParseSourceSpec;
+using client_agent::ReadPerturbed;
+using client_agent::SourceLayout;
+using client_agent::SourceSpec;
+
 namespace {
 
 [[maybe_unused]] const bool registered = RegisterSimulatedSources();
@@ -168,4 +175,4 @@ TEST(WriteSequenceTest, NamesTheFolderItCannotMake) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::services

@@ -12,7 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 absl::Status Failed(const std::string& folder, absl::string_view what, int error = errno) {
@@ -68,4 +68,4 @@ absl::Status SmallDisk::MakeReadOnly() {
   return Failed(folder_, "can't be made read-only");
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // The disk is in memory (tmpfs). Only this thread, and the processes that it starts, see it; it
 // goes with them.
@@ -40,6 +40,6 @@ class SmallDisk {
   const std::string folder_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_DISK_SMALL_DISK_H_

@@ -16,7 +16,7 @@
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 absl::Status Failed(const std::string& name, absl::string_view what) {
@@ -76,4 +76,4 @@ absl::StatusOr<int> OpenTunnel(const std::string& name, const std::string& addre
   return file;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

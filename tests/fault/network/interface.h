@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // Switches a device on. UNAVAILABLE names the device and the system's word.
 absl::Status BringUp(const std::string& name);
@@ -18,6 +18,6 @@ absl::Status BringUp(const std::string& name);
 absl::StatusOr<int> OpenTunnel(const std::string& name, const std::string& address,
                                const std::string& peer);
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_NETWORK_INTERFACE_H_

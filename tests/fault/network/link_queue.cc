@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace corbslam {
+namespace corbslam::tests {
 
 bool LinkQueue::IsLost(absl::Time now, size_t bytes) {
   if (!shape_.IsUp(now - start_)) return true;
@@ -44,4 +44,4 @@ absl::Time LinkQueue::NextDue() const {
   return packets_.empty() ? absl::InfiniteFuture() : packets_.front().due;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -12,7 +12,7 @@
 #include "absl/time/time.h"
 #include "tests/fault/network/link_shape.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 struct LinkCounts {
   uint64_t passed = 0;
@@ -52,6 +52,6 @@ class LinkQueue {
   LinkCounts counts_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_NETWORK_LINK_QUEUE_H_

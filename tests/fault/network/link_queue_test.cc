@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 const absl::Time kStart = absl::FromUnixSeconds(1000);
@@ -105,4 +105,4 @@ TEST(LinkShapeTest, ImpossibleShapesAreRefused) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

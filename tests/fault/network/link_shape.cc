@@ -2,7 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 absl::Status LinkShape::Validate() const {
   if (!(loss >= 0 && loss < 1)) {
@@ -25,4 +25,4 @@ bool LinkShape::IsUp(absl::Duration since_start) const {
   return since_start % (up + down) < up;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/time/time.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // The shape is the same in both directions. By default nothing happens to packets.
 struct LinkShape {
@@ -34,6 +34,6 @@ struct LinkShape {
   bool IsUp(absl::Duration since_start) const;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_NETWORK_LINK_SHAPE_H_

@@ -11,7 +11,7 @@
 #include "slam/util/status_macros.h"
 #include "tests/fault/network/interface.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 absl::Status Failed(absl::string_view what) {
@@ -62,4 +62,4 @@ absl::Status NetworkNamespace::Run(const std::function<absl::Status()>& function
   return status;
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // A namespace has no name and leaves nothing behind: it goes with this object and the processes in
 // it. All calls must come from one thread.
@@ -35,6 +35,6 @@ class NetworkNamespace {
   const int outside_;  // The namespace in which Create was called.
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_NETWORK_NETWORK_NAMESPACE_H_

@@ -18,7 +18,7 @@
 #include "slam/util/status_macros.h"
 #include "tests/fault/network/interface.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 constexpr size_t kMaxPacketBytes = 2048;
@@ -107,4 +107,4 @@ void ShapedLink::Carry(const LinkShape& shape) {
   }
 }
 
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -14,7 +14,7 @@
 #include "tests/fault/network/link_shape.h"
 #include "tests/fault/network/network_namespace.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 
 // A link has a device in each namespace, and a thread that carries packets between the two as the
 // shape says: what `tc netem` does in the kernel, where the kernel has it. An outage swallows
@@ -52,6 +52,6 @@ class ShapedLink {
   std::thread thread_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::tests
 
 #endif  // CORBSLAM_TESTS_FAULT_NETWORK_SHAPED_LINK_H_

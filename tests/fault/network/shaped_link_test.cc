@@ -14,7 +14,7 @@
 #include "slam/util/status_macros.h"
 #include "tests/fault/network/network_namespace.h"
 
-namespace corbslam {
+namespace corbslam::tests {
 namespace {
 
 constexpr char kHere[] = "10.78.0.1";
@@ -135,4 +135,4 @@ TEST_F(ShapedLinkTest, ImpossibleLinksAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace corbslam
+}  // namespace corbslam::tests

@@ -14,47 +14,47 @@
 #include "absl/time/time.h"
 #include "client_agent/source/frame_stream.h"
 
-namespace corbslam {
+namespace corbslam::services {
 
 // A stream of unknown length: it gives what a test puts in, in that order, and notes how it was
 // asked. Not thread-safe.
-class QueuedStream : public FrameStream {
+class QueuedStream : public client_agent::FrameStream {
  public:
-  void Put(absl::StatusOr<NextFrame> next) { queue_.push_back(std::move(next)); }
+  void Put(absl::StatusOr<client_agent::NextFrame> next) { queue_.push_back(std::move(next)); }
   // Puts a frame without pictures.
   void PutFrame(size_t number, double time_s, int drive = 0) {
-    StreamFrame frame;
+    client_agent::StreamFrame frame;
     frame.frame = {number, static_cast<int64_t>(time_s * 1e9), drive};
     frame.images.timestamp_ns = frame.frame.timestamp_ns;
-    Put(NextFrame(std::move(frame)));
+    Put(client_agent::NextFrame(std::move(frame)));
   }
   // Returns the deadlines of the questions so far.
   const std::vector<absl::Time>& asked() const { return asked_; }
   // Called when nothing is left to give.
   std::function<void()> when_empty;
   // What left_out returns.
-  LeftOutFrames left_out_frames;
+  client_agent::LeftOutFrames left_out_frames;
 
   const SensorCalibration& calibration() const override { return calibration_; }
   std::optional<double> interval_s() const override { return std::nullopt; }
-  absl::StatusOr<NextFrame> Next(absl::Time deadline) override {
+  absl::StatusOr<client_agent::NextFrame> Next(absl::Time deadline) override {
     asked_.push_back(deadline);
     if (queue_.empty()) {
       if (when_empty != nullptr) when_empty();
-      return NoFrameYet();
+      return client_agent::NoFrameYet();
     }
-    absl::StatusOr<NextFrame> next = std::move(queue_.front());
+    absl::StatusOr<client_agent::NextFrame> next = std::move(queue_.front());
     queue_.pop_front();
     return next;
   }
-  LeftOutFrames left_out() const override { return left_out_frames; }
+  client_agent::LeftOutFrames left_out() const override { return left_out_frames; }
 
  private:
-  std::deque<absl::StatusOr<NextFrame>> queue_;
+  std::deque<absl::StatusOr<client_agent::NextFrame>> queue_;
   std::vector<absl::Time> asked_;
   SensorCalibration calibration_;
 };
 
-}  // namespace corbslam
+}  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_TESTING_QUEUED_STREAM_H_
