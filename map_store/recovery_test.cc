@@ -267,6 +267,10 @@ std::vector<StateDamage> MakeStateDamages() {
            [](auto& state) {
              state.global.keyframes[{kNobody, 0}] = {};
            }},
+          {"ADisplacedNobody",
+           [](auto& state) {
+             state.FindIslandOf(kSmallMapA)->displaced.insert({kNobody, 0});
+           }},
           {"ACameraOfNoSize",
            [](auto& state) { MapA(state).cameras = {std::make_shared<const Camera>()}; }},
           {"APointOfNaN",

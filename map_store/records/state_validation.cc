@@ -80,6 +80,7 @@ absl::Status ValidateIslands(const MissionState& state) {
           sound && IsKnown(state, member) && it != state.global.island_of.end() && it->second == id;
     }
     for (const LocalMapId& relaxed : island.relaxed) sound = sound && IsKnown(state, relaxed);
+    for (const KeyframeId& id : island.displaced) sound = sound && IsKnown(state, id.local_map);
     RETURN_IF_ERROR(Check(sound, absl::StrCat("island ", ToString(id))));
     members += island.local_maps.size();
   }
