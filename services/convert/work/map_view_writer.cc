@@ -86,8 +86,8 @@ void WriteNodes(const Words& words, const KeypointNumbers& numbers, v1::Features
   }
 }
 
-v1::KeyframePayload ToProto(const Keyframe& keyframe, const KeypointNumbers& numbers,
-                            bool descriptors) {
+v1::KeyframePayload PayloadToProto(const Keyframe& keyframe, const KeypointNumbers& numbers,
+                                   bool descriptors) {
   v1::KeyframePayload proto;
   proto.set_timestamp_ns(keyframe.payload->timestamp_ns);
   proto.set_camera_index(keyframe.payload->camera_index);
@@ -116,7 +116,7 @@ std::map<KeyframeId, KeypointNumbers> WriteKeyframes(const Map& map, const MapVi
   for (const auto& [id, keyframe] : map.keyframes()) {
     const KeypointNumbers& kept =
         numbers.emplace(id, NumberKeypoints(keyframe, content.all_keypoints)).first->second;
-    v1::KeyframePayload payload = ToProto(keyframe, kept, content.descriptors);
+    v1::KeyframePayload payload = PayloadToProto(keyframe, kept, content.descriptors);
     v1::MapChunk* chunk = writer.Reserve(payload.ByteSizeLong() + 250);
     if (chunk == nullptr) return numbers;
     WriteCamera(*keyframe.payload, named, chunk, writer.slots());
