@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/state_fields.h"
 #include "map_store/ingest/item_validation.h"
@@ -295,7 +296,65 @@ absl::Status SetAnchors(const std::vector<KeyframeId>& anchors, PlacedPoints& po
   return absl::OkStatus();
 }
 
+constexpr uint32_t kNoAnchor = std::numeric_limits<uint32_t>::max();
+
+// Names each point's anchor by its rank among the plan's keyframes.
+std::string EncodeAnchors(const RevisionPlan& plan) {
+  absl::flat_hash_map<KeyframeId, uint32_t> ranks;
+  for (const auto& [id, placed] : plan.keyframes) ranks.emplace(id, ranks.size());
+  std::vector<uint32_t> anchors;
+  anchors.reserve(plan.points.size());
+  for (const auto& [id, planned] : plan.points) {
+    const auto rank = ranks.find(planned.anchor);
+    anchors.push_back(rank == ranks.end() ? kNoAnchor : rank->second);
+  }
+  ArchiveWriter writer;
+  writer(anchors);
+  return writer.Take();
+}
+
+absl::Status SetAnchors(const std::vector<uint32_t>& anchors, RevisionPlan& plan) {
+  std::vector<KeyframeId> keyframes;
+  keyframes.reserve(plan.keyframes.size());
+  for (const auto& [id, placed] : plan.keyframes) keyframes.push_back(id);
+  const bool sound =
+      anchors.size() == plan.points.size() && std::ranges::all_of(anchors, [&](uint32_t rank) {
+        return rank == kNoAnchor || rank < keyframes.size();
+      });
+  if (!sound) return Unreadable("what a plan's points are anchored in");
+  auto rank = anchors.begin();
+  for (auto& [id, planned] : plan.points) {
+    planned.anchor = *rank == kNoAnchor ? KeyframeId() : keyframes[*rank];
+    ++rank;
+  }
+  return absl::OkStatus();
+}
+
+RevisionPlan* PlanOf(JournalRecord& record) {
+  if (auto* fuse = std::get_if<FuseRecord>(&record)) return &fuse->plan;
+  if (auto* adjust = std::get_if<AdjustRecord>(&record)) return &adjust->plan;
+  return nullptr;
+}
+
+// Writes what follows the record's fields: formats that are older end there.
+void WriteTail(const BatchRecord& record, ArchiveWriter& writer) {
+  writer(CountKeypoints(record.batch->full_keyframes));
+  // Records of journals before format 6 end here.
+  writer(record.batch->recorded_cameras);
+  // Records of journals before format 7 end here.
+  writer(record.batch->points_follow);
+}
+void WriteTail(std::string_view anchors, ArchiveWriter& writer) {
+  writer.Raw(anchors.data(), anchors.size());
+}
+
 }  // namespace
+
+PlanBytes EncodePlan(const RevisionPlan& plan) {
+  ArchiveWriter writer;
+  writer(plan);
+  return {writer.Take(), EncodeAnchors(plan)};
+}
 
 std::string EncodeFeatures(const KeyframePayload& payload) {
   ArchiveWriter writer;
@@ -327,11 +386,13 @@ std::string EncodeRecord(const JournalRecord& record) {
   ArchiveWriter writer;
   writer(record);
   if (const auto* update = std::get_if<BatchRecord>(&record)) {
-    writer(CountKeypoints(update->batch->full_keyframes));
-    // Records of journals before format 6 end here.
-    writer(update->batch->recorded_cameras);
-    // Records of journals before format 7 end here.
-    writer(update->batch->points_follow);
+    WriteTail(*update, writer);
+  } else if (const auto* fuse = std::get_if<FuseRecord>(&record)) {
+    WriteTail(EncodeAnchors(fuse->plan), writer);
+  } else if (const auto* adjust = std::get_if<AdjustRecord>(&record)) {
+    WriteTail(
+        adjust->plan_bytes != nullptr ? adjust->plan_bytes->anchors : EncodeAnchors(adjust->plan),
+        writer);
   }
   return writer.Take();
 }
@@ -347,6 +408,11 @@ absl::StatusOr<JournalRecord> DecodeRecord(std::string_view bytes, const Feature
   if (update != nullptr && reader.left() > 0) reader(recorded_cameras);
   bool points_follow = false;
   if (update != nullptr && reader.left() > 0) reader(points_follow);
+  if (RevisionPlan* plan = PlanOf(record); plan != nullptr && reader.left() > 0) {
+    std::vector<uint32_t> anchors;
+    reader(anchors);
+    RETURN_IF_ERROR(SetAnchors(anchors, *plan));
+  }
   if (!reader.done()) return Unreadable("a journal record");
   if (update == nullptr) return record;
   auto batch = std::make_shared<MapUpdateBatch>(*update->batch);

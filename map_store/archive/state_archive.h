@@ -28,6 +28,8 @@ std::string EncodeFeatures(const KeyframePayload& payload);
 // then believe that the bytes are a sound mission's.
 absl::StatusOr<Features> DecodeFeatures(std::string_view bytes);
 
+// Makes what EncodeRecord writes of a plan.
+PlanBytes EncodePlan(const RevisionPlan& plan);
 std::string EncodeRecord(const JournalRecord& record);
 absl::StatusOr<JournalRecord> DecodeRecord(std::string_view bytes, const FeatureLoader& load);
 

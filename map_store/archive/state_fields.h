@@ -90,6 +90,7 @@ template <typename Archive, MayBeConst<PlacedPoint> T>
 void Fields(Archive& archive, T& placed) {
   archive(placed.position_in_anchor, placed.revision);
 }
+// The anchors of a plan's points stand apart, at the end of the record: the format is older.
 template <typename Archive, MayBeConst<PlannedPoint> T>
 void Fields(Archive& archive, T& planned) {
   archive(planned.position_in_island, planned.revision);
@@ -164,7 +165,14 @@ void Fields(Archive& archive, T& record) {
 }
 template <typename Archive, MayBeConst<AdjustRecord> T>
 void Fields(Archive& archive, T& record) {
-  archive(record.plan, record.dirty, record.statistics);
+  if constexpr (Archive::kReads) {
+    archive(record.plan);
+  } else if (record.plan_bytes != nullptr) {
+    archive.Raw(record.plan_bytes->fields.data(), record.plan_bytes->fields.size());
+  } else {
+    archive(record.plan);
+  }
+  archive(record.dirty, record.statistics);
 }
 
 }  // namespace corbslam::map_store

@@ -120,14 +120,19 @@ std::optional<FusionCoordinator::Claim> FusionCoordinator::ClaimLane(FusionLane 
   return Claim{*action, lanes_.Claim(*action)};
 }
 
-absl::StatusOr<std::optional<FusionRequest>> FusionCoordinator::Prepare(const Claim& claim) const {
-  absl::ReaderMutexLock lock(&strand_.mutex());
+std::function<absl::Status()> FusionCoordinator::GoesOnUntilRevised(
+    const std::atomic<bool>& cancelled) const {
   const uint64_t revision = strand_.state().global.revision;
-  PausingRead read(strand_.mutex(), [&]() ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex()) {
-    if (claim.cancelled->load()) return absl::AbortedError("cancelled");
+  return [this, &cancelled, revision]() ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex()) {
+    if (cancelled.load()) return absl::AbortedError("cancelled");
     if (strand_.state().global.revision == revision) return absl::OkStatus();
     return absl::AbortedError("another revision was committed");
-  });
+  };
+}
+
+absl::StatusOr<std::optional<FusionRequest>> FusionCoordinator::Prepare(const Claim& claim) const {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  PausingRead read(strand_.mutex(), GoesOnUntilRevised(*claim.cancelled));
   return PrepareRequest(strand_.state(), claim.action, strand_.options(), read);
 }
 

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_MAP_STORE_MISSION_FUSION_COORDINATOR_H_
 #define CORBSLAM_MAP_STORE_MISSION_FUSION_COORDINATOR_H_
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "absl/time/time.h"
 #include "map_store/fusion/fusion_job.h"
 #include "map_store/fusion/fusion_policy.h"
+#include "map_store/fusion/revision_layers.h"
 #include "map_store/mission/fusion_lanes.h"
 #include "map_store/mission/mission_load.h"
 #include "map_store/mission/mission_strand.h"
@@ -26,6 +28,12 @@ namespace corbslam::map_store {
 enum class JobEnd {
   kDone,      // Its result is in the state, or is known to be worth nothing.
   kTryLater,  // The worker is not there, or the journal takes nothing.
+};
+
+// What is committed of an adjustment, made before the writers' turn.
+struct AdjustmentDraft {
+  AdjustRecord record;  // `dirty` does not count yet what owners said.
+  RevisionLayers layers;
 };
 
 // Asks the policy what comes next, keeps the lanes, and commits results through the mission's
@@ -96,8 +104,22 @@ class FusionCoordinator {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
   absl::Status CommitRefusedFuse(const FuseJob& job, const FuseMapsResult& result)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
-  absl::Status CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result)
+  // Plans the adjustment and prepares all that it changes while owners go on, then takes the turn.
+  absl::Status CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result,
+                            const std::atomic<bool>& cancelled);
+  // Returns false where the result is worth nothing any more.
+  bool IsWanted(const AdjustJob& job, const std::atomic<bool>& cancelled) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  // Returns ABORTED if another revision came between, or nobody wants it any more.
+  absl::StatusOr<AdjustmentDraft> DraftAdjustment(const AdjustJob& job,
+                                                  const AdjustBundleResult& result,
+                                                  const std::atomic<bool>& cancelled) const;
+  absl::Status CommitDraft(const AdjustJob& job, AdjustmentDraft draft)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  // Returns what a long read asks at its pauses: ABORTED once a revision is committed, or the work
+  // is cancelled.
+  std::function<absl::Status()> GoesOnUntilRevised(const std::atomic<bool>& cancelled) const
+      ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   // Returns whether a revision that was committed after the job began has placed what the record
   // would place, so that the record is void; an urgent record never is.
   bool IsOvertaken(const FuseJob& job, const FuseRecord& record) const;

@@ -2,12 +2,17 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/fusion/revision.h"
 #include "map_store/mission/fusion_coordinator.h"
+#include "map_store/mission/pausing_read.h"
 #include "map_store/records/record_application.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
+
+// An adjustment is drafted so often while others commit.
+constexpr int kMaxDrafts = 3;
 
 // Returns whether something that the plan places was placed after `revision`.
 bool WasPlacedSince(uint64_t revision, const RevisionPlan& plan, const GlobalLayer& global) {
@@ -15,6 +20,19 @@ bool WasPlacedSince(uint64_t revision, const RevisionPlan& plan, const GlobalLay
     const auto it = global.keyframes.find(planned.first);
     return it != global.keyframes.end() && it->second.revision > revision;
   });
+}
+
+// Drafts what an adjustment makes of the state.
+absl::StatusOr<AdjustmentDraft> Draft(const MissionState& state, const MapStoreOptions& options,
+                                      const AdjustJob& job, const AdjustBundleResult& result,
+                                      LongRead& read) {
+  AdjustmentDraft draft;
+  ASSIGN_OR_RETURN(draft.record.plan, PlanAdjust(state, job, result, read));
+  draft.record.dirty = WasPlacedSince(job.request.base_revision, draft.record.plan, state.global);
+  draft.record.statistics = {result.keyframes, result.points, result.iterations,
+                             result.seconds * 1e3};
+  ASSIGN_OR_RETURN(draft.layers, PrepareLayers(draft.record.plan, options, state, read));
+  return draft;
 }
 
 void GiveUpAdjustment(const MissionState& state, Island& island) {
@@ -52,15 +70,15 @@ void FusionCoordinator::SkipAction(const FusionAction& action) {
 }
 
 absl::Status FusionCoordinator::Commit(const FusionJob& job, const FusionResult& result) {
+  if (const auto* adjust = std::get_if<AdjustJob>(&job.work)) {
+    return CommitAdjust(*adjust, std::get<AdjustBundleResult>(result), *job.cancelled);
+  }
   absl::MutexLock turn(&strand_.turn());
   if (strand_.IsDeleted() || job.cancelled->load()) return absl::OkStatus();
   if (const auto* query = std::get_if<QueryJob>(&job.work)) {
     return CommitQuery(*query, std::get<VerifyOverlapResult>(result));
   }
-  if (const auto* fuse = std::get_if<FuseJob>(&job.work)) {
-    return CommitFuse(*fuse, std::get<FuseMapsResult>(result));
-  }
-  return CommitAdjust(std::get<AdjustJob>(job.work), std::get<AdjustBundleResult>(result));
+  return CommitFuse(std::get<FuseJob>(job.work), std::get<FuseMapsResult>(result));
 }
 
 absl::Status FusionCoordinator::CommitQuery(const QueryJob& job,
@@ -121,27 +139,64 @@ double FusionCoordinator::SinceVerified(const std::vector<uint64_t>& overlaps) c
   return overlaps.empty() ? 0 : absl::ToDoubleMilliseconds(strand_.environment().clock() - first);
 }
 
-absl::Status FusionCoordinator::CommitAdjust(const AdjustJob& job,
-                                             const AdjustBundleResult& result) {
-  AdjustRecord record;
-  record.plan = PlanAdjust(strand_.state_in_turn(), job, result);
+absl::Status FusionCoordinator::CommitAdjust(const AdjustJob& job, const AdjustBundleResult& result,
+                                             const std::atomic<bool>& cancelled) {
+  for (int draft = 0; draft < kMaxDrafts; ++draft) {
+    absl::StatusOr<AdjustmentDraft> drafted = DraftAdjustment(job, result, cancelled);
+    if (!drafted.ok()) continue;
+    absl::MutexLock turn(&strand_.turn());
+    if (!IsWanted(job, cancelled)) return absl::OkStatus();
+    const MissionState& state = strand_.state_in_turn();
+    if (state.global.revision + 1 != drafted->record.plan.revision) continue;
+    if (!RefreshLayers(drafted->record.plan, strand_.options(), state, drafted->layers)) continue;
+    return CommitDraft(job, *std::move(drafted));
+  }
+  // Others go on committing: this one is drafted while they wait.
+  absl::MutexLock turn(&strand_.turn());
+  if (!IsWanted(job, cancelled)) return absl::OkStatus();
+  UnbrokenRead read;
+  ASSIGN_OR_RETURN(AdjustmentDraft draft,
+                   Draft(strand_.state_in_turn(), strand_.options(), job, result, read));
+  return CommitDraft(job, std::move(draft));
+}
+
+bool FusionCoordinator::IsWanted(const AdjustJob& job, const std::atomic<bool>& cancelled) const {
+  if (strand_.IsDeleted() || cancelled.load()) return false;
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  const auto& islands = strand_.state().global.islands;
+  const auto it = islands.find(job.snapshot.island);
+  return it != islands.end() && it->second.generation == job.snapshot.generation;
+}
+
+absl::StatusOr<AdjustmentDraft> FusionCoordinator::DraftAdjustment(
+    const AdjustJob& job, const AdjustBundleResult& result,
+    const std::atomic<bool>& cancelled) const {
+  absl::StatusOr<AdjustmentDraft> draft;
   {
     absl::ReaderMutexLock lock(&strand_.mutex());
-    const MissionState& state = strand_.state();
-    const auto it = state.global.islands.find(job.snapshot.island);
-    if (it == state.global.islands.end()) return absl::OkStatus();
-    if (it->second.generation != job.snapshot.generation) return absl::OkStatus();
-    // The island stays dirty if something arrived or was welded while the worker was busy: it waits
-    // for the next adjustment.
-    record.dirty = it->second.version_of_owners > job.snapshot.version_of_owners ||
-                   WasPlacedSince(job.request.base_revision, record.plan, state.global);
+    if (!strand_.state().global.islands.contains(job.snapshot.island)) {
+      return absl::AbortedError("the island has gone");
+    }
+    PausingRead read(strand_.mutex(), GoesOnUntilRevised(cancelled));
+    draft = Draft(strand_.state(), strand_.options(), job, result, read);
   }
-  record.statistics = {result.keyframes, result.points, result.iterations, result.seconds * 1e3};
-  RETURN_IF_ERROR(strand_.Append(record));
-  RevisionLayers layers = PrepareLayers(record.plan, strand_.options(), strand_.state_in_turn());
+  if (draft.ok()) strand_.environment().journal->Prepare(draft->record);
+  return draft;
+}
+
+absl::Status FusionCoordinator::CommitDraft(const AdjustJob& job, AdjustmentDraft draft) {
+  {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    const Island& island = strand_.state().global.islands.at(job.snapshot.island);
+    // The island stays dirty if something arrived while the worker was busy: it waits for the next
+    // adjustment.
+    draft.record.dirty =
+        draft.record.dirty || island.version_of_owners > job.snapshot.version_of_owners;
+  }
+  RETURN_IF_ERROR(strand_.Append(draft.record));
   StateWriteLock lock(strand_);
-  map_store::Apply(record, layers, strand_.mutable_state());
-  lanes_.ForgetTrouble(record.plan.target);
+  map_store::Apply(draft.record, draft.layers, strand_.mutable_state());
+  lanes_.ForgetTrouble(draft.record.plan.target);
   return absl::OkStatus();
 }
 

@@ -49,6 +49,9 @@ class Journal {
   // Makes of the batch's record what Append will write. That is most of the work and needs no order
   // among callers; Append does it where it was not done. The record is not changed afterwards.
   virtual void Prepare(BatchRecord&) const {}
+  // Makes of the record's plan what Append will write; the same holds. The rest of the record may
+  // still change.
+  virtual void Prepare(AdjustRecord&) const {}
   // Puts the record behind the ones before it. An error means that nothing was written:
   // RESOURCE_EXHAUSTED (no room), UNAVAILABLE (the disk refuses), each naming the journal.
   virtual absl::StatusOr<Position> Append(absl::string_view mission,

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "absl/time/time.h"
-#include "map_store/fusion/revision.h"
+#include "map_store/fusion/revision_plan.h"
 #include "map_store/state/mission_state.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
@@ -56,10 +56,18 @@ struct FuseRefusedRecord {
   double worst_edge_chi2 = 0;
 };
 
+// What a journal writes of a plan.
+struct PlanBytes {
+  std::string fields;
+  std::string anchors;
+};
+
 struct AdjustRecord {
   RevisionPlan plan;
   bool dirty = false;  // True: owners said more while the worker was busy.
   GlobalAdjustmentStatistics statistics;
+  // What Journal::Prepare made of the plan; null until then.
+  std::shared_ptr<const PlanBytes> plan_bytes = nullptr;
 };
 
 // The global layer was forgotten, to be derived again.

@@ -146,6 +146,10 @@ Journal::Position RocksJournal::NextPosition() {
 
 void RocksJournal::Prepare(BatchRecord& record) const { record.bytes = EncodeBatch(record); }
 
+void RocksJournal::Prepare(AdjustRecord& record) const {
+  record.plan_bytes = std::make_shared<const PlanBytes>(EncodePlan(record.plan));
+}
+
 absl::StatusOr<Journal::Position> RocksJournal::Append(absl::string_view mission,
                                                        const JournalRecord& record) {
   const std::shared_ptr<const BatchBytes> bytes = BytesOf(record);

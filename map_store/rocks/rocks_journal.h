@@ -49,6 +49,7 @@ class RocksJournal : public Journal {
   ~RocksJournal() override;
 
   void Prepare(BatchRecord& record) const override;
+  void Prepare(AdjustRecord& record) const override;
   absl::StatusOr<Position> Append(absl::string_view mission, const JournalRecord& record) override;
   absl::Status Sync(Position position) override;
   bool WantsSnapshot(absl::string_view mission) const override;

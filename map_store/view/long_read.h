@@ -2,6 +2,8 @@
 #ifndef CORBSLAM_MAP_STORE_VIEW_LONG_READ_H_
 #define CORBSLAM_MAP_STORE_VIEW_LONG_READ_H_
 
+#include <cstddef>
+
 #include "absl/status/status.h"
 
 namespace corbslam::map_store {
@@ -20,6 +22,25 @@ class LongRead {
 class UnbrokenRead : public LongRead {
  public:
   absl::Status Pause() override { return absl::OkStatus(); }
+};
+
+// Counts what a read looks at, and ends a piece after so many looks.
+class LooksInPieces {
+ public:
+  // The read is not owned and must outlive this.
+  LooksInPieces(LongRead& read, size_t looks_in_a_piece) : read_(read), limit_(looks_in_a_piece) {}
+
+  // The caller calls this between two looks. Returns what Pause does where a piece ends here.
+  absl::Status Look() {
+    if (++looks_ < limit_) return absl::OkStatus();
+    looks_ = 0;
+    return read_.Pause();
+  }
+
+ private:
+  LongRead& read_;
+  const size_t limit_;
+  size_t looks_ = 0;
 };
 
 }  // namespace corbslam::map_store
