@@ -39,8 +39,8 @@ struct Walk {
 };
 
 template <typename Pose>
-void ToProto(const Walk& walk, const std::string& agent, const Pose& pose,
-             v1::TrajectoryPose* proto) {
+void PoseToProto(const Walk& walk, const std::string& agent, const Pose& pose,
+                 v1::TrajectoryPose* proto) {
   proto->set_agent(AgentName(walk.mission, agent));
   proto->set_timestamp_ns(pose.timestamp_ns);
   ToProto(pose.frame_from_camera, proto->mutable_frame_from_camera());
@@ -55,7 +55,7 @@ bool FillNext(Walk& walk, v1::GetTrajectoryResponse& response) {
   response.set_poses_of(walk.poses_of);
   while (!walk.AtEnd() && static_cast<size_t>(response.poses_size()) < kPosesPerMessage) {
     const AgentTrajectory& trajectory = walk.trajectories[walk.agent];
-    ToProto(walk, trajectory.agent, trajectory.poses[walk.pose++], response.add_poses());
+    PoseToProto(walk, trajectory.agent, trajectory.poses[walk.pose++], response.add_poses());
   }
   return true;
 }
