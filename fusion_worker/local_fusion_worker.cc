@@ -45,7 +45,7 @@ class LocalFusionWorker : public FusionWorker {
 };
 
 absl::Status CheckCandidates(const VerifyOverlapRequest& request) {
-  if (request.query_view.FindKeyframe(request.query) == nullptr) {
+  if (request.query_view->FindKeyframe(request.query) == nullptr) {
     return absl::InvalidArgumentError(
         absl::StrCat("query keyframe ", ToString(request.query), " is not in its view"));
   }
@@ -65,7 +65,7 @@ absl::Status CheckCandidates(const VerifyOverlapRequest& request) {
 absl::StatusOr<VerifyOverlapResult> LocalFusionWorker::VerifyOverlap(
     const VerifyOverlapRequest& request, const ProgressCallback& progress) {
   RETURN_IF_ERROR(CheckCandidates(request));
-  RETURN_IF_ERROR(CheckView(request.query_view));
+  RETURN_IF_ERROR(CheckView(*request.query_view));
   RETURN_IF_ERROR(CheckView(request.candidate_view));
   PlaceVerificationOptions verification;
   verification.fix_scale = request.fix_scale;
@@ -78,8 +78,8 @@ absl::StatusOr<VerifyOverlapResult> LocalFusionWorker::VerifyOverlap(
       return absl::CancelledError(
           absl::StrCat("verification of keyframe ", ToString(request.query), " was cancelled"));
     }
-    result.overlaps.push_back(VerifyPlace(request.query_view, request.query, request.candidate_view,
-                                          candidate.id, verification));
+    result.overlaps.push_back(VerifyPlace(*request.query_view, request.query,
+                                          request.candidate_view, candidate.id, verification));
     result.overlaps.back().evidence.shared_words = candidate.shared_words;
     if (result.overlaps.back().IsAccepted()) break;
   }

@@ -35,7 +35,7 @@ class LocalFusionWorkerTest : public ::testing::Test {
   VerifyOverlapRequest VerifyRequest() const {
     VerifyOverlapRequest request;
     request.base_revision = 4;
-    request.query_view = b_.map;
+    request.query_view = std::make_shared<const Map>(b_.map);
     request.query = {kB, 2};
     request.candidate_view = a_.map;
     // The first candidate is elsewhere, the second is right, the third is not looked at any more.

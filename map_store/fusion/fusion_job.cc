@@ -255,12 +255,12 @@ Unplaced FindRelaxedKeyframes(const MissionState& state, const Island& island,
 absl::StatusOr<std::optional<FusionRequest>> PrepareRequest(const MissionState& state,
                                                             const FusionAction& action,
                                                             const MapStoreOptions& options,
-                                                            LongRead& read) {
+                                                            LongRead& read, QueryViews& views) {
   switch (action.kind) {
     case FusionAction::Kind::kQuery: {
       if (state.queries.empty()) return std::nullopt;
       const QueryTask task = state.queries.front();
-      ASSIGN_OR_RETURN(auto request, BuildVerifyRequest(state, task, options, read));
+      ASSIGN_OR_RETURN(auto request, BuildVerifyRequest(state, task, options, read, views));
       if (!request.has_value()) return std::nullopt;
       return FusionRequest(QueryJob{task, *std::move(request)});
     }

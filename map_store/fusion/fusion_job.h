@@ -11,6 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "map_store/fusion/fusion_policy.h"
+#include "map_store/fusion/overlap_query.h"
 #include "map_store/options.h"
 #include "map_store/state/mission_state.h"
 #include "map_store/view/island_view.h"
@@ -57,7 +58,7 @@ struct FusionJob {
 absl::StatusOr<std::optional<FusionRequest>> PrepareRequest(const MissionState& state,
                                                             const FusionAction& action,
                                                             const MapStoreOptions& options,
-                                                            LongRead& read);
+                                                            LongRead& read, QueryViews& views);
 
 // Asks the worker and blocks until it answers. The caller holds no lock.
 absl::StatusOr<FusionResult> RunRequest(const FusionRequest& work, FusionWorker& worker,

@@ -62,7 +62,7 @@ bool AreLinked(const MissionState& state, KeyframeId query, KeyframeId candidate
 }
 
 bool IsComplete(const VerifyOverlapRequest& request) {
-  return request.query_view.FindKeyframe(request.query) != nullptr &&
+  return request.query_view->FindKeyframe(request.query) != nullptr &&
          std::ranges::all_of(request.candidates, [&request](const auto& candidate) {
            return request.candidate_view.FindKeyframe(candidate.id) != nullptr;
          });
@@ -83,6 +83,20 @@ void AddWithNeighbours(const MissionState& state, KeyframeId id, int neighbours,
 }
 
 }  // namespace
+
+absl::StatusOr<std::shared_ptr<const Map>> QueryViews::ViewAround(
+    const std::set<KeyframeId>& keyframes, const MissionState& state, LongRead& read) {
+  if (view_ != nullptr && version_ == state.version && keyframes_ == keyframes) return view_;
+  Clear();
+  const uint64_t version = state.version;
+  ASSIGN_OR_RETURN(Map view, BuildPartialView(state, keyframes, read));
+  auto shared = std::make_shared<const Map>(std::move(view));
+  if (version != state.version) return shared;
+  version_ = version;
+  keyframes_ = keyframes;
+  view_ = shared;
+  return shared;
+}
 
 bool BothMetric(const LocalMapState& a, const LocalMapState& b) {
   const auto is_metric = [](const std::shared_ptr<const Camera>& camera) {
@@ -116,7 +130,7 @@ std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& 
 
 absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
     const MissionState& state, const QueryTask& task, const MapStoreOptions& options,
-    LongRead& read) {
+    LongRead& read, QueryViews& views) {
   VerifyOverlapRequest request;
   request.candidates = FindCandidates(state, task, options);
   if (request.candidates.empty()) return std::nullopt;
@@ -138,7 +152,7 @@ absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
     AddWithNeighbours(state, candidate, neighbours, around_query, around_candidates);
   }
   RETURN_IF_ERROR(read.Pause());
-  ASSIGN_OR_RETURN(request.query_view, BuildPartialView(state, around_query, read));
+  ASSIGN_OR_RETURN(request.query_view, views.ViewAround(around_query, state, read));
   RETURN_IF_ERROR(read.Pause());
   ASSIGN_OR_RETURN(request.candidate_view, BuildPartialView(state, around_candidates, read));
   if (!IsComplete(request)) return absl::AbortedError("a keyframe has gone");

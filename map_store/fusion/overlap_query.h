@@ -2,7 +2,10 @@
 #ifndef CORBSLAM_MAP_STORE_FUSION_OVERLAP_QUERY_H_
 #define CORBSLAM_MAP_STORE_FUSION_OVERLAP_QUERY_H_
 
+#include <cstdint>
+#include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -22,11 +25,27 @@ std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& 
                                                             const QueryTask& task,
                                                             const MapStoreOptions& options);
 
+// Keeps the view around the query that was built last: a keyframe is held against one local map
+// after the other, and its view is the same as long as nothing changes. Of one mission; not
+// thread-safe.
+class QueryViews {
+ public:
+  // Returns what BuildPartialView does.
+  absl::StatusOr<std::shared_ptr<const Map>> ViewAround(const std::set<KeyframeId>& keyframes,
+                                                        const MissionState& state, LongRead& read);
+  void Clear() { view_.reset(); }
+
+ private:
+  uint64_t version_ = 0;
+  std::set<KeyframeId> keyframes_;
+  std::shared_ptr<const Map> view_;
+};
+
 // Returns both sides with the keyframes around them, in their islands' frames; nullopt when there
 // are no candidates. ABORTED: as `read` says, or the owner removed one of the keyframes meanwhile.
 absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
     const MissionState& state, const QueryTask& task, const MapStoreOptions& options,
-    LongRead& read);
+    LongRead& read, QueryViews& views);
 
 // Returns whether both local maps have a metric scale of their own.
 bool BothMetric(const LocalMapState& a, const LocalMapState& b);

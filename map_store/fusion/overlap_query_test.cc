@@ -46,7 +46,7 @@ class LookingWorker : public TruthfulWorker {
     const int neighbours = PlaceVerificationOptions().neighbours;
     for (const VerifyOverlapRequest::Candidate& candidate : request.candidates) {
       const auto of_query =
-          Neighbourhood(request.query_view, request.query, neighbours, {candidate.id});
+          Neighbourhood(*request.query_view, request.query, neighbours, {candidate.id});
       EXPECT_EQ(IdsOf(of_query), IdsOf(Neighbourhood(WholeMap(request.query), request.query,
                                                      neighbours, {candidate.id})));
       absl::btree_set<KeyframeId> except;
@@ -62,7 +62,7 @@ class LookingWorker : public TruthfulWorker {
           IdsOf(Neighbourhood(WholeMap(candidate.id), candidate.id, neighbours)), is_near);
     }
     ++requests;
-    most_keyframes = std::max({most_keyframes, request.query_view.keyframes().size(),
+    most_keyframes = std::max({most_keyframes, request.query_view->keyframes().size(),
                                request.candidate_view.keyframes().size()});
     return TruthfulWorker::VerifyOverlap(request, progress);
   }

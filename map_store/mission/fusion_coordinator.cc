@@ -114,6 +114,7 @@ std::optional<FusionCoordinator::Claim> FusionCoordinator::ClaimLane(FusionLane 
   if (lanes_.IsBusy(lane)) return std::nullopt;
   const std::optional<FusionAction> action = NextAction(lane);
   if (!action.has_value()) {
+    if (lane == FusionLane::kGraph) query_views_.Clear();
     lane_released_.SignalAll();
     return std::nullopt;
   }
@@ -130,10 +131,10 @@ std::function<absl::Status()> FusionCoordinator::GoesOnUntilRevised(
   };
 }
 
-absl::StatusOr<std::optional<FusionRequest>> FusionCoordinator::Prepare(const Claim& claim) const {
+absl::StatusOr<std::optional<FusionRequest>> FusionCoordinator::Prepare(const Claim& claim) {
   absl::ReaderMutexLock lock(&strand_.mutex());
   PausingRead read(strand_.mutex(), GoesOnUntilRevised(*claim.cancelled));
-  return PrepareRequest(strand_.state(), claim.action, strand_.options(), read);
+  return PrepareRequest(strand_.state(), claim.action, strand_.options(), read, query_views_);
 }
 
 void FusionCoordinator::ReleaseLane(FusionLane lane) {

@@ -88,7 +88,7 @@ class FusionCoordinator {
   // Takes the lane for the caller until ReleaseLane. Returns nullopt if the lane has nothing to do.
   std::optional<Claim> ClaimLane(FusionLane lane);
   void ReleaseLane(FusionLane lane);
-  absl::StatusOr<std::optional<FusionRequest>> Prepare(const Claim& claim) const;
+  absl::StatusOr<std::optional<FusionRequest>> Prepare(const Claim& claim);
   // Says in the state that the action needs no worker.
   void SkipAction(const FusionAction& action) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.mutex());
   // Writes a record that changes what jobs began with, and applies it.
@@ -137,6 +137,8 @@ class FusionCoordinator {
   const std::function<void()> notify_;
   mutable absl::CondVar lane_released_;
   FusionLanes lanes_ ABSL_GUARDED_BY(strand_.mutex());
+  // Of whoever has the graph lane.
+  QueryViews query_views_;
 };
 
 }  // namespace corbslam::map_store

@@ -64,7 +64,7 @@ Overlap TruthfulWorker::Compare(const VerifyOverlapRequest& request, KeyframeId 
   for (const MapPointId& id : request.candidate_view.FindKeyframe(candidate)->points) {
     if (id.IsValid()) seen[world_point_.at(id)] = id;
   }
-  for (const MapPointId& id : request.query_view.FindKeyframe(request.query)->points) {
+  for (const MapPointId& id : request.query_view->FindKeyframe(request.query)->points) {
     if (!id.IsValid()) continue;
     const auto it = seen.find(world_point_.at(id));
     if (it != seen.end() && it->second != id) overlap.inliers.push_back({id, it->second});

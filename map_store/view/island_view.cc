@@ -189,13 +189,12 @@ class ViewBuilder {
     // The owner removed it during a pause.
     if (from == nullptr) return absl::OkStatus();
     const std::vector<MapPointId> points = ObservedPoints(state_, local_map, *from, rejected_);
-    for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
-      const MapPointId point = points[keypoint];
-      if (!point.IsValid()) continue;
-      if (only_known && view_.FindPoint(point) == nullptr) continue;
-      AddPoint(point);
-      view_.AddObservation(point, id, keypoint);
+    if (!only_known) {
+      for (const MapPointId& point : points) {
+        if (point.IsValid()) AddPoint(point);
+      }
     }
+    view_.AddObservations(id, points);
     return absl::OkStatus();
   }
 

@@ -130,6 +130,7 @@ class LongReadTest : public ::testing::Test {
   TestAgent a_{store_, kMission, "a", map_a_};
   TestAgent b_{store_, kMission, "b", map_b_};
   MissionState state_;
+  QueryViews views_;
   uint32_t next_removed_ = 3;
 };
 
@@ -198,15 +199,15 @@ TEST_F(LongReadTest, ARequestWhoseKeyframeWentIsMadeAgain) {
   FusionAction query;
   query.kind = FusionAction::Kind::kQuery;
   UnbrokenRead unbroken;
-  const auto undisturbed = PrepareRequest(state_, query, options_, unbroken);
+  const auto undisturbed = PrepareRequest(state_, query, options_, unbroken, views_);
   ASSERT_TRUE(undisturbed.ok() && undisturbed->has_value());
   next_removed_ = 2;
   EventfulRead removal({[this] {
     if (next_removed_ == 2) RemoveKeyframe();
   }});
-  EXPECT_EQ(PrepareRequest(state_, query, options_, removal).status().code(),
+  EXPECT_EQ(PrepareRequest(state_, query, options_, removal, views_).status().code(),
             absl::StatusCode::kAborted);
-  EXPECT_FALSE(PrepareRequest(state_, query, options_, unbroken)->has_value());
+  EXPECT_FALSE(PrepareRequest(state_, query, options_, unbroken, views_)->has_value());
 }
 
 TEST_F(LongReadTest, WhoeverIsNotWantedAnyMoreStops) {
@@ -214,7 +215,7 @@ TEST_F(LongReadTest, WhoeverIsNotWantedAnyMoreStops) {
   FusionAction adjust;
   adjust.kind = FusionAction::Kind::kAdjust;
   adjust.target = island().id;
-  EXPECT_EQ(PrepareRequest(state_, adjust, options_, refusing).status().code(),
+  EXPECT_EQ(PrepareRequest(state_, adjust, options_, refusing, views_).status().code(),
             absl::StatusCode::kAborted);
 }
 

@@ -83,7 +83,7 @@ class FusionWorkerServiceTest : public ::testing::Test {
     std::mt19937 random(2);
     VerifyOverlapRequest request;
     request.base_revision = 12;
-    request.query_view = test_data::MakeMap(random, kMap, 5);
+    request.query_view = std::make_shared<const Map>(test_data::MakeMap(random, kMap, 5));
     request.candidate_view = test_data::MakeMap(random, kOtherMap, 5);
     request.query = {kMap, 2};
     request.candidates = {{{kOtherMap, 1}, 20}, {{kOtherMap, 3}, 15}};

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -21,7 +22,8 @@ struct VerifyOverlapRequest {
   uint64_t base_revision = 0;
   // The query keyframe, what is covisible with it, and their points; in its island's frame (or its
   // local map's). Payloads hold only features with points, or all; both work.
-  Map query_view;
+  // Never null; other requests may share it.
+  std::shared_ptr<const Map> query_view = std::make_shared<const Map>();
   KeyframeId query;
   // The same around the candidates, in the frame of their island.
   Map candidate_view;

@@ -207,15 +207,28 @@ void Map::Disconnect(MapPoint& point, Keyframe& keyframe) {
   ChangeCovisibility(point, keyframe, -1);
 }
 
+bool Map::Observe(MapPoint& point, Keyframe& keyframe, uint32_t keypoint) {
+  if (keypoint >= keyframe.points.size() || keyframe.points[keypoint].IsValid()) return false;
+  if (point.observations.contains(keyframe.id())) return false;
+  Connect(point, keyframe, keypoint);
+  (observer_ ? *observer_ : Silent()).OnObservationAdded(point.id, keyframe.id(), keypoint);
+  return true;
+}
+
 bool Map::AddObservation(MapPointId point_id, KeyframeId keyframe_id, uint32_t keypoint) {
   MapPoint* point = points_.Find(point_id);
   Keyframe* keyframe = keyframes_.Find(keyframe_id);
   if (point == nullptr || keyframe == nullptr) return false;
-  if (keypoint >= keyframe->points.size() || keyframe->points[keypoint].IsValid()) return false;
-  if (point->observations.contains(keyframe_id)) return false;
-  Connect(*point, *keyframe, keypoint);
-  (observer_ ? *observer_ : Silent()).OnObservationAdded(point_id, keyframe_id, keypoint);
-  return true;
+  return Observe(*point, *keyframe, keypoint);
+}
+
+void Map::AddObservations(KeyframeId keyframe_id, const std::vector<MapPointId>& points) {
+  Keyframe* keyframe = keyframes_.Find(keyframe_id);
+  if (keyframe == nullptr) return;
+  for (uint32_t keypoint = 0; keypoint < points.size(); ++keypoint) {
+    if (!points[keypoint].IsValid()) continue;
+    if (MapPoint* point = points_.Find(points[keypoint])) Observe(*point, *keyframe, keypoint);
+  }
 }
 
 bool Map::RemoveObservation(MapPointId point_id, KeyframeId keyframe_id) {

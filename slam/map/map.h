@@ -74,6 +74,9 @@ class Map {
   // Returns false if either is unknown, the keypoint is taken or out of range, or the keyframe sees
   // the point already.
   bool AddObservation(MapPointId point, KeyframeId keyframe, uint32_t keypoint);
+  // Adds all that the keyframe sees: keypoint i sees points[i]. Invalid ids, and observations for
+  // which AddObservation would return false, are left out.
+  void AddObservations(KeyframeId keyframe, const std::vector<MapPointId>& points);
   // The point stays even when nobody sees it any more.
   bool RemoveObservation(MapPointId point, KeyframeId keyframe);
   // Moves the observations of `replaced` to `survivor` and removes `replaced`.
@@ -106,6 +109,7 @@ class Map {
   std::vector<CovisibleKeyframe> BestCovisible(KeyframeId id, int count) const;
 
  private:
+  bool Observe(MapPoint& point, Keyframe& keyframe, uint32_t keypoint);
   void Connect(MapPoint& point, Keyframe& keyframe, uint32_t keypoint);
   void Disconnect(MapPoint& point, Keyframe& keyframe);
   void ChangeCovisibility(const MapPoint& point, Keyframe& keyframe, int change);

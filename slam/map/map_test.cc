@@ -92,6 +92,21 @@ TEST(MapTest, RefusesASecondObservationOfEitherKind) {
   ExpectConsistent(map);
 }
 
+TEST(MapTest, AddsAllThatAKeyframeSeesButWhatItMayNot) {
+  Map map = MakeChain();
+  // Keypoint 1 of nothing, 2 of an unknown point, 3 and 4 of one point, 5 is taken.
+  map.AddObservations(K(2), {P(0), {}, P(99), P(1), P(1), P(2)});
+  const std::vector<MapPointId>& points = map.FindKeyframe(K(2))->points;
+  EXPECT_EQ(points[0], P(0));
+  EXPECT_FALSE(points[1].IsValid());
+  EXPECT_FALSE(points[2].IsValid());
+  EXPECT_EQ(points[3], P(1));
+  EXPECT_FALSE(points[4].IsValid());
+  EXPECT_EQ(points[5], P(5));
+  ExpectConsistent(map);
+  map.AddObservations(K(99), {P(0)});
+}
+
 TEST(MapTest, RemovingAnObservationLowersTheWeight) {
   Map map = MakeChain();
   EXPECT_TRUE(map.RemoveObservation(P(9), K(3)));

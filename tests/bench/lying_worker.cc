@@ -54,9 +54,9 @@ Overlap LyingWorker::Lie(const VerifyOverlapRequest& request, const Overlap& hon
   } else {
     lie.candidate_from_query = Similarity3d::FromRigid(
         request.candidate_view.FindKeyframe(lie.candidate)->camera_from_map *
-        request.query_view.FindKeyframe(lie.query)->camera_from_map.Inverse());
+        request.query_view->FindKeyframe(lie.query)->camera_from_map.Inverse());
   }
-  std::vector<MapPointId> of_query = PointsOf(request.query_view, lie.query);
+  std::vector<MapPointId> of_query = PointsOf(*request.query_view, lie.query);
   std::vector<MapPointId> of_candidate = PointsOf(request.candidate_view, lie.candidate);
   std::shuffle(of_query.begin(), of_query.end(), random_);
   std::shuffle(of_candidate.begin(), of_candidate.end(), random_);

@@ -157,7 +157,7 @@ absl::StatusOr<VerifyOverlapResult> BelievingWorker::VerifyOverlap(
   constexpr double kSamePlace_m = 2;
   VerifyOverlapResult result;
   result.base_revision = request.base_revision;
-  const Rigid3d query = request.query_view.FindKeyframe(request.query)->camera_from_map;
+  const Rigid3d query = request.query_view->FindKeyframe(request.query)->camera_from_map;
   for (const VerifyOverlapRequest::Candidate& candidate : request.candidates) {
     Overlap overlap;
     overlap.query = request.query;

@@ -188,7 +188,7 @@ void WriteWorkSeed(const std::string& name, char kind, const Work& work) {
 void WriteWorkers() {
   std::mt19937 random(3);
   VerifyOverlapRequest verify;
-  verify.query_view = test_data::MakeMap(random, kMap, 2);
+  verify.query_view = std::make_shared<const Map>(test_data::MakeMap(random, kMap, 2));
   verify.query = {kMap, 0};
   verify.candidate_view = test_data::MakeMap(random, kOtherMap, 2);
   verify.candidates = {{{kOtherMap, 1}, 12}};

@@ -75,7 +75,7 @@ v1::AdjustBundleRequest::Header HeaderOf(const AdjustBundleRequest& request) {
 }
 
 bool WriteChunks(const VerifyOverlapRequest& request, const ChunkSink& sink) {
-  return WriteMapView(request.query_view, v1::MAP_VIEW_FIRST, {}, sink) &&
+  return WriteMapView(*request.query_view, v1::MAP_VIEW_FIRST, {}, sink) &&
          WriteMapView(request.candidate_view, v1::MAP_VIEW_SECOND, {.all_keypoints = false}, sink);
 }
 
@@ -126,7 +126,7 @@ absl::StatusOr<VerifyOverlapRequest> VerifyOverlapRequestReader::Finish() {
           absl::StrCat("candidate ", ToString(candidate.id), " is not in the second view"));
     }
   }
-  request_.query_view = std::move(query_view_).Take();
+  request_.query_view = std::make_shared<const Map>(std::move(query_view_).Take());
   request_.candidate_view = std::move(candidate_view_).Take();
   return std::move(request_);
 }

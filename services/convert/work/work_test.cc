@@ -156,7 +156,7 @@ TEST(WorkTest, ABundleCarriesOnlyWhatItLooksAt) {
 TEST(WorkTest, CandidatesCarryOnlyFeaturesWithPoints) {
   std::mt19937 random(3);
   VerifyOverlapRequest request;
-  request.query_view = MakeMap(random, kMap, 4);
+  request.query_view = std::make_shared<const Map>(MakeMap(random, kMap, 4));
   request.query = {kMap, 1};
   request.candidate_view = MakeMap(random, kOtherMap, 5);
   request.candidates = {{{kOtherMap, 2}, 31}, {{kOtherMap, 4}, 12}};
@@ -166,9 +166,9 @@ TEST(WorkTest, CandidatesCarryOnlyFeaturesWithPoints) {
   EXPECT_EQ(read->query, request.query);
   ASSERT_EQ(read->candidates.size(), 2u);
   EXPECT_EQ(read->candidates[1].shared_words, 12);
-  ExpectSameGraph(request.query_view, read->query_view);
-  ExpectSameLooks(request.query_view, read->query_view);
-  ExpectSameCovisibility(request.query_view, read->query_view);
+  ExpectSameGraph(*request.query_view, *read->query_view);
+  ExpectSameLooks(*request.query_view, *read->query_view);
+  ExpectSameCovisibility(*request.query_view, *read->query_view);
   ExpectSameGraph(request.candidate_view, read->candidate_view);
   const Keyframe& candidate = *read->candidate_view.FindKeyframe({kOtherMap, 2});
   EXPECT_EQ(candidate.descriptors().size(), candidate.keypoints().size());
