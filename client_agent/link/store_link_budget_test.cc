@@ -10,7 +10,7 @@
 #include "client_agent/link/testing/fake_map_jobs.h"
 #include "client_agent/link/testing/fake_uplink.h"
 #include "client_agent/link/testing/test_payload.h"
-#include "client_agent/upload/testing/fake_spool.h"
+#include "client_agent/spool/testing/fake_spool.h"
 
 namespace corbslam::client_agent {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "client_agent/upload/spool.h"
+#include "client_agent/spool/spool.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/uplink.h"
 

@@ -12,9 +12,9 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
+#include "client_agent/spool/spool.h"
 #include "client_agent/upload/held_back.h"
 #include "client_agent/upload/outbox.h"
-#include "client_agent/upload/spool.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/uplink.h"
 

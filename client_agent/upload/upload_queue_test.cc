@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client_agent/upload/testing/fake_spool.h"
+#include "client_agent/spool/testing/fake_spool.h"
 
 namespace corbslam::client_agent {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "map_store/map_store.h"
-#include "services/map_store_service/recent_codes.h"
-#include "services/map_store_service/stream_limits.h"
-#include "services/map_store_service/sync_observer.h"
+#include "services/map_store_service/streams/recent_codes.h"
+#include "services/map_store_service/streams/stream_limits.h"
+#include "services/map_store_service/streams/sync_observer.h"
 #include "services/server/task_pool.h"
 
 namespace corbslam::services {

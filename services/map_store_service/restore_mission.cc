@@ -11,7 +11,7 @@
 #include "services/convert/status.h"
 #include "services/map_store_service/lookups_to_proto.h"
 #include "services/map_store_service/map_store_service.h"
-#include "services/map_store_service/read_timer.h"
+#include "services/map_store_service/streams/read_timer.h"
 #include "services/observe/logging/log_fields.h"
 #include "services/server/stream_task.h"
 #include "slam/util/status_macros.h"

@@ -1,4 +1,4 @@
-#include "services/map_store_service/stream_limits.h"
+#include "services/map_store_service/streams/stream_limits.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

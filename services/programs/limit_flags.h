@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "map_store/options.h"
-#include "services/map_store_service/stream_limits.h"
+#include "services/map_store_service/streams/stream_limits.h"
 
 namespace corbslam::services {
 

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "client_agent/upload/spool_segment.h"
+#include "client_agent/spool/spool_segment.h"
 #include "corbslam/v1/map_store_service.pb.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/byte_journal.h"

@@ -6,7 +6,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
-#include "services/map_store_service/sync_observer.h"
+#include "services/map_store_service/streams/sync_observer.h"
 #include "slam/util/rare_reminder.h"
 
 namespace corbslam::services {

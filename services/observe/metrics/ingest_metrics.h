@@ -18,7 +18,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "services/map_store_service/sync_observer.h"
+#include "services/map_store_service/streams/sync_observer.h"
 #include "services/observe/metrics/families.h"
 
 namespace corbslam::services {

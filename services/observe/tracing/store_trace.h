@@ -8,7 +8,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
-#include "services/map_store_service/sync_observer.h"
+#include "services/map_store_service/streams/sync_observer.h"
 #include "services/observe/observed_journal.h"
 #include "services/observe/tracing/trace_file.h"
 

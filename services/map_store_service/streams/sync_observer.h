@@ -1,6 +1,6 @@
 // Hears what happens on the agents' streams, for those who only watch.
-#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_OBSERVER_H_
-#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_OBSERVER_H_
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_SYNC_OBSERVER_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_SYNC_OBSERVER_H_
 
 #include <cstddef>
 #include <string>
@@ -46,4 +46,4 @@ class SyncObserver {
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_SYNC_OBSERVER_H_
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_SYNC_OBSERVER_H_

@@ -1,4 +1,4 @@
-#include "client_agent/upload/spool.h"
+#include "client_agent/spool/spool.h"
 
 #include <glog/logging.h>
 

@@ -1,13 +1,13 @@
 // Limits the time within which a caller's next message must come.
-#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_READ_TIMER_H_
-#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_READ_TIMER_H_
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_READ_TIMER_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_READ_TIMER_H_
 
 #include <functional>
 #include <string>
 #include <utility>
 
 #include "absl/status/status.h"
-#include "services/map_store_service/wake_timer.h"
+#include "services/map_store_service/streams/wake_timer.h"
 
 namespace corbslam::services {
 
@@ -32,4 +32,4 @@ class ReadTimer {
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_READ_TIMER_H_
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_READ_TIMER_H_

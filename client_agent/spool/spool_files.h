@@ -1,6 +1,6 @@
 // The file system as the spool sees it: one folder of its own.
-#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_FILES_H_
-#define CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_FILES_H_
+#ifndef CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_FILES_H_
+#define CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_FILES_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -40,4 +40,4 @@ absl::StatusOr<std::unique_ptr<SpoolFiles>> OpenSpoolFolder(const std::string& p
 
 }  // namespace corbslam::client_agent
 
-#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_FILES_H_
+#endif  // CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_FILES_H_

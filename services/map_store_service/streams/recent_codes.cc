@@ -1,4 +1,4 @@
-#include "services/map_store_service/recent_codes.h"
+#include "services/map_store_service/streams/recent_codes.h"
 
 namespace corbslam::services {
 

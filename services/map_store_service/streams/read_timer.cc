@@ -1,4 +1,4 @@
-#include "services/map_store_service/read_timer.h"
+#include "services/map_store_service/streams/read_timer.h"
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"

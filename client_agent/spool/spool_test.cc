@@ -1,4 +1,4 @@
-#include "client_agent/upload/spool.h"
+#include "client_agent/spool/spool.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <random>
 
-#include "client_agent/upload/testing/fake_spool.h"
+#include "client_agent/spool/testing/fake_spool.h"
 
 namespace corbslam::client_agent {
 namespace {

@@ -1,6 +1,6 @@
 // Keeps keyframes' codes as they came, for as long as others are likely to be sent them.
-#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_RECENT_CODES_H_
-#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_RECENT_CODES_H_
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_RECENT_CODES_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_RECENT_CODES_H_
 
 #include <cstddef>
 #include <deque>
@@ -11,7 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
-#include "services/map_store_service/sync_observer.h"
+#include "services/map_store_service/streams/sync_observer.h"
 
 namespace corbslam::services {
 
@@ -39,4 +39,4 @@ class RecentCodes : public SyncObserver {
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_RECENT_CODES_H_
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_RECENT_CODES_H_

@@ -1,7 +1,7 @@
 // Spaces the shared updates of one stream, so that they take no more of the robot's link than it
 // has asked for.
-#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_SHARE_PACER_H_
-#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_SHARE_PACER_H_
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_SHARE_PACER_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_SHARE_PACER_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -33,4 +33,4 @@ class SharePacer {
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_SHARE_PACER_H_
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_SHARE_PACER_H_

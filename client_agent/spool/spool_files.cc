@@ -1,4 +1,4 @@
-#include "client_agent/upload/spool_files.h"
+#include "client_agent/spool/spool_files.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

@@ -6,8 +6,8 @@
 //           (1: closes its local map), u64 local map, u64 number, payload
 //
 // All numbers are little-endian. Version '1', in which no features are coded, is read, too.
-#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_SEGMENT_H_
-#define CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_SEGMENT_H_
+#ifndef CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_SEGMENT_H_
+#define CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_SEGMENT_H_
 
 #include <cstdint>
 #include <string>
@@ -16,7 +16,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "client_agent/upload/spool_files.h"
+#include "client_agent/spool/spool_files.h"
 #include "slam/util/ids.h"
 
 namespace corbslam::client_agent {
@@ -53,4 +53,4 @@ absl::StatusOr<std::string> ReadSpoolPayload(SpoolFiles& files, const std::strin
 
 }  // namespace corbslam::client_agent
 
-#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_SEGMENT_H_
+#endif  // CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_SEGMENT_H_

@@ -1,6 +1,6 @@
 // Simulates a disk and a codec in memory, for tests of the spool and of what uses it.
-#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_TESTING_FAKE_SPOOL_H_
-#define CORBSLAM_CLIENT_AGENT_UPLOAD_TESTING_FAKE_SPOOL_H_
+#ifndef CORBSLAM_CLIENT_AGENT_SPOOL_TESTING_FAKE_SPOOL_H_
+#define CORBSLAM_CLIENT_AGENT_SPOOL_TESTING_FAKE_SPOOL_H_
 
 #include <algorithm>
 #include <limits>
@@ -12,9 +12,9 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "client_agent/spool/spool.h"
+#include "client_agent/spool/spool_files.h"
 #include "client_agent/upload/outbox.h"
-#include "client_agent/upload/spool.h"
-#include "client_agent/upload/spool_files.h"
 
 namespace corbslam::client_agent {
 
@@ -101,4 +101,4 @@ inline absl::StatusOr<std::unique_ptr<Spool>> OpenFakeSpool(FakeDisk* disk,
 
 }  // namespace corbslam::client_agent
 
-#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_TESTING_FAKE_SPOOL_H_
+#endif  // CORBSLAM_CLIENT_AGENT_SPOOL_TESTING_FAKE_SPOOL_H_

@@ -1,7 +1,7 @@
 // Keeps batches on disk that neither memory nor the map store holds: the outbox's oldest ones. They
 // outlive the process.
-#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_H_
-#define CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_H_
+#ifndef CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_H_
+#define CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_H_
 
 #include <cstdint>
 #include <functional>
@@ -14,8 +14,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "client_agent/upload/spool_files.h"
-#include "client_agent/upload/spool_segment.h"
+#include "client_agent/spool/spool_files.h"
+#include "client_agent/spool/spool_segment.h"
 #include "slam/exchange/map_update.h"
 
 namespace corbslam::client_agent {
@@ -94,4 +94,4 @@ class Spool {
 
 }  // namespace corbslam::client_agent
 
-#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOL_H_
+#endif  // CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_H_

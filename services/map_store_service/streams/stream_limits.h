@@ -1,7 +1,7 @@
 // Limits how many streams a server keeps open, for whom, and how much unfinished work it holds for
 // its callers.
-#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_
-#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_
+#ifndef CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_STREAM_LIMITS_H_
+#define CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_STREAM_LIMITS_H_
 
 #include <cstddef>
 #include <functional>
@@ -104,4 +104,4 @@ class StreamLimits {
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAM_LIMITS_H_
+#endif  // CORBSLAM_SERVICES_MAP_STORE_SERVICE_STREAMS_STREAM_LIMITS_H_

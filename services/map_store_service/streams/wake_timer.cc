@@ -1,4 +1,4 @@
-#include "services/map_store_service/wake_timer.h"
+#include "services/map_store_service/streams/wake_timer.h"
 
 #include <utility>
 

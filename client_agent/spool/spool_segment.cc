@@ -1,4 +1,4 @@
-#include "client_agent/upload/spool_segment.h"
+#include "client_agent/spool/spool_segment.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "services/map_store_service/share_pacer.h"
+#include "services/map_store_service/streams/share_pacer.h"
 
 #include "gtest/gtest.h"
 
