@@ -8,19 +8,11 @@
 #include <variant>
 
 #include "map_store/fusion/revision.h"
-#include "map_store/records/record_application.h"
-#include "map_store/testing/small_mission.h"
+#include "map_store/testing/small_mission_state.h"
 #include "map_store/view/placement.h"
 
 namespace corbslam::map_store {
 namespace {
-
-constexpr LocalMapId kMap = corbslam::testing::kSmallMapA;
-constexpr MapPointId kPoint = {kMap, 1};
-constexpr MapPointId kOther = {kMap, 2};
-// The keyframe that all points of the small mission follow, and another one that sees them.
-constexpr KeyframeId kReference = {kMap, 0};
-constexpr KeyframeId kWitness = {kMap, 1};
 
 const Eigen::Vector3d kPlace = {4, -1, 7};
 
@@ -29,20 +21,13 @@ Similarity3d Somewhere(double turn) {
       1.25, Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitY())), {1, 0.2, -2}};
 }
 
-class AnchoringTest : public ::testing::Test {
+class AnchoringTest : public corbslam::testing::SmallMissionState {
  protected:
   AnchoringTest() {
-    ApplyRecord(std::get<BatchRecord>(corbslam::testing::MakeSmallMission()[0]));
     Fuse({{kReference, {Somewhere(0.3), {}, 1}}, {kWitness, {Somewhere(-0.5), {}, 1}}},
          {{kPoint, {kPlace, 1}}});
   }
 
-  void ApplyRecord(const BatchRecord& record) { Apply(record, {}, {}, state_); }
-  void ApplyNext(MapUpdateBatch batch) {
-    batch.local_map = kMap;
-    batch.number = state_.FindLocalMap(kMap)->last_batch + 1;
-    ApplyRecord(BatchRecord{"a", std::make_shared<const MapUpdateBatch>(std::move(batch)), {}});
-  }
   void Fuse(std::map<KeyframeId, PlacedKeyframe> keyframes, PlannedPoints points) {
     FuseRecord record;
     record.plan.revision = state_.global.revision + 1;
@@ -61,8 +46,6 @@ class AnchoringTest : public ::testing::Test {
     const auto placed = FindPlaced(id, state_.global);
     return placed.has_value() ? placed->PositionInIsland() : Eigen::Vector3d::Zero();
   }
-
-  MissionState state_;
 };
 
 TEST_F(AnchoringTest, APointLiesWhereItWasPut) {

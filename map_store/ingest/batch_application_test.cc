@@ -8,33 +8,16 @@
 #include <variant>
 
 #include "map_store/archive/state_archive.h"
-#include "map_store/records/record_application.h"
-#include "map_store/testing/small_mission.h"
+#include "map_store/testing/small_mission_state.h"
 
 namespace corbslam::map_store {
 namespace {
 
-constexpr LocalMapId kMap = corbslam::testing::kSmallMapA;
-constexpr MapPointId kPoint = {kMap, 1};
-constexpr MapPointId kOther = {kMap, 2};
-// The keyframe that all points of the small mission follow.
-constexpr KeyframeId kReference = {kMap, 0};
-
 const Rigid3d kMotion = {Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())),
                          {1, 0.2, -2}};
 
-class PointsFollowTest : public ::testing::Test {
+class PointsFollowTest : public corbslam::testing::SmallMissionState {
  protected:
-  PointsFollowTest() {
-    ApplyRecord(std::get<BatchRecord>(corbslam::testing::MakeSmallMission()[0]));
-  }
-
-  void ApplyRecord(const BatchRecord& record) { Apply(record, {}, {}, state_); }
-  void ApplyNext(MapUpdateBatch batch) {
-    batch.local_map = kMap;
-    batch.number = state_.FindLocalMap(kMap)->last_batch + 1;
-    ApplyRecord(BatchRecord{"a", std::make_shared<const MapUpdateBatch>(std::move(batch)), {}});
-  }
   // Returns a batch in which the reference moves as if the world had been moved by kMotion.
   MapUpdateBatch ReferenceMoves(bool points_follow) const {
     const Rigid3d before = state_.FindLocalMap(kMap)->map.FindKeyframe(kReference)->camera_from_map;
@@ -46,8 +29,6 @@ class PointsFollowTest : public ::testing::Test {
   Eigen::Vector3d Position(MapPointId id) const {
     return state_.FindLocalMap(kMap)->map.FindPoint(id)->position_in_map;
   }
-
-  MissionState state_;
 };
 
 TEST_F(PointsFollowTest, TheirReferenceWhereTheAgentSaysSo) {
