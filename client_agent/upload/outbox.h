@@ -17,9 +17,6 @@
 
 namespace corbslam::client_agent {
 
-// Returns about how many bytes a batch takes, in memory and on the wire.
-size_t ApproximateBytes(const MapUpdateBatch& batch);
-
 // Returns true if there is nothing in the batch to tell.
 bool IsEmpty(const MapUpdateBatch& batch);
 

@@ -375,7 +375,7 @@ TEST(UpdateRecorderTest, WhatIsHeldBackIsAllToldAtTheEnd) {
       if (random() % 15 != 0) continue;
       // As who sends does it: until there is nothing to tell.
       int batches = 0;
-      while (!corbslam::IsEmpty(scenario.Flush(1 + random() % 10))) ASSERT_LT(++batches, 100);
+      while (!client_agent::IsEmpty(scenario.Flush(1 + random() % 10))) ASSERT_LT(++batches, 100);
     }
     scenario.ExpectExactPlaces();
     scenario.ExpectEqual();

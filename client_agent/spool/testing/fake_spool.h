@@ -12,9 +12,9 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "client_agent/spool/batch_bytes.h"
 #include "client_agent/spool/spool.h"
 #include "client_agent/spool/spool_files.h"
-#include "client_agent/upload/outbox.h"
 
 namespace corbslam::client_agent {
 
