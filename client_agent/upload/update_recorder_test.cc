@@ -440,7 +440,7 @@ TEST(UpdateRecorderTest, BatchesLimitedInBytesConvergeToTheSame) {
     int batches = 0;
     for (; batches < 5000 && scenario.HasChanges(); ++batches) {
       // An empty one would close the local map.
-      EXPECT_TRUE(!IsEmpty(flush()) || !scenario.HasChanges());
+      EXPECT_TRUE(!client_agent::IsEmpty(flush()) || !scenario.HasChanges());
     }
     all_batches += batches;
     EXPECT_FALSE(scenario.HasChanges());
@@ -800,7 +800,7 @@ TEST_F(HoldingRecorderTest, WhoHangsOnOneThatWaitsIsToldOnceNowAndOnceThen) {
   const MapUpdateBatch now = recorder_.TakeBatch(map_, 10);
   ASSERT_EQ(now.light_keyframes.size(), 1u);
   EXPECT_EQ(now.light_keyframes[0].parent, (KeyframeId{kOwn, 0}));
-  EXPECT_TRUE(IsEmpty(recorder_.TakeBatch(map_, 10)));
+  EXPECT_TRUE(client_agent::IsEmpty(recorder_.TakeBatch(map_, 10)));
   recorder_.StopHoldingBack();
   const MapUpdateBatch then = recorder_.TakeBatch(map_, 10);
   ASSERT_EQ(then.light_keyframes.size(), 1u);
