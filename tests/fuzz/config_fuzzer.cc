@@ -11,7 +11,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace corbslam;            // NOLINT
   using namespace corbslam::services;  // NOLINT
-  using namespace corbslam::tests;     // NOLINT
+  using map_store::MapStoreOptions;
+  using namespace corbslam::tests;  // NOLINT
   const std::string path = WriteFuzzFile("config.toml", AsText(data, size));
   CLI::App app("program");
   MapStoreOptions store;

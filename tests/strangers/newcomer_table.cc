@@ -9,6 +9,7 @@
 int main() {
   using namespace corbslam;         // NOLINT
   using namespace corbslam::tests;  // NOLINT
+  using services::Level;
   std::printf("| layout | what the newcomer did | what is said |\n| --- | --- | --- |\n");
   size_t number = 0;
   for (const NewcomerMistake& mistake :
