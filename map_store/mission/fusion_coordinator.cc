@@ -133,7 +133,7 @@ std::function<absl::Status()> FusionCoordinator::GoesOnUntilRevised(
 
 absl::StatusOr<std::optional<FusionRequest>> FusionCoordinator::Prepare(const Claim& claim) {
   absl::ReaderMutexLock lock(&strand_.mutex());
-  PausingRead read(strand_.mutex(), GoesOnUntilRevised(*claim.cancelled));
+  PausingRead read(strand_, GoesOnUntilRevised(*claim.cancelled));
   return PrepareRequest(strand_.state(), claim.action, strand_.options(), read, query_views_);
 }
 

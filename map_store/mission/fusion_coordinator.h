@@ -100,7 +100,8 @@ class FusionCoordinator {
   absl::Status Commit(const FusionJob& job, const FusionResult& result);
   absl::Status CommitQuery(const QueryJob& job, const VerifyOverlapResult& result)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
-  absl::Status CommitFuse(const FuseJob& job, const FuseMapsResult& result)
+  // `layers` holds the old ones afterwards.
+  absl::Status CommitFuse(const FuseJob& job, const FuseMapsResult& result, RevisionLayers& layers)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
   absl::Status CommitRefusedFuse(const FuseJob& job, const FuseMapsResult& result)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
@@ -114,7 +115,9 @@ class FusionCoordinator {
   absl::StatusOr<AdjustmentDraft> DraftAdjustment(const AdjustJob& job,
                                                   const AdjustBundleResult& result,
                                                   const std::atomic<bool>& cancelled) const;
-  absl::Status CommitDraft(const AdjustJob& job, AdjustmentDraft draft)
+  // `draft` holds the old layers afterwards, which the caller gives up behind the turn: freeing
+  // them takes time.
+  absl::Status CommitDraft(const AdjustJob& job, AdjustmentDraft& draft)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
   // Returns what a long read asks at its pauses: ABORTED once a revision is committed, or the work
   // is cancelled.

@@ -73,12 +73,14 @@ absl::Status FusionCoordinator::Commit(const FusionJob& job, const FusionResult&
   if (const auto* adjust = std::get_if<AdjustJob>(&job.work)) {
     return CommitAdjust(*adjust, std::get<AdjustBundleResult>(result), *job.cancelled);
   }
+  // The old layers are given up behind the turn: freeing them takes time, too.
+  RevisionLayers layers;
   absl::MutexLock turn(&strand_.turn());
   if (strand_.IsDeleted() || job.cancelled->load()) return absl::OkStatus();
   if (const auto* query = std::get_if<QueryJob>(&job.work)) {
     return CommitQuery(*query, std::get<VerifyOverlapResult>(result));
   }
-  return CommitFuse(std::get<FuseJob>(job.work), std::get<FuseMapsResult>(result));
+  return CommitFuse(std::get<FuseJob>(job.work), std::get<FuseMapsResult>(result), layers);
 }
 
 absl::Status FusionCoordinator::CommitQuery(const QueryJob& job,
@@ -103,7 +105,8 @@ absl::Status FusionCoordinator::CommitRefusedFuse(const FuseJob& job,
   return absl::OkStatus();
 }
 
-absl::Status FusionCoordinator::CommitFuse(const FuseJob& job, const FuseMapsResult& result) {
+absl::Status FusionCoordinator::CommitFuse(const FuseJob& job, const FuseMapsResult& result,
+                                           RevisionLayers& layers) {
   if (!result.accepted) return CommitRefusedFuse(job, result);
   FuseRecord record;
   record.relaxed = job.relaxed;
@@ -117,8 +120,7 @@ absl::Status FusionCoordinator::CommitFuse(const FuseJob& job, const FuseMapsRes
   // After an urgent fusing all is adjusted again.
   if (IsOvertaken(job, record)) return absl::OkStatus();
   RETURN_IF_ERROR(strand_.Append(record));
-  // The layers are given up after the lock: freeing them takes time, too.
-  RevisionLayers layers = PrepareLayers(record.plan, strand_.options(), strand_.state_in_turn());
+  layers = PrepareLayers(record.plan, strand_.options(), strand_.state_in_turn());
   StateWriteLock lock(strand_);
   const bool urgent = map_store::Apply(record, layers, strand_.mutable_state());
   if (urgent) lanes_.CancelAdjustment(job.action);
@@ -149,15 +151,15 @@ absl::Status FusionCoordinator::CommitAdjust(const AdjustJob& job, const AdjustB
     const MissionState& state = strand_.state_in_turn();
     if (state.global.revision + 1 != drafted->record.plan.revision) continue;
     if (!RefreshLayers(drafted->record.plan, strand_.options(), state, drafted->layers)) continue;
-    return CommitDraft(job, *std::move(drafted));
+    return CommitDraft(job, *drafted);
   }
   // Others go on committing: this one is drafted while they wait.
+  absl::StatusOr<AdjustmentDraft> draft;
   absl::MutexLock turn(&strand_.turn());
   if (!IsWanted(job, cancelled)) return absl::OkStatus();
   UnbrokenRead read;
-  ASSIGN_OR_RETURN(AdjustmentDraft draft,
-                   Draft(strand_.state_in_turn(), strand_.options(), job, result, read));
-  return CommitDraft(job, std::move(draft));
+  draft = Draft(strand_.state_in_turn(), strand_.options(), job, result, read);
+  return draft.ok() ? CommitDraft(job, *draft) : draft.status();
 }
 
 bool FusionCoordinator::IsWanted(const AdjustJob& job, const std::atomic<bool>& cancelled) const {
@@ -177,14 +179,14 @@ absl::StatusOr<AdjustmentDraft> FusionCoordinator::DraftAdjustment(
     if (!strand_.state().global.islands.contains(job.snapshot.island)) {
       return absl::AbortedError("the island has gone");
     }
-    PausingRead read(strand_.mutex(), GoesOnUntilRevised(cancelled));
+    PausingRead read(strand_, GoesOnUntilRevised(cancelled));
     draft = Draft(strand_.state(), strand_.options(), job, result, read);
   }
   if (draft.ok()) strand_.environment().journal->Prepare(draft->record);
   return draft;
 }
 
-absl::Status FusionCoordinator::CommitDraft(const AdjustJob& job, AdjustmentDraft draft) {
+absl::Status FusionCoordinator::CommitDraft(const AdjustJob& job, AdjustmentDraft& draft) {
   {
     absl::ReaderMutexLock lock(&strand_.mutex());
     const Island& island = strand_.state().global.islands.at(job.snapshot.island);

@@ -160,7 +160,7 @@ absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::Look(uint64_t sessi
     return CheckSession(strand_, session_id, agent);
   };
   RETURN_IF_ERROR(check());
-  PausingRead read(strand_.mutex(), check);
+  PausingRead read(strand_, check);
   std::optional<SharedUpdate> update =
       TakeSharedUpdate(strand_.state(), strand_.options(), byte_budget,
                        strand_.state().agents.at(agent), share, read);

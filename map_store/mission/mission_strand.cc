@@ -141,7 +141,9 @@ MissionStrand::WriteTimes MissionStrand::write_times() const {
 absl::Status MissionStrand::Sync() { return environment_.journal->Sync(appended_); }
 
 StateWriteLock::StateWriteLock(MissionStrand& strand) : strand_(strand) {
+  strand_.gate().Lock();
   strand_.mutex().Lock();
+  strand_.gate().Unlock();
   begin_ = std::chrono::steady_clock::now();
 }
 

@@ -62,6 +62,10 @@ class MissionStrand {
   // Returns the lock that is the writers' turn; it is taken before the state's lock.
   absl::Mutex& turn() ABSL_LOCK_RETURNED(turn_) { return turn_; }
   absl::Mutex& mutex() const ABSL_LOCK_RETURNED(mutex_) { return mutex_; }
+  // Returns the lock that a writer holds while it waits for the state's lock. Who reads in pieces
+  // passes it at each pause: a read that only unlocks and locks again comes back before the writer
+  // that this has woken, which then waits until another one comes.
+  absl::Mutex& gate() const ABSL_LOCK_RETURNED(gate_) { return gate_; }
   const MissionState& state() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return state_; }
   MissionState& mutable_state() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return state_; }
   // Returns the state to whoever has the turn and reads much: only writers change local maps and
@@ -106,7 +110,8 @@ class MissionStrand {
   const std::string name_;
   const MissionEnvironment environment_;
 
-  absl::Mutex turn_ ABSL_ACQUIRED_BEFORE(mutex_);
+  absl::Mutex turn_ ABSL_ACQUIRED_BEFORE(gate_);
+  mutable absl::Mutex gate_ ABSL_ACQUIRED_BEFORE(mutex_);
   std::atomic<Journal::Position> appended_ = 0;
   mutable absl::Mutex mutex_;
   MissionState state_ ABSL_GUARDED_BY(mutex_);

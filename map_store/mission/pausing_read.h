@@ -7,28 +7,30 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
-#include "absl/synchronization/mutex.h"
+#include "map_store/mission/mission_strand.h"
 #include "map_store/view/long_read.h"
 
 namespace corbslam::map_store {
 
-// Is made, used and given up by one thread under the lock, held for reading.
+// Is made, used and given up by one thread under the strand's lock, held for reading.
 class PausingRead : public LongRead {
  public:
   // `goes_on` is called after each pause, under the lock; Pause returns its error.
-  PausingRead(absl::Mutex& mutex, std::function<absl::Status()> goes_on)
-      ABSL_SHARED_LOCKS_REQUIRED(mutex)
-      : mutex_(mutex), goes_on_(std::move(goes_on)) {}
+  PausingRead(const MissionStrand& strand, std::function<absl::Status()> goes_on)
+      ABSL_SHARED_LOCKS_REQUIRED(strand.mutex())
+      : strand_(strand), goes_on_(std::move(goes_on)) {}
 
   // Lets a writer that waits come first.
   absl::Status Pause() override ABSL_NO_THREAD_SAFETY_ANALYSIS {
-    mutex_.ReaderUnlock();
-    mutex_.ReaderLock();
+    strand_.mutex().ReaderUnlock();
+    strand_.gate().Lock();
+    strand_.gate().Unlock();
+    strand_.mutex().ReaderLock();
     return goes_on_();
   }
 
  private:
-  absl::Mutex& mutex_;
+  const MissionStrand& strand_;
   const std::function<absl::Status()> goes_on_;
 };
 
