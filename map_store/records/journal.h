@@ -48,10 +48,10 @@ class Journal {
 
   // Makes of the batch's record what Append will write. That is most of the work and needs no order
   // among callers; Append does it where it was not done. The record is not changed afterwards.
-  virtual void Prepare(BatchRecord&) const {}
+  virtual void Prepare(BatchRecord& record) const = 0;
   // Makes of the record's plan what Append will write; the same holds. The rest of the record may
   // still change.
-  virtual void Prepare(AdjustRecord&) const {}
+  virtual void Prepare(AdjustRecord& record) const = 0;
   // Puts the record behind the ones before it. An error means that nothing was written:
   // RESOURCE_EXHAUSTED (no room), UNAVAILABLE (the disk refuses), each naming the journal.
   virtual absl::StatusOr<Position> Append(absl::string_view mission,
@@ -90,6 +90,8 @@ class Journal {
 // Keeps nothing and only counts: a journal for tests and for stores without a disk. Thread-safe.
 class InMemoryJournal : public Journal {
  public:
+  void Prepare(BatchRecord&) const override {}
+  void Prepare(AdjustRecord&) const override {}
   absl::StatusOr<Position> Append(absl::string_view mission, const JournalRecord& record) override;
   absl::Status Sync(Position) override { return absl::OkStatus(); }
   bool WantsSnapshot(absl::string_view) const override { return false; }

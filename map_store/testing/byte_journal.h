@@ -31,6 +31,11 @@ class ByteJournal : public map_store::Journal {
  public:
   explicit ByteJournal(std::shared_ptr<JournalBytes> bytes) : bytes_(std::move(bytes)) {}
 
+  void Prepare(map_store::BatchRecord&) const override {}
+  void Prepare(map_store::AdjustRecord& record) const override {
+    record.plan_bytes =
+        std::make_shared<const map_store::PlanBytes>(map_store::EncodePlan(record.plan));
+  }
   absl::StatusOr<Position> Append(absl::string_view,
                                   const map_store::JournalRecord& record) override {
     if (const auto* update = std::get_if<map_store::BatchRecord>(&record)) {

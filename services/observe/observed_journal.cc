@@ -19,6 +19,7 @@ class ObservedJournal : public Journal {
       : journal_(std::move(journal)), observers_(std::move(observers)) {}
 
   void Prepare(map_store::BatchRecord& record) const override { journal_->Prepare(record); }
+  void Prepare(map_store::AdjustRecord& record) const override { journal_->Prepare(record); }
 
   absl::StatusOr<Position> Append(absl::string_view mission,
                                   const map_store::JournalRecord& record) override {

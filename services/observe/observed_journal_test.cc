@@ -36,6 +36,17 @@ class FailingJournal : public InMemoryJournal {
   const absl::Status& failure_;
 };
 
+// Prepares records, so that it is seen.
+class PreparingJournal : public InMemoryJournal {
+ public:
+  void Prepare(map_store::BatchRecord& record) const override {
+    record.bytes = std::make_shared<const map_store::BatchBytes>();
+  }
+  void Prepare(map_store::AdjustRecord& record) const override {
+    record.plan_bytes = std::make_shared<const map_store::PlanBytes>();
+  }
+};
+
 class Notes : public JournalObserver {
  public:
   void OnAppended(absl::string_view mission, const map_store::JournalRecord& record, absl::Duration,
@@ -62,6 +73,16 @@ class Notes : public JournalObserver {
     return absl::StatusCodeToString(status.code());
   }
 };
+
+TEST(ObservedJournalTest, RecordsArePreparedByTheJournalItself) {
+  const auto journal = MakeObservedJournal(std::make_unique<PreparingJournal>(), {});
+  map_store::BatchRecord batch;
+  map_store::AdjustRecord adjustment;
+  journal->Prepare(batch);
+  journal->Prepare(adjustment);
+  EXPECT_NE(batch.bytes, nullptr);
+  EXPECT_NE(adjustment.plan_bytes, nullptr);
+}
 
 TEST(ObservedJournalTest, ObserversHearWhatHappenedAndHowItEnded) {
   absl::Status failure;
