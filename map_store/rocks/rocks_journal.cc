@@ -231,6 +231,8 @@ absl::Status RocksJournal::WriteSnapshot(absl::string_view mission,
     chunk.Put(SnapshotKey(name, snapshot.position, chunks++),
               snapshot.state.substr(begin, kChunkBytes));
     RETURN_IF_ERROR(ToStatus(database_->Write(chunk, false)));
+    // Else the next record's sync would wait for the whole snapshot.
+    if (options_.sync) RETURN_IF_ERROR(ToStatus(database_->SyncLog()));
   }
   const std::vector<KeyframeId> unneeded = FindUnneeded(mission, snapshot);
   const uint64_t size = snapshot.state.size();
