@@ -1,7 +1,5 @@
 #include "map_store/fusion/revision_layers.h"
 
-#include <algorithm>
-
 #include "absl/container/flat_hash_set.h"
 #include "map_store/ingest/local_motion.h"
 #include "map_store/view/placement.h"

@@ -74,9 +74,9 @@ class Budget {
 };
 
 // The looks of a piece, after which writers have their turn: 2 to 4 ms.
-constexpr int kLooksInAPiece = 4000;
-constexpr int kLooksOfSights = 25;
-constexpr int kLooksOfNewKeyframe = 200;
+constexpr size_t kLooksInAPiece = 4000;
+constexpr size_t kLooksOfSights = 25;
+constexpr size_t kLooksOfNewKeyframe = 200;
 
 // Goes through what may be news, compares it with what was sent, and sends what is new.
 class ShareStep {
@@ -90,7 +90,7 @@ class ShareStep {
         budget_(byte_budget),
         share_(share),
         news_(share.news),
-        read_(read),
+        looks_(read, kLooksInAPiece),
         poses_(state, all_placed_) {}
 
   SharedUpdate Take() {
@@ -114,14 +114,11 @@ class ShareStep {
 
  private:
   // The caller calls this between two items. Returns false if what comes next is another update's.
-  bool GoesOn(int looks) {
+  bool GoesOn(size_t looks) {
     if (!budget_.complete()) return false;
-    looks_ += looks;
-    if (looks_ < kLooksInAPiece) return true;
-    looks_ = 0;
     const uint64_t version = state_.version;
     // Places of two revisions in one update would not fit together.
-    if (!read_.Pause().ok() || state_.global.revision != update_.revision) {
+    if (!looks_.Look(looks).ok() || state_.global.revision != update_.revision) {
       budget_.End();
       return false;
     }
@@ -415,8 +412,7 @@ class ShareStep {
   Budget budget_;
   ShareState& share_;
   ShareNews& news_;
-  LongRead& read_;
-  int looks_ = 0;  // Since the last pause.
+  LooksInPieces looks_;
   const Unplaced all_placed_;
   PoseCache poses_;
   std::set<KeyframeId> new_keyframes_;

@@ -13,10 +13,10 @@ namespace {
 
 // The looks of a piece, after which writers have their turn: 2 to 4 ms. What 2,000 keypoints of a
 // keyframe see is an eighth of that.
-constexpr int kLooksInAPiece = 8000;
-constexpr int kLooksOfSights = 1000;
-constexpr int kLooksOfKeyframe = 12;
-constexpr int kLooksOfEdges = 8;
+constexpr size_t kLooksInAPiece = 8000;
+constexpr size_t kLooksOfSights = 1000;
+constexpr size_t kLooksOfKeyframe = 12;
+constexpr size_t kLooksOfEdges = 8;
 
 // Builds a Map of an island's keyframes and what they see.
 class ViewBuilder {
@@ -26,7 +26,7 @@ class ViewBuilder {
       : state_(state),
         unplaced_(unplaced),
         rejected_(rejected),
-        read_(read),
+        looks_(read, kLooksInAPiece),
         poses_(state, unplaced),
         view_(covisibility) {}
 
@@ -128,12 +128,9 @@ class ViewBuilder {
   }
 
   // The caller calls this between two steps of `looks` each. Returns ABORTED as the read does.
-  absl::Status PauseAtTimes(int looks) {
-    looks_in_piece_ += looks;
-    if (looks_in_piece_ < kLooksInAPiece) return absl::OkStatus();
-    looks_in_piece_ = 0;
+  absl::Status PauseAtTimes(size_t looks) {
     const uint64_t version = state_.version;
-    RETURN_IF_ERROR(read_.Pause());
+    RETURN_IF_ERROR(looks_.Look(looks));
     // Owners may have moved, added or removed keyframes in the pause.
     if (state_.version != version) ForgetPoses();
     return absl::OkStatus();
@@ -201,8 +198,7 @@ class ViewBuilder {
   const MissionState& state_;
   const Unplaced& unplaced_;
   const Rejected rejected_;
-  LongRead& read_;
-  int looks_in_piece_ = 0;
+  LooksInPieces looks_;
   PoseCache poses_;
   absl::flat_hash_map<KeyframeId, Similarity3d> motions_;
   Map view_;

@@ -30,9 +30,11 @@ class LooksInPieces {
   // The read is not owned and must outlive this.
   LooksInPieces(LongRead& read, size_t looks_in_a_piece) : read_(read), limit_(looks_in_a_piece) {}
 
-  // The caller calls this between two looks. Returns what Pause does where a piece ends here.
-  absl::Status Look() {
-    if (++looks_ < limit_) return absl::OkStatus();
+  // The caller calls this between two steps of `looks` each. Returns what Pause does where a piece
+  // ends here.
+  absl::Status Look(size_t looks = 1) {
+    looks_ += looks;
+    if (looks_ < limit_) return absl::OkStatus();
     looks_ = 0;
     return read_.Pause();
   }
