@@ -6,16 +6,12 @@
 #include <memory>
 #include <string>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "services/http/http_listener.h"
 #include "services/http/http_message.h"
 
 namespace corbslam::services {
-
-// Checks that an address is "HOST:PORT" with an IP address as HOST (IPv6 in brackets) and a port of
-// 0 to 65535. INVALID_ARGUMENT otherwise.
-absl::Status CheckHttpAddress(const std::string& address);
 
 // Bounds what strangers can take of this process.
 struct HttpServerOptions {

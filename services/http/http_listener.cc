@@ -1,0 +1,84 @@
+#include "services/http/http_listener.h"
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "absl/strings/strip.h"
+#include "services/runtime/listen_errors.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+namespace {
+
+using boost::asio::ip::tcp;
+using Error = boost::system::error_code;
+
+// Pause when the process has no file descriptor left for a connection.
+constexpr auto kBeforeNextTry = std::chrono::milliseconds(100);
+
+// Returns nullopt for what is not "HOST:PORT" with an IP address.
+std::optional<tcp::endpoint> ParseEndpoint(absl::string_view address) {
+  const size_t colon = address.rfind(':');
+  int port = 0;
+  if (colon == absl::string_view::npos || !absl::SimpleAtoi(address.substr(colon + 1), &port) ||
+      port < 0 || port > 65535 || address.substr(colon + 1).find_first_of("+- ") == 0) {
+    return std::nullopt;
+  }
+  absl::string_view host = address.substr(0, colon);
+  const bool in_brackets = absl::ConsumePrefix(&host, "[") && absl::ConsumeSuffix(&host, "]");
+  Error error;
+  const auto ip = boost::asio::ip::make_address(std::string(host), error);
+  if (error || ip.is_v6() != in_brackets) return std::nullopt;
+  return tcp::endpoint(ip, static_cast<uint16_t>(port));
+}
+
+}  // namespace
+
+absl::Status CheckHttpAddress(const std::string& address) {
+  if (ParseEndpoint(address).has_value()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("address is \"", address,
+                   "\", must be HOST:PORT with an IP address and a port of 0 to 65535"));
+}
+
+absl::StatusOr<std::string> HttpListener::Listen(const std::string& address) {
+  RETURN_IF_ERROR(CheckHttpAddress(address));
+  const tcp::endpoint endpoint = *ParseEndpoint(address);
+  Error error;
+  acceptor_.open(endpoint.protocol(), error);
+  // Connections of the process before may still be ending; they don't keep the port from us.
+  if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) acceptor_.bind(endpoint, error);
+  if (!error) acceptor_.listen(boost::asio::socket_base::max_listen_connections, error);
+  if (error) {
+    return absl::UnavailableError(absl::StrCat("can't listen on \"", address,
+                                               "\": ", ExplainBindError(address, error.value())));
+  }
+  return absl::StrCat(address.substr(0, address.rfind(':')), ":",
+                      acceptor_.local_endpoint().port());
+}
+
+void HttpListener::Accept(Serve serve) {
+  serve_ = std::move(serve);
+  AcceptNext();
+}
+
+void HttpListener::AcceptNext() {
+  acceptor_.async_accept([this](Error error, tcp::socket socket) {
+    if (error) return AcceptLater();
+    serve_(std::move(socket));
+    AcceptNext();
+  });
+}
+
+void HttpListener::AcceptLater() {
+  before_next_try_.expires_after(kBeforeNextTry);
+  before_next_try_.async_wait([this](Error) { AcceptNext(); });
+}
+
+}  // namespace corbslam::services

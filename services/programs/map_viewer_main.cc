@@ -1,0 +1,185 @@
+// map_viewer shows the maps of a map store in browsers, live.
+#include <glog/logging.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "services/client/remote/channel.h"
+#include "services/convert/resource_names.h"
+#include "services/http/http_listener.h"
+#include "services/programs/checks.h"
+#include "services/programs/observe_flags.h"
+#include "services/programs/program.h"
+#include "services/programs/viewer_observers.h"
+#include "services/security/flags.h"
+#include "services/security/pem_files.h"
+#include "services/server/server.h"
+#include "services/viewer/page_files.h"
+#include "services/viewer/viewer.h"
+#include "services/viewer/web/web_server.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+namespace {
+
+struct Flags {
+  std::string listen = "127.0.0.1:8080";
+  std::string store = "127.0.0.1:50051";
+  std::vector<std::string> robots;
+  std::string page = DefaultPagePath();
+  // Of the way to the store.
+  SecurityOptions security;
+  // Of the way from browsers.
+  std::string web_certificate;
+  std::string web_key;
+  std::string token_key;
+  bool open = false;
+  WebServerOptions web;
+  ViewerOptions viewer;
+  ObserveFlags observe;
+};
+
+// Reads "MISSION/AGENT=HOST:PORT".
+struct RobotFlag {
+  std::string mission;
+  std::string agent;
+  std::string address;
+};
+absl::StatusOr<RobotFlag> ParseRobot(const std::string& text) {
+  const std::pair<std::string, std::string> parts = absl::StrSplit(text, absl::MaxSplits('=', 1));
+  const std::vector<std::string> names = absl::StrSplit(parts.first, '/');
+  if (names.size() != 2 || parts.second.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--robot is \"", text, "\", must be MISSION/AGENT=HOST:PORT"));
+  }
+  RETURN_IF_ERROR(CheckNameSegment("--robot's mission", names[0]));
+  RETURN_IF_ERROR(CheckNameSegment("--robot's agent", names[1]));
+  RETURN_IF_ERROR(CheckFlagServer("--robot", parts.second));
+  return RobotFlag{names[0], names[1], parts.second};
+}
+
+absl::StatusOr<MissionFeeds::Robots> MakeRobots(
+    const Flags& flags, const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
+  MissionFeeds::Robots robots;
+  for (const std::string& text : flags.robots) {
+    ASSIGN_OR_RETURN(const RobotFlag robot, ParseRobot(text));
+    robots[robot.mission].push_back({robot.agent, MakeChannel(robot.address, credentials)});
+  }
+  return robots;
+}
+
+// Returns null if everybody may look.
+absl::StatusOr<std::shared_ptr<const AccessControl>> MakeAccess(const Flags& flags) {
+  if (flags.token_key.empty()) {
+    if (flags.open || flags.security.insecure) return nullptr;
+    return absl::InvalidArgumentError(
+        "a viewer needs to know who may look: --token-key, whose tokens browsers then show, or "
+        "--open for everybody who reaches it (docs/viewer.md)");
+  }
+  if (flags.open) return absl::InvalidArgumentError("--open and --token-key exclude each other");
+  ASSIGN_OR_RETURN(const std::string pem, ReadSecurityFile("--token-key", flags.token_key));
+  absl::StatusOr<TokenVerifier> verifier = TokenVerifier::FromPem(pem);
+  if (!verifier.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--token-key ", flags.token_key, ": ", verifier.status().message()));
+  }
+  AccessControlOptions options;
+  options.tokens = *std::move(verifier);
+  return std::make_shared<const AccessControl>(options);
+}
+
+absl::StatusOr<std::optional<KeyPair>> MakeWebTls(const Flags& flags) {
+  if (flags.web_certificate.empty() && flags.web_key.empty()) return std::nullopt;
+  if (flags.web_certificate.empty() || flags.web_key.empty()) {
+    return absl::InvalidArgumentError("--web-cert and --web-key go together");
+  }
+  ASSIGN_OR_RETURN(KeyPair pair, ReadKeyPair(flags.web_certificate, flags.web_key));
+  return pair;
+}
+
+bool IsLoopback(const std::string& address) {
+  return absl::StartsWith(address, "127.") || absl::StartsWith(address, "[::1]");
+}
+
+void WarnOfOpenDoors(const Flags& flags, bool everybody, bool tls) {
+  if (IsLoopback(flags.listen)) return;
+  LOG_IF(WARNING, everybody) << "everybody who reaches " << flags.listen
+                             << " may look at every mission";
+  LOG_IF(WARNING, !everybody && !tls)
+      << "tokens come to " << flags.listen << " without TLS: anybody on the way can read them, "
+      << "unless a proxy in front has --web-cert's part";
+}
+
+std::vector<absl::Status> Check(const Flags& flags) {
+  std::vector<absl::Status> found = CheckObserving(flags.observe);
+  found.push_back(CheckHttpAddress(flags.listen));
+  found.push_back(CheckFlagServer("--store", flags.store));
+  found.push_back(MakeChannelCredentials(flags.security).status());
+  for (const std::string& robot : flags.robots) found.push_back(ParseRobot(robot).status());
+  found.push_back(MakeAccess(flags).status());
+  found.push_back(MakeWebTls(flags).status());
+  found.push_back(PageFiles::Load(flags.page).status());
+  return found;
+}
+
+absl::Status Run(Flags flags) {
+  RETURN_IF_ERROR(CheckFlagServer("--store", flags.store));
+  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
+  ASSIGN_OR_RETURN(const auto access, MakeAccess(flags));
+  ASSIGN_OR_RETURN(flags.web.tls, MakeWebTls(flags));
+  ASSIGN_OR_RETURN(MissionFeeds::Robots robots, MakeRobots(flags, credentials));
+  absl::StatusOr<PageFiles> page = PageFiles::Load(flags.page);
+  if (!page.ok()) LOG(ERROR) << page.status().message();
+  WarnOfOpenDoors(flags, access == nullptr, flags.web.tls.has_value());
+  Viewer viewer(MakeChannel(flags.store, credentials), std::move(robots), access, std::move(page),
+                flags.viewer);
+  ASSIGN_OR_RETURN(const std::unique_ptr<WebServer> server,
+                   WebServer::Start(flags.listen, &viewer, flags.web));
+  ASSIGN_OR_RETURN(const auto metrics, ServeViewerMetrics(flags.observe, viewer, *server));
+  AnnounceAddress(server->address());
+  WaitForStopSignal();
+  return absl::OkStatus();
+}
+
+void AddFlags(CLI::App& app, Flags& flags) {
+  app.add_option("--listen", flags.listen, "IP:PORT to serve browsers on; port 0: any free one")
+      ->capture_default_str();
+  app.add_option("--store", flags.store, "HOST:PORT of the map store")->capture_default_str();
+  app.add_option("--robot", flags.robots,
+                 "MISSION/AGENT=HOST:PORT of a robot to ask how it is; may be repeated");
+  app.add_option("--page", flags.page, "Folder of the built page")->capture_default_str();
+  app.add_option("--web-cert", flags.web_certificate,
+                 "PEM file of the certificate that browsers are shown; without: no TLS");
+  app.add_option("--web-key", flags.web_key, "PEM file of its private key");
+  app.add_option("--token-key", flags.token_key,
+                 "PEM file of Ed25519 public keys whose tokens browsers show");
+  app.add_flag("--open", flags.open, "Everybody who reaches it may look at every mission");
+  app.add_option("--max-pages", flags.web.max_streams, "Pages that are open at once")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  app.add_option("--max-missions", flags.viewer.feeds.max_missions,
+                 "Missions that are looked at at once")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  AddTlsFlags(app, flags.security);
+  AddClientFlags(app, flags.security);
+  AddMetricsFlag(app, flags.observe);
+}
+
+}  // namespace
+}  // namespace corbslam::services
+
+int main(int argc, char** argv) {
+  corbslam::services::BlockStopSignals();
+  corbslam::services::Flags flags;
+  CLI::App app("Shows the maps of a map store in browsers, live", "map_viewer");
+  corbslam::services::AddFlags(app, flags);
+  return corbslam::services::RunProgram(app, argc, argv,
+                                        {[&] { return corbslam::services::Run(flags); },
+                                         [&] { return corbslam::services::Check(flags); }});
+}

@@ -1,0 +1,54 @@
+// Answers browsers: the page, what it asks about missions, and the streams of live maps.
+#ifndef CORBSLAM_SERVICES_VIEWER_VIEWER_H_
+#define CORBSLAM_SERVICES_VIEWER_VIEWER_H_
+
+#include <grpcpp/channel.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "absl/status/statusor.h"
+#include "services/server/task_pool.h"
+#include "services/viewer/browser_access.h"
+#include "services/viewer/mission_feeds.h"
+#include "services/viewer/page_files.h"
+#include "services/viewer/store_api.h"
+#include "services/viewer/web/web_message.h"
+
+namespace corbslam::services {
+
+struct ViewerOptions {
+  MissionFeedsOptions feeds;
+  // Threads that wait for the store's answers.
+  int threads = 4;
+};
+
+// services/viewer/README.md says what browsers may ask. Thread-safe.
+class Viewer : public WebHandler {
+ public:
+  // Null `access`: everybody may look at everything. An error instead of a page is what browsers
+  // are told.
+  Viewer(const std::shared_ptr<grpc::Channel>& store, MissionFeeds::Robots robots,
+         std::shared_ptr<const AccessControl> access, absl::StatusOr<PageFiles> page,
+         const ViewerOptions& options = {});
+
+  void Answer(const WebRequest& request, Respond respond) override;
+  OpenedStream Open(const WebRequest& request, std::function<void()> wake) override;
+
+  size_t missions() const { return feeds_.missions(); }
+
+ private:
+  WebResponse AnswerPage(const WebRequest& request) const;
+
+  const BrowserAccess access_;
+  const absl::StatusOr<PageFiles> page_;
+  MissionFeeds feeds_;
+  StoreApi api_;
+  // The last member: its tasks use the others.
+  TaskPool pool_;
+};
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_VIEWER_VIEWER_H_

@@ -1,0 +1,58 @@
+// Serves one connection of a browser, over TCP or TLS, from its acceptance to its end.
+#ifndef CORBSLAM_SERVICES_VIEWER_WEB_WEB_CONNECTION_H_
+#define CORBSLAM_SERVICES_VIEWER_WEB_WEB_CONNECTION_H_
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "services/viewer/web/web_message.h"
+#include "services/viewer/web/web_server.h"
+
+namespace corbslam::services {
+
+// Runs functions on a server's thread, from any thread, until the server ends. Thread-safe.
+class LoopPoster {
+ public:
+  explicit LoopPoster(boost::asio::io_context* context) : context_(context) {}
+
+  // Does nothing once the server has ended.
+  void Post(std::function<void()> function);
+  void End();
+
+ private:
+  absl::Mutex mutex_;
+  boost::asio::io_context* context_ ABSL_GUARDED_BY(mutex_);
+};
+
+// What all connections of a server share; it outlives them.
+struct WebShared {
+  WebHandler& handler;
+  const WebServerOptions& options;
+  const std::shared_ptr<LoopPoster> poster;
+  std::atomic<size_t> streams = 0;
+};
+
+class WebConnection {
+ public:
+  virtual ~WebConnection() = default;
+  // Begins to serve; called once.
+  virtual void Start() = 0;
+  // Gives up whatever is under way.
+  virtual void Close() = 0;
+};
+
+// A connection lives as long as one of its operations is under way, or an answer is awaited. Null
+// `tls`: over TCP.
+std::shared_ptr<WebConnection> MakeWebConnection(boost::asio::ip::tcp::socket socket,
+                                                 boost::asio::ssl::context* tls, WebShared& shared);
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_VIEWER_WEB_WEB_CONNECTION_H_

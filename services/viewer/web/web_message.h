@@ -1,0 +1,63 @@
+// Holds what browsers ask and are answered, without the library that reads and writes it.
+#ifndef CORBSLAM_SERVICES_VIEWER_WEB_WEB_MESSAGE_H_
+#define CORBSLAM_SERVICES_VIEWER_WEB_WEB_MESSAGE_H_
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+namespace corbslam::services {
+
+struct WebRequest {
+  std::string method;                        // The word that was sent: "GET", or any other.
+  std::string path;                          // Without query; percent signs are decoded.
+  std::map<std::string, std::string> query;  // Decoded; of a name that comes twice the last value.
+  std::string authorization;                 // Empty: none.
+  std::string token;                         // Of a WebSocket's protocols: what "token." precedes.
+  std::string if_none_match;
+  bool takes_gzip = false;
+};
+
+// Returns the next piece of a body, null at its end. Called on the server's thread.
+using BodySource = std::function<std::shared_ptr<const std::string>()>;
+
+struct WebResponse {
+  int status = 200;
+  std::string content_type = "text/plain; charset=utf-8";
+  std::shared_ptr<const std::string> body;     // Null: empty.
+  BodySource rest;                             // What comes behind `body`, if set.
+  std::map<std::string, std::string> headers;  // Further ones.
+};
+
+// Takes the answer to a request, once; from any thread.
+using Respond = std::function<void(WebResponse)>;
+
+// What one WebSocket is sent. Its functions are called on the server's thread.
+class WebStream {
+ public:
+  virtual ~WebStream() = default;
+  // Returns the next message; null: there is none now, and `wake` will be called when there may be.
+  virtual std::shared_ptr<const std::string> Next() = 0;
+};
+
+// A stream, or why there is none: a close code of WebSocket's (4000 to 4999) and words.
+struct OpenedStream {
+  std::unique_ptr<WebStream> stream;
+  uint16_t close_code = 0;
+  std::string reason;
+};
+
+class WebHandler {
+ public:
+  virtual ~WebHandler() = default;
+  // Both are called on the server's thread and must return soon.
+  virtual void Answer(const WebRequest& request, Respond respond) = 0;
+  // `wake` may be called from any thread, also after the stream is gone.
+  virtual OpenedStream Open(const WebRequest& request, std::function<void()> wake) = 0;
+};
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_VIEWER_WEB_WEB_MESSAGE_H_

@@ -1,0 +1,60 @@
+// Runs a web server for browsers: HTTP/1.1 and WebSockets, with TLS or without.
+#ifndef CORBSLAM_SERVICES_VIEWER_WEB_WEB_SERVER_H_
+#define CORBSLAM_SERVICES_VIEWER_WEB_WEB_SERVER_H_
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "services/security/pem_files.h"
+#include "services/viewer/web/web_message.h"
+
+namespace corbslam::services {
+
+struct WebServerOptions {
+  // Nullopt: no TLS.
+  std::optional<KeyPair> tls;
+  // Connections beyond these are closed at once.
+  size_t max_connections = 256;
+  // WebSockets beyond these are refused with 503.
+  size_t max_streams = 100;
+  // Limit for a request to come, for a client to take any of what is written, and for an open
+  // connection to ask nothing.
+  absl::Duration patience = absl::Seconds(30);
+};
+
+// One thread of its own does everything and never waits for a client. A request's head has 16 KiB
+// at most, bodies are refused, and a WebSocket's messages from a browser are passed over.
+// Thread-safe.
+class WebServer {
+ public:
+  // Listens on an address that CheckHttpAddress takes; for port 0 the system chooses one. `handler`
+  // is not owned and must outlive the server. UNAVAILABLE if it can't listen, with why;
+  // INVALID_ARGUMENT if the key pair can't be used.
+  static absl::StatusOr<std::unique_ptr<WebServer>> Start(const std::string& address,
+                                                          WebHandler* handler,
+                                                          const WebServerOptions& options = {});
+  // Ends all connections; WebSockets are closed with 1001 (going away) as far as that goes at once.
+  ~WebServer();
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+
+  // Returns "HOST:PORT" with the port that was chosen.
+  const std::string& address() const { return address_; }
+  size_t streams() const;
+
+ private:
+  class Loop;
+
+  WebServer(std::string address, std::unique_ptr<Loop> loop);
+
+  const std::string address_;
+  const std::unique_ptr<Loop> loop_;
+};
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_VIEWER_WEB_WEB_SERVER_H_
