@@ -1,0 +1,135 @@
+#include "services/viewer/testing/web_client.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/ssl/ssl_stream.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <variant>
+
+namespace corbslam::testing {
+namespace {
+
+namespace beast = boost::beast;
+namespace websocket = boost::beast::websocket;
+using boost::asio::ip::tcp;
+using Error = beast::error_code;
+
+constexpr absl::Duration kHandshake = absl::Seconds(20);
+
+}  // namespace
+
+class WebSocketClient::Impl {
+ public:
+  Impl(const std::string& address, const std::string& target, const SocketOptions& options) {
+    if (options.tls) {
+      auto& socket = socket_.emplace<Tls>(context_, tls_);
+      Connect(socket, address);
+      Error error;
+      socket.next_layer().handshake(boost::asio::ssl::stream_base::client, error);
+      if (!error) Handshake(socket, address, target, options);
+    } else {
+      auto& socket = socket_.emplace<Plain>(context_);
+      Connect(socket, address);
+      Handshake(socket, address, target, options);
+    }
+  }
+
+  std::optional<std::string> Read(absl::Duration patience) {
+    return std::visit(
+        [&](auto& socket) -> std::optional<std::string> {
+          if constexpr (std::is_same_v<std::decay_t<decltype(socket)>, std::monostate>) {
+            return std::nullopt;
+          } else {
+            return ReadFrom(socket, patience);
+          }
+        },
+        socket_);
+  }
+
+  bool Send(const std::string& text) {
+    Error error;
+    if (auto* socket = std::get_if<Plain>(&socket_)) {
+      socket->write(boost::asio::buffer(text), error);
+    }
+    return !error;
+  }
+
+  int status = 0;
+  std::string protocol;
+  uint16_t close_code = 0;
+
+ private:
+  using Plain = websocket::stream<beast::tcp_stream>;
+  using Tls = websocket::stream<beast::ssl_stream<beast::tcp_stream>>;
+
+  template <typename Socket>
+  void Connect(Socket& socket, const std::string& address) {
+    const size_t colon = address.rfind(':');
+    Error error;
+    beast::get_lowest_layer(socket).socket().connect(
+        tcp::endpoint(boost::asio::ip::make_address(address.substr(0, colon)),
+                      static_cast<uint16_t>(std::stoi(address.substr(colon + 1)))),
+        error);
+  }
+
+  template <typename Socket>
+  void Handshake(Socket& socket, const std::string& host, const std::string& target,
+                 const SocketOptions& options) {
+    socket.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
+      if (!options.origin.empty()) request.set(beast::http::field::origin, options.origin);
+      request.set(beast::http::field::sec_websocket_protocol, options.protocols);
+    }));
+    socket.read_message_max(64u << 20);
+    websocket::response_type response;
+    Error error;
+    socket.handshake(response, host, target, error);
+    status = response.result_int();
+    if (error) {
+      status = error == websocket::error::upgrade_declined ? status : 0;
+      return;
+    }
+    const auto chosen = response[beast::http::field::sec_websocket_protocol];
+    protocol = std::string(chosen.data(), chosen.size());
+  }
+
+  template <typename Socket>
+  std::optional<std::string> ReadFrom(Socket& socket, absl::Duration patience) {
+    beast::flat_buffer buffer;
+    std::optional<Error> ended;
+    socket.async_read(buffer, [&ended](Error error, size_t) { ended = error; });
+    context_.restart();
+    context_.run_for(absl::ToChronoMilliseconds(patience));
+    if (!ended) {
+      beast::get_lowest_layer(socket).close();
+      context_.restart();
+      context_.run();
+      return std::nullopt;
+    }
+    if (*ended == websocket::error::closed) close_code = socket.reason().code;
+    if (*ended) return std::nullopt;
+    return beast::buffers_to_string(buffer.data());
+  }
+
+  boost::asio::io_context context_;
+  boost::asio::ssl::context tls_{boost::asio::ssl::context::tls_client};
+  std::variant<std::monostate, Plain, Tls> socket_;
+};
+
+WebSocketClient::WebSocketClient(const std::string& address, const std::string& target,
+                                 const SocketOptions& options)
+    : impl_(std::make_unique<Impl>(address, target, options)) {}
+WebSocketClient::~WebSocketClient() = default;
+int WebSocketClient::status() const { return impl_->status; }
+std::string WebSocketClient::protocol() const { return impl_->protocol; }
+std::optional<std::string> WebSocketClient::Read(absl::Duration patience) {
+  return impl_->Read(patience);
+}
+uint16_t WebSocketClient::close_code() const { return impl_->close_code; }
+bool WebSocketClient::Send(const std::string& text) { return impl_->Send(text); }
+
+}  // namespace corbslam::testing
