@@ -19,8 +19,6 @@ namespace websocket = boost::beast::websocket;
 using boost::asio::ip::tcp;
 using Error = beast::error_code;
 
-constexpr absl::Duration kHandshake = absl::Seconds(20);
-
 }  // namespace
 
 class WebSocketClient::Impl {
@@ -40,15 +38,9 @@ class WebSocketClient::Impl {
   }
 
   std::optional<std::string> Read(absl::Duration patience) {
-    return std::visit(
-        [&](auto& socket) -> std::optional<std::string> {
-          if constexpr (std::is_same_v<std::decay_t<decltype(socket)>, std::monostate>) {
-            return std::nullopt;
-          } else {
-            return ReadFrom(socket, patience);
-          }
-        },
-        socket_);
+    if (auto* socket = std::get_if<Plain>(&socket_)) return ReadFrom(*socket, patience);
+    if (auto* socket = std::get_if<Tls>(&socket_)) return ReadFrom(*socket, patience);
+    return std::nullopt;
   }
 
   bool Send(const std::string& text) {
@@ -88,7 +80,7 @@ class WebSocketClient::Impl {
     websocket::response_type response;
     Error error;
     socket.handshake(response, host, target, error);
-    status = response.result_int();
+    status = static_cast<int>(response.result_int());
     if (error) {
       status = error == websocket::error::upgrade_declined ? status : 0;
       return;
