@@ -157,8 +157,12 @@ absl::Status WriteAll(const RunArguments& arguments, MissionOutcome& outcome) {
   return WritePicture(outcome, accuracy, arguments.own, arguments.out + "/map.png");
 }
 
-// Checks the security flags before anything starts.
-absl::Status CheckSecurity(const MissionRunOptions& mission) {
+// Checks what flags say together before anything starts.
+absl::Status CheckFlags(const MissionRunOptions& mission) {
+  if (mission.view && mission.pace == "step") {
+    return absl::InvalidArgumentError(
+        "--view shows what a map store has, and --pace step has none: take another pace");
+  }
   if (!mission.server.empty()) return MakeChannelCredentials(mission.security).status();
   const SecurityOptions& security = mission.security;
   if (security.certificate_file.empty() && security.key_file.empty() && security.ca_file.empty() &&
@@ -204,7 +208,7 @@ absl::Status JudgeOutcome(const MissionOutcome& outcome, const std::string& out)
 absl::Status Run(RunArguments arguments) {
   const absl::Time start = absl::Now();
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission.mission));
-  RETURN_IF_ERROR(CheckSecurity(arguments.mission));
+  RETURN_IF_ERROR(CheckFlags(arguments.mission));
   ASSIGN_OR_RETURN(arguments.mission.robots, Plan(arguments));
   const std::vector<std::string> names = NamesOf(arguments.mission.robots);
   ASSIGN_OR_RETURN(arguments.own, ChooseOwn(arguments.own, names));
@@ -247,6 +251,8 @@ void AddMissionOptions(CLI::App& run, RunArguments& arguments) {
       ->capture_default_str();
   run.add_flag("--strict", mission.strict,
                "Refuse sources in which something looks wrong, instead of warning");
+  run.add_flag("--view", mission.view,
+               "Show the map in browsers while it grows; prints the address");
   run.add_flag("--sequential", mission.sequential, "One robot after the other");
   run.add_option("--server", mission.server, "A running map store, HOST:PORT; else one is started");
   AddTlsFlags(run, mission.security);
@@ -292,6 +298,8 @@ void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& cho
   demo->add_option("--source", arguments->sources[0], "Another sequence, as for run")
       ->capture_default_str();
   demo->add_option("--out", arguments->out, "Folder for all results")->capture_default_str();
+  demo->add_flag("--view", arguments->mission.view,
+                 "Show the map in browsers while it grows; prints the address");
   demo->callback([arguments, &chosen] {
     chosen = [arguments]() -> absl::Status {
       RETURN_IF_ERROR(Run(*arguments));

@@ -37,6 +37,8 @@ struct MissionRunOptions {
   std::string log_folder;
   // True: robots refuse a source in which something looks wrong.
   bool strict = false;
+  // True: a map viewer shows the mission while it runs, for processes only; its address is printed.
+  bool view = false;
   // How long the store may take to fuse after the last robot ended.
   absl::Duration fusion_timeout = absl::Minutes(20);
 };

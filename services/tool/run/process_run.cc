@@ -2,6 +2,7 @@
 #include <grpcpp/channel.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -41,6 +42,7 @@ struct RunningAgent {
   size_t frames = 0;
   std::string statistics_path;
   std::unique_ptr<ChildProcess> process;
+  std::string address;                    // Empty if it does not serve.
   std::unique_ptr<v1::Agent::Stub> stub;  // Null if the agent does not stay after its last frame.
   absl::Status failure;                   // How the process ended, if that was no success.
 };
@@ -61,6 +63,8 @@ class ProcessRun {
                                           std::vector<std::string> arguments,
                                           bool needs_vocabulary);
   absl::Status StartServers();
+  // Starts a viewer of the mission, which also asks the agents that run, and says where it is.
+  absl::Status StartViewer();
   // Starts an agent. With `stays` it is connected until it is stopped, and takes in what others
   // made.
   absl::Status StartAgent(const RobotPlan& plan, bool stays);
@@ -132,6 +136,32 @@ void AppendFlags(const SecurityOptions& security, std::vector<std::string>& argu
   }
 }
 
+absl::Status ProcessRun::StartViewer() {
+  std::vector<std::string> arguments = {"--store", store_address_, "--listen", "127.0.0.1:0"};
+  if (options_.server.empty()) {
+    arguments.push_back("--insecure");
+    for (const RunningAgent& agent : agents_) {
+      if (agent.address.empty()) continue;
+      arguments.insert(
+          arguments.end(),
+          {"--robot", absl::StrCat(options_.mission, "/", agent.plan.name, "=", agent.address)});
+    }
+  } else {
+    arguments.push_back("--open");
+    AppendFlags(options_.security, arguments);
+  }
+  ASSIGN_OR_RETURN(const std::vector<std::string> command,
+                   MakeCommand("map_viewer", std::move(arguments), false));
+  ASSIGN_OR_RETURN(std::unique_ptr<ChildProcess> viewer,
+                   ChildProcess::Start("map_viewer", command,
+                                       absl::StrCat(options_.log_folder, "/map_viewer.log")));
+  servers_.push_back(std::move(viewer));
+  ASSIGN_OR_RETURN(const std::string address, servers_.back()->WaitForAddress(kStartTimeout));
+  std::printf("Look: http://%s/#mission=%s\n", address.c_str(), options_.mission.c_str());
+  std::fflush(stdout);
+  return absl::OkStatus();
+}
+
 // Returns the program that plays the source: client_agent knows no simulator.
 std::string AgentProgram(const RobotPlan& plan) {
   return FindSimulation(plan.source) == nullptr ? "client_agent" : "simulated_agent";
@@ -171,6 +201,7 @@ absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
     const absl::StatusOr<std::string> address = agent.process->WaitForAddress(kStartTimeout);
     agent.failure.Update(address.status());
     if (address.ok()) {
+      agent.address = *address;
       agent.stub =
           v1::Agent::NewStub(std::shared_ptr<grpc::ChannelInterface>(MakeChannel(*address)));
     }
@@ -282,11 +313,14 @@ void ProcessRun::StopServers(MissionOutcome& outcome) {
 
 absl::StatusOr<MissionOutcome> ProcessRun::Run() {
   RETURN_IF_ERROR(StartServers());
+  // Agents that play one after the other are not there yet.
+  if (options_.view && options_.sequential) RETURN_IF_ERROR(StartViewer());
   for (const RobotPlan& plan : options_.robots) {
     const bool is_last = agents_.size() + 1 == options_.robots.size();
     RETURN_IF_ERROR(StartAgent(plan, is_last || !options_.sequential));
     if (options_.sequential) WaitForAgents();
   }
+  if (options_.view && !options_.sequential) RETURN_IF_ERROR(StartViewer());
   WaitForAgents();
   ShowProgress("fusing");
   RETURN_IF_ERROR(WaitUntilFused());
