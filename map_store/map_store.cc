@@ -213,7 +213,7 @@ absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
     missions_.erase(std::string(mission_name));
   }
   // Watchers are called, and find that the mission has gone.
-  mission->listeners().CallAllBut(0);
+  mission->CallListeners();
   return absl::OkStatus();
 }
 

@@ -23,6 +23,8 @@
 #include "map_store/options.h"
 #include "map_store/records/journal.h"
 #include "map_store/state/lookups.h"
+#include "map_store/state/mission_event.h"
+#include "map_store/view/map_replay.h"
 #include "map_store/view/map_watcher.h"
 #include "slam/exchange/fusion_worker.h"
 #include "slam/exchange/map_update.h"
@@ -185,6 +187,23 @@ class MapStore {
   absl::StatusOr<uint64_t> AddMapListener(absl::string_view mission,
                                           std::function<void()> listener);
   void RemoveMapListener(absl::string_view mission, uint64_t token);
+  // Returns the map's past, as far as the journal goes back: the map as it was then, then what
+  // changed up to later revisions, up to now, in the pieces that a MapWatcher would be told. The
+  // version of the last one is one of this store's. It takes as long as a backup. INVALID_ARGUMENT,
+  // naming the field, for an option out of its range; RESOURCE_EXHAUSTED if it is too long;
+  // CANCELLED once `goes_on`, which is called often, says no.
+  absl::StatusOr<std::vector<MapChanges>> ReplayMap(absl::string_view mission,
+                                                    const ReplayOptions& options,
+                                                    const std::function<bool()>& goes_on) const;
+
+  // Returns the first event after this number that is remembered; none if nothing has happened
+  // since. 0, or a number that is newer than the store's: from the oldest on.
+  absl::StatusOr<std::optional<MissionEvent>> EventAfter(absl::string_view mission,
+                                                         uint64_t number) const;
+  // These do as AddMapListener and RemoveMapListener; the listener is called after events.
+  absl::StatusOr<uint64_t> AddEventListener(absl::string_view mission,
+                                            std::function<void()> listener);
+  void RemoveEventListener(absl::string_view mission, uint64_t token);
 
  private:
   struct Session {

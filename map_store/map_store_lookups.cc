@@ -118,4 +118,29 @@ void MapStore::RemoveMapListener(absl::string_view mission_name, uint64_t token)
   if (mission.ok()) (*mission)->listeners().RemoveOfMap(token);
 }
 
+absl::StatusOr<std::vector<MapChanges>> MapStore::ReplayMap(
+    absl::string_view mission_name, const ReplayOptions& options,
+    const std::function<bool()>& goes_on) const {
+  RETURN_IF_ERROR(options.Validate());
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->snapshots().TellPast(options, goes_on);
+}
+
+absl::StatusOr<std::optional<MissionEvent>> MapStore::EventAfter(absl::string_view mission_name,
+                                                                 uint64_t number) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->events().After(number);
+}
+
+absl::StatusOr<uint64_t> MapStore::AddEventListener(absl::string_view mission_name,
+                                                    std::function<void()> listener) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->events().listeners().AddOfMap(std::move(listener));
+}
+
+void MapStore::RemoveEventListener(absl::string_view mission_name, uint64_t token) {
+  const auto mission = FindMission(mission_name);
+  if (mission.ok()) (*mission)->events().listeners().RemoveOfMap(token);
+}
+
 }  // namespace corbslam::map_store

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "map_store/fusion/fusion_policy.h"
 #include "map_store/fusion/overlap_query.h"
 #include "map_store/options.h"
@@ -41,6 +42,8 @@ struct AdjustJob {
   AdjustBundleRequest request;
   // The island without its view, which has gone into the request.
   IslandSnapshot snapshot;
+  // When it was begun to be read. Whoever starts the job says so.
+  absl::Time begin = absl::InfinitePast();
 };
 
 using FusionRequest = std::variant<QueryJob, FuseJob, AdjustJob>;

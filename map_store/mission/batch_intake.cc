@@ -64,9 +64,23 @@ absl::StatusOr<BatchIntake::Known> BatchIntake::ApplyInTurn(uint64_t session_id,
     if (known.has_value()) return known;
   }
   RETURN_IF_ERROR(strand_.Append(record));
-  StateWriteLock lock(strand_);
-  map_store::Apply(record, words, strand_.options(), strand_.mutable_state());
+  {
+    StateWriteLock lock(strand_);
+    map_store::Apply(record, words, strand_.options(), strand_.mutable_state());
+  }
+  RecordEvents(record);
   return std::nullopt;
+}
+
+void BatchIntake::RecordEvents(const BatchRecord& record) {
+  const MapUpdateBatch& batch = *record.batch;
+  const uint64_t revision = strand_.state_in_turn().global.revision;
+  if (batch.number == 1) {
+    events_.Record(revision, MissionEvent::LocalMapBegun{batch.local_map, record.agent});
+  }
+  const size_t lost = batch.lost_frames_ns.size();
+  if (lost == 0) return;
+  events_.Record(revision, MissionEvent::TrackingLost{batch.local_map, record.agent, lost});
 }
 
 BatchRecord BatchIntake::MakeRecord(const std::string& agent, const MapUpdateBatch& batch) const {
@@ -112,6 +126,7 @@ absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const st
   const absl::Status durable = strand_.Sync();
   strand_.environment().wake_fusion();
   listeners_.CallAllBut(session_id);
+  events_.Tell();
   RETURN_IF_ERROR(durable);
   return Acknowledgement{batch.local_map, batch.number};
 }

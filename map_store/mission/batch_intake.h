@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "map_store/ingest/batch_application.h"
+#include "map_store/mission/event_book.h"
 #include "map_store/mission/listeners.h"
 #include "map_store/mission/mission_strand.h"
 #include "map_store/state/lookups.h"
@@ -22,8 +23,8 @@ namespace corbslam::map_store {
 class BatchIntake {
  public:
   // The arguments are not owned and must outlive it.
-  BatchIntake(MissionStrand& strand, const Listeners& listeners)
-      : strand_(strand), listeners_(listeners) {}
+  BatchIntake(MissionStrand& strand, const Listeners& listeners, EventBook& events)
+      : strand_(strand), listeners_(listeners), events_(events) {}
 
   // Applies the batch, makes it durable and tells others of it. Others are told also where the
   // journal then can't make sure of it: that is an error, without an acknowledgement, and the robot
@@ -49,9 +50,11 @@ class BatchIntake {
   // applied meanwhile.
   absl::StatusOr<Known> ApplyInTurn(uint64_t session_id, const BatchRecord& record,
                                     const BatchWords& words);
+  void RecordEvents(const BatchRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
 
   MissionStrand& strand_;
   const Listeners& listeners_;
+  EventBook& events_;
 };
 
 }  // namespace corbslam::map_store

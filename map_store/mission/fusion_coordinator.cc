@@ -34,8 +34,9 @@ FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Is
 
 }  // namespace
 
-FusionCoordinator::FusionCoordinator(MissionStrand& strand, std::function<void()> notify)
-    : strand_(strand), notify_(std::move(notify)) {}
+FusionCoordinator::FusionCoordinator(MissionStrand& strand, EventBook& events,
+                                     std::function<void()> notify)
+    : strand_(strand), events_(events), notify_(std::move(notify)) {}
 
 FusionSummary FusionCoordinator::Summarise() const {
   const MissionState& state = strand_.state();
@@ -97,8 +98,10 @@ std::optional<FusionJob> FusionCoordinator::StartJob(FusionLane lane) {
 FusionCoordinator::Started FusionCoordinator::TryStart(FusionLane lane) {
   const std::optional<Claim> claim = ClaimLane(lane);
   if (!claim.has_value()) return {};
+  const absl::Time begin = strand_.environment().clock();
   absl::StatusOr<std::optional<FusionRequest>> request = Prepare(*claim);
   if (request.ok() && request->has_value()) {
+    if (auto* adjust = std::get_if<AdjustJob>(&**request)) adjust->begin = begin;
     return {Attempt::kStarted, FusionJob{**std::move(request), claim->cancelled}};
   }
   if (request.ok()) {
@@ -158,7 +161,7 @@ JobEnd FusionCoordinator::FinishJob(FusionLane lane, const FusionJob& job,
     if (!job.cancelled->load()) NoteFailure(job, status);
   }
   ReleaseLane(lane);
-  if (status.ok()) notify_();
+  if (status.ok()) TellOthers();
   return try_later ? JobEnd::kTryLater : JobEnd::kDone;
 }
 
@@ -189,8 +192,17 @@ absl::Status FusionCoordinator::CommitDecision(const JournalRecord& record,
 absl::Status FusionCoordinator::TellOfDecision() {
   RETURN_IF_ERROR(strand_.Sync());
   strand_.environment().wake_fusion();
-  notify_();
+  TellOthers();
   return absl::OkStatus();
+}
+
+void FusionCoordinator::TellOthers() {
+  notify_();
+  events_.Tell();
+}
+
+void FusionCoordinator::Record(MissionEvent::What what) {
+  events_.Record(strand_.state_in_turn().global.revision, std::move(what));
 }
 
 absl::Status FusionCoordinator::Rederive() {
@@ -200,6 +212,7 @@ absl::Status FusionCoordinator::Rederive() {
     const RederiveRecord record;
     RETURN_IF_ERROR(CommitDecision(
         record, [&record](MissionState& state) { map_store::Apply(record, state); }));
+    Record(MissionEvent::GlobalLayerForgotten{});
   }
   return TellOfDecision();
 }
@@ -216,6 +229,7 @@ absl::StatusOr<std::vector<uint64_t>> FusionCoordinator::RetractOverlap(uint64_t
     RETURN_IF_ERROR(CommitDecision(record, [&](MissionState& state) {
       taken_back = Retract(record, strand_.options(), state);
     }));
+    Record(MissionEvent::OverlapsTakenBack{taken_back});
   }
   RETURN_IF_ERROR(TellOfDecision());
   return taken_back;

@@ -17,6 +17,7 @@
 #include "map_store/fusion/fusion_job.h"
 #include "map_store/fusion/fusion_policy.h"
 #include "map_store/fusion/revision_layers.h"
+#include "map_store/mission/event_book.h"
 #include "map_store/mission/fusion_lanes.h"
 #include "map_store/mission/mission_load.h"
 #include "map_store/mission/mission_strand.h"
@@ -40,9 +41,9 @@ struct AdjustmentDraft {
 // strand. Thread-safe.
 class FusionCoordinator {
  public:
-  // `strand` is not owned and must outlive it. `notify` is called, without locks, when something
-  // that others see has changed.
-  FusionCoordinator(MissionStrand& strand, std::function<void()> notify);
+  // `strand` and `events` are not owned and must outlive it. `notify` is called, without locks,
+  // when something that others see has changed.
+  FusionCoordinator(MissionStrand& strand, EventBook& events, std::function<void()> notify);
 
   // Returns the next piece of work of a lane, which then is busy until the job is finished;
   // nullopt: there is none.
@@ -96,6 +97,10 @@ class FusionCoordinator {
                               absl::FunctionRef<void(MissionState&)> apply)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
   absl::Status TellOfDecision();
+  // Tells others, without locks, of what has changed.
+  void TellOthers();
+  // Records what has happened; the change is applied.
+  void Record(MissionEvent::What what) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
 
   absl::Status Commit(const FusionJob& job, const FusionResult& result);
   absl::Status CommitQuery(const QueryJob& job, const VerifyOverlapResult& result)
@@ -137,6 +142,7 @@ class FusionCoordinator {
   void NoteFailedAdjust(const AdjustJob& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.mutex());
 
   MissionStrand& strand_;
+  EventBook& events_;
   const std::function<void()> notify_;
   mutable absl::CondVar lane_released_;
   FusionLanes lanes_ ABSL_GUARDED_BY(strand_.mutex());

@@ -4,6 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/fusion/revision.h"
 #include "map_store/mission/fusion_coordinator.h"
+#include "map_store/mission/fusion_events.h"
 #include "map_store/mission/pausing_read.h"
 #include "map_store/records/record_application.h"
 #include "slam/util/status_macros.h"
@@ -89,8 +90,16 @@ absl::Status FusionCoordinator::CommitQuery(const QueryJob& job,
   RETURN_IF_ERROR(strand_.Append(record));
   // The tables of poses that it needs are made while others may read.
   strand_.WithState([&record](const MissionState& state) { PrepareToApply(record, state); });
-  StateWriteLock lock(strand_);
-  map_store::Apply(record, strand_.options(), strand_.mutable_state());
+  uint64_t first = 0;
+  {
+    StateWriteLock lock(strand_);
+    first = strand_.state().next_overlap;
+    map_store::Apply(record, strand_.options(), strand_.mutable_state());
+  }
+  for (const MissionEvent::OverlapAccepted& accepted : strand_.WithState(
+           [first](const MissionState& state) { return ListAcceptedFrom(first, state); })) {
+    Record(accepted);
+  }
   return absl::OkStatus();
 }
 
@@ -121,9 +130,13 @@ absl::Status FusionCoordinator::CommitFuse(const FuseJob& job, const FuseMapsRes
   if (IsOvertaken(job, record)) return absl::OkStatus();
   RETURN_IF_ERROR(strand_.Append(record));
   layers = PrepareLayers(record.plan, strand_.options(), strand_.state_in_turn());
-  StateWriteLock lock(strand_);
-  const bool urgent = map_store::Apply(record, layers, strand_.mutable_state());
-  if (urgent) lanes_.CancelAdjustment(job.action);
+  {
+    StateWriteLock lock(strand_);
+    const bool urgent = map_store::Apply(record, layers, strand_.mutable_state());
+    if (urgent) lanes_.CancelAdjustment(job.action);
+  }
+  Record(strand_.WithState(
+      [&record](const MissionState& state) { return DescribeFusing(record, state); }));
   return absl::OkStatus();
 }
 
@@ -196,9 +209,12 @@ absl::Status FusionCoordinator::CommitDraft(const AdjustJob& job, AdjustmentDraf
         draft.record.dirty || island.version_of_owners > job.snapshot.version_of_owners;
   }
   RETURN_IF_ERROR(strand_.Append(draft.record));
-  StateWriteLock lock(strand_);
-  map_store::Apply(draft.record, draft.layers, strand_.mutable_state());
-  lanes_.ForgetTrouble(draft.record.plan.target);
+  {
+    StateWriteLock lock(strand_);
+    map_store::Apply(draft.record, draft.layers, strand_.mutable_state());
+    lanes_.ForgetTrouble(draft.record.plan.target);
+  }
+  Record(DescribeAdjustment(draft.record, strand_.environment().clock() - job.begin));
   return absl::OkStatus();
 }
 

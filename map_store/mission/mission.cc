@@ -27,9 +27,10 @@ MissionLoad MeasureLoad(const MissionState& state) {
 
 Mission::Mission(std::string name, MissionEnvironment environment)
     : strand_(std::move(name), std::move(environment)),
-      sessions_(strand_),
-      batches_(strand_, sessions_.listeners()),
-      fusion_(strand_, [this] { sessions_.listeners().CallAllBut(0); }),
+      events_(strand_.environment().clock),
+      sessions_(strand_, events_),
+      batches_(strand_, sessions_.listeners(), events_),
+      fusion_(strand_, events_, [this] { sessions_.listeners().CallAllBut(0); }),
       snapshots_(strand_) {}
 
 MissionInfo Mission::Info() const {
@@ -50,6 +51,7 @@ MissionLoad Mission::Load() const {
 
 bool Mission::IsVacant() const {
   return strand_.appended() == 0 && !sessions_.listeners().has_of_map() &&
+         !events_.listeners().has_of_map() &&
          WithState([](const MissionState& state) { return state.local_maps.empty(); });
 }
 
@@ -61,7 +63,12 @@ void Mission::Delete() {
   }
   // A snapshot that has begun must not be written after the deletion.
   snapshots_.WaitForEnd();
+  CallListeners();
+}
+
+void Mission::CallListeners() {
   listeners().CallAllBut(0);
+  events_.listeners().CallAllBut(0);
 }
 
 }  // namespace corbslam::map_store

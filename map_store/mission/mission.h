@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "map_store/mission/batch_intake.h"
+#include "map_store/mission/event_book.h"
 #include "map_store/mission/fusion_coordinator.h"
 #include "map_store/mission/mission_load.h"
 #include "map_store/mission/mission_sessions.h"
@@ -28,6 +29,8 @@ class Mission {
   const FusionCoordinator& fusion() const { return fusion_; }
   MissionSnapshots& snapshots() { return snapshots_; }
   Listeners& listeners() { return sessions_.listeners(); }
+  EventBook& events() { return events_; }
+  const EventBook& events() const { return events_; }
 
   // Reads the state under its lock; `read` must be quick and must not call back.
   template <typename Read>
@@ -42,9 +45,12 @@ class Mission {
 
   // Ends everything: sessions are fenced, jobs cancelled, nothing is written any more.
   void Delete();
+  // Calls all who listen: they find out what has become of the mission.
+  void CallListeners();
 
  private:
   MissionStrand strand_;
+  EventBook events_;
   MissionSessions sessions_;
   BatchIntake batches_;
   FusionCoordinator fusion_;

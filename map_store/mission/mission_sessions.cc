@@ -86,12 +86,11 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
   }
   // The acknowledged batches must be durable, as the robot forgets them.
   if (const absl::Status durable = strand_.Sync(); !durable.ok()) {
-    StateWriteLock lock(strand_);
-    uint64_t& session = strand_.mutable_state().agents.at(request.agent).session;
-    if (session == session_id) session = 0;
+    Leave(session_id, request.agent, /*has_joined=*/opened.fenced != 0);
     return durable;
   }
   listeners_.CallLast(opened.fenced);
+  RecordJoined(session_id, request.agent);
   return std::move(opened.grant);
 }
 
@@ -107,13 +106,36 @@ absl::Status CheckSession(const MissionStrand& strand, uint64_t session_id,
       absl::StrCat("a newer session of agent ", agent, " has taken the place of this one"));
 }
 
-void MissionSessions::Close(uint64_t session_id, const std::string& agent) {
+void MissionSessions::RecordJoined(uint64_t session_id, const std::string& agent) {
   {
-    StateWriteLock lock(strand_);
-    auto& agents = strand_.mutable_state().agents;
-    const auto it = agents.find(agent);
-    if (it != agents.end() && it->second.session == session_id) it->second.session = 0;
+    absl::MutexLock coming(&coming_);
+    const bool is_here = strand_.WithState(
+        [&](const MissionState& state) { return state.agents.at(agent).session == session_id; });
+    if (is_here) events_.Record(strand_.Revision(), MissionEvent::AgentJoined{agent});
   }
+  events_.Tell();
+}
+
+void MissionSessions::Leave(uint64_t session_id, const std::string& agent, bool has_joined) {
+  {
+    absl::MutexLock coming(&coming_);
+    bool was_here = false;
+    {
+      StateWriteLock lock(strand_);
+      auto& agents = strand_.mutable_state().agents;
+      const auto it = agents.find(agent);
+      was_here = it != agents.end() && it->second.session == session_id;
+      if (was_here) it->second.session = 0;
+    }
+    if (was_here && has_joined) {
+      events_.Record(strand_.Revision(), MissionEvent::AgentLeft{agent});
+    }
+  }
+  events_.Tell();
+}
+
+void MissionSessions::Close(uint64_t session_id, const std::string& agent) {
+  Leave(session_id, agent, /*has_joined=*/true);
   listeners_.SetOfSession(session_id, nullptr);
   strand_.environment().wake_fusion();
 }

@@ -14,6 +14,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "map_store/mission/event_book.h"
 #include "map_store/mission/listeners.h"
 #include "map_store/mission/mission_strand.h"
 #include "map_store/state/share_state.h"
@@ -29,8 +30,8 @@ absl::Status CheckSession(const MissionStrand& strand, uint64_t session_id,
 // Opens and closes sessions, and makes the shared updates of each. Thread-safe.
 class MissionSessions {
  public:
-  // `strand` is not owned and must outlive it.
-  explicit MissionSessions(MissionStrand& strand) : strand_(strand) {}
+  // The arguments are not owned and must outlive it.
+  MissionSessions(MissionStrand& strand, EventBook& events) : strand_(strand), events_(events) {}
 
   // Opens a session and fences an older one of the agent, unless another process holds that.
   absl::StatusOr<SessionGrant> Open(uint64_t session_id, const SessionRequest& request);
@@ -73,6 +74,12 @@ class MissionSessions {
   absl::Status CheckRequest(const SessionRequest& request) const
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   absl::StatusOr<Opened> Enter(uint64_t session_id, const SessionRequest& request);
+  // Records that the agent has joined, unless another session has taken this one's place already.
+  void RecordJoined(uint64_t session_id, const std::string& agent) ABSL_LOCKS_EXCLUDED(coming_);
+  // Ends the session, if it is still the agent's, and records that the agent has left, if it was
+  // said to have joined.
+  void Leave(uint64_t session_id, const std::string& agent, bool has_joined)
+      ABSL_LOCKS_EXCLUDED(coming_);
   // Returns null if the agent never opened a session.
   Told* FindTold(const std::string& agent);
   // Returns the next update after one look at the state; nullopt: share.unfinished says whether to
@@ -81,7 +88,11 @@ class MissionSessions {
                                                    size_t byte_budget, ShareState& share) const;
 
   MissionStrand& strand_;
+  EventBook& events_;
   Listeners listeners_;
+  // Held while an agent is recorded to have come or gone, so that events are in the order in which
+  // sessions took each other's places. It is taken before the state's lock.
+  absl::Mutex coming_;
   // What each agent was told, of all agents that ever had a session.
   std::map<std::string, Told> told_ ABSL_GUARDED_BY(strand_.mutex());
 };

@@ -48,6 +48,7 @@ std::vector<std::shared_ptr<const KeyframePayload>> ListPayloads(const MissionSt
 
 struct MissionSnapshots::Beginning {
   Journal::Position position = 0;
+  uint64_t revision = 0;
   UnrecordedState unrecorded;
   std::map<LocalMapId, Extent> extents;
 };
@@ -56,14 +57,16 @@ MissionSnapshots::Beginning MissionSnapshots::Begin() const {
   Beginning beginning;
   beginning.position = strand_.appended();
   absl::ReaderMutexLock lock(&strand_.mutex());
+  beginning.revision = strand_.state().global.revision;
   beginning.unrecorded = CopyUnrecorded(strand_.state());
   beginning.extents = Measure(strand_.state());
   return beginning;
 }
 
 absl::StatusOr<MissionState> MissionSnapshots::Replay(Beginning beginning,
-                                                      const std::function<bool()>& goes_on) const {
-  ASSIGN_OR_RETURN(MissionState state, strand_.ReplayUntil(beginning.position, goes_on));
+                                                      const std::function<bool()>& goes_on,
+                                                      const StateVisitor& visit) const {
+  ASSIGN_OR_RETURN(MissionState state, strand_.ReplayUntil(beginning.position, goes_on, visit));
   if (Measure(state) != beginning.extents) {
     return absl::InternalError(absl::StrCat("mission ", strand_.name(), " replayed until record ",
                                             beginning.position, " is not what it was then"));
@@ -94,7 +97,6 @@ absl::StatusOr<MissionBackup> MissionSnapshots::BackUp() {
   if (!strand_.environment().journal->KeepsRecords()) {
     return strand_.WithState([](const MissionState& state) { return MissionBackup(state); });
   }
-  // A snapshot that was written meanwhile would take the place of records that the replay reads.
   absl::MutexLock one(&mutex_);
   Beginning beginning;
   std::vector<std::shared_ptr<const KeyframePayload>> keyframes;
@@ -106,6 +108,38 @@ absl::StatusOr<MissionBackup> MissionSnapshots::BackUp() {
   const ReturnsFreeMemory after;
   ASSIGN_OR_RETURN(const MissionState state, Replay(std::move(beginning), [] { return true; }));
   return MissionBackup(EncodeState(state), std::move(keyframes));
+}
+
+absl::Status MissionSnapshots::CheckMemory(uint64_t bytes) const {
+  return strand_.environment().memory->Check(absl::StrCat("the past of mission ", strand_.name()),
+                                             bytes);
+}
+
+absl::StatusOr<std::vector<MapChanges>> MissionSnapshots::TellPast(
+    const ReplayOptions& options, const std::function<bool()>& goes_on) {
+  const auto check_memory = [this](uint64_t bytes) { return CheckMemory(bytes); };
+  if (!strand_.environment().journal->KeepsRecords()) {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    MapReplay present(options, strand_.state().global.revision, check_memory);
+    RETURN_IF_ERROR(present.End(strand_.state()));
+    return std::move(present).Take();
+  }
+  absl::MutexLock one(&mutex_);
+  Beginning beginning;
+  {
+    absl::MutexLock turn(&strand_.turn());
+    beginning = Begin();
+  }
+  const ReturnsFreeMemory after;
+  MapReplay past(options, beginning.revision, check_memory);
+  const absl::StatusOr<MissionState> state = Replay(
+      std::move(beginning), goes_on, [&past](const MissionState& then) { return past.Look(then); });
+  // The replay's own words of what has ended it would name the journal's folder.
+  RETURN_IF_ERROR(past.status());
+  if (strand_.IsDeleted()) return strand_.Deleted();
+  RETURN_IF_ERROR(state.status());
+  RETURN_IF_ERROR(past.End(*state));
+  return std::move(past).Take();
 }
 
 }  // namespace corbslam::map_store

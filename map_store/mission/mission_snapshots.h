@@ -1,4 +1,5 @@
-// Makes the snapshots of one mission, by which the journal gets rid of older records.
+// Makes of one mission's journal what takes a replay of it: snapshots, by which the journal gets
+// rid of older records, backups, and the map's past.
 #ifndef CORBSLAM_MAP_STORE_MISSION_MISSION_SNAPSHOTS_H_
 #define CORBSLAM_MAP_STORE_MISSION_MISSION_SNAPSHOTS_H_
 
@@ -12,10 +13,11 @@
 #include "absl/synchronization/mutex.h"
 #include "map_store/archive/mission_archive.h"
 #include "map_store/mission/mission_strand.h"
+#include "map_store/view/map_replay.h"
 
 namespace corbslam::map_store {
 
-// Makes one snapshot or backup at a time. Thread-safe.
+// Makes one replay at a time. Thread-safe.
 class MissionSnapshots {
  public:
   // `strand` is not owned and must outlive it.
@@ -28,21 +30,30 @@ class MissionSnapshots {
   // Returns the mission as it is now, likewise made beside those who change it; where the journal
   // keeps nothing, under the state's lock. CANCELLED once the mission is deleted.
   absl::StatusOr<MissionBackup> BackUp() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Returns the map as it was when the journal begins, and what changed up to chosen revisions, up
+  // to now; likewise made. Where the journal keeps nothing, it is the map as it is now.
+  // RESOURCE_EXHAUSTED if that is too long, CANCELLED once `goes_on` says no, NOT_FOUND once the
+  // mission is deleted.
+  absl::StatusOr<std::vector<MapChanges>> TellPast(const ReplayOptions& options,
+                                                   const std::function<bool()>& goes_on)
+      ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns once no snapshot is being written.
   void WaitForEnd() ABSL_LOCKS_EXCLUDED(mutex_) { absl::MutexLock ended(&mutex_); }
 
  private:
-  // What a snapshot reads of the mission itself: the rest is read from the journal.
+  // What a replay reads of the mission itself: the rest is read from the journal.
   struct Beginning;
 
   // The caller holds the writers' turn: no record comes between the state and its position.
   Beginning Begin() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
   // Returns the state, without features, as it was at the beginning.
-  absl::StatusOr<MissionState> Replay(Beginning beginning,
-                                      const std::function<bool()>& goes_on) const;
+  absl::StatusOr<MissionState> Replay(Beginning beginning, const std::function<bool()>& goes_on,
+                                      const StateVisitor& visit = nullptr) const;
+  absl::Status CheckMemory(uint64_t bytes) const;
 
   MissionStrand& strand_;
-  // Held from a snapshot's beginning to its end.
+  // Held from a replay's beginning to its end: a snapshot that was written meanwhile would take the
+  // place of records that the replay reads.
   absl::Mutex mutex_;
 };
 

@@ -92,24 +92,26 @@ void MissionStrand::Begin(MissionState state) {
   state_ = std::move(state);
 }
 
-absl::StatusOr<MissionState> MissionStrand::ReplayUntil(
-    Journal::Position position, const std::function<bool()>& goes_on) const {
+absl::StatusOr<MissionState> MissionStrand::ReplayUntil(Journal::Position position,
+                                                        const std::function<bool()>& goes_on,
+                                                        const StateVisitor& visit) const {
   MissionState state;
   state.name = name_;
   Journal::Replay replay;
   replay.until = position;
   replay.with_features = false;
+  const auto show = [&] { return visit == nullptr ? absl::OkStatus() : visit(state); };
   replay.on_snapshot = [&](MissionState snapshot) {
     state = std::move(snapshot);
-    return absl::OkStatus();
+    return show();
   };
   // The records were applied once before: they are sound, and words decide nothing any more.
   replay.on_record = [&](const JournalRecord& record) -> absl::Status {
-    if (IsDeleted() || !goes_on()) return absl::CancelledError("no snapshot any more");
+    if (IsDeleted() || !goes_on()) return absl::CancelledError("nobody waits for the replay");
     const BatchWords none;
     std::visit(ApplyAgain{none, options(), state}, record);
     DropFeatures(record, state);
-    return absl::OkStatus();
+    return show();
   };
   RETURN_IF_ERROR(environment_.journal->Recover(name_, replay).status());
   return state;

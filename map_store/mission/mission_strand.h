@@ -35,6 +35,9 @@ struct MissionEnvironment {
   MemoryBudget* memory = nullptr;
 };
 
+// Looks at a state on its way through a replay.
+using StateVisitor = std::function<absl::Status(const MissionState&)>;
+
 // Lets writers take their turn, which they hold while the journal writes; the state's own lock is
 // held only to read or to change memory, never across the journal, a worker or a listener.
 // Thread-safe.
@@ -54,9 +57,11 @@ class MissionStrand {
   // Takes over a state from elsewhere, which the journal has already; called before anything else.
   void Restore(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns what the mission was after a record, from the journal, without features. CANCELLED once
-  // the mission is deleted or `goes_on`, which is called often, says no.
+  // the mission is deleted or `goes_on`, which is called often, says no. `visit`, if not null, is
+  // shown the journal's snapshot and then the state after each record; its errors end the replay.
   absl::StatusOr<MissionState> ReplayUntil(Journal::Position position,
-                                           const std::function<bool()>& goes_on) const
+                                           const std::function<bool()>& goes_on,
+                                           const StateVisitor& visit = nullptr) const
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Returns the lock that is the writers' turn; it is taken before the state's lock.
@@ -79,6 +84,11 @@ class MissionStrand {
   auto WithState(Read read) const ABSL_LOCKS_EXCLUDED(mutex_) {
     absl::ReaderMutexLock lock(&mutex_);
     return read(static_cast<const MissionState&>(state_));
+  }
+
+  // Returns the number of the last revision that was committed.
+  uint64_t Revision() const ABSL_LOCKS_EXCLUDED(mutex_) {
+    return WithState([](const MissionState& state) { return state.global.revision; });
   }
 
   // How long writers held the state's lock so far, all together and the longest time.

@@ -1,0 +1,37 @@
+#include "map_store/mission/event_book.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace corbslam::map_store {
+
+void EventBook::Record(uint64_t revision, MissionEvent::What what) {
+  MissionEvent event;
+  event.time = clock_();
+  event.revision = revision;
+  event.what = std::move(what);
+  {
+    absl::MutexLock lock(&mutex_);
+    event.number = ++last_number_;
+    events_.push_back(std::move(event));
+    if (events_.size() > kKept) events_.pop_front();
+  }
+  untold_ = true;
+}
+
+void EventBook::Tell() {
+  if (untold_.exchange(false)) listeners_.CallAllBut(0);
+}
+
+std::optional<MissionEvent> EventBook::After(uint64_t number) const {
+  absl::MutexLock lock(&mutex_);
+  const uint64_t known = number > last_number_ ? 0 : number;
+  if (known == last_number_) return std::nullopt;
+  const uint64_t oldest = events_.front().number;
+  const uint64_t next = std::max(known + 1, oldest);
+  MissionEvent event = events_[next - oldest];
+  event.missed = next - known - 1;
+  return event;
+}
+
+}  // namespace corbslam::map_store

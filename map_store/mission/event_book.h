@@ -1,0 +1,55 @@
+// Remembers what happened in a mission lately.
+#ifndef CORBSLAM_MAP_STORE_MISSION_EVENT_BOOK_H_
+#define CORBSLAM_MAP_STORE_MISSION_EVENT_BOOK_H_
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "map_store/mission/listeners.h"
+#include "map_store/state/mission_event.h"
+
+namespace corbslam::map_store {
+
+// Keeps the newest events. Recording and telling are two steps, so that events can be recorded in
+// the order of the changes, by writers who have the turn, and told without any lock. Thread-safe.
+class EventBook {
+ public:
+  // How many events are remembered.
+  static constexpr size_t kKept = 1000;
+
+  explicit EventBook(std::function<absl::Time()> clock) : clock_(std::move(clock)) {}
+
+  // Notes what has happened; `revision` is the mission's then. It costs next to nothing, and waits
+  // for nobody.
+  void Record(uint64_t revision, MissionEvent::What what);
+  // Calls the listeners if something was recorded since the last call. The caller holds no lock.
+  void Tell();
+
+  // Returns the first event after `number` that is remembered, which also says how many before it
+  // were forgotten; none if nothing has happened since. A number of 0, or one newer than the
+  // newest, which is of an earlier life of the store, means from the oldest on.
+  std::optional<MissionEvent> After(uint64_t number) const;
+
+  // Those who listen are called as listeners of the map (Listeners::AddOfMap).
+  Listeners& listeners() { return listeners_; }
+  const Listeners& listeners() const { return listeners_; }
+
+ private:
+  const std::function<absl::Time()> clock_;
+  Listeners listeners_;
+  std::atomic<bool> untold_ = false;
+  mutable absl::Mutex mutex_;
+  uint64_t last_number_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::deque<MissionEvent> events_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_MISSION_EVENT_BOOK_H_

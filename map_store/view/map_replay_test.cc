@@ -1,0 +1,113 @@
+// Tests which revisions a replay tells, and how much of them.
+#include "map_store/view/map_replay.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace corbslam::map_store {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+absl::Status EnoughMemory(uint64_t) { return absl::OkStatus(); }
+
+// A mission without a map: only its numbers count.
+MissionState At(uint64_t revision, uint64_t version) {
+  MissionState state;
+  state.global.revision = revision;
+  state.version = version;
+  return state;
+}
+
+// Returns the revisions that are told of those from `first` to `last`, each with a batch before.
+std::vector<uint64_t> Told(uint64_t first, uint64_t last, size_t max_revisions) {
+  MapReplay replay({.max_revisions = max_revisions}, last, &EnoughMemory);
+  uint64_t version = 0;
+  for (uint64_t revision = first; revision <= last; ++revision) {
+    EXPECT_TRUE(replay.Look(At(revision, ++version)).ok());
+    EXPECT_TRUE(replay.Look(At(revision, ++version)).ok());
+  }
+  EXPECT_TRUE(replay.End(At(last, ++version)).ok());
+  std::vector<uint64_t> told;
+  for (const MapChanges& changes : std::move(replay).Take()) {
+    EXPECT_FALSE(changes.continues);
+    told.push_back(changes.revision);
+  }
+  return told;
+}
+
+TEST(MapReplayTest, TellsEachRevisionIfThereAreFew) {
+  EXPECT_THAT(Told(0, 4, 5), ElementsAre(0, 1, 2, 3, 4));
+  EXPECT_THAT(Told(7, 9, 100), ElementsAre(7, 8, 9));
+}
+
+TEST(MapReplayTest, SpreadsWhatItTellsOfMany) {
+  EXPECT_THAT(Told(0, 100, 5), ElementsAre(0, 25, 50, 75, 100));
+  EXPECT_THAT(Told(3, 10, 4), ElementsAre(3, 5, 7, 10));
+  EXPECT_THAT(Told(0, 5, 5), ElementsAre(0, 1, 2, 3, 5));
+  EXPECT_THAT(Told(5, 900, 2), ElementsAre(5, 900));
+  for (size_t most = 2; most <= 60; ++most) {
+    const auto told = Told(11, 61, most);
+    EXPECT_EQ(told.size(), std::min<size_t>(most, 51));
+    EXPECT_EQ(told.front(), 11u);
+    EXPECT_EQ(told.back(), 61u);
+  }
+}
+
+TEST(MapReplayTest, WhatHasNoRevisionsIsToldAtItsBeginningAndEnd) {
+  EXPECT_THAT(Told(0, 0, 2), ElementsAre(0, 0));
+}
+
+TEST(MapReplayTest, TellsTheNextOneWhereOneIsLeftOut) {
+  MapReplay replay({.max_revisions = 3}, 10, &EnoughMemory);
+  for (const uint64_t revision : {0u, 7u, 8u}) {
+    EXPECT_TRUE(replay.Look(At(revision, revision + 1)).ok());
+  }
+  EXPECT_TRUE(replay.End(At(10, 20)).ok());
+  std::vector<uint64_t> told;
+  for (const MapChanges& changes : std::move(replay).Take()) told.push_back(changes.revision);
+  EXPECT_THAT(told, ElementsAre(0, 7, 10));
+}
+
+TEST(MapReplayTest, EndsWhenItIsTooLong) {
+  MapReplay replay(
+      {.include_points = true, .max_revisions = 9, .max_bytes = 3 * sizeof(MapChanges)}, 9,
+      &EnoughMemory);
+  for (uint64_t revision = 0; revision < 3; ++revision) {
+    EXPECT_TRUE(replay.Look(At(revision, revision + 1)).ok());
+  }
+  const absl::Status status = replay.Look(At(3, 4));
+  EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr("at revision 3 of 9"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("max_revisions is 9"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("without points"));
+  EXPECT_EQ(replay.status(), status);
+  EXPECT_EQ(replay.End(At(9, 10)), status);
+}
+
+TEST(MapReplayTest, EndsWhenTheProcessHasNoMemory) {
+  MapReplay replay({}, 9, [](uint64_t bytes) {
+    return absl::ResourceExhaustedError(bytes > 0 ? "no memory" : "");
+  });
+  EXPECT_THAT(std::string(replay.Look(At(0, 1)).message()), HasSubstr("no memory"));
+}
+
+TEST(ReplayOptionsTest, NameTheFieldItsValueAndItsLimits) {
+  EXPECT_TRUE(ReplayOptions().Validate().ok());
+  EXPECT_TRUE(ReplayOptions{.max_revisions = 2}.Validate().ok());
+  EXPECT_TRUE(ReplayOptions{.max_revisions = 1000}.Validate().ok());
+  for (const size_t bad : {0u, 1u, 1001u}) {
+    const absl::Status status = ReplayOptions{.max_revisions = bad}.Validate();
+    EXPECT_TRUE(absl::IsInvalidArgument(status));
+    EXPECT_EQ(status.message(), "max_revisions is " + std::to_string(bad) + ", must be 2 to 1000");
+  }
+}
+
+}  // namespace
+}  // namespace corbslam::map_store
