@@ -20,7 +20,7 @@ namespace corbslam::services {
 // Puts an error into the answer: 400, 401, 403, 404, 429, 502 or 503, and {"error": words}.
 WebResponse ToResponse(const absl::Status& error);
 
-// Answers requests for /api/..., which only read (services/viewer/README.md). Each call blocks as
+// Answers requests for /api/..., which only read (docs/viewer.md). Each call blocks as
 // long as the store takes, a minute at most. Thread-safe.
 class StoreApi {
  public:

@@ -24,7 +24,7 @@ struct ViewerOptions {
   int threads = 4;
 };
 
-// services/viewer/README.md says what browsers may ask. Thread-safe.
+// docs/viewer.md says what browsers may ask. Thread-safe.
 class Viewer : public WebHandler {
  public:
   // Null `access`: everybody may look at everything. An error instead of a page is what browsers
