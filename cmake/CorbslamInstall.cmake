@@ -49,6 +49,7 @@ add_custom_target(installed DEPENDS changelog)
 corbslam_install_program(corbslam common)
 corbslam_install_program(map_store server)
 corbslam_install_program(fusion_worker server)
+corbslam_install_program(map_viewer server)
 corbslam_install_program(client_agent robot)
 corbslam_install_program(simulated_agent common)
 foreach(PART common server robot)
@@ -60,7 +61,11 @@ install(FILES "${CMAKE_SOURCE_DIR}/slam/vocabulary/data/corbslam.voc"
 # The lab's diary is for those who work on the sources.
 install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs/" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/corbslam"
         COMPONENT common FILES_MATCHING PATTERN "*.md" PATTERN "lab" EXCLUDE PATTERN "results" EXCLUDE)
+# Where it was built.
+install(DIRECTORY "${CORBSLAM_BUILT_PAGE}/" DESTINATION "${CMAKE_INSTALL_DATADIR}/corbslam/viewer" COMPONENT server
+        OPTIONAL)
 install(FILES deploy/systemd/map_store.service deploy/systemd/fusion_worker.service
+              deploy/systemd/map_viewer.service
         DESTINATION lib/systemd/system COMPONENT server)
 install(FILES deploy/systemd/client_agent@.service DESTINATION lib/systemd/system COMPONENT robot)
 # Beside /usr where that is the prefix, as the units have it; else below the prefix.
@@ -71,6 +76,7 @@ install(CODE [[
   endif()]] COMPONENT server)
 install(CODE "file(INSTALL \"${CMAKE_SOURCE_DIR}/deploy/systemd/map_store.env\"
                    \"${CMAKE_SOURCE_DIR}/deploy/systemd/fusion_worker.env\"
+                   \"${CMAKE_SOURCE_DIR}/deploy/systemd/map_viewer.env\"
                    DESTINATION \"\${FOLDER}\")" COMPONENT server)
 install(FILES deploy/systemd/client_agent-alpha.env
         DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/corbslam-robot/examples" COMPONENT robot)

@@ -24,7 +24,8 @@ Here are also the vocabulary and the documents.")
 set(CPACK_COMPONENT_SERVER_DESCRIPTION
     "visual SLAM of several robots: the servers\n\
 The map store keeps every robot's map and has them fused; fusion workers verify\n\
-overlaps, fuse maps and adjust bundles. With systemd units, not enabled.")
+overlaps, fuse maps and adjust bundles; the map viewer shows maps in browsers.\n\
+With systemd units, not enabled.")
 set(CPACK_COMPONENT_ROBOT_DESCRIPTION
     "visual SLAM of several robots: what runs on each\n\
 The client agent tracks, maps and closes loops, and streams its map to a map\n\

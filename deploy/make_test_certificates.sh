@@ -8,6 +8,7 @@
 #                      ("store.lan 10.0.0.5")
 # AGENT.pem            of each robot (alpha and bravo) of the mission (lab)
 # viewer.pem           of somebody who may look into the mission
+# map_viewer.pem       of a map viewer, which looks into every mission, for the same hosts as the servers
 # operator.pem         of somebody who may do everything in every mission, but upload
 # token.pub            what servers check tokens with; corbslam token signs with token.key
 #
@@ -15,7 +16,7 @@
 # added later. Good for DAYS days (30). Nobody guards these keys: not for robots in the field.
 set -eu
 
-[ $# -ge 1 ] || { sed -n '2,17s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 1 ] || { sed -n '2,18s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 folder=$1
 mission=${2:-lab}
 [ $# -le 2 ] || { shift 2; agents=$*; }
@@ -70,6 +71,8 @@ for agent in $agents; do
   make "$agent" "missions/$mission/agents/$agent" clientAuth,serverAuth "$loopback"
 done
 make viewer "missions/$mission/viewers/viewer" clientAuth
+# To the store a client, to browsers a server.
+make map_viewer "missions/-/viewers/map_viewer" serverAuth,clientAuth "$hosts"
 make operator "missions/-/operators/operator" clientAuth
 
 if [ ! -e token.pub ]; then

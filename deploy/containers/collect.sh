@@ -63,6 +63,12 @@ sed 's|.*|/usr/share/doc/&/copyright|' "$lists/packages" | xargs cp -L --parents
   fail "a licence is missing: its package can't be shipped"
 
 install -m 644 "$here/../../slam/vocabulary/data/corbslam.voc" "$root/usr/share/corbslam/"
+# The page lies beside the programs' folder, where it was built.
+page=${1%/*}/../viewer_page
+if [ "${1##*/}" = map_viewer ]; then
+  [ -e "$page/index.html" ] || fail "$page: the viewer's page was not built (deploy/packages_page.txt)"
+  cp -R "$page" "$root/usr/share/corbslam/viewer"
+fi
 install -m 644 "$here/../../LICENSE" "$root/usr/share/doc/corbslam/copyright"
 install -m 644 /etc/os-release "$root/etc/os-release"
 echo "root:x:0:0:root:/:/usr/bin/false

@@ -148,13 +148,15 @@ def check_container(container, volumes, objects, problem):
     paths = [value for name in ("--tls-ca", "--tls-cert", "--tls-key") for value in flag(container, name)]
     if len(paths) != 3:
         problem("args: need --tls-ca, --tls-cert and --tls-key")
+    paths += flag(container, "--web-cert") + flag(container, "--web-key")
     paths += flag(container, "--token-key") + flag(container, "--data-dir")
     paths += [entry["value"] for entry in container.get("env", []) if entry["name"] == "CORBSLAM_HEALTH_CA"]
     for path in paths:
         if not any(path.startswith(mount + "/") for mount in mounts):
             problem(f"args: {path} is on no volume")
+    own = "https" if flag(container, "--web-cert") else "grpc"
     listen = {name: [int(value.rpartition(":")[2]) for value in flag(container, argument)]
-              for name, argument in (("grpc", "--listen"), ("metrics", "--metrics-listen"))}
+              for name, argument in ((own, "--listen"), ("metrics", "--metrics-listen"))}
     if listen != {port["name"]: [port["containerPort"]] for port in container["ports"]}:
         problem(f"ports: are not what --listen and --metrics-listen say, {listen}")
 

@@ -50,6 +50,8 @@ FAULTS = [
     ("fusion_worker_scaling.yaml", "minAvailable: 1", "minAvailable: 1\n  maxUnavailable: 1", "spec"),
     ("network_policy.yaml", "port: grpc", "port: gprc", "no port named gprc"),
     ("network_policy.yaml", "policyTypes: [Ingress, Egress]", "policyTypes: [Ingress]", "policyTypes"),
+    ("map_viewer.yaml", "--web-cert=/etc/corbslam/tls/tls.crt", "--web-cert=/etc/tls.crt", "is on no volume"),
+    ("map_viewer.yaml", "path: /healthz", "path: /health", "/healthz"),
     ("service_account.yaml", "name: corbslam", "name: other", "no ServiceAccount/corbslam"),
     ("kustomization.yaml", "  - network_policy.yaml\n", "", "network_policy.yaml is not among them"),
     ("kustomization.yaml", "  - map_store.yaml\n", "  - store.yaml\n", "there is no store.yaml"),

@@ -47,7 +47,7 @@ fail() {
 [ -n "${CORBSLAM_IMAGE_TAG:-}" ] ||
   "$root/deploy/containers/build.sh" --binaries "$programs" --tag "$tag" > "$work/build.log" 2>&1 ||
   { cat "$work/build.log" >&2; fail "the images can't be built"; }
-for program in map_store fusion_worker client_agent; do
+for program in map_store fusion_worker map_viewer client_agent; do
   podman image inspect --format '{{index .RepoTags 0}} {{.Size}} bytes, user {{.User}}' \
     "$prefix/$program:$tag"
 done

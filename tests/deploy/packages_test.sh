@@ -48,13 +48,14 @@ twice=$(sort "$work"/*.files | uniq -d)
 has common usr/bin/corbslam usr/bin/simulated_agent usr/share/corbslam/corbslam.voc usr/share/doc/corbslam/operations.md
 ! grep "/doc/corbslam/lab/" "$work"/*.files || fail "the lab's diary is in a package"
 has server usr/bin/map_store usr/bin/fusion_worker usr/lib/systemd/system/map_store.service \
+  usr/bin/map_viewer usr/lib/systemd/system/map_viewer.service etc/corbslam/map_viewer.env \
   usr/lib/systemd/system/fusion_worker.service etc/corbslam/map_store.env etc/corbslam/fusion_worker.env
 has robot usr/bin/client_agent usr/lib/systemd/system/client_agent@.service
 grep -q "corbslam-common (=" "$work/server.control" || fail "server does not depend on common"
 grep -q "corbslam-common (=" "$work/robot.control" || fail "robot does not depend on common"
 says /etc/corbslam/map_store.env dpkg-deb -I "$work"/corbslam-server_*.deb conffiles
 
-for program in corbslam map_store fusion_worker client_agent simulated_agent; do
+for program in corbslam map_store fusion_worker map_viewer client_agent simulated_agent; do
   says 0.1.0 "$work/root/usr/bin/$program" --version
   says "$program" "$work/root/usr/bin/$program" --help
   zcat "$work/root/usr/share/man/man1/$program.1.gz" > "$work/page.1"
