@@ -1,5 +1,4 @@
 import { type Box3, BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Vector3 } from 'three';
-import { plainColour } from './materials';
 
 const LINES_EACH_WAY = 20;
 
@@ -14,7 +13,7 @@ export class Grid {
   }
 
   paint(colour: string): void {
-    plainColour(this.object.material.color, colour);
+    this.object.material.color.set(colour);
   }
 
   cover(box: Box3): void {
