@@ -13,4 +13,5 @@ await bundle({
   format: 'esm',
   external: ['playwright-core', 'ws'],
 });
+if (rest.includes('--bundle-only')) process.exit(0);
 process.exit(spawnSync(process.execPath, [file, ...rest], { stdio: 'inherit' }).status ?? 1);

@@ -38,7 +38,11 @@ export class PointBlock {
   }
 
   write(slot: number, x: number, y: number, z: number, age: number): void {
-    this.columns.set([x, y, z, age], slot * POINT_FLOATS);
+    const at = slot * POINT_FLOATS;
+    this.columns[at] = x;
+    this.columns[at + 1] = y;
+    this.columns[at + 2] = z;
+    this.columns[at + 3] = age;
     this.touch(slot);
   }
 
@@ -49,7 +53,7 @@ export class PointBlock {
   }
 
   private move(from: number, to: number, moved: Moved): void {
-    this.columns.copyWithin(to * POINT_FLOATS, from * POINT_FLOATS, (from + 1) * POINT_FLOATS);
+    for (let k = 0; k < POINT_FLOATS; k++) this.columns[to * POINT_FLOATS + k] = this.columns[from * POINT_FLOATS + k];
     this.indices[to] = this.indices[from];
     this.generations[to] = this.generations[from];
     this.touch(to);

@@ -13,7 +13,7 @@ export function poseOfCamera(cameraFromFrame: Rigid | undefined): Pose | undefin
   if (!forward) return undefined;
   const rotation = conjugate(forward.rotation);
   const [x, y, z] = rotate(rotation, forward.centre);
-  return { centre: [-x, -y, -z], rotation };
+  return { centre: [0 - x, 0 - y, 0 - z], rotation };
 }
 
 /** frame_from_camera as it is. */

@@ -30,9 +30,10 @@ void main() {
 export const KEYFRAMES_VERTEX = `${HEAD}
 in vec3 position;
 in vec4 place, turn;
-uniform float size;
+uniform float size, smallest;
 void main() {
-  vec3 corner = position * size;
+  float depth = -(modelViewMatrix * vec4(place.xyz, 1.0)).z;
+  vec3 corner = position * clamp(depth * smallest, size, 3.0 * size);
   vec3 turned = corner + 2.0 * cross(turn.xyz, cross(turn.xyz, corner) + turn.w * corner);
   gl_Position = projectionMatrix * (modelViewMatrix * vec4(place.xyz + turned, 1.0));
   shade = shadeOf(place.xyz, place.w);

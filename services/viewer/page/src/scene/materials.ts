@@ -12,6 +12,8 @@ export class SharedUniforms {
   readonly ramp = { value: 0 };
   readonly sizePx = { value: 1.5 };
   readonly nearPx = { value: 20 };
+  /** Frusta do not look smaller than this, in units at distance 1, up to three times their size. */
+  readonly smallest = { value: 0.01 };
   readonly screen = { value: new Vector2(1, 1) };
 
   private common(ages: { value: number }) {
@@ -27,7 +29,7 @@ export class SharedUniforms {
 
   keyframes(): RawShaderMaterial {
     return shader(KEYFRAMES_VERTEX, SHADE_FRAGMENT, {
-      ...this.common(this.keyframeAges), size: { value: 1 },
+      ...this.common(this.keyframeAges), size: { value: 1 }, smallest: this.smallest,
     });
   }
 

@@ -16,6 +16,7 @@ import { type Painter, paintMap } from './painting';
 import { Viewport } from './viewport';
 
 const STILL_AFTER_MS = 200;
+const SMALLEST_FRUSTUM_PX = 7;
 
 /** Figures of the last frame. */
 export interface FrameFigures {
@@ -151,6 +152,7 @@ export class Stage {
     const ratio = this.renderer.getPixelRatio();
     this.uniforms.sizePx.value = 1.5 * ratio;
     this.uniforms.nearPx.value = port.pixelsPerUnit(1) * 0.04 * ratio;
+    this.uniforms.smallest.value = SMALLEST_FRUSTUM_PX / port.pixelsPerUnit(1);
     this.map.root.updateMatrixWorld();
     const at = new Vector3();
     let drawn = 0;
