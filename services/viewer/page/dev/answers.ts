@@ -1,0 +1,116 @@
+// What the simulated server answers to requests, by the contract of the page.
+import { type DescMessage, type MessageInitShape, create, toBinary, toJsonString } from '@bufbuild/protobuf';
+import { GetTrajectoryResponseSchema, ListMissionsResponseSchema, ListOverlapsResponseSchema, WatchMapResponseSchema } from '@gen/corbslam/v1/map_store_service_pb';
+import { OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
+import { KeyframeSchema } from '@gen/corbslam/v1/resources_pb';
+import { MissionPulseSchema, type MissionPulse } from '@gen/corbslam/v1/viewer_pb';
+import { TrackingState } from '@gen/corbslam/v1/agent_service_pb';
+import { hexId } from '../src/model/ids';
+import { Random } from '../src/model/random';
+import { toOwnFrame, turnToOwnFrame } from './street';
+import { type SimulatedMission, now } from './simulated_mission';
+
+export type Answer = { type: string; body: Uint8Array | string } | undefined;
+
+function json<S extends DescMessage>(schema: S, init: MessageInitShape<S>): Answer {
+  return { type: 'application/json', body: toJsonString(schema, create(schema, init), { alwaysEmitImplicit: true }) };
+}
+
+export function missionFacts(mission: SimulatedMission) {
+  const { robots } = mission;
+  return {
+    name: `missions/${mission.name}`, revision: mission.revision, agents: robots.length, localMaps: robots.length,
+    islands: new Set(robots.map(({ island }) => island)).size, fusionIdle: false, waitingQueries: 17n,
+    keyframes: BigInt(robots.reduce((sum, { keyframes }) => sum + keyframes.length, 0)),
+    mapPoints: BigInt(robots.reduce((sum, { points }) => sum + points.length, 0)),
+  };
+}
+
+export function listMissions(missions: SimulatedMission[]): Answer {
+  return json(ListMissionsResponseSchema, { missions: missions.map(missionFacts) });
+}
+
+export function answer(mission: SimulatedMission, path: string, query: URLSearchParams): Answer {
+  if (path === '/overlaps') {
+    const all = query.get('acceptedOnly') !== 'true';
+    return json(ListOverlapsResponseSchema, {
+      overlaps: mission.overlaps.filter(({ verdict }) => all || verdict === OverlapVerdict.ACCEPTED),
+    });
+  }
+  if (path === '/trajectory') return trajectory(mission, query.get('frame') === 'local');
+  if (path === '/history') return prefixed(mission.past.map((message) => toBinary(WatchMapResponseSchema, message)));
+  const match = /^\/localMaps\/([0-9a-f]{16})\/keyframes\/(\d+)$/.exec(path);
+  return match ? keyframe(mission, match[1], Number(match[2])) : undefined;
+}
+
+function prefixed(messages: Uint8Array[]): Answer {
+  const parts = messages.flatMap((message) => {
+    const length = Buffer.alloc(4);
+    length.writeUInt32LE(message.length);
+    return [length, message];
+  });
+  return { type: 'application/octet-stream', body: Buffer.concat(parts) };
+}
+
+function trajectory(mission: SimulatedMission, isLocal: boolean): Answer {
+  const messages = mission.robots.map((one) => {
+    const frame = isLocal ? one.robot : mission.robots[one.island].robot;
+    const poses = one.keyframes.map(({ world, timeNs }) => {
+      const [x, y, z, w] = turnToOwnFrame(frame, world.rotation);
+      const wobble = Math.sin(Number(timeNs) / 1e9) * 0.2;
+      const centre = toOwnFrame(frame, world.centre);
+      return {
+        agent: `missions/${mission.name}/agents/${one.robot.name}`, timestampNs: timeNs,
+        localMap: `missions/${mission.name}/localMaps/${hexId(one.robot.id)}`,
+        island: isLocal ? '' : `missions/${mission.name}/localMaps/${hexId(mission.robots[one.island].robot.id)}`,
+        frameFromCamera: { rotationWxyz: [w, x, y, z], translation: [centre[0] + wobble, centre[1], centre[2]] },
+      };
+    });
+    return toBinary(GetTrajectoryResponseSchema, create(GetTrajectoryResponseSchema, { revision: mission.revision, poses }));
+  });
+  return prefixed(messages);
+}
+
+function keyframe(mission: SimulatedMission, id: string, index: number): Answer {
+  const one = mission.robots.find(({ robot }) => hexId(robot.id) === id);
+  const told = one?.keyframes[index];
+  if (!one || !told) return undefined;
+  const random = new Random(index + 11);
+  const column = (value: () => number) => Array.from({ length: 900 }, value);
+  return json(KeyframeSchema, {
+    name: mission.keyframeName(one, index), agent: `missions/${mission.name}/agents/${one.robot.name}`,
+    timestampNs: told.timeNs, island: `localMaps/${hexId(mission.robots[one.island].robot.id)}`, placed: one.island === 0,
+    settled: index < one.keyframes.length - 4, revision: mission.revision, keypoints: 900, observedPoints: 412,
+    parent: index > 0 ? mission.keyframeName(one, index - 1) : '',
+    payload: {
+      timestampNs: told.timeNs,
+      features: {
+        xPx64: column(() => random.below(1226 * 64)), yPx64: column(() => 40 * 64 + random.below(300 * 64)),
+        disparityPx128: column(() => (random.below(3) > 0 ? 100 + random.below(5000) : 0)),
+        angleTurn14: column(() => random.below(16384)), octaves: Uint8Array.from(column(() => random.below(8))),
+      },
+    },
+  });
+}
+
+export function pulse(mission: SimulatedMission, storeAnswers: boolean): MissionPulse {
+  const facts = missionFacts(mission);
+  const name = (robot: string) => `missions/${mission.name}/agents/${robot}`;
+  return create(MissionPulseSchema, {
+    timeNs: now(), storeAnswers, storeError: storeAnswers ? '' : 'connection refused', mission: facts,
+    agents: mission.robots.map(({ robot }, i) => ({
+      name: name(robot.name), connected: i !== 2, localMaps: [`localMaps/${hexId(robot.id)}`], upToDate: i === 0,
+    })),
+    localMaps: mission.robots.map(({ robot, keyframes }) => ({
+      name: `localMaps/${hexId(robot.id)}`, agent: name(robot.name), keyframes: BigInt(keyframes.length), lostFrames: 12n,
+    })),
+    statistics: {
+      revision: mission.revision, overlapsQueried: 812n, overlapsVerified: BigInt(mission.overlaps.length),
+      overlapsAccepted: BigInt(mission.overlaps.filter(({ verdict }) => verdict === OverlapVerdict.ACCEPTED).length),
+    },
+    robots: [
+      { agent: name(mission.robots[0].robot.name), status: { state: TrackingState.TRACKING, outboxBatches: 2n, outboxMemoryBytes: 48_213n } },
+      { agent: name(mission.robots[1].robot.name), status: { state: TrackingState.LOST, sessionMessage: 'another process of this name is connected' } },
+    ],
+  });
+}

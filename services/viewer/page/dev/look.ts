@@ -1,0 +1,124 @@
+// Looks at the page in a browser: starts the simulated server, walks through what people do, and
+// keeps pictures in out/look. Fails where the page wrote an error to the console.
+//   --big: the large map, with figures of speed
+import { spawn } from 'node:child_process';
+import { mkdirSync } from 'node:fs';
+import { type Page, chromium } from 'playwright-core';
+
+const isBig = process.argv.includes('--big');
+const PORT = isBig ? '8092' : '8091';
+const HOME = `http://localhost:${PORT}/`;
+const SWIFT = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
+  '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
+const errors: string[] = [];
+mkdirSync('out/look', { recursive: true });
+const merge = isBig ? '1e9' : '30,1e9';
+const server = spawn(process.execPath, ['out/fake_server.mjs', `--port=${PORT}`, `--merge=${merge}`, ...(isBig ? ['--big'] : [])], { stdio: 'inherit' });
+const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: SWIFT });
+
+function hook<T>(page: Page, expression: string): Promise<T> {
+  return page.evaluate(`window.corbslam.${expression}`) as Promise<T>;
+}
+
+/** Waits until an expression is true; playwright's own way would need a laxer content policy. */
+async function until(page: Page, expression: string): Promise<void> {
+  for (const end = Date.now() + 120_000; !(await page.evaluate(expression)); ) {
+    if (Date.now() > end) throw new Error(`never came true: ${expression}`);
+    await page.waitForTimeout(40);
+  }
+}
+
+async function shot(page: Page, name: string): Promise<void> {
+  await page.waitForTimeout(500);
+  await page.screenshot({ path: `out/look/${name}.png` });
+  console.log(name);
+}
+
+async function open(width: number, height: number, theme: 'light' | 'dark', fragment: string): Promise<Page> {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme, hasTouch: width < 500 });
+  const page = await context.newPage();
+  page.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
+  page.on('pageerror', (error) => errors.push(String(error)));
+  await page.goto(HOME + fragment);
+  if (fragment) await until(page, 'window.corbslam?.keyframes > 1');
+  return page;
+}
+
+async function walk(): Promise<void> {
+  const page = await open(1920, 1080, 'light', '#mission=lab');
+  await shot(page, '01_before_merge_light');
+  await until(page, 'window.corbslam.moving');
+  await page.screenshot({ path: 'out/look/02_merging.png' });
+  await until(page, '!window.corbslam.moving');
+  await page.keyboard.press('f');
+  await shot(page, '03_after_merge_light');
+  await page.keyboard.press('r');
+  await page.waitForTimeout(2500);
+  await page.locator('.overlap.no').first().click();
+  await shot(page, '04_refused_light');
+  await page.keyboard.press('Escape');
+  const names = await hook<string[]>(page, 'keyframeNames()');
+  await page.evaluate((name) => (window as never as { corbslam: { select(n: string): void } }).corbslam.select(name), names[40]);
+  await shot(page, '05_keyframe_light');
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('r');
+  await page.keyboard.press('t');
+  await page.selectOption('.toolbar select', 'paper');
+  await page.keyboard.press('f');
+  await shot(page, '06_paper_top_light');
+  await page.keyboard.press('t');
+  await page.getByRole('button', { name: 'History' }).click();
+  await until(page, 'window.corbslam.historyRevisions > 3');
+  await page.locator('.timeline input').fill('5');
+  await shot(page, '07_history_light');
+  await page.keyboard.press('l');
+  await page.getByRole('button', { name: 'Live' }).click();
+  await page.selectOption('.toolbar select', 'height');
+  await page.keyboard.press('f');
+  await shot(page, '08_height_dark');
+  await page.selectOption('.toolbar select', 'robot');
+  await page.keyboard.press('v');
+  await page.keyboard.press('v');
+  await page.waitForTimeout(2500);
+  await page.keyboard.press('f');
+  await shot(page, '09_side_by_side_dark');
+  await page.keyboard.press('?');
+  await shot(page, '10_help_dark');
+  const phone = await open(390, 844, 'dark', '#mission=lab');
+  await shot(phone, '11_phone_dark');
+  await phone.getByRole('button', { name: 'Events' }).click();
+  await shot(phone, '12_phone_events_dark');
+  await shot(await open(390, 844, 'light', ''), '13_start_phone_light');
+}
+
+async function measure(): Promise<void> {
+  const begun = Date.now();
+  const page = await open(1920, 1080, 'dark', '#mission=lab');
+  console.log('first picture after ms', Date.now() - begun);
+  await until(page, 'window.corbslam.points >= 1000000');
+  console.log('all points after ms', Date.now() - begun);
+  await page.waitForTimeout(3000);
+  await shot(page, '20_big_dark');
+  await page.mouse.move(900, 500);
+  await page.mouse.down();
+  for (let i = 0; i < 120; i++) {
+    await page.mouse.move(900 + 3 * (i % 60), 500 + (i % 7));
+    if (i % 30 === 29) console.log('turning', await page.evaluate(FIGURES));
+  }
+  await page.screenshot({ path: 'out/look/21_big_turning.png' });
+  await page.mouse.up();
+  await page.waitForTimeout(1500);
+  console.log('still', await page.evaluate(FIGURES));
+}
+
+const FIGURES = `JSON.stringify((({ fps, drawCalls, drawnPoints, uploadBytes, points, keyframes, receivedBytes }) =>
+  ({ fps: Math.round(10 * fps) / 10, drawCalls, drawnPoints, uploadBytes, points, keyframes, receivedBytes }))(window.corbslam))`;
+
+try {
+  await new Promise((done) => setTimeout(done, isBig ? 15_000 : 2000));
+  await (isBig ? measure() : walk());
+} finally {
+  await browser.close();
+  server.kill();
+}
+if (errors.length > 0) throw new Error(`errors in the console:\n${errors.join('\n')}`);

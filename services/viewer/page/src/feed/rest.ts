@@ -1,0 +1,102 @@
+import { type DescMessage, type MessageShape, fromBinary, fromJson } from '@bufbuild/protobuf';
+import { GetTrajectoryResponseSchema, ListMissionsResponseSchema, ListOverlapsResponseSchema, WatchMapResponseSchema, type WatchMapResponse } from '@gen/corbslam/v1/map_store_service_pb';
+import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
+import { type Keyframe, KeyframeSchema, type Mission, type TrajectoryPose } from '@gen/corbslam/v1/resources_pb';
+import { type KeyframeId, keyframeName } from '../model/ids';
+import { LengthPrefixed } from './length_prefixed';
+
+/** The server refused, with a reason for people. */
+export class RestError extends Error {
+  constructor(readonly status: number, message: string) {
+    super(message);
+  }
+}
+
+/** The viewer's request and answer interface. */
+export class Rest {
+  receivedBytes = 0;
+
+  constructor(public token: string | undefined) {}
+
+  async missions(): Promise<Mission[]> {
+    const missions: Mission[] = [];
+    let pageToken = '';
+    do {
+      const query = pageToken ? `?pageToken=${encodeURIComponent(pageToken)}` : '';
+      const page = await this.json(`/api/missions${query}`, ListMissionsResponseSchema);
+      missions.push(...page.missions);
+      pageToken = page.nextPageToken;
+    } while (pageToken);
+    return missions;
+  }
+
+  async overlaps(mission: string, acceptedOnly: boolean): Promise<Overlap[]> {
+    const overlaps: Overlap[] = [];
+    let pageToken = '';
+    do {
+      const query = `acceptedOnly=${acceptedOnly}&pageSize=1000&pageToken=${encodeURIComponent(pageToken)}`;
+      const page = await this.json(`${root(mission)}/overlaps?${query}`, ListOverlapsResponseSchema);
+      overlaps.push(...page.overlaps);
+      pageToken = page.nextPageToken;
+    } while (pageToken && overlaps.length < 20_000);
+    return overlaps;
+  }
+
+  keyframe(mission: string, id: KeyframeId): Promise<Keyframe> {
+    return this.json(`${root(mission)}/${keyframeName(id)}?view=full`, KeyframeSchema);
+  }
+
+  async trajectory(mission: string, frame: 'global' | 'local'): Promise<TrajectoryPose[]> {
+    const poses: TrajectoryPose[] = [];
+    await this.messages(`${root(mission)}/trajectory?frame=${frame}`, (bytes) => {
+      poses.push(...fromBinary(GetTrajectoryResponseSchema, bytes).poses);
+    });
+    return poses;
+  }
+
+  history(mission: string, points: boolean, each: (message: WatchMapResponse) => void): Promise<void> {
+    return this.messages(`${root(mission)}/history?points=${points ? 1 : 0}&max=100`, (bytes) => {
+      each(fromBinary(WatchMapResponseSchema, bytes));
+    });
+  }
+
+  private async json<S extends DescMessage>(path: string, schema: S): Promise<MessageShape<S>> {
+    const response = await this.get(path);
+    const text = await response.text();
+    this.receivedBytes += text.length;
+    return fromJson(schema, JSON.parse(text), { ignoreUnknownFields: true });
+  }
+
+  private async messages(path: string, each: (bytes: Uint8Array) => void): Promise<void> {
+    const reader = (await this.get(path)).body!.getReader();
+    const cutter = new LengthPrefixed();
+    for (;;) {
+      const { done, value } = await reader.read();
+      if (done) break;
+      this.receivedBytes += value.length;
+      for (const message of cutter.push(value)) each(message);
+    }
+    if (cutter.rest > 0) throw new RestError(0, 'The answer broke off.');
+  }
+
+  private async get(path: string): Promise<Response> {
+    const headers: HeadersInit = this.token ? { Authorization: `Bearer ${this.token}` } : {};
+    const response = await fetch(path, { headers });
+    if (!response.ok) throw new RestError(response.status, await reason(response));
+    return response;
+  }
+}
+
+function root(mission: string): string {
+  return `/api/missions/${encodeURIComponent(mission)}`;
+}
+
+async function reason(response: Response): Promise<string> {
+  try {
+    const { error } = (await response.json()) as { error?: unknown };
+    if (typeof error === 'string' && error) return error;
+  } catch {
+    // The body was not the JSON that errors come with; the status has to do.
+  }
+  return `The server answered with status ${response.status}.`;
+}

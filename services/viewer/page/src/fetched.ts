@@ -1,0 +1,86 @@
+import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
+import type { TrajectoryPose } from '@gen/corbslam/v1/resources_pb';
+import type { Rest } from './feed/rest';
+import type { MapModel } from './model/map_model';
+import { Refresher } from './refresher';
+import type { Stage } from './scene/stage';
+import { segmentsByLocalMap, showSegments } from './scene/trajectories';
+import type { ViewState } from './view_state';
+
+/** What is not streamed but asked for while it is shown: overlaps and trajectories. */
+export class Fetched {
+  overlaps: Overlap[] = [];
+  private state: ViewState | undefined;
+  private frames: TrajectoryPose[] = [];
+  private isLocalFitted = false;
+  private seen = '';
+  private readonly overlapsAgain: Refresher;
+  private readonly framesAgain: Refresher;
+  private readonly localAgain: Refresher;
+
+  constructor(
+    private readonly rest: Rest, private readonly mission: string, private readonly stage: Stage,
+    private readonly model: () => MapModel, private readonly onChange: () => void,
+  ) {
+    this.overlapsAgain = new Refresher(2000, () => this.fetchOverlaps());
+    this.framesAgain = new Refresher(5000, () => this.fetchFrames());
+    this.localAgain = new Refresher(3000, () => this.fetchLocal());
+    this.want();
+  }
+
+  /** Overlaps may have changed. */
+  want(): void {
+    this.overlapsAgain.want();
+  }
+
+  follow(state: ViewState): void {
+    const before = this.state;
+    this.state = state;
+    if (state.frames && !before?.frames) this.framesAgain.want();
+    if (state.layer !== 'global' && before?.layer !== state.layer) this.localAgain.want();
+    if (state.refused !== before?.refused) this.want();
+  }
+
+  onMap(model: MapModel): void {
+    this.showFrames(model);
+    const now = [model.revision, model.keyframeCount >> 3].join();
+    if (now === this.seen) return;
+    this.seen = now;
+    this.want();
+    if (this.state?.frames) this.framesAgain.want();
+    if (this.state?.layer !== 'global') this.localAgain.want();
+  }
+
+  stop(): void {
+    for (const refresher of [this.overlapsAgain, this.framesAgain, this.localAgain]) refresher.stop();
+  }
+
+  private async fetchOverlaps(): Promise<void> {
+    this.overlaps = await this.rest.overlaps(this.mission, !this.state?.refused);
+    this.stage.overlaps = this.overlaps;
+    this.stage.invalidate();
+  }
+
+  private async fetchFrames(): Promise<void> {
+    this.frames = await this.rest.trajectory(this.mission, 'global');
+    this.showFrames(this.model());
+    this.onChange();
+  }
+
+  private async fetchLocal(): Promise<void> {
+    this.stage.updateLocal(await this.rest.trajectory(this.mission, 'local'));
+    this.onChange();
+    if (!this.isLocalFitted) this.stage.localPort.fit(this.stage.local.bounds());
+    this.isLocalFitted = true;
+  }
+
+  /** Poses of frames are in the frame of an island that may be no more: those wait for the next answer. */
+  private showFrames(model: MapModel): void {
+    if (this.frames.length === 0) return;
+    const current = this.frames.filter(({ localMap, island }) =>
+      model.localMap(localMap.slice(-16))?.island === island.slice(-16));
+    const segments = segmentsByLocalMap(current);
+    this.frames = current;
+    for (const [id, view] of this.stage.map.views) showSegments(view.frames, segments.get(id) ?? []);
+  }
+}

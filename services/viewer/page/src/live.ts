@@ -1,0 +1,72 @@
+import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
+import type { WatchMapResponse } from '@gen/corbslam/v1/map_store_service_pb';
+import type { MissionPulse, ViewerMessage } from '@gen/corbslam/v1/viewer_pb';
+import { Stream, type StreamState } from './feed/stream';
+import { type IslandChange, MapModel } from './model/map_model';
+
+/** A long change is held back until it is whole, up to so many keyframes and points. */
+const MOST_HELD_FLOATS = 3_000_000;
+
+/** What a live mission tells the page. */
+export interface LiveListener {
+  onMap(changes: IslandChange[]): void;
+  onPulse(pulse: MissionPulse): void;
+  onEvent(event: MissionEvent): void;
+  onConnection(state: StreamState): void;
+}
+
+/** The live map of one mission. */
+export class Live {
+  readonly model = new MapModel();
+  readonly stream: Stream;
+  pulse: MissionPulse | undefined;
+  isConnected = false;
+  hasPicture = false;
+  expectedKeyframes = 0;
+  private held: WatchMapResponse[] = [];
+  private heldFloats = 0;
+  private isPicture = false;
+
+  constructor(mission: string, token: string | undefined, private readonly listener: LiveListener) {
+    this.stream = new Stream(mission, token, {
+      onMessage: (message) => this.onMessage(message),
+      onState: (state) => {
+        this.isConnected = state.name === 'open';
+        listener.onConnection(state);
+      },
+    });
+  }
+
+  private onMessage({ part }: ViewerMessage): void {
+    if (part.case === 'map') this.onMap(part.value);
+    else if (part.case === 'event') this.listener.onEvent(part.value);
+    else if (part.case === 'pulse') this.listener.onPulse((this.pulse = part.value));
+    else if (part.case === 'reset') this.onReset(Number(part.value.keyframes));
+  }
+
+  private onReset(keyframes: number): void {
+    this.model.reset();
+    this.held = [];
+    this.heldFloats = 0;
+    this.isPicture = true;
+    this.expectedKeyframes = keyframes;
+  }
+
+  /**
+   * The first picture grows as it comes. A later change is applied as a whole, so that a merge is
+   * never seen half done.
+   */
+  private onMap(message: WatchMapResponse): void {
+    this.held.push(message);
+    for (const island of message.islands) this.heldFloats += island.points?.positions.length ?? 0;
+    const grows = this.isPicture && !this.hasPicture;
+    if (message.continues && !grows && this.heldFloats < MOST_HELD_FLOATS) return;
+    const changes = this.model.apply(this.held.splice(0));
+    this.heldFloats = 0;
+    if (!message.continues) {
+      this.isPicture = false;
+      this.hasPicture = true;
+    }
+    this.listener.onMap(changes);
+  }
+}

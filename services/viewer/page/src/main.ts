@@ -1,0 +1,52 @@
+import { Rest, RestError } from './feed/rest';
+import { StartScreen } from './panels/start';
+import { MissionPage } from './mission_page';
+import { keepToken, takeToken } from './token';
+import { parseState } from './view_state';
+import { applyTheme } from './theme';
+
+const LOOK_AGAIN_MS = 3000;
+const rest = new Rest(takeToken());
+const start = new StartScreen(openMission, (token) => {
+  keepToken(token);
+  rest.token = token || undefined;
+  void route();
+});
+let page: MissionPage | undefined;
+let timer: ReturnType<typeof setTimeout> | undefined;
+
+function openMission(mission: string): void {
+  location.hash = new URLSearchParams({ mission }).toString();
+}
+
+/** Shows what the address says: a mission, or the list of them. */
+async function route(): Promise<void> {
+  clearTimeout(timer);
+  rest.token = takeToken();
+  const state = parseState(location.hash);
+  if (page && page.mission === state.mission) return page.adopt(state);
+  page?.close();
+  page = undefined;
+  applyTheme(state.theme);
+  if (!state.mission) return showMissions();
+  page = new MissionPage(state, rest, (reason) => {
+    page?.close();
+    page = undefined;
+    document.body.replaceChildren(start.root);
+    start.askToken(reason);
+  });
+}
+
+async function showMissions(): Promise<void> {
+  if (!start.root.isConnected) document.body.replaceChildren(start.root);
+  try {
+    start.missions(await rest.missions());
+  } catch (error) {
+    if (error instanceof RestError && error.status === 401) return start.askToken(error.message);
+    start.fail(error instanceof Error ? error.message : String(error));
+  }
+  timer = setTimeout(() => void (page === undefined && showMissions()), LOOK_AGAIN_MS);
+}
+
+addEventListener('hashchange', () => void route());
+void route();

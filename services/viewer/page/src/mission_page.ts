@@ -1,0 +1,240 @@
+import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
+import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
+import { Connection } from './connection';
+import type { Rest } from './feed/rest';
+import { Fetched } from './fetched';
+import { FrameLayout } from './frame_layout';
+import { installHook } from './hook';
+import { handleKey } from './keyboard';
+import { Live } from './live';
+import { type KeyframeId, lastSegment } from './model/ids';
+import type { IslandChange, MapModel } from './model/map_model';
+import { DetailsPanel } from './panels/details';
+import { EventsPanel } from './panels/events';
+import { helpDialog } from './panels/help';
+import { NumbersPanel } from './panels/numbers';
+import { OverlapsPanel } from './panels/overlaps';
+import { RobotsPanel } from './panels/robots';
+import { ScaleBar } from './panels/scale_bar';
+import { Toolbar } from './panels/toolbar';
+import { Past } from './past';
+import { Painter } from './scene/painting';
+import { Stage } from './scene/stage';
+import { SceneLabels } from './scene_labels';
+import { Selection } from './selection';
+import { applyTheme, onSystemTheme } from './theme';
+import { type ViewState, formatState } from './view_state';
+
+const PANELS_EVERY_MS = 250;
+const RECENT_NS = 5_000_000_000n;
+
+/** The page of one mission: wires the feed, the picture and the panels together. */
+export class MissionPage {
+  readonly mission: string;
+  readonly live: Live;
+  readonly stage: Stage;
+  readonly past: Past;
+  readonly fetched: Fetched;
+  readonly selection: Selection;
+  readonly painter: Painter;
+  private readonly layout: FrameLayout;
+  private readonly toolbar: Toolbar;
+  private readonly connection: Connection;
+  private readonly robots: RobotsPanel;
+  private readonly numbers = new NumbersPanel();
+  private readonly events = new EventsPanel();
+  private readonly overlapsPanel: OverlapsPanel;
+  private readonly scale = new ScaleBar();
+  private readonly labels: SceneLabels;
+  private readonly help = helpDialog();
+  private readonly changes: IslandChange[] = [];
+  private readonly abort = new AbortController();
+  private mapChanged = false;
+  private wantsFit = true;
+  private panelsMs = 0;
+  private isClosed = false;
+
+  constructor(public state: ViewState, readonly rest: Rest, private readonly onRefused: (reason: string) => void) {
+    this.mission = state.mission;
+    this.painter = new Painter(applyTheme(state.theme));
+    const change = (part: Partial<ViewState>) => this.change(part);
+    this.toolbar = new Toolbar({
+      change, fit: () => this.fit(), history: () => this.past.toggle(), help: () => this.toggleHelp(),
+    });
+    this.layout = new FrameLayout(this.mission, this.toolbar.root);
+    document.body.replaceChildren(this.layout.root, this.help);
+    this.stage = new Stage(this.layout.canvas, this.layout.globalPort, this.layout.localPort);
+    this.labels = new SceneLabels(this.stage, this.painter);
+    this.fetched = new Fetched(rest, this.mission, this.stage, () => this.model, () => this.repaint());
+    const details = new DetailsPanel(() => this.selection.clear());
+    this.selection = new Selection(this, details, () => this.layout.showTab('details'));
+    this.past = new Past(rest, this.mission, (changes) => this.onMap(changes), () => this.live.model.pointCount);
+    this.robots = new RobotsPanel({
+      toggle: (robot) => this.toggleRobot(robot), select: (robot) => change({ robot }),
+      colour: (robot) => this.painter.robotColour(robot),
+    });
+    this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
+    this.layout.left.append(this.robots.root, this.numbers.root);
+    this.layout.right.append(details.root, this.overlapsPanel.root, this.events.root);
+    this.layout.below.append(this.past.timeline.root, this.scale.root);
+    this.connection = new Connection(this.layout, (reason) => this.onRefused(reason));
+    this.live = this.openLive();
+    this.listen();
+    this.adopt(state);
+    installHook(this);
+    requestAnimationFrame(this.tick);
+  }
+
+  /** The map that is shown: the live one, or the past's. */
+  get model(): MapModel {
+    return this.past.model ?? this.live.model;
+  }
+
+  adopt(state: ViewState): void {
+    this.state = state;
+    this.painter.theme = applyTheme(state.theme);
+    this.toolbar.update(state);
+    this.layout.root.dataset.layer = state.layer;
+    if (this.stage.globalPort.isTop !== state.top) {
+      this.stage.globalPort.setTop(state.top);
+      this.stage.localPort.setTop(state.top);
+    }
+    this.fetched.follow(state);
+    this.repaint();
+    this.panelsMs = 0;
+  }
+
+  change(part: Partial<ViewState>): void {
+    const layerChanged = part.layer !== undefined && part.layer !== this.state.layer;
+    const next = { ...this.state, ...part };
+    if (next.follow && !next.robot) next.robot = this.painter.robots[0] ?? '';
+    history.replaceState(null, '', formatState(next));
+    this.adopt(next);
+    if (layerChanged) setTimeout(() => this.fit(), 50);
+  }
+
+  fit(): void {
+    this.stage.globalPort.fit(this.stage.map.bounds(({ agent }) => !this.state.hidden.has(agent)));
+    this.stage.localPort.fit(this.stage.local.bounds());
+    this.stage.invalidate(true);
+  }
+
+  agentOf(localMap: string): string {
+    return this.model.localMap(localMap)?.agent ?? '';
+  }
+
+  overlapChosen(overlap: Overlap | undefined, keyframe: KeyframeId | undefined): void {
+    this.stage.chosenOverlap = overlap;
+    this.stage.chosenKeyframe = keyframe;
+    this.stage.invalidate();
+    this.panelsMs = 0;
+  }
+
+  close(): void {
+    this.isClosed = true;
+    this.live.stream.close();
+    this.past.close();
+    this.fetched.stop();
+    this.abort.abort();
+    this.stage.dispose();
+  }
+
+  private openLive(): Live {
+    return new Live(this.mission, this.rest.token, {
+      onMap: (changes) => void (this.past.model === undefined && this.onMap(changes)),
+      onPulse: (pulse) => this.connection.onPulse(pulse),
+      onEvent: (event) => this.onEvent(event),
+      onConnection: (state) => this.connection.onState(state),
+    });
+  }
+
+  private onMap(changes: IslandChange[]): void {
+    this.changes.push(...changes);
+    this.mapChanged = true;
+  }
+
+  private onEvent(event: MissionEvent): void {
+    const age = BigInt(Date.now()) * 1_000_000n - event.timeNs;
+    this.events.add(event, age < RECENT_NS);
+    if (event.event.case === 'agentLeft') this.robots.noteLeft(lastSegment(event.event.value.agent), event.timeNs);
+    if (/^(overlap|islands|loop|global)/.test(event.event.case ?? '')) this.fetched.want();
+  }
+
+  private readonly tick = (): void => {
+    if (this.isClosed) return;
+    if (this.mapChanged) this.takeMap();
+    const { state, stage } = this;
+    if (state.follow) this.labels.follow(state.robot);
+    if (stage.frame(state)) {
+      this.labels.update(this.model, state);
+      const port = state.layer === 'local' ? stage.localPort : stage.globalPort;
+      this.scale.update(port.pixelsPerUnit(port.distance()));
+    }
+    if (performance.now() - this.panelsMs > PANELS_EVERY_MS) this.updatePanels();
+    requestAnimationFrame(this.tick);
+  };
+
+  private takeMap(): void {
+    this.mapChanged = false;
+    this.painter.robots = [...new Set([...this.painter.robots, ...this.model.agents()])];
+    this.painter.islands = [...this.model.localMaps.keys()];
+    this.stage.sync(this.model, this.changes.splice(0));
+    this.repaint();
+    if (this.wantsFit && this.model.keyframeCount > 1) this.fit();
+    if (this.live.hasPicture && this.model.keyframeCount > 1) this.wantsFit = false;
+    this.fetched.onMap(this.model);
+  }
+
+  private repaint(): void {
+    this.stage.paint(this.state, this.painter);
+  }
+
+  private updatePanels(): void {
+    this.panelsMs = performance.now();
+    const { live, model, state } = this;
+    const known = (live.pulse?.agents ?? []).map(({ name }) => lastSegment(name));
+    this.painter.robots = [...new Set([...this.painter.robots, ...known])];
+    this.robots.update(this.painter.robots, model, live.pulse, state);
+    const receivedBytes = live.stream.receivedBytes + this.rest.receivedBytes;
+    this.numbers.update(model, live.pulse, { receivedBytes, drawnPoints: this.stage.figures.drawnPoints });
+    this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap, (id) => this.agentOf(id));
+  }
+
+  private toggleRobot(robot: string): void {
+    const hidden = new Set(this.state.hidden);
+    if (!hidden.delete(robot)) hidden.add(robot);
+    this.change({ hidden });
+  }
+
+  private toggleHelp(): void {
+    if (this.help.open) this.help.close();
+    else this.help.showModal();
+  }
+
+  private listen(): void {
+    const { signal } = this.abort;
+    onSystemTheme(() => this.adopt(this.state));
+    addEventListener('keydown', (event) => this.onKey(event), { signal, capture: true });
+    let down = { x: 0, y: 0 };
+    const port = this.layout.globalPort;
+    port.addEventListener('pointerdown', ({ clientX: x, clientY: y }) => void (down = { x, y }));
+    port.addEventListener('click', (event) => {
+      if (Math.hypot(event.clientX - down.x, event.clientY - down.y) < 5) this.selection.pick(event);
+    });
+  }
+
+  private onKey(event: KeyboardEvent): void {
+    const handled = handleKey(event, this.state, {
+      change: (part) => this.change(part), fit: () => this.fit(), help: () => this.toggleHelp(),
+      play: () => this.past.play(), step: (by) => this.past.step(by),
+      selectRobot: (number) => {
+        const robot = this.painter.robots[number] ?? '';
+        this.change({ robot: robot === this.state.robot ? '' : robot });
+      },
+      escape: () => (this.selection.isEmpty ? this.past.live() : this.selection.clear()),
+    });
+    if (!handled) return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+}

@@ -1,0 +1,56 @@
+import type { WatchMapResponse } from '@gen/corbslam/v1/map_store_service_pb';
+import { type IslandChange, MapModel } from './map_model';
+
+const REVISIONS_BETWEEN_COPIES = 10;
+
+/** One revision of the past: what changed up to it. */
+export interface HistoryStep {
+  revision: bigint;
+  messages: WatchMapResponse[];
+  /** What is there after it, once it was shown. */
+  summary?: { islands: number; keyframes: number };
+}
+
+/** A mission's past: going forward applies changes, going back begins at the nearest kept copy. */
+export class History {
+  readonly steps: HistoryStep[] = [];
+  model = new MapModel();
+  position = -1;
+  private open: WatchMapResponse[] = [];
+  private readonly copies = new Map<number, MapModel>();
+
+  /** The next message of ReplayMap. */
+  add(message: WatchMapResponse): void {
+    this.open.push(message);
+    if (message.continues) return;
+    this.steps.push({ revision: message.revision, messages: this.open });
+    this.open = [];
+  }
+
+  /** Goes to a step; returns what joined other islands where one step forward was taken. */
+  seek(target: number): IslandChange[] {
+    const wanted = Math.max(0, Math.min(target, this.steps.length - 1));
+    if (this.steps.length === 0 || wanted === this.position) return [];
+    if (wanted < this.position) this.restore(wanted);
+    let changes: IslandChange[] = [];
+    while (this.position < wanted) changes = this.advance();
+    return changes;
+  }
+
+  private advance(): IslandChange[] {
+    this.position++;
+    const step = this.steps[this.position];
+    const changes = this.model.apply(step.messages);
+    step.summary ??= { islands: this.model.islands().size, keyframes: this.model.keyframeCount };
+    if (this.position % REVISIONS_BETWEEN_COPIES === 0 && !this.copies.has(this.position)) {
+      this.copies.set(this.position, this.model.copy());
+    }
+    return changes;
+  }
+
+  private restore(target: number): void {
+    const kept = [...this.copies.keys()].filter((position) => position <= target);
+    this.position = kept.length > 0 ? Math.max(...kept) : -1;
+    this.model = this.copies.get(this.position)?.copy() ?? new MapModel();
+  }
+}

@@ -1,0 +1,198 @@
+import type { WatchMapResponse, WatchMapResponse_Island } from '@gen/corbslam/v1/map_store_service_pb';
+import { type Alignment, alignPoses } from './alignment';
+import { type KeyframeId, hexId } from './ids';
+import { forEachItem } from './item_columns';
+import { type LocalMapModel, copyLocalMap, newLocalMap } from './local_map';
+import { type Pose, poseOfCamera } from './pose';
+
+/** A local map went to another island: old_from_new says where its keyframes stood before. */
+export interface IslandChange {
+  localMap: string;
+  oldFromNew: Alignment | undefined;
+}
+
+/**
+ * The map as the store tells it. What is to be forgotten goes only when a change is complete, so
+ * that what comes again right away is never missing in between.
+ */
+export class MapModel {
+  readonly localMaps = new Map<string, LocalMapModel>();
+  globalIsland: string | undefined;
+  revision = 0n;
+  keyframeCount = 0;
+  pointCount = 0;
+  /** Arrivals so far; ages are shown relative to them. */
+  keyframeArrivals = 0;
+  pointArrivals = 0;
+  private generation = 1;
+  private readonly stale = new Map<string, number>();
+  private readonly left = new Map<string, Map<number, Pose>>();
+
+  /** Forgets everything once the next change is complete. */
+  reset(): void {
+    for (const localMap of this.localMaps.values()) this.markStale(localMap);
+  }
+
+  /** Applies messages of one change; the last one of a complete change sweeps. */
+  apply(messages: WatchMapResponse[]): IslandChange[] {
+    for (const message of messages) this.applyOne(message);
+    if (messages.at(-1)?.continues) return [];
+    this.sweep();
+    return this.takeIslandChanges();
+  }
+
+  localMap(id: string): LocalMapModel | undefined {
+    return this.localMaps.get(id);
+  }
+
+  pose(id: KeyframeId): Pose | undefined {
+    return this.localMaps.get(id.localMap)?.keyframes.pose(id.index);
+  }
+
+  /** Islands by the name of the local map that names them, with their local maps by arrival. */
+  islands(): Map<string, LocalMapModel[]> {
+    const islands = new Map<string, LocalMapModel[]>();
+    for (const localMap of this.localMaps.values()) {
+      const members = islands.get(localMap.island);
+      if (members) members.push(localMap);
+      else islands.set(localMap.island, [localMap]);
+    }
+    return islands;
+  }
+
+  /** The agents' names in the order of their arrival. */
+  agents(): string[] {
+    return [...new Set([...this.localMaps.values()].map((localMap) => localMap.agent))].filter(Boolean);
+  }
+
+  copy(): MapModel {
+    const other = new MapModel();
+    for (const [id, localMap] of this.localMaps) other.localMaps.set(id, copyLocalMap(localMap));
+    const { globalIsland, revision, keyframeCount, pointCount, keyframeArrivals, pointArrivals } = this;
+    return Object.assign(other, {
+      globalIsland, revision, keyframeCount, pointCount, keyframeArrivals, pointArrivals,
+      generation: this.generation,
+    });
+  }
+
+  private applyOne(message: WatchMapResponse): void {
+    const table = message.localMaps.map(hexId);
+    table.forEach((id, i) => this.learnAgent(id, message.localMapAgents[i] ?? ''));
+    for (const slot of message.removedIslandSlots) this.forgetIsland(table[slot - 1]);
+    for (const island of message.islands) this.applyIsland(island, table);
+    this.revision = message.revision;
+  }
+
+  private learnAgent(id: string, agent: string): void {
+    const localMap = this.localMaps.get(id);
+    if (localMap && agent) localMap.agent = agent;
+    else if (!localMap) {
+      const created = newLocalMap(id, this.localMaps.size);
+      created.agent = agent;
+      this.localMaps.set(id, created);
+    }
+  }
+
+  private applyIsland(island: WatchMapResponse_Island, table: string[]): void {
+    const name = table[island.slot - 1];
+    if (name === undefined) return;
+    if (island.anew) this.forgetIsland(name);
+    if (island.inGlobalFrame) this.globalIsland = name;
+    else if (this.globalIsland === name) this.globalIsland = undefined;
+    for (const slot of island.localMapSlots) this.join(table[slot - 1], name);
+    this.removeItems(island, table);
+    this.setKeyframes(island, table, name);
+    this.setPoints(island, table, name);
+  }
+
+  private setKeyframes(island: WatchMapResponse_Island, table: string[], name: string): void {
+    for (const { id, timestampNs, cameraFromIsland, parent, placed } of island.keyframes) {
+      const localMap = id && this.join(table[id.slot - 1], name);
+      const pose = poseOfCamera(cameraFromIsland);
+      if (!localMap || !pose) continue;
+      const parentMap = parent && table[parent.slot - 1];
+      const told = {
+        timestampNs, pose, placed,
+        parent: parentMap ? { localMap: parentMap, index: parent.index } : undefined,
+      };
+      const isNew = localMap.keyframes.set(id.index, told, this.keyframeArrivals, this.generation);
+      if (isNew) this.keyframeArrivals++, this.keyframeCount++;
+    }
+  }
+
+  private setPoints(island: WatchMapResponse_Island, table: string[], name: string): void {
+    const positions = island.points?.positions ?? [];
+    forEachItem(island.points?.ids, (slot, index, i) => {
+      const localMap = this.join(table[slot - 1], name);
+      if (!localMap || 3 * i + 2 >= positions.length) return;
+      const [x, y, z] = [positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]];
+      const isNew = localMap.points.set(index, x, y, z, this.pointArrivals, this.generation);
+      if (isNew) this.pointArrivals++, this.pointCount++;
+    });
+  }
+
+  private removeItems(island: WatchMapResponse_Island, table: string[]): void {
+    for (const { slot, index } of island.removedKeyframes) {
+      if (this.localMaps.get(table[slot - 1])?.keyframes.remove(index)) this.keyframeCount--;
+    }
+    forEachItem(island.removedPoints, (slot, index) => {
+      if (this.localMaps.get(table[slot - 1])?.points.remove(index)) this.pointCount--;
+    });
+  }
+
+  /** Makes a local map part of an island. What it holds was told in the old island's frame. */
+  private join(id: string | undefined, island: string): LocalMapModel | undefined {
+    const localMap = id === undefined ? undefined : this.localMaps.get(id);
+    if (!localMap || localMap.island === island) return localMap;
+    if (localMap.keyframes.count > 0) {
+      if (!this.left.has(localMap.id)) this.left.set(localMap.id, posesOf(localMap));
+      if (!this.stale.has(localMap.id)) this.markStale(localMap);
+    }
+    localMap.island = island;
+    return localMap;
+  }
+
+  private forgetIsland(name: string | undefined): void {
+    for (const localMap of this.localMaps.values()) {
+      if (localMap.island === name) this.markStale(localMap);
+    }
+  }
+
+  private markStale(localMap: LocalMapModel): void {
+    if (localMap.keyframes.count + localMap.points.count === 0) return;
+    this.stale.set(localMap.id, ++this.generation);
+    if (!this.left.has(localMap.id)) this.left.set(localMap.id, posesOf(localMap));
+  }
+
+  private sweep(): void {
+    for (const [id, generation] of this.stale) {
+      const localMap = this.localMaps.get(id);
+      if (!localMap) continue;
+      const { keyframes, points } = localMap;
+      const before = [keyframes.count, points.count];
+      keyframes.sweep(generation);
+      points.sweep(generation);
+      this.keyframeCount -= before[0] - keyframes.count;
+      this.pointCount -= before[1] - points.count;
+      if (keyframes.count + points.count === 0) this.localMaps.delete(id);
+    }
+    this.stale.clear();
+  }
+
+  private takeIslandChanges(): IslandChange[] {
+    const changes: IslandChange[] = [];
+    for (const [id, old] of this.left) {
+      const now = this.localMaps.get(id)?.keyframes;
+      const common = [...old.keys()].filter((index) => now?.records.has(index));
+      const target = common.map((index) => old.get(index)!);
+      const source = common.map((index) => now!.pose(index)!);
+      changes.push({ localMap: id, oldFromNew: alignPoses(source, target) });
+    }
+    this.left.clear();
+    return changes;
+  }
+}
+
+function posesOf({ keyframes }: LocalMapModel): Map<number, Pose> {
+  return new Map([...keyframes.records.keys()].map((index) => [index, keyframes.pose(index)!]));
+}

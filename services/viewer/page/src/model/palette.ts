@@ -1,0 +1,39 @@
+// Colours that colour-blind people can tell apart (after Okabe and Ito), one set for each theme.
+export type Theme = 'light' | 'dark';
+export type ColourMode = 'robot' | 'island' | 'paper' | 'height' | 'age';
+
+const LIGHT = ['#0072b2', '#c94f00', '#00805c', '#a8347d', '#7a6500', '#2f8fb8', '#5b4bb0', '#5a5a5a'];
+const DARK = ['#5cb8f0', '#ff9a4d', '#2fd6a0', '#f08bc8', '#f0e060', '#9ad7f5', '#b5a6ff', '#c8c8c8'];
+
+export function categoryColour(theme: Theme, number: number): string {
+  const colours = theme === 'light' ? LIGHT : DARK;
+  return colours[number % colours.length];
+}
+
+/** Everything else that is drawn in the map. */
+export interface SceneColours {
+  background: string;
+  ink: string;
+  grid: string;
+  own: string;
+  others: string;
+  accepted: string;
+  refused: string;
+  selected: string;
+  ramp: [string, string, string];
+}
+
+const SCENES: Record<Theme, SceneColours> = {
+  light: {
+    background: '#f7f8fa', ink: '#1a1d21', grid: '#d5d9df', own: '#0a8f2f', others: '#1f4fd8',
+    accepted: '#b0005e', refused: '#8a8f98', selected: '#d40000', ramp: ['#1b3a7a', '#7c7b78', '#c29a00'],
+  },
+  dark: {
+    background: '#0f1216', ink: '#e6e9ee', grid: '#262c35', own: '#3ddc64', others: '#6ea0ff',
+    accepted: '#ff5fae', refused: '#8992a0', selected: '#ffffff', ramp: ['#4a7fe0', '#a09f9c', '#ffe04d'],
+  },
+};
+
+export function sceneColours(theme: Theme): SceneColours {
+  return SCENES[theme];
+}

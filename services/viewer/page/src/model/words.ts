@@ -1,0 +1,129 @@
+// What people read, made of what the wire says. Everything here is plain text.
+import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
+import { type Overlap, OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
+import { TrackingState } from '@gen/corbslam/v1/agent_service_pb';
+import { lastSegment, shortId } from './ids';
+
+const VERDICTS: Record<OverlapVerdict, string> = {
+  [OverlapVerdict.UNSPECIFIED]: 'No verdict yet.',
+  [OverlapVerdict.ACCEPTED]: 'Accepted: the two sides can be fused.',
+  [OverlapVerdict.TOO_FEW_WORD_MATCHES]: 'Refused: too few keypoints look alike.',
+  [OverlapVerdict.TOO_FEW_RANSAC_INLIERS]:
+    'Refused: no single motion explains enough of the matched keypoints.',
+  [OverlapVerdict.TOO_FEW_REFINED_INLIERS]:
+    'Refused: too few matches were left after the motion was refined.',
+  [OverlapVerdict.TOO_FEW_PROJECTED_MATCHES]:
+    'Refused: too few points of the neighbourhood were found where they should be.',
+  [OverlapVerdict.NO_SECOND_KEYFRAME]:
+    'Refused: no second pair of keyframes agrees.',
+  [OverlapVerdict.WRONG_SCALE]: 'Refused: the two metric maps differ in scale.',
+  [OverlapVerdict.BENDS_GRAPH]:
+    'Refused while fusing: it contradicts what is already known.',
+  [OverlapVerdict.TAKEN_BACK]:
+    'Taken back: it was accepted once and is not believed any more.',
+};
+
+export function verdictWords(verdict: OverlapVerdict): string {
+  return VERDICTS[verdict] ?? 'Refused, for a reason that this page does not know.';
+}
+
+export function isAccepted(overlap: Overlap): boolean {
+  return overlap.verdict === OverlapVerdict.ACCEPTED;
+}
+
+const STATES: Record<TrackingState, string> = {
+  [TrackingState.UNSPECIFIED]: 'not known',
+  [TrackingState.INITIALISING]: 'initialising',
+  [TrackingState.TRACKING]: 'tracking',
+  [TrackingState.LOST]: 'lost',
+};
+
+export function trackingWords(state: TrackingState): string {
+  return STATES[state] ?? 'not known';
+}
+
+/** An event as a sentence, and its kind for the list's marks. */
+export interface EventWords {
+  kind: 'robot' | 'merge' | 'loop' | 'lost' | 'other';
+  text: string;
+}
+
+const robot = (name: string) => lastSegment(name);
+const map = (name: string) => `map ${shortId(lastSegment(name))}`;
+const list = (names: string[]) =>
+  names.length < 2 ? names.join() : `${names.slice(0, -1).join(', ')} and ${names.at(-1)}`;
+const many = (n: number, one: string, more = `${one}s`) => `${count(n)} ${n === 1 ? one : more}`;
+
+export function eventWords({ event }: MissionEvent): EventWords {
+  switch (event.case) {
+    case 'agentJoined':
+      return { kind: 'robot', text: `${robot(event.value.agent)} joined` };
+    case 'agentLeft':
+      return { kind: 'robot', text: `${robot(event.value.agent)} left` };
+    case 'localMapBegun':
+      return { kind: 'robot', text: `${robot(event.value.agent)} began ${map(event.value.localMap)}` };
+    case 'trackingLost':
+      return { kind: 'lost', text: `${robot(event.value.agent)} lost tracking for ${many(event.value.frames, 'frame')}` };
+    case 'overlapAccepted':
+      return { kind: 'other', text: overlapWords(event.value.localMaps) };
+    default:
+      return fusionWords(event);
+  }
+}
+
+function fusionWords(event: MissionEvent['event']): EventWords {
+  switch (event.case) {
+    case 'islandsMerged':
+      return { kind: 'merge', text: mergeWords(event.value.agents, event.value.localMaps.length, event.value.ms) };
+    case 'loopClosed':
+      return { kind: 'loop', text: `Loop closed with ${many(event.value.overlaps, 'overlap')}` };
+    case 'mapAdjusted':
+      return { kind: 'other', text: `Map adjusted: ${many(event.value.keyframes, 'keyframe')} in ${seconds(event.value.ms)}` };
+    case 'overlapsTakenBack':
+      return { kind: 'lost', text: `${many(event.value.overlaps.length, 'overlap')} taken back` };
+    case 'globalLayerForgotten':
+      return { kind: 'lost', text: 'All that fusion found was forgotten; it is looked for again' };
+    default:
+      return { kind: 'other', text: 'Something happened that this page does not know' };
+  }
+}
+
+function mergeWords(agents: string[], maps: number, ms: number): string {
+  const owners = list(agents.map(robot));
+  return `Maps of ${owners} became one (${many(maps, 'local map')}, ${seconds(ms)})`;
+}
+
+function overlapWords(localMaps: string[]): string {
+  const [a, b] = localMaps;
+  if (a === b) return `Overlap accepted within ${map(a ?? '')}`;
+  return `Overlap accepted between ${list(localMaps.map(map))}`;
+}
+
+function seconds(ms: number): string {
+  return ms < 1000 ? `${Math.round(ms)} ms` : `${(ms / 1000).toFixed(1)} s`;
+}
+
+/** A number with thin spaces between thousands. */
+export function count(n: number | bigint): string {
+  return n.toString().replace(/\B(?=(\d{3})+(?!\d))/g, '\u2009');
+}
+
+export function bytes(n: number | bigint): string {
+  const value = Number(n);
+  if (value < 1000) return `${value} B`;
+  const unit = value < 1e6 ? 'kB' : value < 1e9 ? 'MB' : 'GB';
+  const scaled = value / (value < 1e6 ? 1e3 : value < 1e9 ? 1e6 : 1e9);
+  return `${scaled < 10 ? scaled.toFixed(1) : Math.round(scaled)} ${unit}`;
+}
+
+/** Local time of day of a store's or viewer's clock. */
+export function timeOfDay(ns: bigint): string {
+  return new Date(Number(ns / 1_000_000n)).toLocaleTimeString();
+}
+
+/** How long something has lasted, in a word or two. */
+export function since(ns: bigint, nowNs: bigint): string {
+  const s = Math.max(0, Math.round(Number((nowNs - ns) / 1_000_000n) / 1000));
+  if (s < 60) return `${s} s`;
+  return s < 3600 ? `${Math.floor(s / 60)} min` : `${Math.floor(s / 3600)} h ${Math.floor((s % 3600) / 60)} min`;
+}

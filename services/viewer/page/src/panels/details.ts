@@ -1,0 +1,48 @@
+import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
+import { lastSegment, parseKeyframeName } from '../model/ids';
+import { count } from '../model/words';
+import { h, panel, table } from './dom';
+import { keypointsFigure } from './keypoints';
+
+/** What was clicked. */
+export class DetailsPanel {
+  readonly root: HTMLElement;
+  private readonly body: HTMLElement;
+
+  constructor(onClose: () => void) {
+    ({ root: this.root, body: this.body } = panel('details', 'Selected'));
+    this.root.append(h('button', { class: 'close', 'aria-label': 'Close the details', click: onClose }, '✕'));
+    this.root.hidden = true;
+    this.body.setAttribute('aria-live', 'polite');
+  }
+
+  show(nodes: Node[]): void {
+    this.root.hidden = false;
+    this.body.replaceChildren(...nodes);
+  }
+
+  hide(): void {
+    this.root.hidden = true;
+    this.body.replaceChildren();
+  }
+}
+
+export function keyframeDetails(keyframe: Keyframe): Node[] {
+  const id = parseKeyframeName(keyframe.name);
+  const parent = parseKeyframeName(keyframe.parent);
+  const features = keyframe.payload?.features;
+  const rows: [string, string][] = [
+    ['Robot', lastSegment(keyframe.agent)],
+    ['Local map', id?.localMap ?? keyframe.name],
+    ['Island', lastSegment(keyframe.island)],
+    ['Time', `${(Number(keyframe.timestampNs) / 1e9).toFixed(3)} s (the robot’s clock)`],
+    ['Place', keyframe.placed ? 'given by fusion' : 'follows its nearest relative'],
+    ['Local adjustment', keyframe.settled ? 'settled' : 'still going on'],
+    ['Revision', keyframe.revision > 0n ? count(keyframe.revision) : 'none yet'],
+    ['Parent', parent ? `#${parent.index}${parent.localMap === id?.localMap ? '' : ` of ${parent.localMap}`}` : 'none'],
+    ['Keypoints', count(keyframe.keypoints)],
+    ['… that see a map point', count(keyframe.observedPoints)],
+  ];
+  const figure = features ? [keypointsFigure(features)] : [];
+  return [h('h3', {}, `Keyframe #${id?.index ?? '?'}`), ...figure, table(rows)];
+}

@@ -1,0 +1,70 @@
+import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
+import { parseKeyframeName, shortId } from '../model/ids';
+import { count, isAccepted, verdictWords } from '../model/words';
+import { h, panel, refill, table } from './dom';
+
+const MOST_ROWS = 150;
+
+/** The overlaps of the mission; a click says why one was accepted or refused. */
+export class OverlapsPanel {
+  readonly root: HTMLElement;
+  private readonly body: HTMLElement;
+
+  constructor(private readonly choose: (overlap: Overlap) => void) {
+    ({ root: this.root, body: this.body } = panel('overlaps', 'Overlaps'));
+  }
+
+  update(overlaps: Overlap[], showsRefused: boolean, chosen: Overlap | undefined, agentOf: (localMap: string) => string): void {
+    const shown = overlaps.filter((overlap) => showsRefused || isAccepted(overlap)).reverse();
+    const accepted = overlaps.filter(isAccepted).length;
+    const key = [shown.length, shown[0]?.number, accepted, chosen?.number, showsRefused].join();
+    refill(this.body, key, () => [
+      h('p', { class: 'quiet' }, this.summary(overlaps.length, accepted, showsRefused)),
+      h('ul', { class: 'overlaps' }, ...shown.slice(0, MOST_ROWS).map((overlap) => this.row(overlap, chosen, agentOf))),
+    ]);
+  }
+
+  private summary(all: number, accepted: number, showsRefused: boolean): string {
+    const rest = showsRefused ? `, ${count(all - accepted)} refused` : '; press R for refused ones';
+    return `${count(accepted)} accepted${rest}`;
+  }
+
+  private row(overlap: Overlap, chosen: Overlap | undefined, agentOf: (localMap: string) => string): HTMLElement {
+    const mark = isAccepted(overlap) ? 'yes' : 'no';
+    return h('li', {}, h('button', {
+      class: `overlap ${mark}`, 'aria-pressed': String(chosen?.number === overlap.number),
+      'data-focus': `overlap-${overlap.number}`, click: () => this.choose(overlap),
+    }, h('span', { class: 'mark', 'aria-hidden': 'true' }, mark === 'yes' ? '✓' : '✕'),
+      h('span', { class: 'text' }, `${side(overlap.query, agentOf)} – ${side(overlap.candidate, agentOf)}`),
+      h('small', {}, verdictWords(overlap.verdict).replace(/^(Accepted|Refused[^:]*|Taken back): /, ''))));
+  }
+}
+
+function side(name: string, agentOf: (localMap: string) => string): string {
+  const id = parseKeyframeName(name);
+  return id ? `${agentOf(id.localMap) || shortId(id.localMap)} #${id.index}` : name;
+}
+
+/** Why an overlap was accepted or not: the verdict and all that was counted. */
+export function overlapDetails(overlap: Overlap, agentOf: (localMap: string) => string): Node[] {
+  const e = overlap.evidence;
+  const counted: [string, number | undefined][] = [
+    ['Words in common', e?.sharedWords], ['Keypoints matched by words', e?.wordMatches],
+    ['… agree with one motion', e?.ransacInliers], ['Matches of the guided search', e?.guidedMatches],
+    ['… left after refinement', e?.refinedInliers], ['Neighbourhood points in view', e?.visiblePoints],
+    ['… found where they should be', e?.projectedMatches], ['… found by chance alone', e?.chanceMatches],
+    ['Further keyframe pairs that agree', e?.consistentKeyframes],
+  ];
+  const verdict = h('p', { class: isAccepted(overlap) ? 'verdict yes' : 'verdict no' }, verdictWords(overlap.verdict));
+  const state = overlap.revision > 0n ? `taken in by revision ${count(overlap.revision)}`
+    : overlap.fused ? 'its sides are in one island by another overlap' : 'not part of the map';
+  return [
+    h('h3', {}, `Overlap ${overlap.number}`), verdict,
+    overlap.note ? h('p', { class: 'note' }, overlap.note) : '',
+    table([
+      ['Asked', side(overlap.query, agentOf)], ['Candidate', side(overlap.candidate, agentOf)],
+      ['State', state], ['Point pairs that agree', count(overlap.inliers)],
+      ...counted.map(([name, value]): [string, string] => [name, value ? count(value) : '0 (or not reached)']),
+    ]),
+  ].filter((node): node is HTMLElement => typeof node !== 'string');
+}

@@ -1,0 +1,92 @@
+import type { HistoryStep } from '../model/history';
+import { count } from '../model/words';
+import { h } from './dom';
+
+/** What the timeline asks of the page. */
+export interface TimelineActions {
+  seek(step: number): void;
+  live(): void;
+}
+
+const SPEEDS: [string, string][] = [['1', '1×'], ['2', '2×'], ['5', '5×'], ['20', '20×']];
+const STEP_MS = 500;
+
+/** The slider over revisions, with play and pause. */
+export class Timeline {
+  readonly root: HTMLElement;
+  private readonly slider = h('input', { type: 'range', min: '0', step: '1', 'aria-label': 'Revision' });
+  private readonly words = h('output', { class: 'timeline-words' });
+  private readonly playButton = h('button', { type: 'button', click: () => this.togglePlay() }, '▶ Play');
+  private readonly speed = h('select', { 'aria-label': 'Speed' }, ...SPEEDS.map(([value, text]) => h('option', { value }, text)));
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(private readonly actions: TimelineActions) {
+    this.root = h('section', { class: 'timeline', 'aria-label': 'History' }, this.playButton, this.speed,
+      this.slider, this.words, h('button', { type: 'button', class: 'live', click: () => actions.live() }, 'Live'));
+    this.root.hidden = true;
+    this.slider.addEventListener('input', () => actions.seek(Number(this.slider.value)));
+  }
+
+  get isOpen(): boolean {
+    return !this.root.hidden;
+  }
+
+  open(): void {
+    this.root.hidden = false;
+    this.words.textContent = 'Fetching the history …';
+  }
+
+  close(): void {
+    this.pause();
+    this.root.hidden = true;
+  }
+
+  fail(reason: string): void {
+    this.words.textContent = reason;
+  }
+
+  show(steps: HistoryStep[], position: number): void {
+    this.slider.max = String(Math.max(0, steps.length - 1));
+    this.slider.value = String(position);
+    const step = steps[position];
+    if (!step) return;
+    const text = stepWords(step, steps[position - 1], position, steps.length);
+    this.words.textContent = text;
+    this.slider.setAttribute('aria-valuetext', text);
+  }
+
+  togglePlay(): void {
+    if (this.timer !== undefined) return this.pause();
+    if (this.slider.value === this.slider.max) this.actions.seek(0);
+    this.playButton.textContent = '❚❚ Pause';
+    this.schedule();
+  }
+
+  private schedule(): void {
+    this.timer = setTimeout(() => {
+      if (Number(this.slider.value) >= Number(this.slider.max)) return this.pause();
+      this.actions.seek(Number(this.slider.value) + 1);
+      this.schedule();
+    }, STEP_MS / Number(this.speed.value));
+  }
+
+  private pause(): void {
+    clearTimeout(this.timer);
+    this.timer = undefined;
+    this.playButton.textContent = '▶ Play';
+  }
+}
+
+function stepWords({ revision, summary }: HistoryStep, before: HistoryStep | undefined, position: number, all: number): string {
+  const parts = [`Revision ${count(revision)}`, `step ${position + 1} of ${all}`];
+  if (summary) {
+    parts.push(`${summary.islands} ${summary.islands === 1 ? 'island' : 'islands'}${change(summary.islands, before?.summary?.islands)}`);
+    parts.push(`${count(summary.keyframes)} keyframes${change(summary.keyframes, before?.summary?.keyframes)}`);
+  }
+  return parts.join(' · ');
+}
+
+function change(now: number, before: number | undefined): string {
+  if (before === undefined || before === now) return '';
+  return now > before ? ` (+${now - before})` : ` (−${before - now})`;
+}

@@ -1,0 +1,59 @@
+import { type ColourMode, type SceneColours, type Theme, categoryColour } from '../model/palette';
+import type { LocalMapModel } from '../model/local_map';
+import type { ViewState } from '../view_state';
+import type { MapView } from './map_view';
+import { type SharedUniforms, plainColour } from './materials';
+
+/** Gives robots and islands their colours. */
+export class Painter {
+  robots: string[] = [];
+  islands: string[] = [];
+
+  constructor(public theme: Theme) {}
+
+  robotColour(robot: string): string {
+    return categoryColour(this.theme, Math.max(0, this.robots.indexOf(robot)));
+  }
+
+  islandColour(island: string): string {
+    return categoryColour(this.theme, Math.max(0, this.islands.indexOf(island)));
+  }
+
+  lineColour({ agent, island }: LocalMapModel, state: ViewState, colours: SceneColours): string {
+    if (state.colour === 'island') return this.islandColour(island);
+    if (state.colour === 'paper') return agent === (state.robot || this.robots[0]) ? colours.own : colours.others;
+    return this.robotColour(agent);
+  }
+
+  pointColour(localMap: LocalMapModel, state: ViewState, colours: SceneColours): string {
+    if (state.colour === 'paper') return colours.ink;
+    return mixed(this.lineColour(localMap, state, colours), colours.ink, 0.25);
+  }
+}
+
+const RAMPS: Record<ColourMode, number> = { robot: 0, island: 0, paper: 0, height: 1, age: 2 };
+
+export function paintMap(
+  map: MapView, uniforms: SharedUniforms, state: ViewState, painter: Painter, colours: SceneColours,
+): void {
+  uniforms.ramp.value = RAMPS[state.colour];
+  [uniforms.rampLow, uniforms.rampMiddle, uniforms.rampHigh].forEach(({ value }, i) => plainColour(value, colours.ramp[i]));
+  const box = map.bounds(() => true);
+  const margin = 3 + 0.1 * (box.max.y - box.min.y);
+  if (!box.isEmpty()) uniforms.heights.value.set(box.min.y - margin, box.max.y + 2 * margin);
+  for (const view of map.views.values()) {
+    const isVisible = !state.hidden.has(view.model.agent);
+    view.group.visible = isVisible;
+    const lines = painter.lineColour(view.model, state, colours);
+    view.paint(painter.pointColour(view.model, state, colours), lines, state);
+    const isDim = state.robot !== '' && state.robot !== view.model.agent && state.colour !== 'paper';
+    view.keyframes.path.material.uniforms.opacity.value = isDim ? 0.45 : 1;
+    view.keyframes.path.material.uniforms.widthPx.value = isDim ? 2 : 3;
+  }
+}
+
+function mixed(a: string, b: string, part: number): string {
+  const channel = (colour: string, i: number) => Number.parseInt(colour.slice(1 + 2 * i, 3 + 2 * i), 16);
+  const mix = (i: number) => Math.round(channel(a, i) * (1 - part) + channel(b, i) * part);
+  return `#${[0, 1, 2].map((i) => mix(i).toString(16).padStart(2, '0')).join('')}`;
+}

@@ -1,0 +1,174 @@
+import { Color, Scene, Sphere, Vector3, WebGLRenderer } from 'three';
+import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
+import type { KeyframeId } from '../model/ids';
+import type { IslandChange, MapModel } from '../model/map_model';
+import { type SceneColours, sceneColours } from '../model/palette';
+import { isAccepted } from '../model/words';
+import type { ViewState } from '../view_state';
+import { Detail } from './detail';
+import { Grid } from './grid';
+import { LocalLayer } from './local_layer';
+import { MapView } from './map_view';
+import { Marker } from './marker';
+import { SharedUniforms } from './materials';
+import { OverlapsView } from './overlaps_view';
+import { type Painter, paintMap } from './painting';
+import { Viewport } from './viewport';
+
+const STILL_AFTER_MS = 200;
+const SMALLEST_FRUSTUM_PX = 7;
+
+/** Figures of the last frame. */
+export interface FrameFigures {
+  drawCalls: number;
+  drawnPoints: number;
+  uploadBytes: number;
+  fps: number;
+}
+
+/** Draws the layers into their viewports, when something changed. */
+export class Stage {
+  readonly uniforms = new SharedUniforms();
+  readonly map = new MapView(this.uniforms);
+  readonly local = new LocalLayer(this.uniforms);
+  readonly overlapsView: OverlapsView;
+  readonly globalPort: Viewport;
+  readonly localPort: Viewport;
+  readonly figures: FrameFigures = { drawCalls: 0, drawnPoints: 0, uploadBytes: 0, fps: 0 };
+  overlaps: Overlap[] = [];
+  chosenOverlap: Overlap | undefined;
+  chosenKeyframe: KeyframeId | undefined;
+  private readonly renderer: WebGLRenderer;
+  private readonly globalScene = new Scene();
+  private readonly localScene = new Scene();
+  private readonly grid = new Grid();
+  private readonly localGrid = new Grid();
+  private readonly marker = new Marker();
+  private readonly detail = new Detail();
+  private wanted = true;
+  private isComplete = false;
+  private lastMotionMs = 0;
+  private lastFrameMs = 0;
+
+  constructor(readonly canvas: HTMLCanvasElement, globalElement: HTMLElement, localElement: HTMLElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.autoClear = false;
+    this.renderer.info.autoReset = false;
+    const moved = () => this.invalidate(true);
+    this.globalPort = new Viewport(globalElement, moved);
+    this.localPort = new Viewport(localElement, moved);
+    this.overlapsView = new OverlapsView(this.globalScene, this.uniforms);
+    this.globalScene.add(this.map.root, this.grid.object, this.marker.object);
+    this.localScene.add(this.local.root, this.localGrid.object);
+    new ResizeObserver(() => this.invalidate()).observe(canvas);
+  }
+
+  /** Has the picture drawn anew; `isMotion`: in a hurry, because more follows. */
+  invalidate(isMotion = false): void {
+    this.wanted = true;
+    if (isMotion) this.lastMotionMs = performance.now();
+  }
+
+  sync(model: MapModel, changes: IslandChange[]): void {
+    this.figures.uploadBytes = this.map.sync(model, changes, performance.now());
+    this.grid.cover(this.map.bounds(() => true));
+    this.invalidate();
+  }
+
+  updateLocal(...args: Parameters<LocalLayer['update']>): void {
+    this.local.update(...args);
+    this.localGrid.cover(this.local.bounds());
+    this.invalidate();
+  }
+
+  paint(state: ViewState, painter: Painter): void {
+    const colours: SceneColours = sceneColours(painter.theme);
+    this.renderer.setClearColor(new Color(colours.background));
+    this.grid.paint(colours.grid);
+    this.localGrid.paint(colours.grid);
+    this.overlapsView.paint(colours);
+    this.marker.paint(colours.selected);
+    paintMap(this.map, this.uniforms, state, painter, colours);
+    this.local.paint((agent) => painter.robotColour(agent), (agent) => !state.hidden.has(agent));
+    this.invalidate();
+  }
+
+  /** Draws a frame if one is needed. Returns whether it did. */
+  frame(state: ViewState): boolean {
+    const now = performance.now();
+    const moves = this.map.advance(now);
+    if (moves) this.invalidate(true);
+    const isMotion = now - this.lastMotionMs < STILL_AFTER_MS;
+    if (!this.wanted && this.isComplete) return false;
+    if (!this.wanted && isMotion) return false;
+    this.wanted = false;
+    this.isComplete = !isMotion;
+    this.updateOverlaps(state);
+    this.render(this.detail.fraction(isMotion, now));
+    this.measure(now);
+    return true;
+  }
+
+  dispose(): void {
+    this.globalPort.controls.dispose();
+    this.localPort.controls.dispose();
+    this.renderer.dispose();
+  }
+
+  private updateOverlaps({ overlaps, refused }: ViewState): void {
+    const shown = this.overlaps.filter((overlap) => (isAccepted(overlap) ? overlaps : refused));
+    this.overlapsView.update(shown, this.map, this.chosenOverlap);
+    const size = Math.max(12 / this.globalPort.pixelsPerUnit(this.globalPort.distance()), 1e-3);
+    this.marker.update(this.map, this.chosenKeyframe, size);
+  }
+
+  private render(fraction: number): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.renderer.info.reset();
+    this.renderer.setScissorTest(false);
+    this.renderer.clear();
+    if (this.globalPort.resize()) {
+      this.setDetail(fraction);
+      this.draw(this.globalPort, this.globalScene);
+    }
+    if (this.localPort.resize()) this.draw(this.localPort, this.localScene);
+    this.figures.drawCalls = this.renderer.info.render.calls;
+  }
+
+  private draw(port: Viewport, scene: Scene): void {
+    const [all, own] = [this.canvas.getBoundingClientRect(), port.element.getBoundingClientRect()];
+    const bottom = all.bottom - own.bottom;
+    this.renderer.setViewport(own.left - all.left, bottom, own.width, own.height);
+    this.renderer.setScissor(own.left - all.left, bottom, own.width, own.height);
+    this.renderer.setScissorTest(true);
+    this.uniforms.screen.value.set(own.width, own.height);
+    this.renderer.render(scene, port.camera);
+  }
+
+  private setDetail(fraction: number): void {
+    const port = this.globalPort;
+    const ratio = this.renderer.getPixelRatio();
+    this.uniforms.sizePx.value = 1.5 * ratio;
+    this.uniforms.nearPx.value = port.pixelsPerUnit(1) * 0.04 * ratio;
+    this.uniforms.smallest.value = SMALLEST_FRUSTUM_PX / port.pixelsPerUnit(1);
+    this.map.root.updateMatrixWorld();
+    const at = new Vector3();
+    let drawn = 0;
+    for (const { blocks, group } of this.map.views.values()) {
+      const perUnit = ({ center, radius }: Sphere) => {
+        const away = at.copy(center).applyMatrix4(group.matrixWorld).distanceTo(port.camera.position) - radius;
+        return away <= 0 ? Infinity : port.pixelsPerUnit(away) * ratio;
+      };
+      for (const block of blocks) drawn += block.setDetail(fraction, perUnit);
+    }
+    this.figures.drawnPoints = drawn;
+  }
+
+  private measure(now: number): void {
+    const ms = now - this.lastFrameMs;
+    this.lastFrameMs = now;
+    if (ms > 0 && ms < 3000) this.figures.fps = 0.9 * this.figures.fps + 100 / ms;
+  }
+}

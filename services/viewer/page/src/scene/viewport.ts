@@ -1,0 +1,93 @@
+import { type Box3, PerspectiveCamera, Sphere, Vector3 } from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+
+const FIELD_OF_VIEW_DEG = 45;
+
+/** A camera, its controls, and the part of the page in which they work. */
+export class Viewport {
+  readonly camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.1, 1e5);
+  readonly controls: OrbitControls;
+  isTop = false;
+
+  constructor(readonly element: HTMLElement, onChange: () => void) {
+    this.controls = new OrbitControls(this.camera, element);
+    this.controls.zoomToCursor = true;
+    this.controls.maxPolarAngle = Math.PI * 0.499;
+    this.controls.listenToKeyEvents(element);
+    this.camera.position.set(30, 50, 70);
+    this.controls.update();
+    this.controls.addEventListener('change', onChange);
+  }
+
+  /** Adapts to the element's size. Returns whether it can be seen. */
+  resize(): boolean {
+    const { clientWidth, clientHeight } = this.element;
+    if (clientWidth === 0 || clientHeight === 0) return false;
+    this.camera.aspect = clientWidth / clientHeight;
+    const distance = this.distance();
+    this.camera.near = Math.max(distance / 1000, 1e-3);
+    this.camera.far = distance * 100 + 1000;
+    this.camera.updateProjectionMatrix();
+    this.camera.updateMatrixWorld();
+    return true;
+  }
+
+  distance(): number {
+    return this.camera.position.distanceTo(this.controls.target);
+  }
+
+  /** Pixels on the screen of one unit at a distance from the camera. */
+  pixelsPerUnit(distance: number): number {
+    const halfHeight = Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360) * Math.max(distance, this.camera.near);
+    return this.element.clientHeight / (2 * halfHeight);
+  }
+
+  /** Shows all of a box, from the direction that is looked from now. */
+  fit(box: Box3): void {
+    if (box.isEmpty()) return;
+    const sphere = box.getBoundingSphere(new Sphere());
+    const narrow = Math.min(1, this.element.clientWidth / Math.max(1, this.element.clientHeight));
+    const distance = (0.85 * Math.max(sphere.radius, 2)) / Math.sin((FIELD_OF_VIEW_DEG * Math.PI) / 360) / narrow;
+    this.look(sphere.center, distance);
+  }
+
+  /** From above, north (the first camera's view) up, as the paper's figures; or again aslant. */
+  setTop(isTop: boolean): void {
+    this.isTop = isTop;
+    this.controls.maxPolarAngle = isTop ? 0 : Math.PI * 0.499;
+    this.controls.minAzimuthAngle = -Infinity;
+    const distance = this.distance();
+    const aslant = isTop ? new Vector3(0, 1, 1e-4) : new Vector3(0.35, 0.75, 0.9);
+    this.camera.position.copy(aslant.setLength(distance).add(this.controls.target));
+    this.controls.update();
+  }
+
+  /** Keeps a moving point in the middle. */
+  follow(point: Vector3): boolean {
+    const step = point.clone().sub(this.controls.target);
+    if (step.length() < 1e-3) return false;
+    step.multiplyScalar(0.15);
+    this.camera.position.add(step);
+    this.controls.target.add(step);
+    this.controls.update();
+    return true;
+  }
+
+  look(middle: Vector3, distance: number): void {
+    const direction = this.camera.position.clone().sub(this.controls.target).setLength(distance);
+    this.controls.target.copy(middle);
+    this.camera.position.copy(middle).add(direction);
+    this.controls.update();
+  }
+
+  /** A point on the element, in its pixels; undefined behind the camera. */
+  project(point: Vector3): { x: number; y: number } | undefined {
+    const seen = point.clone().applyMatrix4(this.camera.matrixWorldInverse);
+    if (seen.z > -this.camera.near) return undefined;
+    const clip = seen.applyMatrix4(this.camera.projectionMatrix);
+    return {
+      x: ((clip.x + 1) / 2) * this.element.clientWidth,
+      y: ((1 - clip.y) / 2) * this.element.clientHeight,
+    };
+  }
+}

@@ -1,0 +1,58 @@
+import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
+import type { MissionPage } from './mission_page';
+import { type KeyframeId, keyframeName } from './model/ids';
+import { type DetailsPanel, keyframeDetails } from './panels/details';
+import { h } from './panels/dom';
+import { overlapDetails } from './panels/overlaps';
+import { pickKeyframe, pickOverlap } from './scene/picking';
+
+/** What the user chose: a keyframe, an overlap, or nothing. */
+export class Selection {
+  private chosen = '';
+
+  constructor(private readonly page: MissionPage, private readonly details: DetailsPanel, private readonly onShow: () => void) {}
+
+  get isEmpty(): boolean {
+    return this.chosen === '';
+  }
+
+  /** Chooses what lies under the pointer; keyframes go before lines. */
+  pick({ clientX, clientY }: MouseEvent): void {
+    const { stage, state } = this.page;
+    const port = stage.globalPort;
+    const box = port.element.getBoundingClientRect();
+    const [x, y] = [clientX - box.left, clientY - box.top];
+    const keyframe = pickKeyframe(stage.map, port, x, y, ({ agent }) => !state.hidden.has(agent));
+    const overlap = pickOverlap(stage.overlapsView.shown, port, x, y);
+    if (keyframe) void this.keyframe(keyframe);
+    else if (overlap) this.overlap(overlap);
+    else this.clear();
+  }
+
+  async keyframe(id: KeyframeId): Promise<void> {
+    const name = keyframeName(id);
+    this.chosen = name;
+    this.page.overlapChosen(undefined, id);
+    this.details.show([h('p', { class: 'quiet' }, 'Asking the map store …')]);
+    this.onShow();
+    try {
+      const keyframe = await this.page.rest.keyframe(this.page.mission, id);
+      if (this.chosen === name) this.details.show(keyframeDetails(keyframe));
+    } catch (error) {
+      if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, error instanceof Error ? error.message : String(error))]);
+    }
+  }
+
+  overlap(overlap: Overlap): void {
+    this.chosen = `overlap ${overlap.number}`;
+    this.page.overlapChosen(overlap, undefined);
+    this.details.show(overlapDetails(overlap, (id) => this.page.agentOf(id)));
+    this.onShow();
+  }
+
+  clear(): void {
+    this.chosen = '';
+    this.page.overlapChosen(undefined, undefined);
+    this.details.hide();
+  }
+}

@@ -1,0 +1,59 @@
+import type { ColourMode, Theme } from './model/palette';
+
+export type Layer = 'global' | 'local' | 'both';
+
+/** What the user chose to see; the address carries it, so that a link opens the same. */
+export interface ViewState {
+  mission: string;
+  colour: ColourMode;
+  layer: Layer;
+  theme: Theme | 'auto';
+  points: boolean;
+  keyframes: boolean;
+  paths: boolean;
+  frames: boolean;
+  overlaps: boolean;
+  refused: boolean;
+  top: boolean;
+  /** The robot whose eyes count: highlighted, and "own" in the paper's colours. */
+  robot: string;
+  follow: boolean;
+  hidden: Set<string>;
+}
+
+const SHOW = { p: 'points', k: 'keyframes', t: 'paths', f: 'frames', o: 'overlaps', r: 'refused' } as const;
+const COLOURS: ColourMode[] = ['robot', 'island', 'paper', 'height', 'age'];
+const LAYERS: Layer[] = ['global', 'local', 'both'];
+
+/** Reads the address's fragment; what is unknown there is passed over. */
+export function parseState(fragment: string): ViewState {
+  const values = new URLSearchParams(fragment.replace(/^#/, ''));
+  const show = values.get('show') ?? 'pkto';
+  const oneOf = <T extends string>(name: string, all: T[]) => all.find((value) => value === values.get(name)) ?? all[0];
+  const flags = Object.fromEntries(Object.entries(SHOW).map(([letter, name]) => [name, show.includes(letter)]));
+  return {
+    ...(flags as Record<(typeof SHOW)[keyof typeof SHOW], boolean>),
+    mission: values.get('mission') ?? '',
+    colour: oneOf('colour', COLOURS),
+    layer: oneOf('layer', LAYERS),
+    theme: oneOf<'auto' | Theme>('theme', ['auto', 'light', 'dark']),
+    top: values.get('top') === '1',
+    robot: values.get('robot') ?? '',
+    follow: values.get('follow') === '1',
+    hidden: new Set((values.get('hidden') ?? '').split(',').filter(Boolean)),
+  };
+}
+
+export function formatState(state: ViewState): string {
+  const values = new URLSearchParams({ mission: state.mission });
+  const show = Object.entries(SHOW).filter(([, name]) => state[name]).map(([letter]) => letter).join('');
+  if (show !== 'pkto') values.set('show', show);
+  if (state.colour !== 'robot') values.set('colour', state.colour);
+  if (state.layer !== 'global') values.set('layer', state.layer);
+  if (state.theme !== 'auto') values.set('theme', state.theme);
+  if (state.top) values.set('top', '1');
+  if (state.robot) values.set('robot', state.robot);
+  if (state.follow) values.set('follow', '1');
+  if (state.hidden.size > 0) values.set('hidden', [...state.hidden].join(','));
+  return `#${values}`;
+}

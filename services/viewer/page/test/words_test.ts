@@ -1,0 +1,33 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { create } from '@bufbuild/protobuf';
+import { type MissionEvent, MissionEventSchema } from '@gen/corbslam/v1/events_pb';
+import { OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
+import { bytes, count, eventWords, since, verdictWords } from '../src/model/words';
+
+function said(event: MissionEvent['event'] | object): string {
+  return eventWords(create(MissionEventSchema, { event: event as never })).text;
+}
+
+test('events are said in words', () => {
+  assert.equal(said({ case: 'agentJoined', value: { agent: 'missions/m/agents/alpha' } }), 'alpha joined');
+  assert.equal(said({ case: 'trackingLost', value: { agent: 'a/beta', frames: 1 } }), 'beta lost tracking for 1 frame');
+  assert.equal(
+    said({ case: 'islandsMerged', value: { agents: ['a/x', 'a/y', 'a/z'], localMaps: ['l/1', 'l/2', 'l/3'], ms: 1250 } }),
+    'Maps of x, y and z became one (3 local maps, 1.3 s)');
+  assert.equal(said({ case: 'loopClosed', value: { overlaps: 2 } }), 'Loop closed with 2 overlaps');
+  assert.match(said({ case: undefined }), /does not know/);
+});
+
+test('every verdict has words', () => {
+  for (const verdict of Object.values(OverlapVerdict)) {
+    if (typeof verdict === 'number') assert.match(verdictWords(verdict), /\.$/);
+  }
+  assert.match(verdictWords(99 as OverlapVerdict), /does not know/);
+});
+
+test('numbers are short', () => {
+  assert.equal(count(1234567), '1\u2009234\u2009567');
+  assert.equal(bytes(48213), '48 kB');
+  assert.equal(since(0n, 90_000_000_000n), '1 min');
+});
