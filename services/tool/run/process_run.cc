@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -62,7 +64,11 @@ class ProcessRun {
   absl::StatusOr<std::string> StartServer(const std::string& program,
                                           std::vector<std::string> arguments,
                                           bool needs_vocabulary);
+  // The store has a journal where somebody may want to see the map's past.
   absl::Status StartServers();
+  // Returns the path of a folder of the logs' that is not there: what an earlier run left is
+  // removed.
+  absl::StatusOr<std::string> MakeFreshFolder(const std::string& name) const;
   // Starts a viewer of the mission, which also asks the agents that run, and says where it is.
   absl::Status StartViewer();
   // Starts an agent. With `stays` it is connected until it is stopped, and takes in what others
@@ -122,8 +128,21 @@ absl::Status ProcessRun::StartServers() {
     return absl::OkStatus();
   }
   ASSIGN_OR_RETURN(const std::string worker, StartServer("fusion_worker", {}, false));
-  ASSIGN_OR_RETURN(store_address_, StartServer("map_store", {"--worker", worker}, true));
+  std::vector<std::string> arguments = {"--worker", worker};
+  if (options_.view) {
+    ASSIGN_OR_RETURN(const std::string folder, MakeFreshFolder("missions"));
+    arguments.insert(arguments.end(), {"--data-dir", folder});
+  }
+  ASSIGN_OR_RETURN(store_address_, StartServer("map_store", std::move(arguments), true));
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::string> ProcessRun::MakeFreshFolder(const std::string& name) const {
+  const std::string folder = absl::StrCat(options_.log_folder, "/", name);
+  std::error_code error;
+  std::filesystem::remove_all(folder, error);
+  if (error) return absl::UnavailableError(absl::StrCat(folder, ": ", error.message()));
+  return folder;
 }
 
 void AppendFlags(const SecurityOptions& security, std::vector<std::string>& arguments) {
