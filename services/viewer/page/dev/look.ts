@@ -47,7 +47,8 @@ async function open(width: number, height: number, theme: 'light' | 'dark', frag
 async function walk(): Promise<void> {
   const page = await open(1920, 1080, 'light', '#mission=lab');
   await shot(page, '01_before_merge_light');
-  await until(page, 'window.corbslam.moving');
+  await until(page, 'window.corbslam.revision > 0');
+  await page.waitForTimeout(250);
   await page.screenshot({ path: 'out/look/02_merging.png' });
   await until(page, '!window.corbslam.moving');
   await page.keyboard.press('f');
