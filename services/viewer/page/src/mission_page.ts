@@ -179,7 +179,7 @@ export class MissionPage {
     this.painter.robots = [...new Set([...this.painter.robots, ...this.model.agents()])];
     this.painter.islands = [...this.model.localMaps.keys()];
     this.stage.pastRevision = this.past.model?.revision;
-    this.stage.sync(this.model, this.changes.splice(0));
+    this.stage.sync(this.model, this.changes.splice(0), !this.live.hasPicture || this.live.stream.isBehind);
     this.repaint();
     if (this.wantsFit && this.model.keyframeCount > 1) this.fit();
     if (this.live.hasPicture && this.model.keyframeCount > 1) this.wantsFit = false;

@@ -73,11 +73,12 @@ export class Stage {
     if (isMotion) this.lastMotionMs = performance.now();
   }
 
-  sync(model: MapModel, changes: IslandChange[]): void {
+  /** Follows the model; `isHurried`: more is about to come, so that not every point is worth its time. */
+  sync(model: MapModel, changes: IslandChange[], isHurried: boolean): void {
     this.points = model.pointCount;
     this.figures.uploadBytes = this.map.sync(model, changes, performance.now());
     this.grid.cover(this.map.bounds(() => true));
-    this.invalidate();
+    this.invalidate(isHurried);
   }
 
   updateLocal(...args: Parameters<LocalLayer['update']>): void {
