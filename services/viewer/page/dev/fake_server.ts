@@ -20,7 +20,8 @@ const number = (name: string, otherwise: number) => Number(flags.get(name) ?? ot
 const dist = resolve(process.env.OUT_DIR ?? 'dist');
 const isBig = flags.has('big');
 const mission = new SimulatedMission('lab', number('robots', 3), isBig ? 100 : number('points', 60));
-mission.drive(isBig ? 3334 : number('steps', 60));
+if (isBig) mission.begin(3334);
+else mission.drive(number('steps', 60));
 const TYPES: Record<string, string> = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 const POLICY = "default-src 'self'; img-src 'self' data:; style-src 'self'; connect-src 'self' ws: wss:";
 const begunMs = Date.now();

@@ -13,7 +13,8 @@ const SWIFT = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swift
 const errors: string[] = [];
 mkdirSync('out/look', { recursive: true });
 const merge = isBig ? '1e9' : '30,1e9';
-const server = spawn(process.execPath, ['out/fake_server.mjs', `--port=${PORT}`, `--merge=${merge}`, ...(isBig ? ['--big'] : [])], { stdio: 'inherit' });
+const server = spawn(process.execPath, ['out/fake_server.mjs', `--port=${PORT}`, `--merge=${merge}`, ...(isBig ? ['--big'] : [])], { stdio: ['ignore', 'pipe', 'inherit'] });
+const isUp = new Promise((done) => server.stdout!.once('data', done));
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: SWIFT });
 
 function hook<T>(page: Page, expression: string): Promise<T> {
@@ -47,7 +48,8 @@ async function open(width: number, height: number, theme: 'light' | 'dark', frag
 async function walk(): Promise<void> {
   const page = await open(1920, 1080, 'light', '#mission=lab');
   await shot(page, '01_before_merge_light');
-  await until(page, 'window.corbslam.moving');
+  await until(page, 'window.corbslam.revision > 0');
+  await page.waitForTimeout(250);
   await page.screenshot({ path: 'out/look/02_merging.png' });
   await until(page, '!window.corbslam.moving');
   await page.keyboard.press('f');
@@ -115,7 +117,7 @@ const FIGURES = `JSON.stringify((({ fps, drawCalls, drawnPoints, uploadBytes, po
   ({ fps: Math.round(10 * fps) / 10, drawCalls, drawnPoints, uploadBytes, points, keyframes, receivedBytes }))(window.corbslam))`;
 
 try {
-  await new Promise((done) => setTimeout(done, isBig ? 15_000 : 2000));
+  await isUp;
   await (isBig ? measure() : walk());
 } finally {
   await browser.close();

@@ -50,6 +50,11 @@ export class SimulatedMission {
     return this.record(this.message(islands, [], false));
   }
 
+  /** Every robot drives on, and nobody is told: how a large map begins. */
+  begin(steps: number): void {
+    for (const one of this.robots) for (let i = 0; i < steps; i++) this.step(one);
+  }
+
   /** The island of one robot goes into that of another. */
   merge(from: number, into: number): WatchMapResponse {
     const [a, b] = [this.robots[into], this.robots[from]];

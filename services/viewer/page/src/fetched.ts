@@ -12,6 +12,8 @@ export class Fetched {
   overlaps: Overlap[] = [];
   private state: ViewState | undefined;
   private frames: TrajectoryPose[] = [];
+  private shownFrames: TrajectoryPose[] = [];
+  private shownIslands = '';
   private isLocalFitted = false;
   private seen = '';
   private readonly overlapsAgain: Refresher;
@@ -76,11 +78,13 @@ export class Fetched {
 
   /** Poses of frames are in the frame of an island that may be no more: those wait for the next answer. */
   private showFrames(model: MapModel): void {
-    if (this.frames.length === 0) return;
+    const key = [...model.localMaps.values()].map(({ id, island }) => id + island).join();
+    if (this.frames.length === 0 || (key === this.shownIslands && this.frames === this.shownFrames)) return;
+    this.shownIslands = key;
+    this.shownFrames = this.frames;
     const current = this.frames.filter(({ localMap, island }) =>
       model.localMap(localMap.slice(-16))?.island === island.slice(-16));
     const segments = segmentsByLocalMap(current);
-    this.frames = current;
     for (const [id, view] of this.stage.map.views) showSegments(view.frames, segments.get(id) ?? []);
   }
 }

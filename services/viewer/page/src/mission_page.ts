@@ -178,7 +178,8 @@ export class MissionPage {
     this.mapChanged = false;
     this.painter.robots = [...new Set([...this.painter.robots, ...this.model.agents()])];
     this.painter.islands = [...this.model.localMaps.keys()];
-    this.stage.sync(this.model, this.changes.splice(0));
+    this.stage.pastRevision = this.past.model?.revision;
+    this.stage.sync(this.model, this.changes.splice(0), !this.live.hasPicture || this.live.stream.isBehind);
     this.repaint();
     if (this.wantsFit && this.model.keyframeCount > 1) this.fit();
     if (this.live.hasPicture && this.model.keyframeCount > 1) this.wantsFit = false;
@@ -224,6 +225,7 @@ export class MissionPage {
   }
 
   private onKey(event: KeyboardEvent): void {
+    if (this.help.open && event.key !== '?') return;
     const handled = handleKey(event, this.state, {
       change: (part) => this.change(part), fit: () => this.fit(), help: () => this.toggleHelp(),
       play: () => this.past.play(), step: (by) => this.past.step(by),

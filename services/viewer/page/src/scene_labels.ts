@@ -16,8 +16,9 @@ export class SceneLabels {
     this.local = new Labels(stage.localPort);
   }
 
-  update(model: MapModel, { hidden, layer }: ViewState): void {
-    if (layer !== 'local') this.global.update([...this.islands(model), ...this.robots(model, hidden)]);
+  update(model: MapModel, state: ViewState): void {
+    const { hidden, layer } = state;
+    if (layer !== 'local') this.global.update([...this.islands(model), ...this.robots(model, state)]);
     if (layer === 'global') return;
     this.local.update(this.stage.local.anchors().filter(({ agent }) => !hidden.has(agent)).map(({ id, agent, at }) => ({
       key: `island ${id}`, text: `${agent} · ${shortId(id)}`, colour: this.painter.robotColour(agent), at,
@@ -42,10 +43,10 @@ export class SceneLabels {
     });
   }
 
-  private robots(model: MapModel, hidden: ReadonlySet<string>): Label[] {
-    return model.agents().filter((robot) => !hidden.has(robot)).flatMap((robot) => {
+  private robots(model: MapModel, state: ViewState): Label[] {
+    return model.agents().filter((robot) => !state.hidden.has(robot)).flatMap((robot) => {
       const at = this.newest(robot);
-      return at ? [{ key: `robot ${robot}`, text: robot, colour: this.painter.robotColour(robot), at }] : [];
+      return at ? [{ key: `robot ${robot}`, text: robot, colour: this.painter.markColour(robot, state), at }] : [];
     });
   }
 

@@ -3,7 +3,7 @@ import { type ViewerMessage, ViewerMessageSchema } from '@gen/corbslam/v1/viewer
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 8000;
-const SLICE_MS = 8;
+const SLICE_MS = 12;
 
 /** How the connection stands. */
 export type StreamState =
@@ -42,6 +42,11 @@ export class Stream {
     clearTimeout(this.timer);
     this.socket?.close();
     this.queue = [];
+  }
+
+  /** Messages came that are not decoded yet. */
+  get isBehind(): boolean {
+    return this.queue.length > 0;
   }
 
   private connect(): void {

@@ -3,13 +3,13 @@ import { eventWords, timeOfDay } from '../model/words';
 import { h, panel } from './dom';
 
 const MOST_EVENTS = 200;
-const MARKS = { robot: '●', merge: '⧉', loop: '↻', lost: '!', other: '·' };
+const MARKS = { robot: '●', merge: '◆', loop: '↻', lost: '!', other: '·' };
 
 /** What happened, newest first. */
 export class EventsPanel {
   readonly root: HTMLElement;
   private readonly list = h('ol', { class: 'events', 'aria-live': 'polite', 'aria-relevant': 'additions' });
-  private lastNumber = 0n;
+  private readonly seen = new Set<string>();
 
   constructor() {
     const { root, body } = panel('events', 'Events');
@@ -19,8 +19,9 @@ export class EventsPanel {
 
   /** Adds an event. Returns whether it is new: after a reconnection some come again. */
   add(event: MissionEvent, isRecent: boolean): boolean {
-    if (event.number <= this.lastNumber && event.number !== 1n) return false;
-    this.lastNumber = event.number;
+    const key = `${event.number} ${event.timeNs}`;
+    if (this.seen.has(key)) return false;
+    this.seen.add(key);
     const { kind, text } = eventWords(event);
     const item = h('li', { class: `event ${kind}` },
       h('span', { class: 'mark', 'aria-hidden': 'true' }, MARKS[kind]),
@@ -30,10 +31,5 @@ export class EventsPanel {
     this.list.prepend(item);
     while (this.list.children.length > MOST_EVENTS) this.list.lastElementChild!.remove();
     return true;
-  }
-
-  clear(): void {
-    this.list.replaceChildren();
-    this.lastNumber = 0n;
   }
 }

@@ -31,7 +31,7 @@ function draw(canvas: HTMLCanvasElement, features: Features): void {
     const y = (features.yPx64[i] * PX - box.y) * scale;
     const hasDepth = (features.disparityPx128[i] ?? 0) > 0;
     context.beginPath();
-    context.arc(x, y, 1.2 * 1.2 ** (features.octaves[i] ?? 0), 0, 2 * Math.PI);
+    context.arc(x, y, 0.8 * 1.2 ** (features.octaves[i] ?? 0), 0, 2 * Math.PI);
     context.strokeStyle = context.fillStyle = hasDepth ? known : unknown;
     if (hasDepth) context.fill();
     else context.stroke();

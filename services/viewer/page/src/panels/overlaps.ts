@@ -64,7 +64,7 @@ export function overlapDetails(overlap: Overlap, agentOf: (localMap: string) => 
     table([
       ['Asked', side(overlap.query, agentOf)], ['Candidate', side(overlap.candidate, agentOf)],
       ['State', state], ['Point pairs that agree', count(overlap.inliers)],
-      ...counted.map(([name, value]): [string, string] => [name, value ? count(value) : '0 (or not reached)']),
+      ...counted.map(([name, value]): [string, string] => [name, value ? count(value) : '–']),
     ]),
   ].filter((node): node is HTMLElement => typeof node !== 'string');
 }

@@ -1,6 +1,7 @@
 import { Box3, Group, Vector3 } from 'three';
 import type { KeyframeId } from '../model/ids';
 import { type GroundBox, type Plot, layOut } from '../model/layout';
+import type { KeyframeStore } from '../model/keyframe_store';
 import type { LocalMapModel } from '../model/local_map';
 import type { IslandChange, MapModel } from '../model/map_model';
 import { LocalMapView } from './local_map_view';
@@ -62,15 +63,15 @@ export class MapView {
   }
 
   private arrange(model: MapModel, changes: IslandChange[], nowMs: number): void {
-    const boxes = [...model.islands()].map(([name, members]) => ({
+    const grounds = [...model.islands()].map(([name, members]) => ({
       name, isReference: name === model.globalIsland, box: groundBox(members),
     }));
-    this.plots = layOut(boxes.filter(({ box }) => box.minX <= box.maxX), this.plots);
+    this.plots = layOut(grounds.filter(({ box }) => box.minX <= box.maxX), this.plots);
     const changed = new Map(changes.map((change) => [change.localMap, change.oldFromNew]));
     for (const [id, view] of this.views) {
       const target = this.offset(view.model.island);
-      if (changed.has(id)) view.placement.reframe(changed.get(id), target, view.middle(), nowMs);
-      else view.placement.moveTo(target, view.middle(), nowMs);
+      if (changed.has(id)) view.placement.reframe(changed.get(id), target, () => view.middle(), nowMs);
+      else view.placement.moveTo(target, () => view.middle(), nowMs);
     }
   }
 
@@ -88,11 +89,17 @@ export class MapView {
   }
 }
 
+const boxes = new WeakMap<KeyframeStore, { edits: number; box: Box3 }>();
+
+/** Around the keyframes, in their island's frame; reckoned once for each change. */
 function keyframeBox({ keyframes }: LocalMapModel): Box3 {
+  const known = boxes.get(keyframes);
+  if (known?.edits === keyframes.edits) return known.box.clone();
   const box = new Box3();
   const at = new Vector3();
   for (let i = 0; i < keyframes.count; i++) box.expandByPoint(at.fromArray(keyframes.centres, 4 * i));
-  return box;
+  boxes.set(keyframes, { edits: keyframes.edits, box });
+  return box.clone();
 }
 
 function groundBox(members: LocalMapModel[]): GroundBox {

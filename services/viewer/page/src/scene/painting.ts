@@ -1,4 +1,4 @@
-import { type ColourMode, type SceneColours, type Theme, categoryColour } from '../model/palette';
+import { type ColourMode, type SceneColours, type Theme, categoryColour, sceneColours } from '../model/palette';
 import type { LocalMapModel } from '../model/local_map';
 import type { ViewState } from '../view_state';
 import type { MapView } from './map_view';
@@ -23,6 +23,13 @@ export class Painter {
     if (state.colour === 'island') return this.islandColour(island);
     if (state.colour === 'paper') return agent === (state.robot || this.robots[0]) ? colours.own : colours.others;
     return this.robotColour(agent);
+  }
+
+  /** Of the mark at a robot's newest keyframe. */
+  markColour(robot: string, state: ViewState): string {
+    if (state.colour !== 'paper') return this.robotColour(robot);
+    const { own, others } = sceneColours(this.theme);
+    return robot === (state.robot || this.robots[0]) ? own : others;
   }
 
   pointColour(localMap: LocalMapModel, state: ViewState, colours: SceneColours): string {

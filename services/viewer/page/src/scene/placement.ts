@@ -19,22 +19,22 @@ export class Placement {
   }
 
   /** Stands at once, or begins to move, so that `middle` (in the map's frame) leads. */
-  moveTo(target: Vector3, middle: Vector3, nowMs: number): void {
+  moveTo(target: Vector3, middle: () => Vector3, nowMs: number): void {
     if (this.isPlaced && target.equals(this.target)) return;
     const from = this.isPlaced ? this.matrix.clone() : undefined;
     this.target.copy(target);
-    if (from) this.begin(from, middle, nowMs);
+    if (from) this.begin(from, middle(), nowMs);
     else this.matrix.makeTranslation(target);
     this.isPlaced = true;
   }
 
   /** The map's frame changed: stays where it was seen, and moves to where it is now. */
-  reframe(oldFromNew: Alignment | undefined, target: Vector3, middle: Vector3, nowMs: number): void {
+  reframe(oldFromNew: Alignment | undefined, target: Vector3, middle: () => Vector3, nowMs: number): void {
     const from = this.matrix.clone();
     if (oldFromNew) from.multiply(matrixOf(oldFromNew));
     this.target.copy(target);
     if (!this.isPlaced || !oldFromNew) this.matrix.makeTranslation(target);
-    else if (!isNear(from, target, middle)) this.begin(from, middle, nowMs);
+    else if (!isNear(from, target, middle())) this.begin(from, middle(), nowMs);
     this.isPlaced = true;
   }
 

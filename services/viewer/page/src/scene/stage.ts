@@ -36,6 +36,8 @@ export class Stage {
   readonly localPort: Viewport;
   readonly figures: FrameFigures = { drawCalls: 0, drawnPoints: 0, uploadBytes: 0, fps: 0 };
   overlaps: Overlap[] = [];
+  /** Set while the past is shown: overlaps that were taken in later are left out. */
+  pastRevision: bigint | undefined;
   chosenOverlap: Overlap | undefined;
   chosenKeyframe: KeyframeId | undefined;
   private readonly renderer: WebGLRenderer;
@@ -45,6 +47,7 @@ export class Stage {
   private readonly localGrid = new Grid();
   private readonly marker = new Marker();
   private readonly detail = new Detail();
+  private points = 0;
   private wanted = true;
   private isComplete = false;
   private lastMotionMs = 0;
@@ -70,10 +73,12 @@ export class Stage {
     if (isMotion) this.lastMotionMs = performance.now();
   }
 
-  sync(model: MapModel, changes: IslandChange[]): void {
+  /** Follows the model; `isHurried`: more is about to come, so that not every point is worth its time. */
+  sync(model: MapModel, changes: IslandChange[], isHurried: boolean): void {
+    this.points = model.pointCount;
     this.figures.uploadBytes = this.map.sync(model, changes, performance.now());
     this.grid.cover(this.map.bounds(() => true));
-    this.invalidate();
+    this.invalidate(isHurried);
   }
 
   updateLocal(...args: Parameters<LocalLayer['update']>): void {
@@ -105,7 +110,7 @@ export class Stage {
     this.wanted = false;
     this.isComplete = !isMotion;
     this.updateOverlaps(state);
-    this.render(this.detail.fraction(isMotion, now));
+    this.render(this.detail.fraction(isMotion, this.points, now));
     this.measure(now);
     return true;
   }
@@ -117,7 +122,10 @@ export class Stage {
   }
 
   private updateOverlaps({ overlaps, refused }: ViewState): void {
-    const shown = this.overlaps.filter((overlap) => (isAccepted(overlap) ? overlaps : refused));
+    const past = this.pastRevision;
+    const known = past === undefined ? this.overlaps
+      : this.overlaps.filter(({ revision }) => revision > 0n && revision <= past);
+    const shown = known.filter((overlap) => (isAccepted(overlap) ? overlaps : refused));
     this.overlapsView.update(shown, this.map, this.chosenOverlap);
     const size = Math.max(12 / this.globalPort.pixelsPerUnit(this.globalPort.distance()), 1e-3);
     this.marker.update(this.map, this.chosenKeyframe, size);

@@ -44,7 +44,7 @@ export class Viewport {
 
   /** Shows all of a box, from the direction that is looked from now. */
   fit(box: Box3): void {
-    if (box.isEmpty()) return;
+    if (box.isEmpty() || this.element.clientWidth === 0) return;
     const sphere = box.getBoundingSphere(new Sphere());
     const narrow = Math.min(1, this.element.clientWidth / Math.max(1, this.element.clientHeight));
     const distance = (0.85 * Math.max(sphere.radius, 2)) / Math.sin((FIELD_OF_VIEW_DEG * Math.PI) / 360) / narrow;
