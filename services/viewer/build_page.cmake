@@ -2,7 +2,7 @@
 # npm has kept of it the page is missing, and everything else is built.
 file(MAKE_DIRECTORY "${WORK}" "${OUT}")
 file(COPY "${SOURCES}/" DESTINATION "${WORK}"
-     PATTERN "node_modules" EXCLUDE PATTERN "dist" EXCLUDE PATTERN "generated" EXCLUDE)
+     PATTERN "node_modules" EXCLUDE PATTERN "dist" EXCLUDE PATTERN "gen" EXCLUDE PATTERN "out" EXCLUDE)
 set(ENV{PROTO_DIR} "${PROTO}")
 set(ENV{OUT_DIR} "${OUT}")
 foreach(STEP "ci;--no-audit;--no-fund;--prefer-offline" "run;build")

@@ -1,0 +1,21 @@
+#!/bin/sh
+# live_page_test.sh BUILD: walks through the viewer's page in Chromium, before a real store, worker and
+# robots with recorded data (services/viewer/page/dev/live.ts). Pictures are kept in
+# BUILD/live_page. Ends with 77, "skipped", without Chromium or node, or where the page was not built.
+set -eu
+
+build=$(cd "$1" && pwd)
+root=$(cd "$(dirname "$0")/../.." && pwd)
+skip() {
+  echo "skipped: $1" >&2
+  [ -z "${CI:-}" ] || exit 1
+  exit 77
+}
+command -v node >/dev/null || skip "there is no node"
+command -v "${CHROMIUM:-chromium}" >/dev/null || skip "there is no Chromium (deploy/packages_checks.txt)"
+CHROMIUM=$(command -v "${CHROMIUM:-chromium}")
+export CHROMIUM
+[ -e "$build/viewer_page/index.html" ] || skip "the page was not built"
+cd "$build/viewer_page_work"
+exec node build/run.mjs dev/live.ts --programs "$build/bin" --pictures "$build/live_page" \
+  --source "tum:$root/tests/data/tum_fr1_xyz"
