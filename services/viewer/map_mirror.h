@@ -19,9 +19,9 @@ namespace corbslam::services {
 // Says up to where a picture of a mirror has been told. Default-constructed: nothing of it.
 struct PictureCursor {
   bool points_begun = false;
-  LocalMapId island;
-  KeyframeId keyframe;
-  MapPointId point;
+  LocalMapId island = {};
+  KeyframeId keyframe = {};
+  MapPointId point = {};
   bool ended = false;
 };
 

@@ -35,7 +35,7 @@ struct FeedReader {
   bool with_points = true;
 
   uint64_t generation = 0;  // 0: nothing was told.
-  PictureCursor picture;
+  PictureCursor picture = {};
   uint64_t next_change = 0;
   uint64_t next_event = 0;
   uint64_t pulse = 0;

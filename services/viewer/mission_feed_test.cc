@@ -30,7 +30,9 @@ std::vector<Part> ReadAll(const MissionFeed& feed, FeedReader& reader, MapMirror
   while (const auto message = Read(feed, reader)) {
     parts.push_back(message->part_case());
     if (message->has_reset()) mirror.Clear();
-    if (message->has_map()) EXPECT_TRUE(mirror.Apply(message->map()).ok());
+    if (message->has_map()) {
+      EXPECT_TRUE(mirror.Apply(message->map()).ok());
+    }
   }
   return parts;
 }

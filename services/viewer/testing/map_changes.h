@@ -56,7 +56,7 @@ class RandomChanges {
     std::set<MapPointId> points;
   };
 
-  uint32_t Draw(uint32_t below) { return random_() % below; }
+  uint32_t Draw(uint32_t below) { return static_cast<uint32_t>(random_() % below); }
   void TellAll(LocalMapId id, ChangesWriter& writer);
   void Begin(LocalMapId id, ChangesWriter& writer);
   void Merge(ChangesWriter& writer);

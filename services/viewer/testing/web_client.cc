@@ -51,7 +51,7 @@ class WebSocketClient::Impl {
     return !error;
   }
 
-  int status = 0;
+  bool stands = false;
   std::string protocol;
   uint16_t close_code = 0;
 
@@ -80,11 +80,8 @@ class WebSocketClient::Impl {
     websocket::response_type response;
     Error error;
     socket.handshake(response, host, target, error);
-    status = static_cast<int>(response.result_int());
-    if (error) {
-      status = error == websocket::error::upgrade_declined ? status : 0;
-      return;
-    }
+    if (error) return;
+    stands = true;
     const auto chosen = response[beast::http::field::sec_websocket_protocol];
     protocol = std::string(chosen.data(), chosen.size());
   }
@@ -116,7 +113,7 @@ WebSocketClient::WebSocketClient(const std::string& address, const std::string& 
                                  const SocketOptions& options)
     : impl_(std::make_unique<Impl>(address, target, options)) {}
 WebSocketClient::~WebSocketClient() = default;
-int WebSocketClient::status() const { return impl_->status; }
+bool WebSocketClient::stands() const { return impl_->stands; }
 std::string WebSocketClient::protocol() const { return impl_->protocol; }
 std::optional<std::string> WebSocketClient::Read(absl::Duration patience) {
   return impl_->Read(patience);

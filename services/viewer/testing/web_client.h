@@ -12,7 +12,7 @@
 namespace corbslam::testing {
 
 struct SocketOptions {
-  std::string origin;  // Empty: none.
+  std::string origin = {};  // Empty: none.
   std::string protocols = "corbslam";
   bool tls = false;  // Certificates are not looked at.
 };
@@ -25,8 +25,8 @@ class WebSocketClient {
                   const SocketOptions& options = {});
   ~WebSocketClient();
 
-  // Returns the HTTP status of the answer to the handshake: 101 if the socket stands; 0: none came.
-  int status() const;
+  // Returns true if the server has taken the handshake.
+  bool stands() const;
   // Returns the protocol that the server has chosen.
   std::string protocol() const;
   // Returns the next message; nullopt: the socket was closed, or none came in time.

@@ -16,7 +16,7 @@ namespace corbslam::services {
 
 struct WebServerOptions {
   // Nullopt: no TLS.
-  std::optional<KeyPair> tls;
+  std::optional<KeyPair> tls = std::nullopt;
   // Connections beyond these are closed at once.
   size_t max_connections = 256;
   // WebSockets beyond these are refused with 503.
