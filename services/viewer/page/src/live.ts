@@ -1,7 +1,7 @@
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
-import type { WatchMapResponse } from '@gen/corbslam/v1/map_store_service_pb';
 import type { MissionPulse, ViewerMessage } from '@gen/corbslam/v1/viewer_pb';
 import { Stream, type StreamState } from './feed/stream';
+import type { MapChange } from './model/map_change';
 import { type IslandChange, MapModel } from './model/map_model';
 
 /** A long change is held back until it is whole, up to so many keyframes and points. */
@@ -23,12 +23,13 @@ export class Live {
   isConnected = false;
   hasPicture = false;
   expectedKeyframes = 0;
-  private held: WatchMapResponse[] = [];
+  private held: MapChange[] = [];
   private heldFloats = 0;
   private isPicture = false;
 
   constructor(mission: string, token: string | undefined, private readonly listener: LiveListener) {
     this.stream = new Stream(mission, token, {
+      onMap: (change) => this.onMap(change),
       onMessage: (message) => this.onMessage(message),
       onState: (state) => {
         this.isConnected = state.name === 'open';
@@ -38,8 +39,7 @@ export class Live {
   }
 
   private onMessage({ part }: ViewerMessage): void {
-    if (part.case === 'map') this.onMap(part.value);
-    else if (part.case === 'event') this.listener.onEvent(part.value);
+    if (part.case === 'event') this.listener.onEvent(part.value);
     else if (part.case === 'pulse') this.listener.onPulse((this.pulse = part.value));
     else if (part.case === 'reset') this.onReset(Number(part.value.keyframes));
   }
@@ -56,9 +56,10 @@ export class Live {
    * The first picture grows as it comes. A later change is applied as a whole, so that a merge is
    * never seen half done.
    */
-  private onMap(message: WatchMapResponse): void {
-    this.held.push(message);
-    for (const island of message.islands) this.heldFloats += island.points?.positions.length ?? 0;
+  private onMap(change: MapChange): void {
+    const { message, points } = change;
+    this.held.push(change);
+    for (const columns of points) this.heldFloats += columns?.positions.length ?? 0;
     const grows = this.isPicture && !this.hasPicture;
     if (message.continues && !grows && this.heldFloats < MOST_HELD_FLOATS) return;
     const changes = this.model.apply(this.held.splice(0));

@@ -56,7 +56,7 @@ export class Past {
     this.timeline.open();
     const history = new History();
     try {
-      await this.rest.history(this.mission, this.points() <= MOST_POINTS, (message) => history.add(message));
+      await this.rest.history(this.mission, this.points() <= MOST_POINTS, (change) => history.add(change));
       this.history = history;
       this.seek(history.steps.length - 1);
       if (history.steps.length === 0) this.timeline.fail('The journal knows no past of this mission.');

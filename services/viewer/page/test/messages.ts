@@ -1,6 +1,8 @@
 // Short ways to write the messages of tests.
-import { type MessageInitShape, create } from '@bufbuild/protobuf';
-import { type WatchMapResponse, WatchMapResponseSchema } from '@gen/corbslam/v1/map_store_service_pb';
+import { type MessageInitShape, create, toBinary } from '@bufbuild/protobuf';
+import { WatchMapResponseSchema } from '@gen/corbslam/v1/map_store_service_pb';
+import { decodeMapChange } from '../src/feed/map_change';
+import type { MapChange } from '../src/model/map_change';
 
 export const A = 0xaan;
 export const B = 0xbbn;
@@ -8,8 +10,9 @@ export const HEX_A = '00000000000000aa';
 export const HEX_B = '00000000000000bb';
 
 /** A message whose slot 1 is A and slot 2 is B. */
-export function change(init: MessageInitShape<typeof WatchMapResponseSchema>): WatchMapResponse {
-  return create(WatchMapResponseSchema, { localMaps: [A, B], localMapAgents: ['alpha', 'beta'], ...init });
+export function change(init: MessageInitShape<typeof WatchMapResponseSchema>): MapChange {
+  const message = create(WatchMapResponseSchema, { localMaps: [A, B], localMapAgents: ['alpha', 'beta'], ...init });
+  return decodeMapChange(toBinary(WatchMapResponseSchema, message));
 }
 
 /** A keyframe that looks ahead, its centre at x. */

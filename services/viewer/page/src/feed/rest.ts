@@ -1,8 +1,10 @@
 import { type DescMessage, type MessageShape, fromBinary, fromJson } from '@bufbuild/protobuf';
-import { GetTrajectoryResponseSchema, ListMissionsResponseSchema, ListOverlapsResponseSchema, WatchMapResponseSchema, type WatchMapResponse } from '@gen/corbslam/v1/map_store_service_pb';
+import { GetTrajectoryResponseSchema, ListMissionsResponseSchema, ListOverlapsResponseSchema } from '@gen/corbslam/v1/map_store_service_pb';
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import { type Keyframe, KeyframeSchema, type Mission, type TrajectoryPose } from '@gen/corbslam/v1/resources_pb';
 import { type KeyframeId, keyframeName } from '../model/ids';
+import type { MapChange } from '../model/map_change';
+import { decodeMapChange } from './map_change';
 import { LengthPrefixed } from './length_prefixed';
 
 /** The server refused, with a reason for people. */
@@ -54,9 +56,9 @@ export class Rest {
     return poses;
   }
 
-  history(mission: string, points: boolean, each: (message: WatchMapResponse) => void): Promise<void> {
+  history(mission: string, points: boolean, each: (change: MapChange) => void): Promise<void> {
     return this.messages(`${root(mission)}/history?points=${points ? 1 : 0}&max=100`, (bytes) => {
-      each(fromBinary(WatchMapResponseSchema, bytes));
+      each(decodeMapChange(bytes));
     });
   }
 

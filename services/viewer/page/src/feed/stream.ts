@@ -1,8 +1,13 @@
 import { fromBinary } from '@bufbuild/protobuf';
+import type { MapChange } from '../model/map_change';
+import { decodeMapChange } from './map_change';
+import { WireReader } from './wire';
 import { type ViewerMessage, ViewerMessageSchema } from '@gen/corbslam/v1/viewer_pb';
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 8000;
+/** Of ViewerMessage.map: field 1, length-delimited. A message has one part. */
+const MAP_TAG = 10;
 const SLICE_MS = 12;
 
 /** How the connection stands. */
@@ -15,6 +20,7 @@ export type StreamState =
 
 /** What the stream tells. */
 export interface StreamListener {
+  onMap(change: MapChange): void;
   onMessage(message: ViewerMessage): void;
   onState(state: StreamState): void;
 }
@@ -73,10 +79,15 @@ export class Stream {
   private pump(): void {
     const end = performance.now() + SLICE_MS;
     while (this.queue.length > 0 && performance.now() < end) {
-      this.listener.onMessage(fromBinary(ViewerMessageSchema, new Uint8Array(this.queue.shift()!)));
+      this.decode(new Uint8Array(this.queue.shift()!));
     }
     this.isPumping = this.queue.length > 0;
     if (this.isPumping) setTimeout(() => this.pump(), 0);
+  }
+
+  private decode(bytes: Uint8Array): void {
+    if (bytes[0] !== MAP_TAG) return this.listener.onMessage(fromBinary(ViewerMessageSchema, bytes));
+    this.listener.onMap(decodeMapChange(new WireReader(bytes, 1).part().content));
   }
 
   private onClose(socket: WebSocket, code: number): void {

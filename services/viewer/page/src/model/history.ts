@@ -1,4 +1,4 @@
-import type { WatchMapResponse } from '@gen/corbslam/v1/map_store_service_pb';
+import type { MapChange } from './map_change';
 import { type IslandChange, MapModel } from './map_model';
 
 const REVISIONS_BETWEEN_COPIES = 10;
@@ -6,7 +6,7 @@ const REVISIONS_BETWEEN_COPIES = 10;
 /** One revision of the past: what changed up to it. */
 export interface HistoryStep {
   revision: bigint;
-  messages: WatchMapResponse[];
+  changes: MapChange[];
   /** What is there after it, once it was shown. */
   summary?: { islands: number; keyframes: number };
 }
@@ -16,14 +16,14 @@ export class History {
   readonly steps: HistoryStep[] = [];
   model = new MapModel();
   position = -1;
-  private open: WatchMapResponse[] = [];
+  private open: MapChange[] = [];
   private readonly copies = new Map<number, MapModel>();
 
   /** The next message of ReplayMap. */
-  add(message: WatchMapResponse): void {
-    this.open.push(message);
-    if (message.continues) return;
-    this.steps.push({ revision: message.revision, messages: this.open });
+  add(change: MapChange): void {
+    this.open.push(change);
+    if (change.message.continues) return;
+    this.steps.push({ revision: change.message.revision, changes: this.open });
     this.open = [];
   }
 
@@ -40,7 +40,7 @@ export class History {
   private advance(): IslandChange[] {
     this.position++;
     const step = this.steps[this.position];
-    const changes = this.model.apply(step.messages);
+    const changes = this.model.apply(step.changes);
     step.summary ??= { islands: this.model.islands().size, keyframes: this.model.keyframeCount };
     if (this.position % REVISIONS_BETWEEN_COPIES === 0 && !this.copies.has(this.position)) {
       this.copies.set(this.position, this.model.copy());

@@ -1,8 +1,9 @@
-import type { WatchMapResponse, WatchMapResponse_Island } from '@gen/corbslam/v1/map_store_service_pb';
+import type { WatchMapResponse_Island } from '@gen/corbslam/v1/map_store_service_pb';
 import { type Alignment, alignPoses } from './alignment';
 import { type KeyframeId, hexId } from './ids';
 import { forEachItem } from './item_columns';
 import { type LocalMapModel, copyLocalMap, newLocalMap } from './local_map';
+import type { MapChange, PointColumns } from './map_change';
 import { type Pose, poseOfCamera } from './pose';
 
 /** A local map went to another island: old_from_new says where its keyframes stood before. */
@@ -34,9 +35,9 @@ export class MapModel {
   }
 
   /** Applies messages of one change; the last one of a complete change sweeps. */
-  apply(messages: WatchMapResponse[]): IslandChange[] {
-    for (const message of messages) this.applyOne(message);
-    if (messages.at(-1)?.continues) return [];
+  apply(changes: MapChange[]): IslandChange[] {
+    for (const change of changes) this.applyOne(change);
+    if (changes.at(-1)?.message.continues) return [];
     this.sweep();
     return this.takeIslandChanges();
   }
@@ -75,11 +76,11 @@ export class MapModel {
     });
   }
 
-  private applyOne(message: WatchMapResponse): void {
+  private applyOne({ message, points }: MapChange): void {
     const table = message.localMaps.map(hexId);
     table.forEach((id, i) => this.learnAgent(id, message.localMapAgents[i] ?? ''));
     for (const slot of message.removedIslandSlots) this.forgetIsland(table[slot - 1]);
-    for (const island of message.islands) this.applyIsland(island, table);
+    message.islands.forEach((island, i) => this.applyIsland(island, points[i], table));
     this.revision = message.revision;
   }
 
@@ -93,7 +94,7 @@ export class MapModel {
     }
   }
 
-  private applyIsland(island: WatchMapResponse_Island, table: string[]): void {
+  private applyIsland(island: WatchMapResponse_Island, points: PointColumns | undefined, table: string[]): void {
     const name = table[island.slot - 1];
     if (name === undefined) return;
     if (island.anew) this.forgetIsland(name);
@@ -102,7 +103,7 @@ export class MapModel {
     for (const slot of island.localMapSlots) this.join(table[slot - 1], name);
     this.removeItems(island, table);
     this.setKeyframes(island, table, name);
-    this.setPoints(island, table, name);
+    if (points) this.setPoints(points, table, name);
   }
 
   private setKeyframes(island: WatchMapResponse_Island, table: string[], name: string): void {
@@ -120,15 +121,18 @@ export class MapModel {
     }
   }
 
-  private setPoints(island: WatchMapResponse_Island, table: string[], name: string): void {
-    const positions = island.points?.positions ?? [];
-    forEachItem(island.points?.ids, (slot, index, i) => {
-      const localMap = this.join(table[slot - 1], name);
-      if (!localMap || 3 * i + 2 >= positions.length) return;
-      const [x, y, z] = [positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]];
-      const isNew = localMap.points.set(index, x, y, z, this.pointArrivals, this.generation);
+  private setPoints({ slots, indices, positions }: PointColumns, table: string[], name: string): void {
+    const count = Math.min(indices.length, Math.floor(positions.length / 3));
+    const members: (LocalMapModel | undefined)[] = [];
+    for (let i = 0; i < count; i++) {
+      const slot = slots.length > 0 ? slots[i] : 1;
+      const localMap = (members[slot - 1] ??= this.join(table[slot - 1], name));
+      if (!localMap || !isIndex(indices[i])) continue;
+      const at = 3 * i;
+      const isNew = localMap.points.set(
+        indices[i], positions[at], positions[at + 1], positions[at + 2], this.pointArrivals, this.generation);
       if (isNew) this.pointArrivals++, this.pointCount++;
-    });
+    }
   }
 
   private removeItems(island: WatchMapResponse_Island, table: string[]): void {
@@ -195,4 +199,8 @@ export class MapModel {
 
 function posesOf({ keyframes }: LocalMapModel): Map<number, Pose> {
   return new Map([...keyframes.records.keys()].map((index) => [index, keyframes.pose(index)!]));
+}
+
+function isIndex(index: number): boolean {
+  return index >= 0 && index < 0xffffffff;
 }

@@ -1,10 +1,12 @@
 import { BLOCK_POINTS, POINT_FLOATS, PointBlock } from './point_block';
+import { PagedIndex } from './paged_index';
 import { Random } from './random';
 
 /** The map points of one local map, in blocks. */
 export class PointStore {
   readonly blocks: PointBlock[] = [];
-  private readonly places = new Map<number, number>();
+  private places = new PagedIndex();
+  private lastMover: { number: number; moved: (index: number, slot: number) => void } | undefined;
   private readonly random = new Random();
 
   get count(): number {
@@ -12,7 +14,7 @@ export class PointStore {
   }
 
   has(index: number): boolean {
-    return this.places.has(index);
+    return this.places.get(index) !== undefined;
   }
 
   /** Adds a point, or moves it; `age` is used where it is new. Returns whether it was new. */
@@ -55,7 +57,7 @@ export class PointStore {
 
   copy(): PointStore {
     const other = new PointStore();
-    for (const [index, place] of this.places) other.places.set(index, place);
+    other.places = this.places.copy();
     for (const block of this.blocks) other.blocks.push(block.copy());
     return other;
   }
@@ -70,6 +72,10 @@ export class PointStore {
   }
 
   private mover(number: number): (index: number, slot: number) => void {
-    return (index, slot) => void this.places.set(index, number * BLOCK_POINTS + slot);
+    if (this.lastMover?.number !== number) {
+      const moved = (index: number, slot: number) => this.places.set(index, number * BLOCK_POINTS + slot);
+      this.lastMover = { number, moved };
+    }
+    return this.lastMover.moved;
   }
 }
