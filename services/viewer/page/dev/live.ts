@@ -192,6 +192,7 @@ async function walk(browser: Awaited<ReturnType<typeof chromium.launch>>): Promi
       viewer = await startViewer(store.address, viewer.address);
     }, 'the page comes back with its viewer');
   } finally {
+    isAway = true;
     for (const program of [viewer, store, worker]) await program.stop();
   }
 }

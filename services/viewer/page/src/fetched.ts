@@ -27,19 +27,23 @@ export class Fetched {
     this.overlapsAgain = new Refresher(2000, () => this.fetchOverlaps());
     this.framesAgain = new Refresher(5000, () => this.fetchFrames());
     this.localAgain = new Refresher(3000, () => this.fetchLocal());
-    this.want();
   }
 
   /** Overlaps may have changed. */
   want(): void {
-    this.overlapsAgain.want();
+    this.ask(this.overlapsAgain);
+  }
+
+  /** A mission of which nothing came may not be there yet. */
+  private ask(refresher: Refresher): void {
+    if (this.model().keyframeCount > 0) refresher.want();
   }
 
   follow(state: ViewState): void {
     const before = this.state;
     this.state = state;
-    if (state.frames && !before?.frames) this.framesAgain.want();
-    if (state.layer !== 'global' && before?.layer !== state.layer) this.localAgain.want();
+    if (state.frames && !before?.frames) this.ask(this.framesAgain);
+    if (state.layer !== 'global' && before?.layer !== state.layer) this.ask(this.localAgain);
     if (state.refused !== before?.refused) this.want();
   }
 
@@ -49,8 +53,8 @@ export class Fetched {
     if (now === this.seen) return;
     this.seen = now;
     this.want();
-    if (this.state?.frames) this.framesAgain.want();
-    if (this.state?.layer !== 'global') this.localAgain.want();
+    if (this.state?.frames) this.ask(this.framesAgain);
+    if (this.state?.layer !== 'global') this.ask(this.localAgain);
   }
 
   stop(): void {
