@@ -31,7 +31,7 @@ async function until(page: Page, expression: string): Promise<void> {
 
 async function shot(page: Page, name: string): Promise<void> {
   await page.waitForTimeout(500);
-  await page.screenshot({ path: `out/look/${name}.png` });
+  await page.screenshot({ path: `out/look/${name}.png`, timeout: 90_000 });
   console.log(name);
 }
 
@@ -40,7 +40,7 @@ async function open(width: number, height: number, theme: 'light' | 'dark', frag
   const page = await context.newPage();
   page.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
   page.on('pageerror', (error) => errors.push(String(error)));
-  await page.goto(HOME + fragment);
+  await page.goto(HOME + fragment, { timeout: 90_000 });
   if (fragment) await until(page, 'window.corbslam?.keyframes > 1');
   return page;
 }
@@ -86,6 +86,7 @@ async function walk(): Promise<void> {
   await shot(page, '09_side_by_side_dark');
   await page.keyboard.press('?');
   await shot(page, '10_help_dark');
+  await page.close();
   const phone = await open(390, 844, 'dark', '#mission=lab');
   await shot(phone, '11_phone_dark');
   await phone.getByRole('button', { name: 'Events' }).click();

@@ -16,6 +16,9 @@ import { type Painter, paintMap } from './painting';
 import { Viewport } from './viewport';
 
 const STILL_AFTER_MS = 200;
+/** A complete frame that takes longer waits for a rest of some such frames. */
+const SLOW_COMPLETE_MS = 120;
+const RESTS = 4;
 const SMALLEST_FRUSTUM_PX = 7;
 
 /** Figures of the last frame. */
@@ -50,6 +53,9 @@ export class Stage {
   private points = 0;
   private wanted = true;
   private isComplete = false;
+  /** What the last complete frame took, up to the next one's begin. */
+  private completeMs = 0;
+  private drewComplete = false;
   private lastMotionMs = 0;
   private lastFrameMs = 0;
 
@@ -78,7 +84,7 @@ export class Stage {
     this.points = model.pointCount;
     this.figures.uploadBytes = this.map.sync(model, changes, performance.now());
     this.grid.cover(this.map.bounds(() => true));
-    this.invalidate(isHurried);
+    this.invalidate(isHurried || this.completeMs > SLOW_COMPLETE_MS);
   }
 
   updateLocal(...args: Parameters<LocalLayer['update']>): void {
@@ -104,11 +110,13 @@ export class Stage {
     const now = performance.now();
     const moves = this.map.advance(now);
     if (moves) this.invalidate(true);
-    const isMotion = now - this.lastMotionMs < STILL_AFTER_MS;
+    if (this.drewComplete) this.completeMs = now - this.lastFrameMs;
+    this.drewComplete = false;
+    const isMotion = now - this.lastMotionMs < Math.max(STILL_AFTER_MS, Math.min(RESTS * this.completeMs, 5000));
     if (!this.wanted && this.isComplete) return false;
     if (!this.wanted && isMotion) return false;
     this.wanted = false;
-    this.isComplete = !isMotion;
+    this.isComplete = this.drewComplete = !isMotion;
     this.updateOverlaps(state);
     this.render(this.detail.fraction(isMotion, this.points, now));
     this.measure(now);

@@ -47,7 +47,7 @@ export class Viewport {
     if (box.isEmpty() || this.element.clientWidth === 0) return;
     const sphere = box.getBoundingSphere(new Sphere());
     const narrow = Math.min(1, this.element.clientWidth / Math.max(1, this.element.clientHeight));
-    const distance = (0.85 * Math.max(sphere.radius, 2)) / Math.sin((FIELD_OF_VIEW_DEG * Math.PI) / 360) / narrow;
+    const distance = ((narrow < 1 ? 1.05 : 0.85) * Math.max(sphere.radius, 2)) / Math.sin((FIELD_OF_VIEW_DEG * Math.PI) / 360) / narrow;
     this.look(sphere.center, distance);
   }
 
