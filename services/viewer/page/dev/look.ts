@@ -56,7 +56,7 @@ async function walk(): Promise<void> {
   await shot(page, '03_after_merge_light');
   await page.keyboard.press('r');
   await page.waitForTimeout(2500);
-  await page.locator('.overlap.no').first().click();
+  await page.locator('.overlap.no').first().dispatchEvent('click');
   await shot(page, '04_refused_light');
   await page.keyboard.press('Escape');
   const names = await hook<string[]>(page, 'keyframeNames()');
