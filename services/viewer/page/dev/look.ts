@@ -1,6 +1,6 @@
 // Looks at the page in a browser: starts the simulated server, walks through what people do, and
 // keeps pictures in out/look. Fails where the page wrote an error to the console.
-//   --big: the large map, with figures of speed
+//   --big: the large map, with figures of speed; --phone: only what a phone shows
 import { spawn } from 'node:child_process';
 import { mkdirSync } from 'node:fs';
 import { type Page, chromium } from 'playwright-core';
@@ -38,6 +38,7 @@ async function shot(page: Page, name: string): Promise<void> {
 async function open(width: number, height: number, theme: 'light' | 'dark', fragment: string): Promise<Page> {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme, hasTouch: width < 500 });
   const page = await context.newPage();
+  page.setDefaultTimeout(120_000);
   page.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
   page.on('pageerror', (error) => errors.push(String(error)));
   await page.goto(HOME + fragment, { timeout: 90_000 });
@@ -45,7 +46,7 @@ async function open(width: number, height: number, theme: 'light' | 'dark', frag
   return page;
 }
 
-async function walk(): Promise<void> {
+async function lookAtMerge(): Promise<Page> {
   const page = await open(1920, 1080, 'light', '#mission=lab');
   await shot(page, '01_before_merge_light');
   await until(page, 'window.corbslam.revision > 0');
@@ -54,9 +55,21 @@ async function walk(): Promise<void> {
   await until(page, '!window.corbslam.moving');
   await page.keyboard.press('f');
   await shot(page, '03_after_merge_light');
+  return page;
+}
+
+async function walk(): Promise<void> {
+  const page = await lookAtMerge();
+  await lookAtDetails(page);
+  await lookAtPast(page);
+  await lookInTheDark(page);
+  await page.close();
+}
+
+async function lookAtDetails(page: Page): Promise<void> {
   await page.keyboard.press('r');
   await page.waitForTimeout(2500);
-  await page.locator('.overlap.no').first().click();
+  await page.locator('.overlap.no').first().dispatchEvent('click');
   await shot(page, '04_refused_light');
   await page.keyboard.press('Escape');
   const names = await hook<string[]>(page, 'keyframeNames()');
@@ -64,6 +77,9 @@ async function walk(): Promise<void> {
   await shot(page, '05_keyframe_light');
   await page.keyboard.press('Escape');
   await page.keyboard.press('r');
+}
+
+async function lookAtPast(page: Page): Promise<void> {
   await page.keyboard.press('t');
   await page.selectOption('.toolbar select', 'paper');
   await page.keyboard.press('f');
@@ -73,6 +89,9 @@ async function walk(): Promise<void> {
   await until(page, 'window.corbslam.historyRevisions > 3');
   await page.locator('.timeline input').fill('5');
   await shot(page, '07_history_light');
+}
+
+async function lookInTheDark(page: Page): Promise<void> {
   await page.keyboard.press('l');
   await page.getByRole('button', { name: 'Live' }).click();
   await page.selectOption('.toolbar select', 'height');
@@ -86,7 +105,9 @@ async function walk(): Promise<void> {
   await shot(page, '09_side_by_side_dark');
   await page.keyboard.press('?');
   await shot(page, '10_help_dark');
-  await page.close();
+}
+
+async function walkOnPhone(): Promise<void> {
   const phone = await open(390, 844, 'dark', '#mission=lab');
   await shot(phone, '11_phone_dark');
   await phone.getByRole('button', { name: 'Events' }).click();
@@ -119,7 +140,11 @@ const FIGURES = `JSON.stringify((({ fps, drawCalls, drawnPoints, uploadBytes, po
 
 try {
   await isUp;
-  await (isBig ? measure() : walk());
+  if (isBig) await measure();
+  else {
+    if (!process.argv.includes('--phone')) await walk();
+    await walkOnPhone();
+  }
 } finally {
   await browser.close();
   server.kill();

@@ -9,6 +9,8 @@ const MOST_ROWS = 150;
 export class OverlapsPanel {
   readonly root: HTMLElement;
   private readonly body: HTMLElement;
+  private chosen: bigint | undefined;
+  private wasRefused = false;
 
   constructor(private readonly choose: (overlap: Overlap) => void) {
     ({ root: this.root, body: this.body } = panel('overlaps', 'Overlaps'));
@@ -18,6 +20,10 @@ export class OverlapsPanel {
     const shown = overlaps.filter((overlap) => showsRefused || isAccepted(overlap)).reverse();
     const accepted = overlaps.filter(isAccepted).length;
     const key = [shown.length, shown[0]?.number, accepted, chosen?.number, showsRefused].join();
+    // New rows would move the others away from under the pointer.
+    if (this.body.matches(':hover') && this.chosen === chosen?.number && this.wasRefused === showsRefused) return;
+    this.chosen = chosen?.number;
+    this.wasRefused = showsRefused;
     refill(this.body, key, () => [
       h('p', { class: 'quiet' }, this.summary(overlaps.length, accepted, showsRefused)),
       h('ul', { class: 'overlaps' }, ...shown.slice(0, MOST_ROWS).map((overlap) => this.row(overlap, chosen, agentOf))),
