@@ -190,7 +190,8 @@ TEST_F(ReplayTest, AJournalThatKeepsNothingTellsThePresent) {
 TEST_F(ReplayTest, EndsWhenItIsTooLongOrNobodyWaits) {
   OpenOnDisk();
   Send(0, 12);
-  const auto too_long = store_->ReplayMap(kMission, {.max_bytes = 3000}, &Always);
+  const auto too_long =
+      store_->ReplayMap(kMission, {.include_points = true, .max_bytes = 3000}, &Always);
   EXPECT_TRUE(absl::IsResourceExhausted(too_long.status())) << too_long.status();
   EXPECT_THAT(std::string(too_long.status().message()),
               ::testing::StartsWith("the replay is longer than 3000 bytes"));
