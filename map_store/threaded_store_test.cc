@@ -51,9 +51,14 @@ TEST_F(ThreadedStoreTest, TwoStreamsAtOnceBecomeOneIsland) {
   TestAgent a(*store, kMission, "a", map_a_);
   TestAgent b(*store, kMission, "b", map_b_);
   std::atomic<bool> done = false;
+  uint64_t events = 0;
   std::thread reader([&] {
     while (!done) {
       EXPECT_TRUE(store->GlobalMapView(kMission).ok());
+      EXPECT_TRUE(store->ReplayMap(kMission, {}, [] { return true; }).ok());
+      while (const auto event = *store->EventAfter(kMission, events)) {
+        EXPECT_EQ(event->number, ++events);
+      }
       EXPECT_TRUE(store->GetTrajectory(kMission, "", TrajectoryFrame::kGlobal).ok());
       EXPECT_TRUE(store->GetMission(kMission).ok());
     }
@@ -72,6 +77,7 @@ TEST_F(ThreadedStoreTest, TwoStreamsAtOnceBecomeOneIsland) {
   EXPECT_TRUE(store->WaitUntilFusionIdle(kMission, absl::Seconds(30)).ok());
   done = true;
   reader.join();
+  EXPECT_GE(events, 4u) << "both came, and began a local map";
   EXPECT_EQ(store->GetStatistics(kMission)->islands, 1u);
   EXPECT_EQ(store->GetStatistics(kMission)->keyframes, 28u);
   EXPECT_TRUE(*store->IsFusionIdle(kMission));

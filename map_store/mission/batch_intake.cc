@@ -68,19 +68,19 @@ absl::StatusOr<BatchIntake::Known> BatchIntake::ApplyInTurn(uint64_t session_id,
     StateWriteLock lock(strand_);
     map_store::Apply(record, words, strand_.options(), strand_.mutable_state());
   }
-  RecordEvents(record);
+  NoteEvents(record);
   return std::nullopt;
 }
 
-void BatchIntake::RecordEvents(const BatchRecord& record) {
+void BatchIntake::NoteEvents(const BatchRecord& record) {
   const MapUpdateBatch& batch = *record.batch;
   const uint64_t revision = strand_.state_in_turn().global.revision;
   if (batch.number == 1) {
-    events_.Record(revision, MissionEvent::LocalMapBegun{batch.local_map, record.agent});
+    events_.Note(revision, MissionEvent::LocalMapBegun{batch.local_map, record.agent});
   }
   const size_t lost = batch.lost_frames_ns.size();
   if (lost == 0) return;
-  events_.Record(revision, MissionEvent::TrackingLost{batch.local_map, record.agent, lost});
+  events_.Note(revision, MissionEvent::TrackingLost{batch.local_map, record.agent, lost});
 }
 
 BatchRecord BatchIntake::MakeRecord(const std::string& agent, const MapUpdateBatch& batch) const {

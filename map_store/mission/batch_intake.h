@@ -50,7 +50,7 @@ class BatchIntake {
   // applied meanwhile.
   absl::StatusOr<Known> ApplyInTurn(uint64_t session_id, const BatchRecord& record,
                                     const BatchWords& words);
-  void RecordEvents(const BatchRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  void NoteEvents(const BatchRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
 
   MissionStrand& strand_;
   const Listeners& listeners_;

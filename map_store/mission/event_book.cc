@@ -5,7 +5,7 @@
 
 namespace corbslam::map_store {
 
-void EventBook::Record(uint64_t revision, MissionEvent::What what) {
+void EventBook::Note(uint64_t revision, MissionEvent::What what) {
   MissionEvent event;
   event.time = clock_();
   event.revision = revision;

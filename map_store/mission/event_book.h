@@ -17,7 +17,7 @@
 
 namespace corbslam::map_store {
 
-// Keeps the newest events. Recording and telling are two steps, so that events can be recorded in
+// Keeps the newest events. Noting and telling are two steps, so that events can be noted in
 // the order of the changes, by writers who have the turn, and told without any lock. Thread-safe.
 class EventBook {
  public:
@@ -28,8 +28,8 @@ class EventBook {
 
   // Notes what has happened; `revision` is the mission's then. It costs next to nothing, and waits
   // for nobody.
-  void Record(uint64_t revision, MissionEvent::What what);
-  // Calls the listeners if something was recorded since the last call. The caller holds no lock.
+  void Note(uint64_t revision, MissionEvent::What what);
+  // Calls the listeners if something was noted since the last call. The caller holds no lock.
   void Tell();
 
   // Returns the first event after `number` that is remembered, which also says how many before it

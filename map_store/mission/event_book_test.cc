@@ -19,9 +19,9 @@ TEST(EventBookTest, TellsOneEventAfterTheOther) {
   absl::Time now = absl::UnixEpoch();
   EventBook book([&now] { return now; });
   EXPECT_FALSE(book.After(0).has_value());
-  book.Record(0, MissionEvent::AgentJoined{"a"});
+  book.Note(0, MissionEvent::AgentJoined{"a"});
   now += absl::Seconds(3);
-  book.Record(7, MissionEvent::AgentLeft{"a"});
+  book.Note(7, MissionEvent::AgentLeft{"a"});
   const auto first = book.After(0);
   ASSERT_TRUE(first.has_value());
   EXPECT_EQ(first->number, 1u);
@@ -40,7 +40,7 @@ TEST(EventBookTest, SaysHowManyItHasForgotten) {
   EventBook book(&absl::Now);
   const uint64_t all = EventBook::kKept + 5;
   for (uint64_t i = 1; i <= all; ++i) {
-    book.Record(0, MissionEvent::AgentJoined{std::to_string(i)});
+    book.Note(0, MissionEvent::AgentJoined{std::to_string(i)});
   }
   const auto oldest = book.After(0);
   ASSERT_TRUE(oldest.has_value());
@@ -57,7 +57,7 @@ TEST(EventBookTest, SaysHowManyItHasForgotten) {
 TEST(EventBookTest, ANumberOfAnEarlierLifeIsNone) {
   EventBook book(&absl::Now);
   EXPECT_FALSE(book.After(500).has_value());
-  book.Record(0, MissionEvent::AgentJoined{"a"});
+  book.Note(0, MissionEvent::AgentJoined{"a"});
   ASSERT_TRUE(book.After(500).has_value());
   EXPECT_EQ(book.After(500)->number, 1u);
   EXPECT_EQ(book.After(500)->missed, 0u);
@@ -72,14 +72,14 @@ TEST(EventBookTest, CallsListenersOnceThereIsNews) {
   });
   book.Tell();
   EXPECT_EQ(calls, 0);
-  book.Record(0, MissionEvent::AgentJoined{"a"});
-  book.Record(0, MissionEvent::AgentLeft{"a"});
+  book.Note(0, MissionEvent::AgentJoined{"a"});
+  book.Note(0, MissionEvent::AgentLeft{"a"});
   EXPECT_EQ(calls, 0);
   book.Tell();
   book.Tell();
   EXPECT_EQ(calls, 1);
   book.listeners().RemoveOfMap(token);
-  book.Record(0, MissionEvent::AgentJoined{"a"});
+  book.Note(0, MissionEvent::AgentJoined{"a"});
   book.Tell();
   EXPECT_EQ(calls, 1);
 }
@@ -93,7 +93,7 @@ TEST(EventBookTest, ThreadsRecordWhileOthersRead) {
   for (int t = 0; t < kThreads; ++t) {
     threads.emplace_back([&] {
       for (int i = 0; i < kEach; ++i) {
-        book.Record(0, MissionEvent::GlobalLayerForgotten{});
+        book.Note(0, MissionEvent::GlobalLayerForgotten{});
         book.Tell();
       }
       --writing;

@@ -201,8 +201,8 @@ void FusionCoordinator::TellOthers() {
   events_.Tell();
 }
 
-void FusionCoordinator::Record(MissionEvent::What what) {
-  events_.Record(strand_.state_in_turn().global.revision, std::move(what));
+void FusionCoordinator::NoteEvent(MissionEvent::What what) {
+  events_.Note(strand_.state_in_turn().global.revision, std::move(what));
 }
 
 absl::Status FusionCoordinator::Rederive() {
@@ -212,7 +212,7 @@ absl::Status FusionCoordinator::Rederive() {
     const RederiveRecord record;
     RETURN_IF_ERROR(CommitDecision(
         record, [&record](MissionState& state) { map_store::Apply(record, state); }));
-    Record(MissionEvent::GlobalLayerForgotten{});
+    NoteEvent(MissionEvent::GlobalLayerForgotten{});
   }
   return TellOfDecision();
 }
@@ -229,7 +229,7 @@ absl::StatusOr<std::vector<uint64_t>> FusionCoordinator::RetractOverlap(uint64_t
     RETURN_IF_ERROR(CommitDecision(record, [&](MissionState& state) {
       taken_back = Retract(record, strand_.options(), state);
     }));
-    Record(MissionEvent::OverlapsTakenBack{taken_back});
+    NoteEvent(MissionEvent::OverlapsTakenBack{taken_back});
   }
   RETURN_IF_ERROR(TellOfDecision());
   return taken_back;

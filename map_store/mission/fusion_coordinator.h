@@ -99,8 +99,8 @@ class FusionCoordinator {
   absl::Status TellOfDecision();
   // Tells others, without locks, of what has changed.
   void TellOthers();
-  // Records what has happened; the change is applied.
-  void Record(MissionEvent::What what) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
+  // Notes what has happened; the change is applied.
+  void NoteEvent(MissionEvent::What what) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
 
   absl::Status Commit(const FusionJob& job, const FusionResult& result);
   absl::Status CommitQuery(const QueryJob& job, const VerifyOverlapResult& result)

@@ -98,7 +98,7 @@ absl::Status FusionCoordinator::CommitQuery(const QueryJob& job,
   }
   for (const MissionEvent::OverlapAccepted& accepted : strand_.WithState(
            [first](const MissionState& state) { return ListAcceptedFrom(first, state); })) {
-    Record(accepted);
+    NoteEvent(accepted);
   }
   return absl::OkStatus();
 }
@@ -135,7 +135,7 @@ absl::Status FusionCoordinator::CommitFuse(const FuseJob& job, const FuseMapsRes
     const bool urgent = map_store::Apply(record, layers, strand_.mutable_state());
     if (urgent) lanes_.CancelAdjustment(job.action);
   }
-  Record(strand_.WithState(
+  NoteEvent(strand_.WithState(
       [&record](const MissionState& state) { return DescribeFusing(record, state); }));
   return absl::OkStatus();
 }
@@ -214,7 +214,7 @@ absl::Status FusionCoordinator::CommitDraft(const AdjustJob& job, AdjustmentDraf
     map_store::Apply(draft.record, draft.layers, strand_.mutable_state());
     lanes_.ForgetTrouble(draft.record.plan.target);
   }
-  Record(DescribeAdjustment(draft.record, strand_.environment().clock() - job.begin));
+  NoteEvent(DescribeAdjustment(draft.record, strand_.environment().clock() - job.begin));
   return absl::OkStatus();
 }
 

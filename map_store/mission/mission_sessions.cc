@@ -90,7 +90,7 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
     return durable;
   }
   listeners_.CallLast(opened.fenced);
-  RecordJoined(session_id, request.agent);
+  NoteJoined(session_id, request.agent);
   return std::move(opened.grant);
 }
 
@@ -106,12 +106,12 @@ absl::Status CheckSession(const MissionStrand& strand, uint64_t session_id,
       absl::StrCat("a newer session of agent ", agent, " has taken the place of this one"));
 }
 
-void MissionSessions::RecordJoined(uint64_t session_id, const std::string& agent) {
+void MissionSessions::NoteJoined(uint64_t session_id, const std::string& agent) {
   {
     absl::MutexLock coming(&coming_);
     const bool is_here = strand_.WithState(
         [&](const MissionState& state) { return state.agents.at(agent).session == session_id; });
-    if (is_here) events_.Record(strand_.Revision(), MissionEvent::AgentJoined{agent});
+    if (is_here) events_.Note(strand_.Revision(), MissionEvent::AgentJoined{agent});
   }
   events_.Tell();
 }
@@ -128,7 +128,7 @@ void MissionSessions::Leave(uint64_t session_id, const std::string& agent, bool 
       if (was_here) it->second.session = 0;
     }
     if (was_here && has_joined) {
-      events_.Record(strand_.Revision(), MissionEvent::AgentLeft{agent});
+      events_.Note(strand_.Revision(), MissionEvent::AgentLeft{agent});
     }
   }
   events_.Tell();

@@ -74,9 +74,9 @@ class MissionSessions {
   absl::Status CheckRequest(const SessionRequest& request) const
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   absl::StatusOr<Opened> Enter(uint64_t session_id, const SessionRequest& request);
-  // Records that the agent has joined, unless another session has taken this one's place already.
-  void RecordJoined(uint64_t session_id, const std::string& agent) ABSL_LOCKS_EXCLUDED(coming_);
-  // Ends the session, if it is still the agent's, and records that the agent has left, if it was
+  // Notes that the agent has joined, unless another session has taken this one's place already.
+  void NoteJoined(uint64_t session_id, const std::string& agent) ABSL_LOCKS_EXCLUDED(coming_);
+  // Ends the session, if it is still the agent's, and notes that the agent has left, if it was
   // said to have joined.
   void Leave(uint64_t session_id, const std::string& agent, bool has_joined)
       ABSL_LOCKS_EXCLUDED(coming_);
@@ -90,7 +90,7 @@ class MissionSessions {
   MissionStrand& strand_;
   EventBook& events_;
   Listeners listeners_;
-  // Held while an agent is recorded to have come or gone, so that events are in the order in which
+  // Held while an agent is noted to have come or gone, so that events are in the order in which
   // sessions took each other's places. It is taken before the state's lock.
   absl::Mutex coming_;
   // What each agent was told, of all agents that ever had a session.

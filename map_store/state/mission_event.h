@@ -14,7 +14,7 @@
 
 namespace corbslam::map_store {
 
-// One thing that happened. Events are not recorded in the journal: a replay makes none.
+// One thing that happened. The journal has none, so that a replay makes none.
 struct MissionEvent {
   // An agent opened a session.
   struct AgentJoined {

@@ -48,13 +48,16 @@ uint64_t MapReplay::Chosen(size_t index) const {
   return *first_revision_ + (steps <= most ? index : index * steps / most);
 }
 
+bool MapReplay::IsDue(uint64_t revision) const {
+  return next_ < options_.max_revisions && Chosen(next_) <= revision;
+}
+
 absl::Status MapReplay::Look(const MissionState& state) {
   const uint64_t revision = state.global.revision;
   if (!first_revision_.has_value()) first_revision_ = revision;
   // The last revision is told at the end, with what owners said after it.
-  const bool is_chosen = revision >= Chosen(next_) && (next_ == 0 || revision < last_revision_);
-  if (!is_chosen) return status_;
-  while (Chosen(next_) <= revision) ++next_;
+  if (!IsDue(revision) || (next_ > 0 && revision >= last_revision_)) return status_;
+  while (IsDue(revision)) ++next_;
   return Tell(state);
 }
 

@@ -51,6 +51,8 @@ class MapReplay {
  private:
   // Returns the revision that is told as the `index`th, if there are as many.
   uint64_t Chosen(size_t index) const;
+  // Returns whether the next one that is to be told has been reached.
+  bool IsDue(uint64_t revision) const;
   absl::Status Tell(const MissionState& state);
   absl::Status Keep(MapChanges piece);
 

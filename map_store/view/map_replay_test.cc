@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -73,6 +74,14 @@ TEST(MapReplayTest, TellsTheNextOneWhereOneIsLeftOut) {
   std::vector<uint64_t> told;
   for (const MapChanges& changes : std::move(replay).Take()) told.push_back(changes.revision);
   EXPECT_THAT(told, ElementsAre(0, 7, 10));
+}
+
+TEST(MapReplayTest, NoNumberOfARestoredMissionKeepsItBusy) {
+  const uint64_t most = std::numeric_limits<uint64_t>::max();
+  EXPECT_THAT(Told(most - 1, most - 1, 1000), ElementsAre(most - 1, most - 1));
+  MapReplay replay({.max_revisions = 1000}, 3, &EnoughMemory);
+  EXPECT_TRUE(replay.Look(At(most, 1)).ok());
+  EXPECT_TRUE(replay.End(At(3, 2)).ok());
 }
 
 TEST(MapReplayTest, EndsWhenItIsTooLong) {

@@ -12,6 +12,7 @@
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "map_store/map_store.h"
 #include "services/map_store_service/streams/recent_codes.h"
+#include "services/map_store_service/streams/replay_slots.h"
 #include "services/map_store_service/streams/stream_limits.h"
 #include "services/map_store_service/streams/sync_observer.h"
 #include "services/server/task_pool.h"
@@ -20,26 +21,25 @@ namespace corbslam::services {
 
 // Has all methods, with Sync's messages as bytes: a message that can't be read would otherwise look
 // like the end of the stream.
-using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<
-    v1::MapStore::WithCallbackMethod_WatchMap<v1::MapStore::WithCallbackMethod_ListMissions<
-        v1::MapStore::WithCallbackMethod_GetMission<v1::MapStore::WithCallbackMethod_DeleteMission<
-            v1::MapStore::WithCallbackMethod_BackupMission<
-                v1::MapStore::WithCallbackMethod_RestoreMission<
-                    v1::MapStore::WithCallbackMethod_ListAgents<
-                        v1::MapStore::WithCallbackMethod_ListLocalMaps<
-                            v1::MapStore::WithCallbackMethod_GetLocalMap<
-                                v1::MapStore::WithCallbackMethod_ListKeyframes<
-                                    v1::MapStore::WithCallbackMethod_GetKeyframe<
-                                        v1::MapStore::WithCallbackMethod_GetStatistics<
-                                            v1::MapStore::WithCallbackMethod_GetTrajectory<
-                                                v1::MapStore::WithCallbackMethod_ListOverlaps<
-                                                    v1::MapStore::WithCallbackMethod_RetractOverlap<
-                                                        v1::MapStore::
-                                                            WithCallbackMethod_RederiveGlobalLayer<
-                                                                v1::MapStore::
-                                                                    WithCallbackMethod_AskForExactPlaces<
-                                                                        v1::MapStore::
-                                                                            Service>>>>>>>>>>>>>>>>>>;
+using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::WithCallbackMethod_WatchMap<
+    v1::MapStore::WithCallbackMethod_WatchEvents<v1::MapStore::WithCallbackMethod_ReplayMap<
+        v1::MapStore::WithCallbackMethod_ListMissions<v1::MapStore::WithCallbackMethod_GetMission<
+            v1::MapStore::WithCallbackMethod_DeleteMission<v1::MapStore::WithCallbackMethod_BackupMission<
+                v1::MapStore::WithCallbackMethod_RestoreMission<v1::MapStore::WithCallbackMethod_ListAgents<
+                    v1::MapStore::WithCallbackMethod_ListLocalMaps<
+                        v1::MapStore::WithCallbackMethod_GetLocalMap<
+                            v1::MapStore::WithCallbackMethod_ListKeyframes<
+                                v1::MapStore::WithCallbackMethod_GetKeyframe<
+                                    v1::MapStore::WithCallbackMethod_GetStatistics<
+                                        v1::MapStore::WithCallbackMethod_GetTrajectory<
+                                            v1::MapStore::WithCallbackMethod_ListOverlaps<
+                                                v1::MapStore::WithCallbackMethod_RetractOverlap<
+                                                    v1::MapStore::
+                                                        WithCallbackMethod_RederiveGlobalLayer<
+                                                            v1::MapStore::
+                                                                WithCallbackMethod_AskForExactPlaces<
+                                                                    v1::MapStore::
+                                                                        Service>>>>>>>>>>>>>>>>>>>>;
 
 // Returns OK if the caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -75,18 +75,26 @@ class MapStoreService : public MapStoreMethods {
         limits_(options.streams),
         pool_(options.threads, options.streams.max_waiting_calls) {}
 
-  // Ends Sync and WatchMap with UNAVAILABLE, once what they had to say is said; no new stream
-  // begins. The server is about to stop.
+  // How many replays are made or told at one time.
+  static constexpr size_t kMaxReplays = 4;
+
+  // Ends Sync, WatchMap and WatchEvents with UNAVAILABLE, once what they had to say is said; no new
+  // stream begins. The server is about to stop.
   void EndStreams() { limits_.Close(); }
 
   // Returns the number of calls and batches that no thread has begun with.
   size_t waiting_tasks() const { return pool_.waiting(); }
   const StreamLimits& streams() const { return limits_; }
+  const ReplaySlots& replays() const { return replay_slots_; }
 
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Sync(
       grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::WatchMapResponse>* WatchMap(
       grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) override;
+  grpc::ServerWriteReactor<v1::MissionEvent>* WatchEvents(
+      grpc::CallbackServerContext* context, const v1::WatchEventsRequest* request) override;
+  grpc::ServerWriteReactor<v1::WatchMapResponse>* ReplayMap(
+      grpc::CallbackServerContext* context, const v1::ReplayMapRequest* request) override;
   grpc::ServerUnaryReactor* ListMissions(grpc::CallbackServerContext* context,
                                          const v1::ListMissionsRequest* request,
                                          v1::ListMissionsResponse* response) override;
@@ -143,7 +151,10 @@ class MapStoreService : public MapStoreMethods {
   RecentCodes recent_codes_;
   const MapStoreServiceOptions options_;
   StreamLimits limits_;
+  ReplaySlots replay_slots_{kMaxReplays};
   TaskPool pool_;
+  // Its one thread makes replays, one after the other: they would keep look-ups waiting for long.
+  TaskPool replay_pool_{0, kMaxReplays};
 };
 
 }  // namespace corbslam::services

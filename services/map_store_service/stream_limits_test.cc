@@ -158,6 +158,12 @@ TEST_F(LimitedStreamsTest, TooManyStreamsAreRefusedAndTheOthersGoOn) {
   ExpectEnd(*Open("c"), grpc::StatusCode::RESOURCE_EXHAUSTED, "the limit is 2");
   ExpectRefusedReading<v1::WatchMapResponse>(
       [this](auto* context) { return stub_->WatchMap(context, v1::WatchMapRequest()); });
+  ExpectRefusedReading<v1::MissionEvent>(
+      [this](auto* context) { return stub_->WatchEvents(context, v1::WatchEventsRequest()); });
+  v1::ReplayMapRequest replay;
+  replay.set_mission("missions/m");
+  ExpectRefusedReading<v1::WatchMapResponse>(
+      [this, &replay](auto* context) { return stub_->ReplayMap(context, replay); });
   ExpectRefusedReading<v1::GetTrajectoryResponse>(
       [this](auto* context) { return stub_->GetTrajectory(context, v1::GetTrajectoryRequest()); });
   ExpectRefusedReading<v1::BackupMissionResponse>(

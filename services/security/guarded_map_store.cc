@@ -184,6 +184,20 @@ grpc::ServerWriteReactor<v1::WatchMapResponse>* GuardedMapStore::WatchMap(
   return service_.WatchMap(context, request);
 }
 
+grpc::ServerWriteReactor<v1::MissionEvent>* GuardedMapStore::WatchEvents(
+    grpc::CallbackServerContext* context, const v1::WatchEventsRequest* request) {
+  const absl::Status status = Check(*context, Action::kLook, request->mission());
+  if (!status.ok()) return new RefusedStream<v1::MissionEvent>(status);
+  return service_.WatchEvents(context, request);
+}
+
+grpc::ServerWriteReactor<v1::WatchMapResponse>* GuardedMapStore::ReplayMap(
+    grpc::CallbackServerContext* context, const v1::ReplayMapRequest* request) {
+  const absl::Status status = Check(*context, Action::kLook, request->mission());
+  if (!status.ok()) return new RefusedStream<v1::WatchMapResponse>(status);
+  return service_.ReplayMap(context, request);
+}
+
 grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* GuardedMapStore::GetTrajectory(
     grpc::CallbackServerContext* context, const v1::GetTrajectoryRequest* request) {
   const absl::Status status = Check(*context, Action::kLook, request->name());

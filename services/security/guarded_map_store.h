@@ -30,6 +30,10 @@ class GuardedMapStore : public MapStoreMethods {
       grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::WatchMapResponse>* WatchMap(
       grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) override;
+  grpc::ServerWriteReactor<v1::MissionEvent>* WatchEvents(
+      grpc::CallbackServerContext* context, const v1::WatchEventsRequest* request) override;
+  grpc::ServerWriteReactor<v1::WatchMapResponse>* ReplayMap(
+      grpc::CallbackServerContext* context, const v1::ReplayMapRequest* request) override;
   grpc::ServerUnaryReactor* ListMissions(grpc::CallbackServerContext* context,
                                          const v1::ListMissionsRequest* request,
                                          v1::ListMissionsResponse* response) override;

@@ -83,6 +83,8 @@ const std::map<absl::string_view, Action>& OwnMethods() {
   static const auto& methods = *new std::map<absl::string_view, Action>{
       {"/corbslam.v1.MapStore/Sync", Action::kUpload},
       {"/corbslam.v1.MapStore/WatchMap", Action::kLook},
+      {"/corbslam.v1.MapStore/WatchEvents", Action::kLook},
+      {"/corbslam.v1.MapStore/ReplayMap", Action::kLook},
       {"/corbslam.v1.MapStore/ListMissions", Action::kListMissions},
       {"/corbslam.v1.MapStore/GetMission", Action::kLook},
       {"/corbslam.v1.MapStore/DeleteMission", Action::kAdminister},

@@ -258,6 +258,41 @@ TEST_F(SecureServiceTest, ATokenThatIsReplacedCountsFromTheNextCallOn) {
   EXPECT_EQ(GetMission(channel).code(), absl::StatusCode::kNotFound);
 }
 
+// Returns how a stream of the mission's events ends that is cancelled after the first one.
+absl::Status WatchEvents(const std::shared_ptr<grpc::Channel>& channel) {
+  const auto stub = v1::MapStore::NewStub(channel);
+  grpc::ClientContext context;
+  v1::WatchEventsRequest request;
+  request.set_mission("missions/lab");
+  const auto stream = stub->WatchEvents(&context, request);
+  v1::MissionEvent event;
+  if (stream->Read(&event)) context.TryCancel();
+  return FromGrpcStatus(stream->Finish());
+}
+
+absl::Status ReplayMap(const std::shared_ptr<grpc::Channel>& channel) {
+  const auto stub = v1::MapStore::NewStub(channel);
+  grpc::ClientContext context;
+  v1::ReplayMapRequest request;
+  request.set_mission("missions/lab");
+  const auto stream = stub->ReplayMap(&context, request);
+  v1::WatchMapResponse changes;
+  while (stream->Read(&changes)) {
+  }
+  return FromGrpcStatus(stream->Finish());
+}
+
+TEST_F(SecureServiceTest, WhoMayLookIsToldEventsAndThePast) {
+  ASSERT_TRUE(Upload(ConnectAs("alpha"), "lab", "alpha").ok());
+  for (const char* name : {"viewer", "alpha", "operator"}) {
+    EXPECT_EQ(WatchEvents(ConnectAs(name)).code(), absl::StatusCode::kCancelled) << name;
+    EXPECT_EQ(ReplayMap(ConnectAs(name)), absl::OkStatus()) << name;
+  }
+  const auto stranger = Connect(WithToken("missions/field/agents/alpha", absl::Hours(1)));
+  EXPECT_THAT(WatchEvents(stranger), IsStatus(kDenied, "may not look into missions/lab"));
+  EXPECT_THAT(ReplayMap(stranger), IsStatus(kDenied, "may not look into missions/lab"));
+}
+
 // Each method that names a mission refuses a caller of another mission.
 TEST_F(SecureServiceTest, NoMethodForgetsTheMission) {
   ASSERT_TRUE(Upload(ConnectAs("alpha"), "lab", "alpha").ok());

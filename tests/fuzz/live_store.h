@@ -41,6 +41,8 @@ inline void LookAtEverything(map_store::MapStore& store) {
     (void)store.GlobalMapView(mission.name);
     map_store::MapWatcher watcher(0, true);
     (void)store.NextChanges(mission.name, 1000, watcher);
+    (void)store.ReplayMap(mission.name, {.include_points = true}, [] { return true; });
+    (void)store.EventAfter(mission.name, 0);
     (void)store.GetStatistics(mission.name);
     (void)store.ListAgents(mission.name, {});
     (void)store.ListLocalMaps(mission.name, {});
