@@ -94,6 +94,11 @@ void MissionUpstream::Repeat(Attempt attempt) {
 }
 
 absl::Status MissionUpstream::FollowMap(bool& got_something) {
+  {
+    // A mission of which nothing came yet has nothing to tell, for as long as the stream stands.
+    absl::MutexLock lock(&mutex_);
+    map_status_ = absl::OkStatus();
+  }
   Call call(*this);
   v1::WatchMapRequest request;
   request.set_mission(MissionName(mission_));
@@ -103,10 +108,6 @@ absl::Status MissionUpstream::FollowMap(bool& got_something) {
   absl::Status applied;
   while (applied.ok() && stream->Read(&changes)) {
     got_something = true;
-    {
-      absl::MutexLock lock(&mutex_);
-      map_status_ = absl::OkStatus();
-    }
     applied = feed_.Apply(std::move(changes));
     changes = {};
   }
