@@ -22,6 +22,11 @@ int ToThickness(double width_px) {
   return std::max(1, static_cast<int>(std::lround(width_px * kOversampling)));
 }
 
+cv::Scalar ToScalar(const Paint& paint) {
+  return {static_cast<double>(paint.blue), static_cast<double>(paint.green),
+          static_cast<double>(paint.red)};
+}
+
 double FontScale(double height_px) {
   return cv::getFontScaleFromHeight(kFont, 100) * height_px / 100;
 }
@@ -32,15 +37,21 @@ Canvas::Canvas(int width_px, int height_px)
     : image_(height_px * kOversampling, width_px * kOversampling, CV_8UC3,
              cv::Scalar(255, 255, 255)) {}
 
-int Canvas::width_px() const { return image_.cols / kOversampling; }
+double Canvas::width_px() const { return image_.cols / kOversampling; }
 
-void Canvas::Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Colour& colour,
-                  double width_px) {
-  cv::line(image_, ToFixed(from), ToFixed(to), colour, ToThickness(width_px), cv::LINE_AA, kShift);
+void Canvas::Line(const Point& from, const Point& to, const Paint& paint, double width_px) {
+  cv::line(image_, ToFixed(from), ToFixed(to), ToScalar(paint), ToThickness(width_px), cv::LINE_AA,
+           kShift);
 }
 
-void Canvas::DashedPath(const std::vector<Eigen::Vector2d>& path, const Colour& colour,
-                        double width_px, double dash_px, double gap_px) {
+void Canvas::Path(const std::vector<Point>& path, const Paint& paint, double width_px) {
+  for (size_t i = 1; i < path.size(); ++i) {
+    if (path[i - 1].allFinite() && path[i].allFinite()) Line(path[i - 1], path[i], paint, width_px);
+  }
+}
+
+void Canvas::DashedPath(const std::vector<Point>& path, const Paint& paint, double width_px,
+                        double dash_px, double gap_px) {
   double travelled_px = 0;  // Way within the current dash and its gap.
   for (size_t i = 1; i < path.size(); ++i) {
     const Eigen::Vector2d step = path[i] - path[i - 1];
@@ -51,7 +62,7 @@ void Canvas::DashedPath(const std::vector<Eigen::Vector2d>& path, const Colour& 
       const double advance_px = std::min(rest_px, length_px - at_px);
       if (is_dash) {
         Line(path[i - 1] + step * (at_px / length_px),
-             path[i - 1] + step * ((at_px + advance_px) / length_px), colour, width_px);
+             path[i - 1] + step * ((at_px + advance_px) / length_px), paint, width_px);
       }
       at_px += advance_px;
       travelled_px = advance_px < rest_px ? travelled_px + advance_px : (is_dash ? dash_px : 0);
@@ -59,28 +70,34 @@ void Canvas::DashedPath(const std::vector<Eigen::Vector2d>& path, const Colour& 
   }
 }
 
-void Canvas::Disc(const Eigen::Vector2d& centre, double radius_px, const Colour& colour) {
+void Canvas::Discs(const std::vector<Point>& centres, double radius_px, const Paint& paint) {
   const auto radius = static_cast<int>(std::lround(radius_px * kOversampling * (1 << kShift)));
-  cv::circle(image_, ToFixed(centre), radius, colour, cv::FILLED, cv::LINE_AA, kShift);
+  for (const Point& centre : centres) {
+    cv::circle(image_, ToFixed(centre), radius, ToScalar(paint), cv::FILLED, cv::LINE_AA, kShift);
+  }
 }
 
-void Canvas::FilledPolygon(const std::vector<Eigen::Vector2d>& corners, const Colour& colour,
-                           const Colour& outline) {
+void Canvas::FilledPolygon(const std::vector<Point>& corners, const Paint& paint,
+                           const Paint& outline) {
   std::vector<cv::Point> fixed;
-  for (const Eigen::Vector2d& corner : corners) fixed.push_back(ToFixed(corner));
-  cv::fillConvexPoly(image_, fixed, colour, cv::LINE_AA, kShift);
-  cv::polylines(image_, fixed, true, outline, 1, cv::LINE_AA, kShift);
+  for (const Point& corner : corners) fixed.push_back(ToFixed(corner));
+  cv::fillConvexPoly(image_, fixed, ToScalar(paint), cv::LINE_AA, kShift);
+  cv::polylines(image_, fixed, true, ToScalar(outline), 1, cv::LINE_AA, kShift);
 }
 
-void Canvas::Text(const std::string& text, const Eigen::Vector2d& left_baseline, double height_px,
-                  const Colour& colour) {
-  const cv::Point origin(static_cast<int>(std::lround(left_baseline.x() * kOversampling)),
-                         static_cast<int>(std::lround(left_baseline.y() * kOversampling)));
-  cv::putText(image_, text, origin, kFont, FontScale(height_px * kOversampling), colour, 2,
+void Canvas::Text(const std::string& text, const Point& at, double height_px, const Paint& paint,
+                  Anchor anchor) {
+  double left_px = at.x();
+  if (anchor != Anchor::kStart) {
+    left_px -= TextWidth(text, height_px) * (anchor == Anchor::kMiddle ? 0.5 : 1.0);
+  }
+  const cv::Point origin(static_cast<int>(std::lround(left_px * kOversampling)),
+                         static_cast<int>(std::lround(at.y() * kOversampling)));
+  cv::putText(image_, text, origin, kFont, FontScale(height_px * kOversampling), ToScalar(paint), 2,
               cv::LINE_AA);
 }
 
-double Canvas::TextWidth(const std::string& text, double height_px) {
+double Canvas::TextWidth(const std::string& text, double height_px) const {
   int baseline = 0;
   return static_cast<double>(
              cv::getTextSize(text, kFont, FontScale(height_px * kOversampling), 2, &baseline)

@@ -1,35 +1,34 @@
-// Drawing with sub-pixel accuracy on a white picture, in coordinates of the final picture.
+// Drawing with sub-pixel accuracy on a white picture.
 #ifndef CORBSLAM_SLAM_RENDERING_CANVAS_H_
 #define CORBSLAM_SLAM_RENDERING_CANVAS_H_
 
-#include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
+#include "slam/rendering/surface.h"
+
 namespace corbslam {
 
-using Colour = cv::Scalar;  // Blue, green, red.
-
-// Not thread-safe. The canvas is drawn at twice the size and averaged down in the end, which
-// smooths edges and letters. Methods may throw cv::Exception, as OpenCV does.
-class Canvas {
+// The canvas is drawn at twice the size and averaged down in the end, which smooths edges and
+// letters. Methods may throw cv::Exception, as OpenCV does.
+class Canvas : public Surface {
  public:
   Canvas(int width_px, int height_px);
-  int width_px() const;
+  double width_px() const override;
 
-  void Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Colour& colour,
-            double width_px);
-  void DashedPath(const std::vector<Eigen::Vector2d>& path, const Colour& colour, double width_px,
-                  double dash_px, double gap_px);
-  void Disc(const Eigen::Vector2d& centre, double radius_px, const Colour& colour);
-  void FilledPolygon(const std::vector<Eigen::Vector2d>& corners, const Colour& colour,
-                     const Colour& outline);
-  // `left_baseline` is the lower left corner of the first letter.
-  void Text(const std::string& text, const Eigen::Vector2d& left_baseline, double height_px,
-            const Colour& colour);
-  static double TextWidth(const std::string& text, double height_px);
+  void Line(const Point& from, const Point& to, const Paint& paint, double width_px) override;
+  void Path(const std::vector<Point>& path, const Paint& paint, double width_px) override;
+  void DashedPath(const std::vector<Point>& path, const Paint& paint, double width_px,
+                  double dash_px, double gap_px) override;
+  void Discs(const std::vector<Point>& centres, double radius_px, const Paint& paint) override;
+  void FilledPolygon(const std::vector<Point>& corners, const Paint& paint,
+                     const Paint& outline) override;
+  void Text(const std::string& text, const Point& at, double height_px, const Paint& paint,
+            Anchor anchor = Anchor::kStart) override;
+  double TextWidth(const std::string& text, double height_px) const override;
 
+  // Returns 8-bit BGR.
   cv::Mat Finish() const;
 
  private:

@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "slam/geometry/rigid3.h"
+#include "slam/rendering/svg_surface.h"
 
 namespace corbslam {
 
@@ -39,6 +40,10 @@ struct MapPictureOptions {
 // direction of least motion; the longest motion lies across the picture. INVALID_ARGUMENT without
 // any keyframe or for a width that is not 200 to 10,000.
 absl::StatusOr<cv::Mat> RenderMap(const MapPicture& picture, const MapPictureOptions& options = {});
+
+// Draws the same as SVG.
+absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgLook look,
+                                         const MapPictureOptions& options = {});
 
 // UNAVAILABLE names the path when the file can't be written.
 absl::Status WritePng(const cv::Mat& image, const std::string& path);
