@@ -190,4 +190,22 @@ absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
   return ToStatus(status, "WatchMap");
 }
 
+absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t max_revisions) {
+  grpc::ClientContext context;
+  WaitForStream(context);
+  v1::ReplayMapRequest request;
+  request.set_mission(MissionName(mission_));
+  request.set_include_points(true);
+  request.set_max_revisions(max_revisions);
+  const auto reader = stub_->ReplayMap(&context, request);
+  std::vector<v1::WatchMapResponse> past;
+  v1::WatchMapResponse response;
+  while (reader->Read(&response)) past.push_back(std::move(response));
+  RETURN_IF_ERROR(ToStatus(reader->Finish(), "ReplayMap"));
+  if (past.empty() || past.back().continues()) {
+    return absl::DataLossError("ReplayMap: the past came only in part");
+  }
+  return past;
+}
+
 }  // namespace corbslam::services

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -47,6 +48,10 @@ class StoreReader {
                                                   PosesOf poses_of = PosesOf::kRecordedCamera);
   // Returns the island in the global frame.
   absl::StatusOr<ServedMap> ReadGlobalMap();
+  // Returns the mission's past with map points, at most so many revisions, 2 to 1,000, as
+  // messages for PastMap; a revision's last one does not say `continues`, and so does the last of
+  // all. It is as long as the store lets it be: hundreds of megabytes.
+  absl::StatusOr<std::vector<v1::WatchMapResponse>> ReadPast(uint32_t max_revisions);
 
  private:
   const std::string mission_;

@@ -6,6 +6,7 @@
 #include "services/convert/resource_names.h"
 #include "services/security/flags.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/commands/render_past.h"
 #include "services/tool/evaluation/accuracy.h"
 #include "services/tool/evaluation/picture.h"
 #include "slam/util/status_macros.h"
@@ -24,6 +25,7 @@ struct RenderArguments {
   std::string truth;
   std::string out = "map.png";
   MapPictureOptions picture;
+  PastOptions past;
   SecurityOptions security;
 };
 
@@ -50,8 +52,23 @@ absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<s
   return std::move(accuracy.fused);
 }
 
-absl::Status Render(const RenderArguments& arguments) {
+absl::Status DrawNow(const ServedMap& map, const std::string& own, const FusedAccuracy& accuracy,
+                     const RenderArguments& arguments) {
+  const MapPicture picture = ComposePicture(map, own, accuracy);
+  if (IsSvg(arguments.out)) {
+    ASSIGN_OR_RETURN(const std::string svg,
+                     RenderMapSvg(picture, SvgLook::kAlone, arguments.picture));
+    return WriteBytes(svg, arguments.out);
+  }
+  ASSIGN_OR_RETURN(const cv::Mat image, RenderMap(picture, arguments.picture));
+  return WritePng(image, arguments.out);
+}
+
+absl::Status Render(RenderArguments arguments) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
+  arguments.past.width_px = arguments.picture.width_px;
+  const bool looks_back = !arguments.past.at.empty() || !arguments.past.animate.empty();
+  if (looks_back) RETURN_IF_ERROR(CheckPastOptions(arguments.past, arguments.out));
   ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel,
                    ConnectToStore(arguments.server, arguments.security));
   StoreReader store(channel, arguments.mission);
@@ -67,9 +84,22 @@ absl::Status Render(const RenderArguments& arguments) {
   const std::vector<std::string> agents = ListAgents(map);
   ASSIGN_OR_RETURN(const std::string own, ChooseOwn(arguments.own, agents));
   ASSIGN_OR_RETURN(const FusedAccuracy accuracy, AlignTruth(store, agents, arguments.truth));
-  ASSIGN_OR_RETURN(const cv::Mat image,
-                   RenderMap(ComposePicture(map, own, accuracy), arguments.picture));
-  return WritePng(image, arguments.out);
+  if (arguments.past.at.empty()) RETURN_IF_ERROR(DrawNow(map, own, accuracy, arguments));
+  if (!looks_back) return absl::OkStatus();
+  return RenderPast(store, own, accuracy, arguments.past, arguments.out);
+}
+
+void AddPastOptions(CLI::App& render, PastOptions& past) {
+  render.add_option("--at", past.at,
+                    "Draw the mission's past instead, side by side: shares of the way, as "
+                    "25%,50%,100%, or revisions");
+  render.add_option("--animate", past.animate,
+                    "Write the mission's past as an animation, too: FILE.webp");
+  render.add_option("--fps", past.frames_per_second, "Revisions a second of --animate, 5 to 20")
+      ->capture_default_str();
+  render.add_option("--revisions", past.revisions,
+                    "At most so many revisions of the past are looked at, 2 to 1000; by default "
+                    "1000 for --at, 200 for --animate alone");
 }
 
 }  // namespace
@@ -83,7 +113,9 @@ void AddRenderCommand(CLI::App& app, Command& chosen) {
   render->add_option("--truth", arguments->truth,
                      "kitti:DIR, tum:DIR, euroc:DIR or sim:WORLD, drawn dashed");
   render->add_option("--width", arguments->picture.width_px, "Pixels")->capture_default_str();
-  render->add_option("--out", arguments->out, "The PNG to write")->capture_default_str();
+  render->add_option("--out", arguments->out, "The picture to write: FILE.svg, else a PNG")
+      ->capture_default_str();
+  AddPastOptions(*render, arguments->past);
   AddTlsFlags(*render, arguments->security);
   AddClientFlags(*render, arguments->security);
   render->callback([arguments, &chosen] { chosen = [arguments] { return Render(*arguments); }; });

@@ -1,0 +1,134 @@
+#include "services/tool/commands/render_past.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "services/tool/evaluation/past_picture.h"
+#include "slam/rendering/map_snapshots.h"
+#include "slam/rendering/webp_animation.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+namespace {
+
+using Messages = std::vector<v1::WatchMapResponse>;
+
+// Named revisions want to be among the told ones; frames want to be few.
+constexpr uint32_t kRevisionsForMoments = 1000;
+constexpr uint32_t kRevisionsForFrames = 200;
+
+uint32_t RevisionsToAsk(const PastOptions& options) {
+  if (options.revisions != 0) return options.revisions;
+  return options.at.empty() ? kRevisionsForFrames : kRevisionsForMoments;
+}
+
+// Says which revisions were not told, so that an earlier one is drawn instead.
+void SayMoments(const std::string& at, const std::vector<size_t>& moments,
+                const std::vector<uint64_t>& told) {
+  const std::string drawn = absl::StrJoin(moments, ", ", [&](std::string* text, size_t moment) {
+    absl::StrAppend(text, told[moment]);
+  });
+  std::printf("--at %s: revisions %s of %llu to %llu\n", at.c_str(), drawn.c_str(),
+              static_cast<unsigned long long>(told.front()),
+              static_cast<unsigned long long>(told.back()));
+}
+
+absl::Status DrawMoments(const Messages& past, const std::string& own,
+                         const FusedAccuracy& accuracy, const PastOptions& options,
+                         const std::string& out) {
+  const std::vector<uint64_t> told = ToldRevisions(past);
+  ASSIGN_OR_RETURN(const std::vector<size_t> moments, ParseMoments(options.at, told));
+  SayMoments(options.at, moments, told);
+  const std::set<size_t> wanted(moments.begin(), moments.end());
+  std::map<size_t, MapSnapshot> drawn;
+  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t number, const PastMap& map) {
+    if (wanted.contains(number)) drawn[number] = ComposeSnapshot(map, own, accuracy);
+    return absl::OkStatus();
+  }));
+  std::vector<MapSnapshot> snapshots;
+  for (const size_t moment : moments) snapshots.push_back(drawn.at(moment));
+  if (IsSvg(out)) {
+    ASSIGN_OR_RETURN(const std::string svg, RenderSnapshotsSvg(snapshots, {options.width_px}));
+    return WriteBytes(svg, out);
+  }
+  ASSIGN_OR_RETURN(const cv::Mat image, RenderSnapshots(snapshots, {options.width_px}));
+  return WritePng(image, out);
+}
+
+// Goes through the past twice: what is largest decides the view of all frames.
+absl::Status Animate(const Messages& past, const std::string& own, const FusedAccuracy& accuracy,
+                     const PastOptions& options) {
+  SnapshotStage stage;
+  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t, const PastMap& map) {
+    stage.Observe(ComposeSnapshot(map, own, accuracy));
+    return absl::OkStatus();
+  }));
+  ASSIGN_OR_RETURN(WebpAnimation animation, WebpAnimation::Create(options.frames_per_second));
+  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t, const PastMap& map) -> absl::Status {
+    ASSIGN_OR_RETURN(const cv::Mat frame,
+                     RenderFrame(stage, ComposeSnapshot(map, own, accuracy), {options.width_px}));
+    return animation.Add(frame);
+  }));
+  ASSIGN_OR_RETURN(const std::string bytes, animation.Finish());
+  return WriteBytes(bytes, options.animate);
+}
+
+}  // namespace
+
+bool IsSvg(const std::string& path) { return absl::EndsWithIgnoreCase(path, ".svg"); }
+
+absl::Status WriteBytes(const std::string& bytes, const std::string& path) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << bytes;
+  file.close();
+  if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", path));
+  return absl::OkStatus();
+}
+
+absl::Status CheckPastOptions(const PastOptions& options, const std::string& out) {
+  if (options.revisions == 1 || options.revisions > WebpAnimation::kMostFrames) {
+    return absl::InvalidArgumentError(absl::StrCat("--revisions ", options.revisions,
+                                                   " must be 2 to ", WebpAnimation::kMostFrames));
+  }
+  if (options.width_px < 200 || options.width_px > 10'000) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--width ", options.width_px, " must be 200 to 10000"));
+  }
+  if (options.animate.empty()) return absl::OkStatus();
+  if (options.animate == out) {
+    return absl::InvalidArgumentError(absl::StrCat("--animate and --out are both ", out));
+  }
+  RETURN_IF_ERROR(WebpAnimation::Create(options.frames_per_second).status());
+  if (absl::EndsWithIgnoreCase(options.animate, ".webp")) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "--animate ", options.animate,
+      ": the file must end with .webp, which browsers play; ffmpeg makes other films of it"));
+}
+
+absl::Status RenderPast(StoreReader& store, const std::string& own, const FusedAccuracy& accuracy,
+                        const PastOptions& options, const std::string& out) {
+  const absl::StatusOr<Messages> past = store.ReadPast(RevisionsToAsk(options));
+  if (absl::IsUnimplemented(past.status())) {
+    return absl::UnimplementedError(
+        "the map store is older than this program and doesn't tell "
+        "its missions' past (ReplayMap)");
+  }
+  if (absl::IsResourceExhausted(past.status())) {
+    return absl::ResourceExhaustedError(absl::StrCat(
+        past.status().message(), "; --revisions asks for fewer than ", RevisionsToAsk(options)));
+  }
+  RETURN_IF_ERROR(past.status());
+  if (!options.at.empty()) RETURN_IF_ERROR(DrawMoments(*past, own, accuracy, options, out));
+  if (options.animate.empty()) return absl::OkStatus();
+  return Animate(*past, own, accuracy, options);
+}
+
+}  // namespace corbslam::services
