@@ -58,6 +58,19 @@ Rigid3d SegmentError(const PosePair& first, const PosePair& last) {
   return estimated.Inverse() * actual;
 }
 
+void Add(const Rigid3d& error, const Segment& segment, RelativeError& sum) {
+  sum.translation_percent += 100 * error.translation.norm() / segment.length_m;
+  sum.rotation_deg_per_100m +=
+      RotationAngle(error.rotation) * 180 / std::numbers::pi * 100 / segment.length_m;
+  ++sum.segments;
+}
+
+// Returns the mean of a sum over at least one segment.
+RelativeError Mean(const RelativeError& sum) {
+  return {sum.translation_percent / sum.segments, sum.rotation_deg_per_100m / sum.segments,
+          sum.segments};
+}
+
 }  // namespace
 
 absl::StatusOr<AbsoluteError> ComputeAbsoluteError(const std::vector<PosePair>& pairs,
@@ -100,17 +113,41 @@ std::optional<RelativeError> ComputeRelativeError(const std::vector<PosePair>& p
     for (const double nominal_m : kSegmentLengths_m) {
       const std::optional<Segment> segment = FindSegment(travel, first, nominal_m);
       if (!segment.has_value()) continue;
-      const Rigid3d error = SegmentError(pairs[first], pairs[segment->last]);
-      sum.translation_percent += 100 * error.translation.norm() / segment->length_m;
-      sum.rotation_deg_per_100m +=
-          RotationAngle(error.rotation) * 180 / std::numbers::pi * 100 / segment->length_m;
-      ++sum.segments;
+      Add(SegmentError(pairs[first], pairs[segment->last]), *segment, sum);
     }
   }
   if (sum.segments == 0) return std::nullopt;
-  sum.translation_percent /= sum.segments;
-  sum.rotation_deg_per_100m /= sum.segments;
-  return sum;
+  return Mean(sum);
+}
+
+std::vector<LengthError> ComputeErrorByLength(const std::vector<PosePair>& pairs,
+                                              const Trajectory& truth, int first_pose_step) {
+  const TrueTravel travel = MeasureTravel(pairs, truth);
+  const auto step = static_cast<size_t>(std::max(first_pose_step, 1));
+  std::vector<LengthError> errors;
+  for (const double nominal_m : kSegmentLengths_m) {
+    RelativeError sum;
+    for (size_t first = 0; first < pairs.size(); first += step) {
+      const std::optional<Segment> segment = FindSegment(travel, first, nominal_m);
+      if (segment.has_value()) Add(SegmentError(pairs[first], pairs[segment->last]), *segment, sum);
+    }
+    if (sum.segments > 0) errors.push_back({nominal_m, Mean(sum)});
+  }
+  return errors;
+}
+
+std::vector<PoseError> ProfileErrors(const std::vector<PosePair>& pairs,
+                                     const Similarity3d& truth_from_estimate) {
+  std::vector<PoseError> errors;
+  errors.reserve(pairs.size());
+  for (const PosePair& pair : pairs) {
+    PoseError& error = errors.emplace_back();
+    error.timestamp_ns = pair.estimate.timestamp_ns;
+    error.aligned = truth_from_estimate * pair.estimate.world_from_camera.translation;
+    error.truth = pair.truth.world_from_camera;
+    error.error_m = (error.aligned - error.truth.translation).norm();
+  }
+  return errors;
 }
 
 }  // namespace corbslam

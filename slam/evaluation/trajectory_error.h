@@ -46,6 +46,29 @@ std::optional<RelativeError> ComputeRelativeError(const std::vector<PosePair>& p
                                                   const Trajectory& truth,
                                                   int first_pose_step = 10);
 
+// The mean relative error over segments of one length.
+struct LengthError {
+  double length_m = 0;
+  RelativeError error;
+};
+
+// Returns the same errors by the segments' length, ascending; lengths that never fit are left out.
+std::vector<LengthError> ComputeErrorByLength(const std::vector<PosePair>& pairs,
+                                              const Trajectory& truth, int first_pose_step = 10);
+
+// How far one pose is off.
+struct PoseError {
+  int64_t timestamp_ns = 0;  // The estimate's.
+  Eigen::Vector3d aligned =
+      Eigen::Vector3d::Zero();  // The estimated camera centre, beside the truth.
+  Rigid3d truth;
+  double error_m = 0;
+};
+
+// Returns the error of each pair under an alignment, in their order.
+std::vector<PoseError> ProfileErrors(const std::vector<PosePair>& pairs,
+                                     const Similarity3d& truth_from_estimate);
+
 }  // namespace corbslam
 
 #endif  // CORBSLAM_SLAM_EVALUATION_TRAJECTORY_ERROR_H_

@@ -87,8 +87,9 @@ RobotAccuracy ComputeRobotAccuracy(const RobotPaths& robot, const Sequence& sequ
   RobotAccuracy accuracy;
   accuracy.ate_m = AteOf(estimate, sequence, alignment);
   accuracy.ate_global_m = AteOf(global, sequence, alignment);
-  accuracy.relative =
-      ComputeRelativeError(AssociateByTime(estimate, *sequence.truth), *sequence.truth);
+  const std::vector<PosePair> pairs = AssociateByTime(estimate, *sequence.truth);
+  accuracy.relative = ComputeRelativeError(pairs, *sequence.truth);
+  accuracy.by_length = ComputeErrorByLength(pairs, *sequence.truth);
   if (sequence.from_ns.has_value()) {
     accuracy.ate_from_frame_m = AteOf(KeepFrom(estimate, *sequence.from_ns), sequence, alignment);
   }
@@ -184,6 +185,30 @@ FusedAccuracy ComputeFusedAccuracy(const std::vector<RobotPaths>& robots,
   return accuracy;
 }
 
+// Fills in the errors of single poses.
+void AddProfile(const RobotPaths& robot, const Sequence& sequence, const std::string& global_world,
+                const FusedAccuracy& fused, Alignment alignment, RobotAccuracy& accuracy) {
+  if (!sequence.truth.has_value()) return;
+  accuracy.is_profile_global = fused.truth_from_global.has_value() && !robot.global.empty() &&
+                               WorldOf(robot.source) == global_world;
+  const bool is_global = accuracy.is_profile_global || CountLocalMaps(robot.local) != 1;
+  const std::vector<PosePair> pairs =
+      AssociateByTime(ToTrajectory(is_global ? robot.global : robot.local), *sequence.truth);
+  if (accuracy.is_profile_global) {
+    accuracy.profile = ProfileErrors(pairs, *fused.truth_from_global);
+  } else if (const auto own = ErrorOf(pairs, alignment); own.has_value()) {
+    accuracy.profile = ProfileErrors(pairs, own->truth_from_estimate);
+  }
+}
+
+// Returns the world of the truth that the global frame is aligned to; empty if nothing lies in it.
+std::string GlobalWorld(const std::vector<RobotPaths>& robots) {
+  for (const RobotPaths& robot : robots) {
+    if (!robot.global.empty()) return WorldOf(robot.source);
+  }
+  return "";
+}
+
 }  // namespace
 
 absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,
@@ -195,6 +220,10 @@ absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, 
         ComputeRobotAccuracy(robot, sequences.at(KeyOf(robot.source)), alignment));
   }
   accuracy.fused = ComputeFusedAccuracy(robots, sequences, alignment);
+  for (size_t i = 0; i < robots.size(); ++i) {
+    AddProfile(robots[i], sequences.at(KeyOf(robots[i].source)), GlobalWorld(robots),
+               accuracy.fused, alignment, accuracy.robots[i]);
+  }
   return accuracy;
 }
 

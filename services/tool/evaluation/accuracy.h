@@ -32,6 +32,12 @@ struct RobotAccuracy {
   std::optional<double> ate_global_m;
   // Relative error of the trajectory that ate_m is of.
   std::optional<RelativeError> relative;
+  // The same by the segments' length.
+  std::vector<LengthError> by_length;
+  // The error of each pose: of the global trajectory under the one alignment of all robots, if the
+  // robot lies in the global frame; else of the trajectory that ate_m is of, under its own.
+  std::vector<PoseError> profile;
+  bool is_profile_global = false;
 };
 
 struct FusedAccuracy {
