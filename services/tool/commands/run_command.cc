@@ -19,13 +19,12 @@
 #include "services/programs/robot/inspected_source.h"
 #include "services/security/flags.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/commands/run_results.h"
 #include "services/tool/evaluation/ground_truth.h"
 #include "services/tool/evaluation/picture.h"
-#include "services/tool/evaluation/trajectory_files.h"
 #include "services/tool/run/mission_run.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/text_file.h"
 
 namespace corbslam::services {
 
@@ -103,60 +102,6 @@ void ShowOnTerminal(const Progress& progress) {
   std::fprintf(stderr, "\r%-78s", line.substr(0, 78).c_str());
 }
 
-absl::Status WriteTrajectories(const MissionOutcome& outcome, const std::string& folder) {
-  for (const RobotPaths& paths : outcome.paths) {
-    const std::string stem = absl::StrCat(folder, "/", paths.name);
-    RETURN_IF_ERROR(WriteTumFiles(OwnFiles(PartsOf(paths.local)), PosesOf::kRecordedCamera,
-                                  "in the frame of the local map", stem + ".local.tum"));
-    RETURN_IF_ERROR(WriteTumFiles(ShareFiles(PartsOf(paths.global)), PosesOf::kRecordedCamera,
-                                  "in the mission's global frame", stem + ".global.tum"));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status WritePicture(const MissionOutcome& outcome, const Accuracy& accuracy,
-                          const std::string& own, const std::string& path) {
-  ASSIGN_OR_RETURN(const cv::Mat image,
-                   RenderMap(ComposePicture(outcome.map, own, accuracy.fused)));
-  return WritePng(image, path);
-}
-
-std::optional<double> RmseOf(const std::optional<AbsoluteError>& error) {
-  return error.has_value() ? std::optional(error->rmse_m) : std::nullopt;
-}
-
-void AddAccuracy(const Accuracy& accuracy, RunReport& report) {
-  for (size_t i = 0; i < std::min(accuracy.robots.size(), report.robots.size()); ++i) {
-    report.robots[i].ate_m = accuracy.robots[i].ate_m;
-    report.robots[i].ate_from_frame_m = accuracy.robots[i].ate_from_frame_m;
-    report.robots[i].ate_global_m = accuracy.robots[i].ate_global_m;
-    if (accuracy.robots[i].relative.has_value()) {
-      report.robots[i].t_rel_percent = accuracy.robots[i].relative->translation_percent;
-      report.robots[i].r_rel_deg_per_100m = accuracy.robots[i].relative->rotation_deg_per_100m;
-    }
-  }
-  report.fused.ate_m = RmseOf(accuracy.fused.all);
-  report.fused.ate_from_frame_m = RmseOf(accuracy.fused.from_frame);
-  report.fused.ate_without_scale_m = RmseOf(accuracy.fused.without_scale);
-  if (accuracy.fused.without_scale.has_value()) {
-    report.fused.scale = accuracy.fused.without_scale->truth_from_estimate.scale;
-  }
-  if (accuracy.fused.relative.has_value()) {
-    report.fused.t_rel_percent = accuracy.fused.relative->translation_percent;
-    report.fused.r_rel_deg_per_100m = accuracy.fused.relative->rotation_deg_per_100m;
-  }
-}
-
-absl::Status WriteAll(const RunArguments& arguments, MissionOutcome& outcome) {
-  RETURN_IF_ERROR(WriteTrajectories(outcome, arguments.out));
-  ASSIGN_OR_RETURN(const Accuracy accuracy,
-                   ComputeAccuracy(outcome.paths, arguments.from_frame, Alignment::kSe3));
-  AddAccuracy(accuracy, outcome.report);
-  RETURN_IF_ERROR(WriteLines({ToJson(outcome.report).dump(2)}, arguments.out + "/report.json"));
-  RETURN_IF_ERROR(WriteLines({ToMarkdown(outcome.report)}, arguments.out + "/report.md"));
-  return WritePicture(outcome, accuracy, arguments.own, arguments.out + "/map.png");
-}
-
 // Checks what flags say together before anything starts.
 absl::Status CheckFlags(const MissionRunOptions& mission) {
   if (mission.view && mission.pace == "step") {
@@ -232,8 +177,8 @@ absl::Status Run(RunArguments arguments) {
   report.version = ProgramVersion();
   report.command = arguments.command_line;
   report.wall_s = absl::ToDoubleSeconds(absl::Now() - start);
-  RETURN_IF_ERROR(WriteAll(arguments, *outcome));
-  std::printf("Done in %.0f s: %s/report.md, report.json, map.png\n", report.wall_s,
+  RETURN_IF_ERROR(WriteResults(arguments.out, arguments.own, *outcome));
+  std::printf("Done in %.0f s: %s/report.md, report.html, report.json, map.png\n", report.wall_s,
               arguments.out.c_str());
   for (const ReportWarning& warning : AllWarnings(report)) {
     std::fprintf(stderr, "warning: %s%s%s [%s]\n", warning.robot.c_str(),
@@ -304,7 +249,9 @@ void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& cho
     chosen = [arguments]() -> absl::Status {
       RETURN_IF_ERROR(Run(*arguments));
       std::ifstream report(arguments->out + "/report.md");
-      std::cout << "\n" << report.rdbuf() << "\nthe map: " << arguments->out << "/map.png\n";
+      std::cout << "\n"
+                << report.rdbuf() << "\nthe map: " << arguments->out
+                << "/map.png\nto look at: " << arguments->out << "/report.html\n";
       return absl::OkStatus();
     };
   });

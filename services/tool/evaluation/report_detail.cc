@@ -1,0 +1,86 @@
+#include "services/tool/evaluation/report_detail.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "services/tool/evaluation/picture.h"
+#include "services/tool/evaluation/trajectory_files.h"
+
+namespace corbslam::services {
+namespace {
+
+// Frames further apart than this many of the robot's usual intervals had lost ones between them.
+constexpr double kLongIntervals = 3;
+
+double MedianInterval_s(const std::vector<TrajectoryPart>& parts) {
+  std::vector<double> intervals_s;
+  for (const TrajectoryPart& part : parts) {
+    for (size_t i = 1; i < part.poses.size(); ++i) {
+      intervals_s.push_back(
+          1e-9 * static_cast<double>(part.poses[i].timestamp_ns - part.poses[i - 1].timestamp_ns));
+    }
+  }
+  if (intervals_s.empty()) return 0;
+  const auto middle = intervals_s.begin() + static_cast<ptrdiff_t>(intervals_s.size() / 2);
+  std::nth_element(intervals_s.begin(), middle, intervals_s.end());
+  return *middle;
+}
+
+// Adds the stretches of one local map, and when it began unless it is the first.
+void AddTracked(const TrajectoryPart& part, int64_t begin_ns, double gap_s,
+                ReportDetail::Robot& detail) {
+  const auto at_s = [&](size_t i) {
+    return 1e-9 * static_cast<double>(part.poses[i].timestamp_ns - begin_ns);
+  };
+  for (size_t i = 0; i < part.poses.size(); ++i) {
+    const bool goes_on = i > 0 && at_s(i) - at_s(i - 1) <= gap_s;
+    if (!goes_on) detail.tracked.push_back({at_s(i), at_s(i)});
+    detail.tracked.back().end_s = at_s(i);
+  }
+}
+
+void AddTimes(const ServedTrajectory& local, ReportDetail::Robot& detail) {
+  const std::vector<TrajectoryPart> parts = PartsOf(local);
+  if (parts.empty()) return;
+  const int64_t begin_ns = parts.front().poses.front().timestamp_ns;
+  const double gap_s = kLongIntervals * MedianInterval_s(parts);
+  for (const TrajectoryPart& part : parts) {
+    AddTracked(part, begin_ns, gap_s, detail);
+    if (&part == &parts.front()) continue;
+    detail.local_maps_s.push_back(1e-9 *
+                                  static_cast<double>(part.poses.front().timestamp_ns - begin_ns));
+  }
+}
+
+// Returns the path in the global frame, with a gap between local maps.
+std::vector<Eigen::Vector3d> PathOf(const ServedTrajectory& global) {
+  std::vector<Eigen::Vector3d> path;
+  for (const TrajectoryPart& part : PartsOf(global)) {
+    if (!path.empty()) {
+      path.push_back(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
+    }
+    for (const StampedPose& pose : part.poses) path.push_back(pose.world_from_camera.translation);
+  }
+  return path;
+}
+
+}  // namespace
+
+ReportDetail ComposeDetail(const std::vector<RobotPaths>& robots, const ServedMap& map,
+                           const std::string& own, const Accuracy& accuracy) {
+  ReportDetail detail;
+  for (size_t i = 0; i < robots.size(); ++i) {
+    ReportDetail::Robot& robot = detail.robots.emplace_back();
+    robot.name = robots[i].name;
+    AddTimes(robots[i].local, robot);
+    robot.path = PathOf(robots[i].global);
+    if (i >= accuracy.robots.size()) continue;
+    robot.errors = accuracy.robots[i].profile;
+    robot.errors_are_global = accuracy.robots[i].is_profile_global;
+    robot.by_length = accuracy.robots[i].by_length;
+  }
+  detail.map = ComposePicture(map, own, accuracy.fused);
+  return detail;
+}
+
+}  // namespace corbslam::services

@@ -1,0 +1,184 @@
+#include "services/tool/report/html/map_data.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "slam/rendering/map_cell.h"
+
+namespace corbslam::services {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+static_assert(std::endian::native == std::endian::little, "the page's numbers are little-endian");
+
+constexpr size_t kMostPathPoints = 8'000;
+constexpr size_t kMostKeyframes = 6'000;
+constexpr double kSteps = 65535;
+
+// The smallest box around what it was shown.
+struct Box {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300);
+  Eigen::Vector3d high = Eigen::Vector3d::Constant(-1e300);
+
+  void Add(const Eigen::Vector3d& x) {
+    if (!x.allFinite()) return;
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  bool IsEmpty() const { return (low.array() > high.array()).any(); }
+  bool Contains(const Eigen::Vector3d& x) const {
+    return (x.array() >= low.array()).all() && (x.array() <= high.array()).all();
+  }
+};
+
+// Returns the rotation to the page's frame: x and y as in the picture from above, z upwards.
+Eigen::Quaterniond PageFromMap(const MapPicture& map) {
+  const PlaneFromWorld plane = ChooseView(map).plane_from_world;
+  Eigen::Matrix3d rows;
+  rows.row(0) = plane.row(0);
+  rows.row(1) = -plane.row(1);
+  rows.row(2) = rows.row(0).cross(rows.row(1));
+  return Eigen::Quaterniond(rows).normalized();
+}
+
+// Returns every how-manyth of `count` things to take, so that there are at most `most`.
+size_t Stride(size_t count, size_t most) { return std::max<size_t>(1, (count + most - 1) / most); }
+
+template <typename T>
+std::string Encode(const std::vector<T>& values) {
+  std::string bytes(values.size() * sizeof(T), '\0');
+  if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  return absl::Base64Escape(bytes);
+}
+
+std::string EncodePath(const std::vector<Eigen::Vector3d>& path, const Eigen::Quaterniond& turn) {
+  std::vector<float> values;
+  for (size_t i = 0; i < path.size(); i += Stride(path.size(), kMostPathPoints)) {
+    const Eigen::Vector3d x = turn * path[i];
+    for (int axis = 0; axis < 3; ++axis) values.push_back(static_cast<float>(x[axis]));
+  }
+  return Encode(values);
+}
+
+std::string EncodeKeyframes(const std::vector<Rigid3d>& keyframes, const Eigen::Quaterniond& turn) {
+  std::vector<float> values;
+  for (size_t i = 0; i < keyframes.size(); i += Stride(keyframes.size(), kMostKeyframes)) {
+    const Eigen::Vector3d x = turn * keyframes[i].translation;
+    const Eigen::Quaterniond q = turn * keyframes[i].rotation;
+    for (const double value : {x.x(), x.y(), x.z(), q.w(), q.x(), q.y(), q.z()}) {
+      values.push_back(static_cast<float>(value));
+    }
+  }
+  return Encode(values);
+}
+
+// Returns the box of everything but points, in the page's frame.
+Box PathsBox(const ReportDetail& detail, const Eigen::Quaterniond& turn) {
+  Box box;
+  for (const MapPicture::Robot& robot : detail.map.robots) {
+    for (const Rigid3d& pose : robot.keyframes) box.Add(turn * pose.translation);
+  }
+  for (const std::vector<Eigen::Vector3d>& path : detail.map.truth) {
+    for (const Eigen::Vector3d& x : path) box.Add(turn * x);
+  }
+  return box;
+}
+
+// Points further from the paths than these are wide would make everything else small.
+Json EncodePoints(const std::vector<Eigen::Vector3d>& points, const Eigen::Quaterniond& turn,
+                  const Box& paths) {
+  const double reach = 0.7 * std::max((paths.high - paths.low).maxCoeff(), 1e-3);
+  const Box near{paths.low.array() - reach, paths.high.array() + reach};
+  std::vector<Eigen::Vector3d> kept;
+  Box box;
+  for (size_t i = 0; i < points.size(); i += Stride(points.size(), kMostMapPoints)) {
+    const Eigen::Vector3d x = turn * points[i];
+    if (!x.allFinite() || !near.Contains(x)) continue;
+    kept.push_back(x);
+    box.Add(x);
+  }
+  if (kept.empty()) box = near;
+  const Eigen::Vector3d step = ((box.high - box.low) / kSteps).cwiseMax(1e-12);
+  std::vector<uint16_t> values;
+  for (const Eigen::Vector3d& x : kept) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double number = std::round((x[axis] - box.low[axis]) / step[axis]);
+      values.push_back(static_cast<uint16_t>(std::clamp(number, 0.0, kSteps)));
+    }
+  }
+  return {{"total", points.size()},
+          {"shown", kept.size()},
+          {"low", {box.low.x(), box.low.y(), box.low.z()}},
+          {"step", {step.x(), step.y(), step.z()}},
+          {"data", Encode(values)}};
+}
+
+Json EncodeRobots(const ReportDetail& detail, const Eigen::Quaterniond& turn) {
+  std::map<std::string, const MapPicture::Robot*> mapped;
+  for (const MapPicture::Robot& robot : detail.map.robots) mapped[robot.name] = &robot;
+  const std::vector<Paint> paints = RobotPaints(detail);
+  Json robots = Json::array();
+  for (size_t i = 0; i < detail.robots.size(); ++i) {
+    const auto found = mapped.find(detail.robots[i].name);
+    const MapPicture::Robot none;
+    const MapPicture::Robot& robot = found == mapped.end() ? none : *found->second;
+    robots.push_back({{"name", detail.robots[i].name},
+                      {"own", robot.is_own},
+                      {"paint", paints[i].variable},
+                      {"count", robot.keyframes.size()},
+                      {"keyframes", EncodeKeyframes(robot.keyframes, turn)},
+                      {"path", EncodePath(detail.robots[i].path, turn)}});
+  }
+  return robots;
+}
+
+}  // namespace
+
+std::vector<Paint> RobotPaints(const ReportDetail& detail) {
+  std::string own;
+  for (const MapPicture::Robot& robot : detail.map.robots) {
+    if (robot.is_own) own = robot.name;
+  }
+  const bool own_is_there = std::ranges::any_of(
+      detail.robots, [&](const ReportDetail::Robot& robot) { return robot.name == own; });
+  std::vector<Paint> paints;
+  size_t next = own_is_there ? 1 : 0;
+  for (const ReportDetail::Robot& robot : detail.robots) {
+    paints.push_back(own_is_there && robot.name == own ? SeriesPaint(0) : SeriesPaint(next++));
+  }
+  return paints;
+}
+
+std::string WriteMapData(const ReportDetail& detail) {
+  const bool is_empty = std::ranges::all_of(
+      detail.map.robots, [](const MapPicture::Robot& robot) { return robot.keyframes.empty(); });
+  if (is_empty) return "null";
+  const Eigen::Quaterniond turn = PageFromMap(detail.map);
+  const Box box = PathsBox(detail, turn);
+  if (box.IsEmpty()) return "null";
+  const Eigen::Vector3d centre = 0.5 * (box.low + box.high);
+  Json truth = Json::array();
+  for (const std::vector<Eigen::Vector3d>& path : detail.map.truth) {
+    truth.push_back(EncodePath(path, turn));
+  }
+  const Json data = {{"centre", {centre.x(), centre.y(), centre.z()}},
+                     {"radius", std::max(0.5 * (box.high - box.low).norm(), 1e-3)},
+                     {"points", EncodePoints(detail.map.points, turn, box)},
+                     {"robots", EncodeRobots(detail, turn)},
+                     {"truth", truth}};
+  // What is no UTF-8 is replaced, and nothing can end the script element or begin a comment in it.
+  const std::string text = data.dump(-1, ' ', true, Json::error_handler_t::replace);
+  return absl::StrReplaceAll(text, {{"<", "\\u003c"}});
+}
+
+}  // namespace corbslam::services

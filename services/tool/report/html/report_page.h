@@ -1,0 +1,40 @@
+// Writes report.html: a run's report as one page that needs nothing but itself.
+#ifndef CORBSLAM_SERVICES_TOOL_REPORT_HTML_REPORT_PAGE_H_
+#define CORBSLAM_SERVICES_TOOL_REPORT_HTML_REPORT_PAGE_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "services/tool/report/report.h"
+#include "slam/evaluation/trajectory_error.h"
+#include "slam/rendering/map_picture.h"
+
+namespace corbslam::services {
+
+// What the report's numbers do not hold, and pictures need.
+struct ReportDetail {
+  struct Tracked {  // A stretch without a lost frame, seconds since the robot's first frame.
+    double begin_s = 0;
+    double end_s = 0;
+  };
+  struct Robot {
+    std::string name;
+    std::vector<PoseError> errors;
+    bool errors_are_global = false;  // Under the one alignment of all robots, not its own.
+    std::vector<LengthError> by_length;
+    std::vector<Tracked> tracked;
+    std::vector<double> local_maps_s;   // When each further local map begins.
+    std::vector<Eigen::Vector3d> path;  // Every tracked frame in the global frame.
+  };
+  std::vector<Robot> robots;  // In the report's order.
+  MapPicture map;             // The map in the global frame.
+};
+
+// Every text of the report is escaped. The page forbids itself all but its own style and script,
+// which it names by their hashes; it loads nothing.
+std::string ToHtml(const RunReport& report, const ReportDetail& detail);
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_TOOL_REPORT_HTML_REPORT_PAGE_H_

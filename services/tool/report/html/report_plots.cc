@@ -1,0 +1,210 @@
+#include "services/tool/report/html/report_plots.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "services/tool/report/html/map_data.h"
+#include "slam/rendering/map_cell.h"
+#include "slam/rendering/svg_plots.h"
+
+namespace corbslam::services {
+namespace {
+
+constexpr SvgLook kLook = SvgLook::kInAPage;
+constexpr double kLongGap_s = 1;
+constexpr size_t kMostFlatPoints = 12'000;
+
+std::string Figure(const std::string& caption, const std::string& note, const std::string& svg) {
+  return absl::StrCat("<figure><figcaption>", caption,
+                      note.empty() ? "" : absl::StrCat("<span class=\"note\">", note, "</span>"),
+                      "</figcaption>\n", svg, "</figure>\n");
+}
+
+std::string Plots(const std::string& figures) {
+  return absl::StrCat("<div class=\"plots\">\n", figures, "</div>\n");
+}
+
+bool HasErrors(const ReportDetail& detail) {
+  return std::ranges::any_of(
+      detail.robots, [](const ReportDetail::Robot& robot) { return !robot.errors.empty(); });
+}
+
+bool AreGlobal(const ReportDetail& detail) {
+  return std::ranges::all_of(detail.robots, [](const ReportDetail::Robot& robot) {
+    return robot.errors.empty() || robot.errors_are_global;
+  });
+}
+
+double SecondsSince(int64_t begin_ns, int64_t time_ns) {
+  return 1e-9 * static_cast<double>(time_ns - begin_ns);
+}
+
+// Lines have a gap where frames were lost.
+std::vector<Eigen::Vector2d> ErrorCurve(const std::vector<PoseError>& errors) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Eigen::Vector2d> curve;
+  for (const PoseError& error : errors) {
+    const double at_s = SecondsSince(errors.front().timestamp_ns, error.timestamp_ns);
+    if (!curve.empty() && at_s > curve.back().x() + kLongGap_s) curve.push_back({kNaN, kNaN});
+    curve.push_back({at_s, error.error_m});
+  }
+  return curve;
+}
+
+std::string ErrorOverTime(const ReportDetail& detail, const std::vector<Paint>& paints) {
+  LinePlot plot;
+  plot.title = "Absolute error over time, by robot";
+  plot.x_label = "since the robot's first frame (s)";
+  plot.y_label = "absolute error (m)";
+  for (size_t i = 0; i < detail.robots.size(); ++i) {
+    if (detail.robots[i].errors.empty()) continue;
+    plot.series.push_back(
+        {detail.robots[i].name, paints[i], ErrorCurve(detail.robots[i].errors), false});
+  }
+  return Figure("Absolute error over time",
+                AreGlobal(detail)
+                    ? "All robots under one alignment with the truth."
+                    : "Robots outside the global frame under alignments of their own.",
+                DrawLinePlot(plot, kLook));
+}
+
+std::string ErrorOnPaths(const ReportDetail& detail) {
+  std::vector<Rigid3d> truth;
+  for (const ReportDetail::Robot& robot : detail.robots) {
+    for (const PoseError& error : robot.errors) truth.push_back(error.truth);
+  }
+  const PlaneFromWorld plane = LookFromAbove(truth);
+  PathPlot plot;
+  plot.title = "Trajectories from above, coloured by their absolute error";
+  plot.value_label = "absolute error (m)";
+  for (const ReportDetail::Robot& robot : detail.robots) {
+    PathPlot::Path& path = plot.paths.emplace_back();
+    std::vector<Eigen::Vector2d>& true_path = plot.truth.emplace_back();
+    for (const PoseError& error : robot.errors) {
+      path.points.push_back(plane * error.aligned);
+      path.values.push_back(error.error_m);
+      true_path.push_back(plane * error.truth.translation);
+    }
+  }
+  return Figure("Trajectories from above, by error", "", DrawPathPlot(plot, kLook));
+}
+
+std::string ErrorByLength(const ReportDetail& detail, const std::vector<Paint>& paints) {
+  LinePlot plot;
+  plot.title = "Relative error by the length of the segment, by robot";
+  plot.x_label = "length of the segment (m)";
+  plot.y_label = "relative error (%)";
+  for (size_t i = 0; i < detail.robots.size(); ++i) {
+    if (detail.robots[i].by_length.empty()) continue;
+    LinePlot::Series& series = plot.series.emplace_back();
+    series = {detail.robots[i].name, paints[i], {}, true};
+    for (const LengthError& error : detail.robots[i].by_length) {
+      series.points.push_back({error.length_m, error.error.translation_percent});
+    }
+  }
+  if (plot.series.empty()) {
+    return "<p class=\"note\">No robot travelled 100 m, the shortest segment of which relative "
+           "errors are taken.</p>\n";
+  }
+  return Figure("Drift", "KITTI's relative error over segments of one length.",
+                DrawLinePlot(plot, kLook));
+}
+
+// What a bar stands for is one number of each robot.
+std::string RobotBars(const ReportDetail& detail, const std::vector<Paint>& paints,
+                      const std::string& title, const std::string& label,
+                      const std::vector<double>& values, int decimals) {
+  BarPlot plot;
+  plot.title = title;
+  plot.x_label = label;
+  for (size_t i = 0; i < std::min(values.size(), detail.robots.size()); ++i) {
+    plot.bars.push_back({detail.robots[i].name, paints[i], values[i],
+                         absl::StrFormat("%.*f", decimals, values[i])});
+  }
+  return Figure(title, "", DrawBarPlot(plot, kLook));
+}
+
+std::string TrackingTimeline(const ReportDetail& detail, const std::vector<Paint>& paints) {
+  Timeline timeline;
+  timeline.title = "When each robot tracked its frames";
+  timeline.x_label = "since the robot's first frame (s)";
+  for (size_t i = 0; i < detail.robots.size(); ++i) {
+    Timeline::Lane& lane = timeline.lanes.emplace_back();
+    lane.name = detail.robots[i].name;
+    lane.paint = paints[i];
+    for (const ReportDetail::Tracked& tracked : detail.robots[i].tracked) {
+      lane.spans.push_back({tracked.begin_s, tracked.end_s});
+    }
+    lane.marks = detail.robots[i].local_maps_s;
+  }
+  return Figure(
+      "Tracking",
+      "Bars: frames were tracked. Strokes: the robot was lost and began a further local map.",
+      DrawTimeline(timeline, kLook));
+}
+
+}  // namespace
+
+std::string AccuracyPlots(const ReportDetail& detail) {
+  if (!HasErrors(detail)) {
+    return "<p class=\"note\">There is no ground truth beside what the robots saw, or too little "
+           "of "
+           "it: nobody knows how far off they are.</p>\n";
+  }
+  const std::vector<Paint> paints = RobotPaints(detail);
+  return Plots(absl::StrCat(ErrorOverTime(detail, paints), ErrorOnPaths(detail),
+                            ErrorByLength(detail, paints)));
+}
+
+std::string RobotPlots(const RunReport& report, const ReportDetail& detail) {
+  std::vector<double> keyframes;
+  std::vector<double> up_mb;
+  std::vector<double> down_mb;
+  for (const RobotReport& robot : report.robots) {
+    keyframes.push_back(robot.keyframes);
+    up_mb.push_back(1e-6 * static_cast<double>(robot.bytes_up));
+    down_mb.push_back(1e-6 * static_cast<double>(robot.bytes_down));
+  }
+  const std::vector<Paint> paints = RobotPaints(detail);
+  return Plots(absl::StrCat(
+      TrackingTimeline(detail, paints),
+      RobotBars(detail, paints, "Keyframes", "keyframes", keyframes, 0),
+      RobotBars(detail, paints, "Sent to the store", "sent (MB)", up_mb, 2),
+      RobotBars(detail, paints, "Received from the store", "received (MB)", down_mb, 2)));
+}
+
+std::string FusionPlots(const RunReport& report) {
+  BarPlot plot;
+  plot.title = "How long merges and global bundle adjustments took";
+  plot.x_label = "time (ms)";
+  for (size_t i = 0; i < report.merge_ms.size(); ++i) {
+    plot.bars.push_back({absl::StrCat("merge ", i + 1), kSeriesPaints[0], report.merge_ms[i],
+                         absl::StrFormat("%.0f", report.merge_ms[i])});
+  }
+  for (size_t i = 0; i < report.global_ba_ms.size(); ++i) {
+    const AdjustmentReport& adjustment = report.global_ba_ms[i];
+    plot.bars.push_back(
+        {absl::StrFormat("adjustment %d (%d keyframes)", i + 1, adjustment.keyframes),
+         kSeriesPaints[1], adjustment.ms, absl::StrFormat("%.0f", adjustment.ms)});
+  }
+  if (plot.bars.empty()) return "<p class=\"note\">Nothing was merged or adjusted.</p>\n";
+  return Plots(
+      Figure("Merges and global bundle adjustments, oldest first", "", DrawBarPlot(plot, kLook)));
+}
+
+std::string FlatMap(const ReportDetail& detail) {
+  MapPicture map = detail.map;
+  const size_t step =
+      std::max<size_t>(1, (map.points.size() + kMostFlatPoints - 1) / kMostFlatPoints);
+  std::vector<Eigen::Vector3d> points;
+  for (size_t i = 0; i < map.points.size(); i += step) points.push_back(map.points[i]);
+  map.points = std::move(points);
+  MapPictureOptions options;
+  options.width_px = 900;
+  const absl::StatusOr<std::string> svg = RenderMapSvg(map, kLook, options);
+  return svg.ok() ? *svg : "<p class=\"note\">No robot brought anything: there is no map.</p>\n";
+}
+
+}  // namespace corbslam::services
