@@ -67,6 +67,18 @@ TEST(RenderMapTest, ShowsEverything) {
   EXPECT_EQ(cv::imread(path).size(), image->size());
 }
 
+TEST(RenderMapSvgTest, ShowsTheSame) {
+  MapPicture picture = MakeStreet();
+  picture.robots[1].name = "<bravo>";
+  const absl::StatusOr<std::string> svg = RenderMapSvg(picture, SvgLook::kAlone);
+  ASSERT_TRUE(svg.ok()) << svg.status();
+  EXPECT_THAT(*svg, ::testing::HasSubstr("test street"));
+  EXPECT_THAT(*svg, ::testing::HasSubstr("others&#39; keyframes: &lt;bravo&gt; (18)"));
+  EXPECT_THAT(*svg, ::testing::HasSubstr("stroke-dasharray"));
+  EXPECT_THAT(*svg, ::testing::HasSubstr(" m</text>"));
+  EXPECT_FALSE(RenderMapSvg({}, SvgLook::kAlone).ok());
+}
+
 TEST(RenderMapTest, RefusesAnEmptyMap) {
   EXPECT_EQ(RenderMap({}).status().code(), absl::StatusCode::kInvalidArgument);
 }

@@ -63,7 +63,10 @@ std::string Encode(const std::vector<T>& values) {
 
 std::string EncodePath(const std::vector<Eigen::Vector3d>& path, const Eigen::Quaterniond& turn) {
   std::vector<float> values;
-  for (size_t i = 0; i < path.size(); i += Stride(path.size(), kMostPathPoints)) {
+  const size_t stride = Stride(path.size(), kMostPathPoints);
+  for (size_t i = 0; i < path.size(); ++i) {
+    // Gaps, which are no numbers, stay.
+    if (i % stride != 0 && path[i].allFinite()) continue;
     const Eigen::Vector3d x = turn * path[i];
     for (int axis = 0; axis < 3; ++axis) values.push_back(static_cast<float>(x[axis]));
   }

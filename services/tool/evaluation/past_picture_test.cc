@@ -1,0 +1,137 @@
+#include "services/tool/evaluation/past_picture.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "map_store/map_store.h"
+#include "map_store/rocks/rocks_journal.h"
+#include "map_store/testing/small_mission.h"
+#include "services/client/store/store_reader.h"
+#include "services/map_store_service/map_store_service.h"
+#include "services/server/server.h"
+#include "slam/rendering/map_snapshots.h"
+#include "slam/rendering/webp_animation.h"
+
+namespace corbslam::services {
+
+using map_store::MapStore;
+using map_store::MapStoreOptions;
+using map_store::RocksJournal;
+
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+// A store in this process, with the journal of a small mission on disk.
+class PastPictureTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fs::remove_all(folder_);
+    auto journal = RocksJournal::Open({.directory = folder_.string()});
+    ASSERT_TRUE(journal.ok()) << journal.status();
+    for (const auto& record : testing::MakeSmallMission()) {
+      ASSERT_TRUE((*journal)->Append("m", record).ok());
+    }
+    MapStoreOptions options;
+    options.deterministic = true;
+    store_ = std::make_unique<MapStore>(options, nullptr, *std::move(journal), nullptr);
+    ASSERT_TRUE(store_->Recover().ok());
+    service_ = std::make_unique<MapStoreService>(store_.get());
+    auto server = Server::Start("", {service_.get()});
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    reader_ = std::make_unique<StoreReader>(server_->InProcessChannel(), "m");
+  }
+  void TearDown() override {
+    server_->Shutdown(absl::ZeroDuration());
+    store_.reset();
+    fs::remove_all(folder_);
+  }
+
+  const fs::path folder_ = fs::path(::testing::TempDir()) / "past_picture_test";
+  std::unique_ptr<MapStore> store_;
+  std::unique_ptr<MapStoreService> service_;
+  std::unique_ptr<Server> server_;
+  std::unique_ptr<StoreReader> reader_;
+};
+
+TEST_F(PastPictureTest, EndsWithTheMapOfNow) {
+  const auto past = reader_->ReadPast(100);
+  ASSERT_TRUE(past.ok()) << past.status();
+  const absl::StatusOr<ServedMap> now = reader_->ReadGlobalMap();
+  ASSERT_TRUE(now.ok()) << now.status();
+  PastMap last;
+  ASSERT_TRUE(ForEachRevision(*past, [&](size_t, const PastMap& map) {
+                last = map;
+                return absl::OkStatus();
+              }).ok());
+  ASSERT_EQ(last.islands().size(), 1u);
+  const PastMap::Island& island = last.islands().begin()->second;
+  EXPECT_TRUE(island.in_global_frame);
+  EXPECT_EQ(island.points.size(), now->points.size());
+  ASSERT_EQ(island.keyframes.size(), now->keyframes.size());
+  for (const ServedMap::Keyframe& keyframe : now->keyframes) {
+    const auto then = island.keyframes.find(keyframe.id);
+    ASSERT_NE(then, island.keyframes.end());
+    EXPECT_EQ(then->second.island_from_camera.translation, keyframe.global_from_camera.translation);
+    EXPECT_EQ(last.AgentOf(keyframe.id.local_map), keyframe.agent);
+  }
+}
+
+TEST_F(PastPictureTest, DrawsIslandsApartBeforeTheyAreFused) {
+  const auto past = reader_->ReadPast(100);
+  ASSERT_TRUE(past.ok()) << past.status();
+  std::vector<MapSnapshot> snapshots;
+  ASSERT_TRUE(ForEachRevision(*past, [&](size_t number, const PastMap& map) {
+                EXPECT_EQ(number, snapshots.size());
+                snapshots.push_back(ComposeSnapshot(map, "a", {}));
+                return absl::OkStatus();
+              }).ok());
+  ASSERT_GE(snapshots.size(), 2u);
+  EXPECT_EQ(snapshots.size(), ToldRevisions(*past).size());
+  EXPECT_THAT(snapshots.back().title, StartsWith("revision "));
+  ASSERT_EQ(snapshots.back().islands.size(), 1u);
+  EXPECT_EQ(snapshots.back().islands[0].map.title, "a, b");
+  const absl::StatusOr<std::string> svg = RenderSnapshotsSvg(snapshots);
+  ASSERT_TRUE(svg.ok()) << svg.status();
+  EXPECT_THAT(*svg, HasSubstr("not fused"));
+}
+
+TEST_F(PastPictureTest, HandsOnWhatTheStoreSays) {
+  EXPECT_EQ(reader_->ReadPast(1).status().code(), absl::StatusCode::kInvalidArgument);
+  StoreReader nowhere(server_->InProcessChannel(), "nowhere");
+  EXPECT_EQ(nowhere.ReadPast(10).status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST(PastMapTest, RefusesWhatItCantRead) {
+  v1::WatchMapResponse message;
+  message.add_islands()->set_slot(3);  // There is no such local map.
+  EXPECT_EQ(PastMap().Apply(message).code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(ParseMomentsTest, TakesSharesAndRevisions) {
+  const std::vector<uint64_t> told = {2, 4, 6, 8, 10};
+  EXPECT_THAT(*ParseMoments("0%,50%,100%", told), ElementsAre(0, 2, 4));
+  EXPECT_THAT(*ParseMoments("2, 7,10", told), ElementsAre(0, 2, 4));
+  EXPECT_THAT(*ParseMoments("25%", {5}), ElementsAre(0));
+}
+
+TEST(ParseMomentsTest, RefusesWhatItCantRead) {
+  const std::vector<uint64_t> told = {2, 4, 6};
+  for (const char* text : {"", "x", "1", "7", "-1%", "101%", "nan%", "25%,,50%", "%"}) {
+    const absl::Status status = ParseMoments(text, told).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("revisions 2 to 6")) << text;
+  }
+  EXPECT_FALSE(ParseMoments("50%", {}).ok());
+  EXPECT_FALSE(ParseMoments("0%,0%,0%,0%,0%,0%,0%,0%,0%,0%,0%,0%,0%,0%,0%,0%,0%", told).ok());
+}
+
+}  // namespace
+}  // namespace corbslam::services

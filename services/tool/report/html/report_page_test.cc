@@ -1,0 +1,164 @@
+#include "services/tool/report/html/report_page.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "services/tool/report/html/map_data.h"
+
+namespace corbslam::services {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr char kHostile[] = "</script><img src=x onerror=alert(1)>\"'{{data}}";
+
+ReportDetail MakeDetail(const std::vector<std::string>& names) {
+  ReportDetail detail;
+  for (size_t k = 0; k < names.size(); ++k) {
+    ReportDetail::Robot& robot = detail.robots.emplace_back();
+    MapPicture::Robot& mapped = detail.map.robots.emplace_back();
+    robot.name = mapped.name = names[k];
+    mapped.is_own = k == 0;
+    robot.tracked = {{0, 4}};
+    for (int i = 0; i < 40; ++i) {
+      Rigid3d pose;
+      pose.translation = {1.0 * static_cast<double>(k), 0, 1.0 * i};
+      mapped.keyframes.push_back(pose);
+      robot.path.push_back(pose.translation);
+      robot.errors.push_back({int64_t{100'000'000} * i, pose.translation, pose, 0.01 * i});
+      for (int n = 0; n < 5; ++n) {
+        detail.map.points.push_back(pose.translation + Eigen::Vector3d(n, -1, 2));
+      }
+    }
+    robot.by_length = {{100, {1.5, 0.1, 3}}};
+  }
+  return detail;
+}
+
+RunReport MakeReport(const std::vector<std::string>& names) {
+  RunReport report;
+  report.mission = "lab";
+  report.pace = "max";
+  for (const std::string& name : names) {
+    report.robots.emplace_back().name = name;
+    report.robots.back().source = "sim:city";
+  }
+  report.merge_ms = {12};
+  report.global_ba_ms.push_back({64, 10000, 12, 800});
+  report.servers["map_store"] = {100, 3};
+  report.command = "corbslam run";
+  return report;
+}
+
+// Returns what is wrong with the nesting of elements; an empty text if nothing is.
+std::string FindFault(absl::string_view html) {
+  const std::set<std::string> empty_elements = {"meta", "input", "path", "rect"};
+  std::vector<std::string> open;
+  for (size_t at = html.find('<'); at != html.npos; at = html.find('<', at + 1)) {
+    if (absl::StartsWith(html.substr(at), "<!DOCTYPE")) continue;
+    const bool closes = html[at + 1] == '/';
+    size_t end = at + (closes ? 2 : 1);
+    const size_t begin = end;
+    while (end < html.size() && absl::ascii_isalnum(static_cast<unsigned char>(html[end]))) ++end;
+    const std::string name(html.substr(begin, end - begin));
+    if (name.empty()) return absl::StrCat("a < at ", at, ": ", html.substr(at, 40));
+    if (closes) {
+      if (open.empty() || open.back() != name) return absl::StrCat("</", name, "> at ", at);
+      open.pop_back();
+    } else if (!empty_elements.contains(name)) {
+      open.push_back(name);
+      if (name == "script" || name == "style") at = html.find(absl::StrCat("</", name), at) - 1;
+    }
+  }
+  return open.empty() ? "" : absl::StrCat("<", open.back(), "> stays open");
+}
+
+TEST(ToHtmlTest, ShowsAllRobotsAndNestsRightly) {
+  const std::vector<std::string> names = {"alpha", "bravo", "charlie"};
+  const std::string html = ToHtml(MakeReport(names), MakeDetail(names));
+  EXPECT_EQ(FindFault(html), "");
+  for (const std::string& name : names) {
+    EXPECT_THAT(html, HasSubstr(absl::StrCat("<th scope=\"row\">", name, "</th>")));
+    EXPECT_THAT(html, HasSubstr(absl::StrCat("\"name\":\"", name, "\"")));
+  }
+  EXPECT_THAT(html, Not(HasSubstr("{{")));
+  EXPECT_THAT(html, Not(HasSubstr("class=\"warnings\"")));
+}
+
+TEST(ToHtmlTest, LoadsNothing) {
+  const std::string html = ToHtml(MakeReport({"alpha"}), MakeDetail({"alpha"}));
+  // The only addresses are names of namespaces, which nobody fetches.
+  for (const char* word : {"src=", "href=", "@import", "url(", "https:", "fetch(", "style=\""}) {
+    EXPECT_THAT(html, Not(HasSubstr(word)));
+  }
+  EXPECT_THAT(html, HasSubstr("content=\"default-src 'none'; base-uri 'none'; form-action 'none'; "
+                              "style-src 'sha256-"));
+  EXPECT_THAT(html, Not(HasSubstr("unsafe-inline")));
+}
+
+TEST(ToHtmlTest, EscapesWhatOthersNamed) {
+  RunReport report = MakeReport({kHostile, "bravo"});
+  report.mission = kHostile;
+  report.command = kHostile;
+  report.version = kHostile;
+  report.robots[0].source = kHostile;
+  report.warnings.push_back({kHostile, kHostile, kHostile});
+  report.servers[kHostile] = {1, 1};
+  const std::string html = ToHtml(report, MakeDetail({kHostile, "bravo"}));
+  EXPECT_EQ(FindFault(html), "");
+  EXPECT_THAT(html, Not(HasSubstr("<img")));
+  EXPECT_THAT(html, HasSubstr("class=\"warnings\""));
+}
+
+TEST(ToHtmlTest, TakesARunThatBroughtNothing) {
+  const std::string html = ToHtml(RunReport(), ReportDetail());
+  EXPECT_EQ(FindFault(html), "");
+  EXPECT_THAT(html, HasSubstr("there is no map"));
+  EXPECT_THAT(html, HasSubstr("There is no ground truth"));
+}
+
+TEST(WriteMapDataTest, KeepsPointsWithinMillimetres) {
+  const ReportDetail detail = MakeDetail({"alpha", "bravo"});
+  const nlohmann::json data = nlohmann::json::parse(WriteMapData(detail));
+  EXPECT_EQ(data["points"]["total"], 400);
+  EXPECT_EQ(data["points"]["shown"], 400);
+  for (const double step : data["points"]["step"]) EXPECT_LT(step, 0.002);
+  EXPECT_EQ(data["robots"][0]["count"], 40);
+  EXPECT_EQ(data["robots"][0]["paint"], "series-1");
+  EXPECT_EQ(data["robots"][1]["paint"], "series-2");
+}
+
+TEST(WriteMapDataTest, IsBounded) {
+  ReportDetail detail = MakeDetail({"alpha"});
+  for (int i = 0; i < 200'000; ++i) detail.map.points.push_back({0.001 * i, 0, 5});
+  detail.map.points.push_back({1e9, 0, 0});
+  detail.map.points.push_back(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
+  const nlohmann::json data = nlohmann::json::parse(WriteMapData(detail));
+  EXPECT_LE(data["points"]["shown"], kMostMapPoints);
+  EXPECT_LT(data["points"]["step"][0], 0.01) << "what lies far away decides nothing";
+  EXPECT_LT(ToHtml(MakeReport({"alpha"}), detail).size(), 1'500'000u);
+  EXPECT_EQ(WriteMapData({}), "null");
+  EXPECT_THAT(WriteMapData(MakeDetail({kHostile})), Not(HasSubstr("<")));
+}
+
+TEST(RobotPaintsTest, GiveTheOwnRobotTheFirst) {
+  ReportDetail detail = MakeDetail({"alpha", "bravo", "charlie"});
+  detail.map.robots[0].is_own = false;
+  detail.map.robots[1].is_own = true;
+  const std::vector<Paint> paints = RobotPaints(detail);
+  EXPECT_STREQ(paints[1].variable, "series-1");
+  EXPECT_STREQ(paints[0].variable, "series-2");
+  EXPECT_STREQ(paints[2].variable, "series-3");
+}
+
+}  // namespace
+}  // namespace corbslam::services
