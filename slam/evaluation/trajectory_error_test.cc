@@ -140,6 +140,27 @@ TEST(RelativeErrorTest, HasKnownValues) {
               1e-6);
 }
 
+TEST(ErrorByLengthTest, AddsUpToTheRelativeError) {
+  const Trajectory truth = MakeSpiral(1200);
+  std::vector<PosePair> pairs = PairUp(truth, kMoved);
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i].estimate.world_from_camera.translation.z() += 1e-5 * static_cast<double>(i * i);
+  }
+  const std::vector<LengthError> errors = ComputeErrorByLength(pairs, truth);
+  ASSERT_EQ(errors.size(), 6u) << "1,199 steps of half a metre";
+  double sum = 0;
+  int segments = 0;
+  for (size_t i = 0; i < errors.size(); ++i) {
+    EXPECT_EQ(errors[i].length_m, 100.0 * static_cast<double>(i + 1));
+    sum += errors[i].error.segments * errors[i].error.translation_percent;
+    segments += errors[i].error.segments;
+  }
+  const std::optional<RelativeError> all = ComputeRelativeError(pairs, truth);
+  EXPECT_EQ(segments, all->segments);
+  EXPECT_NEAR(sum / segments, all->translation_percent, 1e-9);
+  EXPECT_TRUE(ComputeErrorByLength({}, truth).empty());
+}
+
 TEST(RelativeErrorTest, IsAbsentForAShortPath) {
   EXPECT_FALSE(ComputeRelativeError(PairUp(MakeSpiral(50), kMoved), MakeSpiral(50)).has_value());
 }

@@ -98,6 +98,11 @@ TEST(MissionTest, TwoRobotsMakeOneMap) {
   EXPECT_GT(cost["global_adjustments"], 0);
   EXPECT_GT(std::filesystem::file_size(mission.folder + "/map.png"), 5'000u);
   EXPECT_THAT(ReadText(mission.folder + "/report.md"), ::testing::HasSubstr("| alpha |"));
+  const std::string page = ReadText(mission.folder + "/report.html");
+  for (const char* robot : {"alpha", "bravo"}) {
+    EXPECT_THAT(page, ::testing::HasSubstr(absl::StrCat("<th scope=\"row\">", robot, "</th>")));
+  }
+  EXPECT_LT(page.size(), 1'500'000u);
 }
 
 // Returns all poses in an answer, each by "agent nanoseconds".

@@ -97,6 +97,24 @@ TEST(ComputeAccuracyTest, AlignsEachRobotAndAllTogether) {
   EXPECT_EQ(accuracy->fused.all->poses, 80u);
   ASSERT_TRUE(accuracy->fused.from_frame.has_value());
   EXPECT_EQ(accuracy->fused.from_frame->poses, 60u);
+  // Each pose is 2 m off under the alignment of all, which is the error of all.
+  for (const RobotAccuracy& robot : accuracy->robots) {
+    EXPECT_TRUE(robot.is_profile_global);
+    ASSERT_EQ(robot.profile.size(), 40u);
+    for (const PoseError& error : robot.profile) EXPECT_NEAR(error.error_m, 2, 1e-6);
+  }
+}
+
+TEST(ComputeAccuracyTest, AlignsTheProfileOfARobotApartByItself) {
+  const absl::StatusOr<Accuracy> accuracy = ComputeAccuracy(
+      {MakeRobot(MakeSequence("apart"), 0, 39, {0, 4, 0}, false)}, 10, Alignment::kSe3);
+  ASSERT_TRUE(accuracy.ok()) << accuracy.status();
+  EXPECT_FALSE(accuracy->robots[0].is_profile_global);
+  ASSERT_EQ(accuracy->robots[0].profile.size(), 40u);
+  EXPECT_NEAR(accuracy->robots[0].profile[7].error_m, 0, 1e-6);
+  EXPECT_NEAR(
+      (accuracy->robots[0].profile[7].aligned - TruthAt(7).world_from_camera.translation).norm(), 0,
+      1e-6);
 }
 
 // The road is straight and 160 m long; an estimate of it is one percent too long.
@@ -119,6 +137,10 @@ TEST(ComputeAccuracyTest, MeasuresEachRobotsRelativeErrorOfItsOwnTrajectory) {
   ASSERT_TRUE(accuracy->robots[0].relative.has_value());
   EXPECT_NEAR(accuracy->robots[0].relative->translation_percent, 1, 0.05);
   EXPECT_NEAR(accuracy->robots[0].relative->rotation_deg_per_100m, 0, 1e-6);
+  ASSERT_EQ(accuracy->robots[0].by_length.size(), 1u);
+  EXPECT_EQ(accuracy->robots[0].by_length[0].length_m, 100);
+  EXPECT_EQ(accuracy->robots[0].by_length[0].error.translation_percent,
+            accuracy->robots[0].relative->translation_percent);
   // A road of 76 m holds no segment of 100 m.
   EXPECT_FALSE(accuracy->robots[1].relative.has_value());
 }
