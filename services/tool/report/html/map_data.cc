@@ -24,6 +24,9 @@ static_assert(std::endian::native == std::endian::little, "the page's numbers ar
 constexpr size_t kMostPathPoints = 8'000;
 constexpr size_t kMostKeyframes = 6'000;
 constexpr double kSteps = 65535;
+// Points beyond this share of the middle are left out, beyond the next one not looked at first.
+constexpr double kNearShare = 0.98;
+constexpr double kLookedAtShare = 0.8;
 
 // The smallest box around what it was shown.
 struct Box {
@@ -97,20 +100,51 @@ Box PathsBox(const ReportDetail& detail, const Eigen::Quaterniond& turn) {
   return box;
 }
 
-// Points further from the paths than these are wide would make everything else small.
-Json EncodePoints(const std::vector<Eigen::Vector3d>& points, const Eigen::Quaterniond& turn,
-                  const Box& paths) {
-  const double reach = 0.7 * std::max((paths.high - paths.low).maxCoeff(), 1e-3);
-  const Box near{paths.low.array() - reach, paths.high.array() + reach};
-  std::vector<Eigen::Vector3d> kept;
+// Returns the value below which this share of one axis lies.
+double Quantile(std::vector<double> values, double share) {
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<size_t>(at)];
+}
+
+// Returns the box of what lies between two quantiles of each axis; the points are finite.
+Box MiddleOf(const std::vector<Eigen::Vector3d>& points, double share) {
   Box box;
+  if (points.empty()) return box;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Eigen::Vector3d& x : points) values.push_back(x[axis]);
+    box.low[axis] = Quantile(values, (1 - share) / 2);
+    box.high[axis] = Quantile(values, (1 + share) / 2);
+  }
+  return box;
+}
+
+Box Join(const Box& a, const Box& b) { return {a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)}; }
+
+Box Grow(const Box& box, double share) {
+  const Eigen::Vector3d margin = share * (box.high - box.low).cwiseMax(1e-3);
+  return {box.low - margin, box.high + margin};
+}
+
+// Returns the points that are shown, in the page's frame. A few that lie far away would make
+// everything else small.
+std::vector<Eigen::Vector3d> ChoosePoints(const std::vector<Eigen::Vector3d>& points,
+                                          const Eigen::Quaterniond& turn, const Box& paths) {
+  std::vector<Eigen::Vector3d> taken;
   for (size_t i = 0; i < points.size(); i += Stride(points.size(), kMostMapPoints)) {
     const Eigen::Vector3d x = turn * points[i];
-    if (!x.allFinite() || !near.Contains(x)) continue;
-    kept.push_back(x);
-    box.Add(x);
+    if (x.allFinite()) taken.push_back(x);
   }
-  if (kept.empty()) box = near;
+  const Box near = Grow(Join(paths, MiddleOf(taken, kNearShare)), 0.1);
+  std::erase_if(taken, [&](const Eigen::Vector3d& x) { return !near.Contains(x); });
+  return taken;
+}
+
+Json EncodePoints(const std::vector<Eigen::Vector3d>& kept, size_t total) {
+  Box box;
+  for (const Eigen::Vector3d& x : kept) box.Add(x);
+  if (kept.empty()) box = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones()};
   const Eigen::Vector3d step = ((box.high - box.low) / kSteps).cwiseMax(1e-12);
   std::vector<uint16_t> values;
   for (const Eigen::Vector3d& x : kept) {
@@ -119,7 +153,7 @@ Json EncodePoints(const std::vector<Eigen::Vector3d>& points, const Eigen::Quate
       values.push_back(static_cast<uint16_t>(std::clamp(number, 0.0, kSteps)));
     }
   }
-  return {{"total", points.size()},
+  return {{"total", total},
           {"shown", kept.size()},
           {"low", {box.low.x(), box.low.y(), box.low.z()}},
           {"step", {step.x(), step.y(), step.z()}},
@@ -169,14 +203,16 @@ std::string WriteMapData(const ReportDetail& detail) {
   const Eigen::Quaterniond turn = PageFromMap(detail.map);
   const Box box = PathsBox(detail, turn);
   if (box.IsEmpty()) return "null";
-  const Eigen::Vector3d centre = 0.5 * (box.low + box.high);
+  const std::vector<Eigen::Vector3d> points = ChoosePoints(detail.map.points, turn, box);
+  const Box looked_at = Join(box, MiddleOf(points, kLookedAtShare));
+  const Eigen::Vector3d centre = 0.5 * (looked_at.low + looked_at.high);
   Json truth = Json::array();
   for (const std::vector<Eigen::Vector3d>& path : detail.map.truth) {
     truth.push_back(EncodePath(path, turn));
   }
   const Json data = {{"centre", {centre.x(), centre.y(), centre.z()}},
-                     {"radius", std::max(0.5 * (box.high - box.low).norm(), 1e-3)},
-                     {"points", EncodePoints(detail.map.points, turn, box)},
+                     {"radius", std::max(0.5 * (looked_at.high - looked_at.low).norm(), 1e-3)},
+                     {"points", EncodePoints(points, detail.map.points.size())},
                      {"robots", EncodeRobots(detail, turn)},
                      {"truth", truth}};
   // What is no UTF-8 is replaced, and nothing can end the script element or begin a comment in it.

@@ -64,7 +64,9 @@ class Camera {
     const view = [right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0,
                   -dot(right, eye), -dot(up, eye), -dot(back, eye), 1];
     const near = Math.max(this.distance * 0.01, this.radius * 1e-3);
-    return multiply(perspective(Camera.tanHalfHeight, aspect, near, this.distance + 20 * this.radius), view);
+    // Where the picture is higher than wide, its width is what has to hold the map.
+    const tanHalfHeight = Camera.tanHalfHeight / Math.min(1, aspect);
+    return multiply(perspective(tanHalfHeight, aspect, near, this.distance + 20 * this.radius), view);
   }
 }
 Camera.tanHalfHeight = Math.tan(Math.PI / 8);
