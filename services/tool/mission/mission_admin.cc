@@ -6,8 +6,8 @@
 #include "absl/strings/str_cat.h"
 #include "services/client/store/call_status.h"
 #include "services/convert/resource_names.h"
-#include "services/tool/mission/whole_file.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 namespace {

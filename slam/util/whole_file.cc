@@ -1,4 +1,4 @@
-#include "services/tool/mission/whole_file.h"
+#include "slam/util/whole_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -11,7 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace corbslam::services {
+namespace corbslam {
 namespace {
 
 // Makes the folder's list of names durable, which must survive, too.
@@ -27,9 +27,9 @@ bool SyncFolderOf(const std::string& path) {
 
 }  // namespace
 
-absl::StatusOr<WholeFile> WholeFile::Create(const std::string& path) {
+absl::StatusOr<WholeFile> WholeFile::Create(const std::string& path, Old old) {
   std::error_code error;
-  if (std::filesystem::exists(path, error)) {
+  if (old == Old::kKept && std::filesystem::exists(path, error)) {
     return absl::AlreadyExistsError(absl::StrCat("there is a file ", path, " already"));
   }
   WholeFile file(path, -1);
@@ -73,4 +73,4 @@ absl::Status WholeFile::Finish() {
   return SyncFolderOf(path_) ? absl::OkStatus() : Failed("rename");
 }
 
-}  // namespace corbslam::services
+}  // namespace corbslam

@@ -1,6 +1,6 @@
 // Writes a file that is there under its name only once it is whole.
-#ifndef CORBSLAM_SERVICES_TOOL_MISSION_WHOLE_FILE_H_
-#define CORBSLAM_SERVICES_TOOL_MISSION_WHOLE_FILE_H_
+#ifndef CORBSLAM_SLAM_UTIL_WHOLE_FILE_H_
+#define CORBSLAM_SLAM_UTIL_WHOLE_FILE_H_
 
 #include <string>
 
@@ -8,14 +8,18 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace corbslam::services {
+namespace corbslam {
 
 // One file that is being written. Not thread-safe. Errors name the file: RESOURCE_EXHAUSTED for a
 // full disk, else UNAVAILABLE.
 class WholeFile {
  public:
-  // Begins a file at `path` with ".part" at its end. ALREADY_EXISTS if there is one at `path`.
-  static absl::StatusOr<WholeFile> Create(const std::string& path);
+  // What becomes of a file that is at the path already.
+  enum class Old { kKept, kReplaced };
+
+  // Begins a file at `path` with ".part" at its end. ALREADY_EXISTS if there is one at `path` that
+  // is to be kept; one that is to be replaced stays until Finish.
+  static absl::StatusOr<WholeFile> Create(const std::string& path, Old old = Old::kKept);
   WholeFile(WholeFile&& other) noexcept;
   WholeFile& operator=(WholeFile&&) = delete;
   // Removes the file if it was not finished.
@@ -34,6 +38,6 @@ class WholeFile {
   int fd_;
 };
 
-}  // namespace corbslam::services
+}  // namespace corbslam
 
-#endif  // CORBSLAM_SERVICES_TOOL_MISSION_WHOLE_FILE_H_
+#endif  // CORBSLAM_SLAM_UTIL_WHOLE_FILE_H_

@@ -1,0 +1,68 @@
+#include "slam/util/whole_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace corbslam {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string Read(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+class WholeFileTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = ::testing::TempDir() + "/corbslam_whole_file_" +
+            ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::filesystem::remove(path_);
+  }
+  void TearDown() override { EXPECT_FALSE(std::filesystem::exists(path_ + ".part")); }
+
+  std::string path_;
+};
+
+TEST_F(WholeFileTest, IsThereOnceItIsWhole) {
+  auto file = WholeFile::Create(path_);
+  ASSERT_TRUE(file.ok()) << file.status();
+  ASSERT_TRUE(file->Append("one ").ok());
+  ASSERT_TRUE(file->Append("two").ok());
+  EXPECT_FALSE(std::filesystem::exists(path_));
+  ASSERT_TRUE(file->Finish().ok());
+  EXPECT_EQ(Read(path_), "one two");
+}
+
+TEST_F(WholeFileTest, KeepsOrReplacesWhatIsThere) {
+  std::ofstream(path_) << "old";
+  const auto kept = WholeFile::Create(path_);
+  EXPECT_EQ(kept.status().code(), absl::StatusCode::kAlreadyExists);
+  EXPECT_THAT(std::string(kept.status().message()), HasSubstr(path_));
+  {
+    auto given_up = WholeFile::Create(path_, WholeFile::Old::kReplaced);
+    ASSERT_TRUE(given_up.ok()) << given_up.status();
+    ASSERT_TRUE(given_up->Append("half").ok());
+  }
+  EXPECT_EQ(Read(path_), "old");
+  auto file = WholeFile::Create(path_, WholeFile::Old::kReplaced);
+  ASSERT_TRUE(file.ok()) << file.status();
+  ASSERT_TRUE(file->Append("new").ok());
+  ASSERT_TRUE(file->Finish().ok());
+  EXPECT_EQ(Read(path_), "new");
+}
+
+TEST_F(WholeFileTest, SaysWhatItCantWrite) {
+  const auto file = WholeFile::Create("/nowhere/a");
+  EXPECT_EQ(file.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(file.status().message()), HasSubstr("/nowhere/a"));
+}
+
+}  // namespace
+}  // namespace corbslam
