@@ -20,6 +20,13 @@ inline void SetDeadline(grpc::ClientContext& context) {
   context.set_deadline(absl::ToChronoTime(absl::Now() + absl::Seconds(60)));
 }
 
+// Sets the deadline of a call that reads a whole map or trajectory, maybe over a slow link, and
+// lets it wait for a store that may be starting.
+inline void SetStreamDeadline(grpc::ClientContext& context) {
+  context.set_deadline(absl::ToChronoTime(absl::Now() + absl::Minutes(10)));
+  context.set_wait_for_ready(true);
+}
+
 // Returns the status with the name of the call that met the error.
 inline absl::Status ToStatus(const grpc::Status& status, absl::string_view call) {
   if (status.ok()) return absl::OkStatus();

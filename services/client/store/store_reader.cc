@@ -1,7 +1,6 @@
 #include "services/client/store/store_reader.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -18,14 +17,6 @@ namespace {
 
 // How often a store is asked whether it is idle; it has no call that waits for that.
 constexpr absl::Duration kAskAgain = absl::Milliseconds(100);
-
-// Limit for reading a whole map or trajectory over a slow link.
-constexpr absl::Duration kReadPatience = absl::Minutes(10);
-
-void WaitForStream(grpc::ClientContext& context) {
-  context.set_deadline(absl::ToChronoTime(absl::Now() + kReadPatience));
-  context.set_wait_for_ready(true);
-}
 
 // Lets the call wait for a store that may be starting.
 void WaitForAnswer(grpc::ClientContext& context) {
@@ -138,13 +129,14 @@ absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames
 
 absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& agent,
                                                              v1::TrajectoryFrame frame,
-                                                             PosesOf poses_of) {
+                                                             PosesOf poses_of, Reach reach) {
   grpc::ClientContext context;
-  WaitForStream(context);
+  SetStreamDeadline(context);
   v1::GetTrajectoryRequest request;
   request.set_name(AgentName(mission_, agent));
   request.set_frame(frame);
   request.set_poses_of(ToProto(poses_of));
+  request.set_all_islands(reach == Reach::kAllIslands);
   ServedTrajectory trajectory;
   const auto reader = stub_->GetTrajectory(&context, request);
   v1::GetTrajectoryResponse response;
@@ -153,7 +145,8 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
     is_wanted = is_wanted && response.poses_of() == request.poses_of();
     for (const v1::TrajectoryPose& pose : response.poses()) {
       ASSIGN_OR_RETURN(const Rigid3d frame_from_camera, FromProto(pose.frame_from_camera()));
-      trajectory.push_back({pose.timestamp_ns(), frame_from_camera, pose.local_map()});
+      trajectory.push_back(
+          {pose.timestamp_ns(), frame_from_camera, pose.local_map(), pose.island()});
     }
   }
   RETURN_IF_ERROR(ToStatus(reader->Finish(), absl::StrCat("GetTrajectory of ", agent)));
@@ -167,7 +160,7 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
 
 absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
   grpc::ClientContext context;
-  WaitForStream(context);
+  SetStreamDeadline(context);
   v1::WatchMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(true);
@@ -188,24 +181,6 @@ absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
   if (is_whole) return map;
   if (status.ok()) return absl::DataLossError("WatchMap: the map came only in part");
   return ToStatus(status, "WatchMap");
-}
-
-absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t max_revisions) {
-  grpc::ClientContext context;
-  WaitForStream(context);
-  v1::ReplayMapRequest request;
-  request.set_mission(MissionName(mission_));
-  request.set_include_points(true);
-  request.set_max_revisions(max_revisions);
-  const auto reader = stub_->ReplayMap(&context, request);
-  std::vector<v1::WatchMapResponse> past;
-  v1::WatchMapResponse response;
-  while (reader->Read(&response)) past.push_back(std::move(response));
-  RETURN_IF_ERROR(ToStatus(reader->Finish(), "ReplayMap"));
-  if (past.empty() || past.back().continues()) {
-    return absl::DataLossError("ReplayMap: the past came only in part");
-  }
-  return past;
 }
 
 }  // namespace corbslam::services

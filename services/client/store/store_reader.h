@@ -4,6 +4,8 @@
 
 #include <grpcpp/channel.h>
 
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,6 +16,7 @@
 #include "absl/time/time.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "services/client/store/served_mission.h"
+#include "services/client/store/told_map.h"
 #include "services/security/security_options.h"
 #include "slam/camera/recorded_camera.h"
 
@@ -42,16 +45,31 @@ class StoreReader {
   // first.
   absl::StatusOr<std::map<std::string, uint64_t>> CountReportedFrames();
 
+  // Which local maps a global trajectory is of: those in the global frame alone, or all, each in
+  // the frame of its island.
+  enum class Reach { kGlobalFrame, kAllIslands };
+
   // FAILED_PRECONDITION if the store doesn't know the frame that `poses_of` wants.
   absl::StatusOr<ServedTrajectory> ReadTrajectory(const std::string& agent,
                                                   v1::TrajectoryFrame frame,
-                                                  PosesOf poses_of = PosesOf::kRecordedCamera);
+                                                  PosesOf poses_of = PosesOf::kRecordedCamera,
+                                                  Reach reach = Reach::kGlobalFrame);
   // Returns the island in the global frame.
   absl::StatusOr<ServedMap> ReadGlobalMap();
+  // Returns all islands with their points.
+  absl::StatusOr<ToldMap> ReadMap();
   // Returns the mission's past with map points, at most so many revisions, 2 to 1,000, as
-  // messages for PastMap; a revision's last one does not say `continues`, and so does the last of
+  // messages for ToldMap; a revision's last one does not say `continues`, and so does the last of
   // all. It is as long as the store lets it be: hundreds of megabytes.
   absl::StatusOr<std::vector<v1::WatchMapResponse>> ReadPast(uint32_t max_revisions);
+  // Gives the map without points as it was at each of at most `max_revisions` revisions, 2 to
+  // 1,000, and as it is in the end; an error of `on_revision` ends it. UNIMPLEMENTED: the store is
+  // older.
+  using OnRevision = std::function<absl::Status(const ToldMap& map)>;
+  absl::Status ReplayMap(uint32_t max_revisions, const OnRevision& on_revision);
+  // Returns the events that the store remembers, oldest first. It takes two seconds longer than
+  // they take to come. UNIMPLEMENTED: the store is older.
+  absl::StatusOr<std::vector<v1::MissionEvent>> ReadEvents();
 
  private:
   const std::string mission_;

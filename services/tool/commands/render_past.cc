@@ -49,7 +49,7 @@ absl::Status DrawMoments(const Messages& past, const std::string& own,
   SayMoments(options.at, moments, told);
   const std::set<size_t> wanted(moments.begin(), moments.end());
   std::map<size_t, MapSnapshot> drawn;
-  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t number, const PastMap& map) {
+  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t number, const ToldMap& map) {
     if (wanted.contains(number)) drawn[number] = ComposeSnapshot(map, own, accuracy);
     return absl::OkStatus();
   }));
@@ -67,12 +67,12 @@ absl::Status DrawMoments(const Messages& past, const std::string& own,
 absl::Status Animate(const Messages& past, const std::string& own, const FusedAccuracy& accuracy,
                      const PastOptions& options) {
   SnapshotStage stage;
-  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t, const PastMap& map) {
+  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t, const ToldMap& map) {
     stage.Observe(ComposeSnapshot(map, own, accuracy));
     return absl::OkStatus();
   }));
   ASSIGN_OR_RETURN(WebpAnimation animation, WebpAnimation::Create(options.frames_per_second));
-  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t, const PastMap& map) -> absl::Status {
+  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t, const ToldMap& map) -> absl::Status {
     ASSIGN_OR_RETURN(const cv::Mat frame,
                      RenderFrame(stage, ComposeSnapshot(map, own, accuracy), {options.width_px}));
     return animation.Add(frame);

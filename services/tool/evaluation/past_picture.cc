@@ -20,13 +20,13 @@ namespace {
 constexpr size_t kMostMoments = 16;
 
 // Returns one island as the served map of a moment.
-ServedMap ToServed(const PastMap& past, const PastMap::Island& island) {
+ServedMap ToServed(const ToldMap& past, const ToldMap::Island& island) {
   ServedMap map;
   for (const auto& [id, keyframe] : island.keyframes) {
     map.keyframes.push_back(
         {id, keyframe.parent, past.AgentOf(id.local_map), keyframe.island_from_camera});
   }
-  for (const auto& [id, position] : island.points) map.points.push_back(position);
+  for (const auto& [id, position] : island.points) map.points.push_back(position.cast<double>());
   return map;
 }
 
@@ -62,11 +62,11 @@ absl::StatusOr<size_t> ParseMoment(absl::string_view text, const std::vector<uin
 
 }  // namespace
 
-MapSnapshot ComposeSnapshot(const PastMap& past, const std::string& own,
+MapSnapshot ComposeSnapshot(const ToldMap& past, const std::string& own,
                             const FusedAccuracy& accuracy) {
   MapSnapshot snapshot;
-  snapshot.title = absl::StrCat("revision ", past.revision());
-  for (const auto& [id, island] : past.islands()) {
+  snapshot.title = absl::StrCat("revision ", past.revision);
+  for (const auto& [id, island] : past.islands) {
     if (island.keyframes.empty()) continue;
     // The truth is known in the global frame only.
     MapPicture map = ComposePicture(ToServed(past, island), own,
@@ -78,8 +78,8 @@ MapSnapshot ComposeSnapshot(const PastMap& past, const std::string& own,
 }
 
 absl::Status ForEachRevision(const std::vector<v1::WatchMapResponse>& past,
-                             const std::function<absl::Status(size_t, const PastMap&)>& use) {
-  PastMap map;
+                             const std::function<absl::Status(size_t, const ToldMap&)>& use) {
+  ToldMap map;
   size_t number = 0;
   for (const v1::WatchMapResponse& message : past) {
     RETURN_IF_ERROR(map.Apply(message));

@@ -10,7 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "services/client/store/past_map.h"
+#include "services/client/store/told_map.h"
 #include "services/tool/evaluation/accuracy.h"
 #include "slam/rendering/map_snapshots.h"
 
@@ -18,12 +18,12 @@ namespace corbslam::services {
 
 // Returns all islands of the moment; the truth, where there is one, lies in the global frame as
 // that is now. Local maps whose agent was not told are drawn as others'.
-MapSnapshot ComposeSnapshot(const PastMap& past, const std::string& own,
+MapSnapshot ComposeSnapshot(const ToldMap& past, const std::string& own,
                             const FusedAccuracy& accuracy);
 
 // Calls `use` with the map of every told revision, in order, and its number among them (from 0).
 absl::Status ForEachRevision(const std::vector<v1::WatchMapResponse>& past,
-                             const std::function<absl::Status(size_t, const PastMap&)>& use);
+                             const std::function<absl::Status(size_t, const ToldMap&)>& use);
 
 // Returns the revisions that are told, in order.
 std::vector<uint64_t> ToldRevisions(const std::vector<v1::WatchMapResponse>& past);

@@ -66,13 +66,13 @@ TEST_F(PastPictureTest, EndsWithTheMapOfNow) {
   ASSERT_TRUE(past.ok()) << past.status();
   const absl::StatusOr<ServedMap> now = reader_->ReadGlobalMap();
   ASSERT_TRUE(now.ok()) << now.status();
-  PastMap last;
-  ASSERT_TRUE(ForEachRevision(*past, [&](size_t, const PastMap& map) {
+  ToldMap last;
+  ASSERT_TRUE(ForEachRevision(*past, [&](size_t, const ToldMap& map) {
                 last = map;
                 return absl::OkStatus();
               }).ok());
-  ASSERT_EQ(last.islands().size(), 1u);
-  const PastMap::Island& island = last.islands().begin()->second;
+  ASSERT_EQ(last.islands.size(), 1u);
+  const ToldMap::Island& island = last.islands.begin()->second;
   EXPECT_TRUE(island.in_global_frame);
   EXPECT_EQ(island.points.size(), now->points.size());
   ASSERT_EQ(island.keyframes.size(), now->keyframes.size());
@@ -88,7 +88,7 @@ TEST_F(PastPictureTest, DrawsIslandsApartBeforeTheyAreFused) {
   const auto past = reader_->ReadPast(100);
   ASSERT_TRUE(past.ok()) << past.status();
   std::vector<MapSnapshot> snapshots;
-  ASSERT_TRUE(ForEachRevision(*past, [&](size_t number, const PastMap& map) {
+  ASSERT_TRUE(ForEachRevision(*past, [&](size_t number, const ToldMap& map) {
                 EXPECT_EQ(number, snapshots.size());
                 snapshots.push_back(ComposeSnapshot(map, "a", {}));
                 return absl::OkStatus();
@@ -107,12 +107,6 @@ TEST_F(PastPictureTest, HandsOnWhatTheStoreSays) {
   EXPECT_EQ(reader_->ReadPast(1).status().code(), absl::StatusCode::kInvalidArgument);
   StoreReader nowhere(server_->InProcessChannel(), "nowhere");
   EXPECT_EQ(nowhere.ReadPast(10).status().code(), absl::StatusCode::kNotFound);
-}
-
-TEST(PastMapTest, RefusesWhatItCantRead) {
-  v1::WatchMapResponse message;
-  message.add_islands()->set_slot(3);  // There is no such local map.
-  EXPECT_EQ(PastMap().Apply(message).code(), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(ParseMomentsTest, TakesSharesAndRevisions) {

@@ -216,7 +216,7 @@ class Reader {
   const absl::string_view bytes_;
   McapFile file_;
   std::map<uint16_t, std::pair<std::string, std::string>> channels_;  // Topic and schema.
-  std::map<uint64_t, std::pair<uint16_t, uint64_t>> in_chunk_;        // Channel and time, by offset.
+  std::map<uint64_t, std::pair<uint16_t, uint64_t>> in_chunk_;  // Channel and time, by offset.
   uint64_t counted_ = 0;
   bool ended_ = false;
 };
