@@ -9,6 +9,7 @@
 #include "map_store/archive/mission_archive.h"
 #include "services/client/store/store_reader.h"
 #include "services/convert/resource_names.h"
+#include "services/tool/commands/export_mcap.h"
 #include "services/tool/commands/export_trajectories.h"
 #include "services/tool/commands/mission_arguments.h"
 #include "services/tool/export/colmap_model.h"
@@ -130,6 +131,10 @@ absl::Status ExportColmap(const MissionArguments& arguments,
 
 absl::Status Export(const MissionArguments& arguments) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
+  if (arguments.revisions != 0 && arguments.format != "mcap") {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--revisions: ", arguments.format, " holds the map as it is; only mcap holds its past"));
+  }
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   // The exports below find nothing where there is no keyframe; the message here says so at once.
   ASSIGN_OR_RETURN(const v1::GetStatisticsResponse statistics,
@@ -138,6 +143,7 @@ absl::Status Export(const MissionArguments& arguments) {
     return absl::NotFoundError("mission " + arguments.mission + " has no keyframes yet");
   }
   if (arguments.format == "colmap") return ExportColmap(arguments, channel);
+  if (arguments.format == "mcap") return ExportMcap(arguments, channel);
   if (arguments.format == "ply") return ExportPoints(arguments, channel);
   return ExportTrajectories(arguments, channel);
 }
@@ -151,15 +157,21 @@ void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>&
       &Export, arguments, chosen);
   AddMissionFlag(*action, *arguments);
   action
-      ->add_option("--format", arguments->format,
-                   "tum, kitti (its times beside it, in FILE.times), euroc: trajectories; ply: "
-                   "points coloured by robot; colmap: a text model (operators only)")
-      ->check(CLI::IsMember({"tum", "kitti", "euroc", "ply", "colmap"}))
+      ->add_option(
+          "--format", arguments->format,
+          "tum, kitti (its times beside it, in FILE.times), euroc: trajectories; ply: "
+          "points coloured by robot; colmap: a text model (operators only); mcap: the past "
+          "and the robots' drives, for Foxglove and Rerun")
+      ->check(CLI::IsMember({"tum", "kitti", "euroc", "ply", "colmap", "mcap"}))
       ->required();
   action
       ->add_option("--out", arguments->file,
                    "File to write; a folder for colmap, and for trajectories without --agent")
       ->required();
+  action
+      ->add_option("--revisions", arguments->revisions,
+                   "mcap: of the map's past at most so many revisions, 2 to 1000 (default: 100)")
+      ->check(CLI::Range(2, 1000));
   action->add_option("--agent", arguments->agent, "Only this robot's");
   action
       ->add_option("--poses-of", arguments->poses_of,

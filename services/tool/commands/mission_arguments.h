@@ -23,10 +23,11 @@ struct MissionArguments {
   std::string mission;
   std::string file;
   bool json = false;
-  // `export` alone has the three fields below.
+  // `export` alone has the four fields below.
   std::string format;
   std::string agent;
   std::string poses_of;  // Empty if the flag was not given.
+  uint32_t revisions = 0;  // 0 if the flag was not given.
 };
 
 // Opens a channel to the store that the flags name.

@@ -1,0 +1,24 @@
+// Says in words what happened in a mission.
+#ifndef CORBSLAM_SERVICES_TOOL_MISSION_EVENT_WORDS_H_
+#define CORBSLAM_SERVICES_TOOL_MISSION_EVENT_WORDS_H_
+
+#include <map>
+#include <string>
+
+#include "corbslam/v1/events.pb.h"
+
+namespace corbslam::services {
+
+// Short names of local maps by the names of their resources, as ShortNames returns them.
+using LocalMapNames = std::map<std::string, std::string>;
+
+// Returns words such as "alpha/1 and bravo/1 are one island (340 ms)". A local map without a short
+// name is called by its id.
+std::string DescribeEvent(const v1::MissionEvent& event, const LocalMapNames& names);
+
+// Returns whether somebody should look at it: tracking was lost, or overlaps were taken back.
+bool IsWarning(const v1::MissionEvent& event);
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_TOOL_MISSION_EVENT_WORDS_H_
