@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "foxglove/point_cloud.pb.h"
 #include "services/client/store/store_reader.h"
+#include "services/tool/export/mcap/testing/mcap_reader.h"
 #include "services/tool/export/testing/colmap_reader.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "tests/integration/mission_fixture.h"
@@ -66,6 +68,7 @@ class ExportTest : public ::testing::Test {
   void CheckTrajectories();
   void CheckPoints();
   void CheckColmap();
+  void CheckRecording();
   void CheckShow();
 
   RunningServers servers_;
@@ -135,6 +138,32 @@ void ExportTest::CheckColmap() {
   EXPECT_GT(fused, 20u) << "no landmarks that both robots see";
 }
 
+void ExportTest::CheckRecording() {
+  const auto file = testing::ReadMcap(Export("mcap"));
+  ASSERT_TRUE(file.ok()) << file.status();
+  const auto map = reader_->ReadMap();
+  ASSERT_TRUE(map.ok()) << map.status();
+  const auto frames = file->On("/frames");
+  EXPECT_GT(frames.size(), 2u) << "revisions of the past";
+  size_t points = 0;
+  for (const char* robot : {"alpha", "bravo"}) {
+    EXPECT_EQ(file->On(absl::StrCat("/map/", robot, "/keyframes")).size(), frames.size());
+    EXPECT_EQ(file->On(absl::StrCat("/robots/", robot, "/pose")).size(), Served(robot).size());
+    for (const auto& message : file->On(absl::StrCat("/map/", robot, "/points"))) {
+      foxglove::PointCloud cloud;
+      ASSERT_TRUE(cloud.ParseFromString(message.data));
+      EXPECT_EQ(message.time_ns, frames.back().time_ns);
+      points += cloud.data().size() / cloud.point_stride();
+    }
+  }
+  ASSERT_EQ(map->islands.size(), 1u);
+  EXPECT_EQ(points, map->islands.begin()->second.points.size());
+  std::string log;
+  for (const auto& message : file->On("/log")) log += message.data;
+  EXPECT_THAT(log, AllOf(HasSubstr("alpha joined"), HasSubstr("are one island"),
+                         HasSubstr(": accepted, ")));
+}
+
 void ExportTest::CheckShow() {
   EXPECT_THAT(Run({"show", "--mission", "lab"}),
               AllOf(HasSubstr("Mission lab: 2 robots, "), HasSubstr("alpha/1 and bravo/1, fused: "),
@@ -153,6 +182,7 @@ TEST_F(ExportTest, WhatIsWrittenIsWhatTheStoreHas) {
   ASSERT_NO_FATAL_FAILURE(CheckTrajectories());
   ASSERT_NO_FATAL_FAILURE(CheckPoints());
   ASSERT_NO_FATAL_FAILURE(CheckColmap());
+  ASSERT_NO_FATAL_FAILURE(CheckRecording());
   ASSERT_NO_FATAL_FAILURE(CheckShow());
 }
 
