@@ -64,6 +64,14 @@ function makeDecoders(reader) {
   return decoders;
 }
 
+// Names fields as in JSON: a schema that does not say these names has them with underscores.
+function withJsonNames(value) {
+  if (Array.isArray(value)) return value.map(withJsonNames);
+  if (value === null || typeof value !== "object" || ArrayBuffer.isView(value)) return value;
+  return Object.fromEntries(Object.entries(value).map(
+      ([key, v]) => [key.replace(/_(.)/g, (_, c) => c.toUpperCase()), withJsonNames(v)]));
+}
+
 function nanoseconds(time) {
   return BigInt(time.seconds ?? 0) * 1_000_000_000n + BigInt(time.nanos ?? 0);
 }
@@ -74,6 +82,7 @@ class Frames {
   used = new Set();
 
   add(transform) {
+    expect(transform.childFrameId && transform.parentFrameId, "a frame has no name");
     const known = this.parents.get(transform.childFrameId);
     expect(known === undefined || known === transform.parentFrameId,
            `frame ${transform.childFrameId} has two parents`);
@@ -117,8 +126,9 @@ function checkMessage(schema, message, logTime, frames) {
   if (schema === "foxglove.FrameTransform") frames.add(message);
   if (schema === "foxglove.PointCloud") checkCloud(message);
   if (schema === "foxglove.SceneUpdate") checkScene(message);
-  for (const entity of message.entities ?? []) frames.used.add(entity.frameId);
-  if (message.frameId) frames.used.add(message.frameId);
+  for (const part of [message, ...(message.entities ?? [])]) {
+    if ("frameId" in part) frames.used.add(part.frameId);
+  }
   const times = [message, ...(message.entities ?? []), ...(message.transforms ?? [])];
   for (const { timestamp } of times) {
     if (timestamp) expect(nanoseconds(timestamp) === logTime, "a message's own time is another one");
@@ -133,7 +143,8 @@ async function checkMessages(reader) {
   for await (const message of reader.readMessages({ validateCrcs: true })) {
     const channel = reader.channelsById.get(message.channelId);
     const type = decoders.get(channel.schemaId);
-    const decoded = type.toObject(type.decode(message.data), { longs: String, arrays: true });
+    const decoded = withJsonNames(
+        type.toObject(type.decode(message.data), { defaults: true, longs: String }));
     checkMessage(type.fullName.slice(1), decoded, message.logTime, frames);
     expect(message.logTime >= last, "messages do not come in the order of their times");
     last = message.logTime;
