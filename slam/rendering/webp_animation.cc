@@ -68,7 +68,8 @@ absl::Status WebpAnimation::Add(const cv::Mat& image) {
   }
   WebPConfig config;
   WebPPicture picture;
-  if (state.encoder == nullptr || WebPConfigLosslessPreset(&config, 2) == 0 ||
+  if (state.encoder == nullptr || WebPConfigInit(&config) == 0 ||
+      WebPConfigLosslessPreset(&config, 2) == 0 ||
       WebPPictureInit(&picture) == 0) {
     return state.Error("libwebp");
   }

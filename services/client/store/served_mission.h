@@ -18,8 +18,8 @@ struct ServedPose {
   int64_t timestamp_ns = 0;
   // The frame is that of `local_map` in a local trajectory, that of `island` in a global one.
   Rigid3d frame_from_camera;
-  std::string local_map;  // Name of the local map's resource.
-  std::string island;     // Likewise, of the local map that names the island.
+  std::string local_map;    // Name of the local map's resource.
+  std::string island = {};  // Likewise, of the local map that names the island.
 };
 
 // Holds every tracked frame of one agent, by local map, in time. A global trajectory leaves out

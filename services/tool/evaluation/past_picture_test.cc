@@ -84,7 +84,7 @@ TEST_F(PastPictureTest, EndsWithTheMapOfNow) {
   }
 }
 
-TEST_F(PastPictureTest, DrawsIslandsApartBeforeTheyAreFused) {
+TEST_F(PastPictureTest, DrawsEachRevision) {
   const auto past = reader_->ReadPast(100);
   ASSERT_TRUE(past.ok()) << past.status();
   std::vector<MapSnapshot> snapshots;
@@ -98,9 +98,25 @@ TEST_F(PastPictureTest, DrawsIslandsApartBeforeTheyAreFused) {
   EXPECT_THAT(snapshots.back().title, StartsWith("revision "));
   ASSERT_EQ(snapshots.back().islands.size(), 1u);
   EXPECT_EQ(snapshots.back().islands[0].map.title, "a, b");
-  const absl::StatusOr<std::string> svg = RenderSnapshotsSvg(snapshots);
+}
+
+TEST(ComposeSnapshotTest, DrawsIslandsApartUntilTheyAreFused) {
+  ToldMap map;
+  map.agents = {{{1}, "a"}, {{2}, "b"}};
+  for (const LocalMapId id : {LocalMapId{1}, LocalMapId{2}, LocalMapId{3}}) {
+    ToldMap::Island& island = map.islands[id];
+    island.in_global_frame = id.value == 1;
+    if (id.value == 3) continue;  // Nothing of it has come yet.
+    island.keyframes[{id, 0}] = {};
+    island.points[{id, 0}] = Eigen::Vector3f(1, 0, 2);
+  }
+  const MapSnapshot snapshot = ComposeSnapshot(map, "a", {});
+  ASSERT_EQ(snapshot.islands.size(), 2u);
+  EXPECT_EQ(snapshot.islands[0].map.title, "a");
+  EXPECT_EQ(snapshot.islands[1].map.title, "b (not fused)");
+  const absl::StatusOr<std::string> svg = RenderSnapshotsSvg({snapshot});
   ASSERT_TRUE(svg.ok()) << svg.status();
-  EXPECT_THAT(*svg, HasSubstr("not fused"));
+  EXPECT_THAT(*svg, HasSubstr("b (not fused)"));
 }
 
 TEST_F(PastPictureTest, HandsOnWhatTheStoreSays) {
