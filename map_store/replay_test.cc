@@ -76,12 +76,15 @@ class ReplayTest : public ::testing::Test {
   }
   void Fuse() { ASSERT_TRUE(store_->RunFusionUntilIdle(kMission).ok()); }
 
-  // Notes the map when a revision is committed, before owners say more.
+  // Notes the map when a batch was applied or a revision committed, before more comes. Each batch
+  // brings one keyframe.
   void Note() {
     const auto mission = store_->GetMission(kMission);
-    if (mission.ok() && mission->local_maps > 0) {
-      then_.try_emplace(mission->revision, *store_->GlobalMapView(kMission));
-    }
+    if (!mission.ok() || mission->local_maps == 0) return;
+    Views views = *store_->GlobalMapView(kMission);
+    size_t keyframes = 0;
+    for (const IslandView& view : views) keyframes += view.keyframes.size();
+    then_.try_emplace({mission->revision, keyframes}, std::move(views));
   }
 
   // Sends batches [begin, end), and fuses after each fourth.
@@ -92,6 +95,7 @@ class ReplayTest : public ::testing::Test {
     for (size_t i = begin; i < end; ++i) {
       const bool is_a = batches_[i].local_map == LocalMapId{0xa};
       ASSERT_TRUE(store_->Apply(is_a ? a : b, batches_[i]).ok());
+      Note();
       if (i % 4 == 3) Fuse();
     }
     store_->RemoveMapListener(kMission, *token);
@@ -110,7 +114,7 @@ class ReplayTest : public ::testing::Test {
     store_->RemoveMapListener(kMission, *token);
   }
 
-  // Holds what is told against what was noted. Returns how many revisions were told.
+  // Holds what is told against what was noted. Returns how many moments were told.
   size_t ExpectTruth(const ReplayOptions& options) {
     const auto pieces = store_->ReplayMap(kMission, options, &Always);
     EXPECT_TRUE(pieces.ok()) << pieces.status();
@@ -123,7 +127,8 @@ class ReplayTest : public ::testing::Test {
       ++told;
       SCOPED_TRACE(piece.revision);
       const bool is_last = &piece == &pieces->back();
-      mirror.ExpectEquals(is_last ? *store_->GlobalMapView(kMission) : then_.at(piece.revision));
+      mirror.ExpectEquals(is_last ? *store_->GlobalMapView(kMission)
+                                  : then_.at({piece.revision, mirror.CountKeyframes()}));
     }
     EXPECT_FALSE(pieces->back().continues);
     EXPECT_EQ(pieces->back().revision, store_->GetStatistics(kMission)->revision);
@@ -139,29 +144,30 @@ class ReplayTest : public ::testing::Test {
   SyntheticMap map_b_ = MakeRingMap(0xb, 32, 14);
   TruthfulWorker worker_{{&map_a_, &map_b_}};
   std::vector<MapUpdateBatch> batches_;
-  std::map<uint64_t, Views> then_;  // By revision.
+  std::map<std::pair<uint64_t, size_t>, Views> then_;  // By revision and number of keyframes.
   std::unique_ptr<MapStore> store_;
 };
 
-TEST_F(ReplayTest, TellsEachRevisionAsItWas) {
+TEST_F(ReplayTest, TellsEachBatchAndRevisionAsItWas) {
   OpenOnDisk();
   Send(0, batches_.size());
   Reconsider();
   const uint64_t revisions = store_->GetStatistics(kMission)->revision;
   ASSERT_GE(revisions, 6u);
-  EXPECT_EQ(ExpectTruth({.include_points = true}), revisions + 1);
-  EXPECT_EQ(ExpectTruth({.include_points = false}), revisions + 1);
+  EXPECT_EQ(then_.size(), batches_.size() + revisions);
+  EXPECT_EQ(ExpectTruth({.include_points = true}), then_.size());
+  EXPECT_EQ(ExpectTruth({.include_points = false}), then_.size());
   // A store that has read its journal again tells the same.
   OpenOnDisk();
-  EXPECT_EQ(ExpectTruth({.include_points = true}), revisions + 1);
+  EXPECT_EQ(ExpectTruth({.include_points = true}), then_.size());
 }
 
-TEST_F(ReplayTest, OfManyRevisionsSomeAreTold) {
+TEST_F(ReplayTest, OfManyMomentsSomeAreTold) {
   OpenOnDisk();
   Send(0, batches_.size());
   Reconsider();
-  EXPECT_EQ(ExpectTruth({.include_points = true, .max_revisions = 4}), 4u);
-  EXPECT_EQ(ExpectTruth({.include_points = true, .max_revisions = 2}), 2u);
+  EXPECT_EQ(ExpectTruth({.include_points = true, .max_moments = 4}), 4u);
+  EXPECT_EQ(ExpectTruth({.include_points = true, .max_moments = 2}), 2u);
 }
 
 TEST_F(ReplayTest, BeginsWithTheSnapshot) {
@@ -170,15 +176,15 @@ TEST_F(ReplayTest, BeginsWithTheSnapshot) {
   OpenOnDisk(/*between_snapshots=*/1);
   Fuse();
   const uint64_t revision = store_->GetStatistics(kMission)->revision;
-  then_ = {{revision, *store_->GlobalMapView(kMission)}};
+  then_.clear();
+  Note();
   OpenOnDisk();
   EXPECT_EQ(ExpectTruth({.include_points = true}), 2u) << "the snapshot, and the present";
   Send(20, batches_.size());
   Reconsider();
-  const uint64_t later = store_->GetStatistics(kMission)->revision - revision;
-  ASSERT_GE(later, 3u);
-  EXPECT_EQ(ExpectTruth({.include_points = true}), later + 1);
-  EXPECT_EQ(ExpectTruth({.include_points = true, .max_revisions = 3}), 3u);
+  ASSERT_GE(store_->GetStatistics(kMission)->revision, revision + 3);
+  EXPECT_EQ(ExpectTruth({.include_points = true}), then_.size());
+  EXPECT_EQ(ExpectTruth({.include_points = true, .max_moments = 3}), 3u);
 }
 
 TEST_F(ReplayTest, AJournalThatKeepsNothingTellsThePresent) {
@@ -200,7 +206,7 @@ TEST_F(ReplayTest, EndsWhenItIsTooLongOrNobodyWaits) {
   EXPECT_TRUE(absl::IsCancelled(given_up.status())) << given_up.status();
   EXPECT_EQ(asked, 5);
   EXPECT_TRUE(
-      absl::IsInvalidArgument(store_->ReplayMap(kMission, {.max_revisions = 1}, &Always).status()));
+      absl::IsInvalidArgument(store_->ReplayMap(kMission, {.max_moments = 1}, &Always).status()));
   EXPECT_TRUE(absl::IsNotFound(store_->ReplayMap("nobodys", {}, &Always).status()));
 }
 

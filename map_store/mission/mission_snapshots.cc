@@ -48,7 +48,7 @@ std::vector<std::shared_ptr<const KeyframePayload>> ListPayloads(const MissionSt
 
 struct MissionSnapshots::Beginning {
   Journal::Position position = 0;
-  uint64_t revision = 0;
+  ReplayProgress progress;
   UnrecordedState unrecorded;
   std::map<LocalMapId, Extent> extents;
 };
@@ -57,7 +57,7 @@ MissionSnapshots::Beginning MissionSnapshots::Begin() const {
   Beginning beginning;
   beginning.position = strand_.appended();
   absl::ReaderMutexLock lock(&strand_.mutex());
-  beginning.revision = strand_.state().global.revision;
+  beginning.progress = ProgressOf(strand_.state());
   beginning.unrecorded = CopyUnrecorded(strand_.state());
   beginning.extents = Measure(strand_.state());
   return beginning;
@@ -120,7 +120,7 @@ absl::StatusOr<std::vector<MapChanges>> MissionSnapshots::TellPast(
   const auto check_memory = [this](uint64_t bytes) { return CheckMemory(bytes); };
   if (!strand_.environment().journal->KeepsRecords()) {
     absl::ReaderMutexLock lock(&strand_.mutex());
-    MapReplay present(options, strand_.state().global.revision, check_memory);
+    MapReplay present(options, ProgressOf(strand_.state()), check_memory);
     RETURN_IF_ERROR(present.End(strand_.state()));
     return std::move(present).Take();
   }
@@ -131,7 +131,7 @@ absl::StatusOr<std::vector<MapChanges>> MissionSnapshots::TellPast(
     beginning = Begin();
   }
   const ReturnsFreeMemory after;
-  MapReplay past(options, beginning.revision, check_memory);
+  MapReplay past(options, beginning.progress, check_memory);
   const absl::StatusOr<MissionState> state = Replay(
       std::move(beginning), goes_on, [&past](const MissionState& then) { return past.Look(then); });
   // The replay's own words of what has ended it would name the journal's folder.

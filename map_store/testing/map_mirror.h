@@ -40,6 +40,11 @@ class MapMirror {
   }
 
   uint64_t version() const { return version_; }
+  size_t CountKeyframes() const {
+    size_t count = 0;
+    for (const auto& [id, island] : islands_) count += island.keyframes.size();
+    return count;
+  }
 
  private:
   struct Island {

@@ -10,8 +10,8 @@
 namespace corbslam::map_store {
 namespace {
 
-constexpr size_t kLeastRevisions = 2;
-constexpr size_t kMostRevisions = 1000;
+constexpr size_t kLeastMoments = 2;
+constexpr size_t kMostMoments = 1000;
 // A piece is about as long as one of WatchMap's.
 constexpr size_t kItemsInAPiece = 5000;
 
@@ -31,33 +31,43 @@ uint64_t CountBytes(const MapChanges& piece) {
 }  // namespace
 
 absl::Status ReplayOptions::Validate() const {
-  if (max_revisions >= kLeastRevisions && max_revisions <= kMostRevisions) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat("max_revisions is ", max_revisions, ", must be ",
-                                                 kLeastRevisions, " to ", kMostRevisions));
+  if (max_moments >= kLeastMoments && max_moments <= kMostMoments) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("max_moments is ", max_moments, ", must be ",
+                                                 kLeastMoments, " to ", kMostMoments));
 }
 
-MapReplay::MapReplay(const ReplayOptions& options, uint64_t last_revision, MemoryCheck memory)
+ReplayProgress ProgressOf(const MissionState& state) {
+  ReplayProgress progress{.revision = state.global.revision, .batches = 0};
+  for (const auto& [id, local_map] : state.local_maps) progress.batches += local_map.last_batch;
+  return progress;
+}
+
+MapReplay::MapReplay(const ReplayOptions& options, const ReplayProgress& last, MemoryCheck memory)
     : options_(options),
-      last_revision_(last_revision),
+      last_(last),
       memory_(std::move(memory)),
       watcher_(0, options.include_points) {}
 
-uint64_t MapReplay::Chosen(size_t index) const {
-  const uint64_t steps = last_revision_ - std::min(*first_revision_, last_revision_);
-  const uint64_t most = options_.max_revisions - 1;
-  return *first_revision_ + (steps <= most ? index : index * steps / most);
-}
-
-bool MapReplay::IsDue(uint64_t revision) const {
-  return next_ < options_.max_revisions && Chosen(next_) <= revision;
+MapReplay::Plan MapReplay::MakePlan(const ReplayProgress& first) const {
+  const uint64_t changes = last_.revision - std::min(first.revision, last_.revision);
+  const uint64_t batches = last_.batches - std::min(first.batches, last_.batches);
+  const uint64_t most = options_.max_moments;
+  const uint64_t room = std::max(most / 2, most - std::min(batches, most));
+  // The first state is the first of both, and counts once.
+  const size_t revisions = changes < room ? changes + 1 : room;
+  return {EvenSteps(first.revision, last_.revision, revisions),
+          EvenSteps(first.batches, last_.batches, options_.max_moments + 1 - revisions)};
 }
 
 absl::Status MapReplay::Look(const MissionState& state) {
-  const uint64_t revision = state.global.revision;
-  if (!first_revision_.has_value()) first_revision_ = revision;
-  // The last revision is told at the end, with what owners said after it.
-  if (!IsDue(revision) || (next_ > 0 && revision >= last_revision_)) return status_;
-  while (IsDue(revision)) ++next_;
+  const ReplayProgress now = ProgressOf(state);
+  const bool is_first = !plan_.has_value();
+  if (is_first) plan_.emplace(MakePlan(now));
+  const bool is_revision = plan_->revisions.Reach(now.revision);
+  const bool is_batch = plan_->batches.Reach(now.batches);
+  // The end is told as such, and not twice.
+  const bool is_end = now.revision >= last_.revision && now.batches >= last_.batches;
+  if ((!is_revision && !is_batch) || (is_end && !is_first)) return status_;
   return Tell(state);
 }
 
@@ -80,8 +90,8 @@ absl::Status MapReplay::Keep(MapChanges piece) {
   if (bytes_ > options_.max_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat(
         "the replay is longer than ", options_.max_bytes, " bytes at revision ", piece.revision,
-        " of ", last_revision_, ": ask for fewer revisions (max_revisions is ",
-        options_.max_revisions, ")", options_.include_points ? ", or without points" : ""));
+        " of ", last_.revision, ": ask for fewer moments (max_moments is ", options_.max_moments,
+        ")", options_.include_points ? ", or without points" : ""));
   }
   RETURN_IF_ERROR(memory_(bytes));
   pieces_.push_back(std::move(piece));

@@ -144,7 +144,7 @@ void ExportTest::CheckRecording() {
   const auto map = reader_->ReadMap();
   ASSERT_TRUE(map.ok()) << map.status();
   const auto frames = file->On("/frames");
-  EXPECT_GT(frames.size(), 2u) << "revisions of the past";
+  EXPECT_GT(frames.size(), 2u) << "moments of the past";
   size_t points = 0;
   for (const char* robot : {"alpha", "bravo"}) {
     EXPECT_EQ(file->On(absl::StrCat("/map/", robot, "/keyframes")).size(), frames.size());

@@ -17,7 +17,7 @@ int Write(const testing::MadeUpMission& mission, const std::string& path) {
 // Returns a mission with points for several chunks.
 testing::MadeUpMission MakeLargeMission() {
   testing::MadeUpMission large = testing::MakeUpMission();
-  auto& points = large.revisions.back().islands[testing::kAlphas].points;
+  auto& points = large.moments.back().islands[testing::kAlphas].points;
   for (uint32_t i = 0; i < 600'000; ++i) {
     points[{testing::kAlphas, i}] = {static_cast<float>(i), 0, 1};
   }

@@ -73,13 +73,13 @@ absl::StatusOr<ToldMap> StoreReader::ReadMap() {
   return absl::UnavailableError("WatchMap: the map store ended before the map was whole");
 }
 
-absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t max_revisions) {
+absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t max_moments) {
   grpc::ClientContext context;
   SetStreamDeadline(context);
   v1::ReplayMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(true);
-  request.set_max_revisions(max_revisions);
+  request.set_max_moments(max_moments);
   const auto reader = stub_->ReplayMap(&context, request);
   std::vector<v1::WatchMapResponse> past;
   v1::WatchMapResponse response;
@@ -91,12 +91,12 @@ absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t
   return past;
 }
 
-absl::Status StoreReader::ReplayMap(uint32_t max_revisions, const OnRevision& on_revision) {
+absl::Status StoreReader::ReplayMap(uint32_t max_moments, const OnMoment& on_moment) {
   grpc::ClientContext context;
   SetStreamDeadline(context);
   v1::ReplayMapRequest request;
   request.set_mission(MissionName(mission_));
-  request.set_max_revisions(max_revisions);
+  request.set_max_moments(max_moments);
   const auto reader = stub_->ReplayMap(&context, request);
   ToldMap map;
   v1::WatchMapResponse response;
@@ -104,14 +104,14 @@ absl::Status StoreReader::ReplayMap(uint32_t max_revisions, const OnRevision& on
   absl::Status status;
   while (status.ok() && reader->Read(&response)) {
     status = map.Apply(response);
-    if (status.ok() && !response.continues()) status = on_revision(map);
+    if (status.ok() && !response.continues()) status = on_moment(map);
   }
   if (!status.ok()) context.TryCancel();
   const grpc::Status end = reader->Finish();
   RETURN_IF_ERROR(status);
   RETURN_IF_ERROR(ToStatus(end, "ReplayMap"));
   if (!response.continues()) return absl::OkStatus();
-  return absl::UnavailableError("ReplayMap: the map store ended within a revision");
+  return absl::UnavailableError("ReplayMap: the map store ended within a moment");
 }
 
 absl::StatusOr<std::vector<v1::MissionEvent>> StoreReader::ReadEvents() {

@@ -131,9 +131,9 @@ absl::Status ExportColmap(const MissionArguments& arguments,
 
 absl::Status Export(const MissionArguments& arguments) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
-  if (arguments.revisions != 0 && arguments.format != "mcap") {
+  if (arguments.moments != 0 && arguments.format != "mcap") {
     return absl::InvalidArgumentError(absl::StrCat(
-        "--revisions: ", arguments.format, " holds the map as it is; only mcap holds its past"));
+        "--moments: ", arguments.format, " holds the map as it is; only mcap holds its past"));
   }
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   // The exports below find nothing where there is no keyframe; the message here says so at once.
@@ -169,8 +169,8 @@ void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>&
                    "File to write; a folder for colmap, and for trajectories without --agent")
       ->required();
   action
-      ->add_option("--revisions", arguments->revisions,
-                   "mcap: of the map's past at most so many revisions, 2 to 1000 (default: 100)")
+      ->add_option("--moments", arguments->moments,
+                   "mcap: of the map's past at most so many moments, 2 to 1000 (default: 100)")
       ->check(CLI::Range(2, 1000));
   action->add_option("--agent", arguments->agent, "Only this robot's");
   action

@@ -54,27 +54,27 @@ absl::StatusOr<RecordedMission> Collect(const MissionArguments& arguments, Store
   return mission;
 }
 
-// Writes the past. A change that was told behind its last revision makes one more.
+// Writes the past. A change that was told behind its last moment makes one more.
 absl::StatusOr<ToldMap> RecordPast(const MissionArguments& arguments, StoreReader& store,
                                    MissionRecording& recording) {
   uint64_t told = 0;
   const absl::Status status =
-      store.ReplayMap(arguments.revisions, [&](const ToldMap& map) -> absl::Status {
+      store.ReplayMap(arguments.moments, [&](const ToldMap& map) -> absl::Status {
         told = map.version;
-        return recording.AddRevision(map);
+        return recording.AddMoment(map);
       });
   if (IsUnknownCall(status)) {
     std::printf(
         "the map store is older than this program and tells no past: the map is as it is\n");
   } else if (status.code() == absl::StatusCode::kResourceExhausted) {
     return absl::ResourceExhaustedError(
-        absl::StrCat(status.message(), "; --revisions says how many"));
+        absl::StrCat(status.message(), "; --moments says how many"));
   } else {
     RETURN_IF_ERROR(status);
   }
   ASSIGN_OR_RETURN(ToldMap map, store.ReadMap());
-  if (recording.revisions() == 0 || map.version != told) {
-    RETURN_IF_ERROR(recording.AddRevision(map));
+  if (recording.moments() == 0 || map.version != told) {
+    RETURN_IF_ERROR(recording.AddMoment(map));
   }
   return map;
 }
@@ -134,7 +134,7 @@ absl::Status WriteReadme(const MissionArguments& arguments, PosesOf poses_of,
                          const MissionRecording& recording) {
   return WriteLines(
       {absl::StrCat("Recording of mission ", arguments.mission, " for Foxglove and Rerun: ",
-                    recording.revisions(), " revisions of the map, a second each,"),
+                    recording.moments(), " moments of the map, a second each,"),
        "then the robots driving again in the map as it is, each by its own clock since its first "
        "frame.",
        absl::StrCat("Robots' poses: ", PoseHeaderLine(poses_of), ";"),
@@ -161,7 +161,7 @@ absl::Status ExportMcap(const MissionArguments& arguments,
   RETURN_IF_ERROR(recording.End(map, trajectories));
   RETURN_IF_ERROR(recording.Finish());
   RETURN_IF_ERROR(WriteReadme(arguments, poses_of, recording));
-  std::printf("%s: %zu revisions, %zu keyframes\n", arguments.file.c_str(), recording.revisions(),
+  std::printf("%s: %zu moments, %zu keyframes\n", arguments.file.c_str(), recording.moments(),
               map.CountKeyframes());
   return absl::OkStatus();
 }

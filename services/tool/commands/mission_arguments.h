@@ -27,7 +27,7 @@ struct MissionArguments {
   std::string format;
   std::string agent;
   std::string poses_of;  // Empty if the flag was not given.
-  uint32_t revisions = 0;  // 0 if the flag was not given.
+  uint32_t moments = 0;  // 0 if the flag was not given.
 };
 
 // Opens a channel to the store that the flags name.

@@ -95,10 +95,10 @@ void AddPastOptions(CLI::App& render, PastOptions& past) {
                     "25%,50%,100%, or revisions");
   render.add_option("--animate", past.animate,
                     "Write the mission's past as an animation, too: FILE.webp");
-  render.add_option("--fps", past.frames_per_second, "Revisions a second of --animate, 5 to 20")
+  render.add_option("--fps", past.frames_per_second, "Moments a second of --animate, 5 to 20")
       ->capture_default_str();
-  render.add_option("--revisions", past.revisions,
-                    "At most so many revisions of the past are looked at, 2 to 1000; by default "
+  render.add_option("--moments", past.moments,
+                    "At most so many moments of the past are looked at, 2 to 1000; by default "
                     "1000 for --at, 200 for --animate alone");
 }
 

@@ -21,16 +21,16 @@ namespace {
 
 using Messages = std::vector<v1::WatchMapResponse>;
 
-// Named revisions want to be among the told ones; frames want to be few.
-constexpr uint32_t kRevisionsForMoments = 1000;
-constexpr uint32_t kRevisionsForFrames = 200;
+// Named revisions want to be among the told moments; frames want to be few.
+constexpr uint32_t kMomentsForPictures = 1000;
+constexpr uint32_t kMomentsForFrames = 200;
 
-uint32_t RevisionsToAsk(const PastOptions& options) {
-  if (options.revisions != 0) return options.revisions;
-  return options.at.empty() ? kRevisionsForFrames : kRevisionsForMoments;
+uint32_t MomentsToAsk(const PastOptions& options) {
+  if (options.moments != 0) return options.moments;
+  return options.at.empty() ? kMomentsForFrames : kMomentsForPictures;
 }
 
-// Says which revisions were not told, so that an earlier one is drawn instead.
+// Says which revisions are drawn: of those that were not told an earlier one is.
 void SayMoments(const std::string& at, const std::vector<size_t>& moments,
                 const std::vector<uint64_t>& told) {
   const std::string drawn = absl::StrJoin(moments, ", ", [&](std::string* text, size_t moment) {
@@ -44,12 +44,12 @@ void SayMoments(const std::string& at, const std::vector<size_t>& moments,
 absl::Status DrawMoments(const Messages& past, const std::string& own,
                          const FusedAccuracy& accuracy, const PastOptions& options,
                          const std::string& out) {
-  const std::vector<uint64_t> told = ToldRevisions(past);
+  const std::vector<uint64_t> told = RevisionsOf(past);
   ASSIGN_OR_RETURN(const std::vector<size_t> moments, ParseMoments(options.at, told));
   SayMoments(options.at, moments, told);
   const std::set<size_t> wanted(moments.begin(), moments.end());
   std::map<size_t, MapSnapshot> drawn;
-  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t number, const ToldMap& map) {
+  RETURN_IF_ERROR(ForEachMoment(past, [&](size_t number, const ToldMap& map) {
     if (wanted.contains(number)) drawn[number] = ComposeSnapshot(map, own, accuracy);
     return absl::OkStatus();
   }));
@@ -67,12 +67,12 @@ absl::Status DrawMoments(const Messages& past, const std::string& own,
 absl::Status Animate(const Messages& past, const std::string& own, const FusedAccuracy& accuracy,
                      const PastOptions& options) {
   SnapshotStage stage;
-  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t, const ToldMap& map) {
+  RETURN_IF_ERROR(ForEachMoment(past, [&](size_t, const ToldMap& map) {
     stage.Observe(ComposeSnapshot(map, own, accuracy));
     return absl::OkStatus();
   }));
   ASSIGN_OR_RETURN(WebpAnimation animation, WebpAnimation::Create(options.frames_per_second));
-  RETURN_IF_ERROR(ForEachRevision(past, [&](size_t, const ToldMap& map) -> absl::Status {
+  RETURN_IF_ERROR(ForEachMoment(past, [&](size_t, const ToldMap& map) -> absl::Status {
     ASSIGN_OR_RETURN(const cv::Mat frame,
                      RenderFrame(stage, ComposeSnapshot(map, own, accuracy), {options.width_px}));
     return animation.Add(frame);
@@ -94,9 +94,9 @@ absl::Status WriteBytes(const std::string& bytes, const std::string& path) {
 }
 
 absl::Status CheckPastOptions(const PastOptions& options, const std::string& out) {
-  if (options.revisions == 1 || options.revisions > WebpAnimation::kMostFrames) {
-    return absl::InvalidArgumentError(absl::StrCat("--revisions ", options.revisions,
-                                                   " must be 2 to ", WebpAnimation::kMostFrames));
+  if (options.moments == 1 || options.moments > WebpAnimation::kMostFrames) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--moments ", options.moments, " must be 2 to ", WebpAnimation::kMostFrames));
   }
   if (options.width_px < 200 || options.width_px > 10'000) {
     return absl::InvalidArgumentError(
@@ -115,7 +115,7 @@ absl::Status CheckPastOptions(const PastOptions& options, const std::string& out
 
 absl::Status RenderPast(StoreReader& store, const std::string& own, const FusedAccuracy& accuracy,
                         const PastOptions& options, const std::string& out) {
-  const absl::StatusOr<Messages> past = store.ReadPast(RevisionsToAsk(options));
+  const absl::StatusOr<Messages> past = store.ReadPast(MomentsToAsk(options));
   if (absl::IsUnimplemented(past.status())) {
     return absl::UnimplementedError(
         "the map store is older than this program and doesn't tell "
@@ -123,7 +123,7 @@ absl::Status RenderPast(StoreReader& store, const std::string& own, const FusedA
   }
   if (absl::IsResourceExhausted(past.status())) {
     return absl::ResourceExhaustedError(absl::StrCat(
-        past.status().message(), "; --revisions asks for fewer than ", RevisionsToAsk(options)));
+        past.status().message(), "; --moments asks for fewer than ", MomentsToAsk(options)));
   }
   RETURN_IF_ERROR(past.status());
   if (!options.at.empty()) RETURN_IF_ERROR(DrawMoments(*past, own, accuracy, options, out));

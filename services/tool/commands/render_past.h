@@ -12,9 +12,9 @@
 namespace corbslam::services {
 
 struct PastOptions {
-  std::string at;          // Moments to draw side by side; empty: none.
-  std::string animate;     // The file of the animation; empty: none.
-  uint32_t revisions = 0;  // How many are asked for, 2 to 1,000; 0: as many as suit what is drawn.
+  std::string at;        // Moments to draw side by side; empty: none.
+  std::string animate;   // The file of the animation; empty: none.
+  uint32_t moments = 0;  // How many are asked for, 2 to 1,000; 0: as many as suit what is drawn.
   int frames_per_second = 10;
   int width_px = 1200;
 };

@@ -65,7 +65,8 @@ absl::StatusOr<size_t> ParseMoment(absl::string_view text, const std::vector<uin
 MapSnapshot ComposeSnapshot(const ToldMap& past, const std::string& own,
                             const FusedAccuracy& accuracy) {
   MapSnapshot snapshot;
-  snapshot.title = absl::StrCat("revision ", past.revision);
+  snapshot.title =
+      absl::StrCat("revision ", past.revision, ", ", past.CountKeyframes(), " keyframes");
   for (const auto& [id, island] : past.islands) {
     if (island.keyframes.empty()) continue;
     // The truth is known in the global frame only.
@@ -77,8 +78,8 @@ MapSnapshot ComposeSnapshot(const ToldMap& past, const std::string& own,
   return snapshot;
 }
 
-absl::Status ForEachRevision(const std::vector<v1::WatchMapResponse>& past,
-                             const std::function<absl::Status(size_t, const ToldMap&)>& use) {
+absl::Status ForEachMoment(const std::vector<v1::WatchMapResponse>& past,
+                           const std::function<absl::Status(size_t, const ToldMap&)>& use) {
   ToldMap map;
   size_t number = 0;
   for (const v1::WatchMapResponse& message : past) {
@@ -88,7 +89,7 @@ absl::Status ForEachRevision(const std::vector<v1::WatchMapResponse>& past,
   return absl::OkStatus();
 }
 
-std::vector<uint64_t> ToldRevisions(const std::vector<v1::WatchMapResponse>& past) {
+std::vector<uint64_t> RevisionsOf(const std::vector<v1::WatchMapResponse>& past) {
   std::vector<uint64_t> told;
   for (const v1::WatchMapResponse& message : past) {
     if (!message.continues()) told.push_back(message.revision());

@@ -21,17 +21,17 @@ namespace corbslam::services {
 MapSnapshot ComposeSnapshot(const ToldMap& past, const std::string& own,
                             const FusedAccuracy& accuracy);
 
-// Calls `use` with the map of every told revision, in order, and its number among them (from 0).
-absl::Status ForEachRevision(const std::vector<v1::WatchMapResponse>& past,
-                             const std::function<absl::Status(size_t, const ToldMap&)>& use);
+// Calls `use` with the map of every told moment, in order, and its number among them (from 0).
+absl::Status ForEachMoment(const std::vector<v1::WatchMapResponse>& past,
+                           const std::function<absl::Status(size_t, const ToldMap&)>& use);
 
-// Returns the revisions that are told, in order.
-std::vector<uint64_t> ToldRevisions(const std::vector<v1::WatchMapResponse>& past);
+// Returns the revision of each told moment, in order.
+std::vector<uint64_t> RevisionsOf(const std::vector<v1::WatchMapResponse>& past);
 
-// Moments, of which `told` revisions there are. "25%": that share of the way through them, "0%" the
-// first; "17": that revision, or where it is not told the last before it. Returns their numbers in
-// `told`, in the order of the text. INVALID_ARGUMENT names what can't be read, and the revisions
-// there are.
+// Reads which of the told moments are meant, whose revisions are `told`. "25%": that share of the
+// way through them, "0%" the first; "17": the last one of that revision, or where it is not told of
+// one before it. Returns their numbers in `told`, in the order of the text. INVALID_ARGUMENT names
+// what can't be read, and the revisions there are.
 absl::StatusOr<std::vector<size_t>> ParseMoments(const std::string& text,
                                                  const std::vector<uint64_t>& told);
 

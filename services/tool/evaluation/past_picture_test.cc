@@ -67,7 +67,7 @@ TEST_F(PastPictureTest, EndsWithTheMapOfNow) {
   const absl::StatusOr<ServedMap> now = reader_->ReadGlobalMap();
   ASSERT_TRUE(now.ok()) << now.status();
   ToldMap last;
-  ASSERT_TRUE(ForEachRevision(*past, [&](size_t, const ToldMap& map) {
+  ASSERT_TRUE(ForEachMoment(*past, [&](size_t, const ToldMap& map) {
                 last = map;
                 return absl::OkStatus();
               }).ok());
@@ -84,17 +84,17 @@ TEST_F(PastPictureTest, EndsWithTheMapOfNow) {
   }
 }
 
-TEST_F(PastPictureTest, DrawsEachRevision) {
+TEST_F(PastPictureTest, DrawsEachMoment) {
   const auto past = reader_->ReadPast(100);
   ASSERT_TRUE(past.ok()) << past.status();
   std::vector<MapSnapshot> snapshots;
-  ASSERT_TRUE(ForEachRevision(*past, [&](size_t number, const ToldMap& map) {
+  ASSERT_TRUE(ForEachMoment(*past, [&](size_t number, const ToldMap& map) {
                 EXPECT_EQ(number, snapshots.size());
                 snapshots.push_back(ComposeSnapshot(map, "a", {}));
                 return absl::OkStatus();
               }).ok());
   ASSERT_GE(snapshots.size(), 2u);
-  EXPECT_EQ(snapshots.size(), ToldRevisions(*past).size());
+  EXPECT_EQ(snapshots.size(), RevisionsOf(*past).size());
   EXPECT_THAT(snapshots.back().title, StartsWith("revision "));
   ASSERT_EQ(snapshots.back().islands.size(), 1u);
   EXPECT_EQ(snapshots.back().islands[0].map.title, "a, b");

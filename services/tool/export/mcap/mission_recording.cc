@@ -39,15 +39,15 @@ absl::StatusOr<MissionRecording> MissionRecording::Create(const std::string& pat
 }
 
 // Some programs take time 0 for no time, so that the clock begins at second 1.
-uint64_t MissionRecording::LastRevisionAt_ns() const {
-  return std::max<uint64_t>(1, revisions_) * kSecond_ns;
+uint64_t MissionRecording::LastMomentAt_ns() const {
+  return std::max<uint64_t>(1, moments_) * kSecond_ns;
 }
 
-uint64_t MissionRecording::DriveAt_ns() const { return LastRevisionAt_ns() + kSecond_ns; }
+uint64_t MissionRecording::DriveAt_ns() const { return LastMomentAt_ns() + kSecond_ns; }
 
-absl::Status MissionRecording::AddRevision(const ToldMap& map) {
-  ++revisions_;
-  const uint64_t time_ns = LastRevisionAt_ns();
+absl::Status MissionRecording::AddMoment(const ToldMap& map) {
+  ++moments_;
+  const uint64_t time_ns = LastMomentAt_ns();
   if (!frustum_depth_.has_value()) frustum_depth_ = ChooseFrustumDepth(map);
   RETURN_IF_ERROR(WriteFrames(map));
   RETURN_IF_ERROR(WriteKeyframes(map, mission_.colours, frustum_depth_.value_or(kFirstFrustumDepth),
@@ -61,7 +61,7 @@ absl::Status MissionRecording::AddRevision(const ToldMap& map) {
 }
 
 absl::Status MissionRecording::WriteFrames(const ToldMap& map) {
-  const uint64_t time_ns = LastRevisionAt_ns();
+  const uint64_t time_ns = LastMomentAt_ns();
   foxglove::FrameTransforms frames;
   SetTransform(time_ns, kUprightFrame, kMissionFrame, UprightFromMission(),
                frames.add_transforms());
@@ -76,7 +76,7 @@ absl::Status MissionRecording::WriteNotes(uint64_t revision) {
   for (; notes_written_ < mission_.notes.size(); ++notes_written_) {
     const RecordedNote& note = mission_.notes[notes_written_];
     if (note.revision > revision) break;
-    RETURN_IF_ERROR(Note(LastRevisionAt_ns(), note.is_warning, note.text));
+    RETURN_IF_ERROR(Note(LastMomentAt_ns(), note.is_warning, note.text));
   }
   return absl::OkStatus();
 }
@@ -98,7 +98,7 @@ absl::Status MissionRecording::End(const ToldMap& map,
         "the trajectory of robot ", EscapeName(trajectory.robot), " is of island ",
         ToString(trajectory.island), ", which the map has not: it was fused meanwhile, try again"));
   }
-  RETURN_IF_ERROR(WritePoints(map, mission_.colours, LastRevisionAt_ns(), channels_));
+  RETURN_IF_ERROR(WritePoints(map, mission_.colours, LastMomentAt_ns(), channels_));
   RETURN_IF_ERROR(WriteNotes(std::numeric_limits<uint64_t>::max()));
   RETURN_IF_ERROR(Note(DriveAt_ns(), /*is_warning=*/false,
                        "robots drive again in the map as it is, each by its own clock since its "
@@ -114,9 +114,9 @@ absl::Status MissionRecording::WriteMetadata(const ToldMap& map,
       {"mission", EscapeName(mission_.mission)},
       {"revision", absl::StrCat(map.revision)},
       {"clock",
-       "the recording's own: a second a told revision from second 1 on, then the robots, "
+       "the recording's own: a second a told moment from second 1 on, then the robots, "
        "each by its own clock since its first frame"},
-      {"revisions", absl::StrCat(revisions_)},
+      {"moments", absl::StrCat(moments_)},
       {"drive_begins_ns", absl::StrCat(DriveAt_ns())},
       {"poses_of", mission_.frame_of_robots}};
   for (const auto& [robot, colour] : mission_.colours) {

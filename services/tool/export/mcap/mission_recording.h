@@ -36,30 +36,30 @@ struct RecordedMission {
       "camera";  // What trajectories are of: "camera", "rectified", "body".
 };
 
-// One recording. The calls come in this order: AddRevision, End, Finish. Its clock is its own: each
-// revision takes a second, from second 1 on, and robots begin to drive a second after the last one.
+// One recording. The calls come in this order: AddMoment, End, Finish. Its clock is its own: each
+// moment takes a second, from second 1 on, and robots begin to drive a second after the last one.
 // Not thread-safe. Errors name the file.
 class MissionRecording {
  public:
   // Begins a file that takes the place of one at the path once it is finished.
   static absl::StatusOr<MissionRecording> Create(const std::string& path, RecordedMission mission);
 
-  // Writes the map as it was at the next revision, with all notes up to it.
-  absl::Status AddRevision(const ToldMap& map);
+  // Writes the map as it was at the next moment, with all notes up to its revision.
+  absl::Status AddMoment(const ToldMap& map);
   // Writes the points of the map as it is in the end, the remaining notes, and the trajectories,
-  // whose islands must be the map's. The time is that of the last revision. FAILED_PRECONDITION for
+  // whose islands must be the map's. The time is that of the last moment. FAILED_PRECONDITION for
   // an island that is not.
   absl::Status End(const ToldMap& map, const std::vector<RecordedTrajectory>& trajectories);
   absl::Status Finish();
 
-  size_t revisions() const { return revisions_; }
+  size_t moments() const { return moments_; }
 
  private:
   MissionRecording(RecordedMission mission, McapWriter writer)
       : mission_(std::move(mission)), channels_(std::move(writer)) {}
 
   // Both say where the clock of the recording stands.
-  uint64_t LastRevisionAt_ns() const;
+  uint64_t LastMomentAt_ns() const;
   uint64_t DriveAt_ns() const;
 
   absl::Status WriteFrames(const ToldMap& map);
@@ -70,7 +70,7 @@ class MissionRecording {
 
   RecordedMission mission_;
   FoxgloveChannels channels_;
-  size_t revisions_ = 0;
+  size_t moments_ = 0;
   size_t notes_written_ = 0;
   std::optional<double> frustum_depth_;  // Once keyframes have shown it; then it stays.
 };

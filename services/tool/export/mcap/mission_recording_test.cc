@@ -82,7 +82,7 @@ TEST(IslandLayoutTest, IslandsStandClearOfEachOther) {
   EXPECT_EQ(places.at(LocalMapId{4}).x(), 42 + 1) << "an island without keyframes";
 }
 
-TEST(MissionRecordingTest, TellsThePastASecondARevision) {
+TEST(MissionRecordingTest, TellsThePastASecondAMoment) {
   const McapFile file = RecordAndRead(MakeUpMission());
   const auto frusta = file.On("/map/alpha/keyframes");
   ASSERT_THAT(frusta, SizeIs(3));
@@ -182,14 +182,14 @@ TEST(MissionRecordingTest, NothingIsHardToRecord) {
   const McapFile empty = RecordAndRead(MadeUpMission());
   EXPECT_THAT(empty.On("/log"), SizeIs(1));
   MadeUpMission pointless = MakeUpMission();
-  for (ToldMap& map : pointless.revisions) {
+  for (ToldMap& map : pointless.moments) {
     for (auto& [id, island] : map.islands) island.points.clear();
   }
   EXPECT_THAT(RecordAndRead(pointless).On("/map/alpha/points"), SizeIs(0));
   MadeUpMission still = MakeUpMission();
-  still.revisions.resize(1);
-  still.revisions[0].islands[kAlphas].keyframes.clear();
-  still.revisions[0].islands[kHostiles].keyframes.clear();
+  still.moments.resize(1);
+  still.moments[0].islands[kAlphas].keyframes.clear();
+  still.moments[0].islands[kHostiles].keyframes.clear();
   still.trajectories.clear();
   EXPECT_EQ(
       Decode<foxglove::SceneUpdate>(RecordAndRead(still), "/map/alpha/tree")[0].entities_size(), 0);
@@ -212,11 +212,11 @@ TEST(MissionRecordingTest, RefusesTrajectoriesThatFitNoMap) {
 
 TEST(MissionRecordingTest, AMillionPointsGoInPieces) {
   MadeUpMission large = MakeUpMission();
-  auto& points = large.revisions.back().islands[kAlphas].points;
+  auto& points = large.moments.back().islands[kAlphas].points;
   for (uint32_t i = 0; i < 1'000'000; ++i) {
     points[{kAlphas, i}] = {static_cast<float>(i), 0, 1};
   }
-  const ToldMap end = large.revisions.back();
+  const ToldMap end = large.moments.back();
   const std::string path = TestPath("large.mcap");
   auto recording = MissionRecording::Create(path, large.mission);
   ASSERT_TRUE(recording.ok()) << recording.status();

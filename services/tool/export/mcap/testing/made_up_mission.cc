@@ -61,7 +61,7 @@ MadeUpMission MakeUpMission() {
   mission.notes = {{5, false, "overlap 1: accepted"},
                    {1, true, std::string("lost \xff\n") + kHostileName},
                    {~uint64_t{0}, false, "overlap 2: refused, the scales disagree"}};
-  made_up.revisions = {MakeMap(0, false), MakeMap(1, false), MakeMap(5, true)};
+  made_up.moments = {MakeMap(0, false), MakeMap(1, false), MakeMap(5, true)};
   // Their clocks have nothing to do with each other.
   made_up.trajectories = {MakeTrajectory("alpha", 1'403'636'579'763'555'584, 0),
                           MakeTrajectory(kHostileName, 7, 3)};
@@ -71,8 +71,8 @@ MadeUpMission MakeUpMission() {
 absl::Status Record(const MadeUpMission& made_up, const std::string& path) {
   ASSIGN_OR_RETURN(services::MissionRecording recording,
                    services::MissionRecording::Create(path, made_up.mission));
-  for (const ToldMap& map : made_up.revisions) RETURN_IF_ERROR(recording.AddRevision(map));
-  const ToldMap end = made_up.revisions.empty() ? ToldMap() : made_up.revisions.back();
+  for (const ToldMap& map : made_up.moments) RETURN_IF_ERROR(recording.AddMoment(map));
+  const ToldMap end = made_up.moments.empty() ? ToldMap() : made_up.moments.back();
   RETURN_IF_ERROR(recording.End(end, made_up.trajectories));
   return recording.Finish();
 }

@@ -20,7 +20,7 @@ inline constexpr char kHostileName[] = "b\"/\n\xff\xc3%";
 struct MadeUpMission {
   services::RecordedMission mission;
   // Two islands, which are one at the last revision, 5.
-  std::vector<services::ToldMap> revisions;
+  std::vector<services::ToldMap> moments;
   std::vector<services::RecordedTrajectory> trajectories;
 };
 

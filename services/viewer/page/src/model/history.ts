@@ -1,9 +1,9 @@
 import type { MapChange } from './map_change';
 import { type IslandChange, MapModel } from './map_model';
 
-const REVISIONS_BETWEEN_COPIES = 10;
+const STEPS_BETWEEN_COPIES = 10;
 
-/** One revision of the past: what changed up to it. */
+/** One moment of the past, behind a batch or with a revision: what changed up to it. */
 export interface HistoryStep {
   revision: bigint;
   changes: MapChange[];
@@ -42,7 +42,7 @@ export class History {
     const step = this.steps[this.position];
     const changes = this.model.apply(step.changes);
     step.summary ??= { islands: this.model.islands().size, keyframes: this.model.keyframeCount };
-    if (this.position % REVISIONS_BETWEEN_COPIES === 0 && !this.copies.has(this.position)) {
+    if (this.position % STEPS_BETWEEN_COPIES === 0 && !this.copies.has(this.position)) {
       this.copies.set(this.position, this.model.copy());
     }
     return changes;

@@ -11,10 +11,10 @@ export interface TimelineActions {
 const SPEEDS: [string, string][] = [['1', '1×'], ['2', '2×'], ['5', '5×'], ['20', '20×']];
 const STEP_MS = 500;
 
-/** The slider over revisions, with play and pause. */
+/** The slider over the moments of the past, with play and pause. */
 export class Timeline {
   readonly root: HTMLElement;
-  private readonly slider = h('input', { type: 'range', min: '0', step: '1', 'aria-label': 'Revision' });
+  private readonly slider = h('input', { type: 'range', min: '0', step: '1', 'aria-label': 'Moment' });
   private readonly words = h('output', { class: 'timeline-words' });
   private readonly playButton = h('button', { type: 'button', click: () => this.togglePlay() }, '▶ Play');
   private readonly speed = h('select', { 'aria-label': 'Speed' }, ...SPEEDS.map(([value, text]) => h('option', { value }, text)));
