@@ -176,7 +176,7 @@ export class MissionPage {
 
   private takeMap(): void {
     this.mapChanged = false;
-    this.painter.robots = [...new Set([...this.painter.robots, ...this.model.agents()])];
+    this.painter.addRobots(this.model.agents());
     this.painter.islands = [...this.model.localMaps.keys()];
     this.stage.pastRevision = this.past.model?.revision;
     this.stage.sync(this.model, this.changes.splice(0), !this.live.hasPicture || this.live.stream.isBehind);
@@ -194,7 +194,7 @@ export class MissionPage {
     this.panelsMs = performance.now();
     const { live, model, state } = this;
     const known = (live.pulse?.agents ?? []).map(({ name }) => lastSegment(name));
-    this.painter.robots = [...new Set([...this.painter.robots, ...known])];
+    this.painter.addRobots(known);
     this.robots.update(this.painter.robots, model, live.pulse, state);
     const receivedBytes = live.stream.receivedBytes + this.rest.receivedBytes;
     this.numbers.update(model, live.pulse, { receivedBytes, drawnPoints: this.stage.figures.drawnPoints });

@@ -5,6 +5,7 @@ import { forEachItem } from './item_columns';
 import { type LocalMapModel, copyLocalMap, newLocalMap } from './local_map';
 import type { MapChange, PointColumns } from './map_change';
 import { type Pose, poseOfCamera } from './pose';
+import { byName } from './robot_numbers';
 
 /** A local map went to another island: old_from_new says where its keyframes stood before. */
 export interface IslandChange {
@@ -63,7 +64,7 @@ export class MapModel {
 
   /** The agents' names in the order of their arrival. */
   agents(): string[] {
-    return [...new Set([...this.localMaps.values()].map((localMap) => localMap.agent))].filter(Boolean);
+    return [...new Set([...this.localMaps.values()].map((localMap) => localMap.agent))].filter(Boolean).sort(byName);
   }
 
   copy(): MapModel {

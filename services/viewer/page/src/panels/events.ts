@@ -9,12 +9,13 @@ const MARKS = { robot: '●', merge: '◆', loop: '↻', lost: '!', other: '·' 
 export class EventsPanel {
   readonly root: HTMLElement;
   private readonly list = h('ol', { class: 'events', 'aria-live': 'polite', 'aria-relevant': 'additions' });
+  private readonly none = h('p', { class: 'quiet' }, 'None since the map store was started.');
   private readonly seen = new Set<string>();
 
   constructor() {
     const { root, body } = panel('events', 'Events');
     this.root = root;
-    body.append(this.list);
+    body.append(this.none, this.list);
   }
 
   /** Adds an event. Returns whether it is new: after a reconnection some come again. */
@@ -22,6 +23,7 @@ export class EventsPanel {
     const key = `${event.number} ${event.timeNs}`;
     if (this.seen.has(key)) return false;
     this.seen.add(key);
+    this.none.remove();
     const { kind, text } = eventWords(event);
     const item = h('li', { class: `event ${kind}` },
       h('span', { class: 'mark', 'aria-hidden': 'true' }, MARKS[kind]),

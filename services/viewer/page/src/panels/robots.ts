@@ -24,7 +24,7 @@ export class RobotsPanel {
     ({ root: this.root, body: this.body } = panel('robots', 'Robots'));
   }
 
-  update(robots: string[], model: MapModel, pulse: MissionPulse | undefined, state: ViewState): void {
+  update(robots: readonly string[], model: MapModel, pulse: MissionPulse | undefined, state: ViewState): void {
     this.noteAbsences(pulse);
     const rows = robots.map((robot) => this.facts(robot, model, pulse));
     const key = JSON.stringify([rows, state.robot, [...state.hidden], robots.map((r) => this.actions.colour(r))]);
@@ -73,7 +73,7 @@ export class RobotsPanel {
     rows.push(['Local maps', String(Math.max(own.length, agent?.localMaps.length ?? 0))]);
     rows.push(['Keyframes', count(keyframes)]);
     if (lost > 0) rows.push(['Lost frames', count(lost)]);
-    if (agent) rows.push(['Shared map', agent.upToDate ? 'up to date' : 'waits for updates']);
+    if (agent?.connected) rows.push(['Shared map', agent.upToDate ? 'up to date' : 'waits for updates']);
     const told = pulse?.robots.find((one) => lastSegment(one.agent) === robot);
     return [...rows, ...(told?.status ? statusFacts(told.status) : told?.error ? [['Robot', told.error] as [string, string]] : [])];
   }

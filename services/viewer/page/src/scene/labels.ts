@@ -9,6 +9,17 @@ export interface Label {
   at: Vector3;
 }
 
+/** Where a label may go if others are in its place, by its own heights. */
+const SHIFTS = [0, -1, 1, -2, 2];
+const GAP_PX = 2;
+
+interface Rectangle {
+  left: number;
+  top: number;
+  right: number;
+  bottom: number;
+}
+
 /** Labels over a viewport, as text of the page: sharp, selectable by nobody, read by nobody twice. */
 export class Labels {
   private readonly elements = new Map<string, HTMLElement>();
@@ -17,6 +28,7 @@ export class Labels {
 
   update(labels: Label[]): void {
     const seen = new Set<string>();
+    const taken: Rectangle[] = [];
     for (const label of labels) {
       const place = this.viewport.project(label.at);
       if (!place) continue;
@@ -24,7 +36,9 @@ export class Labels {
       const element = this.element(label.key);
       if (element.textContent !== label.text) element.textContent = label.text;
       element.style.setProperty('--mark', label.colour);
-      element.style.transform = `translate(${Math.round(place.x)}px, ${Math.round(place.y)}px)`;
+      const y = freeHeight(element, place.x, place.y, taken);
+      element.style.visibility = y === undefined ? 'hidden' : 'visible';
+      element.style.transform = `translate(${Math.round(place.x)}px, ${Math.round(y ?? place.y)}px)`;
     }
     for (const [key, element] of this.elements) {
       if (seen.has(key)) continue;
@@ -44,4 +58,23 @@ export class Labels {
     }
     return element;
   }
+}
+
+/** Returns where a label is beside those that are there, and adds it to them; undefined: nowhere near. */
+function freeHeight(element: HTMLElement, x: number, y: number, taken: Rectangle[]): number | undefined {
+  const { offsetWidth: width, offsetHeight: height } = element;
+  // An island's name is centred, a robot's begins at its mark; both only have to keep off each other.
+  const left = element.classList.contains('island') ? x - width / 2 : x;
+  for (const shift of SHIFTS) {
+    const top = y + shift * (height + GAP_PX);
+    const place = { left, top, right: left + width, bottom: top + height };
+    if (taken.some((other) => overlap(place, other))) continue;
+    taken.push(place);
+    return top;
+  }
+  return undefined;
+}
+
+function overlap(a: Rectangle, b: Rectangle): boolean {
+  return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 }

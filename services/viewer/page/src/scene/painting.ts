@@ -1,18 +1,33 @@
 import { type ColourMode, type SceneColours, type Theme, categoryColour, sceneColours } from '../model/palette';
 import type { LocalMapModel } from '../model/local_map';
+import { byName, numberRobots } from '../model/robot_numbers';
 import type { ViewState } from '../view_state';
 import type { MapView } from './map_view';
 import { type SharedUniforms, plainColour } from './materials';
 
 /** Gives robots and islands their colours. */
 export class Painter {
-  robots: string[] = [];
   islands: string[] = [];
+
+  private names: string[] = [];
+  private numbers = new Map<string, number>();
 
   constructor(public theme: Theme) {}
 
+  /** All robots that were ever seen in the mission, by name. */
+  get robots(): readonly string[] {
+    return this.names;
+  }
+
+  addRobots(names: string[]): void {
+    const known = new Set([...this.names, ...names]);
+    if (known.size === this.names.length) return;
+    this.names = [...known].sort(byName);
+    this.numbers = numberRobots(this.names);
+  }
+
   robotColour(robot: string): string {
-    return categoryColour(this.theme, Math.max(0, this.robots.indexOf(robot)));
+    return categoryColour(this.theme, this.numbers.get(robot) ?? 0);
   }
 
   islandColour(island: string): string {
@@ -21,7 +36,7 @@ export class Painter {
 
   lineColour({ agent, island }: LocalMapModel, state: ViewState, colours: SceneColours): string {
     if (state.colour === 'island') return this.islandColour(island);
-    if (state.colour === 'paper') return agent === (state.robot || this.robots[0]) ? colours.own : colours.others;
+    if (state.colour === 'paper') return agent === (state.robot || this.names[0]) ? colours.own : colours.others;
     return this.robotColour(agent);
   }
 
@@ -29,7 +44,7 @@ export class Painter {
   markColour(robot: string, state: ViewState): string {
     if (state.colour !== 'paper') return this.robotColour(robot);
     const { own, others } = sceneColours(this.theme);
-    return robot === (state.robot || this.robots[0]) ? own : others;
+    return robot === (state.robot || this.names[0]) ? own : others;
   }
 
   pointColour(localMap: LocalMapModel, state: ViewState, colours: SceneColours): string {

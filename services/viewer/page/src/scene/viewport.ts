@@ -23,11 +23,12 @@ export class Viewport {
   resize(): boolean {
     const { clientWidth, clientHeight } = this.element;
     if (clientWidth === 0 || clientHeight === 0) return false;
-    this.camera.aspect = clientWidth / clientHeight;
+    const { left, right } = this.covered();
     const distance = this.distance();
     this.camera.near = Math.max(distance / 1000, 1e-3);
     this.camera.far = distance * 100 + 1000;
-    this.camera.updateProjectionMatrix();
+    // The middle of the picture is that of what nothing covers. This makes the projection, too.
+    this.camera.setViewOffset(clientWidth, clientHeight, (right - left) / 2, 0, clientWidth, clientHeight);
     this.camera.updateMatrixWorld();
     return true;
   }
@@ -42,11 +43,20 @@ export class Viewport {
     return this.element.clientHeight / (2 * halfHeight);
   }
 
+  /** Pixels at the sides over which panels lie; styles say how many. */
+  private covered(): { left: number; right: number } {
+    const style = getComputedStyle(this.element);
+    const pixels = (name: string) => Number.parseFloat(style.getPropertyValue(name)) || 0;
+    return { left: pixels('--covered-left'), right: pixels('--covered-right') };
+  }
+
   /** Shows all of a box, from the direction that is looked from now. */
   fit(box: Box3): void {
     if (box.isEmpty() || this.element.clientWidth === 0) return;
     const sphere = box.getBoundingSphere(new Sphere());
-    const narrow = Math.min(1, this.element.clientWidth / Math.max(1, this.element.clientHeight));
+    const { left, right } = this.covered();
+    const width = Math.max(1, this.element.clientWidth - left - right);
+    const narrow = Math.min(1, width / Math.max(1, this.element.clientHeight));
     const distance = ((narrow < 1 ? 1.05 : 0.85) * Math.max(sphere.radius, 2)) / Math.sin((FIELD_OF_VIEW_DEG * Math.PI) / 360) / narrow;
     this.look(sphere.center, distance);
   }
