@@ -67,8 +67,8 @@ Mission RunMission(std::vector<std::string> arguments, const std::string& name, 
 RunningServers::RunningServers() : log_folder_(MakeFolder("servers")) {
   const std::string worker = Start("fusion_worker", {});
   if (!worker.empty()) {
-    store_address_ = Start("map_store", {"--worker", worker, "--data-dir",
-                                         absl::StrCat(log_folder_, "/missions")});
+    store_address_ = Start(
+        "map_store", {"--worker", worker, "--data-dir", absl::StrCat(log_folder_, "/missions")});
   }
 }
 
