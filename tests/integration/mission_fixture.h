@@ -44,8 +44,9 @@ struct Mission {
 Mission RunMission(std::vector<std::string> arguments, const std::string& name = "run",
                    int timeout_s = 900);
 
-// A map store that keeps its missions and its worker as processes of their own, on ports that the system chooses; stopped
-// with the object. Without an address when one did not start (which fails the test).
+// A map store that keeps its missions and its worker as processes of their own, on ports that the
+// system chooses; stopped with the object. Without an address when one did not start (which fails
+// the test).
 class RunningServers {
  public:
   RunningServers();
