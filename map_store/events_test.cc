@@ -72,6 +72,16 @@ TEST_F(EventsTest, RobotsComeBeginMapsGetLostAndGo) {
   EXPECT_EQ(tracking.local_map, a_.local_map());
   EXPECT_EQ(tracking.agent, "a");
   EXPECT_EQ(tracking.frames, 2u);
+  for (const size_t frames : {3u, 0u, 1u}) {
+    MapUpdateBatch next = a_.EmptyBatch();
+    for (size_t i = 0; i < frames; ++i) {
+      next.lost_frames_ns.push_back(501'000'000'000 + static_cast<int64_t>(10 * next.number + i));
+    }
+    ASSERT_TRUE(a_.Send(next).ok());
+  }
+  const auto again = Of<MissionEvent::TrackingLost>(Take());
+  ASSERT_EQ(again.size(), 1u) << "while it stays lost, that is no news";
+  EXPECT_EQ(again.front().frames, 1u);
   store_.CloseSession(b_.session());
   store_.CloseSession(b_.session());
   events = Take();

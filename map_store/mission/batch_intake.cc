@@ -79,7 +79,12 @@ void BatchIntake::NoteEvents(const BatchRecord& record) {
     events_.Note(revision, MissionEvent::LocalMapBegun{batch.local_map, record.agent});
   }
   const size_t lost = batch.lost_frames_ns.size();
-  if (lost == 0) return;
+  if (lost == 0) {
+    lost_.erase(record.agent);
+    return;
+  }
+  // While it stays lost, that is no news; it would drive all else out of the book.
+  if (!lost_.insert(record.agent).second) return;
   events_.Note(revision, MissionEvent::TrackingLost{batch.local_map, record.agent, lost});
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "absl/base/thread_annotations.h"
@@ -55,6 +56,8 @@ class BatchIntake {
   MissionStrand& strand_;
   const Listeners& listeners_;
   EventBook& events_;
+  // Agents that said in their last batch that they had been lost.
+  std::set<std::string> lost_ ABSL_GUARDED_BY(strand_.turn());
 };
 
 }  // namespace corbslam::map_store

@@ -29,7 +29,7 @@ struct MissionEvent {
     LocalMapId local_map;
     std::string agent;
   };
-  // A batch reported so many frames at which the agent did not know where it was.
+  // A batch reported so many frames of an agent that had not been lost until then.
   struct TrackingLost {
     LocalMapId local_map;
     std::string agent;

@@ -20,6 +20,7 @@
 #include "services/security/pem_files.h"
 #include "services/server/server.h"
 #include "services/viewer/page_files.h"
+#include "services/viewer/truths.h"
 #include "services/viewer/viewer.h"
 #include "services/viewer/web/web_server.h"
 #include "slam/util/status_macros.h"
@@ -31,6 +32,7 @@ struct Flags {
   std::string listen = "127.0.0.1:8080";
   std::string store = "127.0.0.1:50051";
   std::vector<std::string> robots;
+  std::vector<std::string> truths;
   std::string page = DefaultPagePath();
   // Of the way to the store.
   SecurityOptions security;
@@ -121,6 +123,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
   found.push_back(CheckFlagServer("--store", flags.store));
   found.push_back(MakeChannelCredentials(flags.security).status());
   for (const std::string& robot : flags.robots) found.push_back(ParseRobot(robot).status());
+  found.push_back(ReadTruths(flags.truths).status());
   found.push_back(MakeAccess(flags).status());
   found.push_back(MakeWebTls(flags).status());
   found.push_back(PageFiles::Load(flags.page).status());
@@ -133,6 +136,7 @@ absl::Status Run(Flags flags) {
   ASSIGN_OR_RETURN(const auto access, MakeAccess(flags));
   ASSIGN_OR_RETURN(flags.web.tls, MakeWebTls(flags));
   ASSIGN_OR_RETURN(MissionFeeds::Robots robots, MakeRobots(flags, credentials));
+  ASSIGN_OR_RETURN(flags.viewer.truths, ReadTruths(flags.truths));
   absl::StatusOr<PageFiles> page = PageFiles::Load(flags.page);
   if (!page.ok()) LOG(ERROR) << page.status().message();
   WarnOfOpenDoors(flags, access == nullptr, flags.web.tls.has_value());
@@ -152,6 +156,10 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--store", flags.store, "HOST:PORT of the map store")->capture_default_str();
   app.add_option("--robot", flags.robots,
                  "MISSION/AGENT=HOST:PORT of a robot to ask how it is; may be repeated");
+  app.add_option(
+      "--truth", flags.truths,
+      "MISSION=FILE of where its cameras really were, in TUM's format, drawn dashed; may "
+      "be repeated");
   app.add_option("--page", flags.page, "Folder of the built page")->capture_default_str();
   app.add_option("--web-cert", flags.web_certificate,
                  "PEM file of the certificate that browsers are shown; without: no TLS");

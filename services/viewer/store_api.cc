@@ -174,6 +174,7 @@ StoreApi::Answered StoreApi::OfMission(const std::string& mission,
     if (rest[0] == "overlaps") return ListOverlaps(mission, request);
     if (rest[0] == "trajectory") return GetTrajectory(mission, request);
     if (rest[0] == "history") return GetHistory(mission, request);
+    if (rest[0] == "truth") return GetTruth(mission);
   }
   if (rest.size() == 4 && rest[0] == "localMaps" && rest[2] == "keyframes") {
     return GetKeyframe(absl::StrCat(MissionName(mission), "/", absl::StrJoin(rest, "/")), request);
@@ -258,7 +259,7 @@ StoreApi::Answered StoreApi::GetHistory(const std::string& mission, const WebReq
   ask.set_mission(MissionName(mission));
   ask.set_include_points(Find(request, "points") == "1");
   ASSIGN_OR_RETURN(const int max, FindNumber(request, "max"));
-  ask.set_max_moments(static_cast<uint32_t>(max));
+  ask.set_max_revisions(static_cast<uint32_t>(max));
   if (replaying_.exchange(true)) {
     return absl::ResourceExhaustedError("another page is told a mission's past; try again soon");
   }
@@ -268,6 +269,15 @@ StoreApi::Answered StoreApi::GetHistory(const std::string& mission, const WebReq
   Answered answer = Collect<v1::WatchMapResponse>(context, *reader, "ReplayMap");
   replaying_ = false;
   return answer;
+}
+
+StoreApi::Answered StoreApi::GetTruth(const std::string& mission) const {
+  WebResponse response;
+  response.content_type = "text/plain; charset=utf-8";
+  const auto truth = truths_.find(mission);
+  // That there is none is no error: it is so of most missions.
+  response.body = truth == truths_.end() ? std::make_shared<const std::string>() : truth->second;
+  return response;
 }
 
 }  // namespace corbslam::services

@@ -7,12 +7,14 @@
 #include <atomic>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "services/viewer/browser_access.h"
+#include "services/viewer/truths.h"
 #include "services/viewer/web/web_message.h"
 
 namespace corbslam::services {
@@ -25,8 +27,8 @@ WebResponse ToResponse(const absl::Status& error);
 class StoreApi {
  public:
   // `access` is not owned and must outlive it.
-  StoreApi(const std::shared_ptr<grpc::Channel>& store, const BrowserAccess* access)
-      : store_(v1::MapStore::NewStub(store)), access_(*access) {}
+  StoreApi(const std::shared_ptr<grpc::Channel>& store, const BrowserAccess* access, Truths truths)
+      : store_(v1::MapStore::NewStub(store)), access_(*access), truths_(std::move(truths)) {}
 
   WebResponse Answer(const WebRequest& request);
 
@@ -45,9 +47,11 @@ class StoreApi {
   Answered GetKeyframe(const std::string& name, const WebRequest& request);
   Answered GetTrajectory(const std::string& mission, const WebRequest& request);
   Answered GetHistory(const std::string& mission, const WebRequest& request);
+  Answered GetTruth(const std::string& mission) const;
 
   const std::unique_ptr<v1::MapStore::Stub> store_;
   const BrowserAccess& access_;
+  const Truths truths_;
   // An answer of many megabytes is put together for one request at a time.
   std::atomic<bool> replaying_ = false;
 };

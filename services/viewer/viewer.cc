@@ -67,7 +67,7 @@ Viewer::Viewer(const std::shared_ptr<grpc::Channel>& store, MissionFeeds::Robots
     : access_(std::move(access)),
       page_(std::move(page)),
       feeds_(store, std::move(robots), options.feeds),
-      api_(store, &access_),
+      api_(store, &access_, options.truths),
       // Calls have a quarter as many.
       pool_(4 * options.threads) {}
 

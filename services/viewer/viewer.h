@@ -14,6 +14,7 @@
 #include "services/viewer/mission_feeds.h"
 #include "services/viewer/page_files.h"
 #include "services/viewer/store_api.h"
+#include "services/viewer/truths.h"
 #include "services/viewer/web/web_message.h"
 
 namespace corbslam::services {
@@ -22,6 +23,7 @@ struct ViewerOptions {
   MissionFeedsOptions feeds;
   // Threads that wait for the store's answers.
   int threads = 4;
+  Truths truths;
 };
 
 // docs/viewer.md says what browsers may ask. Thread-safe.

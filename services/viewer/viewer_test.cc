@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -136,6 +137,40 @@ class ViewerTest : public ::testing::Test {
   std::unique_ptr<Viewer> viewer_;
   std::unique_ptr<WebServer> web_;
 };
+
+TEST_F(ViewerTest, TellsTheTruthOfMissionsThatHaveOne) {
+  Write("truth.tum", "# comment\n1.5 1 2 3 0 0 0 1\n2.5 4 5 6 0 0 0 1\n");
+  const std::string path = (folder_ / "truth.tum").string();
+  ViewerOptions options;
+  const auto truths = ReadTruths({absl::StrCat("m=", path)});
+  ASSERT_TRUE(truths.ok()) << truths.status();
+  options.truths = *truths;
+  Start(nullptr, options);
+  const std::string rows = BodyOf(Get("/api/missions/m/truth"));
+  EXPECT_THAT(rows, ::testing::StartsWith("1.5"));
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 2);
+  EXPECT_EQ(StatusOf(Get("/api/missions/other/truth")), 200);
+  EXPECT_EQ(BodyOf(Get("/api/missions/other/truth")), "");
+}
+
+TEST_F(ViewerTest, RefusesTruthsThatItCantRead) {
+  Write("bad.tum", "1.5 1 2 x 0 0 0 1\n");
+  Write("good.tum", "1.5 1 2 3 0 0 0 1\n");
+  const std::string bad = (folder_ / "bad.tum").string();
+  const std::string good = (folder_ / "good.tum").string();
+  for (const auto& [flags, words] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"m"}, "must be MISSION=FILE"},
+           {{"m="}, "must be MISSION=FILE"},
+           {{"no name=" + good}, "mission"},
+           {{"m=" + bad}, "bad.tum"},
+           {{"m=/nowhere.tum"}, "/nowhere.tum"},
+           {{"m=" + good, "m=" + good}, "twice"}}) {
+    const absl::Status status = ReadTruths(flags).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(words));
+    EXPECT_THAT(std::string(status.message()), HasSubstr("--truth"));
+  }
+}
 
 TEST_F(ViewerTest, ServesThePage) {
   Start();

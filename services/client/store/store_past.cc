@@ -73,13 +73,13 @@ absl::StatusOr<ToldMap> StoreReader::ReadMap() {
   return absl::UnavailableError("WatchMap: the map store ended before the map was whole");
 }
 
-absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t max_moments) {
+absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t max_revisions) {
   grpc::ClientContext context;
   SetStreamDeadline(context);
   v1::ReplayMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(true);
-  request.set_max_moments(max_moments);
+  request.set_max_revisions(max_revisions);
   const auto reader = stub_->ReplayMap(&context, request);
   std::vector<v1::WatchMapResponse> past;
   v1::WatchMapResponse response;
@@ -91,12 +91,12 @@ absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t
   return past;
 }
 
-absl::Status StoreReader::ReplayMap(uint32_t max_moments, const OnMoment& on_moment) {
+absl::Status StoreReader::ReplayMap(uint32_t max_revisions, const OnMoment& on_moment) {
   grpc::ClientContext context;
   SetStreamDeadline(context);
   v1::ReplayMapRequest request;
   request.set_mission(MissionName(mission_));
-  request.set_max_moments(max_moments);
+  request.set_max_revisions(max_revisions);
   const auto reader = stub_->ReplayMap(&context, request);
   ToldMap map;
   v1::WatchMapResponse response;

@@ -23,6 +23,7 @@
 #include "services/tool/evaluation/ground_truth.h"
 #include "services/tool/evaluation/picture.h"
 #include "services/tool/run/mission_run.h"
+#include "slam/evaluation/trajectory_io.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 
@@ -141,6 +142,25 @@ absl::StatusOr<std::vector<ReportWarning>> CheckSources(const std::vector<RobotP
   return absl::InvalidArgumentError(warnings.front().text);
 }
 
+// Writes the truth for a viewer. Returns the file; an empty name where there is none, or where the
+// robots are on sequences of their own, whose truths need not be in one frame.
+absl::StatusOr<std::string> WriteTruth(const std::vector<RobotPlan>& robots,
+                                       const std::string& folder) {
+  std::set<std::string> sources;
+  SourceSpec whole;
+  for (const RobotPlan& robot : robots) {
+    whole = robot.source;
+    whole.selection = {};
+    sources.insert(FormatSourceSpec(whole));
+  }
+  if (sources.size() != 1) return "";
+  ASSIGN_OR_RETURN(const std::optional<GroundTruth> truth, ReadGroundTruth(whole));
+  if (!truth.has_value()) return "";
+  const std::string path = absl::StrCat(folder, "/truth.tum");
+  RETURN_IF_ERROR(WriteTumTrajectory(truth->trajectory, path));
+  return path;
+}
+
 // Returns an error if a robot failed, although the report is written.
 absl::Status JudgeOutcome(const MissionOutcome& outcome, const std::string& out) {
   if (outcome.failures.empty()) return absl::OkStatus();
@@ -161,6 +181,10 @@ absl::Status Run(RunArguments arguments) {
                    CheckSources(arguments.mission.robots, arguments.mission.strict));
   arguments.mission.log_folder = arguments.out + "/logs";
   RETURN_IF_ERROR(MakeFolder(arguments.mission.log_folder));
+  if (arguments.mission.view) {
+    ASSIGN_OR_RETURN(arguments.mission.truth_path,
+                     WriteTruth(arguments.mission.robots, arguments.mission.log_folder));
+  }
   SayStart(arguments, names);
   const bool is_terminal = isatty(STDERR_FILENO) != 0;
   const ProgressListener on_progress = is_terminal ? ShowOnTerminal : ProgressListener();

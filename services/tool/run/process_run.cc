@@ -157,6 +157,10 @@ void AppendFlags(const SecurityOptions& security, std::vector<std::string>& argu
 
 absl::Status ProcessRun::StartViewer() {
   std::vector<std::string> arguments = {"--store", store_address_, "--listen", "127.0.0.1:0"};
+  if (!options_.truth_path.empty()) {
+    arguments.insert(arguments.end(),
+                     {"--truth", absl::StrCat(options_.mission, "=", options_.truth_path)});
+  }
   if (options_.server.empty()) {
     arguments.push_back("--insecure");
     for (const RunningAgent& agent : agents_) {

@@ -3,6 +3,7 @@ import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import { Connection } from './connection';
 import type { Rest } from './feed/rest';
 import { Fetched } from './fetched';
+import { TrueTrajectory } from './true_trajectory';
 import { FrameLayout } from './frame_layout';
 import { installHook } from './hook';
 import { handleKey } from './keyboard';
@@ -35,6 +36,7 @@ export class MissionPage {
   readonly stage: Stage;
   readonly past: Past;
   readonly fetched: Fetched;
+  private readonly truth: TrueTrajectory;
   readonly selection: Selection;
   readonly painter: Painter;
   private readonly layout: FrameLayout;
@@ -66,6 +68,7 @@ export class MissionPage {
     this.stage = new Stage(this.layout.canvas, this.layout.globalPort, this.layout.localPort);
     this.labels = new SceneLabels(this.stage, this.painter);
     this.fetched = new Fetched(rest, this.mission, this.stage, () => this.model, () => this.repaint());
+    this.truth = new TrueTrajectory(rest, this.mission, this.stage, () => this.model, () => this.repaint());
     const details = new DetailsPanel(() => this.selection.clear());
     this.selection = new Selection(this, details, () => this.layout.showTab('details'));
     this.past = new Past(rest, this.mission, (changes) => this.onMap(changes), () => this.live.model.pointCount);
@@ -135,6 +138,7 @@ export class MissionPage {
     this.live.stream.close();
     this.past.close();
     this.fetched.stop();
+    this.truth.stop();
     this.abort.abort();
     this.stage.dispose();
   }
@@ -184,6 +188,7 @@ export class MissionPage {
     if (this.wantsFit && this.model.keyframeCount > 1) this.fit();
     if (this.live.hasPicture && this.model.keyframeCount > 1) this.wantsFit = false;
     this.fetched.onMap(this.model);
+    this.truth.onMap(this.model);
   }
 
   private repaint(): void {
@@ -197,7 +202,7 @@ export class MissionPage {
     this.painter.addRobots(known);
     this.robots.update(this.painter.robots, model, live.pulse, state);
     const receivedBytes = live.stream.receivedBytes + this.rest.receivedBytes;
-    this.numbers.update(model, live.pulse, { receivedBytes, drawnPoints: this.stage.figures.drawnPoints });
+    this.numbers.update(model, live.pulse, { receivedBytes, drawnPoints: this.stage.figures.drawnPoints, isTruthShown: this.stage.truth.isShown });
     this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap, (id) => this.agentOf(id));
   }
 

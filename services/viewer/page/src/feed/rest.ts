@@ -56,6 +56,13 @@ export class Rest {
     return poses;
   }
 
+  /** Rows of where the mission's cameras really were; empty: that is not known. */
+  async truth(mission: string): Promise<string> {
+    const text = await (await this.get(`${root(mission)}/truth`)).text();
+    this.receivedBytes += text.length;
+    return text;
+  }
+
   history(mission: string, points: boolean, each: (change: MapChange) => void): Promise<void> {
     return this.messages(`${root(mission)}/history?points=${points ? 1 : 0}&max=100`, (bytes) => {
       each(decodeMapChange(bytes));

@@ -20,17 +20,18 @@ export interface SceneColours {
   accepted: string;
   refused: string;
   selected: string;
+  truth: string;
   ramp: [string, string, string];
 }
 
 const SCENES: Record<Theme, SceneColours> = {
   light: {
     background: '#f7f8fa', ink: '#1a1d21', grid: '#d5d9df', own: '#0a8f2f', others: '#1f4fd8',
-    accepted: '#b0005e', refused: '#8a8f98', selected: '#d40000', ramp: ['#1b3a7a', '#7c7b78', '#c29a00'],
+    accepted: '#b0005e', refused: '#8a8f98', selected: '#d40000', truth: '#c62828', ramp: ['#1b3a7a', '#7c7b78', '#c29a00'],
   },
   dark: {
     background: '#0f1216', ink: '#e6e9ee', grid: '#262c35', own: '#3ddc64', others: '#6ea0ff',
-    accepted: '#ff5fae', refused: '#8992a0', selected: '#ffffff', ramp: ['#4a7fe0', '#a09f9c', '#ffe04d'],
+    accepted: '#ff5fae', refused: '#8992a0', selected: '#ffffff', truth: '#ff6b6b', ramp: ['#4a7fe0', '#a09f9c', '#ffe04d'],
   },
 };
 

@@ -6,6 +6,7 @@ import { panel, refill, table } from './dom';
 /** Figures of this page itself. */
 export interface PageFigures {
   receivedBytes: number;
+  isTruthShown: boolean;
   drawnPoints: number;
 }
 
@@ -25,6 +26,7 @@ export class NumbersPanel {
       ['Keyframes', count(model.keyframeCount)],
       ['Map points', count(model.pointCount)],
       ...fusionRows(pulse),
+      ...(page.isTruthShown ? [['Truth', 'the dashed line'] as [string, string]] : []),
       ['Points drawn', count(page.drawnPoints)],
       ['Received', bytes(page.receivedBytes)],
     ];

@@ -13,6 +13,7 @@ import { Marker } from './marker';
 import { SharedUniforms } from './materials';
 import { OverlapsView } from './overlaps_view';
 import { type Painter, paintMap } from './painting';
+import { TruthView } from './truth_view';
 import { Viewport } from './viewport';
 
 const STILL_AFTER_MS = 200;
@@ -34,6 +35,7 @@ export class Stage {
   readonly uniforms = new SharedUniforms();
   readonly map = new MapView(this.uniforms);
   readonly local = new LocalLayer(this.uniforms);
+  readonly truth = new TruthView(this.map.root, this.uniforms);
   readonly overlapsView: OverlapsView;
   readonly globalPort: Viewport;
   readonly localPort: Viewport;
@@ -84,6 +86,7 @@ export class Stage {
     this.points = model.pointCount;
     this.figures.uploadBytes = this.map.sync(model, changes, performance.now());
     this.grid.cover(this.map.bounds(() => true));
+    this.truth.place(this.map.plots.get(model.globalIsland ?? ''));
     this.invalidate(isHurried || this.completeMs > SLOW_COMPLETE_MS);
   }
 
@@ -100,6 +103,7 @@ export class Stage {
     this.localGrid.paint(colours.grid);
     this.overlapsView.paint(colours);
     this.marker.paint(colours.selected);
+    this.truth.paint(colours.truth, state.paths);
     paintMap(this.map, this.uniforms, state, painter, colours);
     this.local.paint((agent) => painter.robotColour(agent), (agent) => !state.hidden.has(agent));
     this.invalidate();

@@ -1,0 +1,69 @@
+import type { TrajectoryPose } from '@gen/corbslam/v1/resources_pb';
+import { type Alignment, alignPoses } from './alignment';
+import { type Pose, poseOfRigid } from './pose';
+import { type Vec3, rotate } from './vector';
+
+/** Where a camera really was, in a frame of its own. */
+export interface TruePose extends Pose {
+  timeS: number;
+}
+
+const CLOSE_S = 0.02;
+const DASHES = 120;
+
+/** Reads rows "time tx ty tz qx qy qz qw", sorted by time. */
+export function parseTruth(text: string): TruePose[] {
+  const poses: TruePose[] = [];
+  for (const line of text.split('\n')) {
+    const [timeS, x, y, z, qx, qy, qz, qw, ...more] = line.trim().split(/\s+/).map(Number);
+    if (more.length > 0 || ![timeS, x, y, z, qx, qy, qz, qw].every(Number.isFinite)) continue;
+    poses.push({ timeS, centre: [x, y, z], rotation: [qx, qy, qz, qw] });
+  }
+  return poses.sort((a, b) => a.timeS - b.timeS);
+}
+
+/** island_from_truth by the frames that have a true pose of their time; undefined: there are too few. */
+export function alignTruth(truth: TruePose[], frames: TrajectoryPose[]): Alignment | undefined {
+  const source: Pose[] = [];
+  const target: Pose[] = [];
+  for (const frame of frames) {
+    const pose = poseOfRigid(frame.frameFromCamera);
+    const near = nearest(truth, Number(frame.timestampNs) / 1e9);
+    if (!pose || !near) continue;
+    source.push(near);
+    target.push(pose);
+  }
+  return source.length < 3 ? undefined : alignPoses(source, target);
+}
+
+/** A dashed path in the island's frame, as segments (x, y, z twice each). */
+export function dashes(truth: TruePose[], { scale, rotation, translation }: Alignment): number[] {
+  const path = truth.map(({ centre }) => {
+    const turned = rotate(rotation, centre);
+    return turned.map((value, k) => scale * value + translation[k]) as Vec3;
+  });
+  const lengths = path.slice(1).map((to, i) => Math.hypot(...to.map((value, k) => value - path[i][k])));
+  const dash = lengths.reduce((sum, length) => sum + length, 0) / (2 * DASHES);
+  const segments: number[] = [];
+  let travelled = 0;
+  lengths.forEach((length, i) => {
+    // The middle of a step decides: steps are short beside a dash, or few.
+    const isOn = dash === 0 || Math.floor((travelled + length / 2) / dash) % 2 === 0;
+    if (isOn) segments.push(...path[i], ...path[i + 1]);
+    travelled += length;
+  });
+  return segments;
+}
+
+function nearest(truth: TruePose[], timeS: number): TruePose | undefined {
+  let low = 0;
+  let high = truth.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (truth[middle].timeS < timeS) low = middle + 1;
+    else high = middle;
+  }
+  const gap = (pose: TruePose | undefined) => (pose ? Math.abs(pose.timeS - timeS) : Infinity);
+  const best = gap(truth[low - 1]) < gap(truth[low]) ? truth[low - 1] : truth[low];
+  return gap(best) <= CLOSE_S ? best : undefined;
+}
