@@ -53,10 +53,14 @@ MapReplay::Plan MapReplay::MakePlan(const ReplayProgress& first) const {
   const uint64_t batches = last_.batches - std::min(first.batches, last_.batches);
   const uint64_t most = options_.max_revisions;
   const uint64_t room = std::max(most / 2, most - std::min(batches, most));
-  // The first state is the first of both, and counts once.
-  const size_t revisions = changes < room ? changes + 1 : room;
-  return {EvenSteps(first.revision, last_.revision, revisions),
-          EvenSteps(first.batches, last_.batches, options_.max_revisions + 1 - revisions)};
+  const size_t of_revisions = changes < room ? changes + 1 : room;
+  // The first state is the first of both, and the end the last of one: neither counts twice. Where
+  // no revision but the first is chosen, the end may lie behind the last batch.
+  const size_t of_batches = most + 1 - of_revisions - (of_revisions == 1 && changes > 0 ? 1 : 0);
+  // A single one that is chosen is the first.
+  return {
+      EvenSteps(first.revision, of_revisions > 1 ? last_.revision : first.revision, of_revisions),
+      EvenSteps(first.batches, of_batches > 1 ? last_.batches : first.batches, of_batches)};
 }
 
 absl::Status MapReplay::Look(const MissionState& state) {

@@ -109,11 +109,11 @@ class ReplayMapTest : public ::testing::Test {
   std::unique_ptr<v1::MapStore::Stub> stub_;
 };
 
-TEST_F(ReplayMapTest, TellsOneRevisionAfterTheOther) {
+TEST_F(ReplayMapTest, TellsOneMomentAfterTheOther) {
   const auto call = Ask(0);
   const grpc::Status status = call->ReadAll();
   ASSERT_TRUE(status.ok()) << status.error_message();
-  EXPECT_THAT(call->Revisions(), ElementsAre(0, 1, 2));
+  EXPECT_THAT(call->Revisions(), ElementsAre(0, 0, 1, 1, 2));
   const v1::WatchMapResponse& first = call->messages.front();
   ASSERT_EQ(first.islands_size(), 1);
   EXPECT_TRUE(first.islands(0).anew());
@@ -123,7 +123,7 @@ TEST_F(ReplayMapTest, TellsOneRevisionAfterTheOther) {
   EXPECT_FALSE(call->messages.back().continues());
 }
 
-TEST_F(ReplayMapTest, TellsAsManyRevisionsAsAreWanted) {
+TEST_F(ReplayMapTest, TellsAsManyMomentsAsAreWanted) {
   const auto call = Ask(2);
   ASSERT_TRUE(call->ReadAll().ok());
   EXPECT_THAT(call->Revisions(), ElementsAre(0, 2));
