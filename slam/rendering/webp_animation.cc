@@ -69,8 +69,7 @@ absl::Status WebpAnimation::Add(const cv::Mat& image) {
   WebPConfig config;
   WebPPicture picture;
   if (state.encoder == nullptr || WebPConfigInit(&config) == 0 ||
-      WebPConfigLosslessPreset(&config, 2) == 0 ||
-      WebPPictureInit(&picture) == 0) {
+      WebPConfigLosslessPreset(&config, 2) == 0 || WebPPictureInit(&picture) == 0) {
     return state.Error("libwebp");
   }
   picture.use_argb = 1;
