@@ -39,7 +39,8 @@ struct MissionRunOptions {
   bool strict = false;
   // True: a map viewer shows the mission while it runs, for processes only; its address is printed.
   bool view = false;
-  // File with where the robots' cameras really were, in TUM's format, for that viewer; may be empty.
+  // File with where the robots' cameras really were, in TUM's format, for that viewer; may be
+  // empty.
   std::string truth_path;
   // How long the store may take to fuse after the last robot ended.
   absl::Duration fusion_timeout = absl::Minutes(20);
