@@ -8,8 +8,8 @@
 
 namespace corbslam::map_store {
 
-// Chooses at most `most` (1 or more) of the numbers from `first` to `last`, both included if there
-// is room for two. A value; not thread-safe.
+// Chooses at most `most` of the numbers from `first` to `last`: `first` if there is room for one,
+// both if there is for two. A value; not thread-safe.
 class EvenSteps {
  public:
   EvenSteps(uint64_t first, uint64_t last, size_t most)
@@ -27,7 +27,7 @@ class EvenSteps {
   // Returns the `index`th; behind the last, numbers that do not come.
   uint64_t Chosen(size_t index) const {
     const uint64_t gaps = most_ - 1;
-    return first_ + (steps_ <= gaps ? index : index * steps_ / gaps);
+    return first_ + (gaps == 0 || steps_ <= gaps ? index : index * steps_ / gaps);
   }
 
   const uint64_t first_;

@@ -57,10 +57,8 @@ MapReplay::Plan MapReplay::MakePlan(const ReplayProgress& first) const {
   // The first state is the first of both, and the end the last of one: neither counts twice. Where
   // no revision but the first is chosen, the end may lie behind the last batch.
   const size_t of_batches = most + 1 - of_revisions - (of_revisions == 1 && changes > 0 ? 1 : 0);
-  // A single one that is chosen is the first.
-  return {
-      EvenSteps(first.revision, of_revisions > 1 ? last_.revision : first.revision, of_revisions),
-      EvenSteps(first.batches, of_batches > 1 ? last_.batches : first.batches, of_batches)};
+  return {EvenSteps(first.revision, last_.revision, of_revisions),
+          EvenSteps(first.batches, last_.batches, of_batches)};
 }
 
 absl::Status MapReplay::Look(const MissionState& state) {

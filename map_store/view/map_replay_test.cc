@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -101,6 +102,18 @@ std::vector<uint64_t> ToldOfAll(uint64_t revisions, size_t max_revisions) {
     told.push_back(100 * moment.revision + moment.batches);
   }
   return told;
+}
+
+TEST(EvenStepsTest, ChooseTheEndsFirst) {
+  for (const auto& [most, chosen] : std::map<size_t, std::vector<uint64_t>>{
+           {0, {}}, {1, {3}}, {2, {3, 9}}, {3, {3, 6, 9}}, {100, {3, 4, 5, 6, 7, 8, 9}}}) {
+    EvenSteps steps(3, 9, most);
+    std::vector<uint64_t> reached;
+    for (uint64_t number = 0; number <= 9; ++number) {
+      if (steps.Reach(number)) reached.push_back(number);
+    }
+    EXPECT_EQ(reached, chosen) << most;
+  }
 }
 
 TEST(MapReplayTest, TellsBatchesBetweenRevisions) {
