@@ -7,6 +7,7 @@
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
 #include "services/client/store/call_status.h"
+#include "services/client/store/map_streams.h"
 #include "services/client/store/store_reader.h"
 #include "services/convert/resource_names.h"
 #include "slam/util/status_macros.h"
@@ -50,68 +51,36 @@ class QuietWatch {
 }  // namespace
 
 absl::StatusOr<ToldMap> StoreReader::ReadMap() {
-  grpc::ClientContext context;
-  SetStreamDeadline(context);
-  v1::WatchMapRequest request;
-  request.set_mission(MissionName(mission_));
-  request.set_include_points(true);
-  const auto reader = stub_->WatchMap(&context, request);
   ToldMap map;
-  v1::WatchMapResponse response;
-  bool is_whole = false;
-  absl::Status status;
-  while (!is_whole && status.ok() && reader->Read(&response)) {
-    status = map.Apply(response);
-    is_whole = !response.continues();
-  }
-  // The call is cancelled, since later changes would follow.
-  if (is_whole || !status.ok()) context.TryCancel();
-  const grpc::Status end = reader->Finish();
-  RETURN_IF_ERROR(status);
-  if (is_whole) return map;
-  RETURN_IF_ERROR(ToStatus(end, "WatchMap"));
-  return absl::UnavailableError("WatchMap: the map store ended before the map was whole");
+  RETURN_IF_ERROR(ReadWholeMap(*stub_, mission_, [&map](const v1::WatchMapResponse& response) {
+    return map.Apply(response);
+  }));
+  return map;
 }
 
 absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t max_revisions) {
-  grpc::ClientContext context;
-  SetStreamDeadline(context);
   v1::ReplayMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(true);
   request.set_max_revisions(max_revisions);
-  const auto reader = stub_->ReplayMap(&context, request);
   std::vector<v1::WatchMapResponse> past;
-  v1::WatchMapResponse response;
-  while (reader->Read(&response)) past.push_back(std::move(response));
-  RETURN_IF_ERROR(ToStatus(reader->Finish(), "ReplayMap"));
-  if (past.empty() || past.back().continues()) {
-    return absl::DataLossError("ReplayMap: the past came only in part");
-  }
+  RETURN_IF_ERROR(ReadReplay(*stub_, request, [&past](const v1::WatchMapResponse& response) {
+    past.push_back(response);
+    return absl::OkStatus();
+  }));
+  if (past.empty()) return absl::DataLossError("ReplayMap: nothing of the past came");
   return past;
 }
 
 absl::Status StoreReader::ReplayMap(uint32_t max_revisions, const OnMoment& on_moment) {
-  grpc::ClientContext context;
-  SetStreamDeadline(context);
   v1::ReplayMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_max_revisions(max_revisions);
-  const auto reader = stub_->ReplayMap(&context, request);
   ToldMap map;
-  v1::WatchMapResponse response;
-  response.set_continues(false);
-  absl::Status status;
-  while (status.ok() && reader->Read(&response)) {
-    status = map.Apply(response);
-    if (status.ok() && !response.continues()) status = on_moment(map);
-  }
-  if (!status.ok()) context.TryCancel();
-  const grpc::Status end = reader->Finish();
-  RETURN_IF_ERROR(status);
-  RETURN_IF_ERROR(ToStatus(end, "ReplayMap"));
-  if (!response.continues()) return absl::OkStatus();
-  return absl::UnavailableError("ReplayMap: the map store ended within a moment");
+  return ReadReplay(*stub_, request, [&](const v1::WatchMapResponse& response) -> absl::Status {
+    RETURN_IF_ERROR(map.Apply(response));
+    return response.continues() ? absl::OkStatus() : on_moment(map);
+  });
 }
 
 absl::StatusOr<std::vector<v1::MissionEvent>> StoreReader::ReadEvents() {

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/client/store/call_status.h"
+#include "services/client/store/map_streams.h"
 #include "services/convert/columns.h"
 #include "services/convert/geometry.h"
 #include "services/convert/ids.h"
@@ -159,28 +160,11 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
 }
 
 absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
-  grpc::ClientContext context;
-  SetStreamDeadline(context);
-  v1::WatchMapRequest request;
-  request.set_mission(MissionName(mission_));
-  request.set_include_points(true);
-  const auto reader = stub_->WatchMap(&context, request);
   ServedMap map;
-  v1::WatchMapResponse response;
-  bool is_whole = false;
-  absl::Status added;
-  while (!is_whole && added.ok() && reader->Read(&response)) {
-    added = AddResponse(response, map);
-    is_whole = !response.continues();
-  }
-  // The call is cancelled, since later revisions would follow. A stream that the store ended keeps
-  // its own reason.
-  if (is_whole || !added.ok()) context.TryCancel();
-  const grpc::Status status = reader->Finish();
-  RETURN_IF_ERROR(added);
-  if (is_whole) return map;
-  if (status.ok()) return absl::DataLossError("WatchMap: the map came only in part");
-  return ToStatus(status, "WatchMap");
+  RETURN_IF_ERROR(ReadWholeMap(*stub_, mission_, [&map](const v1::WatchMapResponse& response) {
+    return AddResponse(response, map);
+  }));
+  return map;
 }
 
 }  // namespace corbslam::services
