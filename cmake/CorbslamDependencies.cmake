@@ -13,6 +13,8 @@ pkg_check_modules(GRPCPP REQUIRED IMPORTED_TARGET grpc++)
 pkg_check_modules(ROCKSDB REQUIRED IMPORTED_TARGET rocksdb)
 pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET libwebp libwebpmux)
 pkg_check_modules(PROTOBUF REQUIRED IMPORTED_TARGET protobuf)
+# Live cameras; without it robots play recordings alone.
+pkg_check_modules(GSTREAMER IMPORTED_TARGET gstreamer-app-1.0>=1.20 gstreamer-video-1.0)
 find_library(GRPCPP_REFLECTION_LIBRARY grpc++_reflection REQUIRED)
 find_program(PROTOC_PROGRAM protoc REQUIRED)
 find_program(GRPC_CPP_PLUGIN grpc_cpp_plugin REQUIRED)

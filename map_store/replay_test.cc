@@ -166,8 +166,8 @@ TEST_F(ReplayTest, OfManyMomentsSomeAreTold) {
   OpenOnDisk();
   Send(0, batches_.size());
   Reconsider();
-  EXPECT_EQ(ExpectTruth({.include_points = true, .max_revisions = 4}), 4u);
-  EXPECT_EQ(ExpectTruth({.include_points = true, .max_revisions = 2}), 2u);
+  EXPECT_EQ(ExpectTruth({.include_points = true, .max_moments = 4}), 4u);
+  EXPECT_EQ(ExpectTruth({.include_points = true, .max_moments = 2}), 2u);
 }
 
 TEST_F(ReplayTest, BeginsWithTheSnapshot) {
@@ -184,7 +184,7 @@ TEST_F(ReplayTest, BeginsWithTheSnapshot) {
   Reconsider();
   ASSERT_GE(store_->GetStatistics(kMission)->revision, revision + 3);
   EXPECT_EQ(ExpectTruth({.include_points = true}), then_.size());
-  EXPECT_EQ(ExpectTruth({.include_points = true, .max_revisions = 3}), 3u);
+  EXPECT_EQ(ExpectTruth({.include_points = true, .max_moments = 3}), 3u);
 }
 
 TEST_F(ReplayTest, AJournalThatKeepsNothingTellsThePresent) {
@@ -206,7 +206,7 @@ TEST_F(ReplayTest, EndsWhenItIsTooLongOrNobodyWaits) {
   EXPECT_TRUE(absl::IsCancelled(given_up.status())) << given_up.status();
   EXPECT_EQ(asked, 5);
   EXPECT_TRUE(
-      absl::IsInvalidArgument(store_->ReplayMap(kMission, {.max_revisions = 1}, &Always).status()));
+      absl::IsInvalidArgument(store_->ReplayMap(kMission, {.max_moments = 1}, &Always).status()));
   EXPECT_TRUE(absl::IsNotFound(store_->ReplayMap("nobodys", {}, &Always).status()));
 }
 

@@ -8,6 +8,7 @@
 #include "client_agent/source/frame_reader.h"
 #include "client_agent/source/listed_reader.h"
 #include "client_agent/source/lists/camera_list.h"
+#include "client_agent/source/rig_opening.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -87,12 +88,16 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec) {
   const std::string root = EurocRoot(spec.directory);
   ListedSequence sequence;
   SourceDescription& description = sequence.description;
-  ASSIGN_OR_RETURN(sequence.calibration,
-                   ReadCalibration(root, spec.opening.trust_calibration, description.remarks));
   const auto tolerance_ns = static_cast<int64_t>(1e6 * spec.opening.pair_within_ms);
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(root, tolerance_ns, description.remarks));
   description.layout = "EuRoC (ASL), cam0 and cam1";
   description.intrinsics_from = root + "/cam0/sensor.yaml, cam1/sensor.yaml";
+  if (!spec.opening.rig_file.empty()) {
+    RETURN_IF_ERROR(TakeRig(spec, RigKind::kStereo, sequence));
+  } else {
+    ASSIGN_OR_RETURN(sequence.calibration,
+                     ReadCalibration(root, spec.opening.trust_calibration, description.remarks));
+  }
   sequence.times_file = root + "/cam0/data.csv";
   return MakeListedReader(std::move(sequence));
 }

@@ -1,10 +1,12 @@
 #include "client_agent/source/frame_reader.h"
 
 #include <opencv2/core.hpp>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/layout_hints.h"
 #include "client_agent/source/perturb.h"
+#include "client_agent/source/scaled_reader.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -38,8 +40,9 @@ absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t fra
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) {
   if (spec.settings != nullptr) return spec.settings->Open();
   absl::StatusOr<std::unique_ptr<FrameReader>> reader = OpenLayout(spec);
-  if (reader.ok()) return reader;
-  return WithLayoutHint(reader.status(), spec);
+  if (!reader.ok()) return WithLayoutHint(reader.status(), spec);
+  if (spec.opening.scale == 1) return reader;
+  return ScaleReader(*std::move(reader), spec.opening.scale);
 }
 
 }  // namespace corbslam::client_agent

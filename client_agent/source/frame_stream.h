@@ -54,6 +54,9 @@ class FrameStream {
   virtual absl::StatusOr<NextFrame> Next(absl::Time deadline) = 0;
   // Returns the frames that were left out so far.
   virtual LeftOutFrames left_out() const = 0;
+  // Returns how many frames a newer one replaced before they were taken: a camera's, whose frames
+  // do not wait.
+  virtual uint64_t overtaken() const { return 0; }
 };
 
 }  // namespace corbslam::client_agent

@@ -14,6 +14,7 @@
 #include "client_agent/source/lists/kitti_times.h"
 #include "client_agent/source/lists/numbered_pictures.h"
 #include "client_agent/source/pictures/image_file.h"
+#include "client_agent/source/rig_opening.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -98,24 +99,32 @@ absl::StatusOr<std::vector<ListedFrame>> ListFrames(const SourceSpec& spec,
   return frames;
 }
 
+// Takes what the recording's own file says.
+absl::Status TakeCalibration(const SourceSpec& spec, const KittiFolders& folders,
+                             const Pictures& pictures, ListedSequence& sequence) {
+  ASSIGN_OR_RETURN(const cv::Mat first, ReadFirstGrey(PathsOf(pictures.left)));
+  ASSIGN_OR_RETURN(FoundKittiCalibration found,
+                   ReadKittiCalibration({folders.calibration, folders.left_row, folders.right_row,
+                                         first.cols, first.rows, spec.opening.trust_calibration}));
+  sequence.calibration = found.calibration;
+  sequence.description.intrinsics_from =
+      absl::StrCat(folders.calibration, " (", folders.left_row, ", ", folders.right_row, ")");
+  sequence.description.remarks.Add(std::move(found.findings));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenKitti(const SourceSpec& spec) {
   ASSIGN_OR_RETURN(const KittiFolders folders, FindKittiFolders(spec));
   ASSIGN_OR_RETURN(const Pictures pictures, ListPictures(folders));
-  ASSIGN_OR_RETURN(const cv::Mat first, ReadFirstGrey(PathsOf(pictures.left)));
-  ASSIGN_OR_RETURN(FoundKittiCalibration found,
-                   ReadKittiCalibration({folders.calibration, folders.left_row, folders.right_row,
-                                         first.cols, first.rows, spec.opening.trust_calibration}));
   ListedSequence sequence;
-  SourceDescription& description = sequence.description;
-  ASSIGN_OR_RETURN(sequence.frames, ListFrames(spec, folders, pictures, description));
-  sequence.calibration = found.calibration;
+  const bool has_rig = !spec.opening.rig_file.empty();
+  if (!has_rig) RETURN_IF_ERROR(TakeCalibration(spec, folders, pictures, sequence));
+  ASSIGN_OR_RETURN(sequence.frames, ListFrames(spec, folders, pictures, sequence.description));
+  if (has_rig) RETURN_IF_ERROR(TakeRig(spec, RigKind::kStereo, sequence));
   sequence.times_file = folders.times;
-  description.layout = folders.layout;
-  description.intrinsics_from =
-      absl::StrCat(folders.calibration, " (", folders.left_row, ", ", folders.right_row, ")");
-  description.remarks.Add(std::move(found.findings));
+  sequence.description.layout = folders.layout;
   return MakeListedReader(std::move(sequence));
 }
 

@@ -28,13 +28,13 @@ absl::Status ParseReal(absl::string_view key, absl::string_view value, double le
 std::vector<absl::string_view> OpeningOptionNames(SourceLayout layout) {
   switch (layout) {
     case SourceLayout::kKitti:
-      return {"trust_calibration", "fps", "images"};
+      return {"rig", "scale", "trust_calibration", "fps", "images"};
     case SourceLayout::kEuroc:
-      return {"trust_calibration", "pair_within_ms"};
+      return {"rig", "scale", "trust_calibration", "pair_within_ms"};
     case SourceLayout::kTum:
-      return {"camera", "calibration", "trust_calibration"};
+      return {"rig", "scale", "camera", "calibration", "trust_calibration"};
     case SourceLayout::kSevenScenes:
-      return {"camera", "calibration", "trust_calibration", "fps"};
+      return {"rig", "scale", "camera", "calibration", "trust_calibration", "fps"};
     case SourceLayout::kRegistered:
       break;
   }
@@ -53,6 +53,11 @@ absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
       return BadOption(key, value, absl::StrCat("one of ", ListNamedCameras()));
     }
     opening.camera = std::string(value);
+  } else if (key == "rig") {
+    if (value.empty()) return BadOption(key, value, "a file");
+    opening.rig_file = std::string(value);
+  } else if (key == "scale") {
+    return ParseReal(key, value, 0.1, 1, opening.scale);
   } else if (key == "calibration") {
     if (value.empty()) return BadOption(key, value, "a file");
     opening.calibration_file = std::string(value);
@@ -74,6 +79,8 @@ absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
 
 std::vector<std::string> FormatOpening(const SourceOpening& opening) {
   std::vector<std::string> options;
+  if (!opening.rig_file.empty()) options.push_back(absl::StrCat("rig=", opening.rig_file));
+  if (opening.scale != 1) options.push_back(absl::StrCat("scale=", FormatReal(opening.scale)));
   if (!opening.camera.empty()) options.push_back(absl::StrCat("camera=", opening.camera));
   if (!opening.calibration_file.empty()) {
     options.push_back(absl::StrCat("calibration=", opening.calibration_file));

@@ -288,7 +288,7 @@ TEST(TumSourceTest, AssociatesByTime) {
   EXPECT_EQ((*first)->depth.at<uint16_t>(0, 0), 5001);
   const auto& calibration = std::get<RgbdCalibration>((*source)->calibration());
   EXPECT_DOUBLE_EQ(calibration.camera.fx_px, 50);
-  EXPECT_TRUE(calibration.distortion.IsZero());
+  EXPECT_TRUE(std::get<RadialTangential>(calibration.lens).IsZero());
   EXPECT_DOUBLE_EQ(calibration.camera.baseline_m, 0.08);
   EXPECT_DOUBLE_EQ(calibration.camera.close_depth_m, 3.2);
 }
@@ -302,8 +302,8 @@ TEST(TumSourceTest, TakesGivenAssociationsAndCalibration) {
   ASSERT_TRUE(source.ok()) << source.status();
   const auto& calibration = std::get<RgbdCalibration>((*source)->calibration());
   EXPECT_DOUBLE_EQ(calibration.camera.fy_px, 51);
-  EXPECT_DOUBLE_EQ(calibration.distortion.k1, 0.1);
-  EXPECT_DOUBLE_EQ(calibration.distortion.k2, 0);
+  EXPECT_DOUBLE_EQ(std::get<RadialTangential>(calibration.lens).k1, 0.1);
+  EXPECT_DOUBLE_EQ(std::get<RadialTangential>(calibration.lens).k2, 0);
   EXPECT_DOUBLE_EQ(calibration.depth_units_per_m, 1000);
   const auto first = (*source)->NextImages();
   EXPECT_EQ((*first)->depth.at<uint16_t>(0, 0), 5002);
@@ -456,7 +456,7 @@ TEST(EurocSourceTest, PairsCommonTimesAndReadsTheRawCalibration) {
   const auto& calibration = std::get<StereoCalibration>((*source)->calibration());
   ASSERT_TRUE(calibration.raw.has_value());
   EXPECT_DOUBLE_EQ(calibration.raw->left.fx_px, 50.5);
-  EXPECT_DOUBLE_EQ(calibration.raw->right.distortion.p2, 1.7e-05);
+  EXPECT_DOUBLE_EQ(std::get<RadialTangential>(calibration.raw->right.lens).p2, 1.7e-05);
   EXPECT_NEAR(calibration.raw->right_from_left.translation.x(), -0.11, 1e-12);
   EXPECT_NEAR(calibration.camera.close_depth_m, 5.5, 1e-9);
   const auto first = (*source)->NextImages();

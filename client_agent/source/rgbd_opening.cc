@@ -2,10 +2,13 @@
 
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/string_view.h"
+#include "client_agent/source/calibration/rgbd_calibration.h"
 #include "client_agent/source/pictures/image_file.h"
+#include "client_agent/source/rig_opening.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -22,8 +25,7 @@ std::string RealFolder(const std::string& directory, const std::string& path) {
   return absl::EndsWith(real, name) ? real.substr(0, real.size() - name.size()) : "";
 }
 
-}  // namespace
-
+// Makes the query of the options and the first picture that can be read.
 absl::StatusOr<RgbdCalibrationQuery> MakeCalibrationQuery(const SourceSpec& spec,
                                                           const std::vector<ListedFrame>& frames) {
   std::vector<std::string> pictures;
@@ -44,12 +46,18 @@ absl::StatusOr<RgbdCalibrationQuery> MakeCalibrationQuery(const SourceSpec& spec
   return query;
 }
 
-void TakeCalibration(FoundRgbdCalibration found, ListedSequence& sequence) {
+}  // namespace
+
+absl::Status CalibrateRgbd(const SourceSpec& spec, ListedSequence& sequence) {
+  if (!spec.opening.rig_file.empty()) return TakeRig(spec, RigKind::kRgbd, sequence);
+  ASSIGN_OR_RETURN(const RgbdCalibrationQuery query, MakeCalibrationQuery(spec, sequence.frames));
+  ASSIGN_OR_RETURN(FoundRgbdCalibration found, FindRgbdCalibration(query));
   SourceDescription& description = sequence.description;
   sequence.calibration = found.calibration;
   description.intrinsics_from = std::move(found.from);
   description.depth_units_from = std::move(found.depth_units_from);
   description.remarks.Add(std::move(found.findings));
+  return absl::OkStatus();
 }
 
 }  // namespace corbslam::client_agent

@@ -2,20 +2,15 @@
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_RGBD_OPENING_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_RGBD_OPENING_H_
 
-#include <vector>
-
-#include "absl/status/statusor.h"
-#include "client_agent/source/calibration/rgbd_calibration.h"
+#include "absl/status/status.h"
 #include "client_agent/source/listed_reader.h"
+#include "client_agent/source/source_spec.h"
 
 namespace corbslam::client_agent {
 
-// Makes the query of the options and the first picture that can be read. Errors name the picture.
-absl::StatusOr<RgbdCalibrationQuery> MakeCalibrationQuery(const SourceSpec& spec,
-                                                          const std::vector<ListedFrame>& frames);
-
-// Puts the calibration, and where it is from, into `sequence`.
-void TakeCalibration(FoundRgbdCalibration found, ListedSequence& sequence);
+// Puts the recording's calibration, and where it is from, into `sequence`, whose frames are listed:
+// from ?rig, or as FindRgbdCalibration finds it. Errors name the file or the picture.
+absl::Status CalibrateRgbd(const SourceSpec& spec, ListedSequence& sequence);
 
 }  // namespace corbslam::client_agent
 

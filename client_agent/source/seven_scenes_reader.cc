@@ -41,12 +41,10 @@ absl::StatusOr<std::vector<ListedFrame>> ListFrames(const SourceSpec& spec) {
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenSevenScenes(const SourceSpec& spec) {
   ListedSequence sequence;
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(spec));
-  ASSIGN_OR_RETURN(const RgbdCalibrationQuery query, MakeCalibrationQuery(spec, sequence.frames));
-  ASSIGN_OR_RETURN(FoundRgbdCalibration found, FindRgbdCalibration(query));
+  RETURN_IF_ERROR(CalibrateRgbd(spec, sequence));
   sequence.description.layout = "7-Scenes";
   sequence.description.times_from = absl::StrCat("?fps=", *spec.opening.fps);
   sequence.times_file = spec.directory;
-  TakeCalibration(std::move(found), sequence);
   return MakeListedReader(std::move(sequence));
 }
 

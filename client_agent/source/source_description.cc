@@ -9,12 +9,9 @@
 namespace corbslam::client_agent {
 namespace {
 
-std::string Describe(const RadialTangential& distortion) {
-  if (distortion.IsZero()) return "no distortion";
-  const RadialTangential& d = distortion;
-  return absl::StrCat("radial-tangential distortion k1 ", FormatReal(d.k1), " k2 ",
-                      FormatReal(d.k2), " p1 ", FormatReal(d.p1), " p2 ", FormatReal(d.p2), " k3 ",
-                      FormatReal(d.k3));
+std::string Words(const LensModel& lens) {
+  const bool is_pinhole = std::holds_alternative<RadialTangential>(lens);
+  return is_pinhole ? "pinhole, " + DescribeLens(lens) : DescribeLens(lens);
 }
 
 std::string DescribeIntrinsics(const SourceDescription& description) {
@@ -43,9 +40,9 @@ void Describe(const StereoCalibration& calibration, SourceDescription& descripti
     return;
   }
   const RawStereo& raw = *calibration.raw;
-  description.camera_model = absl::StrCat(
-      "raw stereo pair, rectified while it is played; left: pinhole, ",
-      Describe(raw.left.distortion), "; right: pinhole, ", Describe(raw.right.distortion));
+  description.camera_model =
+      absl::StrCat("raw stereo pair, rectified while it is played; left: ", Words(raw.left.lens),
+                   "; right: ", Words(raw.right.lens));
   description.intrinsics = {raw.left.fx_px, raw.left.fy_px, raw.left.cx_px,
                             raw.left.cy_px, raw.width_px,   raw.height_px};
   description.baseline_m = raw.right_from_left.translation.norm();
@@ -53,7 +50,7 @@ void Describe(const StereoCalibration& calibration, SourceDescription& descripti
 
 void Describe(const RgbdCalibration& calibration, SourceDescription& description) {
   const Camera& camera = calibration.camera;
-  description.camera_model = absl::StrCat("RGB-D, pinhole, ", Describe(calibration.distortion));
+  description.camera_model = absl::StrCat("RGB-D, ", Words(calibration.lens));
   description.intrinsics = {camera.fx_px, camera.fy_px,    camera.cx_px,
                             camera.cy_px, camera.width_px, camera.height_px};
   description.depth_units_per_m = calibration.depth_units_per_m;
@@ -80,6 +77,10 @@ std::vector<std::pair<std::string, std::string>> DescribeInWords(
     lines.push_back(
         {"depth", absl::StrFormat("%.6g units a metre, from %s", *description.depth_units_per_m,
                                   description.depth_units_from)});
+  }
+  if (description.is_live) {
+    lines.push_back({"times", description.times_from});
+    return lines;
   }
   lines.push_back({"frames", absl::StrCat(description.frames)});
   lines.push_back({"times", DescribeTimes(description)});

@@ -23,6 +23,7 @@ struct SourceDescription {
   std::optional<double> baseline_m;         // Set for a stereo pair only.
   std::optional<double> depth_units_per_m;  // Set for an RGB-D camera only.
   std::string depth_units_from;
+  bool is_live = false;  // A camera: how many frames there will be, and when, nobody knows.
   // Number of all frames of the sequence, selected or not.
   size_t frames = 0;
   TimeStatistics times;

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/synchronization/mutex.h"
+#include "client_agent/source/frame_stream.h"
 #include "client_agent/source/source_spec.h"
 
 namespace corbslam::client_agent {
@@ -29,6 +30,10 @@ std::vector<SourceKind> AllKinds() {
 }
 
 }  // namespace
+
+absl::StatusOr<std::unique_ptr<FrameStream>> KindSettings::OpenLive() const {
+  return absl::UnimplementedError(absl::StrCat(kind(), ": is no live camera"));
+}
 
 void RegisterSourceKind(SourceKind kind) {
   const std::vector<absl::string_view> taken = RecordedLayoutNames();

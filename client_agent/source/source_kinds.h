@@ -18,6 +18,7 @@
 namespace corbslam::client_agent {
 
 class FrameReader;
+class FrameStream;
 class KindSettings;
 using SharedKindSettings = std::shared_ptr<const KindSettings>;
 
@@ -46,6 +47,10 @@ class KindSettings {
   // other way round.
   virtual bool turned() const = 0;
   virtual absl::StatusOr<std::unique_ptr<FrameReader>> Open() const = 0;
+  // True: the source is a camera, which OpenLive opens, and Open says so.
+  virtual bool is_live() const { return false; }
+  // Opens the camera and starts it. Errors say what to do.
+  virtual absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive() const;
 };
 
 struct SourceKind {

@@ -201,6 +201,8 @@ absl::Status ApplyOptions(absl::string_view options, SourceSpec& spec) {
   return absl::OkStatus();
 }
 
+absl::Status UseRig(const std::string& path, SourceSpec& spec) { return ApplyOption("rig", path, spec); }
+
 namespace {
 
 // Splits at the first '?', or at a later one before which there is an existing folder.

@@ -71,6 +71,11 @@ struct Perturbation {
 
 // Says what a recording's own files leave open, or say wrongly.
 struct SourceOpening {
+  // rig=FILE: the rig file whose cameras recorded the pictures (rig/rig.h), instead of what the
+  // recording's own files say. Empty: none.
+  std::string rig_file;
+  // scale=S: pictures are scaled by this before anything else sees them, 0.1 to 1.
+  double scale = 1;
   // camera=NAME, RGB-D: the calibration that was published for this camera (named_cameras.h).
   std::string camera;
   // calibration=FILE, RGB-D: the file to take instead of the one in the recording's folder.
@@ -115,6 +120,9 @@ std::string FormatSourceSpec(const SourceSpec& spec);
 // Applies "gamma=0.8,noise=4,reverse", or the same with '&' in between, to a spec. The options of a
 // spec have this form.
 absl::Status ApplyOptions(absl::string_view options, SourceSpec& spec);
+
+// Does what the option rig=PATH does. INVALID_ARGUMENT where the source takes no rig.
+absl::Status UseRig(const std::string& path, SourceSpec& spec);
 
 }  // namespace corbslam::client_agent
 

@@ -58,11 +58,9 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec) {
   SourceDescription& description = sequence.description;
   ASSIGN_OR_RETURN(const Listed listed, ReadLists(directory, description.remarks));
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(listed, description.remarks));
-  ASSIGN_OR_RETURN(const RgbdCalibrationQuery query, MakeCalibrationQuery(spec, sequence.frames));
-  ASSIGN_OR_RETURN(FoundRgbdCalibration found, FindRgbdCalibration(query));
+  RETURN_IF_ERROR(CalibrateRgbd(spec, sequence));
   description.layout = "TUM RGB-D";
   sequence.times_file = listed.file;
-  TakeCalibration(std::move(found), sequence);
   return MakeListedReader(std::move(sequence));
 }
 

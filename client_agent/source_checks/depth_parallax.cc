@@ -24,9 +24,11 @@ struct DepthMatches {
   std::vector<double> depths_m;
 };
 
-cv::Point2d Undistorted(const RgbdCalibration& calibration, const Eigen::Vector2d& raw) {
-  const Eigen::Vector2d ideal = UndistortPixel(calibration.camera, calibration.distortion, raw);
-  return {ideal.x(), ideal.y()};
+std::optional<cv::Point2d> Undistorted(const RgbdCalibration& calibration,
+                                       const Eigen::Vector2d& raw) {
+  const auto ideal = UndistortPixel(calibration.camera, calibration.lens, raw);
+  if (!ideal.has_value()) return std::nullopt;
+  return cv::Point2d(ideal->x(), ideal->y());
 }
 
 DepthMatches FindMatches(const RgbdCalibration& calibration, const SensorImages& first,
@@ -39,9 +41,11 @@ DepthMatches FindMatches(const RgbdCalibration& calibration, const SensorImages&
     raw.x_px = static_cast<float>(match.in_a.x());
     raw.y_px = static_cast<float>(match.in_a.y());
     const double depth_m = CornerDepth(first.depth, raw, calibration.depth_units_per_m);
-    if (depth_m <= 0) continue;
-    matches.first.push_back(Undistorted(calibration, match.in_a));
-    matches.second.push_back(Undistorted(calibration, match.in_b));
+    const std::optional<cv::Point2d> in_a = Undistorted(calibration, match.in_a);
+    const std::optional<cv::Point2d> in_b = Undistorted(calibration, match.in_b);
+    if (depth_m <= 0 || !in_a.has_value() || !in_b.has_value()) continue;
+    matches.first.push_back(*in_a);
+    matches.second.push_back(*in_b);
     matches.depths_m.push_back(depth_m);
   }
   return matches;

@@ -10,15 +10,15 @@
 namespace corbslam::client_agent {
 namespace {
 
-struct ReadSample {
+struct SampleRead {
   Sample frames;
   size_t asked_for = 0;
   size_t unreadable = 0;
   std::string why;  // Why the first could not be read.
 };
 
-ReadSample ReadFrames(const FrameReader& reader, const std::vector<size_t>& numbers) {
-  ReadSample sample;
+SampleRead ReadFrames(const FrameReader& reader, const std::vector<size_t>& numbers) {
+  SampleRead sample;
   sample.asked_for = numbers.size();
   for (const size_t number : numbers) {
     absl::StatusOr<SensorImages> images = reader.Read(number);
@@ -31,7 +31,7 @@ ReadSample ReadFrames(const FrameReader& reader, const std::vector<size_t>& numb
   return sample;
 }
 
-void TellUnreadable(const ReadSample& sample, SourceFindings& findings) {
+void TellUnreadable(const SampleRead& sample, SourceFindings& findings) {
   if (sample.unreadable == 0) return;
   const std::string text =
       absl::StrCat(sample.unreadable, " of ", sample.asked_for,
@@ -41,16 +41,24 @@ void TellUnreadable(const ReadSample& sample, SourceFindings& findings) {
                       all ? text : absl::StrCat(text, ": such frames are left out")});
 }
 
+SampleRead ReadChosen(const FrameReader& reader, const SourceSpec& spec,
+                      const SampleOptions& options) {
+  const FrameRange range = SelectRange(spec.selection, reader.frame_count());
+  return ReadFrames(reader, ChooseSampleFrames(reader.calibration(), range.begin,
+                                               std::max(range.begin, range.end), options));
+}
+
 }  // namespace
+
+Sample ReadSample(const FrameReader& reader, const SourceSpec& spec, const SampleOptions& options) {
+  return ReadChosen(reader, spec, options).frames;
+}
 
 SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
                              const SampleOptions& options) {
   SourceFindings findings = reader.description().remarks.findings;
   if (spec.layout == SourceLayout::kRegistered) return findings;
-  const FrameRange range = SelectRange(spec.selection, reader.frame_count());
-  const ReadSample sample =
-      ReadFrames(reader, ChooseSampleFrames(reader.calibration(), range.begin,
-                                            std::max(range.begin, range.end), options));
+  const SampleRead sample = ReadChosen(reader, spec, options);
   TellUnreadable(sample, findings);
   if (sample.frames.empty()) return findings;
   SourceFindings seen = CheckSample(reader.calibration(), sample.frames);

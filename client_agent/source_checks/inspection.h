@@ -8,6 +8,10 @@
 
 namespace corbslam::client_agent {
 
+// Returns the frames of the sample that `spec` selects, those that can be read.
+Sample ReadSample(const FrameReader& reader, const SourceSpec& spec,
+                  const SampleOptions& options = {});
+
 // Returns what the source's files and a sample of the frames that `spec` selects show: the reader's
 // own findings, then those of CheckSample, then frames of the sample that can't be read. A source
 // of a registered kind is not looked into: what a simulation draws is as it was asked for.

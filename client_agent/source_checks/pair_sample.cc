@@ -30,22 +30,25 @@ absl::StatusOr<PairPreparation> PairPreparation::Make(const StereoCalibration& c
   return preparation;
 }
 
+std::optional<PairPreparation::Pictures> PairPreparation::Rectify(const SensorImages& images,
+                                                                  bool exchanged) const {
+  const cv::Mat& left = exchanged ? images.right : images.grey;
+  const cv::Mat& right = exchanged ? images.grey : images.right;
+  if (!HasSize(left, camera_) || !HasSize(right, camera_)) return std::nullopt;
+  if (!rectifier_.has_value()) return Pictures{left, right};
+  Pictures rectified;
+  if (!rectifier_->RectifyLeft(left, rectified.left).ok() ||
+      !rectifier_->RectifyRight(right, rectified.right).ok()) {
+    return std::nullopt;
+  }
+  return rectified;
+}
+
 std::optional<PairPreparation::Sides> PairPreparation::Extract(const SensorImages& images,
                                                                bool exchanged) const {
-  cv::Mat left = exchanged ? images.right : images.grey;
-  cv::Mat right = exchanged ? images.grey : images.right;
-  if (!HasSize(left, camera_) || !HasSize(right, camera_)) return std::nullopt;
-  if (rectifier_.has_value()) {
-    cv::Mat rectified_left;
-    cv::Mat rectified_right;
-    if (!rectifier_->RectifyLeft(left, rectified_left).ok() ||
-        !rectifier_->RectifyRight(right, rectified_right).ok()) {
-      return std::nullopt;
-    }
-    left = rectified_left;
-    right = rectified_right;
-  }
-  Sides sides{ExtractCheckFeatures(left), ExtractCheckFeatures(right)};
+  const std::optional<Pictures> pictures = Rectify(images, exchanged);
+  if (!pictures.has_value()) return std::nullopt;
+  Sides sides{ExtractCheckFeatures(pictures->left), ExtractCheckFeatures(pictures->right)};
   for (Keypoint& keypoint : sides.right.features.keypoints) {
     keypoint.x_px -= static_cast<float>(right_cx_offset_px_);
   }

@@ -30,6 +30,16 @@ class PairPreparation {
   // The camera of the rectified pair.
   const Camera& camera() const { return camera_; }
   bool rectifies() const { return rectifier_.has_value(); }
+  // StereoCalibration::right_cx_offset_px.
+  double right_cx_offset_px() const { return right_cx_offset_px_; }
+  // Returns the pictures as they are matched: rectified, or as they are; nullopt where they have
+  // another size than the calibration's.
+  struct Pictures {
+    cv::Mat left;
+    cv::Mat right;
+  };
+  std::optional<Pictures> Rectify(const SensorImages& images, bool exchanged = false) const;
+
   // Judges every pair of the right size and with enough features on both sides, in order.
   // `exchanged` takes the left picture for the right one and the other way round.
   std::vector<JudgedPair> Judge(const Sample& sample, bool exchanged = false) const;

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/map_store.h"
@@ -187,22 +188,29 @@ std::string AsFormat3(const MissionState& of) {
   return state;
 }
 
-TEST_F(MissionArchiveTest, RecordedCamerasGoAlong) {
-  auto state = *Read(BackUp());
-  RecordedCamera recorded;
-  recorded.lens = {400, 401, 320, 240, {-0.1, 0.01, 0, 0, 0.001}};
-  recorded.body_from_recorded = Rigid3d{Eigen::Quaterniond::Identity(), {1, 2, 3}};
-  state.local_maps.begin()->second.recorded_cameras = {recorded};
-  ASSERT_TRUE(store_->RestoreMission("copy", std::move(state)).ok());
-  MissionBackup backup = *store_->BackUpMission("copy");
-  std::string file;
-  for (std::string piece = backup.Next(1 << 20); !piece.empty(); piece = backup.Next(1 << 20)) {
-    file += piece;
+TEST_F(MissionArchiveTest, RecordedCamerasGoAlongWhateverTheirLens) {
+  const std::vector<LensModel> lenses = {RadialTangential{-0.1, 0.01, 0, 0, 0.001},
+                                         RadialTangential{-0.1, 0.01, 0, 0, 0.001, 0.3, 0.2, 0.1},
+                                         Equidistant{0.1, 0.2, 0.3, 0.4}, DoubleSphere{-0.2, 0.59},
+                                         UnifiedSphere{1.2, {-0.1, 0.02, 0.03, 0.04, 0.05}}};
+  for (const LensModel& lens : lenses) {
+    auto state = *Read(BackUp());
+    RecordedCamera recorded;
+    recorded.lens = {400, 401, 320, 240, lens};
+    recorded.body_from_recorded = Rigid3d{Eigen::Quaterniond::Identity(), {1, 2, 3}};
+    state.local_maps.begin()->second.recorded_cameras = {recorded};
+    const std::string copy = absl::StrCat("copy_", &lens - lenses.data());
+    ASSERT_TRUE(store_->RestoreMission(copy, std::move(state)).ok());
+    MissionBackup backup = *store_->BackUpMission(copy);
+    std::string file;
+    for (std::string piece = backup.Next(1 << 20); !piece.empty(); piece = backup.Next(1 << 20)) {
+      file += piece;
+    }
+    const auto read = Read(file);
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_EQ(read->local_maps.begin()->second.Recorded(), recorded) << NameOf(lens);
+    EXPECT_FALSE(read->local_maps.rbegin()->second.Recorded().has_value());
   }
-  const auto read = Read(file);
-  ASSERT_TRUE(read.ok()) << read.status();
-  EXPECT_EQ(read->local_maps.begin()->second.Recorded(), recorded);
-  EXPECT_FALSE(read->local_maps.rbegin()->second.Recorded().has_value());
 }
 
 TEST_F(MissionArchiveTest, AStateFromBeforeRecordedCamerasIsRead) {

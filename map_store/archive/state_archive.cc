@@ -78,10 +78,10 @@ void Fields(Archive& archive, T& agent) {
 namespace {
 
 // Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
-// their islands and not in an anchor.
+// their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h).
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
-constexpr uint32_t kStateFormat = 5;
+constexpr uint32_t kStateFormat = 6;
 
 absl::Status Unreadable(absl::string_view what) {
   return absl::DataLossError(absl::StrCat(what, " can't be read: its bytes are damaged"));

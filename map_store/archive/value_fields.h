@@ -4,9 +4,12 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <type_traits>
+#include <variant>
 
 #include "absl/time/time.h"
 #include "map_store/archive/archive.h"
@@ -49,12 +52,42 @@ void Fields(Archive& archive, T& camera) {
   archive(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px, camera.width_px, camera.height_px,
           camera.baseline_m, camera.close_depth_m);
 }
+template <typename Archive, MayBeConst<RadialTangential> T>
+void Fields(Archive& archive, T& lens) {
+  archive(lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, lens.k4, lens.k5, lens.k6);
+}
+template <typename Archive, MayBeConst<Equidistant> T>
+void Fields(Archive& archive, T& lens) {
+  archive(lens.k1, lens.k2, lens.k3, lens.k4);
+}
+template <typename Archive, MayBeConst<DoubleSphere> T>
+void Fields(Archive& archive, T& lens) {
+  archive(lens.xi, lens.alpha);
+}
+template <typename Archive, MayBeConst<UnifiedSphere> T>
+void Fields(Archive& archive, T& lens) {
+  archive(lens.xi, lens.distortion);
+}
+// Five numbers are the lens, as all of them are in journals before format 10; a first one that is
+// no number says that another lens follows.
+template <typename Archive, MayBeConst<RawCamera> T>
+void Fields(Archive& archive, T& camera) {
+  RadialTangential five;
+  if constexpr (std::is_const_v<T>) {
+    const auto* const lens = std::get_if<RadialTangential>(&camera.lens);
+    if (lens != nullptr && !lens->IsRational())
+      five = *lens;
+    else
+      five.k1 = std::numeric_limits<double>::quiet_NaN();
+  }
+  archive(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px, five.k1, five.k2, five.p1,
+          five.p2, five.k3);
+  if constexpr (!std::is_const_v<T>) camera.lens = five;
+  if (std::isnan(five.k1)) archive(camera.lens);
+}
 template <typename Archive, MayBeConst<RecordedCamera> T>
 void Fields(Archive& archive, T& camera) {
-  archive(camera.lens.fx_px, camera.lens.fy_px, camera.lens.cx_px, camera.lens.cy_px,
-          camera.lens.distortion.k1, camera.lens.distortion.k2, camera.lens.distortion.p1,
-          camera.lens.distortion.p2, camera.lens.distortion.k3, camera.camera_from_recorded,
-          camera.body_from_recorded);
+  archive(camera.lens, camera.camera_from_recorded, camera.body_from_recorded);
 }
 // Archives whether there is a value, and then the value.
 template <typename Archive, typename T>

@@ -12,10 +12,10 @@ namespace corbslam::map_store {
 
 // Formats of the whole journal. Older ones from kOldestJournalFormat on are read and become
 // kJournalFormat when they are opened; others are refused. Format 5 has no recorded cameras, in
-// format 6 no points follow keyframes, in format 7 no features are coded, and in format 8 fusion's
-// points are not anchored.
+// format 6 no points follow keyframes, in format 7 no features are coded, in format 8 fusion's
+// points are not anchored, and in format 9 every lens is a RadialTangential of five numbers.
 inline constexpr uint32_t kOldestJournalFormat = 5;
-inline constexpr uint32_t kJournalFormat = 9;
+inline constexpr uint32_t kJournalFormat = 10;
 
 // The position in the header of a mission that is being created: the part of it that is there is
 // not whole.

@@ -34,7 +34,7 @@ MapUpdateBatch MakeFirstBatch(LocalMapId local_map) {
   batch.number = 1;
   batch.cameras = {std::make_shared<const Camera>(Camera{500, 500, 320, 240, 640, 480, 0.1, 4})};
   if (local_map == kSmallMapA) {
-    batch.recorded_cameras = {{{400, 400, 322, 238, {-0.2, 0.05, 0, 0, 0}},
+    batch.recorded_cameras = {{{400, 400, 322, 238, RadialTangential{-0.2, 0.05, 0, 0, 0}},
                                {},
                                Rigid3d{Eigen::Quaterniond::Identity(), {0.1, 0, 0}}}};
   }

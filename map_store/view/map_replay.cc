@@ -31,8 +31,8 @@ uint64_t CountBytes(const MapChanges& piece) {
 }  // namespace
 
 absl::Status ReplayOptions::Validate() const {
-  if (max_revisions >= kLeastMoments && max_revisions <= kMostMoments) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat("max_revisions is ", max_revisions, ", must be ",
+  if (max_moments >= kLeastMoments && max_moments <= kMostMoments) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("max_moments is ", max_moments, ", must be ",
                                                  kLeastMoments, " to ", kMostMoments));
 }
 
@@ -51,7 +51,7 @@ MapReplay::MapReplay(const ReplayOptions& options, const ReplayProgress& last, M
 MapReplay::Plan MapReplay::MakePlan(const ReplayProgress& first) const {
   const uint64_t changes = last_.revision - std::min(first.revision, last_.revision);
   const uint64_t batches = last_.batches - std::min(first.batches, last_.batches);
-  const uint64_t most = options_.max_revisions;
+  const uint64_t most = options_.max_moments;
   const uint64_t room = std::max(most / 2, most - std::min(batches, most));
   const size_t of_revisions = changes < room ? changes + 1 : room;
   // The first state is the first of both, and the end the last of one: neither counts twice. Where
@@ -92,8 +92,8 @@ absl::Status MapReplay::Keep(MapChanges piece) {
   if (bytes_ > options_.max_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat(
         "the replay is longer than ", options_.max_bytes, " bytes at revision ", piece.revision,
-        " of ", last_.revision, ": ask for fewer moments (max_revisions is ",
-        options_.max_revisions, ")", options_.include_points ? ", or without points" : ""));
+        " of ", last_.revision, ": ask for fewer moments (max_moments is ", options_.max_moments,
+        ")", options_.include_points ? ", or without points" : ""));
   }
   RETURN_IF_ERROR(memory_(bytes));
   pieces_.push_back(std::move(piece));

@@ -21,7 +21,7 @@ struct ReplayOptions {
   bool include_points = false;
   // Moments: revisions and, where there is room, batches between them. Of more than this, about
   // evenly chosen ones are told; 2 to 1,000.
-  size_t max_revisions = 100;
+  size_t max_moments = 100;
   // Bytes of all that is told, as it is held in memory; on the wire it is no more.
   uint64_t max_bytes = uint64_t{256} << 20;
 

@@ -28,8 +28,8 @@ MissionState At(uint64_t revision, uint64_t version) {
 }
 
 // Returns the revisions that are told of those from `first` to `last`, each with a batch before.
-std::vector<uint64_t> Told(uint64_t first, uint64_t last, size_t max_revisions) {
-  MapReplay replay({.max_revisions = max_revisions}, {last, 0}, &EnoughMemory);
+std::vector<uint64_t> Told(uint64_t first, uint64_t last, size_t max_moments) {
+  MapReplay replay({.max_moments = max_moments}, {last, 0}, &EnoughMemory);
   uint64_t version = 0;
   for (uint64_t revision = first; revision <= last; ++revision) {
     EXPECT_TRUE(replay.Look(At(revision, ++version)).ok());
@@ -67,7 +67,7 @@ TEST(MapReplayTest, WhatHasNoRevisionsIsToldAtItsBeginningAndEnd) {
 }
 
 TEST(MapReplayTest, TellsTheNextOneWhereOneIsLeftOut) {
-  MapReplay replay({.max_revisions = 3}, {10, 0}, &EnoughMemory);
+  MapReplay replay({.max_moments = 3}, {10, 0}, &EnoughMemory);
   for (const uint64_t revision : {0u, 7u, 8u}) {
     EXPECT_TRUE(replay.Look(At(revision, revision + 1)).ok());
   }
@@ -79,7 +79,7 @@ TEST(MapReplayTest, TellsTheNextOneWhereOneIsLeftOut) {
 
 // Returns the told moments of a mission with three batches before each revision, as hundreds for
 // revisions and ones for batches.
-std::vector<uint64_t> ToldOfAll(uint64_t revisions, size_t max_revisions) {
+std::vector<uint64_t> ToldOfAll(uint64_t revisions, size_t max_moments) {
   std::vector<ReplayProgress> moments = {{0, 0}};
   for (uint64_t revision = 0; revision < revisions; ++revision) {
     for (uint64_t batch = 1; batch <= 3; ++batch) {
@@ -87,7 +87,7 @@ std::vector<uint64_t> ToldOfAll(uint64_t revisions, size_t max_revisions) {
     }
     moments.push_back({revision + 1, 3 * revision + 3});
   }
-  MapReplay replay({.max_revisions = max_revisions}, moments.back(), &EnoughMemory);
+  MapReplay replay({.max_moments = max_moments}, moments.back(), &EnoughMemory);
   MissionState state;
   for (const ReplayProgress& moment : moments) {
     state.global.revision = moment.revision;
@@ -135,22 +135,21 @@ TEST(MapReplayTest, HalfOfWhatItTellsMayBeRevisions) {
 TEST(MapReplayTest, NoNumberOfARestoredMissionKeepsItBusy) {
   const uint64_t most = std::numeric_limits<uint64_t>::max();
   EXPECT_THAT(Told(most - 1, most - 1, 1000), ElementsAre(most - 1, most - 1));
-  MapReplay replay({.max_revisions = 1000}, {3, 0}, &EnoughMemory);
+  MapReplay replay({.max_moments = 1000}, {3, 0}, &EnoughMemory);
   EXPECT_TRUE(replay.Look(At(most, 1)).ok());
   EXPECT_TRUE(replay.End(At(3, 2)).ok());
 }
 
 TEST(MapReplayTest, EndsWhenItIsTooLong) {
-  MapReplay replay(
-      {.include_points = true, .max_revisions = 9, .max_bytes = 3 * sizeof(MapChanges)}, {9, 0},
-      &EnoughMemory);
+  MapReplay replay({.include_points = true, .max_moments = 9, .max_bytes = 3 * sizeof(MapChanges)},
+                   {9, 0}, &EnoughMemory);
   for (uint64_t revision = 0; revision < 3; ++revision) {
     EXPECT_TRUE(replay.Look(At(revision, revision + 1)).ok());
   }
   const absl::Status status = replay.Look(At(3, 4));
   EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
   EXPECT_THAT(std::string(status.message()), HasSubstr("at revision 3 of 9"));
-  EXPECT_THAT(std::string(status.message()), HasSubstr("max_revisions is 9"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("max_moments is 9"));
   EXPECT_THAT(std::string(status.message()), HasSubstr("without points"));
   EXPECT_EQ(replay.status(), status);
   EXPECT_EQ(replay.End(At(9, 10)), status);
@@ -165,12 +164,12 @@ TEST(MapReplayTest, EndsWhenTheProcessHasNoMemory) {
 
 TEST(ReplayOptionsTest, NameTheFieldItsValueAndItsLimits) {
   EXPECT_TRUE(ReplayOptions().Validate().ok());
-  EXPECT_TRUE(ReplayOptions{.max_revisions = 2}.Validate().ok());
-  EXPECT_TRUE(ReplayOptions{.max_revisions = 1000}.Validate().ok());
+  EXPECT_TRUE(ReplayOptions{.max_moments = 2}.Validate().ok());
+  EXPECT_TRUE(ReplayOptions{.max_moments = 1000}.Validate().ok());
   for (const size_t bad : {0u, 1u, 1001u}) {
-    const absl::Status status = ReplayOptions{.max_revisions = bad}.Validate();
+    const absl::Status status = ReplayOptions{.max_moments = bad}.Validate();
     EXPECT_TRUE(absl::IsInvalidArgument(status));
-    EXPECT_EQ(status.message(), "max_revisions is " + std::to_string(bad) + ", must be 2 to 1000");
+    EXPECT_EQ(status.message(), "max_moments is " + std::to_string(bad) + ", must be 2 to 1000");
   }
 }
 

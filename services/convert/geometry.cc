@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "services/convert/errors.h"
+#include "services/convert/lens.h"
 #include "services/convert/limits.h"
 #include "slam/exchange/overlap.h"
 #include "slam/util/status_macros.h"
@@ -12,7 +13,6 @@ namespace corbslam::services {
 namespace {
 
 constexpr int kCovarianceEntries = 28;
-constexpr int kDistortionCoefficients = 5;
 
 template <typename Field>
 absl::StatusOr<Eigen::Quaterniond> ReadRotation(const Field& wxyz) {
@@ -93,12 +93,7 @@ void ToProto(const RecordedCamera& recorded, v1::RecordedCamera* proto) {
   proto->set_fy_px(lens.fy_px);
   proto->set_cx_px(lens.cx_px);
   proto->set_cy_px(lens.cy_px);
-  if (!lens.distortion.IsZero()) {
-    const RadialTangential& d = lens.distortion;
-    for (const double coefficient : {d.k1, d.k2, d.p1, d.p2, d.k3}) {
-      proto->add_distortion(coefficient);
-    }
-  }
+  LensToProto(lens.lens, proto);
   ToProto(recorded.camera_from_recorded, proto->mutable_camera_from_recorded());
   if (!recorded.body_from_recorded.has_value()) return;
   ToProto(*recorded.body_from_recorded, proto->mutable_body_from_recorded());
@@ -172,11 +167,7 @@ absl::StatusOr<Camera> FromProto(const v1::Camera& proto) {
 absl::StatusOr<RecordedCamera> FromProto(const v1::RecordedCamera& proto) {
   RecordedCamera recorded;
   recorded.lens = {proto.fx_px(), proto.fy_px(), proto.cx_px(), proto.cy_px(), {}};
-  const auto& d = proto.distortion();
-  if (!d.empty() && d.size() != kDistortionCoefficients) {
-    return BadLength("distortion", d.size(), kDistortionCoefficients);
-  }
-  if (!d.empty()) recorded.lens.distortion = {d[0], d[1], d[2], d[3], d[4]};
+  ASSIGN_OR_RETURN(recorded.lens.lens, LensFromProto(proto));
   if (proto.has_camera_from_recorded()) {
     ASSIGN_OR_RETURN(recorded.camera_from_recorded, FromProto(proto.camera_from_recorded()));
   }

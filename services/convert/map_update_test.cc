@@ -115,7 +115,7 @@ void ExpectSameBatch(const MapUpdateBatch& a, const MapUpdateBatch& b) {
 
 MapUpdateBatch MakeFullBatch(std::mt19937& random) {
   MapUpdateBatch batch = MakeBatch(random, kMap, 1);
-  batch.recorded_cameras = {{{700, 701, 600, 180, {-0.3, 0.1, 0.001, -0.002, 0.01}},
+  batch.recorded_cameras = {{{700, 701, 600, 180, RadialTangential{-0.3, 0.1, 0.001, -0.002, 0.01}},
                              {test_data::MakeMotion(random).rotation, Eigen::Vector3d::Zero()},
                              test_data::MakeMotion(random)}};
   batch.replacements = {{{kMap, 1}, {kOtherMap, 17}}, {{kMap, 2}, {kMap, 3}}};
@@ -366,6 +366,16 @@ INSTANTIATE_TEST_SUITE_P(
         Malformed{"HalfADistortion",
                   [](Batch& b) {
                     b.mutable_recorded_cameras(0)->mutable_distortion()->RemoveLast();
+                  },
+                  kInvalid, "distortion"},
+        Malformed{"UnknownLens",
+                  [](Batch& b) {
+                    b.mutable_recorded_cameras(0)->set_lens_model(static_cast<v1::LensModel>(9));
+                  },
+                  kInvalid, "lens_model is 9"},
+        Malformed{"NumbersOfAnotherLens",
+                  [](Batch& b) {
+                    b.mutable_recorded_cameras(0)->set_lens_model(v1::LENS_MODEL_EQUIDISTANT);
                   },
                   kInvalid, "distortion"},
         Malformed{"RectificationThatMoves",

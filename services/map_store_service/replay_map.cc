@@ -27,7 +27,7 @@ absl::StatusOr<Question> Read(const v1::ReplayMapRequest& request) {
   Question question;
   ASSIGN_OR_RETURN(question.mission, ParseMissionName(request.mission()));
   question.options.include_points = request.include_points();
-  if (request.max_revisions() != 0) question.options.max_revisions = request.max_revisions();
+  if (request.max_moments() != 0) question.options.max_moments = request.max_moments();
   RETURN_IF_ERROR(question.options.Validate());
   return question;
 }

@@ -85,12 +85,12 @@ class ReplayMapTest : public ::testing::Test {
   }
   void TearDown() override { server_->Shutdown(absl::ZeroDuration()); }
 
-  std::unique_ptr<Call> Ask(uint32_t max_revisions, const std::string& mission = "missions/m") {
+  std::unique_ptr<Call> Ask(uint32_t max_moments, const std::string& mission = "missions/m") {
     auto call = std::make_unique<Call>();
     v1::ReplayMapRequest request;
     request.set_mission(mission);
     request.set_include_points(true);
-    request.set_max_revisions(max_revisions);
+    request.set_max_moments(max_moments);
     call->stream = stub_->ReplayMap(&call->context, request);
     return call;
   }
@@ -134,7 +134,7 @@ TEST_F(ReplayMapTest, RefusesWhatItCannotTell) {
     const grpc::Status status = Ask(bad)->ReadAll();
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
     EXPECT_EQ(status.error_message(),
-              "max_revisions is " + std::to_string(bad) + ", must be 2 to 1000");
+              "max_moments is " + std::to_string(bad) + ", must be 2 to 1000");
   }
   EXPECT_EQ(Ask(0, "missions/nobodys")->ReadAll().error_code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_EQ(Ask(0, "m")->ReadAll().error_code(), grpc::StatusCode::INVALID_ARGUMENT);

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <cstdio>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -12,6 +13,7 @@
 
 #include "absl/strings/strip.h"
 #include "client_agent/agent/agent.h"
+#include "client_agent/live/live_sources.h"
 #include "client_agent/source/source_kinds.h"
 #include "services/agent_service/agent_service.h"
 #include "services/client/remote/channel.h"
@@ -28,8 +30,8 @@
 #include "services/programs/program.h"
 #include "services/programs/robot/agent_run.h"
 #include "services/programs/robot/agent_trajectories.h"
-#include "services/programs/robot/inspected_source.h"
 #include "services/programs/robot/robot_report.h"
+#include "services/programs/robot/robot_source.h"
 #include "services/programs/robot/source_json.h"
 #include "services/programs/robot_observers.h"
 #include "services/security/flags.h"
@@ -43,20 +45,24 @@ using client_agent::Agent;
 using client_agent::AgentOptions;
 using client_agent::ApplyOptions;
 using client_agent::FeatureSelection;
+using client_agent::ListSources;
 using client_agent::OpenSpoolFolder;
 using client_agent::ParseFeatureSelection;
 using client_agent::ParseSourceSpec;
+using client_agent::RegisterLiveSources;
 using client_agent::SourceSpec;
 using client_agent::SourceUsage;
 using client_agent::Spool;
 using client_agent::SpoolFiles;
 using client_agent::SpoolOptions;
 using client_agent::TrackingResult;
+using client_agent::UseRig;
 
 namespace {
 
 struct Flags {
   std::string source;
+  std::string rig;
   std::string frames;
   std::string server;
   std::string mission = "default";
@@ -84,10 +90,11 @@ struct Flags {
   bool listen_insecure = false;
 };
 
-absl::StatusOr<InspectedSource> OpenFlaggedSource(const Flags& flags) {
+absl::StatusOr<RobotSource> OpenFlaggedSource(const Flags& flags) {
   ASSIGN_OR_RETURN(SourceSpec spec, ParseSourceSpec(flags.source));
+  if (!flags.rig.empty()) RETURN_IF_ERROR(UseRig(flags.rig, spec));
   if (!flags.frames.empty()) RETURN_IF_ERROR(ApplyOptions("frames=" + flags.frames, spec));
-  return OpenInspectedSource(spec, flags.strict);
+  return OpenRobotSource(spec, flags.strict);
 }
 
 absl::Status SpoolNeedsServer() { return absl::InvalidArgumentError("--spool-dir needs --server"); }
@@ -144,13 +151,13 @@ absl::Status WriteText(const std::string& path, const std::string& text) {
   return absl::OkStatus();
 }
 
-RobotReport MakeReport(const Flags& flags, const Agent& agent, const InspectedSource& source,
+RobotReport MakeReport(const Flags& flags, const Agent& agent, const RobotSource& source,
                        const PlayedFrames& played, const Uplink* uplink) {
   RobotReport report = MakeRobotReport(agent);
   report.name = flags.agent;
   report.source = flags.source;
   report.source_description = ToJson(source.description);
-  AddRun(*source.source, played, CollectWarnings(source.warnings, agent, *source.source, played),
+  AddRun(*source.stream, played, CollectWarnings(source.warnings, agent, *source.stream, played),
          report);
   if (uplink != nullptr) {
     report.bytes_up = uplink->bytes_up();
@@ -247,9 +254,9 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(ServerSecurity security, MakeListenSecurity(flags));
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
-  ASSIGN_OR_RETURN(const InspectedSource source, OpenFlaggedSource(flags));
+  ASSIGN_OR_RETURN(const RobotSource source, OpenFlaggedSource(flags));
   LogSource(source);
-  const SensorCalibration& calibration = source.source->calibration();
+  const SensorCalibration& calibration = source.stream->calibration();
   RETURN_IF_ERROR(CheckPosesOf(calibration, flags.poses_of));
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
   ASSIGN_OR_RETURN(const auto agent,
@@ -270,7 +277,7 @@ absl::Status Run(const Flags& flags) {
   }
   PlayedFrames frames;
   const absl::Status played =
-      PlayStream(*source.source, *watched, flags.pace, stop.stopped(), frames,
+      PlayStream(*source.stream, *watched, flags.pace, stop.stopped(), frames,
                  [&](const TrackingResult& result, uint64_t dropped) {
                    observers->SetDropped(dropped);
                    if (server != nullptr) service.OnFrame(result, dropped);
@@ -291,6 +298,14 @@ absl::Status Run(const Flags& flags) {
 void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--source", flags.source, SourceUsage() + ", with options: kitti:DIR?frames=0:120")
       ->required();
+  app.add_flag_callback(
+      "--sources",
+      [] {
+        std::printf("%s", ListSources().c_str());
+        throw CLI::Success();
+      },
+      "Say what can be played and what each kind needs, and end");
+  app.add_option("--rig", flags.rig, "Rig file of the cameras, instead of the source's own");
   app.add_option("--frames", flags.frames, "First and last frame, A:B");
   app.add_option("--server", flags.server, "HOST:PORT of a map store; without: one robot alone");
   app.add_option("--mission", flags.mission, "The exploration that is shared")
@@ -366,6 +381,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
 
 int RunRobot(const std::string& program, int argc, char** argv) {
   BlockStopSignals();
+  RegisterLiveSources();
   Flags flags;
   CLI::App app("One robot of a shared exploration", program);
   AddFlags(app, flags);

@@ -259,7 +259,7 @@ StoreApi::Answered StoreApi::GetHistory(const std::string& mission, const WebReq
   ask.set_mission(MissionName(mission));
   ask.set_include_points(Find(request, "points") == "1");
   ASSIGN_OR_RETURN(const int max, FindNumber(request, "max"));
-  ask.set_max_revisions(static_cast<uint32_t>(max));
+  ask.set_max_moments(static_cast<uint32_t>(max));
   if (replaying_.exchange(true)) {
     return absl::ResourceExhaustedError("another page is told a mission's past; try again soon");
   }

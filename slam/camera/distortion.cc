@@ -19,14 +19,31 @@ absl::Status CheckCoefficient(absl::string_view name, double value) {
                                                  kLargestCoefficient, " in size"));
 }
 
+double Numerator(const RadialTangential& d, double r2) {
+  return 1 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3));
+}
+
+double Denominator(const RadialTangential& d, double r2) {
+  return 1 + r2 * (d.k4 + r2 * (d.k5 + r2 * d.k6));
+}
+
+// Returns the derivative of RadialFactor by r2.
+double RadialSlope(const RadialTangential& d, double r2) {
+  const double above = d.k1 + r2 * (2 * d.k2 + r2 * 3 * d.k3);
+  if (!d.IsRational()) return above;
+  const double below = d.k4 + r2 * (2 * d.k5 + r2 * 3 * d.k6);
+  const double denominator = Denominator(d, r2);
+  return (above - below * Numerator(d, r2) / denominator) / denominator;
+}
+
 // Returns the derivative of Distort at `ideal`.
 Eigen::Matrix2d DistortJacobian(const RadialTangential& d, const Eigen::Vector2d& ideal) {
   const double x = ideal.x();
   const double y = ideal.y();
   const double r2 = ideal.squaredNorm();
-  const double radial = 1 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3));
+  const double radial = RadialFactor(d, r2);
   // d radial / d x is slope * x.
-  const double slope = 2 * (d.k1 + r2 * (2 * d.k2 + r2 * 3 * d.k3));
+  const double slope = 2 * RadialSlope(d, r2);
   const double mixed = slope * x * y + 2 * d.p1 * x + 2 * d.p2 * y;
   Eigen::Matrix2d jacobian;
   jacobian << radial + slope * x * x + 2 * d.p1 * y + 6 * d.p2 * x, mixed,  //
@@ -42,14 +59,21 @@ absl::Status Validate(const RadialTangential& distortion) {
   status.Update(CheckCoefficient("p1", distortion.p1));
   status.Update(CheckCoefficient("p2", distortion.p2));
   status.Update(CheckCoefficient("k3", distortion.k3));
+  status.Update(CheckCoefficient("k4", distortion.k4));
+  status.Update(CheckCoefficient("k5", distortion.k5));
+  status.Update(CheckCoefficient("k6", distortion.k6));
   return status;
+}
+
+double RadialFactor(const RadialTangential& d, double r2) {
+  return d.IsRational() ? Numerator(d, r2) / Denominator(d, r2) : Numerator(d, r2);
 }
 
 Eigen::Vector2d Distort(const RadialTangential& d, const Eigen::Vector2d& ideal) {
   const double x = ideal.x();
   const double y = ideal.y();
   const double r2 = ideal.squaredNorm();
-  const double radial = 1 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3));
+  const double radial = RadialFactor(d, r2);
   return {x * radial + 2 * d.p1 * x * y + d.p2 * (r2 + 2 * x * x),
           y * radial + 2 * d.p2 * x * y + d.p1 * (r2 + 2 * y * y)};
 }
@@ -73,14 +97,6 @@ Eigen::Vector2d Undistort(const RadialTangential& distortion, const Eigen::Vecto
     if (step.norm() < kSmallestStep) break;
   }
   return best;
-}
-
-Eigen::Vector2d UndistortPixel(const Camera& camera, const RadialTangential& distortion,
-                               const Eigen::Vector2d& raw_px) {
-  if (distortion.IsZero()) return raw_px;
-  const Eigen::Vector2d ideal = Undistort(distortion, {(raw_px.x() - camera.cx_px) / camera.fx_px,
-                                                       (raw_px.y() - camera.cy_px) / camera.fy_px});
-  return {camera.fx_px * ideal.x() + camera.cx_px, camera.fy_px * ideal.y() + camera.cy_px};
 }
 
 }  // namespace corbslam

@@ -5,36 +5,32 @@
 #include <Eigen/Core>
 
 #include "absl/status/status.h"
-#include "slam/camera/camera.h"
 
 namespace corbslam {
 
 // Coefficients over normalised coordinates: r^2 = x^2 + y^2,
-// x_d = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), y_d likewise.
+// x_d = x (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6) + 2 p1 x y
+//       + p2 (r^2 + 2 x^2), y_d likewise. The last three are those of OpenCV's rational model.
 struct RadialTangential {
   double k1 = 0;
   double k2 = 0;
   double p1 = 0;
   double p2 = 0;
   double k3 = 0;
+  double k4 = 0;
+  double k5 = 0;
+  double k6 = 0;
 
   bool IsZero() const { return *this == RadialTangential{}; }
+  bool IsRational() const { return k4 != 0 || k5 != 0 || k6 != 0; }
   friend bool operator==(const RadialTangential&, const RadialTangential&) = default;
-};
-
-// A camera of pictures as they are recorded, with their distortion.
-struct RawCamera {
-  double fx_px = 0;
-  double fy_px = 0;
-  double cx_px = 0;
-  double cy_px = 0;
-  RadialTangential distortion;
-
-  friend bool operator==(const RawCamera&, const RawCamera&) = default;
 };
 
 // INVALID_ARGUMENT names the coefficient and its value where one is not finite or beyond 100.
 absl::Status Validate(const RadialTangential& distortion);
+
+// Returns the radial factor, by which x and y grow, at the squared radius `r2`.
+double RadialFactor(const RadialTangential& distortion, double r2);
 
 // Returns where an ideal normalised point (x/z, y/z) falls through the lens, normalised.
 Eigen::Vector2d Distort(const RadialTangential& distortion, const Eigen::Vector2d& ideal);
@@ -42,10 +38,6 @@ Eigen::Vector2d Distort(const RadialTangential& distortion, const Eigen::Vector2
 // Inverts Distort by Newton's method; returns the nearest point found where the model folds over
 // (outside the lens's field of view).
 Eigen::Vector2d Undistort(const RadialTangential& distortion, const Eigen::Vector2d& distorted);
-
-// Returns the ideal pixel of a raw pixel: both images have the intrinsics of `camera`.
-Eigen::Vector2d UndistortPixel(const Camera& camera, const RadialTangential& distortion,
-                               const Eigen::Vector2d& raw_px);
 
 }  // namespace corbslam
 

@@ -43,9 +43,28 @@ TEST(DistortionTest, AgreesWithOpenCv) {
   }
 }
 
-TEST(DistortionTest, NoDistortionLeavesPixelsAsTheyAre) {
-  const Camera camera = {.fx_px = 500, .fy_px = 510, .cx_px = 320, .cy_px = 240};
-  EXPECT_EQ(UndistortPixel(camera, {}, {12.25, 400.5}), Eigen::Vector2d(12.25, 400.5));
+TEST(DistortionTest, TheRationalModelAgreesWithOpenCvAndIsInverted) {
+  // The colour camera of an Azure Kinect.
+  const RadialTangential rational = {.k1 = 0.5,
+                                     .k2 = -2.6,
+                                     .p1 = 0.0006,
+                                     .p2 = -0.0002,
+                                     .k3 = 1.5,
+                                     .k4 = 0.38,
+                                     .k5 = -2.43,
+                                     .k6 = 1.44};
+  const cv::Vec<double, 8> coefficients(rational.k1, rational.k2, rational.p1, rational.p2,
+                                        rational.k3, rational.k4, rational.k5, rational.k6);
+  for (const Eigen::Vector2d& ideal :
+       {Eigen::Vector2d(0.3, -0.2), Eigen::Vector2d(-0.5, 0.4), Eigen::Vector2d(0.1, 0.35)}) {
+    std::vector<cv::Point2d> projected;
+    cv::projectPoints(std::vector<cv::Point3d>{{ideal.x(), ideal.y(), 1}}, cv::Vec3d(), cv::Vec3d(),
+                      cv::Matx33d::eye(), coefficients, projected);
+    const Eigen::Vector2d ours = Distort(rational, ideal);
+    EXPECT_NEAR(ours.x(), projected[0].x, 1e-12);
+    EXPECT_NEAR(ours.y(), projected[0].y, 1e-12);
+    EXPECT_NEAR((Undistort(rational, ours) - ideal).norm(), 0, 1e-9);
+  }
 }
 
 TEST(DistortionTest, StaysFiniteWhereTheModelFoldsOver) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <utility>
+#include <variant>
 
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
@@ -26,7 +27,7 @@ absl::Status ValidateLens(const RawCamera& lens) {
     return absl::InvalidArgumentError(absl::StrCat("recorded camera: ", name, " is ", centre_px,
                                                    ", must be within ", kMaxFocalLength_px));
   }
-  return Validate(lens.distortion);
+  return Validate(lens.lens);
 }
 
 absl::Status ValidateMotion(absl::string_view name, const Rigid3d& motion, double max_m) {
@@ -74,9 +75,12 @@ Eigen::Vector2d RecordedPixel(const Camera& camera, const RecordedCamera& record
                               const Eigen::Vector2d& pixel) {
   const Eigen::Vector3d ray = recorded.camera_from_recorded.rotation.conjugate() *
                               Unproject(camera, pixel.x(), pixel.y(), 1);
-  const Eigen::Vector2d bent = Distort(recorded.lens.distortion, ray.head<2>() / ray.z());
-  return {recorded.lens.fx_px * bent.x() + recorded.lens.cx_px,
-          recorded.lens.fy_px * bent.y() + recorded.lens.cy_px};
+  const RawCamera& raw = recorded.lens;
+  if (const auto* const pinhole = std::get_if<RadialTangential>(&raw.lens)) {
+    const Eigen::Vector2d bent = Distort(*pinhole, ray.head<2>() / ray.z());
+    return {raw.fx_px * bent.x() + raw.cx_px, raw.fy_px * bent.y() + raw.cy_px};
+  }
+  return ProjectRaw(raw, ray).value_or(Eigen::Vector2d(-1, -1));
 }
 
 absl::string_view ToString(PosesOf poses_of) {

@@ -13,7 +13,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "slam/camera/camera.h"
-#include "slam/camera/distortion.h"
+#include "slam/camera/lens.h"
 #include "slam/geometry/rigid3.h"
 
 namespace corbslam {
@@ -38,7 +38,8 @@ absl::Status Validate(const RecordedCamera& recorded);
 // Describes the camera of pictures that were used as they were recorded.
 RecordedCamera AsRecorded(const Camera& camera);
 
-// Returns the recorded picture's pixel where the Camera has `pixel`.
+// Returns the recorded picture's pixel where the Camera has `pixel`; (-1, -1) where a fisheye, as
+// far as its model describes it, doesn't see that.
 Eigen::Vector2d RecordedPixel(const Camera& camera, const RecordedCamera& recorded,
                               const Eigen::Vector2d& pixel);
 

@@ -44,7 +44,8 @@ TEST(RecordedCameraTest, SaysThatTheBodyIsNotKnown) {
 
 TEST(RecordedCameraTest, FindsTheRecordedPixel) {
   RawStereo raw;
-  raw.left = {400, 401, 322, 238, {-0.2, 0.05, 0.001, -0.002, 0}};
+  const RadialTangential lens = {-0.2, 0.05, 0.001, -0.002, 0};
+  raw.left = {400, 401, 322, 238, lens};
   raw.right = raw.left;
   raw.right_from_left = {kTurned.rotation, {-0.2, 0.01, 0.02}};
   raw.width_px = 640;
@@ -55,7 +56,7 @@ TEST(RecordedCameraTest, FindsTheRecordedPixel) {
   // A point in the recorded camera's frame, by both ways.
   const Eigen::Vector3d x_in_recorded(0.3, -0.2, 2);
   const Eigen::Vector2d ideal = x_in_recorded.head<2>() / x_in_recorded.z();
-  const Eigen::Vector2d bent = Distort(raw.left.distortion, ideal);
+  const Eigen::Vector2d bent = Distort(lens, ideal);
   const Eigen::Vector2d expected(400 * bent.x() + 322, 401 * bent.y() + 238);
   const Eigen::Vector2d rectified =
       Project(rectifier->camera(), rectifier->rectified_from_raw_left() * x_in_recorded);
@@ -74,7 +75,7 @@ TEST(RecordedCameraTest, RefusesWhatIsImpossible) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   refused([](RecordedCamera& r) { r.lens.fx_px = 0; }, "fx_px");
   refused([](RecordedCamera& r) { r.lens.cy_px = kNan; }, "cy_px");
-  refused([](RecordedCamera& r) { r.lens.distortion.k1 = kNan; }, "k1");
+  refused([](RecordedCamera& r) { r.lens.lens = RadialTangential{.k1 = kNan}; }, "k1");
   refused([](RecordedCamera& r) { r.camera_from_recorded.translation.x() = 1; },
           "camera_from_recorded");
   refused([](RecordedCamera& r) { r.body_from_recorded->translation.x() = kNan; },

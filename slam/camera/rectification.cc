@@ -5,8 +5,11 @@
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "slam/camera/pair_geometry.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -14,6 +17,8 @@ namespace {
 
 constexpr double kCloseBaselines = 40;
 constexpr double kUnitTolerance = 1e-3;
+constexpr double kLeastField_deg = 20;
+constexpr double kMostField_deg = 150;
 
 Camera PinholeOf(const RawCamera& raw, const RawStereo& pair) {
   return {.fx_px = raw.fx_px,
@@ -33,8 +38,15 @@ cv::Matx33d IntrinsicsMatrix(const RawCamera& raw) {
   return {raw.fx_px, 0, raw.cx_px, 0, raw.fy_px, raw.cy_px, 0, 0, 1};
 }
 
-cv::Vec<double, 5> Coefficients(const RadialTangential& d) {
-  return {d.k1, d.k2, d.p1, d.p2, d.k3};
+// Returns OpenCV's coefficients. It gives other maps, by rounding, for eight of which three are 0.
+std::vector<double> Coefficients(const LensModel& lens) {
+  const auto& d = std::get<RadialTangential>(lens);
+  if (!d.IsRational()) return {d.k1, d.k2, d.p1, d.p2, d.k3};
+  return {d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6};
+}
+
+bool IsPinhole(const RawCamera& camera) {
+  return std::holds_alternative<RadialTangential>(camera.lens);
 }
 
 Eigen::Matrix3d ToEigen(const cv::Matx33d& matrix) {
@@ -49,7 +61,12 @@ absl::Status Validate(const RawStereo& raw) {
   for (const auto& [side, camera] :
        {std::pair("left", &raw.left), std::pair("right", &raw.right)}) {
     RETURN_IF_ERROR(WithSide(side, Validate(PinholeOf(*camera, raw))));
-    RETURN_IF_ERROR(WithSide(side, Validate(camera->distortion)));
+    RETURN_IF_ERROR(WithSide(side, Validate(camera->lens)));
+  }
+  if (!(raw.widest_field_deg >= kLeastField_deg && raw.widest_field_deg <= kMostField_deg)) {
+    return absl::InvalidArgumentError(absl::StrCat("widest_field_deg is ", raw.widest_field_deg,
+                                                   ", must be in [", kLeastField_deg, ", ",
+                                                   kMostField_deg, "]"));
   }
   const Rigid3d& motion = raw.right_from_left;
   const double norm = motion.rotation.norm();
@@ -69,43 +86,61 @@ absl::Status Validate(const RawStereo& raw) {
 
 absl::StatusOr<StereoRectifier> StereoRectifier::Make(const RawStereo& raw) {
   RETURN_IF_ERROR(Validate(raw));
-  const cv::Size size(raw.width_px, raw.height_px);
-  cv::Matx33d rotation;
-  cv::eigen2cv(Eigen::Matrix3d(raw.right_from_left.rotation.toRotationMatrix()), rotation);
-  cv::Vec3d translation;
-  cv::eigen2cv(raw.right_from_left.translation, translation);
   StereoRectifier rectifier;
   try {
-    cv::Matx33d left_rotation, right_rotation;
-    cv::Matx34d left_projection, right_projection;
-    cv::Matx44d disparity_to_depth;
-    cv::stereoRectify(IntrinsicsMatrix(raw.left), Coefficients(raw.left.distortion),
-                      IntrinsicsMatrix(raw.right), Coefficients(raw.right.distortion), size,
-                      rotation, translation, left_rotation, right_rotation, left_projection,
-                      right_projection, disparity_to_depth, cv::CALIB_ZERO_DISPARITY,
-                      /*alpha=*/0);
-    cv::initUndistortRectifyMap(IntrinsicsMatrix(raw.left), Coefficients(raw.left.distortion),
-                                left_rotation, left_projection, size, CV_16SC2,
-                                rectifier.left_.pixels, rectifier.left_.fractions);
-    cv::initUndistortRectifyMap(IntrinsicsMatrix(raw.right), Coefficients(raw.right.distortion),
-                                right_rotation, right_projection, size, CV_16SC2,
-                                rectifier.right_.pixels, rectifier.right_.fractions);
-    const double baseline_m = -right_projection(0, 3) / right_projection(0, 0);
-    rectifier.camera_ = {.fx_px = left_projection(0, 0),
-                         .fy_px = left_projection(1, 1),
-                         .cx_px = left_projection(0, 2),
-                         .cy_px = left_projection(1, 2),
-                         .width_px = raw.width_px,
-                         .height_px = raw.height_px,
-                         .baseline_m = baseline_m,
-                         .close_depth_m = kCloseBaselines * baseline_m};
-    rectifier.rectified_from_raw_left_.rotation =
-        Eigen::Quaterniond(ToEigen(left_rotation)).normalized();
+    const bool are_pinholes = IsPinhole(raw.left) && IsPinhole(raw.right);
+    RETURN_IF_ERROR(are_pinholes ? rectifier.MakeAsOpenCv(raw) : rectifier.MakeOfFisheyes(raw));
   } catch (const cv::Exception& error) {
     return absl::InvalidArgumentError(absl::StrCat("stereo rectification: ", error.what()));
   }
   RETURN_IF_ERROR(Validate(rectifier.camera_));
   return rectifier;
+}
+
+absl::Status StereoRectifier::MakeAsOpenCv(const RawStereo& raw) {
+  const cv::Size size(raw.width_px, raw.height_px);
+  cv::Matx33d rotation;
+  cv::eigen2cv(Eigen::Matrix3d(raw.right_from_left.rotation.toRotationMatrix()), rotation);
+  cv::Vec3d translation;
+  cv::eigen2cv(raw.right_from_left.translation, translation);
+  cv::Matx33d left_rotation, right_rotation;
+  cv::Matx34d left_projection, right_projection;
+  cv::Matx44d disparity_to_depth;
+  cv::stereoRectify(IntrinsicsMatrix(raw.left), Coefficients(raw.left.lens),
+                    IntrinsicsMatrix(raw.right), Coefficients(raw.right.lens), size, rotation,
+                    translation, left_rotation, right_rotation, left_projection, right_projection,
+                    disparity_to_depth, cv::CALIB_ZERO_DISPARITY, /*alpha=*/0);
+  cv::initUndistortRectifyMap(IntrinsicsMatrix(raw.left), Coefficients(raw.left.lens),
+                              left_rotation, left_projection, size, CV_16SC2, left_.pixels,
+                              left_.fractions);
+  cv::initUndistortRectifyMap(IntrinsicsMatrix(raw.right), Coefficients(raw.right.lens),
+                              right_rotation, right_projection, size, CV_16SC2, right_.pixels,
+                              right_.fractions);
+  const double baseline_m = -right_projection(0, 3) / right_projection(0, 0);
+  camera_ = {.fx_px = left_projection(0, 0),
+             .fy_px = left_projection(1, 1),
+             .cx_px = left_projection(0, 2),
+             .cy_px = left_projection(1, 2),
+             .width_px = raw.width_px,
+             .height_px = raw.height_px,
+             .baseline_m = baseline_m,
+             .close_depth_m = kCloseBaselines * baseline_m};
+  rectified_from_raw_left_.rotation = Eigen::Quaterniond(ToEigen(left_rotation)).normalized();
+  return absl::OkStatus();
+}
+
+absl::Status StereoRectifier::MakeOfFisheyes(const RawStereo& raw) {
+  const PairRotations rotations = RotationsOf(raw.right_from_left);
+  ASSIGN_OR_RETURN(camera_, WidestPinhole(raw, rotations));
+  camera_.close_depth_m = kCloseBaselines * camera_.baseline_m;
+  ASSIGN_OR_RETURN(const cv::Mat left,
+                   SourcePixels(camera_, rotations.rectified_from_left, raw.left));
+  ASSIGN_OR_RETURN(const cv::Mat right,
+                   SourcePixels(camera_, rotations.rectified_from_right, raw.right));
+  cv::convertMaps(left, cv::noArray(), left_.pixels, left_.fractions, CV_16SC2);
+  cv::convertMaps(right, cv::noArray(), right_.pixels, right_.fractions, CV_16SC2);
+  rectified_from_raw_left_.rotation = rotations.rectified_from_left;
+  return absl::OkStatus();
 }
 
 absl::Status StereoRectifier::RectifyLeft(const cv::Mat& raw, cv::Mat& rectified) const {

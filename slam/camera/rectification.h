@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "slam/camera/camera.h"
-#include "slam/camera/distortion.h"
+#include "slam/camera/lens.h"
 #include "slam/geometry/rigid3.h"
 
 namespace corbslam {
@@ -21,6 +21,9 @@ struct RawStereo {
   Rigid3d right_from_left;
   int width_px = 0;
   int height_px = 0;
+  // How wide the rectified pictures of fisheyes may be from left to right, 20 to 150 degrees. A
+  // pinhole's edges are stretched: at 110 degrees three times as far as its middle.
+  double widest_field_deg = 110;
 };
 
 // INVALID_ARGUMENT names the field and its value where a calibration is impossible.
@@ -29,8 +32,10 @@ absl::Status Validate(const RawStereo& raw);
 // Immutable after it is made; RectifyLeft and RectifyRight may run at the same time.
 class StereoRectifier {
  public:
-  // The rectified images have the size of the raw ones and no pixels from outside them (OpenCV's
-  // stereoRectify with alpha 0; Bouguet's method). INVALID_ARGUMENT for an impossible calibration.
+  // The rectified images have the size of the raw ones and no pixels from outside them. Pairs of
+  // radial-tangential lenses are rectified as OpenCV's stereoRectify does with alpha 0 (Bouguet's
+  // method); others likewise, to the widest pinhole that shows no more than widest_field_deg.
+  // INVALID_ARGUMENT for an impossible calibration.
   static absl::StatusOr<StereoRectifier> Make(const RawStereo& raw);
 
   // The camera of the rectified pair: baseline_m is set, close_depth_m is 40 baselines.
@@ -51,6 +56,8 @@ class StereoRectifier {
     cv::Mat fractions;
   };
   StereoRectifier() = default;
+  absl::Status MakeAsOpenCv(const RawStereo& raw);
+  absl::Status MakeOfFisheyes(const RawStereo& raw);
   absl::Status Rectify(const Maps& maps, const cv::Mat& raw, cv::Mat& rectified) const;
 
   Camera camera_;

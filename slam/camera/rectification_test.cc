@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "slam/camera/pair_geometry.h"
 
 namespace corbslam {
 namespace {
@@ -16,8 +20,10 @@ using ::testing::HasSubstr;
 // degree.
 RawStereo RawPair() {
   RawStereo raw;
-  raw.left = {458.654, 457.296, 367.215, 248.375, {-0.283, 0.0740, 0.000194, 0.0000176, 0}};
-  raw.right = {457.587, 456.134, 379.999, 255.238, {-0.284, 0.0745, -0.000105, -0.0000356, 0}};
+  raw.left = {458.654, 457.296, 367.215, 248.375,
+              RadialTangential{-0.283, 0.0740, 0.000194, 0.0000176, 0}};
+  raw.right = {457.587, 456.134, 379.999, 255.238,
+               RadialTangential{-0.284, 0.0745, -0.000105, -0.0000356, 0}};
   raw.right_from_left.rotation =
       Eigen::Quaterniond(Eigen::AngleAxisd(0.009, Eigen::Vector3d(1, 2, -0.5).normalized()));
   raw.right_from_left.translation = {-0.11, 0.0004, -0.0008};
@@ -27,9 +33,7 @@ RawStereo RawPair() {
 }
 
 Eigen::Vector2d RawPixel(const RawCamera& camera, const Eigen::Vector3d& x_in_camera) {
-  const Eigen::Vector2d distorted =
-      Distort(camera.distortion, x_in_camera.head<2>() / x_in_camera.z());
-  return {camera.fx_px * distorted.x() + camera.cx_px, camera.fy_px * distorted.y() + camera.cy_px};
+  return ProjectRaw(camera, x_in_camera).value_or(Eigen::Vector2d(-1, -1));
 }
 
 // Draws a raw picture with one soft white blob at a pixel.
@@ -74,6 +78,81 @@ TEST(RectificationTest, APointFallsWhereTheRectifiedCameraProjectsIt) {
     EXPECT_NEAR((CentroidOf(left) - expected).norm(), 0, 0.1);
     EXPECT_NEAR((CentroidOf(right) - expected + Eigen::Vector2d(disparity, 0)).norm(), 0, 0.1);
   }
+}
+
+// Pairs of three kinds of fisheyes, turned against each other as the pinholes are.
+std::vector<RawStereo> FisheyePairs() {
+  std::vector<RawStereo> pairs;
+  for (const LensModel& lens :
+       {LensModel(Equidistant{0.0035, 0.0007, -0.002, 0.0002}), LensModel(DoubleSphere{-0.2, 0.59}),
+        LensModel(UnifiedSphere{1.2, {-0.1, 0.02, 0.0004, -0.0003, 0}})}) {
+    RawStereo raw = RawPair();
+    const double focal_px = lens.index() == 3 ? 500 : 230;
+    raw.left = {focal_px, focal_px + 1, 374, 238, lens};
+    raw.right = {focal_px - 1, focal_px, 379, 243, lens};
+    pairs.push_back(raw);
+  }
+  return pairs;
+}
+
+TEST(RectificationTest, APointFallsWhereItShouldThroughFisheyes) {
+  for (const RawStereo& raw : FisheyePairs()) {
+    const auto rectifier = StereoRectifier::Make(raw);
+    ASSERT_TRUE(rectifier.ok()) << rectifier.status();
+    EXPECT_NEAR(rectifier->camera().baseline_m, raw.right_from_left.translation.norm(), 1e-9);
+    for (const Eigen::Vector3d& point : {Eigen::Vector3d(0.4, -0.3, 3), Eigen::Vector3d(-2, 1, 3),
+                                         Eigen::Vector3d(2.5, 0.5, 2.5)}) {
+      const Eigen::Vector3d in_rectified = rectifier->rectified_from_raw_left() * point;
+      const Eigen::Vector2d expected = Project(rectifier->camera(), in_rectified);
+      if (!IsInImage(rectifier->camera(), expected)) continue;
+      cv::Mat left, right;
+      ASSERT_TRUE(rectifier->RectifyLeft(BlobAt(raw, RawPixel(raw.left, point)), left).ok());
+      const Eigen::Vector3d in_right = raw.right_from_left * point;
+      ASSERT_TRUE(rectifier->RectifyRight(BlobAt(raw, RawPixel(raw.right, in_right)), right).ok());
+      const double disparity = DisparityFromDepth(rectifier->camera(), in_rectified.z());
+      // A blob is stretched as it is rectified: its middle moves towards the edge.
+      EXPECT_LT((CentroidOf(left) - expected).norm(), 1) << NameOf(raw.left.lens);
+      const Eigen::Vector2d moved = CentroidOf(left) - CentroidOf(right);
+      EXPECT_NEAR(moved.x(), disparity, 0.2) << NameOf(raw.left.lens);
+      EXPECT_NEAR(moved.y(), 0, 0.2) << NameOf(raw.left.lens);
+    }
+  }
+}
+
+// The fisheyes' way, given a pair of pinholes, turns the pictures as OpenCV does.
+TEST(RectificationTest, RotationsAgreeWithOpenCv) {
+  const RawStereo raw = RawPair();
+  const auto rectifier = StereoRectifier::Make(raw);
+  ASSERT_TRUE(rectifier.ok());
+  const Eigen::Quaterniond ours = RotationsOf(raw.right_from_left).rectified_from_left;
+  EXPECT_LT(ours.angularDistance(rectifier->rectified_from_raw_left().rotation), 1e-6);
+}
+
+TEST(RectificationTest, ShowsNoPixelFromOutsideAndNoWiderFieldThanAsked) {
+  for (RawStereo raw : FisheyePairs()) {
+    for (const double widest_deg : {60.0, 110.0, 150.0}) {
+      raw.widest_field_deg = widest_deg;
+      const auto rectifier = StereoRectifier::Make(raw);
+      ASSERT_TRUE(rectifier.ok()) << rectifier.status();
+      const double half_rad = std::atan(0.5 * raw.width_px / rectifier->camera().fx_px);
+      EXPECT_LE(half_rad * 360 / std::numbers::pi, widest_deg + 1e-6);
+      const cv::Mat white(raw.height_px, raw.width_px, CV_8UC1, cv::Scalar(255));
+      cv::Mat left, right;
+      ASSERT_TRUE(rectifier->RectifyLeft(white, left).ok());
+      ASSERT_TRUE(rectifier->RectifyRight(white, right).ok());
+      EXPECT_EQ(cv::countNonZero(left < 255) + cv::countNonZero(right < 255), 0)
+          << NameOf(raw.left.lens) << " at " << widest_deg;
+    }
+  }
+}
+
+TEST(RectificationTest, RefusesFisheyesThatSeeNothingInCommon) {
+  RawStereo raw = FisheyePairs().front();
+  raw.left.cx_px = 3000;
+  EXPECT_THAT(StereoRectifier::Make(raw).status().message(), HasSubstr("in common"));
+  raw = FisheyePairs().front();
+  raw.widest_field_deg = 170;
+  EXPECT_THAT(StereoRectifier::Make(raw).status().message(), HasSubstr("widest_field_deg is 170"));
 }
 
 TEST(RectificationTest, RefusesARightCameraOnTheLeft) {

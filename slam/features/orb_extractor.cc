@@ -126,10 +126,9 @@ void OrbExtractor::ExtractLevel(const ImagePyramid& pyramid, int octave) {
   level.features.keypoints.clear();
   level.features.descriptors.clear();
   level.status = absl::OkStatus();
-  const cv::Mat& image = pyramid.levels[static_cast<size_t>(octave)];
-  if (image.empty()) return;
+  if (pyramid.levels[static_cast<size_t>(octave)].empty()) return;
   try {
-    Detect(image, level);
+    Detect(pyramid, octave, level);
     Describe(pyramid, octave, level);
   } catch (const cv::Exception& error) {
     level.status = OpenCvError(error);
@@ -148,12 +147,25 @@ absl::Status OrbExtractor::Gather(Features& features) const {
   return absl::OkStatus();
 }
 
-void OrbExtractor::Detect(const cv::Mat& image, Level& level) const {
+void OrbExtractor::DropMasked(const ImagePyramid& pyramid, int octave,
+                              std::vector<Corner>& corners) const {
+  const auto is_masked = [&](const Corner& corner) {
+    const int x = static_cast<int>(std::lround(pyramid.ToLevel0X(corner.x_px, octave)));
+    const int y = static_cast<int>(std::lround(pyramid.ToLevel0Y(corner.y_px, octave)));
+    return mask_.at<uint8_t>(std::clamp(y, 0, mask_.rows - 1), std::clamp(x, 0, mask_.cols - 1)) ==
+           0;
+  };
+  corners.erase(std::remove_if(corners.begin(), corners.end(), is_masked), corners.end());
+}
+
+void OrbExtractor::Detect(const ImagePyramid& pyramid, int octave, Level& level) const {
+  const cv::Mat& image = pyramid.levels[static_cast<size_t>(octave)];
   const FastOptions options = {.threshold = options_.fast_threshold,
                                .min_threshold = options_.min_fast_threshold,
                                .cell_px = options_.cell_px,
                                .margin_px = kMargin_px};
   level.detector.Detect(image, options, level.corners);
+  if (!mask_.empty()) DropMasked(pyramid, octave, level.corners);
   SpreadCorners(image.cols, image.rows, level.wanted, level.corners);
 }
 

@@ -62,6 +62,10 @@ class OrbExtractor {
   // pixels and options alone.
   absl::Status Extract(const cv::Mat& grey, Features& features, ImagePyramid& pyramid);
 
+  // Keeps features from where `mask` (CV_8UC1, of the images' size) is 0, before the others are
+  // spread over the image; an empty one masks nothing.
+  void SetMask(const cv::Mat& mask) { mask_ = mask; }
+
   // They do the same in parts, for threads that share the work: first Begin; then ExtractLevel of
   // each octave, of different ones at the same time if wanted; then Gather, which does not change
   // the pyramid.
@@ -82,10 +86,12 @@ class OrbExtractor {
     absl::Status status;
   };
 
-  void Detect(const cv::Mat& image, Level& level) const;
+  void Detect(const ImagePyramid& pyramid, int octave, Level& level) const;
+  void DropMasked(const ImagePyramid& pyramid, int octave, std::vector<Corner>& corners) const;
   static void Describe(const ImagePyramid& pyramid, int octave, Level& level);
 
   OrbOptions options_;
+  cv::Mat mask_;
   std::array<Level, ScalePyramid::kLevels> levels_;
 };
 

@@ -33,4 +33,8 @@ absl::Status CheckDepthImage(const cv::Mat& image, const Camera& camera) {
                                                  DescribeImage(image)));
 }
 
+absl::Status CheckMask(const cv::Mat& mask, const Camera& camera) {
+  return mask.empty() ? absl::OkStatus() : CheckGreyImage("mask", mask, camera);
+}
+
 }  // namespace corbslam

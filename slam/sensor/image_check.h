@@ -21,6 +21,9 @@ absl::Status CheckGreyImage(absl::string_view name, const cv::Mat& image, const 
 // INVALID_ARGUMENT in the same way, unless CV_16UC1 or CV_32FC1 of the camera's size.
 absl::Status CheckDepthImage(const cv::Mat& image, const Camera& camera);
 
+// INVALID_ARGUMENT in the same way, unless empty or CV_8UC1 of the camera's size.
+absl::Status CheckMask(const cv::Mat& mask, const Camera& camera);
+
 }  // namespace corbslam
 
 #endif  // CORBSLAM_SLAM_SENSOR_IMAGE_CHECK_H_

@@ -1,6 +1,8 @@
 #include "slam/sensor/rgbd_sensor.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -9,11 +11,29 @@
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
+namespace {
+
+const Eigen::Vector2d kNowhere =
+    Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+
+// Takes out features that have no place in the undistorted picture (a fisheye's edge).
+void TakeOutUnseen(Features& features) {
+  size_t kept = 0;
+  for (size_t i = 0; i < features.keypoints.size(); ++i) {
+    if (std::isnan(features.keypoints[i].x_px)) continue;
+    features.keypoints[kept] = features.keypoints[i];
+    features.descriptors[kept++] = features.descriptors[i];
+  }
+  features.keypoints.resize(kept);
+  features.descriptors.resize(kept);
+}
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<Sensor>> RgbdSensor::Make(const RgbdCalibration& calibration,
                                                          const SensorOptions& options) {
   RETURN_IF_ERROR(Validate(calibration.camera));
-  RETURN_IF_ERROR(Validate(calibration.distortion));
+  RETURN_IF_ERROR(Validate(calibration.lens));
   if (!calibration.camera.IsMetric()) {
     return absl::InvalidArgumentError("camera.baseline_m is 0, must be > 0 for RGB-D");
   }
@@ -21,6 +41,7 @@ absl::StatusOr<std::unique_ptr<Sensor>> RgbdSensor::Make(const RgbdCalibration& 
     return absl::InvalidArgumentError(absl::StrCat(
         "depth_units_per_m is ", calibration.depth_units_per_m, ", must be in (0, 1e6]"));
   }
+  RETURN_IF_ERROR(CheckMask(calibration.mask, calibration.camera));
   return std::unique_ptr<Sensor>(new RgbdSensor(calibration, options));
 }
 
@@ -40,6 +61,7 @@ absl::StatusOr<Features> RgbdSensor::Process(const SensorImages& images) {
     const size_t end = std::min((task + 1) * kTask, keypoints.size());
     for (size_t i = task * kTask; i < end; ++i) Complete(images.depth, keypoints[i]);
   });
+  TakeOutUnseen(features);
   return features;
 }
 
@@ -47,7 +69,8 @@ void RgbdSensor::Complete(const cv::Mat& depth, Keypoint& keypoint) const {
   const Camera& camera = calibration_.camera;
   const double depth_m = CornerDepth(depth, keypoint, calibration_.depth_units_per_m);
   if (depth_m > 0) keypoint.disparity_px = static_cast<float>(DisparityFromDepth(camera, depth_m));
-  const Eigen::Vector2d ideal = UndistortPixel(camera, calibration_.distortion, keypoint.Pixel());
+  const Eigen::Vector2d ideal =
+      UndistortPixel(camera, calibration_.lens, keypoint.Pixel()).value_or(kNowhere);
   keypoint.x_px = static_cast<float>(ideal.x());
   keypoint.y_px = static_cast<float>(ideal.y());
 }

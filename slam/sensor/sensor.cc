@@ -19,7 +19,7 @@ absl::StatusOr<RecordedCamera> RecordedCameraOf(const SensorCalibration& calibra
   RecordedCamera recorded;
   if (const auto* const rgbd = std::get_if<RgbdCalibration>(&calibration)) {
     recorded = AsRecorded(rgbd->camera);
-    recorded.lens.distortion = rgbd->distortion;
+    recorded.lens.lens = rgbd->lens;
     recorded.body_from_recorded = rgbd->body_from_raw;
     return recorded;
   }

@@ -11,7 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "slam/camera/camera.h"
-#include "slam/camera/distortion.h"
+#include "slam/camera/lens.h"
 #include "slam/camera/recorded_camera.h"
 #include "slam/camera/rectification.h"
 #include "slam/features/keypoint.h"
@@ -29,6 +29,10 @@ struct SensorImages {
   cv::Mat depth = {};
 };
 
+// Says which parts of the recorded (left) picture belong to the robot itself and are never used:
+// CV_8UC1 of the picture's size, 0 there. Empty: none.
+using PictureMask = cv::Mat;
+
 struct StereoCalibration {
   // Camera of the rectified pair, with baseline_m > 0. With `raw` set only close_depth_m is read,
   // when > 0: the rest follows from the rectification.
@@ -41,17 +45,19 @@ struct StereoCalibration {
   double right_cx_offset_px = 0;
   // Pose of the left camera as it recorded, where the calibration says it (EuRoC's T_BS).
   std::optional<Rigid3d> body_from_raw_left = {};
+  PictureMask mask = {};
 };
 
 struct RgbdCalibration {
   // Its baseline_m is the virtual one that makes disparities of depths.
   Camera camera = {};
-  // Distortion of the raw grey image.
-  RadialTangential distortion = {};
+  // Lens of the raw grey image, which has the camera's intrinsics.
+  LensModel lens = {};
   // Scale of CV_16UC1 depth images.
   double depth_units_per_m = 5000;
   // Pose of the grey camera, where the calibration says it.
   std::optional<Rigid3d> body_from_raw = {};
+  PictureMask mask = {};
 };
 
 using SensorCalibration = std::variant<StereoCalibration, RgbdCalibration>;

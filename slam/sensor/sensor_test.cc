@@ -156,7 +156,7 @@ TEST(StereoSensorTest, RefusesACameraWithoutBaseline) {
 }
 
 TEST(RgbdSensorTest, ReadsDepthInUnitsAndInMetres) {
-  const auto sensor = MakeSensor(RgbdCalibration{.camera = kCamera, .distortion = {}}, {});
+  const auto sensor = MakeSensor(RgbdCalibration{.camera = kCamera, .lens = {}}, {});
   ASSERT_TRUE(sensor.ok());
   // The depth is 2 m on the left, and there is none on the right.
   cv::Mat units(480, 640, CV_16UC1, cv::Scalar(10000));
@@ -177,8 +177,8 @@ TEST(RgbdSensorTest, ReadsDepthInUnitsAndInMetres) {
 
 TEST(RgbdSensorTest, UndistortsKeypointsAndReadsDepthWhereTheyWereSeen) {
   const RadialTangential distortion = {.k1 = -0.3, .k2 = 0.1};
-  const auto ideal = MakeSensor(RgbdCalibration{.camera = kCamera, .distortion = {}}, {});
-  const auto lens = MakeSensor(RgbdCalibration{.camera = kCamera, .distortion = distortion}, {});
+  const auto ideal = MakeSensor(RgbdCalibration{.camera = kCamera, .lens = {}}, {});
+  const auto lens = MakeSensor(RgbdCalibration{.camera = kCamera, .lens = distortion}, {});
   ASSERT_TRUE(ideal.ok() && lens.ok());
   cv::Mat depth(480, 640, CV_16UC1);
   for (int x = 0; x < 640; ++x) depth.col(x).setTo(5000 + 20 * x);
@@ -187,14 +187,16 @@ TEST(RgbdSensorTest, UndistortsKeypointsAndReadsDepthWhereTheyWereSeen) {
   ASSERT_TRUE(raw.ok() && undistorted.ok());
   ASSERT_EQ(raw->keypoints.size(), undistorted->keypoints.size());
   for (size_t i = 0; i < raw->keypoints.size(); ++i) {
-    const Eigen::Vector2d pixel = UndistortPixel(kCamera, distortion, raw->keypoints[i].Pixel());
+    const Eigen::Vector2d pixel =
+        UndistortPixel(kCamera, distortion, raw->keypoints[i].Pixel()).value();
     EXPECT_NEAR((pixel - undistorted->keypoints[i].Pixel()).norm(), 0, 1e-3);
     EXPECT_EQ(raw->keypoints[i].disparity_px, undistorted->keypoints[i].disparity_px);
   }
 }
 
 TEST(RgbdSensorTest, ThreadsDoNotChangeTheResult) {
-  const RgbdCalibration calibration = {.camera = kCamera, .distortion = {.k1 = -0.3, .k2 = 0.1}};
+  const RgbdCalibration calibration = {.camera = kCamera,
+                                       .lens = RadialTangential{.k1 = -0.3, .k2 = 0.1}};
   cv::Mat depth(480, 640, CV_16UC1);
   for (int x = 0; x < 640; ++x) depth.col(x).setTo(5000 + 20 * x);
   const SensorImages images = {.grey = Scene(0), .depth = depth};
@@ -209,7 +211,7 @@ TEST(RgbdSensorTest, ThreadsDoNotChangeTheResult) {
 }
 
 TEST(RgbdSensorTest, RefusesWrongDepthImages) {
-  const auto sensor = MakeSensor(RgbdCalibration{.camera = kCamera, .distortion = {}}, {});
+  const auto sensor = MakeSensor(RgbdCalibration{.camera = kCamera, .lens = {}}, {});
   ASSERT_TRUE(sensor.ok());
   const auto result =
       (*sensor)->Process({.grey = Scene(0), .depth = cv::Mat(480, 640, CV_8UC1, cv::Scalar(1))});
@@ -250,6 +252,43 @@ TEST(StereoSensorTest, RecordedStreetHasPlausibleDepths) {
   }
   EXPECT_GT(with_depth, 1000);
   EXPECT_LT(below_street, with_depth / 50);
+}
+
+// A fisheye's keypoints far from the axis have no place in a pinhole's picture.
+TEST(SensorTest, AFisheyesEdgeIsLeftOut) {
+  const Equidistant fisheye = {0.01, 0, 0, 0};
+  Camera wide = kCamera;
+  wide.fx_px = wide.fy_px = 170;
+  const auto sensor = MakeSensor(RgbdCalibration{.camera = wide, .lens = fisheye}, {});
+  ASSERT_TRUE(sensor.ok()) << sensor.status();
+  const cv::Mat depth(480, 640, CV_16UC1, cv::Scalar(10000));
+  const auto features = (*sensor)->Process({.grey = Scene(0), .depth = depth});
+  ASSERT_TRUE(features.ok()) << features.status();
+  EXPECT_GT(features->keypoints.size(), 500u);
+  EXPECT_EQ(features->keypoints.size(), features->descriptors.size());
+  const double farthest_px = 170 * std::tan(81 * 3.14159 / 180);
+  for (const Keypoint& keypoint : features->keypoints) {
+    EXPECT_LT((keypoint.Pixel() - Eigen::Vector2d(320, 240)).norm(), farthest_px);
+  }
+}
+
+TEST(SensorTest, NothingIsFoundWhereTheMaskIsBlack) {
+  cv::Mat mask(480, 640, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(300, 480).setTo(0);
+  const cv::Mat depth(480, 640, CV_16UC1, cv::Scalar(10000));
+  const auto rgbd = MakeSensor(RgbdCalibration{.camera = kCamera, .mask = mask}, {});
+  const auto stereo = MakeSensor(StereoCalibration{.camera = kCamera, .mask = mask}, {});
+  ASSERT_TRUE(rgbd.ok() && stereo.ok()) << rgbd.status() << stereo.status();
+  for (const auto& features : {(*rgbd)->Process({.grey = Scene(0), .depth = depth}),
+                               (*stereo)->Process({.grey = Scene(0), .right = Scene(6)})}) {
+    ASSERT_TRUE(features.ok()) << features.status();
+    // As many as without a mask: those that it hides leave their places to others.
+    EXPECT_GT(features->keypoints.size(), 1900u);
+    for (const Keypoint& keypoint : features->keypoints) EXPECT_LT(keypoint.y_px, 301);
+  }
+  const auto bad =
+      MakeSensor(StereoCalibration{.camera = kCamera, .mask = mask.rowRange(0, 100)}, {});
+  EXPECT_THAT(std::string(bad.status().message()), HasSubstr("mask image: expected 640x480"));
 }
 
 }  // namespace

@@ -35,6 +35,18 @@ OrbOptions OptionsOfRight(OrbOptions options) {
   return options;
 }
 
+// Returns the mask of the recorded left picture as the sensor sees it. A pixel that is made of
+// masked ones, too, is masked.
+absl::StatusOr<cv::Mat> RectifiedMask(const PictureMask& mask, const Camera& camera,
+                                      const std::optional<StereoRectifier>& rectifier) {
+  RETURN_IF_ERROR(CheckMask(mask, camera));
+  if (mask.empty() || !rectifier.has_value()) return mask;
+  const cv::Mat used = (mask != 0);
+  cv::Mat rectified;
+  RETURN_IF_ERROR(rectifier->RectifyLeft(used, rectified));
+  return cv::Mat(rectified == 255);
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Sensor>> StereoSensor::Make(const StereoCalibration& calibration,
@@ -58,8 +70,11 @@ absl::StatusOr<std::unique_ptr<Sensor>> StereoSensor::Make(const StereoCalibrati
         absl::StrCat("right_cx_offset_px is ", calibration.right_cx_offset_px,
                      ", must be less than the picture's width of ", camera.width_px));
   }
-  return std::unique_ptr<Sensor>(
+  ASSIGN_OR_RETURN(const cv::Mat mask, RectifiedMask(calibration.mask, camera, rectifier));
+  std::unique_ptr<StereoSensor> sensor(
       new StereoSensor(camera, std::move(rectifier), calibration.right_cx_offset_px, options));
+  sensor->left_.extractor.SetMask(mask);
+  return sensor;
 }
 
 StereoSensor::StereoSensor(const Camera& camera, std::optional<StereoRectifier> rectifier,

@@ -64,6 +64,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"upload", 1},
            {"link", 2},
            {"source_checks", 1},
+           {"live", 1},
            {"loop_closing", 2},
            {"tracking", 2},
            {"agent", 3},

@@ -241,11 +241,12 @@ INSTANTIATE_TEST_SUITE_P(
                    ReplaceInFile(f + "/mav0/cam0/sensor.yaml", "radial-tangential", "radtan");
                  },
                  Level::kOk, "camera: raw stereo pair"},
-        Stranger{"fisheye",
+        Stranger{"unknown_lens",
                  [](const std::string& f) {
-                   ReplaceInFile(f + "/mav0/cam1/sensor.yaml", "radial-tangential", "equidistant");
+                   ReplaceInFile(f + "/mav0/cam1/sensor.yaml", "radial-tangential", "fov");
                  },
-                 Level::kFail, "distortion_model is 'equidistant', only radial-tangential, radtan"},
+                 Level::kFail,
+                 "distortion_model is 'fov', only radial-tangential, radtan, equidistant"},
         Stranger{"t_bs_no_rotation",
                  [](const std::string& f) {
                    ReplaceInFile(f + "/mav0/cam1/sensor.yaml", "data: [1.0", "data: [2.0");

@@ -61,11 +61,16 @@ TEST(EurocCalibrationTest, RefusesWhatNoCameraHas) {
       {"0.0, 0.0, 0.0, 1.0", "0.1, 0.0, 0.0, 1.0", "T_BS is no motion: its last row is 0.1"},
       {"0.11", "110", "T_BS is no motion: the camera is 110 m from the body"},
       {"resolution:", "camera_model: pinhole\nresolution:", "camera_model is there twice"},
-      {"1.7e-05]", "1.7e-05, 0, 0.1, 0, 0]", "the rational model, which is not known"},
+      {"1.7e-05]", "1.7e-05, 0, 0.1]",
+       "6 numbers of a lens that is radial-tangential, which has none, 4, 5 or 8"},
+      {"radial-tangential", "fov",
+       "distortion_model is 'fov', only radial-tangential, radtan, equidistant"},
       {"752", "1e300", "a side of the resolution is 1e+300"},
       {"480", "-1", "a side of the resolution is -1"},
       {"458.6", ".Nan", "intrinsics is no list of 4 finite"},
-      {"radial-tangential", "equidistant", "distortion_model is 'equidistant'"}};
+      {"radial-tangential\ndistortion_coefficients: [-0.28,",
+       "equidistant\ndistortion_coefficients: [0, -0.28,",
+       "5 numbers of a lens that is equidistant, which has 4"}};
   for (const auto& [from, to, says] : cases) {
     const std::string yaml = absl::StrReplaceAll(kEurocYaml, {{from, to}});
     const absl::Status status = ReadEurocCamera(WriteFile("sensor.yaml", yaml)).status();
@@ -111,7 +116,7 @@ TEST(EurocCalibrationTest, ReadsWhatOthersWrite) {
     const std::string yaml = absl::StrReplaceAll(kEurocYaml, {{from, to}});
     const auto camera = ReadEurocCamera(WriteFile("sensor.yaml", yaml));
     ASSERT_TRUE(camera.ok()) << to << ": " << camera.status();
-    EXPECT_EQ(camera->intrinsics.distortion.k3, k3) << to;
+    EXPECT_EQ(std::get<RadialTangential>(camera->intrinsics.lens).k3, k3) << to;
   }
 }
 
@@ -197,13 +202,13 @@ TEST(RgbdCalibrationTest, ReadsItsOwnAndEth3dsFile) {
       "calibration.yaml", absl::StrCat("\xef\xbb\xbf", kRgbdYaml, "k1: 0.1 # a comment\r\n")));
   ASSERT_TRUE(found.ok()) << found.status();
   EXPECT_EQ(found->calibration.camera.fy_px, 525.5);
-  EXPECT_EQ(found->calibration.distortion.k1, 0.1);
+  EXPECT_EQ(std::get<RadialTangential>(found->calibration.lens).k1, 0.1);
   EXPECT_EQ(found->calibration.depth_units_per_m, 5000);
   std::filesystem::remove(WriteFile("calibration.yaml", ""));
   found = FindRgbdCalibration(QueryOfFile("calibration.txt", "\t526.25 526.5 319 240\r\n"));
   ASSERT_TRUE(found.ok()) << found.status();
   EXPECT_EQ(found->calibration.camera.fx_px, 526.25);
-  EXPECT_TRUE(found->calibration.distortion.IsZero());
+  EXPECT_TRUE(std::get<RadialTangential>(found->calibration.lens).IsZero());
 }
 
 TEST(RgbdCalibrationTest, RefusesAnEth3dFileOfAnotherForm) {

@@ -17,7 +17,8 @@ struct EurocCamera {
   int height_px = 0;
 };
 
-// Reads a pinhole camera with radial-tangential distortion. Errors name the file and the field.
+// Reads a camera with radial-tangential or equidistant distortion. Errors name the file and the
+// field.
 absl::StatusOr<EurocCamera> ReadEurocCamera(const std::string& sensor_yaml_path);
 
 // Returns DIR/mav0 where that is there, else DIR.

@@ -50,7 +50,7 @@ absl::StatusOr<FoundRgbdCalibration> FromFile(const std::string& path,
   }
   FoundRgbdCalibration found;
   found.calibration = MakeCalibration(file.fx_px, file.fy_px, file.cx_px, file.cy_px, query);
-  found.calibration.distortion = file.distortion;
+  found.calibration.lens = file.distortion;
   found.calibration.depth_units_per_m = file.depth_units_per_m.value_or(kTumDepthUnits);
   found.from = path;
   found.depth_units_from =
@@ -66,7 +66,7 @@ absl::StatusOr<FoundRgbdCalibration> FromNamed(const NamedCamera& camera, std::s
   FoundRgbdCalibration found;
   found.calibration =
       MakeCalibration(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px, query);
-  found.calibration.distortion = camera.distortion;
+  found.calibration.lens = camera.distortion;
   found.calibration.depth_units_per_m = camera.depth_units_per_m;
   found.depth_units_from = from;
   found.from = std::move(from);
@@ -166,7 +166,7 @@ absl::StatusOr<FoundRgbdCalibration> FindRgbdCalibration(const RgbdCalibrationQu
   const Camera& camera = found.calibration.camera;
   const double units = found.calibration.depth_units_per_m;
   absl::Status possible = Validate(camera);
-  possible.Update(Validate(found.calibration.distortion));
+  possible.Update(Validate(found.calibration.lens));
   if (!(units > 0 && units <= 1e6)) {
     possible.Update(absl::InvalidArgumentError(
         absl::StrCat("depth_units_per_m ", units, ", must be above 0 and at most 1000000")));

@@ -58,11 +58,11 @@ absl::StatusOr<ToldMap> StoreReader::ReadMap() {
   return map;
 }
 
-absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t max_revisions) {
+absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t max_moments) {
   v1::ReplayMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(true);
-  request.set_max_revisions(max_revisions);
+  request.set_max_moments(max_moments);
   std::vector<v1::WatchMapResponse> past;
   RETURN_IF_ERROR(ReadReplay(*stub_, request, [&past](const v1::WatchMapResponse& response) {
     past.push_back(response);
@@ -72,10 +72,10 @@ absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t
   return past;
 }
 
-absl::Status StoreReader::ReplayMap(uint32_t max_revisions, const OnMoment& on_moment) {
+absl::Status StoreReader::ReplayMap(uint32_t max_moments, const OnMoment& on_moment) {
   v1::ReplayMapRequest request;
   request.set_mission(MissionName(mission_));
-  request.set_max_revisions(max_revisions);
+  request.set_max_moments(max_moments);
   ToldMap map;
   return ReadReplay(*stub_, request, [&](const v1::WatchMapResponse& response) -> absl::Status {
     RETURN_IF_ERROR(map.Apply(response));

@@ -61,12 +61,12 @@ class StoreReader {
   // Returns the mission's past with map points, at most so many moments, 2 to 1,000, as
   // messages for ToldMap; a moment's last one does not say `continues`, and so does the last of
   // all. It is as long as the store lets it be: hundreds of megabytes.
-  absl::StatusOr<std::vector<v1::WatchMapResponse>> ReadPast(uint32_t max_revisions);
-  // Gives the map without points as it was at each of at most `max_revisions` moments, 2 to
+  absl::StatusOr<std::vector<v1::WatchMapResponse>> ReadPast(uint32_t max_moments);
+  // Gives the map without points as it was at each of at most `max_moments` moments, 2 to
   // 1,000, and as it is in the end; an error of `on_moment` ends it. UNIMPLEMENTED: the store is
   // older.
   using OnMoment = std::function<absl::Status(const ToldMap& map)>;
-  absl::Status ReplayMap(uint32_t max_revisions, const OnMoment& on_moment);
+  absl::Status ReplayMap(uint32_t max_moments, const OnMoment& on_moment);
   // Returns the events that the store remembers, oldest first. It takes two seconds longer than
   // they take to come. UNIMPLEMENTED: the store is older.
   absl::StatusOr<std::vector<v1::MissionEvent>> ReadEvents();

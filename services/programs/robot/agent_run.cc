@@ -53,7 +53,7 @@ absl::Status PlayStream(
   while (true) {
     const absl::StatusOr<std::optional<StreamFrame>> next = paced.Next();
     TellLeftOut(stream, frames);
-    frames.dropped = paced.dropped();
+    frames.dropped = paced.dropped() + stream.overtaken();
     RETURN_IF_ERROR(next.status());
     if (!next->has_value()) return absl::OkStatus();
     FollowDrive((*next)->frame, drive, agent);

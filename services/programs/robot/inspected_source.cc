@@ -1,7 +1,5 @@
 #include "services/programs/robot/inspected_source.h"
 
-#include <glog/logging.h>
-
 #include <utility>
 #include <vector>
 
@@ -49,13 +47,6 @@ std::string FormatDescription(const SourceDescription& description) {
     lines.push_back(absl::StrCat("  ", name, ": ", value));
   }
   return absl::StrJoin(lines, "\n");
-}
-
-void LogSource(const InspectedSource& source) {
-  LOG(INFO) << "the source:\n" << FormatDescription(source.description);
-  for (const SourceFinding& warning : source.warnings) {
-    LOG(WARNING) << warning.text << " [" << warning.code << "]";
-  }
 }
 
 }  // namespace corbslam::services

@@ -31,9 +31,6 @@ absl::Status JudgeFindings(const client_agent::SourceFindings& findings, bool st
 // Returns a line for each part of the description, indented.
 std::string FormatDescription(const client_agent::SourceDescription& description);
 
-// Logs the description, a line each, and the warnings as warnings.
-void LogSource(const InspectedSource& source);
-
 }  // namespace corbslam::services
 
 #endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_INSPECTED_SOURCE_H_

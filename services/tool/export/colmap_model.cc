@@ -2,6 +2,7 @@
 
 #include <set>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -55,15 +56,34 @@ RecordedCamera RecordedOf(const ColmapSource& source, const Keyframe& keyframe) 
   return it != source.recorded.end() && is_wanted ? it->second : AsRecorded(keyframe.camera());
 }
 
-// Writes a PINHOLE camera, or one of COLMAP's two models of OpenCV's distortion.
-std::string CameraLine(size_t number, const Camera& camera, const RawCamera& lens) {
-  const RadialTangential& d = lens.distortion;
-  const char* const model = d.IsZero() ? "PINHOLE" : d.k3 == 0 ? "OPENCV" : "FULL_OPENCV";
-  std::string line = absl::StrFormat("%d %s %d %d %.9g %.9g %.9g %.9g", number, model,
-                                     camera.width_px, camera.height_px, lens.fx_px, lens.fy_px,
-                                     lens.cx_px + kHalfPixel, lens.cy_px + kHalfPixel);
-  if (!d.IsZero()) absl::StrAppendFormat(&line, " %.9g %.9g %.9g %.9g", d.k1, d.k2, d.p1, d.p2);
-  if (d.k3 != 0) absl::StrAppendFormat(&line, " %.9g 0 0 0", d.k3);
+struct ColmapLens {
+  absl::string_view model;
+  std::vector<double> coefficients;
+};
+
+ColmapLens PinholeOf(const RadialTangential& d) {
+  if (d.IsZero()) return {"PINHOLE", {}};
+  if (d.k3 == 0 && !d.IsRational()) return {"OPENCV", {d.k1, d.k2, d.p1, d.p2}};
+  return {"FULL_OPENCV", {d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6}};
+}
+
+// Returns INVALID_ARGUMENT for a lens for which COLMAP has no model.
+absl::StatusOr<ColmapLens> ColmapLensOf(const LensModel& lens) {
+  if (const auto* const pinhole = std::get_if<RadialTangential>(&lens)) return PinholeOf(*pinhole);
+  if (const auto* const fisheye = std::get_if<Equidistant>(&lens)) {
+    return ColmapLens{"OPENCV_FISHEYE", {fisheye->k1, fisheye->k2, fisheye->k3, fisheye->k4}};
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("COLMAP has no model of a lens that is ", NameOf(lens),
+                   ": export with --poses-of rectified, for the undistorted pictures"));
+}
+
+absl::StatusOr<std::string> CameraLine(size_t number, const Camera& camera, const RawCamera& raw) {
+  ASSIGN_OR_RETURN(const ColmapLens lens, ColmapLensOf(raw.lens));
+  std::string line = absl::StrFormat("%d %s %d %d %.9g %.9g %.9g %.9g", number, lens.model,
+                                     camera.width_px, camera.height_px, raw.fx_px, raw.fy_px,
+                                     raw.cx_px + kHalfPixel, raw.cy_px + kHalfPixel);
+  for (const double k : lens.coefficients) absl::StrAppendFormat(&line, " %.9g", k);
   return line;
 }
 
@@ -74,7 +94,8 @@ absl::Status WriteCameras(const Map& map, const Numbers& numbers, const ColmapSo
   for (const auto& [id, keyframe] : map.keyframes()) {
     const size_t number = numbers.cameras.at(CameraKey(keyframe));
     if (!written.insert(number).second) continue;
-    lines.push_back(CameraLine(number, keyframe.camera(), RecordedOf(source, keyframe).lens));
+    ASSIGN_OR_RETURN(lines.emplace_back(),
+                     CameraLine(number, keyframe.camera(), RecordedOf(source, keyframe).lens));
   }
   return WriteLines(lines, path);
 }

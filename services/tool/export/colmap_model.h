@@ -49,7 +49,8 @@ struct ColmapSource {
 // Writes the three files into a folder, which is made. An image is called ROBOT/NANOSECONDS.png
 // after its time, or ROBOT+2/NANOSECONDS.png and so on where the robot has a picture of that time
 // already; a point has the colour of the robot that made it (robot_colours.h). Points that nobody
-// sees are left out. UNAVAILABLE names the path.
+// sees are left out. UNAVAILABLE names the path; INVALID_ARGUMENT a lens for which COLMAP has no
+// model.
 absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map, const ColmapSource& source,
                                               const std::string& folder);
 

@@ -129,10 +129,10 @@ TEST_F(ColmapModelTest, FollowsColmapsConventions) {
 TEST_F(ColmapModelTest, IsOfThePicturesAsTheyWereRecorded) {
   ColmapSource source = MakeSource();
   RecordedCamera& alpha = source.recorded[{kMapA, 0}];
-  alpha.lens = {480, 482, 330, 236, {-0.2, 0.06, 0.001, -0.002, 0.01}};
+  alpha.lens = {480, 482, 330, 236, RadialTangential{-0.2, 0.06, 0.001, -0.002, 0.01}};
   alpha.camera_from_recorded.rotation = Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitY());
   RecordedCamera& bravo = source.recorded[{kMapB, 0}];
-  bravo.lens = {580, 582, 310, 246, {-0.1, 0.02, 0, 0.001, 0}};
+  bravo.lens = {580, 582, 310, 246, RadialTangential{-0.1, 0.02, 0, 0.001, 0}};
   bravo.camera_from_recorded.rotation = Eigen::AngleAxisd(-0.02, Eigen::Vector3d::UnitX());
   ASSERT_TRUE(WriteColmapModel(MakeMap(), source, folder_).ok());
   const auto model = testing::ReadColmapModel(folder_);

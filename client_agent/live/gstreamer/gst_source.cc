@@ -1,0 +1,205 @@
+#include "client_agent/live/gstreamer/gst_source.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
+#include "client_agent/live/gstreamer/gst_camera.h"
+#include "client_agent/source/frame_reader.h"
+#include "client_agent/source/rig/rig_file.h"
+#include "client_agent/source/source_kinds.h"
+#include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+constexpr double kDefaultWithin_ms = 5;
+
+// What both kinds leave to options.
+struct GstOptions {
+  std::string rig;
+  std::string right;  // The second pipeline.
+  std::string layout;
+  std::string format;  // v4l2: of the device's pictures.
+  std::string size;
+  std::string rate;
+  double pair_within_ms = kDefaultWithin_ms;
+  std::optional<bool> restarts;
+};
+
+absl::Status BadOption(absl::string_view key, absl::string_view value, absl::string_view wanted) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("source option ", key, "=", value, ": wants ", wanted));
+}
+
+// Options end at '&', and begin behind '?': pipelines that hold these write them as URLs do.
+std::string Decode(absl::string_view text) {
+  return absl::StrReplaceAll(text, {{"%3F", "?"}, {"%26", "&"}, {"%2C", ","}, {"%25", "%"}});
+}
+
+class GstSettings : public KindSettings {
+ public:
+  GstSettings(std::string kind, std::string place)
+      : kind_(std::move(kind)), place_(std::move(place)) {}
+
+  absl::string_view kind() const override { return kind_; }
+  std::vector<absl::string_view> OptionNames() const override {
+    std::vector<absl::string_view> names = {"rig", "layout", "pair_within_ms", "restart"};
+    if (IsV4l2()) {
+      names.insert(names.end(), {"format", "size", "rate"});
+    } else {
+      names.push_back("right");
+    }
+    return names;
+  }
+  absl::StatusOr<SharedKindSettings> With(absl::string_view key,
+                                          absl::string_view value) const override {
+    auto changed = std::make_shared<GstSettings>(*this);
+    RETURN_IF_ERROR(changed->Set(key, value));
+    return changed;
+  }
+  absl::Status Validate() const override {
+    if (place_.empty()) return absl::InvalidArgumentError(kind_ + ": names no camera");
+    const bool one_picture = !options_.layout.empty();
+    const bool has_second = IsV4l2() ? Devices().size() == 2 : !options_.right.empty();
+    if (one_picture != has_second) return absl::OkStatus();
+    return absl::InvalidArgumentError(absl::StrCat(
+        kind_, ":", place_, ": ",
+        one_picture ? "one picture with both halves (?layout=) and a second camera"
+                    : "a frame has two pictures: name a second camera (gst: ?right=PIPELINE, v4l2: "
+                      "/dev/video0,/dev/video1), or say how one picture holds both "
+                      "(?layout=side-by-side, ?layout=one-above)"));
+  }
+  std::vector<std::pair<std::string, std::string>> FormatOptions() const override {
+    std::vector<std::pair<std::string, std::string>> formatted;
+    for (const auto& [key, value] : {std::pair("rig", options_.rig),
+                                     {"right", options_.right},
+                                     {"layout", options_.layout},
+                                     {"format", options_.format},
+                                     {"size", options_.size},
+                                     {"rate", options_.rate}}) {
+      if (!value.empty()) formatted.emplace_back(key, value);
+    }
+    if (options_.pair_within_ms != kDefaultWithin_ms) {
+      formatted.emplace_back("pair_within_ms", FormatReal(options_.pair_within_ms));
+    }
+    if (options_.restarts.has_value()) {
+      formatted.emplace_back("restart", *options_.restarts ? "1" : "0");
+    }
+    return formatted;
+  }
+  uint64_t noise_seed() const override { return 1; }
+  bool turned() const override { return false; }
+  bool is_live() const override { return true; }
+
+  absl::StatusOr<std::unique_ptr<FrameReader>> Open() const override {
+    return absl::InvalidArgumentError(absl::StrCat(
+        kind_, ": is a live camera, whose frames nobody can list: client_agent plays it"));
+  }
+  absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive() const override {
+    if (options_.rig.empty()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          kind_, ": a live camera needs its rig: --rig FILE (docs/rig.md says how to make one)"));
+    }
+    ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(options_.rig));
+    GstCameraOptions camera;
+    camera.first = PipelineOf(0);
+    camera.second = PipelineOf(1);
+    camera.layout = LayoutOf();
+    camera.second_is_depth = rig.kind == RigKind::kRgbd;
+    camera.restarts = options_.restarts;
+    ASSIGN_OR_RETURN(std::unique_ptr<LiveCamera> opened, MakeGstCamera(camera));
+    return LiveStream::Open(
+        rig, std::move(opened),
+        {absl::StrCat(kind_, ":", place_), static_cast<int64_t>(1e6 * options_.pair_within_ms)});
+  }
+
+ private:
+  bool IsV4l2() const { return kind_ == "v4l2"; }
+  std::vector<std::string> Devices() const { return absl::StrSplit(place_, ','); }
+
+  GstLayout LayoutOf() const {
+    if (options_.layout == "side-by-side") return GstLayout::kSideBySide;
+    if (options_.layout == "one-above") return GstLayout::kOneAbove;
+    return GstLayout::kTwoPipelines;
+  }
+  std::string PipelineOf(size_t which) const {
+    if (!IsV4l2()) return Decode(which == 0 ? place_ : options_.right);
+    const std::vector<std::string> devices = Devices();
+    if (which >= devices.size()) return "";
+    std::string caps = options_.format == "mjpeg" ? "image/jpeg" : "video/x-raw";
+    if (!options_.format.empty() && options_.format != "mjpeg") {
+      absl::StrAppend(&caps, ",format=", options_.format);
+    }
+    if (const std::vector<std::string> sides = absl::StrSplit(options_.size, 'x');
+        sides.size() == 2) {
+      absl::StrAppend(&caps, ",width=", sides[0], ",height=", sides[1]);
+    }
+    if (!options_.rate.empty()) absl::StrAppend(&caps, ",framerate=", options_.rate, "/1");
+    return absl::StrCat("v4l2src device=", devices[which], " ! ", caps,
+                        options_.format == "mjpeg" ? " ! jpegdec" : "");
+  }
+
+  absl::Status Set(absl::string_view key, absl::string_view value) {
+    int whole = 0;
+    if (key == "rig") {
+      if (value.empty()) return BadOption(key, value, "a file");
+      options_.rig = std::string(value);
+    } else if (key == "right") {
+      options_.right = std::string(value);
+    } else if (key == "layout") {
+      if (value != "side-by-side" && value != "one-above") {
+        return BadOption(key, value, "side-by-side or one-above");
+      }
+      options_.layout = std::string(value);
+    } else if (key == "format") {
+      options_.format = std::string(value);
+    } else if (key == "size") {
+      const std::vector<std::string> sides = absl::StrSplit(value, 'x');
+      if (sides.size() != 2 || !absl::SimpleAtoi(sides[0], &whole) || whole < 1 ||
+          !absl::SimpleAtoi(sides[1], &whole) || whole < 1) {
+        return BadOption(key, value, "WIDTHxHEIGHT, as 1280x480");
+      }
+      options_.size = std::string(value);
+    } else if (key == "rate") {
+      if (!absl::SimpleAtoi(value, &whole) || whole < 1 || whole > 1000) {
+        return BadOption(key, value, "frames a second, 1 to 1000");
+      }
+      options_.rate = std::string(value);
+    } else if (key == "restart") {
+      if (value != "0" && value != "1") return BadOption(key, value, "0 or 1");
+      options_.restarts = value == "1";
+    } else if (!absl::SimpleAtod(value, &options_.pair_within_ms) || options_.pair_within_ms < 0 ||
+               options_.pair_within_ms > 1000) {
+      return BadOption(key, value, "a number from 0 to 1000");
+    }
+    return absl::OkStatus();
+  }
+
+  std::string kind_;
+  std::string place_;
+  GstOptions options_;
+};
+
+SourceKind KindOf(const std::string& name, const std::string& usage) {
+  return {name, usage, [name](absl::string_view place) -> absl::StatusOr<SharedKindSettings> {
+            return std::make_shared<GstSettings>(name, std::string(place));
+          }};
+}
+
+}  // namespace
+
+void RegisterGstSources() {
+  RegisterSourceKind(KindOf("gst", "gst:PIPELINE"));
+  RegisterSourceKind(KindOf("v4l2", "v4l2:/dev/video0,/dev/video1"));
+}
+
+}  // namespace corbslam::client_agent

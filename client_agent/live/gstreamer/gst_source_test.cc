@@ -1,0 +1,188 @@
+#include "client_agent/live/gstreamer/gst_source.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "client_agent/source/frame_reader.h"
+#include "client_agent/source/frame_stream.h"
+#include "client_agent/source/source_spec.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr char kStereo[] =
+    "rig: 1\nkind: stereo\nrectified: true\nbaseline_m: 0.1\ncameras:\n"
+    "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [80, 60]}\n"
+    "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [80, 60]}\n";
+constexpr char kRgbd[] =
+    "rig: 1\nkind: rgbd\ndepth: {units_per_m: 1000}\ncameras:\n"
+    "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [80, 60]}\n";
+
+// A camera of GStreamer's own, at 20 frames/s of its time, in real time where it is asked to be.
+std::string TestCamera(int frames, const std::string& more = "", int width = 160) {
+  return absl::StrCat("videotestsrc num-buffers=", frames, " ", more,
+                      " ! video/x-raw,width=", width, ",height=120,framerate=20/1");
+}
+
+std::string WriteRig(const std::string& text) {
+  const std::string path = ::testing::TempDir() + "/gst_rig.yaml";
+  std::ofstream(path) << text;
+  return path;
+}
+
+absl::StatusOr<std::unique_ptr<FrameStream>> Open(const std::string& source) {
+  RegisterGstSources();
+  const auto spec = ParseSourceSpec(source);
+  if (!spec.ok()) return spec.status();
+  return spec->settings->OpenLive();
+}
+
+struct Played {
+  std::vector<StreamFrame> frames;
+  absl::Status end;
+};
+
+// Plays until the stream's end, or for twenty seconds.
+Played Play(FrameStream& stream, size_t most = 1000) {
+  Played played;
+  const absl::Time deadline = absl::Now() + absl::Seconds(20);
+  while (absl::Now() < deadline && played.frames.size() < most) {
+    auto next = stream.Next(absl::Now() + absl::Milliseconds(100));
+    played.end = next.status();
+    if (!next.ok() || std::holds_alternative<StreamEnd>(*next)) break;
+    if (auto* frame = std::get_if<StreamFrame>(&*next)) played.frames.push_back(std::move(*frame));
+  }
+  return played;
+}
+
+TEST(GstSourceTest, TwoPipelinesAreAPair) {
+  const auto stream = Open(absl::StrCat("gst:", TestCamera(12, "is-live=true pattern=white"),
+                                        "?restart=0&rig=", WriteRig(kStereo),
+                                        "&right=", TestCamera(12, "is-live=true pattern=black")));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  const Played played = Play(**stream);
+  EXPECT_TRUE(played.end.ok()) << played.end;
+  // A live source in real time: a picture may be lost at its start, no more.
+  ASSERT_GE(played.frames.size(), 9u);
+  for (size_t i = 0; i < played.frames.size(); ++i) {
+    const SensorImages& images = played.frames[i].images;
+    EXPECT_EQ(images.grey.type(), CV_8UC1);
+    EXPECT_EQ(images.grey.cols, 160);
+    EXPECT_GT(images.grey.at<uint8_t>(60, 80), 200);
+    EXPECT_LT(images.right.at<uint8_t>(60, 80), 50);
+    if (i == 0) continue;
+    const int64_t step_ns = images.timestamp_ns - played.frames[i - 1].images.timestamp_ns;
+    EXPECT_NEAR(static_cast<double>(step_ns % 50'000'000), 0, 50e6) << "at " << i;
+    EXPECT_GT(step_ns, 20'000'000);
+  }
+}
+
+TEST(GstSourceTest, OnePictureHoldsBothHalves) {
+  for (const std::string layout : {"side-by-side", "one-above"}) {
+    const std::string camera = layout == "side-by-side"
+                                   ? TestCamera(8, "is-live=true pattern=gradient", 320)
+                                   : "videotestsrc num-buffers=8 is-live=true pattern=gradient ! "
+                                     "video/x-raw,width=160,height=240,framerate=20/1";
+    const auto stream = Open(
+        absl::StrCat("gst:", camera, "?restart=0&layout=", layout, "&rig=", WriteRig(kStereo)));
+    ASSERT_TRUE(stream.ok()) << stream.status();
+    const Played played = Play(**stream);
+    ASSERT_GE(played.frames.size(), 5u) << layout;
+    const SensorImages& images = played.frames.back().images;
+    EXPECT_EQ(images.right.size(), images.grey.size());
+    // The gradient runs downwards: halves side by side are alike, one above the other are not.
+    const int top = images.grey.at<uint8_t>(10, 80);
+    const int other = images.right.at<uint8_t>(10, 80);
+    if (layout == "side-by-side") {
+      EXPECT_EQ(top, other);
+    } else {
+      EXPECT_GT(std::abs(top - other), 60);
+    }
+  }
+}
+
+TEST(GstSourceTest, DepthComesAsASecondPipeline) {
+  const auto stream = Open(absl::StrCat(
+      "gst:", TestCamera(8, "is-live=true"), "?restart=0&rig=", WriteRig(kRgbd), "&right=",
+      "videotestsrc num-buffers=8 is-live=true pattern=white ! "
+      "video/x-raw,format=GRAY16_LE,width=160,height=120,framerate=20/1"));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  const Played played = Play(**stream);
+  ASSERT_GE(played.frames.size(), 5u);
+  EXPECT_EQ(played.frames[0].images.depth.type(), CV_16UC1);
+  EXPECT_GT(played.frames[0].images.depth.at<uint16_t>(3, 3), 50000);
+}
+
+// A device that goes away and comes back: one stream, whose times go on.
+TEST(GstSourceTest, ACameraThatWentAwayIsWaitedFor) {
+  const auto stream = Open(absl::StrCat("gst:", TestCamera(6, "is-live=true", 320),
+                                        "?layout=side-by-side&rig=", WriteRig(kStereo)));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  const Played played = Play(**stream, 11);
+  ASSERT_EQ(played.frames.size(), 11u) << played.end;
+  int64_t longest_ns = 0;
+  for (size_t i = 1; i < played.frames.size(); ++i) {
+    const int64_t step_ns =
+        played.frames[i].images.timestamp_ns - played.frames[i - 1].images.timestamp_ns;
+    EXPECT_GT(step_ns, 0);
+    longest_ns = std::max(longest_ns, step_ns);
+  }
+  EXPECT_GT(longest_ns, 900'000'000);
+  EXPECT_LT(longest_ns, 10'000'000'000);
+}
+
+TEST(GstSourceTest, AFileEndsTheStream) {
+  const auto stream = Open(
+      absl::StrCat("gst:", TestCamera(5, "", 320), "?layout=side-by-side&rig=", WriteRig(kStereo)));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  const Played played = Play(**stream);
+  EXPECT_TRUE(played.end.ok()) << played.end;
+  EXPECT_GE(played.frames.size(), 1u) << "as fast as it can: newer frames replace those not taken";
+}
+
+TEST(GstSourceTest, SaysWhatIsWrong) {
+  const std::string rig = WriteRig(kStereo);
+  const struct {
+    std::string source, says;
+  } cases[] = {
+      {"gst:nosuchelement?layout=side-by-side&rig=" + rig, "nosuchelement"},
+      {"gst:videotestsrc?rig=" + rig, "a frame has two pictures: name a second camera"},
+      {"gst:videotestsrc?layout=side-by-side", "a live camera needs its rig"},
+      {"gst:videotestsrc?layout=diagonal&rig=" + rig, "wants side-by-side or one-above"},
+      {"gst:?layout=side-by-side&rig=" + rig, "names no camera"},
+      {"gst:videotestsrc?layout=side-by-side&right=videotestsrc&rig=" + rig, "and a second camera"},
+      {"gst:videotestsrc?layout=side-by-side&pair_within_ms=-1&rig=" + rig, "from 0 to 1000"},
+      {"gst:videotestsrc?layout=side-by-side&rig=/nowhere.yaml", "/nowhere.yaml"},
+      {"v4l2:/dev/video97?layout=side-by-side&rig=" + rig, "/dev/video97"},
+      {"v4l2:/dev/video0?layout=side-by-side&size=640&rig=" + rig, "wants WIDTHxHEIGHT"},
+      {"v4l2:/dev/video0?layout=side-by-side&rate=0&rig=" + rig, "frames a second"}};
+  for (const auto& [source, says] : cases) {
+    const auto stream = Open(source);
+    EXPECT_FALSE(stream.ok()) << source;
+    EXPECT_THAT(std::string(stream.status().message()), HasSubstr(says)) << source;
+  }
+}
+
+TEST(GstSourceTest, ASpecIsWrittenBack) {
+  RegisterGstSources();
+  const auto spec = ParseSourceSpec(
+      "gst:videotestsrc pattern=18?right=videotestsrc&pair-within-ms=8&rig=/a.yaml&restart=1");
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  const auto again = ParseSourceSpec(FormatSourceSpec(*spec));
+  ASSERT_TRUE(again.ok()) << again.status() << FormatSourceSpec(*spec);
+  EXPECT_EQ(FormatSourceSpec(*again), FormatSourceSpec(*spec));
+  EXPECT_THAT(std::string(OpenReader(*spec).status().message()), HasSubstr("is a live camera"));
+}
+
+}  // namespace
+}  // namespace corbslam::client_agent

@@ -1,0 +1,55 @@
+#include "client_agent/live/live_sources.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/source_kinds.h"
+#ifdef CORBSLAM_HAS_GSTREAMER
+#include "client_agent/live/gstreamer/gst_source.h"
+#endif
+
+namespace corbslam::client_agent {
+namespace {
+
+struct KnownSource {
+  const char* name;
+  const char* usage;
+  const char* plays;
+  const char* needs;  // What it wants of the build, and of the machine.
+};
+
+constexpr KnownSource kSources[] = {
+    {"kitti", "kitti:DIR", "recordings in KITTI's layouts: stereo, rectified or with a rig", ""},
+    {"euroc", "euroc:DIR", "recordings in EuRoC's (ASL) layout: stereo, rectified while played",
+     ""},
+    {"tum", "tum:DIR", "recordings in TUM RGB-D's layout", ""},
+    {"7scenes", "7scenes:DIR", "recordings in 7-Scenes' layout: RGB-D", ""},
+    {"gst", "gst:PIPELINE", "live: whatever GStreamer has an element for (RTSP, MJPEG, devices)",
+     "libgstreamer-plugins-base1.0-dev when it is built, gstreamer1.0-plugins-base when it runs"},
+    {"v4l2", "v4l2:/dev/video0,/dev/video1", "live: USB and CSI cameras of Linux",
+     "the same, and gstreamer1.0-plugins-good"},
+    {"sim", "sim:WORLD", "a simulator in the camera's place", "the program simulated_agent"}};
+
+}  // namespace
+
+void RegisterLiveSources() {
+#ifdef CORBSLAM_HAS_GSTREAMER
+  RegisterGstSources();
+#endif
+}
+
+std::string ListSources() {
+  std::string text;
+  const std::vector<std::string> here = KnownSourceKinds();
+  for (const KnownSource& source : kSources) {
+    absl::StrAppend(&text, source.usage, ": ", source.plays);
+    if (std::find(here.begin(), here.end(), source.name) == here.end()) {
+      absl::StrAppend(&text, "; not here, it needs ", source.needs);
+    }
+    absl::StrAppend(&text, "\n");
+  }
+  return text;
+}
+
+}  // namespace corbslam::client_agent

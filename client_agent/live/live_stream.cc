@@ -1,0 +1,119 @@
+#include "client_agent/live/live_stream.h"
+
+#include <glog/logging.h>
+
+#include <opencv2/core.hpp>
+#include <utility>
+#include <variant>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+bool IsStereo(const SensorCalibration& calibration) {
+  return std::holds_alternative<StereoCalibration>(calibration);
+}
+
+// Returns the size that pictures must have, as they are recorded.
+cv::Size SizeOf(const SensorCalibration& calibration) {
+  if (const auto* const rgbd = std::get_if<RgbdCalibration>(&calibration)) {
+    return {rgbd->camera.width_px, rgbd->camera.height_px};
+  }
+  const auto& stereo = std::get<StereoCalibration>(calibration);
+  if (stereo.raw.has_value()) return {stereo.raw->width_px, stereo.raw->height_px};
+  return {stereo.camera.width_px, stereo.camera.height_px};
+}
+
+absl::Status CheckPicture(absl::string_view which, const cv::Mat& image, int type,
+                          const cv::Size& size) {
+  if (image.type() == type && image.size() == size) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "a ", which, " picture of ", image.cols, "x", image.rows, " ", cv::typeToString(image.type()),
+      ", the rig is of ", size.width, "x", size.height, " ", cv::typeToString(type)));
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<FrameStream>> LiveStream::Open(const Rig& rig,
+                                                              std::unique_ptr<LiveCamera> camera,
+                                                              const LiveOptions& options) {
+  ASSIGN_OR_RETURN(SensorCalibration calibration, CalibrationOf(rig));
+  std::unique_ptr<LiveStream> stream(
+      new LiveStream(rig, std::move(calibration), std::move(camera), options));
+  RETURN_IF_ERROR(stream->camera_->Start(stream->pairing_));
+  return stream;
+}
+
+LiveStream::LiveStream(const Rig& rig, SensorCalibration calibration,
+                       std::unique_ptr<LiveCamera> camera, const LiveOptions& options)
+    : options_(options),
+      rate_hz_(rig.rate_hz),
+      calibration_(std::move(calibration)),
+      pairing_(/*both=*/true, options.pair_within_ns),
+      rate_(rig.rate_hz),
+      camera_(std::move(camera)) {}
+
+LiveStream::~LiveStream() { camera_->Stop(); }
+
+std::optional<double> LiveStream::interval_s() const {
+  if (rate_hz_.has_value()) return 1 / *rate_hz_;
+  return rate_.usual_interval_s();
+}
+
+absl::StatusOr<NextFrame> LiveStream::Next(absl::Time deadline) {
+  if (ended_) return StreamEnd();
+  absl::StatusOr<std::optional<LivePair>> pair = pairing_.Take(deadline);
+  if (!pair.ok()) {
+    ended_ = true;
+    if (absl::IsOutOfRange(pair.status())) return StreamEnd();
+    return pair.status();
+  }
+  if (const auto told = rate_.Tell(absl::Now(), pairing_.counts().frames); told.has_value()) {
+    LOG(WARNING) << options_.name << ": " << *told;
+  }
+  if (!pair->has_value()) return NoFrameYet();
+  if (const absl::Status status = CheckPictures(**pair); !status.ok()) {
+    return LeaveOut(**pair, status);
+  }
+  wrong_in_a_row_ = 0;
+  StreamFrame frame;
+  frame.frame = {(*pair)->number, (*pair)->first.timestamp_ns, 0};
+  frame.images.timestamp_ns = (*pair)->first.timestamp_ns;
+  frame.images.grey = (*pair)->first.image;
+  (IsStereo(calibration_) ? frame.images.right : frame.images.depth) = (*pair)->second.image;
+  return frame;
+}
+
+absl::StatusOr<NextFrame> LiveStream::LeaveOut(const LivePair& pair, const absl::Status& why) {
+  ++wrong_.count;
+  wrong_.last = absl::StrCat(options_.name, ": frame ", pair.number, ": ", why.message());
+  if (++wrong_in_a_row_ < kMostWrong) return NoFrameYet();
+  ended_ = true;
+  return absl::InvalidArgumentError(
+      absl::StrCat(wrong_.last, ": give the rig of this camera (--rig), or set its format"));
+}
+
+absl::Status LiveStream::CheckPictures(const LivePair& pair) const {
+  const bool stereo = IsStereo(calibration_);
+  const cv::Size size = SizeOf(calibration_);
+  RETURN_IF_ERROR(CheckPicture(stereo ? "left" : "grey", pair.first.image, CV_8UC1, size));
+  return CheckPicture(stereo ? "right" : "depth", pair.second.image, stereo ? CV_8UC1 : CV_16UC1,
+                      size);
+}
+
+LeftOutFrames LiveStream::left_out() const {
+  LeftOutFrames left_out = wrong_;
+  const PairingCounts counts = pairing_.counts();
+  left_out.count += counts.unpaired + counts.late;
+  if (left_out.last.empty() && left_out.count > 0) {
+    left_out.last = absl::StrCat(options_.name, ": ", counts.unpaired,
+                                 " pictures had no counterpart in time, and ", counts.late,
+                                 " came behind a newer one");
+  }
+  return left_out;
+}
+
+}  // namespace corbslam::client_agent

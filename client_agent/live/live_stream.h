@@ -1,0 +1,71 @@
+// Plays a camera: the stream of frames of something that gives pictures by itself.
+#ifndef CORBSLAM_CLIENT_AGENT_LIVE_LIVE_STREAM_H_
+#define CORBSLAM_CLIENT_AGENT_LIVE_LIVE_STREAM_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "client_agent/live/picture_pairing.h"
+#include "client_agent/live/rate_watch.h"
+#include "client_agent/source/frame_stream.h"
+#include "client_agent/source/rig/rig.h"
+
+namespace corbslam::client_agent {
+
+// A camera, or two, that push pictures into a PicturePairing from their own threads between Start
+// and Stop. It ends the pairing itself where no more pictures will come.
+class LiveCamera {
+ public:
+  virtual ~LiveCamera() = default;
+  // Errors say what to do: no such device, a pipeline that can't be understood. The pairing
+  // outlives the camera.
+  virtual absl::Status Start(PicturePairing& pairing) = 0;
+  virtual void Stop() = 0;
+};
+
+struct LiveOptions {
+  std::string name;  // For messages: what the user called the source.
+  int64_t pair_within_ns = 5'000'000;
+};
+
+// Frames are the newest there are. Pictures of another size or type than the rig's are left out;
+// when kMostWrong of them come in a row, the stream ends with what was wanted and what came. A rate
+// that falls is logged.
+class LiveStream : public FrameStream {
+ public:
+  // Starts the camera. INVALID_ARGUMENT for an impossible rig.
+  static absl::StatusOr<std::unique_ptr<FrameStream>> Open(const Rig& rig,
+                                                           std::unique_ptr<LiveCamera> camera,
+                                                           const LiveOptions& options);
+  ~LiveStream() override;
+
+  const SensorCalibration& calibration() const override { return calibration_; }
+  std::optional<double> interval_s() const override;
+  absl::StatusOr<NextFrame> Next(absl::Time deadline) override;
+  LeftOutFrames left_out() const override;
+  uint64_t overtaken() const override { return pairing_.counts().overtaken; }
+
+ private:
+  LiveStream(const Rig& rig, SensorCalibration calibration, std::unique_ptr<LiveCamera> camera,
+             const LiveOptions& options);
+  absl::Status CheckPictures(const LivePair& pair) const;
+  absl::StatusOr<NextFrame> LeaveOut(const LivePair& pair, const absl::Status& why);
+
+  const LiveOptions options_;
+  const std::optional<double> rate_hz_;
+  const SensorCalibration calibration_;
+  PicturePairing pairing_;
+  RateWatch rate_;
+  LeftOutFrames wrong_;
+  size_t wrong_in_a_row_ = 0;
+  bool ended_ = false;
+  std::unique_ptr<LiveCamera> camera_;
+};
+
+constexpr size_t kMostWrong = 10;
+
+}  // namespace corbslam::client_agent
+
+#endif  // CORBSLAM_CLIENT_AGENT_LIVE_LIVE_STREAM_H_

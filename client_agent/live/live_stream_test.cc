@@ -1,0 +1,139 @@
+#include "client_agent/live/live_stream.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace corbslam::client_agent {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int64_t kFrame_ns = 50'000'000;
+
+// Gives its pairing to the test, which pushes pictures.
+class HandCamera : public LiveCamera {
+ public:
+  HandCamera(PicturePairing*& pairing, bool& stopped) : pairing_(pairing), stopped_(stopped) {}
+  absl::Status Start(PicturePairing& pairing) override {
+    pairing_ = &pairing;
+    return absl::OkStatus();
+  }
+  void Stop() override { stopped_ = true; }
+
+ private:
+  PicturePairing*& pairing_;
+  bool& stopped_;
+};
+
+Rig RectifiedPair() {
+  Rig rig;
+  rig.cameras = {{{100, 100, 80, 60, {}}, 160, 120}, {{100, 100, 80, 60, {}}, 160, 120}};
+  rig.rectified = true;
+  rig.baseline_m = 0.1;
+  return rig;
+}
+
+class LiveStreamTest : public ::testing::Test {
+ protected:
+  void Open(const Rig& rig) {
+    auto opened = LiveStream::Open(rig, std::make_unique<HandCamera>(pairing_, stopped_),
+                                   {"gst:test", 1'000'000});
+    ASSERT_TRUE(opened.ok()) << opened.status();
+    stream_ = *std::move(opened);
+  }
+  void Push(int64_t number, const cv::Mat& first, const cv::Mat& second) {
+    pairing_->Push(LiveSide::kFirst, {number * kFrame_ns, first});
+    pairing_->Push(LiveSide::kSecond, {number * kFrame_ns, second});
+  }
+  static cv::Mat Grey(int grey, int width = 160) { return {120, width, CV_8UC1, cv::Scalar(grey)}; }
+
+  PicturePairing* pairing_ = nullptr;
+  bool stopped_ = false;
+  std::unique_ptr<FrameStream> stream_;
+};
+
+TEST_F(LiveStreamTest, GivesFramesAsTheyCome) {
+  Open(RectifiedPair());
+  auto next = stream_->Next(absl::InfinitePast());
+  ASSERT_TRUE(next.ok());
+  EXPECT_TRUE(std::holds_alternative<NoFrameYet>(*next));
+  Push(3, Grey(40), Grey(50));
+  next = stream_->Next(absl::InfinitePast());
+  ASSERT_TRUE(next.ok());
+  const auto& frame = std::get<StreamFrame>(*next);
+  EXPECT_EQ(frame.frame.timestamp_ns, 3 * kFrame_ns);
+  EXPECT_EQ(frame.images.timestamp_ns, 3 * kFrame_ns);
+  EXPECT_EQ(frame.images.grey.at<uint8_t>(5, 5), 40);
+  EXPECT_EQ(frame.images.right.at<uint8_t>(5, 5), 50);
+  pairing_->End(absl::OkStatus());
+  EXPECT_TRUE(std::holds_alternative<StreamEnd>(*stream_->Next(absl::InfiniteFuture())));
+  EXPECT_TRUE(std::holds_alternative<StreamEnd>(*stream_->Next(absl::InfiniteFuture())));
+  stream_.reset();
+  EXPECT_TRUE(stopped_);
+}
+
+TEST_F(LiveStreamTest, SaysHowManyFramesARobotMissed) {
+  Open(RectifiedPair());
+  for (int i = 1; i <= 6; ++i) Push(i, Grey(i), Grey(i));
+  const auto next = stream_->Next(absl::InfinitePast());
+  EXPECT_EQ(std::get<StreamFrame>(*next).frame.number, 5u);
+  EXPECT_EQ(stream_->overtaken(), 5u);
+  EXPECT_EQ(stream_->left_out().count, 0u);
+}
+
+TEST_F(LiveStreamTest, PicturesOfAnotherSizeEndItWithWhatWasWanted) {
+  Open(RectifiedPair());
+  absl::StatusOr<NextFrame> next = NoFrameYet();
+  for (int i = 1; i <= 10 && next.ok(); ++i) {
+    Push(i, Grey(1, 320), Grey(1, 320));
+    next = stream_->Next(absl::InfinitePast());
+  }
+  EXPECT_TRUE(absl::IsInvalidArgument(next.status())) << next.status();
+  EXPECT_THAT(
+      std::string(next.status().message()),
+      HasSubstr("gst:test: frame 9: a left picture of 320x120 CV_8UC1, the rig is of 160x120"));
+  EXPECT_EQ(stream_->left_out().count, 10u);
+  EXPECT_TRUE(std::holds_alternative<StreamEnd>(*stream_->Next(absl::InfiniteFuture())));
+}
+
+TEST_F(LiveStreamTest, ACamerasErrorIsItsLastWord) {
+  Open(RectifiedPair());
+  pairing_->End(absl::UnavailableError("unplugged"));
+  EXPECT_EQ(stream_->Next(absl::InfiniteFuture()).status().message(), "unplugged");
+  EXPECT_TRUE(std::holds_alternative<StreamEnd>(*stream_->Next(absl::InfiniteFuture())));
+}
+
+TEST_F(LiveStreamTest, DepthIsOfSixteenBits) {
+  Rig rig;
+  rig.kind = RigKind::kRgbd;
+  rig.cameras = {{{100, 100, 80, 60, {}}, 160, 120}};
+  rig.rate_hz = 25;
+  Open(rig);
+  EXPECT_EQ(stream_->interval_s(), 0.04);
+  Push(1, Grey(7), cv::Mat(120, 160, CV_16UC1, cv::Scalar(900)));
+  const auto next = stream_->Next(absl::InfinitePast());
+  const auto& frame = std::get<StreamFrame>(*next);
+  EXPECT_EQ(frame.images.depth.at<uint16_t>(1, 1), 900);
+  EXPECT_TRUE(frame.images.right.empty());
+  Push(2, Grey(7), Grey(7));
+  EXPECT_TRUE(std::holds_alternative<NoFrameYet>(*stream_->Next(absl::InfinitePast())));
+  EXPECT_THAT(stream_->left_out().last, HasSubstr("a depth picture of 160x120 CV_8UC1"));
+}
+
+TEST_F(LiveStreamTest, RefusesAnImpossibleRig) {
+  Rig rig = RectifiedPair();
+  rig.baseline_m = -1;
+  EXPECT_THAT(std::string(LiveStream::Open(rig, std::make_unique<HandCamera>(pairing_, stopped_),
+                                           {"gst:test", 1'000'000})
+                              .status()
+                              .message()),
+              HasSubstr("baseline_m is -1"));
+}
+
+}  // namespace
+}  // namespace corbslam::client_agent

@@ -1,0 +1,70 @@
+#include "client_agent/live/picture_pairing.h"
+
+#include <utility>
+
+namespace corbslam::client_agent {
+namespace {
+
+// So many pictures of one side wait for the other side's: a side that has stopped takes no memory.
+constexpr size_t kMostWaiting = 8;
+
+}  // namespace
+
+void PicturePairing::Push(LiveSide side, LivePicture picture) {
+  const auto index = static_cast<size_t>(side);
+  const absl::MutexLock lock(&mutex_);
+  if (newest_ns_[index].has_value() && picture.timestamp_ns <= *newest_ns_[index]) {
+    ++counts_.late;
+    return;
+  }
+  newest_ns_[index] = picture.timestamp_ns;
+  if (!both_) return Publish(std::move(picture), {});
+  waiting_[index].push_back(std::move(picture));
+  PairUp();
+  if (waiting_[index].size() <= kMostWaiting) return;
+  waiting_[index].pop_front();
+  ++counts_.unpaired;
+}
+
+void PicturePairing::PairUp() {
+  auto& [first, second] = waiting_;
+  while (!first.empty() && !second.empty()) {
+    const int64_t apart_ns = second.front().timestamp_ns - first.front().timestamp_ns;
+    if (apart_ns > within_ns_) {
+      first.pop_front();
+      ++counts_.unpaired;
+    } else if (apart_ns < -within_ns_) {
+      second.pop_front();
+      ++counts_.unpaired;
+    } else {
+      Publish(std::move(first.front()), std::move(second.front()));
+      first.pop_front();
+      second.pop_front();
+    }
+  }
+}
+
+void PicturePairing::Publish(LivePicture first, LivePicture second) {
+  if (newest_.has_value()) ++counts_.overtaken;
+  newest_ = LivePair{counts_.frames++, std::move(first), std::move(second)};
+}
+
+void PicturePairing::End(absl::Status status) {
+  const absl::MutexLock lock(&mutex_);
+  if (!ended_.has_value()) ended_ = std::move(status);
+}
+
+absl::StatusOr<std::optional<LivePair>> PicturePairing::Take(absl::Time deadline) {
+  const absl::MutexLock lock(&mutex_);
+  mutex_.AwaitWithDeadline(absl::Condition(this, &PicturePairing::IsAnswerable), deadline);
+  if (newest_.has_value()) return std::exchange(newest_, std::nullopt);
+  if (!ended_.has_value()) return std::nullopt;
+  return ended_->ok() ? absl::OutOfRangeError("the camera gives no more frames") : *ended_;
+}
+
+PairingCounts PicturePairing::counts() const {
+  const absl::MutexLock lock(&mutex_);
+  return counts_;
+}
+
+}  // namespace corbslam::client_agent

@@ -1,0 +1,76 @@
+// Makes frames of the pictures that cameras give whenever they like.
+#ifndef CORBSLAM_CLIENT_AGENT_LIVE_PICTURE_PAIRING_H_
+#define CORBSLAM_CLIENT_AGENT_LIVE_PICTURE_PAIRING_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+
+namespace corbslam::client_agent {
+
+struct LivePicture {
+  int64_t timestamp_ns = 0;
+  cv::Mat image;
+};
+
+// The two pictures of a frame: left and right, or grey and depth. The second one is empty where the
+// camera gives one alone.
+struct LivePair {
+  size_t number = 0;  // Counts the frames that the camera gave, taken or not, from 0.
+  LivePicture first;
+  LivePicture second;
+};
+
+enum class LiveSide { kFirst, kSecond };
+
+struct PairingCounts {
+  uint64_t frames = 0;     // Pairs that came.
+  uint64_t overtaken = 0;  // Pairs that a newer one replaced before they were taken.
+  uint64_t unpaired = 0;   // Pictures without a counterpart in time.
+  uint64_t late = 0;       // Pictures that came behind a newer one, or had its very time.
+};
+
+// Holds the newest pair alone: whoever is slower than the camera misses frames, and none waits.
+// Thread-safe: cameras' threads push, one thread takes.
+class PicturePairing {
+ public:
+  // `both`: a frame has two pictures, of times at most `within_ns` apart.
+  PicturePairing(bool both, int64_t within_ns) : both_(both), within_ns_(within_ns) {}
+
+  // Pictures of one side must come in the order of their times; others are counted and dropped.
+  void Push(LiveSide side, LivePicture picture) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Says that no more will come: OK at a recording's end, else why.
+  void End(absl::Status status) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Waits until `deadline` for the newest pair that was not taken yet; nullopt where there is none.
+  // After the last pair: OUT_OF_RANGE, or the status that End was given.
+  absl::StatusOr<std::optional<LivePair>> Take(absl::Time deadline) ABSL_LOCKS_EXCLUDED(mutex_);
+  PairingCounts counts() const ABSL_LOCKS_EXCLUDED(mutex_);
+
+ private:
+  bool IsAnswerable() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    return newest_.has_value() || ended_.has_value();
+  }
+  void Publish(LivePicture first, LivePicture second) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Pairs the oldest waiting pictures, as far as both sides have some.
+  void PairUp() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const bool both_;
+  const int64_t within_ns_;
+  mutable absl::Mutex mutex_;
+  std::deque<LivePicture> waiting_[2] ABSL_GUARDED_BY(mutex_);
+  std::optional<int64_t> newest_ns_[2] ABSL_GUARDED_BY(mutex_);
+  std::optional<LivePair> newest_ ABSL_GUARDED_BY(mutex_);
+  std::optional<absl::Status> ended_ ABSL_GUARDED_BY(mutex_);
+  PairingCounts counts_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace corbslam::client_agent
+
+#endif  // CORBSLAM_CLIENT_AGENT_LIVE_PICTURE_PAIRING_H_

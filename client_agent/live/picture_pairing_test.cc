@@ -1,0 +1,104 @@
+#include "client_agent/live/picture_pairing.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <thread>
+#include <vector>
+
+#include "absl/time/clock.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+constexpr int64_t kMs = 1'000'000;
+constexpr absl::Duration kLong = absl::Seconds(20);
+
+LivePicture At(int64_t time_ms) { return {time_ms * kMs, cv::Mat(2, 2, CV_8UC1)}; }
+
+std::optional<LivePair> TakeNow(PicturePairing& pairing) {
+  auto pair = pairing.Take(absl::InfinitePast());
+  EXPECT_TRUE(pair.ok()) << pair.status();
+  return *std::move(pair);
+}
+
+TEST(PicturePairingTest, PairsWhatIsOfOneTime) {
+  PicturePairing pairing(true, 5 * kMs);
+  pairing.Push(LiveSide::kFirst, At(100));
+  EXPECT_FALSE(TakeNow(pairing).has_value());
+  pairing.Push(LiveSide::kSecond, At(104));
+  const auto pair = TakeNow(pairing);
+  ASSERT_TRUE(pair.has_value());
+  EXPECT_EQ(pair->first.timestamp_ns, 100 * kMs);
+  EXPECT_EQ(pair->second.timestamp_ns, 104 * kMs);
+  EXPECT_EQ(pair->number, 0u);
+  EXPECT_FALSE(TakeNow(pairing).has_value()) << "it was taken";
+}
+
+// One side starts earlier and loses a picture; the other side's come later than they are.
+TEST(PicturePairingTest, PassesOverPicturesWithoutACounterpart) {
+  PicturePairing pairing(true, 5 * kMs);
+  for (const int64_t time_ms : {0, 50, 100, 200, 250}) pairing.Push(LiveSide::kFirst, At(time_ms));
+  std::vector<int64_t> times;
+  for (const int64_t time_ms : {98, 149, 201, 252}) {
+    pairing.Push(LiveSide::kSecond, At(time_ms));
+    if (const auto pair = TakeNow(pairing); pair.has_value()) {
+      times.push_back(pair->first.timestamp_ns / kMs);
+      EXPECT_LE(std::abs(pair->first.timestamp_ns - pair->second.timestamp_ns), 5 * kMs);
+    }
+  }
+  EXPECT_EQ(times, (std::vector<int64_t>{100, 200, 250}));
+  EXPECT_EQ(pairing.counts().unpaired, 3u);
+  EXPECT_EQ(pairing.counts().frames, 3u);
+}
+
+TEST(PicturePairingTest, TheNewestWins) {
+  PicturePairing pairing(false, 0);
+  for (int64_t i = 0; i < 5; ++i) pairing.Push(LiveSide::kFirst, At(i));
+  const auto pair = TakeNow(pairing);
+  ASSERT_TRUE(pair.has_value());
+  EXPECT_EQ(pair->number, 4u);
+  EXPECT_EQ(pairing.counts().overtaken, 4u);
+}
+
+TEST(PicturePairingTest, TimesThatDoNotGrowAreDropped) {
+  PicturePairing pairing(false, 0);
+  for (const int64_t time_ms : {10, 20, 20, 15, 30}) pairing.Push(LiveSide::kFirst, At(time_ms));
+  EXPECT_EQ(pairing.counts().late, 2u);
+  EXPECT_EQ(pairing.counts().frames, 3u);
+}
+
+TEST(PicturePairingTest, ASideThatStoppedTakesNoMemory) {
+  PicturePairing pairing(true, kMs);
+  for (int64_t i = 0; i < 1000; ++i) pairing.Push(LiveSide::kFirst, At(i * 10));
+  EXPECT_GE(pairing.counts().unpaired, 990u);
+  pairing.Push(LiveSide::kSecond, At(9990));
+  EXPECT_TRUE(TakeNow(pairing).has_value()) << "the newest are kept";
+}
+
+TEST(PicturePairingTest, GivesTheLastFrameBeforeItsEnd) {
+  PicturePairing pairing(false, 0);
+  pairing.Push(LiveSide::kFirst, At(1));
+  pairing.End(absl::OkStatus());
+  EXPECT_TRUE(TakeNow(pairing).has_value());
+  EXPECT_TRUE(absl::IsOutOfRange(pairing.Take(absl::InfiniteFuture()).status()));
+
+  PicturePairing failing(false, 0);
+  failing.End(absl::UnavailableError("unplugged"));
+  failing.End(absl::OkStatus());
+  EXPECT_EQ(failing.Take(absl::InfiniteFuture()).status().message(), "unplugged");
+}
+
+TEST(PicturePairingTest, WakesWhoeverWaits) {
+  PicturePairing pairing(true, kMs);
+  std::thread camera([&] {
+    pairing.Push(LiveSide::kSecond, At(7));
+    pairing.Push(LiveSide::kFirst, At(7));
+  });
+  const auto pair = pairing.Take(absl::Now() + kLong);
+  camera.join();
+  ASSERT_TRUE(pair.ok() && pair->has_value());
+}
+
+}  // namespace
+}  // namespace corbslam::client_agent

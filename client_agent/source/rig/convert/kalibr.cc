@@ -1,0 +1,120 @@
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/yaml_fields.h"
+#include "client_agent/source/rig/convert/rig_readers.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+// How a camera model's intrinsics are written: so many numbers of the lens stand before the focal
+// lengths and the principal point.
+struct Model {
+  absl::string_view name;
+  size_t lens_numbers;
+  absl::string_view lens;  // Empty: distortion_model says it.
+};
+constexpr Model kModels[] = {
+    {"pinhole", 0, ""}, {"omni", 1, "unified"}, {"ds", 2, "double-sphere"}};
+
+absl::Status Bad(const std::string& path, absl::string_view what) {
+  return absl::InvalidArgumentError(absl::StrCat(path, ": ", what));
+}
+
+absl::StatusOr<Model> FindModel(const YAML::Node& camera, const std::string& path,
+                                const std::string& name) {
+  const YAML::Node node = camera["camera_model"];
+  const std::string word = node.IsDefined() && node.IsScalar() ? node.Scalar() : "";
+  for (const Model& model : kModels) {
+    if (model.name == word) return model;
+  }
+  return Bad(path, absl::StrCat(name, ".camera_model is '", word,
+                                "', known are pinhole, omni and ds: calibrate with one of these"));
+}
+
+absl::StatusOr<LensModel> ReadLens(const YAML::Node& camera, const Model& model,
+                                   const std::vector<double>& intrinsics, const std::string& path,
+                                   const std::string& name) {
+  std::vector<double> numbers(intrinsics.begin(),
+                              intrinsics.begin() + static_cast<std::ptrdiff_t>(model.lens_numbers));
+  const YAML::Node word = camera["distortion_model"];
+  const std::string distortion = word.IsDefined() && word.IsScalar() ? word.Scalar() : "none";
+  if (distortion != "none") {
+    const std::string field = absl::StrCat(name, ".distortion_coeffs");
+    ASSIGN_OR_RETURN(const auto more, ReadNumbers(camera["distortion_coeffs"], path, field, 1, 14));
+    numbers.insert(numbers.end(), more.begin(), more.end());
+  }
+  if (!model.lens.empty() && distortion != "none" && distortion != "radtan") {
+    return Bad(path,
+               absl::StrCat(name, ".distortion_model is '", distortion, "' of a camera that is ",
+                            model.name, ", known are none and radtan"));
+  }
+  const auto lens = LensOfWords(model.lens.empty() ? distortion : model.lens, numbers);
+  if (lens.ok()) return lens;
+  return Bad(path, absl::StrCat(name, ".distortion_model: ", lens.status().message()));
+}
+
+absl::StatusOr<RigCamera> ReadCamera(const YAML::Node& camera, const std::string& path,
+                                     const std::string& name) {
+  if (!camera.IsMap()) return Bad(path, absl::StrCat(name, " holds no fields"));
+  ASSIGN_OR_RETURN(const Model model, FindModel(camera, path, name));
+  const size_t count = model.lens_numbers + 4;
+  ASSIGN_OR_RETURN(const std::vector<double> k,
+                   ReadNumbers(camera["intrinsics"], path, absl::StrCat(name, ".intrinsics"), count, count));
+  ASSIGN_OR_RETURN(const PictureSize size,
+                   ReadSize(camera["resolution"], path, absl::StrCat(name, ".resolution")));
+  ASSIGN_OR_RETURN(const LensModel lens, ReadLens(camera, model, k, path, name));
+  const size_t first = model.lens_numbers;
+  RigCamera read;
+  read.raw = {k[first], k[first + 1], k[first + 2], k[first + 3], lens};
+  read.width_px = size.width_px;
+  read.height_px = size.height_px;
+  return read;
+}
+
+absl::StatusOr<Rigid3d> ReadMotion(const YAML::Node& node, const std::string& path,
+                                   const std::string& field) {
+  ASSIGN_OR_RETURN(const std::vector<double> rows, ReadNumbers(node, path, field, 16, 16));
+  return ToRigid(rows, path, field);
+}
+
+absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig& converted) {
+  if (!file["cam1"].IsDefined()) {
+    return Bad(path,
+               "cam1 is missing: a stereo pair has cam0 (left) and cam1 (right); with one camera "
+               "the map has no scale");
+  }
+  if (file["cam2"].IsDefined()) {
+    converted.notes.emplace_back("cam2 and those after it are left out: a rig has two cameras");
+  }
+  Rig& rig = converted.rig;
+  for (const std::string name : {"cam0", "cam1"}) {
+    ASSIGN_OR_RETURN(rig.cameras.emplace_back(), ReadCamera(file[name], path, name));
+    const YAML::Node shift = file[name]["timeshift_cam_imu"];
+    if (double shift_s = 0; ReadFinite(shift, shift_s) && shift_s != 0) {
+      converted.notes.push_back(absl::StrCat(name, ".timeshift_cam_imu of ", shift_s,
+                                             " s is left out: poses have the pictures' own times"));
+    }
+  }
+  ASSIGN_OR_RETURN(rig.right_from_left,
+                   ReadMotion(file["cam1"]["T_cn_cnm1"], path, "cam1.T_cn_cnm1"));
+  if (!file["cam0"]["T_cam_imu"].IsDefined()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const Rigid3d camera_from_imu,
+                   ReadMotion(file["cam0"]["T_cam_imu"], path, "cam0.T_cam_imu"));
+  rig.body_from_camera = camera_from_imu.Inverse();
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<ConvertedRig> ReadKalibr(const RigFiles& files) {
+  RETURN_IF_ERROR(ExpectFiles(files, 1, "Kalibr's camchain.yaml"));
+  ConvertedRig converted;
+  const std::string& path = files.paths[0];
+  RETURN_IF_ERROR(
+      UseYamlFields(path, [&](const YAML::Node& file) { return Read(file, path, converted); }));
+  return converted;
+}
+
+}  // namespace corbslam::client_agent

@@ -1,0 +1,149 @@
+#include "client_agent/source/rig/convert/rig_convert.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client_agent/source/calibration/plausibility.h"
+#include "client_agent/source/calibration/yaml_fields.h"
+#include "client_agent/source/rig/convert/rig_readers.h"
+#include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+struct Format {
+  absl::string_view name;
+  // Names of fields, each of which is in no file but of this format.
+  std::vector<std::string> fields;
+  absl::StatusOr<ConvertedRig> (*read)(const RigFiles& files);
+};
+
+const std::vector<Format>& Formats() {
+  static const auto* const formats = new std::vector<Format>{
+      {"kalibr", {"cam0"}, &ReadKalibr},
+      {"ros", {"camera_matrix", "projection_matrix"}, &ReadRosPair},
+      {"euroc", {"T_BS"}, &ReadEurocPair},
+      {"orbslam", {"Camera.fx", "Camera1.fx", "LEFT.K"}, &ReadOrbSlam},
+      {"opencv", {"M1", "K1", "cameraMatrix1", "R", "T"}, &ReadOpenCvStereo},
+      {"kitti", {"P0", "P_rect_00"}, &ReadKittiPair}};
+  return *formats;
+}
+
+const Format* FindByFields(const std::function<bool(const std::string&)>& has) {
+  for (const Format& format : Formats()) {
+    if (std::any_of(format.fields.begin(), format.fields.end(), has)) return &format;
+  }
+  return nullptr;
+}
+
+// Returns the names at the beginnings of a text file's lines, up to a colon.
+absl::StatusOr<const Format*> FindInText(const std::string& path) {
+  std::vector<std::string> names;
+  RETURN_IF_ERROR(ForEachLine(path, [&](int, absl::string_view text) {
+    names.emplace_back(text.substr(0, text.find(':')));
+    return absl::OkStatus();
+  }));
+  return FindByFields([&](const std::string& field) {
+    return std::find(names.begin(), names.end(), field) != names.end();
+  });
+}
+
+absl::StatusOr<const Format*> FindInYaml(const std::string& path) {
+  const Format* found = nullptr;
+  RETURN_IF_ERROR(UseYamlFields(path, [&](const YAML::Node& file) -> absl::Status {
+    if (file["rig"].IsDefined()) {
+      return absl::InvalidArgumentError(absl::StrCat(path, ": is a rig file already"));
+    }
+    found = FindByFields([&](const std::string& field) { return file[field].IsDefined(); });
+    return absl::OkStatus();
+  }));
+  return found;
+}
+
+absl::StatusOr<const Format*> FindFormat(const RigFiles& files) {
+  if (!files.format.empty()) {
+    for (const Format& format : Formats()) {
+      if (format.name == files.format) return &format;
+    }
+    return absl::InvalidArgumentError(
+        absl::StrCat("format '", files.format, "', known are ", absl::StrJoin(RigFormats(), ", ")));
+  }
+  const std::string& path = files.paths[0];
+  std::error_code ignored;
+  const std::filesystem::path as_path(path);
+  const Format* found = nullptr;
+  if (std::filesystem::is_directory(as_path, ignored)) {
+    found = FindByFields([](const std::string& field) { return field == "T_BS"; });
+  } else if (as_path.extension() == ".txt") {
+    ASSIGN_OR_RETURN(found, FindInText(path));
+  } else {
+    ASSIGN_OR_RETURN(found, FindInYaml(path));
+  }
+  if (found != nullptr) return found;
+  return absl::InvalidArgumentError(absl::StrCat(path, ": holds no calibration of a known format (",
+                                                 absl::StrJoin(RigFormats(), ", "),
+                                                 "); say which with --format"));
+}
+
+// Notes what is improbable; refuses what can't be.
+absl::Status CheckPlausible(const RigFiles& files, ConvertedRig& converted) {
+  const Rig& rig = converted.rig;
+  const std::string from = absl::StrJoin(files.paths, ", ");
+  SourceFindings findings;
+  for (const RigCamera& camera : rig.cameras) {
+    const RawCamera& raw = camera.raw;
+    ASSIGN_OR_RETURN(const SourceFindings more,
+                     CheckIntrinsics({raw.fx_px, raw.fy_px, raw.cx_px, raw.cy_px, camera.width_px,
+                                      camera.height_px},
+                                     from, files.trust));
+    findings.insert(findings.end(), more.begin(), more.end());
+  }
+  if (rig.kind == RigKind::kStereo) {
+    const double baseline_m =
+        rig.rectified ? rig.baseline_m : rig.right_from_left.translation.norm();
+    ASSIGN_OR_RETURN(const SourceFindings more, CheckBaseline(baseline_m, from, files.trust));
+    findings.insert(findings.end(), more.begin(), more.end());
+  }
+  for (const SourceFinding& finding : findings) converted.notes.push_back(finding.text);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+std::vector<absl::string_view> RigFormats() {
+  std::vector<absl::string_view> names;
+  for (const Format& format : Formats()) names.push_back(format.name);
+  return names;
+}
+
+absl::Status ExpectFiles(const RigFiles& files, size_t count, absl::string_view what) {
+  if (files.paths.size() == count) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("given ", files.paths.size(), " files, wanted: ", what));
+}
+
+absl::StatusOr<PictureSize> NeedSize(const RigFiles& files) {
+  if (files.size.has_value()) return *files.size;
+  return absl::InvalidArgumentError(
+      absl::StrCat(absl::StrJoin(files.paths, ", "),
+                   ": does not say how large the pictures are: give --size, as --size 640x480"));
+}
+
+absl::StatusOr<ConvertedRig> ConvertRig(const RigFiles& files) {
+  if (files.paths.empty()) return absl::InvalidArgumentError("no file of a calibration is given");
+  ASSIGN_OR_RETURN(const Format* const format, FindFormat(files));
+  ASSIGN_OR_RETURN(ConvertedRig converted, format->read(files));
+  converted.format = std::string(format->name);
+  RETURN_IF_ERROR(CheckPlausible(files, converted));
+  const absl::Status possible = Validate(converted.rig);
+  if (possible.ok()) return converted;
+  return absl::InvalidArgumentError(
+      absl::StrCat(absl::StrJoin(files.paths, ", "), ": ", possible.message()));
+}
+
+}  // namespace corbslam::client_agent

@@ -1,0 +1,40 @@
+// Reads rigs, one format each. Internal to the converter: use ConvertRig.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_RIG_CONVERT_RIG_READERS_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_RIG_CONVERT_RIG_READERS_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client_agent/source/rig/convert/rig_convert.h"
+#include "slam/geometry/rigid3.h"
+
+namespace corbslam::client_agent {
+
+// They fill in `rig` and `notes`. Kalibr's camchain.yaml or camchain-imucam.yaml: cam0, cam1.
+absl::StatusOr<ConvertedRig> ReadKalibr(const RigFiles& files);
+// ROS's camera_info YAML of the left and the right camera, as camera_calibration writes them.
+absl::StatusOr<ConvertedRig> ReadRosPair(const RigFiles& files);
+// OpenCV's stereo calibration: M1, D1, M2, D2 and R, T, in one file or two.
+absl::StatusOr<ConvertedRig> ReadOpenCvStereo(const RigFiles& files);
+// The settings of ORB-SLAM2 and ORB-SLAM3, for stereo and RGB-D.
+absl::StatusOr<ConvertedRig> ReadOrbSlam(const RigFiles& files);
+// EuRoC's cam0/sensor.yaml and cam1/sensor.yaml, or their recording's folder.
+absl::StatusOr<ConvertedRig> ReadEurocPair(const RigFiles& files);
+// KITTI's calib.txt (odometry) or calib_cam_to_cam.txt (raw): the grey pair.
+absl::StatusOr<ConvertedRig> ReadKittiPair(const RigFiles& files);
+
+// Returns right_from_left of a pair of which only the rectification is known: each camera's
+// rotation rectified_from_camera and the baseline of the rectified pair.
+Rigid3d MotionOfRectified(const Eigen::Matrix3d& left_rotation,
+                          const Eigen::Matrix3d& right_rotation, double baseline_m);
+
+// INVALID_ARGUMENT says how many files the format wants, unless it is given `count`.
+absl::Status ExpectFiles(const RigFiles& files, size_t count, absl::string_view what);
+
+// Returns the size that was asked for; INVALID_ARGUMENT says that the format leaves it out.
+absl::StatusOr<PictureSize> NeedSize(const RigFiles& files);
+
+}  // namespace corbslam::client_agent
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_RIG_CONVERT_RIG_READERS_H_

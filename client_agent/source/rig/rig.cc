@@ -1,0 +1,158 @@
+#include "client_agent/source/rig/rig.h"
+
+#include <cmath>
+#include <variant>
+
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/pictures/image_file.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+constexpr double kCloseDepth_baselines = 40;
+// Rectified cameras that differ by less are one.
+constexpr double kSame_px = 0.01;
+
+absl::Status CheckRange(absl::string_view field, double value, double above, double most) {
+  if (value > above && value <= most) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(field, " is ", value, ", must be above ", above, " and at most ", most));
+}
+
+bool Distorts(const RawCamera& camera) {
+  const auto* const pinhole = std::get_if<RadialTangential>(&camera.lens);
+  return pinhole == nullptr || !pinhole->IsZero();
+}
+
+absl::Status ValidateRectified(const Rig& rig) {
+  const RawCamera& left = rig.cameras[0].raw;
+  const RawCamera& right = rig.cameras[1].raw;
+  if (Distorts(left) || Distorts(right)) {
+    return absl::InvalidArgumentError(
+        "rectified pictures come through a lens that distorts: leave its numbers out, or say "
+        "'rectified: false' where the pictures are as the cameras take them");
+  }
+  for (const auto& [field, a, b] : {std::tuple("focal_px's x", left.fx_px, right.fx_px),
+                                    {"focal_px's y", left.fy_px, right.fy_px},
+                                    {"principal_px's y", left.cy_px, right.cy_px}}) {
+    if (std::abs(a - b) <= kSame_px) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat(field, " is ", a, " of the left camera and ", b,
+                     " of the right one: a rectified pair has the same, is it one?"));
+  }
+  return CheckRange("baseline_m", rig.baseline_m, 0, 100);
+}
+
+Camera PinholeOf(const RigCamera& camera) {
+  return {.fx_px = camera.raw.fx_px,
+          .fy_px = camera.raw.fy_px,
+          .cx_px = camera.raw.cx_px,
+          .cy_px = camera.raw.cy_px,
+          .width_px = camera.width_px,
+          .height_px = camera.height_px};
+}
+
+RawStereo RawPairOf(const Rig& rig) {
+  RawStereo pair;
+  pair.left = rig.cameras[0].raw;
+  pair.right = rig.cameras[1].raw;
+  pair.right_from_left = rig.right_from_left;
+  pair.width_px = rig.cameras[0].width_px;
+  pair.height_px = rig.cameras[0].height_px;
+  pair.widest_field_deg = rig.widest_field_deg;
+  return pair;
+}
+
+absl::Status ValidateStereo(const Rig& rig) {
+  if (rig.cameras.size() != 2) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a stereo pair has 2 cameras, given ", rig.cameras.size()));
+  }
+  const RigCamera& left = rig.cameras[0];
+  const RigCamera& right = rig.cameras[1];
+  if (left.width_px != right.width_px || left.height_px != right.height_px) {
+    return absl::InvalidArgumentError(absl::StrCat("the left pictures have ", left.width_px, "x",
+                                                   left.height_px, " pixels, the right ones ",
+                                                   right.width_px, "x", right.height_px));
+  }
+  return rig.rectified ? ValidateRectified(rig) : Validate(RawPairOf(rig));
+}
+
+absl::Status ValidateRgbd(const Rig& rig) {
+  if (rig.cameras.size() != 1) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("an RGB-D camera has 1 camera (and depth), given ", rig.cameras.size()));
+  }
+  RETURN_IF_ERROR(CheckRange("depth's units_per_m", rig.depth.units_per_m, 0, 1e6));
+  return CheckRange("depth's virtual_baseline_m", rig.depth.virtual_baseline_m, 0, 10);
+}
+
+absl::StatusOr<PictureMask> ReadMask(const Rig& rig) {
+  if (rig.mask_file.empty()) return PictureMask();
+  ASSIGN_OR_RETURN(const cv::Mat mask, ReadGreyImage(rig.mask_file));
+  const RigCamera& camera = rig.cameras[0];
+  if (mask.type() == CV_8UC1 && mask.cols == camera.width_px && mask.rows == camera.height_px) {
+    return mask;
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      rig.mask_file, ": a mask of ", mask.cols, "x", mask.rows, " pixels of ", mask.elemSize1() * 8,
+      " bits, the camera's pictures have ", camera.width_px, "x", camera.height_px,
+      "; give one of this size and 8 bits, black where the robot itself is seen"));
+}
+
+StereoCalibration StereoOf(const Rig& rig) {
+  StereoCalibration calibration;
+  const double baseline_m = rig.rectified ? rig.baseline_m : rig.right_from_left.translation.norm();
+  if (rig.rectified) {
+    calibration.camera = PinholeOf(rig.cameras[0]);
+    calibration.camera.baseline_m = baseline_m;
+    calibration.right_cx_offset_px = rig.cameras[1].raw.cx_px - rig.cameras[0].raw.cx_px;
+  } else {
+    calibration.raw = RawPairOf(rig);
+  }
+  calibration.camera.close_depth_m = rig.close_depth_m.value_or(kCloseDepth_baselines * baseline_m);
+  calibration.body_from_raw_left = rig.body_from_camera;
+  return calibration;
+}
+
+RgbdCalibration RgbdOf(const Rig& rig) {
+  RgbdCalibration calibration;
+  calibration.camera = PinholeOf(rig.cameras[0]);
+  calibration.camera.baseline_m = rig.depth.virtual_baseline_m;
+  calibration.camera.close_depth_m =
+      rig.close_depth_m.value_or(kCloseDepth_baselines * rig.depth.virtual_baseline_m);
+  calibration.lens = rig.cameras[0].raw.lens;
+  calibration.depth_units_per_m = rig.depth.units_per_m;
+  calibration.body_from_raw = rig.body_from_camera;
+  return calibration;
+}
+
+}  // namespace
+
+absl::Status Validate(const Rig& rig) {
+  for (const RigCamera& camera : rig.cameras) {
+    RETURN_IF_ERROR(Validate(PinholeOf(camera)));
+    RETURN_IF_ERROR(Validate(camera.raw.lens));
+  }
+  if (rig.close_depth_m.has_value()) {
+    RETURN_IF_ERROR(CheckRange("close_depth_m", *rig.close_depth_m, 0, 1000));
+  }
+  if (rig.rate_hz.has_value()) RETURN_IF_ERROR(CheckRange("rate_hz", *rig.rate_hz, 0, 1000));
+  return rig.kind == RigKind::kStereo ? ValidateStereo(rig) : ValidateRgbd(rig);
+}
+
+absl::StatusOr<SensorCalibration> CalibrationOf(const Rig& rig) {
+  RETURN_IF_ERROR(Validate(rig));
+  ASSIGN_OR_RETURN(const PictureMask mask, ReadMask(rig));
+  if (rig.kind == RigKind::kStereo) {
+    StereoCalibration stereo = StereoOf(rig);
+    stereo.mask = mask;
+    return stereo;
+  }
+  RgbdCalibration rgbd = RgbdOf(rig);
+  rgbd.mask = mask;
+  return rgbd;
+}
+
+}  // namespace corbslam::client_agent

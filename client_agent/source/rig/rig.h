@@ -1,0 +1,63 @@
+// A robot's cameras as they are built: a stereo pair or an RGB-D camera, whatever plays or opens
+// them. Its file is described in docs/rig.md.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_RIG_RIG_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_RIG_RIG_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "slam/camera/lens.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/sensor/sensor.h"
+
+namespace corbslam::client_agent {
+
+enum class RigKind { kStereo, kRgbd };
+
+struct RigCamera {
+  RawCamera raw;
+  int width_px = 0;
+  int height_px = 0;
+};
+
+// Where an RGB-D camera's depth comes from and how it is meant.
+struct RigDepth {
+  double units_per_m = 1000;  // Of pictures of 16 bits; those of floats are in metres.
+  // Baseline of the stereo pair that would measure as well; disparities are of it.
+  double virtual_baseline_m = 0.08;
+};
+
+struct Rig {
+  RigKind kind = RigKind::kStereo;
+  // Stereo: left and right. RGB-D: the camera of the grey or colour picture.
+  std::vector<RigCamera> cameras;
+  // Stereo only. The pictures are rectified already: no lens distorts, both cameras have one focal
+  // length and principal row, and the right one lies baseline_m along +x of the left one.
+  bool rectified = false;
+  double baseline_m = 0;
+  // Stereo only, unless rectified: x_in_right = right_from_left * x_in_left, metres.
+  Rigid3d right_from_left;
+  // Stereo only: how wide the rectified pictures of fisheyes are at most (RawStereo).
+  double widest_field_deg = RawStereo().widest_field_deg;
+  RigDepth depth;  // RGB-D only.
+  // Where the first camera sits on the robot, where anybody said so.
+  std::optional<Rigid3d> body_from_camera;
+  // Points nearer than this are made from one view. Absent: 40 baselines.
+  std::optional<double> close_depth_m;
+  std::optional<double> rate_hz;  // Frames a second, where that is known.
+  // Picture of the first camera's size, black (0) where the robot itself is seen. Empty: none.
+  std::string mask_file;
+};
+
+// INVALID_ARGUMENT names the field, its value and what a camera has.
+absl::Status Validate(const Rig& rig);
+
+// Returns what sensors need; reads the mask. Errors name the field or the mask's file.
+absl::StatusOr<SensorCalibration> CalibrationOf(const Rig& rig);
+
+}  // namespace corbslam::client_agent
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_RIG_RIG_H_

@@ -1,0 +1,192 @@
+#include "client_agent/source/rig/rig_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "absl/strings/str_replace.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr char kStereo[] = R"(rig: 1
+kind: stereo
+cameras:
+  - size_px: [752, 480]
+    focal_px: [458.654, 457.296]
+    principal_px: [367.215, 248.375]
+    lens: radial-tangential
+    lens_numbers: [-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05]
+  - size_px: [752, 480]
+    focal_px: [457.587, 456.134]
+    principal_px: [379.999, 255.238]
+    lens: equidistant
+    lens_numbers: [-0.013, 0.021, -0.013, 0.003]
+rectified: false
+right_from_left: [1, 0, 0, -0.11,
+                  0, 1, 0, 0.001,
+                  0, 0, 1, 0,
+                  0, 0, 0, 1]
+rate_hz: 20
+)";
+
+constexpr char kRectified[] = R"(rig: 1
+kind: stereo
+cameras:
+  - {size_px: [640, 400], focal_px: [400, 400], principal_px: [321, 199]}
+  - {size_px: [640, 400], focal_px: [400, 400], principal_px: [329, 199]}
+rectified: true
+baseline_m: 0.075
+)";
+
+constexpr char kRgbd[] = R"(rig: 1
+kind: rgbd
+cameras:
+  - size_px: [640, 480]
+    focal_px: [525, 526]
+    principal_px: [319.5, 239.5]
+depth:
+  units_per_m: 1000
+close_depth_m: 3
+)";
+
+std::string WriteText(const std::string& name, const std::string& text) {
+  const std::string path = ::testing::TempDir() + "/" + name;
+  std::ofstream(path) << text;
+  return path;
+}
+
+absl::StatusOr<Rig> Read(const std::string& text) {
+  return ReadRigFile(WriteText("rig.yaml", text));
+}
+
+TEST(RigFileTest, ReadsAPairThatIsNotRectified) {
+  const auto rig = Read(kStereo);
+  ASSERT_TRUE(rig.ok()) << rig.status();
+  const auto calibration = CalibrationOf(*rig);
+  ASSERT_TRUE(calibration.ok()) << calibration.status();
+  const auto& stereo = std::get<StereoCalibration>(*calibration);
+  ASSERT_TRUE(stereo.raw.has_value());
+  EXPECT_EQ(stereo.raw->left.fx_px, 458.654);
+  EXPECT_EQ(std::get<RadialTangential>(stereo.raw->left.lens).p2, 1.76187114e-05);
+  EXPECT_EQ(std::get<Equidistant>(stereo.raw->right.lens).k4, 0.003);
+  EXPECT_EQ(stereo.raw->right_from_left.translation.x(), -0.11);
+  EXPECT_EQ(stereo.raw->height_px, 480);
+  EXPECT_FALSE(stereo.body_from_raw_left.has_value());
+  EXPECT_NEAR(stereo.camera.close_depth_m, 40 * 0.11, 0.01);
+  EXPECT_EQ(rig->rate_hz, 20);
+}
+
+TEST(RigFileTest, ReadsARectifiedPair) {
+  const auto rig = Read(kRectified);
+  ASSERT_TRUE(rig.ok()) << rig.status();
+  const auto stereo = std::get<StereoCalibration>(CalibrationOf(*rig).value());
+  EXPECT_FALSE(stereo.raw.has_value());
+  EXPECT_EQ(stereo.camera.baseline_m, 0.075);
+  EXPECT_EQ(stereo.camera.cx_px, 321);
+  EXPECT_EQ(stereo.right_cx_offset_px, 8);
+}
+
+TEST(RigFileTest, ReadsAnRgbdCamera) {
+  const auto rig = Read(kRgbd);
+  ASSERT_TRUE(rig.ok()) << rig.status();
+  const auto rgbd = std::get<RgbdCalibration>(CalibrationOf(*rig).value());
+  EXPECT_EQ(rgbd.depth_units_per_m, 1000);
+  EXPECT_EQ(rgbd.camera.baseline_m, 0.08);
+  EXPECT_EQ(rgbd.camera.close_depth_m, 3);
+  EXPECT_EQ(rgbd.camera.fy_px, 526);
+}
+
+TEST(RigFileTest, AMaskIsBesideTheFileAndOfThePicturesSize) {
+  const std::string folder = ::testing::TempDir() + "/with_mask";
+  std::filesystem::create_directories(folder);
+  cv::Mat mask(480, 640, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(400, 480).setTo(0);
+  ASSERT_TRUE(cv::imwrite(folder + "/mask.png", mask));
+  const std::string path = WriteText("with_mask/rig.yaml", std::string(kRgbd) + "mask: mask.png\n");
+  const auto rig = ReadRigFile(path);
+  ASSERT_TRUE(rig.ok()) << rig.status();
+  const auto rgbd = std::get<RgbdCalibration>(CalibrationOf(*rig).value());
+  EXPECT_EQ(cv::countNonZero(rgbd.mask != mask), 0);
+
+  ASSERT_TRUE(cv::imwrite(folder + "/mask.png", mask.colRange(0, 600)));
+  EXPECT_THAT(std::string(CalibrationOf(*rig).status().message()), HasSubstr("a mask of 600x480"));
+  std::filesystem::remove(folder + "/mask.png");
+  EXPECT_THAT(std::string(CalibrationOf(*rig).status().message()), HasSubstr("mask.png"));
+}
+
+TEST(RigFileTest, WritesWhatItReads) {
+  for (const char* text : {kStereo, kRectified, kRgbd}) {
+    Rig rig = Read(text).value();
+    rig.body_from_camera =
+        Rigid3d{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized())),
+                {0.1, -0.2, 0.3}};
+    const std::string written = FormatRig(rig, "a test");
+    const auto again = Read(written);
+    ASSERT_TRUE(again.ok()) << again.status() << "\n" << written;
+    ASSERT_EQ(again->cameras.size(), rig.cameras.size());
+    for (size_t i = 0; i < rig.cameras.size(); ++i) {
+      EXPECT_EQ(again->cameras[i].raw, rig.cameras[i].raw);
+      EXPECT_EQ(again->cameras[i].width_px, rig.cameras[i].width_px);
+    }
+    EXPECT_LT(again->body_from_camera->rotation.angularDistance(rig.body_from_camera->rotation),
+              1e-12);
+    EXPECT_EQ(again->body_from_camera->translation, rig.body_from_camera->translation);
+    EXPECT_EQ(again->baseline_m, rig.baseline_m);
+    EXPECT_EQ(again->rectified, rig.rectified);
+    EXPECT_EQ(again->depth.units_per_m, rig.depth.units_per_m);
+    EXPECT_EQ(again->rate_hz, rig.rate_hz);
+    EXPECT_EQ(again->close_depth_m, rig.close_depth_m);
+  }
+}
+
+TEST(RigFileTest, RefusesByNameWhatNoRigHas) {
+  const struct {
+    std::string file, from, to, says;
+  } cases[] = {
+      {kStereo, "rig: 1", "rig: 2", "rig is 2"},
+      {kStereo, "rig: 1\n", "", "rig is 0"},
+      {kStereo, "kind: stereo", "kind: mono", "kind is 'mono', must be stereo or rgbd"},
+      {kStereo, "rate_hz: 20", "rate: 20", "unknown field rate: known are"},
+      {kStereo, "rate_hz: 20", "rate_hz: -3", "rate_hz is -3"},
+      {kStereo, "rate_hz: 20", "rate_hz: often", "rate_hz is no finite number"},
+      {kStereo, "rate_hz: 20", "depth: {units_per_m: 5}", "unknown field depth"},
+      {kStereo, "rectified: false", "rectified: 'no'", "rectified is 'no', must be true or false"},
+      {kStereo, "rectified: false", "rectified: true", "baseline_m is missing"},
+      {kStereo, "right_from_left", "left_from_right", "unknown field left_from_right"},
+      {kStereo, "-0.11", "-110", "is it in metres?"},
+      {kStereo, "-0.11", "0.11", "mostly along +x"},
+      {kStereo, "[-0.013, 0.021, -0.013, 0.003]", "[0.1]", "cameras[1].lens: 1 numbers"},
+      {kStereo, "lens: equidistant", "lens: wide", "a lens that is 'wide'"},
+      {kStereo, "    lens: equidistant\n", "", "cameras[1].lens is missing"},
+      {kStereo, "[367.215, 248.375]", "[367.215]", "cameras[0].principal_px is no list of 2"},
+      {kStereo, "[457.587, 456.134]", "[0, 456.134]", "fx_px is 0"},
+      {kRectified, "[329, 199]", "[329, 203]", "principal_px's y is 199"},
+      {kRectified, "0.075", "-0.075", "baseline_m is -0.075"},
+      {kRectified, "[640, 400]", "[0, 400]", "a side of the cameras[0].size_px is 0"},
+      {kRectified, "rectified: true", "rectified: false", "baseline_m is of rectified pairs"},
+      {kRgbd, "depth:\n  units_per_m: 1000\n", "", "depth is missing"},
+      {kRgbd, "units_per_m: 1000", "units_per_m: 0", "units_per_m is 0"},
+      {kRgbd, "units_per_m", "units", "unknown field units"},
+      {kRgbd, "cameras:", "camera:", "unknown field camera"}};
+  for (const auto& [file, from, to, says] : cases) {
+    const std::string text = absl::StrReplaceAll(file, {{from, to}});
+    ASSERT_NE(text, file) << from;
+    const absl::Status status = Read(text).status();
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << to << ": " << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(says));
+    EXPECT_THAT(std::string(status.message()), HasSubstr("rig.yaml"));
+  }
+  EXPECT_TRUE(absl::IsNotFound(ReadRigFile("/nowhere/rig.yaml").status()));
+}
+
+}  // namespace
+}  // namespace corbslam::client_agent

@@ -1,0 +1,20 @@
+// Takes a recording's calibration from a rig file.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_RIG_OPENING_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_RIG_OPENING_H_
+
+#include "absl/status/statusor.h"
+#include "client_agent/source/listed_reader.h"
+#include "client_agent/source/rig/rig.h"
+#include "client_agent/source/source_spec.h"
+
+namespace corbslam::client_agent {
+
+// Puts the calibration of ?rig=FILE, and where it is from, into `sequence`, whose frames are
+// listed. INVALID_ARGUMENT names the rig's file: one of another kind than the recording's layout,
+// or of pictures of another size than the first that can be read; and what is improbable without
+// ?trust-calibration.
+absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& sequence);
+
+}  // namespace corbslam::client_agent
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_RIG_OPENING_H_

@@ -1,0 +1,112 @@
+#include "client_agent/source/rig_opening.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client_agent/source/frame_reader.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+constexpr char kCameras[] =
+    "cameras:\n"
+    "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [81, 60]}\n";
+
+// Writes pictures of 160 x 120 pixels in KITTI's layout, without calibration.
+std::string MakeFolder() {
+  const fs::path folder = fs::path(::testing::TempDir()) / "rig_opening";
+  fs::remove_all(folder);
+  fs::create_directories(folder / "image_0");
+  fs::create_directories(folder / "image_1");
+  std::ofstream times(folder / "times.txt");
+  for (int i = 0; i < 4; ++i) {
+    const std::string name = absl::StrFormat("%06d.png", i);
+    const cv::Mat picture(120, 160, CV_8UC1, cv::Scalar(50 + i));
+    cv::imwrite((folder / "image_0" / name).string(), picture);
+    cv::imwrite((folder / "image_1" / name).string(), picture);
+    times << 0.1 * i << "\n";
+  }
+  return folder.string();
+}
+
+std::string WriteRig(const std::string& text) {
+  const std::string path = ::testing::TempDir() + "/opening_rig.yaml";
+  std::ofstream(path) << "rig: 1\n" << text;
+  return path;
+}
+
+std::string PairOf(const std::string& cameras) {
+  return WriteRig(
+      absl::StrCat("kind: stereo\nrectified: true\nbaseline_m: 0.1\n", cameras,
+                   "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [81, 60]}\n"));
+}
+
+absl::StatusOr<std::unique_ptr<FrameReader>> Open(const std::string& options) {
+  auto spec = ParseSourceSpec(absl::StrCat("kitti:", MakeFolder(), "?", options));
+  if (!spec.ok()) return spec.status();
+  return OpenReader(*spec);
+}
+
+TEST(RigOpeningTest, TheRigStandsInForTheRecordingsCalibration) {
+  const auto reader = Open("rig=" + PairOf(kCameras));
+  ASSERT_TRUE(reader.ok()) << reader.status();
+  const auto& stereo = std::get<StereoCalibration>((*reader)->calibration());
+  EXPECT_EQ(stereo.camera.cx_px, 81);
+  EXPECT_EQ(stereo.camera.baseline_m, 0.1);
+  EXPECT_THAT((*reader)->description().intrinsics_from, HasSubstr("opening_rig.yaml"));
+}
+
+TEST(RigOpeningTest, RefusesARigOfOtherPictures) {
+  const std::string other_size =
+      "cameras:\n  - {size_px: [320, 120], focal_px: [100, 100], principal_px: [161, 60]}\n";
+  EXPECT_THAT(std::string(Open("rig=" + PairOf(other_size)).status().message()),
+              HasSubstr("left pictures have 320x120"));
+  const std::string both = WriteRig(
+      "kind: stereo\nrectified: true\nbaseline_m: 0.1\ncameras:\n"
+      "  - {size_px: [320, 240], focal_px: [200, 200], principal_px: [161, 120]}\n"
+      "  - {size_px: [320, 240], focal_px: [200, 200], principal_px: [161, 120]}\n");
+  const std::string message(Open("rig=" + both).status().message());
+  EXPECT_THAT(message, HasSubstr("opening_rig.yaml: is of pictures of 320x240 pixels"));
+  EXPECT_THAT(message, HasSubstr("000000.png has 160x120"));
+}
+
+TEST(RigOpeningTest, RefusesARigOfAnotherKind) {
+  const std::string rgbd =
+      WriteRig(absl::StrCat("kind: rgbd\ndepth: {units_per_m: 1000}\n", kCameras));
+  EXPECT_THAT(std::string(Open("rig=" + rgbd).status().message()),
+              HasSubstr("is of an RGB-D camera, this recording is of a stereo pair"));
+}
+
+TEST(RigOpeningTest, AnImprobableRigMustBeTrusted) {
+  const std::string askew =
+      "cameras:\n  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [120, 60]}\n";
+  const std::string pair = WriteRig(
+      absl::StrCat("kind: stereo\nrectified: true\nbaseline_m: 0.1\n", askew,
+                   "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [120, 60]}\n"));
+  EXPECT_THAT(std::string(Open("rig=" + pair).status().message()), HasSubstr("can't be"));
+  const auto trusted = Open(absl::StrCat("rig=", pair, "&trust_calibration=1"));
+  ASSERT_TRUE(trusted.ok()) << trusted.status();
+  EXPECT_FALSE((*trusted)->description().remarks.findings.empty());
+}
+
+TEST(RigOpeningTest, TheOptionIsWrittenBack) {
+  const auto spec = ParseSourceSpec("kitti:" + MakeFolder() + "?rig=/a/rig.yaml&scale=0.5");
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_THAT(FormatSourceSpec(*spec), HasSubstr("rig=/a/rig.yaml&scale=0.5"));
+  EXPECT_FALSE(ParseSourceSpec("kitti:" + MakeFolder() + "?scale=2").ok());
+  EXPECT_FALSE(ParseSourceSpec("kitti:" + MakeFolder() + "?rig=").ok());
+}
+
+}  // namespace
+}  // namespace corbslam::client_agent

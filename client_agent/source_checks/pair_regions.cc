@@ -1,0 +1,77 @@
+#include "client_agent/source_checks/pair_regions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/util/median.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+// Matches with rows farther apart are taken for wrong ones.
+constexpr double kMostRows_px = 40;
+constexpr double kMoved_px = 1;
+constexpr double kTail = 0.05;
+
+double RowsApart(const FeatureMatch& match) { return match.in_b.y() - match.in_a.y(); }
+
+RegionRows Summarise(const std::vector<double>& rows_px) {
+  if (rows_px.empty()) return {};
+  std::vector<double> sizes;
+  for (const double row_px : rows_px) sizes.push_back(std::abs(row_px));
+  return {rows_px.size(), Median(std::move(sizes)), Median(rows_px)};
+}
+
+size_t RegionOf(const FeatureMatch& match, const Camera& camera) {
+  const auto part = [](double at, int side, size_t parts) {
+    const auto which = static_cast<size_t>(std::max(0.0, at / side * static_cast<double>(parts)));
+    return std::min(parts - 1, which);
+  };
+  return part(match.in_a.y(), camera.height_px, PairRegions::kRows) * PairRegions::kColumns +
+         part(match.in_a.x(), camera.width_px, PairRegions::kColumns);
+}
+
+double Quantile(const std::vector<double>& sorted, double share) {
+  return sorted[static_cast<size_t>(share * static_cast<double>(sorted.size() - 1))];
+}
+
+}  // namespace
+
+std::vector<FeatureMatch> MatchPair(const PairPreparation::Pictures& pictures) {
+  std::vector<FeatureMatch> matches =
+      MatchFeatures(ExtractCheckFeatures(pictures.left), ExtractCheckFeatures(pictures.right));
+  std::erase_if(
+      matches, [](const FeatureMatch& match) { return std::abs(RowsApart(match)) > kMostRows_px; });
+  return matches;
+}
+
+PairRegions MeasureRegions(const PairPreparation& preparation, const Sample& sample) {
+  PairRegions measured;
+  std::array<std::vector<double>, PairRegions::kColumns * PairRegions::kRows> rows_px;
+  std::vector<double> all_rows_px;
+  std::vector<double> disparities_px;
+  for (const SampleFrame& frame : sample) {
+    const auto pictures = preparation.Rectify(frame.images);
+    if (!pictures.has_value()) continue;
+    ++measured.pairs;
+    for (const FeatureMatch& match : MatchPair(*pictures)) {
+      rows_px[RegionOf(match, preparation.camera())].push_back(RowsApart(match));
+      all_rows_px.push_back(RowsApart(match));
+      disparities_px.push_back(match.in_a.x() - match.in_b.x() + preparation.right_cx_offset_px());
+    }
+  }
+  for (size_t i = 0; i < rows_px.size(); ++i) measured.regions[i] = Summarise(rows_px[i]);
+  measured.all = Summarise(all_rows_px);
+  if (disparities_px.empty()) return measured;
+  std::sort(disparities_px.begin(), disparities_px.end());
+  measured.low_disparity_px = Quantile(disparities_px, kTail);
+  measured.high_disparity_px = Quantile(disparities_px, 1 - kTail);
+  const auto negative =
+      std::count_if(disparities_px.begin(), disparities_px.end(),
+                    [](double disparity_px) { return disparity_px < -kMoved_px; });
+  measured.negative_share =
+      static_cast<double>(negative) / static_cast<double>(disparities_px.size());
+  return measured;
+}
+
+}  // namespace corbslam::client_agent

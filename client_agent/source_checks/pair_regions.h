@@ -1,0 +1,45 @@
+// Measures how well the rows of a rectified pair agree, in each part of its pictures.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_REGIONS_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_REGIONS_H_
+
+#include <array>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "client_agent/source_checks/feature_matches.h"
+#include "client_agent/source_checks/pair_sample.h"
+#include "client_agent/source_checks/sample.h"
+
+namespace corbslam::client_agent {
+
+struct RegionRows {
+  size_t matches = 0;
+  // Medians of y_right - y_left: its size, and with its sign (above 0: the right picture is lower).
+  double row_error_px = 0;
+  double row_offset_px = 0;
+};
+
+struct PairRegions {
+  static constexpr size_t kColumns = 3;
+  static constexpr size_t kRows = 3;
+  // By rows, from the top left.
+  std::array<RegionRows, kColumns * kRows> regions;
+  RegionRows all;
+  size_t pairs = 0;
+  // Disparities of the matches, pixels: a twentieth is less, and a twentieth more.
+  double low_disparity_px = 0;
+  double high_disparity_px = 0;
+  // Share of the matches that lie farther right in the right picture, where nothing can be.
+  double negative_share = 0;
+};
+
+// Matches of the rectified pictures of one pair whose rows are at most 40 pixels apart.
+std::vector<FeatureMatch> MatchPair(const PairPreparation::Pictures& pictures);
+
+// Measures all pairs of the sample. Pure.
+PairRegions MeasureRegions(const PairPreparation& preparation, const Sample& sample);
+
+}  // namespace corbslam::client_agent
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_REGIONS_H_

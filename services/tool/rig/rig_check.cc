@@ -1,0 +1,126 @@
+#include "services/tool/rig/rig_check.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client_agent/source/source_description.h"
+#include "client_agent/source_checks/inspection.h"
+#include "client_agent/source_checks/picture_statistics.h"
+#include "services/tool/rig/rig_picture.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+
+using client_agent::FindingLevel;
+using client_agent::FrameReader;
+using client_agent::InspectSource;
+using client_agent::MeasureRegions;
+using client_agent::PairPreparation;
+using client_agent::PairRegions;
+using client_agent::PictureStatistics;
+using client_agent::ReadSample;
+using client_agent::RegionRows;
+using client_agent::Sample;
+using client_agent::SampleFrame;
+using client_agent::SampleOptions;
+using client_agent::SourceFinding;
+using client_agent::SourceSpec;
+
+namespace {
+
+constexpr SampleOptions kThorough = {.places = 16, .stereo_row = 3, .rgbd_row = 5};
+// Fewer matches say nothing about a region.
+constexpr size_t kFewMatches = 15;
+
+// Says how bright the pictures are and how much that changes over the sample.
+std::string DescribeExposure(const Sample& sample) {
+  int least = 255;
+  int most = 0;
+  for (const SampleFrame& frame : sample) {
+    if (frame.images.grey.type() != CV_8UC1 || frame.images.grey.empty()) continue;
+    const PictureStatistics statistics = client_agent::MeasurePicture(frame.images.grey);
+    least = std::min(least, statistics.median);
+    most = std::max(most, statistics.median);
+  }
+  if (least > most) return "no picture could be read";
+  return absl::StrCat("medians of the pictures from ", least, " to ", most, " of 255");
+}
+
+std::string FormatRegion(const RegionRows& region) {
+  if (region.matches < kFewMatches) return absl::StrFormat("%17s", "too few");
+  return absl::StrFormat("%6.2f (%+.2f)%4d", region.row_error_px, region.row_offset_px,
+                         static_cast<int>(std::min<size_t>(region.matches, 9999)));
+}
+
+std::string FormatRegions(const PairRegions& measured) {
+  std::string text = absl::StrFormat(
+      "rows: %.2f px apart in the median (%+.2f), %d matches of %d pairs; by region of the "
+      "picture, "
+      "median (with its sign) and matches:\n",
+      measured.all.row_error_px, measured.all.row_offset_px, measured.all.matches, measured.pairs);
+  for (size_t row = 0; row < PairRegions::kRows; ++row) {
+    for (size_t column = 0; column < PairRegions::kColumns; ++column) {
+      absl::StrAppend(&text, "  ",
+                      FormatRegion(measured.regions[row * PairRegions::kColumns + column]));
+    }
+    absl::StrAppend(&text, "\n");
+  }
+  absl::StrAppendFormat(
+      &text,
+      "disparities: %.1f to %.1f px (nine tenths of the matches); %.1f %% have the "
+      "wrong sign\n",
+      measured.low_disparity_px, measured.high_disparity_px, 100 * measured.negative_share);
+  return text;
+}
+
+std::string Verdict(const RigCheck& check) {
+  if (!check.IsUsable()) return "WRONG: nothing right can come of this rig and these pictures.\n";
+  if (!check.findings.empty()) return "USABLE, with what is improbable above.\n";
+  return "RIGHT: the pictures agree with the rig.\n";
+}
+
+}  // namespace
+
+bool RigCheck::IsUsable() const {
+  return std::none_of(findings.begin(), findings.end(), [](const SourceFinding& finding) {
+    return finding.level == FindingLevel::kError;
+  });
+}
+
+absl::StatusOr<RigCheck> CheckRig(const FrameReader& reader, const SourceSpec& spec) {
+  RigCheck check;
+  check.description = DescribeInWords(reader.description());
+  check.findings = InspectSource(reader, spec, kThorough);
+  const Sample sample = ReadSample(reader, spec, kThorough);
+  check.description.push_back({"exposure", DescribeExposure(sample)});
+  const auto* const stereo = std::get_if<StereoCalibration>(&reader.calibration());
+  if (stereo == nullptr) {
+    check.picture = DrawDepth(sample);
+    return check;
+  }
+  ASSIGN_OR_RETURN(const PairPreparation preparation, PairPreparation::Make(*stereo));
+  const Camera& camera = preparation.camera();
+  check.description.push_back(
+      {"rectified", absl::StrFormat("fx %.5g fy %.5g cx %.5g cy %.5g px, %dx%d, baseline %.5g m",
+                                    camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
+                                    camera.width_px, camera.height_px, camera.baseline_m)});
+  check.regions = MeasureRegions(preparation, sample);
+  check.picture = DrawPair(preparation, sample);
+  return check;
+}
+
+std::string FormatRigCheck(const RigCheck& check) {
+  std::string text;
+  for (const auto& [name, value] : check.description) {
+    absl::StrAppend(&text, name, ": ", value, "\n");
+  }
+  if (check.regions.has_value()) absl::StrAppend(&text, FormatRegions(*check.regions));
+  for (const SourceFinding& finding : check.findings) {
+    absl::StrAppend(&text, finding.level == FindingLevel::kError ? "ERROR " : "WARNING ",
+                    finding.code, ": ", finding.text, "\n");
+  }
+  return text + Verdict(check);
+}
+
+}  // namespace corbslam::services

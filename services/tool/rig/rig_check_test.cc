@@ -1,0 +1,85 @@
+#include "services/tool/rig/rig_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <variant>
+
+#include "client_agent/source_checks/testing/layered_scene.h"
+#include "client_agent/source_checks/testing/sample_source.h"
+
+namespace corbslam::services {
+namespace {
+
+using client_agent::FrameReader;
+using client_agent::LayeredRgbd;
+using client_agent::LayeredStereo;
+using client_agent::SampleSource;
+using client_agent::SourceDescription;
+using client_agent::SourceSpec;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// A sample source, with something wrong with it, as a recording.
+class SceneReader : public FrameReader {
+ public:
+  SceneReader(SampleSource source, const std::string& damage, double amount)
+      : source_(std::move(source)), read_(client_agent::Damage(source_.read, damage, amount)) {
+    client_agent::DescribeCamera(source_.calibration, description_);
+    description_.frames = source_.frames;
+  }
+  const SensorCalibration& calibration() const override { return source_.calibration; }
+  const SourceDescription& description() const override { return description_; }
+  size_t frame_count() const override { return source_.frames; }
+  int64_t timestamp_ns(size_t frame) const override {
+    return static_cast<int64_t>(frame) * 50000000;
+  }
+  int drive(size_t) const override { return 0; }
+  absl::StatusOr<SensorImages> Read(size_t frame) const override { return read_(frame); }
+
+ private:
+  const SampleSource source_;
+  const client_agent::ReadFrame read_;
+  SourceDescription description_;
+};
+
+RigCheck Check(SampleSource source, const std::string& damage = "", double amount = 0) {
+  const SceneReader reader(std::move(source), damage, amount);
+  auto check = CheckRig(reader, SourceSpec());
+  EXPECT_TRUE(check.ok()) << check.status();
+  return *std::move(check);
+}
+
+TEST(RigCheckTest, SaysThatARightRigIsRight) {
+  const RigCheck check = Check(LayeredStereo());
+  EXPECT_TRUE(check.IsUsable());
+  const std::string text = FormatRigCheck(check);
+  EXPECT_THAT(text, HasSubstr("RIGHT: the pictures agree with the rig."));
+  EXPECT_THAT(text, HasSubstr("rows: 0."));
+  EXPECT_THAT(text, HasSubstr("exposure: medians"));
+  EXPECT_EQ(check.picture.cols, 2 * 640);
+  EXPECT_EQ(check.picture.rows, 360);
+}
+
+TEST(RigCheckTest, NamesASwappedPair) {
+  const RigCheck check = Check(LayeredStereo(), "exchanged");
+  EXPECT_FALSE(check.IsUsable());
+  EXPECT_THAT(FormatRigCheck(check), HasSubstr("left and right are exchanged"));
+  EXPECT_THAT(FormatRigCheck(check), HasSubstr("WRONG: "));
+}
+
+TEST(RigCheckTest, NamesRowsThatAreApart) {
+  const std::string text = FormatRigCheck(Check(LayeredStereo(), "rows", 2));
+  EXPECT_THAT(text, HasSubstr("rows of left and right pictures are 2.0 px apart"));
+  EXPECT_THAT(text, HasSubstr("USABLE, with what is improbable above."));
+}
+
+TEST(RigCheckTest, ShowsDepthBesideThePicture) {
+  const RigCheck check = Check(LayeredRgbd());
+  EXPECT_FALSE(check.regions.has_value());
+  EXPECT_EQ(check.picture.cols, 2 * 640);
+  EXPECT_THAT(FormatRigCheck(check), Not(HasSubstr("rows:")));
+}
+
+}  // namespace
+}  // namespace corbslam::services
