@@ -105,14 +105,21 @@ class GstCamera : public LiveCamera {
     GstClock* clock = gst_system_clock_obtain();
     gst_pipeline_use_clock(GST_PIPELINE(pipeline.get()), clock);
     gst_object_unref(clock);
-    gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
-    const GstStateChangeReturn change =
-        gst_element_get_state(pipeline.get(), nullptr, nullptr, kStartWait_ns);
-    is_live_ = change == GST_STATE_CHANGE_NO_PREROLL;
-    if (change != GST_STATE_CHANGE_FAILURE) return pipeline;
+    const GstStateChangeReturn paused = Reach(pipeline.get(), GST_STATE_PAUSED);
+    // A live source gives nothing while it is paused.
+    is_live_ = paused == GST_STATE_CHANGE_NO_PREROLL;
+    if (paused != GST_STATE_CHANGE_FAILURE &&
+        Reach(pipeline.get(), GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE) {
+      return pipeline;
+    }
     const absl::Status why = FirstError(pipeline.get());
     gst_element_set_state(pipeline.get(), GST_STATE_NULL);
     return why;
+  }
+
+  static GstStateChangeReturn Reach(GstElement* pipeline, GstState state) {
+    gst_element_set_state(pipeline, state);
+    return gst_element_get_state(pipeline, nullptr, nullptr, kStartWait_ns);
   }
 
   void Connect(GstElement* pipeline, const char* name, Sink& sink) {

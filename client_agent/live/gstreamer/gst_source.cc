@@ -26,7 +26,6 @@ constexpr double kDefaultWithin_ms = 5;
 // What both kinds leave to options.
 struct GstOptions {
   std::string rig;
-  std::string right;  // The second pipeline.
   std::string layout;
   std::string format;  // v4l2: of the device's pictures.
   std::string size;
@@ -42,7 +41,7 @@ absl::Status BadOption(absl::string_view key, absl::string_view value, absl::str
 
 // Options end at '&', and begin behind '?': pipelines that hold these write them as URLs do.
 std::string Decode(absl::string_view text) {
-  return absl::StrReplaceAll(text, {{"%3F", "?"}, {"%26", "&"}, {"%2C", ","}, {"%25", "%"}});
+  return absl::StrReplaceAll(text, {{"%3F", "?"}, {"%26", "&"}, {"%25", "%"}});
 }
 
 class GstSettings : public KindSettings {
@@ -53,11 +52,7 @@ class GstSettings : public KindSettings {
   absl::string_view kind() const override { return kind_; }
   std::vector<absl::string_view> OptionNames() const override {
     std::vector<absl::string_view> names = {"rig", "layout", "pair_within_ms", "restart"};
-    if (IsV4l2()) {
-      names.insert(names.end(), {"format", "size", "rate"});
-    } else {
-      names.push_back("right");
-    }
+    if (IsV4l2()) names.insert(names.end(), {"format", "size", "rate"});
     return names;
   }
   absl::StatusOr<SharedKindSettings> With(absl::string_view key,
@@ -69,19 +64,24 @@ class GstSettings : public KindSettings {
   absl::Status Validate() const override {
     if (place_.empty()) return absl::InvalidArgumentError(kind_ + ": names no camera");
     const bool one_picture = !options_.layout.empty();
-    const bool has_second = IsV4l2() ? Devices().size() == 2 : !options_.right.empty();
+    const size_t cameras = Cameras().size();
+    if (cameras > 2) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(kind_, ":", place_, ": names ", cameras, " cameras, a frame has two"));
+    }
+    const bool has_second = cameras == 2;
     if (one_picture != has_second) return absl::OkStatus();
     return absl::InvalidArgumentError(absl::StrCat(
         kind_, ":", place_, ": ",
         one_picture ? "one picture with both halves (?layout=) and a second camera"
-                    : "a frame has two pictures: name a second camera (gst: ?right=PIPELINE, v4l2: "
+                    : "a frame has two pictures: name a second camera (gst:LEFT || RIGHT, v4l2:"
                       "/dev/video0,/dev/video1), or say how one picture holds both "
                       "(?layout=side-by-side, ?layout=one-above)"));
   }
   std::vector<std::pair<std::string, std::string>> FormatOptions() const override {
     std::vector<std::pair<std::string, std::string>> formatted;
     for (const auto& [key, value] : {std::pair("rig", options_.rig),
-                                     {"right", options_.right},
+
                                      {"layout", options_.layout},
                                      {"format", options_.format},
                                      {"size", options_.size},
@@ -124,7 +124,11 @@ class GstSettings : public KindSettings {
 
  private:
   bool IsV4l2() const { return kind_ == "v4l2"; }
-  std::vector<std::string> Devices() const { return absl::StrSplit(place_, ','); }
+  // The devices, or the pipelines.
+  std::vector<std::string> Cameras() const {
+    if (IsV4l2()) return absl::StrSplit(place_, ',');
+    return absl::StrSplit(place_, "||");
+  }
 
   GstLayout LayoutOf() const {
     if (options_.layout == "side-by-side") return GstLayout::kSideBySide;
@@ -132,9 +136,9 @@ class GstSettings : public KindSettings {
     return GstLayout::kTwoPipelines;
   }
   std::string PipelineOf(size_t which) const {
-    if (!IsV4l2()) return Decode(which == 0 ? place_ : options_.right);
-    const std::vector<std::string> devices = Devices();
-    if (which >= devices.size()) return "";
+    const std::vector<std::string> cameras = Cameras();
+    if (which >= cameras.size()) return "";
+    if (!IsV4l2()) return Decode(cameras[which]);
     std::string caps = options_.format == "mjpeg" ? "image/jpeg" : "video/x-raw";
     if (!options_.format.empty() && options_.format != "mjpeg") {
       absl::StrAppend(&caps, ",format=", options_.format);
@@ -144,7 +148,7 @@ class GstSettings : public KindSettings {
       absl::StrAppend(&caps, ",width=", sides[0], ",height=", sides[1]);
     }
     if (!options_.rate.empty()) absl::StrAppend(&caps, ",framerate=", options_.rate, "/1");
-    return absl::StrCat("v4l2src device=", devices[which], " ! ", caps,
+    return absl::StrCat("v4l2src device=", cameras[which], " ! ", caps,
                         options_.format == "mjpeg" ? " ! jpegdec" : "");
   }
 
@@ -153,8 +157,6 @@ class GstSettings : public KindSettings {
     if (key == "rig") {
       if (value.empty()) return BadOption(key, value, "a file");
       options_.rig = std::string(value);
-    } else if (key == "right") {
-      options_.right = std::string(value);
     } else if (key == "layout") {
       if (value != "side-by-side" && value != "one-above") {
         return BadOption(key, value, "side-by-side or one-above");
@@ -198,7 +200,7 @@ SourceKind KindOf(const std::string& name, const std::string& usage) {
 }  // namespace
 
 void RegisterGstSources() {
-  RegisterSourceKind(KindOf("gst", "gst:PIPELINE"));
+  RegisterSourceKind(KindOf("gst", "gst:LEFT || RIGHT"));
   RegisterSourceKind(KindOf("v4l2", "v4l2:/dev/video0,/dev/video1"));
 }
 

@@ -67,8 +67,8 @@ Played Play(FrameStream& stream, size_t most = 1000) {
 
 TEST(GstSourceTest, TwoPipelinesAreAPair) {
   const auto stream = Open(absl::StrCat("gst:", TestCamera(12, "is-live=true pattern=white"),
-                                        "?restart=0&rig=", WriteRig(kStereo),
-                                        "&right=", TestCamera(12, "is-live=true pattern=black")));
+                                        " || ", TestCamera(12, "is-live=true pattern=black"),
+                                        "?restart=0&rig=", WriteRig(kStereo)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   EXPECT_TRUE(played.end.ok()) << played.end;
@@ -112,10 +112,11 @@ TEST(GstSourceTest, OnePictureHoldsBothHalves) {
 }
 
 TEST(GstSourceTest, DepthComesAsASecondPipeline) {
-  const auto stream = Open(absl::StrCat(
-      "gst:", TestCamera(8, "is-live=true"), "?restart=0&rig=", WriteRig(kRgbd), "&right=",
-      "videotestsrc num-buffers=8 is-live=true pattern=white ! "
-      "video/x-raw,format=GRAY16_LE,width=160,height=120,framerate=20/1"));
+  const auto stream =
+      Open(absl::StrCat("gst:", TestCamera(8, "is-live=true"),
+                        " || videotestsrc num-buffers=8 is-live=true pattern=white ! "
+                        "video/x-raw,format=GRAY16_LE,width=160,height=120,framerate=20/1",
+                        "?restart=0&rig=", WriteRig(kRgbd)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   ASSERT_GE(played.frames.size(), 5u);
@@ -159,8 +160,9 @@ TEST(GstSourceTest, SaysWhatIsWrong) {
       {"gst:videotestsrc?rig=" + rig, "a frame has two pictures: name a second camera"},
       {"gst:videotestsrc?layout=side-by-side", "a live camera needs its rig"},
       {"gst:videotestsrc?layout=diagonal&rig=" + rig, "wants side-by-side or one-above"},
-      {"gst:?layout=side-by-side&rig=" + rig, "names no camera"},
-      {"gst:videotestsrc?layout=side-by-side&right=videotestsrc&rig=" + rig, "and a second camera"},
+      {"gst:?layout=side-by-side&rig=" + rig, "names no"},
+      {"gst:videotestsrc || videotestsrc?layout=side-by-side&rig=" + rig, "and a second camera"},
+      {"gst:a || b || c?rig=" + rig, "names 3 cameras"},
       {"gst:videotestsrc?layout=side-by-side&pair_within_ms=-1&rig=" + rig, "from 0 to 1000"},
       {"gst:videotestsrc?layout=side-by-side&rig=/nowhere.yaml", "/nowhere.yaml"},
       {"v4l2:/dev/video97?layout=side-by-side&rig=" + rig, "/dev/video97"},
@@ -176,7 +178,7 @@ TEST(GstSourceTest, SaysWhatIsWrong) {
 TEST(GstSourceTest, ASpecIsWrittenBack) {
   RegisterGstSources();
   const auto spec = ParseSourceSpec(
-      "gst:videotestsrc pattern=18?right=videotestsrc&pair-within-ms=8&rig=/a.yaml&restart=1");
+      "gst:videotestsrc pattern=18 || videotestsrc?pair-within-ms=8&rig=/a.yaml&restart=1");
   ASSERT_TRUE(spec.ok()) << spec.status();
   const auto again = ParseSourceSpec(FormatSourceSpec(*spec));
   ASSERT_TRUE(again.ok()) << again.status() << FormatSourceSpec(*spec);

@@ -177,7 +177,7 @@ TEST(RigConvertTest, ReadsKalibrsOmni) {
       kKalibr, {{"camera_model: ds", "camera_model: omni"},
                 {"distortion_coeffs: []", "distortion_coeffs: [-0.1, 0.02, 0.0004, -0.0003]"},
                 {"distortion_model: none", "distortion_model: radtan"},
-                {"[-0.2, 0.59, 158.1", "[1.2, 358.1"}});
+                {"[-0.2, 0.59, 158.1, 158.2", "[1.2, 358.1, 358.2"}});
   const auto converted = ConvertRig(One("camchain.yaml", omni));
   ASSERT_TRUE(converted.ok()) << converted.status();
   const auto& lens = std::get<UnifiedSphere>(converted->rig.cameras[1].raw.lens);
