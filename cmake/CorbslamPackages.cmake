@@ -36,6 +36,8 @@ foreach(PART COMMON SERVER ROBOT)
 endforeach()
 set(CPACK_DEBIAN_SERVER_PACKAGE_DEPENDS "corbslam-common (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_ROBOT_PACKAGE_DEPENDS "corbslam-common (= ${PROJECT_VERSION})")
+# Live cameras (docs/live.md).
+set(CPACK_DEBIAN_ROBOT_PACKAGE_RECOMMENDS "gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
 set(CPACK_DEBIAN_COMMON_PACKAGE_SUGGESTS "corbslam-server, corbslam-robot")
 set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
     "${CMAKE_SOURCE_DIR}/deploy/debian/server/conffiles"

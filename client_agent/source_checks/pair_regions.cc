@@ -10,16 +10,29 @@ namespace {
 
 // Matches with rows farther apart are taken for wrong ones.
 constexpr double kMostRows_px = 40;
+constexpr double kNearMedian_px = 3;
 constexpr double kMoved_px = 1;
 constexpr double kTail = 0.05;
 
 double RowsApart(const FeatureMatch& match) { return match.in_b.y() - match.in_a.y(); }
 
+double MeanNearMedian(const std::vector<double>& rows_px) {
+  const double median_px = Median(rows_px);
+  double sum_px = 0;
+  size_t count = 0;
+  for (const double row_px : rows_px) {
+    if (std::abs(row_px - median_px) > kNearMedian_px) continue;
+    sum_px += row_px;
+    ++count;
+  }
+  return sum_px / static_cast<double>(count);
+}
+
 RegionRows Summarise(const std::vector<double>& rows_px) {
   if (rows_px.empty()) return {};
   std::vector<double> sizes;
   for (const double row_px : rows_px) sizes.push_back(std::abs(row_px));
-  return {rows_px.size(), Median(std::move(sizes)), Median(rows_px)};
+  return {rows_px.size(), Median(std::move(sizes)), MeanNearMedian(rows_px)};
 }
 
 size_t RegionOf(const FeatureMatch& match, const Camera& camera) {

@@ -15,8 +15,9 @@ namespace corbslam::client_agent {
 
 struct RegionRows {
   size_t matches = 0;
-  // Medians of y_right - y_left: its size, and with its sign (above 0: the right picture is lower).
-  double row_error_px = 0;
+  double row_error_px = 0;  // Median of the size of y_right - y_left.
+  // The same with its sign (above 0: the right picture is lower): the mean of those within three
+  // pixels of the median, since corners lie on whole pixels.
   double row_offset_px = 0;
 };
 

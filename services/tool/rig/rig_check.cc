@@ -55,9 +55,10 @@ std::string FormatRegion(const RegionRows& region) {
 
 std::string FormatRegions(const PairRegions& measured) {
   std::string text = absl::StrFormat(
-      "rows: %.2f px apart in the median (%+.2f), %d matches of %d pairs; by region of the "
+      "rows: %.2f px apart in the median, %+.2f in the mean, %d matches of %d pairs; by region of "
+      "the "
       "picture, "
-      "median (with its sign) and matches:\n",
+      "median (mean with its sign) and matches:\n",
       measured.all.row_error_px, measured.all.row_offset_px, measured.all.matches, measured.pairs);
   for (size_t row = 0; row < PairRegions::kRows; ++row) {
     for (size_t column = 0; column < PairRegions::kColumns; ++column) {

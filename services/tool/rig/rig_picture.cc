@@ -17,7 +17,7 @@ using client_agent::SampleFrame;
 
 namespace {
 
-constexpr double kAgree_px = 0.75;
+constexpr double kAgree_px = 1.25;  // Of the octave at which the corner was found.
 constexpr int kRowStep_px = 32;
 constexpr size_t kMostDrawn = 150;
 const cv::Scalar kRowColour(160, 120, 60);
