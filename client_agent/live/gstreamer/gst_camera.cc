@@ -147,7 +147,7 @@ class GstCamera : public LiveCamera {
       gst_element_set_state(pipeline.get(), GST_STATE_NULL);
       pipeline.reset();
       if (stop_.HasBeenNotified()) return;
-      if (!options_.restarts.value_or(is_live_)) return pairing_->End(ended);
+      if (!options_.restarts.value_or(is_live_ && !ended.ok())) return pairing_->End(ended);
       LOG(WARNING) << "the camera went away: "
                    << (ended.ok() ? "its pipeline ended" : ended.message())
                    << "; waiting for it to come back";

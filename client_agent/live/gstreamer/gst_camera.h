@@ -26,8 +26,8 @@ struct GstCameraOptions {
   GstLayout layout = GstLayout::kTwoPipelines;
   bool second_is_depth = false;  // Its pictures are taken as 16 bits.
   // A pipeline that ends or fails is started again each second, as where a device was unplugged.
-  // Otherwise its end is the stream's. Nullopt: where GStreamer says that its source is live, as
-  // devices and networks are and files are not.
+  // Otherwise its end is the stream's. Nullopt: one that fails and whose source is live, as devices
+  // and networks are and files are not.
   std::optional<bool> restarts;
 };
 

@@ -66,9 +66,9 @@ Played Play(FrameStream& stream, size_t most = 1000) {
 }
 
 TEST(GstSourceTest, TwoPipelinesAreAPair) {
-  const auto stream = Open(absl::StrCat("gst:", TestCamera(12, "is-live=true pattern=white"),
-                                        " || ", TestCamera(12, "is-live=true pattern=black"),
-                                        "?restart=0&rig=", WriteRig(kStereo)));
+  const auto stream =
+      Open(absl::StrCat("gst:", TestCamera(12, "is-live=true pattern=white"), " || ",
+                        TestCamera(12, "is-live=true pattern=black"), "?rig=", WriteRig(kStereo)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   EXPECT_TRUE(played.end.ok()) << played.end;
@@ -93,8 +93,8 @@ TEST(GstSourceTest, OnePictureHoldsBothHalves) {
                                    ? TestCamera(8, "is-live=true pattern=gradient", 320)
                                    : "videotestsrc num-buffers=8 is-live=true pattern=gradient ! "
                                      "video/x-raw,width=160,height=240,framerate=20/1";
-    const auto stream = Open(
-        absl::StrCat("gst:", camera, "?restart=0&layout=", layout, "&rig=", WriteRig(kStereo)));
+    const auto stream =
+        Open(absl::StrCat("gst:", camera, "?layout=", layout, "&rig=", WriteRig(kStereo)));
     ASSERT_TRUE(stream.ok()) << stream.status();
     const Played played = Play(**stream);
     ASSERT_GE(played.frames.size(), 5u) << layout;
@@ -116,7 +116,7 @@ TEST(GstSourceTest, DepthComesAsASecondPipeline) {
       Open(absl::StrCat("gst:", TestCamera(8, "is-live=true"),
                         " || videotestsrc num-buffers=8 is-live=true pattern=white ! "
                         "video/x-raw,format=GRAY16_LE,width=160,height=120,framerate=20/1",
-                        "?restart=0&rig=", WriteRig(kRgbd)));
+                        "?rig=", WriteRig(kRgbd)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   ASSERT_GE(played.frames.size(), 5u);
@@ -127,7 +127,7 @@ TEST(GstSourceTest, DepthComesAsASecondPipeline) {
 // A device that goes away and comes back: one stream, whose times go on.
 TEST(GstSourceTest, ACameraThatWentAwayIsWaitedFor) {
   const auto stream = Open(absl::StrCat("gst:", TestCamera(6, "is-live=true", 320),
-                                        "?layout=side-by-side&rig=", WriteRig(kStereo)));
+                                        "?restart=1&layout=side-by-side&rig=", WriteRig(kStereo)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream, 11);
   ASSERT_EQ(played.frames.size(), 11u) << played.end;
@@ -142,6 +142,7 @@ TEST(GstSourceTest, ACameraThatWentAwayIsWaitedFor) {
   EXPECT_LT(longest_ns, 10'000'000'000);
 }
 
+// What ends by itself has no more to give, unless somebody says otherwise.
 TEST(GstSourceTest, AFileEndsTheStream) {
   const auto stream = Open(
       absl::StrCat("gst:", TestCamera(5, "", 320), "?layout=side-by-side&rig=", WriteRig(kStereo)));
