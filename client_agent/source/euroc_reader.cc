@@ -88,16 +88,16 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec) {
   const std::string root = EurocRoot(spec.directory);
   ListedSequence sequence;
   SourceDescription& description = sequence.description;
+  const bool has_rig = !spec.opening.rig_file.empty();
+  if (!has_rig) {
+    ASSIGN_OR_RETURN(sequence.calibration,
+                     ReadCalibration(root, spec.opening.trust_calibration, description.remarks));
+  }
   const auto tolerance_ns = static_cast<int64_t>(1e6 * spec.opening.pair_within_ms);
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(root, tolerance_ns, description.remarks));
   description.layout = "EuRoC (ASL), cam0 and cam1";
   description.intrinsics_from = root + "/cam0/sensor.yaml, cam1/sensor.yaml";
-  if (!spec.opening.rig_file.empty()) {
-    RETURN_IF_ERROR(TakeRig(spec, RigKind::kStereo, sequence));
-  } else {
-    ASSIGN_OR_RETURN(sequence.calibration,
-                     ReadCalibration(root, spec.opening.trust_calibration, description.remarks));
-  }
+  if (has_rig) RETURN_IF_ERROR(TakeRig(spec, RigKind::kStereo, sequence));
   sequence.times_file = root + "/cam0/data.csv";
   return MakeListedReader(std::move(sequence));
 }

@@ -525,8 +525,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(EurocSourceTest, RefusesAModelItDoesNotKnow) {
   EXPECT_THAT(
-      std::string(OpenSource("euroc:" + MakeEuroc("fisheye", "equidistant")).status().message()),
-      HasSubstr("distortion_model is 'equidistant'"));
+      std::string(OpenSource("euroc:" + MakeEuroc("unknown_lens", "fov")).status().message()),
+      HasSubstr("distortion_model is 'fov'"));
 }
 
 // A recorded sequence; CORBSLAM_DATA_DIR says where these are, as in all of the project's tests.

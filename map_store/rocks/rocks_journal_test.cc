@@ -487,7 +487,7 @@ TEST_F(RocksJournalTest, AnOlderFormatIsReadAndBecomesTheNewOne) {
     const std::unique_ptr<rocksdb::DB> closing(raw);
     std::string before;
     ASSERT_TRUE(raw->Get({}, map_store::FormatKey(), &before).ok());
-    EXPECT_EQ(before, std::string("\x09\0\0\0", 4));
+    EXPECT_EQ(before, std::string("\x0a\0\0\0", 4));
     ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), format).ok());
     ASSERT_TRUE(raw->Close().ok());
   };
@@ -516,11 +516,11 @@ TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   rocksdb::DB* raw = nullptr;
   ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
   const std::unique_ptr<rocksdb::DB> closing(raw);
-  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x0a\0\0\0", 4)).ok());
+  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x0b\0\0\0", 4)).ok());
   ASSERT_TRUE(raw->Close().ok());
   const auto newer = RocksJournal::Open(options);
   EXPECT_EQ(newer.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 10"));
+  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 11"));
 
   const auto nowhere = RocksJournal::Open({.directory = "/proc/version/journal"});
   EXPECT_EQ(nowhere.status().code(), absl::StatusCode::kFailedPrecondition);

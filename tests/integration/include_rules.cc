@@ -117,6 +117,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"tool/doctor", 10},
            {"tool/mission", 10},
            {"tool/report", 10},
+           {"tool/rig", 10},
            {"tool/evaluation", 11},
            {"tool/run", 12},
            {"tool/sequence", 12},

@@ -204,9 +204,9 @@ void AddEuroc(std::vector<NewcomerMistake>& list) {
                   Level::kFail, "cam0/sensor.yaml. Is euroc:"});
   list.push_back(
       {d, "only cam0 unpacked", Euroc(RemoveFile("mav0/cam1")), Level::kFail, "cam1/sensor.yaml"});
-  list.push_back({d, "sensor.yaml of another set-up: fisheye",
-                  Euroc(Replace("mav0/cam0/sensor.yaml", "radial-tangential", "equidistant")),
-                  Level::kFail, "distortion_model is 'equidistant'"});
+  list.push_back({d, "sensor.yaml of a lens that is not known",
+                  Euroc(Replace("mav0/cam0/sensor.yaml", "radial-tangential", "fov")), Level::kFail,
+                  "distortion_model is 'fov'"});
   list.push_back({d, "a Kalibr word in sensor.yaml",
                   Euroc(Replace("mav0/cam0/sensor.yaml", "radial-tangential", "radtan")),
                   Level::kOk, ""});

@@ -11,6 +11,7 @@ namespace corbslam::client_agent {
 namespace {
 
 constexpr double kCloseDepth_baselines = 40;
+constexpr double kMostBaseline_m = 20;
 // Rectified cameras that differ by less are one.
 constexpr double kSame_px = 0.01;
 
@@ -41,7 +42,10 @@ absl::Status ValidateRectified(const Rig& rig) {
         absl::StrCat(field, " is ", a, " of the left camera and ", b,
                      " of the right one: a rectified pair has the same, is it one?"));
   }
-  return CheckRange("baseline_m", rig.baseline_m, 0, 100);
+  if (rig.baseline_m > 0 && rig.baseline_m <= kMostBaseline_m) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("baseline_m is ", rig.baseline_m,
+                                                 ", must be above 0 and at most ", kMostBaseline_m,
+                                                 ": is it in metres?"));
 }
 
 Camera PinholeOf(const RigCamera& camera) {
