@@ -306,7 +306,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
       },
       "Say what can be played and what each kind needs, and end");
   app.add_option("--rig", flags.rig, "Rig file of the cameras, instead of the source's own");
-  app.add_option("--frames", flags.frames, "First and last frame, A:B");
+  app.add_option("--frames", flags.frames, "First and last frame, A:B, as ?frames=")
+      ->group(kRareGroup);
   app.add_option("--server", flags.server, "HOST:PORT of a map store; without: one robot alone");
   app.add_option("--mission", flags.mission, "The exploration that is shared")
       ->capture_default_str();
