@@ -201,7 +201,9 @@ absl::Status ApplyOptions(absl::string_view options, SourceSpec& spec) {
   return absl::OkStatus();
 }
 
-absl::Status UseRig(const std::string& path, SourceSpec& spec) { return ApplyOption("rig", path, spec); }
+absl::Status UseRig(const std::string& path, SourceSpec& spec) {
+  return ApplyOption("rig", path, spec);
+}
 
 namespace {
 

@@ -60,8 +60,9 @@ absl::StatusOr<RigCamera> ReadCamera(const YAML::Node& camera, const std::string
   if (!camera.IsMap()) return Bad(path, absl::StrCat(name, " holds no fields"));
   ASSIGN_OR_RETURN(const Model model, FindModel(camera, path, name));
   const size_t count = model.lens_numbers + 4;
-  ASSIGN_OR_RETURN(const std::vector<double> k,
-                   ReadNumbers(camera["intrinsics"], path, absl::StrCat(name, ".intrinsics"), count, count));
+  ASSIGN_OR_RETURN(
+      const std::vector<double> k,
+      ReadNumbers(camera["intrinsics"], path, absl::StrCat(name, ".intrinsics"), count, count));
   ASSIGN_OR_RETURN(const PictureSize size,
                    ReadSize(camera["resolution"], path, absl::StrCat(name, ".resolution")));
   ASSIGN_OR_RETURN(const LensModel lens, ReadLens(camera, model, k, path, name));
