@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/plausibility.h"
 #include "client_agent/source/pictures/image_file.h"
 #include "client_agent/source/rig/rig_file.h"
 #include "slam/util/status_macros.h"
@@ -27,24 +26,6 @@ absl::Status CheckSize(const SourceSpec& spec, const RigCamera& camera,
                    first.rows, ": give the rig of this camera, at this size"));
 }
 
-absl::StatusOr<SourceFindings> CheckCameras(const SourceSpec& spec, const Rig& rig) {
-  SourceFindings findings;
-  for (const RigCamera& camera : rig.cameras) {
-    const RawCamera& raw = camera.raw;
-    ASSIGN_OR_RETURN(SourceFindings more,
-                     CheckIntrinsics({raw.fx_px, raw.fy_px, raw.cx_px, raw.cy_px, camera.width_px,
-                                      camera.height_px},
-                                     spec.opening.rig_file, spec.opening.trust_calibration));
-    findings.insert(findings.end(), more.begin(), more.end());
-  }
-  if (rig.kind == RigKind::kRgbd) return findings;
-  const double baseline_m = rig.rectified ? rig.baseline_m : rig.right_from_left.translation.norm();
-  ASSIGN_OR_RETURN(SourceFindings more, CheckBaseline(baseline_m, spec.opening.rig_file,
-                                                      spec.opening.trust_calibration));
-  findings.insert(findings.end(), more.begin(), more.end());
-  return findings;
-}
-
 }  // namespace
 
 absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& sequence) {
@@ -55,7 +36,7 @@ absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& seque
         absl::StrCat(path, ": is of ", NameOf(rig.kind), ", this recording is of ", NameOf(kind)));
   }
   RETURN_IF_ERROR(CheckSize(spec, rig.cameras[0], sequence.frames));
-  ASSIGN_OR_RETURN(SourceFindings findings, CheckCameras(spec, rig));
+  ASSIGN_OR_RETURN(SourceFindings findings, JudgeRig(rig, path, spec.opening.trust_calibration));
   ASSIGN_OR_RETURN(sequence.calibration, CalibrationOf(rig));
   sequence.description.remarks.Add(std::move(findings));
   sequence.description.intrinsics_from = path;

@@ -1,5 +1,7 @@
 #include "client_agent/live/gstreamer/gst_source.h"
 
+#include <glog/logging.h>
+
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,6 +34,7 @@ struct GstOptions {
   std::string rate;
   double pair_within_ms = kDefaultWithin_ms;
   std::optional<bool> restarts;
+  bool trust_calibration = false;  // Also an improbable rig is taken.
 };
 
 absl::Status BadOption(absl::string_view key, absl::string_view value, absl::string_view wanted) {
@@ -51,7 +54,8 @@ class GstSettings : public KindSettings {
 
   absl::string_view kind() const override { return kind_; }
   std::vector<absl::string_view> OptionNames() const override {
-    std::vector<absl::string_view> names = {"rig", "layout", "pair_within_ms", "restart"};
+    std::vector<absl::string_view> names = {"rig", "layout", "pair_within_ms", "restart",
+                                            "trust_calibration"};
     if (IsV4l2()) names.insert(names.end(), {"format", "size", "rate"});
     return names;
   }
@@ -94,6 +98,7 @@ class GstSettings : public KindSettings {
     if (options_.restarts.has_value()) {
       formatted.emplace_back("restart", *options_.restarts ? "1" : "0");
     }
+    if (options_.trust_calibration) formatted.emplace_back("trust_calibration", "1");
     return formatted;
   }
   uint64_t noise_seed() const override { return 1; }
@@ -110,6 +115,9 @@ class GstSettings : public KindSettings {
           kind_, ": a live camera needs its rig: --rig FILE (docs/rig.md says how to make one)"));
     }
     ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(options_.rig));
+    ASSIGN_OR_RETURN(const SourceFindings findings,
+                     JudgeRig(rig, options_.rig, options_.trust_calibration));
+    for (const SourceFinding& finding : findings) LOG(WARNING) << finding.text;
     GstCameraOptions camera;
     camera.first = PipelineOf(0);
     camera.second = PipelineOf(1);
@@ -176,6 +184,9 @@ class GstSettings : public KindSettings {
         return BadOption(key, value, "frames a second, 1 to 1000");
       }
       options_.rate = std::string(value);
+    } else if (key == "trust_calibration") {
+      if (value != "" && value != "0" && value != "1") return BadOption(key, value, "0 or 1");
+      options_.trust_calibration = value != "0";
     } else if (key == "restart") {
       if (value != "0" && value != "1") return BadOption(key, value, "0 or 1");
       options_.restarts = value == "1";

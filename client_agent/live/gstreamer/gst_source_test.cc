@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
 #include "client_agent/source/frame_reader.h"
 #include "client_agent/source/frame_stream.h"
@@ -180,6 +181,16 @@ TEST(GstSourceTest, SaysWhatIsWrong) {
     EXPECT_FALSE(stream.ok()) << source;
     EXPECT_THAT(std::string(stream.status().message()), HasSubstr(says)) << source;
   }
+}
+
+// As a recording's: the numbers of pictures of another size.
+TEST(GstSourceTest, AnImprobableRigMustBeTrusted) {
+  const std::string askew = absl::StrReplaceAll(kStereo, {{"[80, 60]", "[120, 60]"}});
+  const std::string source =
+      absl::StrCat("gst:", TestCamera(3, "", 320), "?layout=side-by-side&rig=", WriteRig(askew));
+  EXPECT_THAT(std::string(Open(source).status().message()), HasSubstr("cx 120 px of 160 can't be"));
+  const auto trusted = Open(source + "&trust-calibration=1");
+  EXPECT_TRUE(trusted.ok()) << trusted.status();
 }
 
 TEST(GstSourceTest, ASpecIsWrittenBack) {

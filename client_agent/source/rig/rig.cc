@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/calibration/plausibility.h"
 #include "client_agent/source/pictures/image_file.h"
 #include "slam/util/status_macros.h"
 
@@ -105,9 +106,13 @@ absl::StatusOr<PictureMask> ReadMask(const Rig& rig) {
       "; give one of this size and 8 bits, black where the robot itself is seen"));
 }
 
+double Baseline_m(const Rig& rig) {
+  return rig.rectified ? rig.baseline_m : rig.right_from_left.translation.norm();
+}
+
 StereoCalibration StereoOf(const Rig& rig) {
   StereoCalibration calibration;
-  const double baseline_m = rig.rectified ? rig.baseline_m : rig.right_from_left.translation.norm();
+  const double baseline_m = Baseline_m(rig);
   if (rig.rectified) {
     calibration.camera = PinholeOf(rig.cameras[0]);
     calibration.camera.baseline_m = baseline_m;
@@ -144,6 +149,22 @@ absl::Status Validate(const Rig& rig) {
   }
   if (rig.rate_hz.has_value()) RETURN_IF_ERROR(CheckRange("rate_hz", *rig.rate_hz, 0, 1000));
   return rig.kind == RigKind::kStereo ? ValidateStereo(rig) : ValidateRgbd(rig);
+}
+
+absl::StatusOr<SourceFindings> JudgeRig(const Rig& rig, absl::string_view from, bool trust) {
+  SourceFindings findings;
+  for (const RigCamera& camera : rig.cameras) {
+    const RawCamera& raw = camera.raw;
+    ASSIGN_OR_RETURN(const SourceFindings more,
+                     CheckIntrinsics({raw.fx_px, raw.fy_px, raw.cx_px, raw.cy_px, camera.width_px,
+                                      camera.height_px},
+                                     from, trust));
+    findings.insert(findings.end(), more.begin(), more.end());
+  }
+  if (rig.kind == RigKind::kRgbd) return findings;
+  ASSIGN_OR_RETURN(const SourceFindings more, CheckBaseline(Baseline_m(rig), from, trust));
+  findings.insert(findings.end(), more.begin(), more.end());
+  return findings;
 }
 
 absl::StatusOr<SensorCalibration> CalibrationOf(const Rig& rig) {

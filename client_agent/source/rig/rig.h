@@ -9,6 +9,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "client_agent/source/source_finding.h"
 #include "slam/camera/lens.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/sensor/sensor.h"
@@ -54,6 +56,10 @@ struct Rig {
 
 // INVALID_ARGUMENT names the field, its value and what a camera has.
 absl::Status Validate(const Rig& rig);
+
+// Finds what is improbable in a rig, as plausibility.h does for every calibration; `from` names its
+// file. What no camera has is INVALID_ARGUMENT, unless `trust`.
+absl::StatusOr<SourceFindings> JudgeRig(const Rig& rig, absl::string_view from, bool trust);
 
 // Returns what sensors need; reads the mask. Errors name the field or the mask's file.
 absl::StatusOr<SensorCalibration> CalibrationOf(const Rig& rig);

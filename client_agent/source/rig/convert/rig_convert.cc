@@ -7,7 +7,6 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client_agent/source/calibration/plausibility.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
 #include "slam/util/status_macros.h"
@@ -92,23 +91,8 @@ absl::StatusOr<const Format*> FindFormat(const RigFiles& files) {
 
 // Notes what is improbable; refuses what can't be.
 absl::Status CheckPlausible(const RigFiles& files, ConvertedRig& converted) {
-  const Rig& rig = converted.rig;
-  const std::string from = absl::StrJoin(files.paths, ", ");
-  SourceFindings findings;
-  for (const RigCamera& camera : rig.cameras) {
-    const RawCamera& raw = camera.raw;
-    ASSIGN_OR_RETURN(const SourceFindings more,
-                     CheckIntrinsics({raw.fx_px, raw.fy_px, raw.cx_px, raw.cy_px, camera.width_px,
-                                      camera.height_px},
-                                     from, files.trust));
-    findings.insert(findings.end(), more.begin(), more.end());
-  }
-  if (rig.kind == RigKind::kStereo) {
-    const double baseline_m =
-        rig.rectified ? rig.baseline_m : rig.right_from_left.translation.norm();
-    ASSIGN_OR_RETURN(const SourceFindings more, CheckBaseline(baseline_m, from, files.trust));
-    findings.insert(findings.end(), more.begin(), more.end());
-  }
+  ASSIGN_OR_RETURN(const SourceFindings findings,
+                   JudgeRig(converted.rig, absl::StrJoin(files.paths, ", "), files.trust));
   for (const SourceFinding& finding : findings) converted.notes.push_back(finding.text);
   return absl::OkStatus();
 }
