@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "client_agent/agent/agent_orders.h"
 #include "client_agent/source/source_finding.h"
 #include "client_agent/spool/spool.h"
 #include "client_agent/tracking/tracking_result.h"
@@ -45,6 +46,8 @@ struct AgentOptions {
   // Whether anybody will ask for LocalTrajectory. What it returns is held in memory, some 100 bytes
   // a frame.
   bool keep_trajectory = true;
+  // What others want of the robot while it runs; null: nobody does.
+  std::shared_ptr<AgentOrders> orders;
 
   absl::Status Validate() const;
 };
@@ -60,6 +63,9 @@ struct TrajectoryPose {
 struct AgentStatus {
   TrackingState state = TrackingState::kNotInitialised;
   LocalMapId local_map;
+  // Of the last frame.
+  WhyNoPose why_no_pose = WhyNoPose::kHasOne;
+  bool mapping_paused = false;
   // Time and pose of the last tracked frame.
   int64_t timestamp_ns = 0;
   Rigid3d local_from_camera;

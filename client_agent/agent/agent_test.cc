@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -92,6 +93,18 @@ class RecordedAgentTest : public ::testing::Test {
     return black;
   }
 
+  // A good picture of a place that nobody has seen.
+  SensorImages Elsewhere() const {
+    SensorImages other = played_.back();
+    cv::RNG random(5);
+    other.grey = cv::Mat(other.grey.size(), other.grey.type());
+    random.fill(other.grey, cv::RNG::UNIFORM, 0, 256);
+    cv::resize(other.grey(cv::Rect(0, 0, other.grey.cols / 4, other.grey.rows / 4)), other.grey,
+               other.grey.size(), 0, 0, cv::INTER_CUBIC);
+    other.depth = cv::Mat(other.depth.size(), other.depth.type(), cv::Scalar(10'000));
+    return other;
+  }
+
   std::string source_;
   std::unique_ptr<RecordedSequence> source_images_;
   std::vector<SensorImages> played_;
@@ -148,6 +161,9 @@ TEST_F(RecordedAgentTest, LostForAWhileItFindsBackLostForLongItOpensANewMap) {
   EXPECT_EQ(agent->GetStatus().local_map, first);
 
   for (int i = 0; i < 40; ++i) ASSERT_TRUE(agent->Track(Black()).ok());
+  EXPECT_EQ(agent->GetStatus().local_maps, 1) << "what covers the camera ends no map";
+  EXPECT_EQ(agent->GetStatus().why_no_pose, WhyNoPose::kFewKeypoints);
+  for (int i = 0; i < 31; ++i) ASSERT_TRUE(agent->Track(Elsewhere()).ok());
   EXPECT_EQ(agent->GetStatus().local_maps, 2);
   EXPECT_EQ(agent->Track(played_[10])->state, TrackingState::kTracking);
   EXPECT_EQ(agent->Track(played_[11])->state, TrackingState::kTracking);

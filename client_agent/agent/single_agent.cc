@@ -75,6 +75,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
             return std::make_shared<const Words>(vocabulary->Transform(descriptors));
           },
           std::move(spool))) {
+  if (options_.orders != nullptr) options_.orders->SetCamera(*camera_);
   OpenLocalMap();
   if (!options_.deterministic) link_->Start();
 }
@@ -129,14 +130,28 @@ void SingleAgent::KeepResultsOf(const LocalMapSession& session) {
 
 absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   const absl::Time start = absl::Now();
+  FollowOrders();
   ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
   Watch(features);
   TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
+  smooth_pose_.Add(result);
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start));
-  if (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap()) BeginLocalMap();
+  const bool paused = options_.orders != nullptr && options_.orders->mapping_paused();
+  if (!paused && (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap())) {
+    BeginLocalMap();
+  }
   if (options_.deterministic) Step();
   LetGoOfFinished();
   return result;
+}
+
+void SingleAgent::FollowOrders() {
+  if (options_.orders == nullptr) return;
+  const OrdersForFrame orders = options_.orders->Take();
+  // AgentOrders has judged the mask.
+  if (orders.mask.has_value()) sensor_->SetMask(*orders.mask).IgnoreError();
+  if (orders.open_local_map) BeginLocalMap();
+  current().tracker().PauseMapping(orders.mapping_paused);
 }
 
 void SingleAgent::BeginLocalMap() {
@@ -159,6 +174,7 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
   {
     absl::MutexLock lock(&mutex_);
     status_.state = result.state;
+    status_.why_no_pose = result.why_no_pose;
     ++status_.frames;
     ++(tracked ? status_.tracked : status_.lost);
     if (tracked) {
@@ -228,6 +244,7 @@ AgentStatus SingleAgent::GetStatus() const {
     status.loops_closed += loops.closed;
     status.foreign_loops_closed += loops.closed_against_others;
   }
+  status.mapping_paused = options_.orders != nullptr && options_.orders->mapping_paused();
   status.global_from_local = link_->GlobalFromLocal();
   status.foreign_keyframes = static_cast<int>(link_->shared_keyframes());
   status.shared_updates = link_->shared_updates();

@@ -10,6 +10,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/agent/local_map_session.h"
+#include "client_agent/agent/smooth_pose.h"
 #include "client_agent/link/store_link.h"
 #include "client_agent/map/map_history.h"
 #include "client_agent/source_checks/input_watch.h"
@@ -37,6 +38,7 @@ class SingleAgent : public Agent {
 
  private:
   void OpenLocalMap();
+  void FollowOrders();
   void Watch(const Features& features);
   void Record(const TrackingResult& result, double tracking_ms);
   LocalMapSession& current() const { return *current_session_; }
@@ -61,6 +63,7 @@ class SingleAgent : public Agent {
   const std::shared_ptr<const Vocabulary> vocabulary_;
   std::mt19937_64 random_;
   std::shared_ptr<LocalMapSession> current_session_;
+  SmoothPose smooth_pose_;
   SampleLog tracking_ms_;
   SampleLog local_ba_ms_;
 

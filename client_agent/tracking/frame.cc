@@ -3,9 +3,32 @@
 #include <utility>
 
 #include "client_agent/mapping/nearest_keypoints.h"
+#include "slam/optimisation/pose_covariance.h"
 #include "slam/optimisation/pose_optimisation.h"
 
 namespace corbslam::client_agent {
+namespace {
+
+// The observations of a frame's associations, and the keypoint of each.
+struct FrameObservations {
+  std::vector<PoseObservation> observations;
+  std::vector<size_t> keypoint_of;
+};
+
+FrameObservations ObservationsOf(const Frame& frame) {
+  FrameObservations of;
+  for (size_t i = 0; i < frame.associations.size(); ++i) {
+    if (frame.associations[i].kind == Association::Kind::kNone) continue;
+    const Keypoint& keypoint = frame.keypoints()[i];
+    of.observations.push_back({frame.associations[i].position_in_map, keypoint.Pixel(),
+                               keypoint.disparity_px,
+                               ScalePyramid::Variance_px2(keypoint.octave)});
+    of.keypoint_of.push_back(i);
+  }
+  return of;
+}
+
+}  // namespace
 
 Frame MakeFrame(int64_t timestamp_ns, std::shared_ptr<const Camera> camera, Features features) {
   Frame frame;
@@ -39,15 +62,7 @@ void Refresh(const Map& map, const MapHistory& history, Frame& frame) {
 
 InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId own,
                               Frame& frame) {
-  std::vector<PoseObservation> observations;
-  std::vector<size_t> keypoint_of;
-  for (size_t i = 0; i < frame.associations.size(); ++i) {
-    if (frame.associations[i].kind == Association::Kind::kNone) continue;
-    const Keypoint& keypoint = frame.keypoints()[i];
-    observations.push_back({frame.associations[i].position_in_map, keypoint.Pixel(),
-                            keypoint.disparity_px, ScalePyramid::Variance_px2(keypoint.octave)});
-    keypoint_of.push_back(i);
-  }
+  const auto [observations, keypoint_of] = ObservationsOf(frame);
   const PoseEstimate estimate = OptimisePose(frame.camera(), initial_camera_from_map, observations);
   frame.camera_from_map = estimate.camera_from_map;
   InlierCount count;
@@ -63,6 +78,13 @@ InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId
     }
   }
   return count;
+}
+
+std::optional<Matrix6d> FramePoseCovariance(const Frame& frame) {
+  const std::optional<Matrix6d> covariance =
+      PoseCovariance(frame.camera(), frame.camera_from_map, ObservationsOf(frame).observations);
+  if (!covariance.has_value()) return std::nullopt;
+  return InMapAxes(frame.camera_from_map, *covariance);
 }
 
 void AddTemporaryPoints(Frame& frame) {

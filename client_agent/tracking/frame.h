@@ -4,9 +4,11 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "client_agent/map/map_history.h"
+#include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/map/keyframe.h"
 #include "slam/map/map.h"
@@ -67,6 +69,10 @@ struct InlierCount {
 // Finds the pose that fits the frame's associations best, from `initial`, and drops those that
 // disagree with it.
 InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId own, Frame& frame);
+
+// Returns the covariance of the pose that OptimiseFramePose found, in the map's axes (InMapAxes); nullopt
+// where the associations don't determine it.
+std::optional<Matrix6d> FramePoseCovariance(const Frame& frame);
 
 // Adds temporary associations for keypoints with depth that see no map point: all close ones, and
 // the nearest hundred (ORB-SLAM2, Mur-Artal and Tardos, T-RO 2017).

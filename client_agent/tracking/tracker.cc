@@ -37,8 +37,8 @@ Tracker::Tracker(const TrackerOptions& options, std::shared_ptr<const Camera> ca
 TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
   Frame frame = MakeFrame(timestamp_ns, camera_, std::move(features));
   if (state_ == TrackingState::kNotInitialised) {
-    const bool begun = Begin(frame);
-    return Conclude(std::move(frame), begun);
+    const WhyNoPose why_not = Begin(frame);
+    return Conclude(std::move(frame), why_not);
   }
   const bool tracked = FindPose(frame);
   if (tracked) {
@@ -47,24 +47,34 @@ TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
                     : std::nullopt;
     ConsiderKeyframe(frame);
   }
-  return Conclude(std::move(frame), tracked);
+  const WhyNoPose picture = tracked ? WhyNoPose::kHasOne : JudgePicture(frame);
+  const bool unrecognised = !tracked && picture == WhyNoPose::kHasOne;
+  return Conclude(std::move(frame), unrecognised ? WhyNoPose::kNotRecognised : picture);
 }
 
 bool Tracker::IsLostForGood() const {
-  if (state_ != TrackingState::kLost) return false;
+  if (state_ != TrackingState::kLost || mapping_paused_ || lost_frames_ == 0) return false;
   return lost_frames_ > options_.max_lost_frames ||
          local_map_.map_keyframes < options_.min_keyframes_to_wait;
 }
 
-bool Tracker::Begin(Frame& frame) {
+WhyNoPose Tracker::Begin(Frame& frame) {
+  if (mapping_paused_) return WhyNoPose::kMappingPaused;
+  if (const WhyNoPose picture = JudgePicture(frame); picture != WhyNoPose::kHasOne) return picture;
+  if (!parts_.queue->HasRoom()) return WhyNoPose::kMappingBusy;
+  MakeKeyframe(frame);
+  return WhyNoPose::kHasOne;
+}
+
+WhyNoPose Tracker::JudgePicture(const Frame& frame) const {
   const std::vector<Keypoint>& keypoints = frame.keypoints();
+  if (static_cast<int>(keypoints.size()) < options_.min_keypoints_to_begin) {
+    return WhyNoPose::kFewKeypoints;
+  }
   const auto with_depth = std::count_if(keypoints.begin(), keypoints.end(),
                                         [](const Keypoint& k) { return k.HasDepth(); });
-  if (static_cast<int>(keypoints.size()) < options_.min_keypoints_to_begin) return false;
-  if (with_depth < options_.min_keypoints_to_begin / 5) return false;
-  if (!parts_.queue->HasRoom()) return false;
-  MakeKeyframe(frame);
-  return true;
+  return with_depth < options_.min_keypoints_to_begin / 5 ? WhyNoPose::kFewDepths
+                                                          : WhyNoPose::kHasOne;
 }
 
 bool Tracker::FindPose(Frame& frame) {
@@ -75,6 +85,8 @@ bool Tracker::FindPose(Frame& frame) {
   frame = std::move(solution->frame);
   local_map_ = std::move(solution->local_map);
   inliers_ = solution->inliers;
+  points_in_view_ = static_cast<int>(solution->visible.size());
+  corrections_ = solution->corrections;
   parts_.statistics->Count(solution->visible, SeenPoints(frame));
   return true;
 }
@@ -95,6 +107,7 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
                         &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise},
                        frame);
     }
+    if (solution.has_value()) solution->corrections = corrections;
     if (parts_.map->corrections() == corrections) break;
   }
   return solution;
@@ -201,6 +214,7 @@ void Tracker::ConsiderKeyframe(Frame& frame) {
     frame.camera_from_reference = frame.camera_from_map * previous_->camera_from_map.Inverse() *
                                   previous_->camera_from_reference;
   }
+  if (mapping_paused_) return;
   KeyframeEvidence evidence;
   CountClosePoints(frame, evidence);
   evidence.inliers = inliers_.map_points;
@@ -250,29 +264,44 @@ void Tracker::KeepLooks(const Frame& frame) const {
       [&](const Map& map) { return FindLooks(map, parts_.map->local_map(), frame); }));
 }
 
-TrackingResult Tracker::Conclude(Frame frame, bool tracked) {
+std::optional<CameraMotion> Tracker::MotionTo(const Frame& frame) const {
+  if (!previous_.has_value()) return std::nullopt;
+  return CameraMotion{frame.camera_from_map * previous_->camera_from_map.Inverse(),
+                      frame.payload->timestamp_ns - previous_->payload->timestamp_ns};
+}
+
+TrackingResult Tracker::Conclude(Frame frame, WhyNoPose why_no_pose) {
   TrackingResult result;
   result.timestamp_ns = frame.payload->timestamp_ns;
   result.local_map = parts_.map->local_map();
-  if (tracked) {
-    DropTemporaryPoints(frame);
-    KeepLooks(frame);
-    state_ = TrackingState::kTracking;
-    lost_frames_ = 0;
-    result.camera_from_local = frame.camera_from_map;
-    result.reference = frame.reference;
-    result.reference_from_camera = frame.camera_from_reference.Inverse();
-    result.points_matched = inliers_.map_points;
-    result.foreign_points_matched = inliers_.foreign;
-    result.made_keyframe = frame.keyframe.IsValid();
-    previous_ = std::move(frame);
+  result.why_no_pose = why_no_pose;
+  if (why_no_pose == WhyNoPose::kHasOne) {
+    ConcludeTracked(std::move(frame), result);
   } else if (state_ != TrackingState::kNotInitialised) {
     state_ = TrackingState::kLost;
     velocity_.reset();
-    ++lost_frames_;
+    lost_frames_ += why_no_pose == WhyNoPose::kNotRecognised ? 1 : 0;
   }
   result.state = state_;
   return result;
+}
+
+void Tracker::ConcludeTracked(Frame frame, TrackingResult& result) {
+  result.covariance = FramePoseCovariance(frame);
+  result.motion = MotionTo(frame);
+  DropTemporaryPoints(frame);
+  KeepLooks(frame);
+  state_ = TrackingState::kTracking;
+  lost_frames_ = 0;
+  result.corrections = corrections_;
+  result.camera_from_local = frame.camera_from_map;
+  result.reference = frame.reference;
+  result.reference_from_camera = frame.camera_from_reference.Inverse();
+  result.points_matched = inliers_.map_points;
+  result.foreign_points_matched = inliers_.foreign;
+  result.points_in_view = points_in_view_;
+  result.made_keyframe = frame.keyframe.IsValid();
+  previous_ = std::move(frame);
 }
 
 }  // namespace corbslam::client_agent

@@ -64,17 +64,24 @@ class Tracker {
 
   TrackingResult Track(int64_t timestamp_ns, Features features);
 
-  // True when tracking will not find its way back, so that it is time for a new local map.
+  // While paused the map gets no keyframes, and none is begun or given up.
+  void PauseMapping(bool paused) { mapping_paused_ = paused; }
+
+  // True when tracking will not find its way back, so that it is time for a new local map. Frames in
+  // which no map could begin don't count: what covers the camera ends no map.
   bool IsLostForGood() const;
 
  private:
-  bool Begin(Frame& frame);
+  WhyNoPose Begin(Frame& frame);
+  // Returns kHasOne for a frame that shows enough to begin a map with.
+  WhyNoPose JudgePicture(const Frame& frame) const;
   // A pose for the frame with what it rests on.
   struct Solution {
     Frame frame;
     LocalMapView local_map;
     InlierCount inliers;
     std::vector<MapPointId> visible;
+    uint64_t corrections = 0;
   };
   using FirstPose = bool (Tracker::*)(Frame&) const;
 
@@ -97,7 +104,10 @@ class Tracker {
   void MakeKeyframe(Frame& frame);
   void EnsureWords(Frame& frame) const;
   void KeepLooks(const Frame& frame) const;
-  TrackingResult Conclude(Frame frame, bool tracked);
+  // Returns what the camera moved since the previous frame, by the map as it is now.
+  std::optional<CameraMotion> MotionTo(const Frame& frame) const;
+  TrackingResult Conclude(Frame frame, WhyNoPose why_no_pose);
+  void ConcludeTracked(Frame frame, TrackingResult& result);
 
   const TrackerOptions options_;
   const std::shared_ptr<const Camera> camera_;
@@ -109,6 +119,10 @@ class Tracker {
   std::optional<Rigid3d> velocity_;
   LocalMapView local_map_;
   InlierCount inliers_;
+  int points_in_view_ = 0;
+  // Of the map that the last pose was found in.
+  uint64_t corrections_ = 0;
+  bool mapping_paused_ = false;
   KeyframeId last_keyframe_;
   int64_t last_keyframe_ns_ = 0;
   int lost_frames_ = 0;

@@ -57,6 +57,15 @@ class TrackerTest : public ::testing::Test {
     return Finish(tracker_.Track(index * 100'000'000, Seen(index).payload->features));
   }
 
+  // A good picture of a place that nobody has seen.
+  TrackingResult TrackElsewhere() {
+    Features features = Seen(0).payload->features;
+    for (Descriptor& descriptor : features.descriptors) {
+      for (auto& word : descriptor.words) word = random_();
+    }
+    return Finish(tracker_.Track(1, features));
+  }
+
   TrackingResult TrackNothing() { return Finish(tracker_.Track(1, Features())); }
 
   TrackingResult Finish(const TrackingResult& result) {
@@ -96,6 +105,7 @@ class TrackerTest : public ::testing::Test {
   PlaceFinder find_places_;
   Mapper mapper_;
   Tracker tracker_;
+  std::mt19937_64 random_{11};
 };
 
 TEST_F(TrackerTest, FollowsTheWayAndMakesKeyframes) {
@@ -152,6 +162,10 @@ TEST_F(TrackerTest, BeginsOnlyWithEnoughKeypoints) {
   few.keypoints.resize(100);
   few.descriptors.resize(100);
   EXPECT_EQ(tracker_.Track(2, few).state, TrackingState::kNotInitialised);
+  EXPECT_EQ(tracker_.Track(2, few).why_no_pose, WhyNoPose::kFewKeypoints);
+  Features flat = Seen(0).payload->features;
+  for (Keypoint& keypoint : flat.keypoints) keypoint.disparity_px = 0;
+  EXPECT_EQ(tracker_.Track(2, flat).why_no_pose, WhyNoPose::kFewDepths);
   EXPECT_FALSE(tracker_.IsLostForGood());
   EXPECT_EQ(Track(0).state, TrackingState::kTracking);
 }
@@ -176,15 +190,69 @@ TEST_F(TrackerTest, ASuddenJumpIsNoFalsePose) {
 
 TEST_F(TrackerTest, AFreshMapIsGivenUpAtOnceALargeOneLater) {
   Track(0);
-  TrackNothing();
+  EXPECT_EQ(TrackElsewhere().why_no_pose, WhyNoPose::kNotRecognised);
   EXPECT_TRUE(tracker_.IsLostForGood());
+}
+
+TEST_F(TrackerTest, WhatCoversTheCameraEndsNoMap) {
+  for (uint32_t i = 0; i < 40; ++i) Track(i);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(TrackNothing().why_no_pose, WhyNoPose::kFewKeypoints);
+    ASSERT_FALSE(tracker_.IsLostForGood());
+  }
+  const TrackingResult result = Track(20);
+  ASSERT_EQ(result.state, TrackingState::kTracking);
+  EXPECT_LT(Error(result, 20), 0.02);
+}
+
+TEST_F(TrackerTest, WhileMappingIsPausedTheMapStaysAsItIs) {
+  for (uint32_t i = 0; i < 20; ++i) Track(i);
+  const auto count = [this] {
+    return map_.Read([](const Map& map) { return map.keyframes().size(); });
+  };
+  const size_t before = count();
+  tracker_.PauseMapping(true);
+  for (uint32_t i = 20; i < 26; ++i) EXPECT_FALSE(Track(i).made_keyframe) << i;
+  for (int i = 0; i < 100; ++i) TrackElsewhere();
+  EXPECT_FALSE(tracker_.IsLostForGood());
+  EXPECT_EQ(Track(10).state, TrackingState::kTracking);
+  EXPECT_EQ(count(), before);
+  tracker_.PauseMapping(false);
+  int keyframes = 0;
+  for (uint32_t i = 20; i < 40; ++i) keyframes += Track(i).made_keyframe;
+  EXPECT_GT(keyframes, 0);
+}
+
+TEST_F(TrackerTest, APausedRobotBeginsNoMap) {
+  tracker_.PauseMapping(true);
+  EXPECT_EQ(Track(0).why_no_pose, WhyNoPose::kMappingPaused);
+  tracker_.PauseMapping(false);
+  EXPECT_EQ(Track(0).state, TrackingState::kTracking);
+}
+
+TEST_F(TrackerTest, SaysHowItMovedAndHowSurelyItKnows) {
+  for (uint32_t i = 0; i < 10; ++i) Track(i);
+  MoveMap(5);
+  const TrackingResult result = Track(10);
+  ASSERT_TRUE(result.motion.has_value());
+  EXPECT_EQ(result.motion->since_ns, 100'000'000);
+  const auto& truth = Scene().true_camera_from_map;
+  const Rigid3d moved = truth.at(Seen(10).id()) * truth.at(Seen(9).id()).Inverse();
+  EXPECT_LT((result.motion->camera_from_previous.translation - moved.translation).norm(), 0.02)
+      << "whatever the map did";
+  EXPECT_GT(result.corrections, 0u);
+  EXPECT_GE(result.points_in_view, result.points_matched);
+  ASSERT_TRUE(result.covariance.has_value());
+  const double spread_m = std::sqrt(result.covariance->diagonal().head<3>().sum());
+  EXPECT_GT(spread_m, 1e-5);
+  EXPECT_LT(spread_m, 0.02);
 }
 
 TEST_F(TrackerTest, ALargeMapIsGivenUpAfterManyLostFrames) {
   for (uint32_t i = 0; i < 40; ++i) Track(i);
   int frames = 0;
   while (!tracker_.IsLostForGood()) {
-    TrackNothing();
+    TrackElsewhere();
     ASSERT_LT(++frames, 100);
   }
   EXPECT_GT(frames, 10);

@@ -3,7 +3,9 @@
 #define CORBSLAM_CLIENT_AGENT_TRACKING_TRACKING_RESULT_H_
 
 #include <cstdint>
+#include <optional>
 
+#include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
 
@@ -15,10 +17,29 @@ enum class TrackingState {
   kLost,
 };
 
+// Why a frame has no pose.
+enum class WhyNoPose {
+  kHasOne,
+  kFewKeypoints,   // Fewer corners than a map begins with: dark, blurred, covered or bare.
+  kFewDepths,      // Too few of them have a depth.
+  kMappingBusy,    // Mapping still works on earlier frames.
+  kMappingPaused,  // There is no map, and none may begin.
+  kNotRecognised,  // The picture is good, and the map doesn't show this place, or too differently.
+};
+
+// What the camera moved since the last frame that had a pose, in one and the same map.
+struct CameraMotion {
+  Rigid3d camera_from_previous;
+  int64_t since_ns = 0;
+};
+
 struct TrackingResult {
   int64_t timestamp_ns = 0;
   TrackingState state = TrackingState::kNotInitialised;
+  WhyNoPose why_no_pose = WhyNoPose::kHasOne;
   LocalMapId local_map;
+  // Number of corrections of the local map that the pose follows (GuardedMap::corrections).
+  uint64_t corrections = 0;
   // The rest is valid while tracking.
   Rigid3d camera_from_local;
   KeyframeId reference;
@@ -26,7 +47,17 @@ struct TrackingResult {
   // Map points that agree with the pose, and how many of them others made.
   int points_matched = 0;
   int foreign_points_matched = 0;
+  // Map points that the pose has in view.
+  int points_in_view = 0;
+  // Of the camera's pose in the local map, in its axes (InMapAxes); nullopt where the points don't
+  // determine it.
+  std::optional<Matrix6d> covariance;
+  // Nullopt for the first frame of a local map.
+  std::optional<CameraMotion> motion;
   bool made_keyframe = false;
+  // What SmoothPose adds, whether there is a pose or not.
+  uint64_t epoch = 0;
+  std::optional<Rigid3d> odom_from_camera;
 };
 
 }  // namespace corbslam::client_agent

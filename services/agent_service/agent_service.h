@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/agent/agent.h"
+#include "client_agent/agent/agent_orders.h"
 #include "corbslam/v1/agent_service.grpc.pb.h"
 #include "services/agent_service/pose_board.h"
 #include "services/server/task_pool.h"
@@ -30,6 +31,8 @@ struct AgentServiceOptions {
   // Returns OK while a session with the store stands, else an error that says why there is none;
   // null: not known.
   std::function<absl::Status()> session = nullptr;
+  // Where orders go; null: PauseMapping and the others are UNIMPLEMENTED.
+  std::shared_ptr<client_agent::AgentOrders> orders = nullptr;
 };
 
 // Answers calls about one agent. `agent` and `uplink` (null: no map store) are not owned and must
@@ -50,16 +53,29 @@ class AgentService : public v1::Agent::CallbackService {
                                       v1::AgentStatus* response) override;
   grpc::ServerWriteReactor<v1::GetAgentTrajectoryResponse>* GetTrajectory(
       grpc::CallbackServerContext* context, const v1::GetAgentTrajectoryRequest* request) override;
+  grpc::ServerUnaryReactor* PauseMapping(grpc::CallbackServerContext* context,
+                                         const v1::PauseMappingRequest* request,
+                                         v1::PauseMappingResponse* response) override;
+  grpc::ServerUnaryReactor* ResumeMapping(grpc::CallbackServerContext* context,
+                                          const v1::ResumeMappingRequest* request,
+                                          v1::ResumeMappingResponse* response) override;
+  grpc::ServerUnaryReactor* OpenNewMap(grpc::CallbackServerContext* context,
+                                       const v1::OpenNewMapRequest* request,
+                                       v1::OpenNewMapResponse* response) override;
+  grpc::ServerUnaryReactor* SetMask(grpc::CallbackServerContext* context,
+                                    const v1::SetMaskRequest* request,
+                                    v1::SetMaskResponse* response) override;
 
  private:
+  using Order = std::function<absl::Status(client_agent::AgentOrders&)>;
+  grpc::ServerUnaryReactor* Give(grpc::CallbackServerContext* context, Order order);
+
   const client_agent::Agent& agent_;
   const Uplink* const uplink_;
   const AgentServiceOptions options_;
   PoseBoard poses_;
   TaskPool pool_;
 };
-
-v1::TrackingState ToProto(client_agent::TrackingState state);
 
 }  // namespace corbslam::services
 

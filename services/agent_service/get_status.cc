@@ -9,7 +9,6 @@ using client_agent::AgentStatus;
 using client_agent::HeldBack;
 using client_agent::kUpdateKinds;
 using client_agent::ToString;
-using client_agent::TrackingState;
 using client_agent::UploadStatus;
 
 namespace {
@@ -42,18 +41,6 @@ void WriteSession(const absl::Status& session, v1::AgentStatus* response) {
 
 }  // namespace
 
-v1::TrackingState ToProto(TrackingState state) {
-  switch (state) {
-    case TrackingState::kNotInitialised:
-      return v1::TRACKING_STATE_INITIALISING;
-    case TrackingState::kTracking:
-      return v1::TRACKING_STATE_TRACKING;
-    case TrackingState::kLost:
-      return v1::TRACKING_STATE_LOST;
-  }
-  return v1::TRACKING_STATE_UNSPECIFIED;
-}
-
 grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* context,
                                                   const v1::GetStatusRequest* request,
                                                   v1::AgentStatus* response) {
@@ -68,6 +55,8 @@ grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* c
     response->set_mission(mission);
     response->set_agent(options_.agent);
     response->set_state(ToProto(status.state));
+    response->set_why_no_pose(ToProto(status.why_no_pose));
+    response->set_mapping_paused(status.mapping_paused);
     response->set_local_map(ToString(status.local_map));
     response->set_frames(Count(status.frames));
     response->set_tracked(Count(status.tracked));

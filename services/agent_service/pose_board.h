@@ -10,7 +10,9 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
-#include "corbslam/v1/agent_service.pb.h"
+#include "client_agent/tracking/tracking_result.h"
+#include "services/agent_service/posted_pose.h"
+#include "slam/geometry/rigid3.h"
 
 namespace corbslam::services {
 
@@ -18,10 +20,16 @@ namespace corbslam::services {
 // Thread-safe.
 class PoseBoard {
  public:
-  using Reader = std::function<void(const v1::WatchPoseResponse&)>;
+  using Reader = std::function<void(const PostedPose&)>;
 
-  void Post(v1::WatchPoseResponse pose, uint64_t dropped) {
+  void Post(const client_agent::TrackingResult& result,
+            const std::optional<Similarity3d>& global_from_local, uint64_t dropped) {
     absl::MutexLock lock(&mutex_);
+    PostedPose pose = newest_.value_or(PostedPose());
+    pose.follows_a_pose = pose.result.state == client_agent::TrackingState::kTracking;
+    if (!AreEqual(pose.global_from_local, global_from_local)) ++pose.global_epoch;
+    pose.result = result;
+    pose.global_from_local = global_from_local;
     newest_ = std::move(pose);
     dropped_ = dropped;
     for (const auto& [token, reader] : readers_) reader(*newest_);
@@ -46,8 +54,14 @@ class PoseBoard {
   }
 
  private:
+  static bool AreEqual(const std::optional<Similarity3d>& a, const std::optional<Similarity3d>& b) {
+    if (!a.has_value() || !b.has_value()) return a.has_value() == b.has_value();
+    return a->scale == b->scale && a->translation == b->translation &&
+           a->rotation.coeffs() == b->rotation.coeffs();
+  }
+
   mutable absl::Mutex mutex_;
-  std::optional<v1::WatchPoseResponse> newest_ ABSL_GUARDED_BY(mutex_);
+  std::optional<PostedPose> newest_ ABSL_GUARDED_BY(mutex_);
   uint64_t dropped_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t last_token_ ABSL_GUARDED_BY(mutex_) = 0;
   std::map<uint64_t, Reader> readers_ ABSL_GUARDED_BY(mutex_);

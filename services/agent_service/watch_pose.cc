@@ -12,9 +12,7 @@
 
 namespace corbslam::services {
 
-using client_agent::ToString;
 using client_agent::TrackingResult;
-using client_agent::TrackingState;
 
 namespace {
 
@@ -32,7 +30,7 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
         interval_ns_(interval_ns),
         poses_of_(poses_of),
         camera_from_wanted_(camera_from_wanted) {
-    const uint64_t token = board_.Add([this](const v1::WatchPoseResponse& pose) { OnPose(pose); });
+    const uint64_t token = board_.Add([this](const PostedPose& pose) { OnPose(pose); });
     token_.store(token);
   }
 
@@ -57,26 +55,15 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
   }
 
  private:
-  void OnPose(const v1::WatchPoseResponse& pose) {
+  void OnPose(const PostedPose& pose) {
     {
       absl::MutexLock lock(&mutex_);
       // The difference may be negative, as a sequence may be played backwards.
-      const int64_t step_ns = std::abs(pose.timestamp_ns() - last_ns_.value_or(0));
+      const int64_t step_ns = std::abs(pose.result.timestamp_ns - last_ns_.value_or(0));
       if (last_ns_ && step_ns < interval_ns_) return;
-      next_ = InWantedFrame(pose);
+      next_ = ToProto(pose, poses_of_, camera_from_wanted_);
     }
     Advance();
-  }
-
-  v1::WatchPoseResponse InWantedFrame(v1::WatchPoseResponse pose) const {
-    pose.set_poses_of(ToProto(poses_of_));
-    if (!camera_from_wanted_ || !pose.has_local_from_camera()) return pose;
-    const absl::StatusOr<Rigid3d> local_from_camera = FromProto(pose.local_from_camera());
-    pose.clear_local_from_camera();
-    if (local_from_camera.ok()) {
-      ToProto(*local_from_camera * *camera_from_wanted_, pose.mutable_local_from_camera());
-    }
-    return pose;
   }
 
   void Advance() {
@@ -121,16 +108,7 @@ class RefusedPose : public grpc::ServerWriteReactor<v1::WatchPoseResponse> {
 }  // namespace
 
 void AgentService::OnFrame(const TrackingResult& result, uint64_t dropped) {
-  v1::WatchPoseResponse pose;
-  pose.set_timestamp_ns(result.timestamp_ns);
-  pose.set_state(ToProto(result.state));
-  pose.set_local_map(ToString(result.local_map));
-  if (result.state == TrackingState::kTracking) {
-    ToProto(result.camera_from_local.Inverse(), pose.mutable_local_from_camera());
-  }
-  const std::optional<Similarity3d> global_from_local = agent_.GlobalFromLocal();
-  if (global_from_local) ToProto(*global_from_local, pose.mutable_global_from_local());
-  poses_.Post(std::move(pose), dropped);
+  poses_.Post(result, agent_.GlobalFromLocal(), dropped);
 }
 
 grpc::ServerWriteReactor<v1::WatchPoseResponse>* AgentService::WatchPose(

@@ -42,6 +42,7 @@
 namespace corbslam::services {
 
 using client_agent::Agent;
+using client_agent::AgentOrders;
 using client_agent::AgentOptions;
 using client_agent::ApplyOptions;
 using client_agent::FeatureSelection;
@@ -138,6 +139,7 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
+  if (!flags.listen.empty()) options.orders = std::make_shared<AgentOrders>();
   const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
   return options;
@@ -195,7 +197,7 @@ absl::StatusOr<ServerSecurity> MakeListenSecurity(const Flags& flags) {
     security.reflection = flags.security.reflection;
     security.health_is_open = flags.security.health_is_open;
   }
-  return MakeServerSecurity(security, flags.mission);
+  return MakeServerSecurity(security, flags.mission, flags.agent);
 }
 
 // Returns an error if the run mapped nothing: that is no success.
@@ -259,15 +261,17 @@ absl::Status Run(const Flags& flags) {
   const SensorCalibration& calibration = source.stream->calibration();
   RETURN_IF_ERROR(CheckPosesOf(calibration, flags.poses_of));
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
+  const AgentOptions options = MakeAgentOptions(flags, upload, calibration);
   ASSIGN_OR_RETURN(const auto agent,
-                   Agent::Create(MakeAgentOptions(flags, upload, calibration), calibration,
-                                 vocabulary, observers->Watch(uplink.get()), std::move(spool)));
+                   Agent::Create(options, calibration, vocabulary, observers->Watch(uplink.get()),
+                                 std::move(spool)));
   Agent* const watched = observers->Watch(agent.get());
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "",
                         .agent = flags.agent,
                         .recorded_camera = recorded,
-                        .session = observers->OfSessions()});
+                        .session = observers->OfSessions(),
+                        .orders = options.orders});
   ASSIGN_OR_RETURN(const auto metrics, observers->Serve(agent.get(), uplink.get()));
   security.server.rpc_observer = observers->OfCalls();
   std::unique_ptr<Server> server;

@@ -87,7 +87,7 @@ absl::Status AccessControl::CheckMethod(absl::string_view path, const Evidence& 
                                                     absl::CHexEscape(path.substr(0, 200)),
                                                     ", which has no rule"));
   }
-  return Authorise(identity, {*action, options_.mission, std::nullopt});
+  return Authorise(identity, {*action, options_.mission, options_.agent});
 }
 
 absl::Status AccessControl::Check(const Access& access, const Evidence& evidence,

@@ -33,6 +33,8 @@ struct AccessControlOptions {
   bool health_is_open = true;
   // The mission of all that this server tells (an agent's own service). Nullopt: requests name it.
   std::optional<std::string> mission;
+  // The agent whose own service it is.
+  std::optional<std::string> agent;
 };
 
 // Knows who may call what. Immutable, thread-safe.

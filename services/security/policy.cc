@@ -22,6 +22,8 @@ bool Allows(Role role, Action action) {
       return person_or_robot;
     case Action::kUpload:
       return role == Role::kAgent;
+    case Action::kCommand:
+      return role == Role::kAgent || role == Role::kOperator;
     case Action::kAdminister:
     case Action::kInspect:
       return role == Role::kOperator;
@@ -48,6 +50,9 @@ bool Covers(const Grant& grant, const Access& access) {
       return grant.mission == kAll || (access.mission && grant.mission == *access.mission);
     case Action::kUpload:
       return Matches(grant.mission, access.mission) && Matches(grant.name, access.agent);
+    case Action::kCommand:
+      return Matches(grant.mission, access.mission) &&
+             (grant.role == Role::kOperator || Matches(grant.name, access.agent));
     case Action::kLook:
     case Action::kAdminister:
       return Matches(grant.mission, access.mission);
@@ -69,6 +74,9 @@ std::string DescribeAccess(const Access& access) {
     case Action::kUpload:
       return absl::StrCat("upload to ", mission,
                           access.agent ? absl::StrCat(" as agent ", *access.agent) : "");
+    case Action::kCommand:
+      return absl::StrCat("give orders to ", access.agent ? *access.agent : "a robot", " of ",
+                          mission);
     case Action::kAdminister:
       return absl::StrCat("administer ", mission);
     case Action::kInspect:
@@ -106,7 +114,11 @@ const std::map<absl::string_view, Action>& OwnMethods() {
       {"/corbslam.v1.FusionWorker/AdjustBundle", Action::kCompute},
       {"/corbslam.v1.Agent/WatchPose", Action::kLook},
       {"/corbslam.v1.Agent/GetStatus", Action::kLook},
-      {"/corbslam.v1.Agent/GetTrajectory", Action::kLook}};
+      {"/corbslam.v1.Agent/GetTrajectory", Action::kLook},
+      {"/corbslam.v1.Agent/PauseMapping", Action::kCommand},
+      {"/corbslam.v1.Agent/ResumeMapping", Action::kCommand},
+      {"/corbslam.v1.Agent/OpenNewMap", Action::kCommand},
+      {"/corbslam.v1.Agent/SetMask", Action::kCommand}};
   return methods;
 }
 

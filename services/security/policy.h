@@ -18,6 +18,7 @@ enum class Action {
   kLook,          // Agents, viewers and operators of the mission.
   kListMissions,  // Callers with a grant for all missions.
   kUpload,        // The agent itself.
+  kCommand,       // The agent itself, and operators of the mission.
   kAdminister,    // Operators of the mission.
   kInspect,       // Operators of all missions, or of the server's only one (its connections).
   kCompute,       // Map stores.
@@ -27,7 +28,7 @@ enum class Action {
 struct Access {
   Action action = Action::kLook;
   std::optional<std::string> mission;  // Nullopt: not known yet; one of the caller's will do.
-  std::optional<std::string> agent;    // Set for kUpload only; nullopt likewise.
+  std::optional<std::string> agent;    // Set for kUpload and kCommand only; nullopt likewise.
 };
 
 // Returns OK, or PERMISSION_DENIED, which says who, what, and of which mission.

@@ -16,8 +16,8 @@ namespace corbslam::services {
 namespace {
 
 constexpr Action kAllActions[] = {Action::kCheckHealth,  Action::kReflect, Action::kLook,
-                                  Action::kListMissions, Action::kUpload,  Action::kAdminister,
-                                  Action::kInspect,      Action::kCompute};
+                                  Action::kListMissions, Action::kUpload,  Action::kCommand,
+                                  Action::kAdminister,   Action::kInspect, Action::kCompute};
 
 Identity Be(const std::vector<std::string>& grants) {
   Identity identity;
@@ -36,19 +36,19 @@ TEST(PolicyTest, EachRoleMayDoWhatItIsFor) {
     std::vector<Action> may;
   } const rows[] = {
       {"missions/lab/agents/alpha",
-       {Action::kCheckHealth, Action::kReflect, Action::kLook, Action::kUpload}},
+       {Action::kCheckHealth, Action::kReflect, Action::kLook, Action::kUpload, Action::kCommand}},
       {"missions/lab/agents/-",
-       {Action::kCheckHealth, Action::kReflect, Action::kLook, Action::kUpload}},
+       {Action::kCheckHealth, Action::kReflect, Action::kLook, Action::kUpload, Action::kCommand}},
       {"missions/lab/agents/bravo", {Action::kCheckHealth, Action::kReflect, Action::kLook}},
       {"missions/lab/viewers/alpha", {Action::kCheckHealth, Action::kReflect, Action::kLook}},
       {"missions/lab/operators/alpha",
-       {Action::kCheckHealth, Action::kReflect, Action::kLook, Action::kAdminister,
-        Action::kInspect}},
+       {Action::kCheckHealth, Action::kReflect, Action::kLook, Action::kCommand,
+        Action::kAdminister, Action::kInspect}},
       {"missions/-/viewers/alpha",
        {Action::kCheckHealth, Action::kReflect, Action::kLook, Action::kListMissions}},
       {"missions/-/operators/alpha",
        {Action::kCheckHealth, Action::kReflect, Action::kLook, Action::kListMissions,
-        Action::kAdminister, Action::kInspect}},
+        Action::kCommand, Action::kAdminister, Action::kInspect}},
       {"missions/field/agents/alpha", {Action::kCheckHealth, Action::kReflect}},
       {"missions/field/viewers/alpha", {Action::kCheckHealth, Action::kReflect}},
       {"missions/field/operators/alpha", {Action::kCheckHealth, Action::kReflect}},

@@ -61,10 +61,12 @@ grpc_ssl_client_certificate_request_type CertificateRequest(const SecurityOption
 }
 
 absl::StatusOr<std::shared_ptr<const AccessControl>> MakeAccessControl(
-    const SecurityOptions& options, const std::optional<std::string>& mission) {
+    const SecurityOptions& options, const std::optional<std::string>& mission,
+    const std::optional<std::string>& agent) {
   AccessControlOptions access;
   access.health_is_open = options.health_is_open;
   access.mission = mission;
+  access.agent = agent;
   if (!options.token_key_file.empty()) {
     ASSIGN_OR_RETURN(const std::string pem,
                      ReadSecurityFile("--token-key", options.token_key_file));
@@ -108,7 +110,8 @@ class TokenFile : public grpc::MetadataCredentialsPlugin {
 }  // namespace
 
 absl::StatusOr<ServerSecurity> MakeServerSecurity(const SecurityOptions& options,
-                                                  const std::optional<std::string>& mission) {
+                                                  const std::optional<std::string>& mission,
+                                                  const std::optional<std::string>& agent) {
   ServerSecurity security;
   security.server.reflection = options.reflection;
   if (options.insecure) {
@@ -126,7 +129,7 @@ absl::StatusOr<ServerSecurity> MakeServerSecurity(const SecurityOptions& options
   if (!options.ca_file.empty()) {
     ASSIGN_OR_RETURN(tls.pem_root_certs, ReadAuthorities(options.ca_file));
   }
-  ASSIGN_OR_RETURN(security.access, MakeAccessControl(options, mission));
+  ASSIGN_OR_RETURN(security.access, MakeAccessControl(options, mission, agent));
   security.server.credentials = grpc::SslServerCredentials(tls);
   security.server.credentials->SetAuthMetadataProcessor(MakeCallGate(security.access));
   return security;

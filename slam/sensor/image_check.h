@@ -1,4 +1,4 @@
-// Checks what a source hands to a sensor. Internal to slam/sensor.
+// Checks what a sensor is given.
 #ifndef CORBSLAM_SLAM_SENSOR_IMAGE_CHECK_H_
 #define CORBSLAM_SLAM_SENSOR_IMAGE_CHECK_H_
 

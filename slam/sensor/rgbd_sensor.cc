@@ -41,8 +41,15 @@ absl::StatusOr<std::unique_ptr<Sensor>> RgbdSensor::Make(const RgbdCalibration& 
     return absl::InvalidArgumentError(absl::StrCat(
         "depth_units_per_m is ", calibration.depth_units_per_m, ", must be in (0, 1e6]"));
   }
-  RETURN_IF_ERROR(CheckMask(calibration.mask, calibration.camera));
-  return std::unique_ptr<Sensor>(new RgbdSensor(calibration, options));
+  std::unique_ptr<Sensor> sensor(new RgbdSensor(calibration, options));
+  RETURN_IF_ERROR(sensor->SetMask(calibration.mask));
+  return sensor;
+}
+
+absl::Status RgbdSensor::SetMask(const PictureMask& mask) {
+  RETURN_IF_ERROR(CheckMask(mask, calibration_.camera));
+  extractor_.SetMask(mask);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<Features> RgbdSensor::Process(const SensorImages& images) {

@@ -16,12 +16,11 @@ class RgbdSensor : public Sensor {
 
   const Camera& camera() const override { return calibration_.camera; }
   absl::StatusOr<Features> Process(const SensorImages& images) override;
+  absl::Status SetMask(const PictureMask& mask) override;
 
  private:
   RgbdSensor(const RgbdCalibration& calibration, const SensorOptions& options)
-      : calibration_(calibration), extractor_(options.orb), threads_(options.parallel) {
-    extractor_.SetMask(calibration.mask);
-  }
+      : calibration_(calibration), extractor_(options.orb), threads_(options.parallel) {}
   // Gives a keypoint of the recorded picture its depth and its undistorted place. One that no
   // undistorted picture shows gets a place that is no number.
   void Complete(const cv::Mat& depth, Keypoint& keypoint) const;

@@ -80,6 +80,9 @@ class Sensor {
   // INVALID_ARGUMENT names the image, what was expected and what was given, where an image has a
   // wrong size or type.
   virtual absl::StatusOr<Features> Process(const SensorImages& images) = 0;
+
+  // Replaces the calibration's mask. INVALID_ARGUMENT as CheckMask; then the one before stays.
+  virtual absl::Status SetMask(const PictureMask& mask) = 0;
 };
 
 // Returns the camera that recorded the (left) pictures of a sensor's camera(). INVALID_ARGUMENT

@@ -70,10 +70,9 @@ absl::StatusOr<std::unique_ptr<Sensor>> StereoSensor::Make(const StereoCalibrati
         absl::StrCat("right_cx_offset_px is ", calibration.right_cx_offset_px,
                      ", must be less than the picture's width of ", camera.width_px));
   }
-  ASSIGN_OR_RETURN(const cv::Mat mask, RectifiedMask(calibration.mask, camera, rectifier));
   std::unique_ptr<StereoSensor> sensor(
       new StereoSensor(camera, std::move(rectifier), calibration.right_cx_offset_px, options));
-  sensor->left_.extractor.SetMask(mask);
+  RETURN_IF_ERROR(sensor->SetMask(calibration.mask));
   return sensor;
 }
 
@@ -86,6 +85,12 @@ StereoSensor::StereoSensor(const Camera& camera, std::optional<StereoRectifier> 
       left_(options.orb),
       right_(OptionsOfRight(options.orb)),
       threads_(options.parallel) {}
+
+absl::Status StereoSensor::SetMask(const PictureMask& mask) {
+  ASSIGN_OR_RETURN(const cv::Mat rectified, RectifiedMask(mask, camera_, rectifier_));
+  left_.extractor.SetMask(rectified);
+  return absl::OkStatus();
+}
 
 absl::StatusOr<Features> StereoSensor::Process(const SensorImages& images) {
   RETURN_IF_ERROR(CheckGreyImage("left", images.grey, camera_));

@@ -17,6 +17,7 @@ class StereoSensor : public Sensor {
 
   const Camera& camera() const override { return camera_; }
   absl::StatusOr<Features> Process(const SensorImages& images) override;
+  absl::Status SetMask(const PictureMask& mask) override;
 
  private:
   // One camera's part of the work and its buffers.

@@ -1,0 +1,106 @@
+#include "services/agent_service/posted_pose.h"
+
+#include "client_agent/agent/smooth_pose.h"
+#include "services/convert/geometry.h"
+#include "slam/geometry/lie.h"
+#include "slam/optimisation/pose_covariance.h"
+
+namespace corbslam::services {
+
+using client_agent::TrackingResult;
+using client_agent::TrackingState;
+using client_agent::WhyNoPose;
+
+namespace {
+
+void WriteCovariance(const TrackingResult& result, const Rigid3d& camera_from_wanted,
+                     v1::WatchPoseResponse& response) {
+  if (!result.covariance.has_value()) return;
+  const Matrix6d covariance = OfAttachedFrame(result.camera_from_local.Inverse(),
+                                              camera_from_wanted, *result.covariance);
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 6; ++column) response.add_covariance(covariance(row, column));
+  }
+}
+
+void WriteVelocity(const PostedPose& posted, const Rigid3d& camera_from_wanted,
+                   v1::WatchPoseResponse& response) {
+  const auto& motion = posted.result.motion;
+  if (!posted.follows_a_pose || !motion.has_value() || motion->since_ns == 0) return;
+  const Rigid3d before_from_now = camera_from_wanted.Inverse() *
+                                  motion->camera_from_previous.Inverse() * camera_from_wanted;
+  const Vector6d moved = LogSE3(before_from_now) / (1e-9 * static_cast<double>(motion->since_ns));
+  response.mutable_velocity()->Add(moved.begin(), moved.end());
+}
+
+void WritePose(const PostedPose& posted, const Rigid3d& camera_from_wanted,
+               v1::WatchPoseResponse& response) {
+  const TrackingResult& result = posted.result;
+  const Rigid3d local_from_camera = result.camera_from_local.Inverse();
+  ToProto(local_from_camera * camera_from_wanted, response.mutable_local_from_camera());
+  if (result.odom_from_camera.has_value()) {
+    ToProto(local_from_camera * result.odom_from_camera->Inverse(),
+            response.mutable_map_from_odom());
+  }
+  response.set_quality(client_agent::PoseQuality(result));
+  response.set_points_matched(static_cast<uint32_t>(result.points_matched));
+  response.set_points_in_view(static_cast<uint32_t>(result.points_in_view));
+  WriteCovariance(result, camera_from_wanted, response);
+  WriteVelocity(posted, camera_from_wanted, response);
+}
+
+}  // namespace
+
+v1::WatchPoseResponse ToProto(const PostedPose& posted, PosesOf poses_of,
+                              const std::optional<Rigid3d>& camera_from_wanted) {
+  const TrackingResult& result = posted.result;
+  const Rigid3d wanted = camera_from_wanted.value_or(Rigid3d::Identity());
+  v1::WatchPoseResponse response;
+  response.set_timestamp_ns(result.timestamp_ns);
+  response.set_state(ToProto(result.state));
+  response.set_why_no_pose(ToProto(result.why_no_pose));
+  response.set_local_map(ToString(result.local_map));
+  response.set_poses_of(ToProto(poses_of));
+  response.set_epoch(result.epoch);
+  response.set_global_epoch(posted.global_epoch);
+  if (result.state == TrackingState::kTracking) WritePose(posted, wanted, response);
+  if (result.odom_from_camera.has_value()) {
+    ToProto(*result.odom_from_camera * wanted, response.mutable_odom_from_camera());
+  }
+  if (posted.global_from_local.has_value()) {
+    ToProto(*posted.global_from_local, response.mutable_global_from_local());
+  }
+  return response;
+}
+
+v1::TrackingState ToProto(TrackingState state) {
+  switch (state) {
+    case TrackingState::kNotInitialised:
+      return v1::TRACKING_STATE_INITIALISING;
+    case TrackingState::kTracking:
+      return v1::TRACKING_STATE_TRACKING;
+    case TrackingState::kLost:
+      return v1::TRACKING_STATE_LOST;
+  }
+  return v1::TRACKING_STATE_UNSPECIFIED;
+}
+
+v1::WhyNoPose ToProto(WhyNoPose why) {
+  switch (why) {
+    case WhyNoPose::kHasOne:
+      return v1::WHY_NO_POSE_UNSPECIFIED;
+    case WhyNoPose::kFewKeypoints:
+      return v1::WHY_NO_POSE_FEW_KEYPOINTS;
+    case WhyNoPose::kFewDepths:
+      return v1::WHY_NO_POSE_FEW_DEPTHS;
+    case WhyNoPose::kMappingBusy:
+      return v1::WHY_NO_POSE_MAPPING_BUSY;
+    case WhyNoPose::kMappingPaused:
+      return v1::WHY_NO_POSE_MAPPING_PAUSED;
+    case WhyNoPose::kNotRecognised:
+      return v1::WHY_NO_POSE_NOT_RECOGNISED;
+  }
+  return v1::WHY_NO_POSE_UNSPECIFIED;
+}
+
+}  // namespace corbslam::services

@@ -1,0 +1,82 @@
+#include "slam/optimisation/pose_covariance.h"
+
+#include <Eigen/Eigenvalues>
+
+#include "slam/optimisation/reprojection.h"
+
+namespace corbslam {
+namespace {
+
+constexpr int kParameters = 6;
+// With fewer rows than twice the parameters the residuals say little of the noise.
+constexpr int kMinRows = 2 * kParameters;
+// A direction with so much less information than the strongest, after scaling each parameter to its
+// own, is not determined.
+constexpr double kMinRelativeInformation = 1e-10;
+
+struct Information {
+  Matrix6d H = Matrix6d::Zero();
+  double chi2 = 0;
+  int rows = 0;
+};
+
+Information Gather(const Camera& camera, const Rigid3d& camera_from_map,
+                   absl::Span<const PoseObservation> inliers) {
+  Information sum;
+  for (const PoseObservation& o : inliers) {
+    const Eigen::Vector3d x = camera_from_map * o.x_in_map;
+    if (!(x.z() > kMinDepth)) continue;
+    const PixelMeasurement pixel = MakeMeasurement(o.pixel, o.disparity_px, o.variance_px2);
+    const Eigen::Matrix<double, 3, 6> J =
+        PoseJacobian(ReprojectionJacobian(camera, x, pixel.has_depth), x);
+    sum.H += pixel.inverse_variance * J.transpose() * J;
+    sum.chi2 += pixel.inverse_variance * ReprojectionResidual(camera, x, pixel).squaredNorm();
+    sum.rows += pixel.has_depth ? 3 : 2;
+  }
+  return sum;
+}
+
+// Returns the inverse of a symmetric matrix whose rows have different units; nullopt where it is
+// singular.
+std::optional<Matrix6d> Invert(const Matrix6d& H) {
+  const Vector6d diagonal = H.diagonal();
+  if (!(diagonal.minCoeff() > 0) || !diagonal.allFinite()) return std::nullopt;
+  const Vector6d unit = diagonal.cwiseSqrt().cwiseInverse();
+  const Matrix6d scaled = unit.asDiagonal() * H * unit.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scaled);
+  const Vector6d& values = solver.eigenvalues();
+  if (!(values.minCoeff() > kMinRelativeInformation * values.maxCoeff())) return std::nullopt;
+  const Matrix6d inverse = solver.eigenvectors() * values.cwiseInverse().asDiagonal() *
+                           solver.eigenvectors().transpose();
+  return Matrix6d(unit.asDiagonal() * inverse * unit.asDiagonal());
+}
+
+}  // namespace
+
+std::optional<Matrix6d> PoseCovariance(const Camera& camera, const Rigid3d& camera_from_map,
+                                       absl::Span<const PoseObservation> inliers) {
+  const Information sum = Gather(camera, camera_from_map, inliers);
+  if (sum.rows < kMinRows) return std::nullopt;
+  const std::optional<Matrix6d> inverse = Invert(sum.H);
+  if (!inverse.has_value()) return std::nullopt;
+  return Matrix6d(sum.chi2 / (sum.rows - kParameters) * *inverse);
+}
+
+Matrix6d InMapAxes(const Rigid3d& camera_from_map, const Matrix6d& covariance) {
+  // The position is -R^T t: a translation of the camera's frame moves it by -R^T, and a rotation about
+  // the camera not at all.
+  const Eigen::Matrix3d turn = camera_from_map.rotation.conjugate().toRotationMatrix();
+  Matrix6d J = Matrix6d::Zero();
+  J.topLeftCorner<3, 3>() = -turn;
+  J.bottomRightCorner<3, 3>() = -turn;
+  return J * covariance * J.transpose();
+}
+
+Matrix6d OfAttachedFrame(const Rigid3d& map_from_camera, const Rigid3d& camera_from_attached,
+                         const Matrix6d& covariance_in_map_axes) {
+  Matrix6d J = Matrix6d::Identity();
+  J.topRightCorner<3, 3>() = -Skew(map_from_camera.rotation * camera_from_attached.translation);
+  return J * covariance_in_map_axes * J.transpose();
+}
+
+}  // namespace corbslam
