@@ -11,8 +11,8 @@
 
 namespace corbslam::client_agent {
 
-// Adds up the motions of frames in a frame of its own, "odom": the frame of the first local map until
-// something jumps. Not thread-safe.
+// Adds up the motions of frames in a frame of its own, "odom": the frame of the first local map
+// until something jumps. Not thread-safe.
 class SmoothPose {
  public:
   // Sets epoch and odom_from_camera of the next frame's result. The epoch is the number of the
@@ -32,9 +32,9 @@ class SmoothPose {
   uint64_t corrections_ = 0;
 };
 
-// Returns how well the map supports a pose, from 0 to 1: the less of m / (m + 100) for m points that
-// agree with it, and of 1/0.3 of their share of the points in view. Tracking doubts a pose at a share
-// of 0.15 (TrackerOptions), which is 0.5 here.
+// Returns how well the map supports a pose, from 0 to 1: the less of m / (m + 100) for m points
+// that agree with it, and of 1/0.3 of their share of the points in view. Tracking doubts a pose at
+// a share of 0.15 (TrackerOptions), which is 0.5 here.
 double PoseQuality(const TrackingResult& result);
 
 }  // namespace corbslam::client_agent

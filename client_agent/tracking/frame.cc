@@ -21,8 +21,7 @@ FrameObservations ObservationsOf(const Frame& frame) {
     if (frame.associations[i].kind == Association::Kind::kNone) continue;
     const Keypoint& keypoint = frame.keypoints()[i];
     of.observations.push_back({frame.associations[i].position_in_map, keypoint.Pixel(),
-                               keypoint.disparity_px,
-                               ScalePyramid::Variance_px2(keypoint.octave)});
+                               keypoint.disparity_px, ScalePyramid::Variance_px2(keypoint.octave)});
     of.keypoint_of.push_back(i);
   }
   return of;

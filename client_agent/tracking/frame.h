@@ -70,8 +70,8 @@ struct InlierCount {
 // disagree with it.
 InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId own, Frame& frame);
 
-// Returns the covariance of the pose that OptimiseFramePose found, in the map's axes (InMapAxes); nullopt
-// where the associations don't determine it.
+// Returns the covariance of the pose that OptimiseFramePose found, in the map's axes (InMapAxes);
+// nullopt where the associations don't determine it.
 std::optional<Matrix6d> FramePoseCovariance(const Frame& frame);
 
 // Adds temporary associations for keypoints with depth that see no map point: all close ones, and

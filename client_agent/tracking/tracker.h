@@ -67,8 +67,8 @@ class Tracker {
   // While paused the map gets no keyframes, and none is begun or given up.
   void PauseMapping(bool paused) { mapping_paused_ = paused; }
 
-  // True when tracking will not find its way back, so that it is time for a new local map. Frames in
-  // which no map could begin don't count: what covers the camera ends no map.
+  // True when tracking will not find its way back, so that it is time for a new local map. Frames
+  // in which no map could begin don't count: what covers the camera ends no map.
   bool IsLostForGood() const;
 
  private:

@@ -41,8 +41,8 @@ absl::StatusOr<PictureMask> DecodeMask(const std::string& png) {
 
 double MaskedPercent(const PictureMask& mask) {
   if (mask.empty()) return 0;
-  return 100.0 * (1.0 - static_cast<double>(cv::countNonZero(mask)) /
-                            static_cast<double>(mask.total()));
+  return 100.0 *
+         (1.0 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total()));
 }
 
 }  // namespace

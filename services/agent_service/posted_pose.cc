@@ -16,8 +16,8 @@ namespace {
 void WriteCovariance(const TrackingResult& result, const Rigid3d& camera_from_wanted,
                      v1::WatchPoseResponse& response) {
   if (!result.covariance.has_value()) return;
-  const Matrix6d covariance = OfAttachedFrame(result.camera_from_local.Inverse(),
-                                              camera_from_wanted, *result.covariance);
+  const Matrix6d covariance =
+      OfAttachedFrame(result.camera_from_local.Inverse(), camera_from_wanted, *result.covariance);
   for (int row = 0; row < 6; ++row) {
     for (int column = 0; column < 6; ++column) response.add_covariance(covariance(row, column));
   }
@@ -27,8 +27,8 @@ void WriteVelocity(const PostedPose& posted, const Rigid3d& camera_from_wanted,
                    v1::WatchPoseResponse& response) {
   const auto& motion = posted.result.motion;
   if (!posted.follows_a_pose || !motion.has_value() || motion->since_ns == 0) return;
-  const Rigid3d before_from_now = camera_from_wanted.Inverse() *
-                                  motion->camera_from_previous.Inverse() * camera_from_wanted;
+  const Rigid3d before_from_now =
+      camera_from_wanted.Inverse() * motion->camera_from_previous.Inverse() * camera_from_wanted;
   const Vector6d moved = LogSE3(before_from_now) / (1e-9 * static_cast<double>(motion->since_ns));
   response.mutable_velocity()->Add(moved.begin(), moved.end());
 }

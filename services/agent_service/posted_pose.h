@@ -20,8 +20,8 @@ struct PostedPose {
   bool follows_a_pose = false;
 };
 
-// Returns the message for those who want poses of `poses_of`; `camera_from_wanted` leads from it to the
-// camera of the result; nullopt: it is that camera.
+// Returns the message for those who want poses of `poses_of`; `camera_from_wanted` leads from it to
+// the camera of the result; nullopt: it is that camera.
 v1::WatchPoseResponse ToProto(const PostedPose& posted, PosesOf poses_of,
                               const std::optional<Rigid3d>& camera_from_wanted);
 

@@ -323,17 +323,15 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->default_str("max");
   app.add_option("--listen", flags.listen, "HOST:PORT for other programs on the robot");
   app.add_option("--stats", flags.stats, "File to write statistics to, as JSON");
-  app.add_option(
-      "--trajectory", flags.trajectory,
-      "File for the trajectory in the local map's frame, as TUM; those of further local maps, "
-      "begun when tracking was lost, to FILE.2 and so on");
+  app.add_option("--trajectory", flags.trajectory,
+                 "File for the trajectory, as TUM; of further local maps: FILE.2 and so on");
   app.add_option("--poses-of", flags.poses_of,
-                 "Of --trajectory: the (left) camera as recorded, the rectified one, or the body")
+                 "Of --trajectory: camera (as recorded, the left one), rectified or body")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, PosesOf>{{"camera", PosesOf::kRecordedCamera},
                                          {"rectified", PosesOf::kRectifiedCamera},
                                          {"body", PosesOf::kBody}}))
-      ->type_name("camera|rectified|body")
+      ->type_name("FRAME")
       ->default_str("camera");
   app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
       ->capture_default_str();

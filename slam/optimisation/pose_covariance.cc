@@ -63,8 +63,8 @@ std::optional<Matrix6d> PoseCovariance(const Camera& camera, const Rigid3d& came
 }
 
 Matrix6d InMapAxes(const Rigid3d& camera_from_map, const Matrix6d& covariance) {
-  // The position is -R^T t: a translation of the camera's frame moves it by -R^T, and a rotation about
-  // the camera not at all.
+  // The position is -R^T t: a translation of the camera's frame moves it by -R^T, and a rotation
+  // about the camera not at all.
   const Eigen::Matrix3d turn = camera_from_map.rotation.conjugate().toRotationMatrix();
   Matrix6d J = Matrix6d::Zero();
   J.topLeftCorner<3, 3>() = -turn;

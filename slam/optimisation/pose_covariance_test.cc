@@ -1,8 +1,8 @@
 #include "slam/optimisation/pose_covariance.h"
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <random>
 #include <vector>
 
@@ -31,8 +31,8 @@ class NoisyFrames {
                               disparity_px,
                               /*variance_px2=*/1});
       // The right pixel's noise is its own.
-      observations.back().disparity_px = observations.back().pixel.x() -
-                                         (x_px - disparity_px + Noise());
+      observations.back().disparity_px =
+          observations.back().pixel.x() - (x_px - disparity_px + Noise());
     }
     return observations;
   }

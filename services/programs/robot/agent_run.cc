@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "services/programs/robot/no_pose_log.h"
 #include "services/programs/robot/pictures_time.h"
 #include "services/server/process_usage.h"
 #include "slam/util/status_macros.h"
@@ -50,6 +51,7 @@ absl::Status PlayStream(
     const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame) {
   PacedStream paced(stream, pace, stop);
   std::optional<int> drive;
+  NoPoseLog no_pose;
   while (true) {
     const absl::StatusOr<std::optional<StreamFrame>> next = paced.Next();
     TellLeftOut(stream, frames);
@@ -59,6 +61,7 @@ absl::Status PlayStream(
     FollowDrive((*next)->frame, drive, agent);
     ASSIGN_OR_RETURN(const TrackingResult result, agent.Track((*next)->images));
     ++frames.played;
+    if (const auto line = no_pose.Add(result, (*next)->images)) LOG(WARNING) << *line;
     on_frame(result, frames.dropped);
   }
 }
