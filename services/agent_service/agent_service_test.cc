@@ -6,6 +6,9 @@
 
 #include <cmath>
 #include <memory>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
 #include <vector>
 
 #include "services/server/server.h"
@@ -88,12 +91,15 @@ class AgentServiceTest : public ::testing::Test {
     return recorded;
   }
 
-  AgentService service_{
-      &agent_,
-      nullptr,
-      {.mission = "m", .agent = "alpha", .recorded_camera = MakeRecorded(), .session = [] {
-         return absl::AlreadyExistsError("another alpha");
-       }}};
+  std::shared_ptr<client_agent::AgentOrders> orders_ =
+      std::make_shared<client_agent::AgentOrders>();
+  AgentService service_{&agent_,
+                        nullptr,
+                        {.mission = "m",
+                         .agent = "alpha",
+                         .recorded_camera = MakeRecorded(),
+                         .session = [] { return absl::AlreadyExistsError("another alpha"); },
+                         .orders = orders_}};
   std::unique_ptr<Server> server_;
   std::unique_ptr<v1::Agent::Stub> stub_;
 };
@@ -154,6 +160,62 @@ TEST_F(AgentServiceTest, WatchersGetTheNewestPose) {
   EXPECT_FALSE(pose.has_local_from_camera());
   context.TryCancel();
   EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+}
+
+TEST_F(AgentServiceTest, OrdersReachTheRobot) {
+  const auto call = [this](auto method, const auto& request, auto&& response) {
+    grpc::ClientContext context;
+    return (*stub_.*method)(&context, request, &response);
+  };
+  orders_->SetCamera({.width_px = 64, .height_px = 48});
+  EXPECT_TRUE(
+      call(&v1::Agent::Stub::OpenNewMap, v1::OpenNewMapRequest(), v1::OpenNewMapResponse()).ok());
+  EXPECT_TRUE(orders_->Take().open_local_map);
+  EXPECT_TRUE(
+      call(&v1::Agent::Stub::PauseMapping, v1::PauseMappingRequest(), v1::PauseMappingResponse())
+          .ok());
+  EXPECT_TRUE(orders_->Take().mapping_paused);
+  EXPECT_EQ(call(&v1::Agent::Stub::OpenNewMap, v1::OpenNewMapRequest(), v1::OpenNewMapResponse())
+                .error_code(),
+            grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_TRUE(
+      call(&v1::Agent::Stub::ResumeMapping, v1::ResumeMappingRequest(), v1::ResumeMappingResponse())
+          .ok());
+  EXPECT_FALSE(orders_->Take().mapping_paused);
+}
+
+TEST_F(AgentServiceTest, AMaskIsAGreyPngOfThePicturesSize) {
+  orders_->SetCamera({.width_px = 64, .height_px = 48});
+  v1::SetMaskResponse response;
+  const auto set = [&](const std::string& png) {
+    grpc::ClientContext context;
+    v1::SetMaskRequest request;
+    request.set_png(png);
+    response.Clear();
+    return stub_->SetMask(&context, request, &response);
+  };
+  const auto png_of = [](const cv::Mat& picture) {
+    std::vector<uchar> bytes;
+    cv::imencode(".png", picture, bytes);
+    return std::string(bytes.begin(), bytes.end());
+  };
+  cv::Mat mask(48, 64, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(36, 48) = cv::Scalar(0);
+  const std::string good = png_of(mask);
+  ASSERT_TRUE(set(good).ok());
+  EXPECT_EQ(response.masked_percent(), 25);
+  EXPECT_EQ(cv::countNonZero(*orders_->Take().mask), 36 * 64);
+  ASSERT_TRUE(set("").ok());
+  EXPECT_TRUE(orders_->Take().mask->empty());
+
+  for (const std::string& bad :
+       {std::string("no PNG"), good.substr(0, 60), png_of(mask.t()), std::string(5 << 20, 'x'),
+        png_of(cv::Mat::zeros(48, 64, CV_8UC3)), png_of(cv::Mat::zeros(48, 64, CV_16UC1))}) {
+    const grpc::Status status = set(bad);
+    EXPECT_NE(status.error_code(), grpc::StatusCode::OK) << bad.size();
+    EXPECT_FALSE(status.error_message().empty());
+    EXPECT_FALSE(orders_->Take().mask.has_value());
+  }
 }
 
 TEST_F(AgentServiceTest, ARateLeavesPosesOut) {
