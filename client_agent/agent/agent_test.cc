@@ -163,7 +163,7 @@ TEST_F(RecordedAgentTest, LostForAWhileItFindsBackLostForLongItOpensANewMap) {
   for (int i = 0; i < 40; ++i) ASSERT_TRUE(agent->Track(Black()).ok());
   EXPECT_EQ(agent->GetStatus().local_maps, 1) << "what covers the camera ends no map";
   EXPECT_EQ(agent->GetStatus().why_no_pose, WhyNoPose::kFewKeypoints);
-  for (int i = 0; i < 31; ++i) ASSERT_TRUE(agent->Track(Elsewhere()).ok());
+  for (int i = 0; i < 16; ++i) ASSERT_TRUE(agent->Track(Elsewhere()).ok());
   EXPECT_EQ(agent->GetStatus().local_maps, 2);
   EXPECT_EQ(agent->Track(played_[10])->state, TrackingState::kTracking);
   EXPECT_EQ(agent->Track(played_[11])->state, TrackingState::kTracking);

@@ -53,7 +53,8 @@ TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
 }
 
 bool Tracker::IsLostForGood() const {
-  if (state_ != TrackingState::kLost || mapping_paused_ || lost_frames_ == 0) return false;
+  if (state_ != TrackingState::kLost || mapping_paused_) return false;
+  if (why_lost_ != WhyNoPose::kNotRecognised) return false;
   return lost_frames_ > options_.max_lost_frames ||
          local_map_.map_keyframes < options_.min_keyframes_to_wait;
 }
@@ -278,12 +279,19 @@ TrackingResult Tracker::Conclude(Frame frame, WhyNoPose why_no_pose) {
   if (why_no_pose == WhyNoPose::kHasOne) {
     ConcludeTracked(std::move(frame), result);
   } else if (state_ != TrackingState::kNotInitialised) {
-    state_ = TrackingState::kLost;
-    velocity_.reset();
-    lost_frames_ += why_no_pose == WhyNoPose::kNotRecognised ? 1 : 0;
+    ConcludeLost(why_no_pose);
   }
   result.state = state_;
   return result;
+}
+
+void Tracker::ConcludeLost(WhyNoPose why_no_pose) {
+  state_ = TrackingState::kLost;
+  velocity_.reset();
+  why_lost_ = why_no_pose;
+  const bool counts =
+      why_no_pose == WhyNoPose::kNotRecognised || lost_frames_ < options_.max_lost_frames / 2;
+  lost_frames_ += counts ? 1 : 0;
 }
 
 void Tracker::ConcludeTracked(Frame frame, TrackingResult& result) {

@@ -67,8 +67,9 @@ class Tracker {
   // While paused the map gets no keyframes, and none is begun or given up.
   void PauseMapping(bool paused) { mapping_paused_ = paused; }
 
-  // True when tracking will not find its way back, so that it is time for a new local map. Frames
-  // in which no map could begin don't count: what covers the camera ends no map.
+  // True when tracking will not find its way back, so that it is time for a new local map: not
+  // while the pictures are such that none could begin. What covers the camera ends no map, and uses
+  // up half of the patience at most.
   bool IsLostForGood() const;
 
  private:
@@ -107,6 +108,7 @@ class Tracker {
   // Returns what the camera moved since the previous frame, by the map as it is now.
   std::optional<CameraMotion> MotionTo(const Frame& frame) const;
   TrackingResult Conclude(Frame frame, WhyNoPose why_no_pose);
+  void ConcludeLost(WhyNoPose why_no_pose);
   void ConcludeTracked(Frame frame, TrackingResult& result);
 
   const TrackerOptions options_;
@@ -125,6 +127,7 @@ class Tracker {
   bool mapping_paused_ = false;
   KeyframeId last_keyframe_;
   int64_t last_keyframe_ns_ = 0;
+  WhyNoPose why_lost_ = WhyNoPose::kHasOne;
   int lost_frames_ = 0;
   int frames_since_relocalisation_ = 1 << 20;
 };

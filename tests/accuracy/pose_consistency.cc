@@ -1,0 +1,144 @@
+// Measures whether the covariances of poses are as large as their errors: plays simulated drives and
+// compares the motion between two frames with the truth. With the points of the map held fixed the
+// errors of two frames are independent, and the squared error of the motion in units of its covariance
+// is distributed as chi2 with six degrees of freedom (Bar-Shalom et al., "Estimation with Applications to
+// Tracking and Navigation", 2001, section 5.4: the normalised estimation error squared).
+//   pose_consistency VOCABULARY SOURCE...
+// Prints a row for each source and gap, as JSON.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_format.h"
+#include "client_agent/agent/agent.h"
+#include "services/simulated_source/simulated_source.h"
+#include "slam/evaluation/trajectory.h"
+#include "slam/geometry/lie.h"
+#include "slam/simulation/sequence/simulated_sequence.h"
+#include "slam/simulation/sequence/simulation_options.h"
+#include "slam/util/median.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::tests {
+
+using client_agent::Agent;
+using client_agent::AgentOptions;
+using client_agent::TrackingResult;
+using client_agent::TrackingState;
+
+namespace {
+
+struct Posed {
+  size_t frame;
+  TrackingResult result;
+};
+
+// A pose's covariance as a perturbation of camera_from_local on the left: what InMapAxes undoes.
+Matrix6d InCameraAxes(const TrackingResult& result) {
+  const Eigen::Matrix3d turn = result.camera_from_local.rotation.toRotationMatrix();
+  Matrix6d J = Matrix6d::Zero();
+  J.topLeftCorner<3, 3>() = -turn;
+  J.bottomRightCorner<3, 3>() = -turn;
+  return J * *result.covariance * J.transpose();
+}
+
+Matrix6d Adjoint(const Rigid3d& motion) {
+  const Eigen::Matrix3d turn = motion.rotation.toRotationMatrix();
+  Matrix6d adjoint = Matrix6d::Zero();
+  adjoint.topLeftCorner<3, 3>() = turn;
+  adjoint.topRightCorner<3, 3>() = Skew(motion.translation) * turn;
+  adjoint.bottomRightCorner<3, 3>() = turn;
+  return adjoint;
+}
+
+// Returns the squared error of the motion from a to b, in units of its covariance.
+double NormalisedError(const SimulatedSequence& sequence, const Posed& a, const Posed& b) {
+  const Rigid3d estimated = b.result.camera_from_local * a.result.camera_from_local.Inverse();
+  const Rigid3d truth =
+      sequence.world_from_camera(b.frame).Inverse() * sequence.world_from_camera(a.frame);
+  const Matrix6d adjoint = Adjoint(estimated);
+  const Matrix6d covariance =
+      InCameraAxes(b.result) + adjoint * InCameraAxes(a.result) * adjoint.transpose();
+  const Vector6d error = LogSE3(truth * estimated.Inverse());
+  return error.dot(covariance.ldlt().solve(error));
+}
+
+bool IsUsable(const TrackingResult& result) {
+  return result.state == TrackingState::kTracking && result.covariance.has_value();
+}
+
+void PrintRow(const std::string& source, size_t gap, std::vector<double> errors) {
+  if (errors.empty()) return;
+  double sum = 0;
+  int within = 0;
+  constexpr double kBound95 = 12.592;  // Of chi2 with six degrees of freedom.
+  for (const double error : errors) {
+    sum += error;
+    within += error <= kBound95 ? 1 : 0;
+  }
+  const auto count = static_cast<double>(errors.size());
+  std::printf(
+      "{\"source\": \"%s\", \"gap_frames\": %zu, \"pairs\": %zu, \"mean_nees\": %.2f, "
+      "\"median_nees\": %.2f, \"within_95_percent\": %.1f}\n",
+      source.c_str(), gap, errors.size(), sum / count, MeanMedian(errors), 100 * within / count);
+  std::fflush(stdout);
+}
+
+absl::StatusOr<std::vector<Posed>> Drive(const SimulatedSequence& sequence,
+                                         std::shared_ptr<const Vocabulary> vocabulary) {
+  AgentOptions options;
+  options.deterministic = true;
+  const bool stereo = std::holds_alternative<StereoCalibration>(sequence.calibration());
+  options.sensor.orb.features = stereo ? 2000 : 1000;
+  ASSIGN_OR_RETURN(const auto agent,
+                   Agent::Create(options, sequence.calibration(), vocabulary, nullptr));
+  std::vector<Posed> posed;
+  for (size_t frame = 0; frame < sequence.frame_count(); ++frame) {
+    ASSIGN_OR_RETURN(const SensorImages images, sequence.Render(frame));
+    ASSIGN_OR_RETURN(const TrackingResult result, agent->Track(images));
+    if (IsUsable(result)) posed.push_back({frame, result});
+  }
+  return posed;
+}
+
+absl::Status Measure(const std::string& source, std::shared_ptr<const Vocabulary> vocabulary) {
+  ASSIGN_OR_RETURN(const SimulationSpec spec, ParseSimulation(source));
+  ASSIGN_OR_RETURN(const auto sequence, SimulatedSequence::Make(spec));
+  ASSIGN_OR_RETURN(const std::vector<Posed> posed, Drive(*sequence, std::move(vocabulary)));
+  for (const size_t gap : {1, 3, 10}) {
+    std::vector<double> errors;
+    for (size_t i = gap; i < posed.size(); ++i) {
+      const Posed& a = posed[i - gap];
+      const Posed& b = posed[i];
+      if (b.frame - a.frame != gap || a.result.epoch != b.result.epoch) continue;
+      errors.push_back(NormalisedError(*sequence, a, b));
+    }
+    PrintRow(source, gap, std::move(errors));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+}  // namespace corbslam::tests
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: pose_consistency VOCABULARY SOURCE...\n");
+    return 2;
+  }
+  auto vocabulary = corbslam::Vocabulary::Load(argv[1]);
+  if (!vocabulary.ok()) {
+    std::fprintf(stderr, "%s\n", vocabulary.status().ToString().c_str());
+    return 1;
+  }
+  for (int i = 2; i < argc; ++i) {
+    const absl::Status status = corbslam::tests::Measure(argv[i], *vocabulary);
+    if (status.ok()) continue;
+    std::fprintf(stderr, "%s: %s\n", argv[i], status.ToString().c_str());
+    return 1;
+  }
+  return 0;
+}
