@@ -1,20 +1,23 @@
-// Measures whether the covariances of poses are as large as their errors: plays simulated drives and
-// compares the motion between two frames with the truth. With the points of the map held fixed the
-// errors of two frames are independent, and the squared error of the motion in units of its covariance
-// is distributed as chi2 with six degrees of freedom (Bar-Shalom et al., "Estimation with Applications to
-// Tracking and Navigation", 2001, section 5.4: the normalised estimation error squared).
+// Measures whether the covariances of poses are as large as their errors: plays simulated drives
+// and compares the motion between two frames with the truth. With the points of the map held fixed
+// the errors of two frames are independent, and the squared error of the motion in units of its
+// covariance is distributed as chi2 with six degrees of freedom (Bar-Shalom et al., "Estimation
+// with Applications to Tracking and Navigation", 2001, section 5.4: the normalised estimation error
+// squared).
 //   pose_consistency VOCABULARY SOURCE...
+// SOURCE is sim:WORLD?OPTION=VALUE&... with the options of the world, the way and the robot.
 // Prints a row for each source and gap, as JSON.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
 #include "client_agent/agent/agent.h"
-#include "services/simulated_source/simulated_source.h"
 #include "slam/evaluation/trajectory.h"
 #include "slam/geometry/lie.h"
 #include "slam/simulation/sequence/simulated_sequence.h"
@@ -104,11 +107,28 @@ absl::StatusOr<std::vector<Posed>> Drive(const SimulatedSequence& sequence,
   return posed;
 }
 
+absl::StatusOr<SimulationSpec> ParseSimulation(const std::string& source) {
+  const std::pair<std::string, std::string> parts =
+      absl::StrSplit(absl::StripPrefix(source, "sim:"), absl::MaxSplits('?', 1));
+  SimulationSpec spec;
+  ASSIGN_OR_RETURN(spec.world, ParseSimulatedWorld(parts.first));
+  for (const absl::string_view option : absl::StrSplit(parts.second, '&', absl::SkipEmpty())) {
+    const std::pair<std::string, std::string> setting =
+        absl::StrSplit(option, absl::MaxSplits('=', 1));
+    if (!IsSimulationOption(setting.first)) {
+      return absl::InvalidArgumentError("no option of simulations: " + setting.first);
+    }
+    RETURN_IF_ERROR(ApplySimulationOption(setting.first, setting.second, spec));
+  }
+  RETURN_IF_ERROR(Validate(spec));
+  return spec;
+}
+
 absl::Status Measure(const std::string& source, std::shared_ptr<const Vocabulary> vocabulary) {
   ASSIGN_OR_RETURN(const SimulationSpec spec, ParseSimulation(source));
   ASSIGN_OR_RETURN(const auto sequence, SimulatedSequence::Make(spec));
   ASSIGN_OR_RETURN(const std::vector<Posed> posed, Drive(*sequence, std::move(vocabulary)));
-  for (const size_t gap : {1, 3, 10}) {
+  for (const size_t gap : std::vector<size_t>{1, 3, 10}) {
     std::vector<double> errors;
     for (size_t i = gap; i < posed.size(); ++i) {
       const Posed& a = posed[i - gap];
