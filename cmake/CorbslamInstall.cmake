@@ -8,15 +8,16 @@ set(CORBSLAM_DOCUMENTS "${CMAKE_BINARY_DIR}/documents")
 file(MAKE_DIRECTORY "${CORBSLAM_DOCUMENTS}")
 find_program(GZIP_PROGRAM gzip REQUIRED)
 
-# Programs say themselves what is in their manuals and completions.
+# Programs say themselves what is in their manuals and completions. CMake runs a target that is named by its
+# name under the emulator, where the build has one.
 function(corbslam_install_program NAME PART)
   set(PREFIX "${CORBSLAM_DOCUMENTS}/${NAME}")
   add_custom_command(
     OUTPUT "${PREFIX}.1.gz" "${PREFIX}.bash" "${PREFIX}.zsh"
-    COMMAND "$<TARGET_FILE:${NAME}>" --man-page > "${PREFIX}.1"
+    COMMAND ${NAME} --man-page > "${PREFIX}.1"
     COMMAND "${GZIP_PROGRAM}" -9nf "${PREFIX}.1"
-    COMMAND "$<TARGET_FILE:${NAME}>" --completion bash > "${PREFIX}.bash"
-    COMMAND "$<TARGET_FILE:${NAME}>" --completion zsh > "${PREFIX}.zsh"
+    COMMAND ${NAME} --completion bash > "${PREFIX}.bash"
+    COMMAND ${NAME} --completion zsh > "${PREFIX}.zsh"
     DEPENDS ${NAME})
   add_custom_target(${NAME}_documents ALL
                     DEPENDS "${PREFIX}.1.gz" "${PREFIX}.bash" "${PREFIX}.zsh")

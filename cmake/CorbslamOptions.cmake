@@ -13,6 +13,10 @@ endif()
 # are chosen at run time.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   add_compile_options(-march=x86-64-v2)
+else()
+  # Where processors multiply and add in one step, gcc would round a * b + c once, and differently for each
+  # way that it arranges a function: pictures, features and codes would not be the ones of x86-64-v2.
+  add_compile_options(-ffp-contract=off)
 endif()
 
 find_program(CCACHE_PROGRAM ccache)

@@ -44,7 +44,7 @@ CORBSLAM_LANES Corner Minus(const Corner& p, const Corner& q) {
 CORBSLAM_LANES void SetSides(const std::array<Corner, 4>& corners, FaceLanes& face) {
   const Corner normal = Cross(Minus(corners[2], corners[0]), Minus(corners[3], corners[1]));
   const Floats plane = normal.x * corners[0].x + normal.y * corners[0].y + normal.z * corners[0].z;
-  const Floats side = plane < 0 ? All(-1) : All(1);
+  const Floats side = Select(plane < 0, All(-1), All(1));
   for (size_t k = 0; k < 4; ++k) {
     const Corner edge = Cross(corners[k], corners[(k + 1) % 4]);
     face.a[k] = edge.x * side;
@@ -52,7 +52,7 @@ CORBSLAM_LANES void SetSides(const std::array<Corner, 4>& corners, FaceLanes& fa
     face.c[k] = edge.z * side;
   }
   // A face that is seen edge-on is nowhere.
-  const Floats inverse = Magnitude(plane) > 1e-12F ? 1.0F / plane : All(0);
+  const Floats inverse = Select(Magnitude(plane) > 1e-12F, 1.0F / plane, All(0));
   face.near_a = normal.x * inverse;
   face.near_b = normal.y * inverse;
   face.near_c = normal.z * inverse;
@@ -89,13 +89,13 @@ CORBSLAM_LANES void SetBounds(const std::array<Corner, 4>& corners, int width_px
     all_below &= corner.y > (height + 0.5F) * corner.z;
   }
   beyond |= all_left | all_right | all_above | all_below;
-  left = behind ? All(0) : Most(left, All(0));
-  right = behind ? width : Least(right, width);
-  top = behind ? All(0) : Most(top, All(0));
-  bottom = behind ? height : Least(bottom, height);
+  left = Select(behind, All(0), Most(left, All(0)));
+  right = Select(behind, width, Least(right, width));
+  top = Select(behind, All(0), Most(top, All(0)));
+  bottom = Select(behind, height, Least(bottom, height));
   // Samples lie within half a pixel of the centre.
   face.left = FloorToInts(left + 0.5F);
-  face.right = beyond ? Ints{} - 1 : FloorToInts(right + 0.5F);
+  face.right = Select(beyond, Ints{} - 1, FloorToInts(right + 0.5F));
   face.top = FloorToInts(top + 0.5F);
   face.bottom = FloorToInts(bottom + 0.5F);
   face.nearest = nearest;
@@ -141,7 +141,6 @@ CORBSLAM_LANES bool Any(const Ints& mask) {
 // Draws one sample of each pixel; lanes where it is seen are added to `seen`.
 CORBSLAM_LANES void DrawSample(const FaceLanes& face, int lane, size_t sample, int32_t id,
                                VisibilityBuffer& buffer, Ints& seen) {
-  constexpr Floats kRamp = {0, 1, 2, 3, 4, 5, 6, 7};
   constexpr int kLong = 4 * kNumbers;
   const SampleOffset offset = buffer.samples()[sample];
   std::array<Plane, 4> sides;
@@ -160,13 +159,13 @@ CORBSLAM_LANES void DrawSample(const FaceLanes& face, int lane, size_t sample, i
     Eight<float>* nearness = buffer.NearnessRow(sample, y);
     Eight<int32_t>* faces = buffer.FaceRow(sample, y);
     for (int block = left / kNumbers; block <= right / kNumbers; ++block) {
-      const Floats x = kRamp + static_cast<float>(kNumbers * block);
+      const Floats x = Ramp() + static_cast<float>(kNumbers * block);
       const Floats here = near.a * x + near_start;
       const Floats before = Load(nearness[block]);
       Ints covered = (here > before) & (here <= VisibilityBuffer::kMostNearness);
       for (size_t k = 0; k < 4; ++k) covered &= sides[k].a * x + starts[k] >= 0;
-      Store(covered ? here : before, nearness[block]);
-      Store(covered ? Ints{} + id : Load(faces[block]), faces[block]);
+      Store(Select(covered, here, before), nearness[block]);
+      Store(Select(covered, Ints{} + id, Load(faces[block])), faces[block]);
       seen |= covered;
     }
   }

@@ -81,7 +81,7 @@ CORBSLAM_LANES Floats Facade(const SurfacePlace& at) {
   const Floats framed = Bars(at.u - margin + 0.09F, at.pixel_u, pitch, width + 0.18F) *
                         Bars(at.v - 0.66F, at.pixel_v, storey, height + 0.24F);
   const Floats ledge = Bars(at.v - 2.92F, at.pixel_v, storey, All(0.1F));
-  const Floats is_brick = OfSurface(at, 5) > 0.6F ? All(1) : All(0);
+  const Floats is_brick = Select(OfSurface(at, 5) > 0.6F, All(1), All(0));
   const Floats wall = Mix(Plaster(at), Brick(at), is_brick);
   const Floats frame = 0.35F + 0.5F * OfSurface(at, 6);
   const Floats with_ledge = Mix(wall, wall * 0.7F + 0.05F, ledge);
