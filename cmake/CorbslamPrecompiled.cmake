@@ -63,11 +63,15 @@ endfunction()
 
 if(CORBSLAM_PRECOMPILE)
   corbslam_add_precompiled(library HEADERS ${CORBSLAM_HEADERS})
-  corbslam_add_precompiled(service HEADERS ${CORBSLAM_HEADERS} ${CORBSLAM_SERVICE_HEADERS}
-                           DEPS corbslam_proto)
+  if(NOT CORBSLAM_ONLY_KERNELS)
+    corbslam_add_precompiled(service HEADERS ${CORBSLAM_HEADERS} ${CORBSLAM_SERVICE_HEADERS}
+                             DEPS corbslam_proto)
+  endif()
   if(CORBSLAM_BUILD_TESTS)
     corbslam_add_precompiled(library_test HEADERS ${CORBSLAM_HEADERS} ${CORBSLAM_TEST_HEADERS}
                              OPTIONS ${CORBSLAM_TEST_OPTIONS})
+  endif()
+  if(CORBSLAM_BUILD_TESTS AND NOT CORBSLAM_ONLY_KERNELS)
     corbslam_add_precompiled(service_test
                              HEADERS ${CORBSLAM_HEADERS} ${CORBSLAM_SERVICE_HEADERS}
                                      ${CORBSLAM_TEST_HEADERS}

@@ -7,6 +7,8 @@
 #            include is missing; and its thread safety analysis
 #   tidy     clang-tidy with .clang-tidy
 #   address  unit tests of the map store and of the services under AddressSanitizer
+#   arm64    unit tests of the folders that have code for an instruction set, cross-compiled and run by
+#            qemu (deploy/arm64)
 #
 # --all does all of it. --changed does the first three on what differs from BASE (a commit; else
 # origin/main where that is another one, else HEAD~1): sources, and those that include a header that
@@ -22,7 +24,7 @@ out=build/checks
 most=40 # Sources that --changed reads.
 
 usage() {
-  echo "usage: tests/check.sh --all|--changed [BASE] [--only format,threads,tidy,address]" >&2
+  echo "usage: tests/check.sh --all|--changed [BASE] [--only format,threads,tidy,address,arm64]" >&2
   exit 2
 }
 
@@ -54,11 +56,11 @@ done
 [ -n "$scope" ] || usage
 if [ -z "$only" ]; then
   only="format threads tidy"
-  [ "$scope" = changed ] || only="$only address"
+  [ "$scope" = changed ] || only="$only address arm64"
 fi
 for step in $only; do
   case $step in
-    format | threads | tidy | address) ;;
+    format | threads | tidy | address | arm64) ;;
     *) usage ;;
   esac
 done
@@ -75,6 +77,10 @@ for step in $only; do
     tidy)
       need clang++-14 clang-14
       need clang-tidy-14 clang-tidy-14
+      ;;
+    arm64)
+      need aarch64-linux-gnu-g++ g++-aarch64-linux-gnu
+      need qemu-aarch64-static qemu-user-static
       ;;
   esac
 done
@@ -184,6 +190,17 @@ check_address() {
     >"$out/address.txt" 2>&1
 }
 
+check_arm64() {
+  root_of_arm64=$root/build/arm64_kernels_sysroot
+  deploy/arm64/make_sysroot.sh --kernels "$root_of_arm64" >"$out/arm64.txt" 2>&1 || return 1
+  cmake --preset arm64 -B build/arm64_kernels -DCORBSLAM_ONLY_KERNELS=ON -DCORBSLAM_BUILD_TESTS=ON \
+    -DCORBSLAM_BUILD_BENCHMARKS=OFF "-DCORBSLAM_ARM64_SYSROOT=$root_of_arm64" >>"$out/arm64.txt" 2>&1 || return 1
+  cmake --build build/arm64_kernels --target kernels >>"$out/arm64.txt" 2>&1 || return 1
+  ctest --test-dir build/arm64_kernels -j "$(nproc)" --output-on-failure --no-tests=error \
+    -R '^(slam_util|features|slam_coding|scene_renderer)_test\.' >>"$out/arm64.txt" 2>&1 || return 1
+  count=$(sed -n 's/.* tests failed out of //p' "$out/arm64.txt")
+}
+
 run_step() { # STEP
   echo "== $1"
   count=0
@@ -194,6 +211,7 @@ run_step() { # STEP
     format) check_format || verdict=FAILED ;;
     threads | tidy) check_by_ninja "$1" || verdict=FAILED ;;
     address) check_address || verdict=FAILED ;;
+    arm64) check_arm64 || verdict=FAILED ;;
   esac
   seconds=$(($(date +%s) - began))
   if [ "$verdict" = FAILED ]; then

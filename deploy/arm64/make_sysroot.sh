@@ -75,19 +75,22 @@ fetch() { # PACKAGE...
   apt-get install -q -y --download-only "$@" >>"$apt/log" 2>&1
 }
 
-# Unpacks a package, and writes down what dpkg-shlibdeps wants to know of it.
+# Unpacks a package, of its papers the licence, and notes what dpkg would, for dpkg-query and dpkg-shlibdeps.
 unpack() { # FILE
-  name=$(dpkg-deb --field "$1" Package)
-  info=$root/var/lib/dpkg/info/$name:arm64
-  dpkg-deb --fsys-tarfile "$1" |
-    tar -xv -C "$root" --keep-directory-symlink --no-same-owner --exclude='./usr/share/doc' \
-      --exclude='./usr/share/man' --exclude='./usr/share/locale' --exclude='./dev' |
-    sed -n 's|^\./\(.*[^/]\)$|/\1|p' >"$info.list"
   dpkg-deb --control "$1" "$apt/control"
+  name=$(sed -n 's/^Package: //p' "$apt/control/control")
+  # Of these several architectures may be installed at once.
+  ! grep -qx 'Multi-Arch: same' "$apt/control/control" || name=$name:arm64
+  info=$root/var/lib/dpkg/info/$name
+  dpkg-deb --fsys-tarfile "$1" |
+    tar -xv -C "$root" --keep-directory-symlink --no-same-owner --exclude='./usr/share/doc/*/[!c]*' \
+      --exclude='./usr/share/doc/*/c[!o]*' --exclude='./usr/share/man' --exclude='./usr/share/locale' \
+      --exclude='./dev' | sed -n 's|^\./\(.*[^/]\)$|/\1|p' >"$info.list"
   for file in symbols shlibs; do
     [ ! -e "$apt/control/$file" ] || mv "$apt/control/$file" "$info.$file"
   done
-  { echo "Status: install ok installed"; cat "$apt/control/control"; echo; } >>"$root/var/lib/dpkg/status"
+  { sed 's/^Package: .*/&\nStatus: install ok installed/' "$apt/control/control"; echo; } \
+    >>"$root/var/lib/dpkg/status"
   rm -rf "$apt/control"
 }
 
@@ -117,7 +120,9 @@ fetch $packages || {
   exit 1
 }
 # /lib is usr/lib, as on every Debian 12.
-mkdir -p "$root/var/lib/dpkg/info"
+mkdir -p "$root/var/lib/dpkg/info" "$root/var/lib/dpkg/updates"
+echo 1 >"$root/var/lib/dpkg/info/format"
+echo arm64 >"$root/var/lib/dpkg/arch"
 for folder in bin lib sbin; do
   mkdir -p "$root/usr/$folder"
   ln -s "usr/$folder" "$root/$folder"
