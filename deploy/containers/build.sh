@@ -5,6 +5,9 @@
 #
 # --binaries DIR   ships the programs in DIR, built on this machine (Debian 12), with its libraries;
 #                  without: builds them in a container
+# --platform P     linux/amd64 or linux/arm64 (this machine's); another machine's needs --binaries, with the
+#                  programs of a cross build (docs/arm64.md)
+# --sysroot DIR    the libraries of a cross build (build/arm64_sysroot)
 # --base IMAGE     to build on (docker.io/library/debian:bookworm-slim)
 # --debootstrap    makes the base with debootstrap first, as localhost/corbslam/base (needs root)
 # --prefix NAME    of the images' names (localhost/corbslam)
@@ -13,19 +16,22 @@ set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
-binaries='' base='' prefix=localhost/corbslam tag=latest debootstrap='' programs=''
+binaries='' platform='' sysroot=$root/build/arm64_sysroot base='' prefix=localhost/corbslam tag=latest
+debootstrap='' programs=''
 
 usage() {
   [ $# -eq 0 ] || echo "build.sh: $*" >&2
-  sed -n '2,12s/^# \{0,1\}//p' "$0" >&2
+  sed -n '2,15s/^# \{0,1\}//p' "$0" >&2
   exit 2
 }
 while [ $# -gt 0 ] && [ "$1" != -- ]; do
   case $1 in
-    --binaries | --base | --prefix | --tag)
+    --binaries | --platform | --sysroot | --base | --prefix | --tag)
       [ $# -ge 2 ] || usage "$1 needs a value"
       case $1 in
         --binaries) binaries=$2 ;;
+        --platform) platform=$2 ;;
+        --sysroot) sysroot=$2 ;;
         --base) base=$2 ;;
         --prefix) prefix=$2 ;;
         --tag) tag=$2 ;;
@@ -40,6 +46,19 @@ while [ $# -gt 0 ] && [ "$1" != -- ]; do
 done
 [ $# -eq 0 ] || shift
 : "${programs:=map_store fusion_worker map_viewer client_agent}"
+
+here_is=linux/$(uname -m | sed "s/x86_64/amd64/; s/aarch64/arm64/")
+: "${platform:=$here_is}"
+collect_from=''
+case $platform in
+  "$here_is") ;;
+  linux/arm64)
+    [ -n "$binaries" ] || usage "--platform $platform on $here_is needs --binaries"
+    [ -e "$sysroot/.made" ] || usage "$sysroot is nothing that deploy/arm64/make_sysroot.sh made (--sysroot)"
+    collect_from=yes
+    ;;
+  *) usage "--platform $platform: on $here_is there are $here_is and linux/arm64" ;;
+esac
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -70,7 +89,8 @@ if [ -n "$binaries" ]; then
   mkdir -p "$work/context/roots/state/corbslam"
   for program in $programs; do
     [ -x "$binaries/$program" ] || usage "--binaries: there is no program $binaries/$program"
-    "$here/collect.sh" "$work/context/roots/$program" "$binaries/$program"
+    "$here/collect.sh" ${collect_from:+--sysroot "$sysroot"} "$work/context/roots/$program" \
+      "$binaries/$program"
   done
   set -- --build-context "build=$work/context" "$@"
 else
@@ -82,7 +102,7 @@ version=$(sed -n 's/^project(corbslam VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLi
 revision=$(git -C "$root" describe --always --dirty --abbrev=40 2>/dev/null || echo unknown)
 for program in $programs; do
   # Of the two image formats docker's is the one that knows HEALTHCHECK.
-  buildah build --format docker ${base:+--build-arg "BASE=$base"} \
+  buildah build --format docker --platform "$platform" ${base:+--build-arg "BASE=$base"} \
     --build-arg "VERSION=$version" --build-arg "REVISION=$revision" \
     --file "$here/Containerfile" --target "$program" --tag "$prefix/$program:$tag" "$@" "$root"
 done

@@ -1,17 +1,26 @@
 #!/bin/sh
-# collect.sh ROOT PROGRAM...: makes the folder ROOT the file system of an image that runs PROGRAM:
+# collect.sh [--sysroot DIR] ROOT PROGRAM...: makes the folder ROOT the file system of an image that runs
+# PROGRAM:
 #
 # /usr/bin          the programs, and health, which lies beside the first of them here
 # /usr/lib          the shared libraries that these load, and nothing else of Debian
 # /usr/share/doc    the licences of the packages that the libraries are from, and the SBOM
 # /var/lib/dpkg     what dpkg knows of these packages, so that scanners find them
 #
-# Runs where the programs were built: on Debian 12 with the libraries installed. Needs no root.
+# Runs where the programs were built: on Debian 12 with the libraries installed. Needs no root. With
+# --sysroot, programs for arm64, and what deploy/arm64/make_sysroot.sh put into DIR; then qemu runs the
+# loader, and ldconfig, which needs root.
 set -eu
 
-[ $# -ge 2 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+sysroot=
+if [ "${1:-}" = --sysroot ] && [ $# -ge 2 ]; then
+  sysroot=$(cd "$2" && pwd)
+  shift 2
+fi
+[ $# -ge 2 ] || { sed -n '2,13s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 here=$(cd "$(dirname "$0")" && pwd)
-root=$1
+mkdir -p "$1"
+root=$(cd "$1" && pwd)
 shift
 # Of the user that the images run as.
 uid=10001
@@ -32,10 +41,36 @@ for folder in bin lib lib64; do ln -s "usr/$folder" "$root/$folder"; done
 lists=$(mktemp -d)
 trap 'rm -rf "$lists"' EXIT
 
+# Of a sysroot, too, the files are named as programs see them.
+emulator="qemu-aarch64-static -L $sysroot"
+if [ -n "$sysroot" ]; then
+  command -v qemu-aarch64-static >/dev/null || fail "no qemu-aarch64-static (Debian package qemu-user-static)"
+  export DPKG_ADMINDIR="$sysroot/var/lib/dpkg"
+fi
+list_libraries() { # PROGRAM
+  if [ -n "$sysroot" ]; then
+    $emulator "$sysroot/lib/ld-linux-aarch64.so.1" --list "$1"
+  else
+    ldd "$1"
+  fi
+}
+# Prints where links end, of the names on its input.
+resolve() {
+  if [ -n "$sysroot" ]; then
+    sed "s|^|$sysroot|" | xargs readlink -f | sed "s|^$sysroot||"
+  else
+    xargs readlink -f
+  fi
+}
+# Copies the files that its input names, links as what they lead to.
+copy_files() {
+  (cd "$sysroot/" && sed 's|^/||' | xargs cp -L --parents -t "$root")
+}
+
 for program in "$@" "${1%/*}/health"; do
   [ -x "$program" ] || fail "$program is no program"
   install -m 755 "$program" "$root/usr/bin/${program##*/}"
-  ldd "$program" > "$lists/ldd" || fail "$program is not dynamically linked"
+  list_libraries "$program" > "$lists/ldd" || fail "$program is not dynamically linked"
   if grep "not found" "$lists/ldd" >&2; then fail "$program lacks the libraries above"; fi
   # "NAME => FILE (ADDRESS)", and the loader's "FILE (ADDRESS)".
   awk '$2 == "=>" && $3 ~ /^\// {print $3} $1 ~ /^\// {print $1}' "$lists/ldd" >> "$lists/files"
@@ -43,12 +78,12 @@ done
 sort -u "$lists/files" > "$lists/libraries"
 # Where the links of Debian's alternatives end, for dpkg to know them; it may do so without the /usr
 # of a merged system.
-xargs readlink -f < "$lists/libraries" > "$lists/real"
+resolve < "$lists/libraries" > "$lists/real"
 sed 'p; s|^/usr||' "$lists/real" | xargs dpkg-query -S > "$lists/found" 2>/dev/null || true
 sed 's/.*: //; s|^/usr||' "$lists/found" | sort -u > "$lists/known"
 sed 's|^/usr||' "$lists/real" | sort -u | comm -23 - "$lists/known" > "$lists/unknown"
 [ ! -s "$lists/unknown" ] || fail "$(tr '\n' ' ' < "$lists/unknown")is of no Debian package"
-xargs cp -L --parents -t "$root" < "$lists/libraries"
+copy_files < "$lists/libraries"
 sed 's/: .*//' "$lists/found" > "$lists/owners"
 # Two packages may be named at once, "a, b: file", and with their architecture.
 tr ',' '\n' < "$lists/owners" | sed 's/ //g; s/:.*//' | sort -u > "$lists/packages"
@@ -59,7 +94,7 @@ xargs dpkg-query -s < "$lists/packages" |
     /^Package: / { file = folder $2 }
     NF { print > file }
     !NF { close(file) }'
-sed 's|.*|/usr/share/doc/&/copyright|' "$lists/packages" | xargs cp -L --parents -t "$root" ||
+sed 's|.*|/usr/share/doc/&/copyright|' "$lists/packages" | copy_files ||
   fail "a licence is missing: its package can't be shipped"
 
 install -m 644 "$here/../../slam/vocabulary/data/corbslam.voc" "$root/usr/share/corbslam/"
@@ -77,6 +112,10 @@ echo "root:x:0:
 corbslam:x:$uid:" > "$root/etc/group"
 echo "hosts: files dns" > "$root/etc/nsswitch.conf"
 sed 's/[^/]*$//' "$lists/libraries" | sort -u > "$root/etc/ld.so.conf"
-/sbin/ldconfig -r "$root" -X
+if [ -n "$sysroot" ]; then
+  $emulator "$sysroot/sbin/ldconfig" -r "$root" -X
+else
+  /sbin/ldconfig -r "$root" -X
+fi
 
 "$here/sbom.sh" "$lists/packages" "$@" "${1%/*}/health" > "$root/usr/share/doc/corbslam/sbom.spdx.json"
