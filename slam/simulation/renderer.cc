@@ -1,10 +1,13 @@
 #include "slam/simulation/renderer.h"
 
 #include <array>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <utility>
+#include <vector>
 
 #include "slam/geometry/interpolation.h"
+#include "slam/simulation/obstructions.h"
 #include "slam/simulation/scene_faces.h"
 #include "slam/simulation/shading.h"
 #include "slam/util/status_macros.h"
@@ -21,25 +24,18 @@ class RasterisingRenderer final : public Renderer {
       : scene_(std::move(scene)), options_(options) {}
 
   cv::Mat DrawGrey(const Camera& camera, const Shot& shot) const override {
-    const int instants =
-        shot.world_from_camera_at_close.has_value() ? options_.lens.motion_blur_samples : 1;
-    cv::Mat light;
-    for (int i = 0; i < instants; ++i) {
-      const Rigid3d pose =
-          instants == 1 ? shot.world_from_camera
-                        : Interpolate(shot.world_from_camera, *shot.world_from_camera_at_close,
-                                      static_cast<double>(i) / (instants - 1));
-      const SceneView view =
-          scene_.See(camera, pose, shot.time_s, {kSamples.begin(), kSamples.end()});
-      const cv::Mat at_instant = ComputeLight(scene_, view, options_.threads);
-      if (i == 0) {
-        light = at_instant;
-      } else {
-        cv::add(light, at_instant, light);
+    return Draw(shot, [&](const Rigid3d& pose) { return LightAt(camera, pose, shot.time_s); });
+  }
+
+  cv::Mat DrawGrey(const LensView& view, const Shot& shot) const override {
+    return Draw(shot, [&](const Rigid3d& pose) {
+      std::vector<cv::Mat> sides;
+      for (const LensView::Side& side : view.sides()) {
+        const Rigid3d turned = {side.camera_from_side, Eigen::Vector3d::Zero()};
+        sides.push_back(LightAt(side.pinhole, pose * turned, shot.time_s));
       }
-    }
-    if (instants > 1) light.convertTo(light, CV_32FC1, 1.0 / instants);
-    return Develop(light, options_.lens, shot.time_s, shot.stream, options_.threads);
+      return view.Resample(sides, options_.threads);
+    });
   }
 
   cv::Mat DrawDepth(const Camera& camera, const Shot& shot) const override {
@@ -58,6 +54,31 @@ class RasterisingRenderer final : public Renderer {
   }
 
  private:
+  cv::Mat LightAt(const Camera& camera, const Rigid3d& world_from_camera, double time_s) const {
+    const SceneView view =
+        scene_.See(camera, world_from_camera, time_s, {kSamples.begin(), kSamples.end()});
+    return ComputeLight(scene_, view, options_.threads);
+  }
+
+  // `light_at` draws what is seen from a pose; the mean over the time of the open shutter is
+  // developed.
+  cv::Mat Draw(const Shot& shot, const std::function<cv::Mat(const Rigid3d&)>& light_at) const {
+    const int instants =
+        shot.world_from_camera_at_close.has_value() ? options_.lens.motion_blur_samples : 1;
+    cv::Mat light = light_at(shot.world_from_camera);
+    for (int i = 1; i < instants; ++i) {
+      const Rigid3d pose = Interpolate(shot.world_from_camera, *shot.world_from_camera_at_close,
+                                       static_cast<double>(i) / (instants - 1));
+      cv::add(light, light_at(pose), light);
+    }
+    if (instants > 1) light.convertTo(light, CV_32FC1, 1.0 / instants);
+    Defocus(shot.defocus_px, light);
+    CoverByHand(shot.covered, light);
+    Lens lens = options_.lens;
+    lens.exposure *= shot.exposure;
+    return Develop(light, lens, shot.time_s, shot.stream, options_.threads);
+  }
+
   const SceneFaces scene_;
   const RenderOptions options_;
 };

@@ -11,6 +11,7 @@
 #include "slam/camera/camera.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/simulation/lens.h"
+#include "slam/simulation/lens_view.h"
 #include "slam/simulation/scene.h"
 
 namespace corbslam {
@@ -25,8 +26,11 @@ struct Shot {
   Rigid3d world_from_camera = {};
   // Pose of the camera when the shutter closes; motion blur is drawn from it.
   std::optional<Rigid3d> world_from_camera_at_close = {};
-  double time_s = 0;    // Time of the sequence, which says where the movers are.
-  uint64_t stream = 0;  // Noise differs between streams: make one of frame and camera.
+  double time_s = 0;      // Time of the sequence, which says where the movers are.
+  uint64_t stream = 0;    // Noise differs between streams: make one of frame and camera.
+  double exposure = 1;    // Multiplies the lens's.
+  double defocus_px = 0;  // Standard deviation of a blur that comes before the lens's own.
+  double covered = 0;     // Share of the picture that a hand before the lens hides, from the right.
 };
 
 // Draws the same bytes for the same shot whatever the number of threads. Thread-safe.
@@ -40,6 +44,8 @@ class Renderer {
 
   // Returns a CV_8UC1 picture of the camera's size.
   virtual cv::Mat DrawGrey(const Camera& camera, const Shot& shot) const = 0;
+  // Draws what a camera of any lens sees; black where it sees nothing.
+  virtual cv::Mat DrawGrey(const LensView& view, const Shot& shot) const = 0;
   // Returns a CV_32FC1 of the camera's size: z of the first surface at each pixel's centre in
   // metres, 0 where there is none.
   virtual cv::Mat DrawDepth(const Camera& camera, const Shot& shot) const = 0;

@@ -23,19 +23,35 @@ Camera Scaled(Camera camera, double scale) {
   return camera;
 }
 
-Rigid3d TrueLeftFromRight(const Camera& camera, const SimulationSpec& spec) {
+// Returns where the right camera is when the robot believes that it is at `left_from_right`.
+Rigid3d TrueLeftFromRight(const Rigid3d& left_from_right, double fx_px, double fy_px,
+                          const SimulationSpec& spec) {
   // Looking up lowers the picture; looking left shifts it to the right.
-  const double up_rad = spec.epipolar_error_px / camera.fy_px;
-  const double left_rad = spec.disparity_error_px / camera.fx_px;
-  return {(Eigen::AngleAxisd(-left_rad, Eigen::Vector3d::UnitY()) *
-           Eigen::AngleAxisd(up_rad, Eigen::Vector3d::UnitX()))
-              .normalized(),
-          {camera.baseline_m * (1 + spec.scale_error), 0, 0}};
+  const double up_rad = spec.epipolar_error_px / fy_px;
+  const double left_rad = spec.disparity_error_px / fx_px;
+  const Eigen::Quaterniond turned = Eigen::AngleAxisd(-left_rad, Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(up_rad, Eigen::Vector3d::UnitX());
+  return {(left_from_right.rotation * turned).normalized(),
+          left_from_right.translation * (1 + spec.scale_error)};
+}
+
+SimulatedRig RigOfPair(const SimulatedPair& pair, const SimulationSpec& spec) {
+  SimulatedRig rig;
+  rig.calibration = pair.told;
+  rig.camera.width_px = pair.width_px;
+  rig.camera.height_px = pair.height_px;
+  rig.left_from_right =
+      TrueLeftFromRight(pair.right_from_left.Inverse(), pair.right.fx_px, pair.right.fy_px, spec);
+  constexpr double kUsualRate_hz = 20;
+  rig.rate_hz = pair.rate_hz > 0 ? pair.rate_hz : kUsualRate_hz;
+  if (spec.rate_hz > 0) rig.rate_hz = spec.rate_hz;
+  return rig;
 }
 
 }  // namespace
 
 SimulatedRig MakeRig(const SimulationSpec& spec) {
+  if (spec.pair.has_value()) return RigOfPair(*spec.pair, spec);
   SimulatedRig rig;
   switch (RigOf(spec)) {
     case CameraRig::kKitti:
@@ -56,7 +72,8 @@ SimulatedRig MakeRig(const SimulationSpec& spec) {
     rig.calibration = RgbdCalibration{.camera = rig.camera};
   } else {
     rig.calibration = StereoCalibration{.camera = rig.camera};
-    rig.left_from_right = TrueLeftFromRight(rig.camera, spec);
+    const Rigid3d told = {Eigen::Quaterniond::Identity(), {rig.camera.baseline_m, 0, 0}};
+    rig.left_from_right = TrueLeftFromRight(told, rig.camera.fx_px, rig.camera.fy_px, spec);
   }
   return rig;
 }

@@ -14,7 +14,8 @@ namespace corbslam {
 struct SimulatedRig {
   // What the robot is told.
   SensorCalibration calibration;
-  // What the pictures are drawn with; both cameras of a pair have the same intrinsics.
+  // What the pictures are drawn with; both cameras of a pair have the same intrinsics. Of a
+  // SimulationSpec::pair the size alone: its lenses draw.
   Camera camera;
   // Where the right camera really is; none: there is a depth image instead.
   std::optional<Rigid3d> left_from_right;

@@ -28,7 +28,8 @@ class FrameClock {
   const SimulationSpec spec_;
   const double rate_hz_;
   size_t frame_count_ = 0;
-  int64_t turning_ns_ = 0;  // When turned, times on the way are those of going forward, from here.
+  int64_t standing_ns_ = 0;  // The robot sets off so long after the first frame.
+  int64_t turning_ns_ = 0;   // When turned, times on the way are those of going forward, from here.
 };
 
 }  // namespace corbslam

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "slam/simulation/motion/pose_sequence.h"
@@ -14,6 +15,7 @@
 #include "slam/simulation/sequence/camera_rig.h"
 #include "slam/simulation/sequence/depth_image.h"
 #include "slam/simulation/sequence/frame_clock.h"
+#include "slam/simulation/sequence/picture_events.h"
 #include "slam/simulation/sequence/simulated_world.h"
 #include "slam/simulation/sequence/truth_error.h"
 #include "slam/util/status_macros.h"
@@ -41,10 +43,17 @@ class DrawnSequence : public SimulatedSequence {
   Rigid3d PoseAt(size_t frame, int64_t since_ns) const;
   // Returns the renderer's shot of the left or right (1) camera.
   Shot ShotOf(size_t frame, int camera) const;
-  absl::StatusOr<const Renderer*> GetRenderer() const;
-  SensorImages Draw(const Renderer& renderer, size_t frame) const;
+  // What draws: the world, and the lenses of both cameras where the spec says which.
+  struct Studio {
+    std::unique_ptr<Renderer> renderer;
+    std::vector<LensView> lenses;
+  };
+  absl::StatusOr<Studio> MakeStudio() const;
+  absl::StatusOr<const Studio*> GetStudio() const;
+  SensorImages Draw(const Studio& studio, size_t frame) const;
+  cv::Mat DrawGrey(const Studio& studio, size_t frame, int camera) const;
   // Draws the right picture, or the depths.
-  cv::Mat DrawOther(const Renderer& renderer, size_t frame) const;
+  cv::Mat DrawOther(const Studio& studio, size_t frame) const;
   SensorImages Dark(size_t frame) const;
 
   const SimulationSpec spec_;
@@ -53,7 +62,7 @@ class DrawnSequence : public SimulatedSequence {
   const FrameClock clock_;
   // The first call sets it, under once_.
   mutable std::once_flag once_;
-  mutable absl::StatusOr<std::unique_ptr<Renderer>> renderer_;
+  mutable absl::StatusOr<Studio> studio_;
 };
 
 Rigid3d DrawnSequence::PoseAt(size_t frame, int64_t since_ns) const {
@@ -71,37 +80,57 @@ Shot DrawnSequence::ShotOf(size_t frame, int camera) const {
   }
   shot.time_s = 1e-9 * static_cast<double>(clock_.ElapsedAt(frame));
   shot.stream = 2 * frame + static_cast<uint64_t>(camera);
+  const PictureEvents events = EventsAt(spec_, shot.time_s, camera);
+  shot.exposure = events.exposure;
+  shot.defocus_px = events.defocus_px;
+  shot.covered = events.covered;
   return shot;
 }
 
-absl::StatusOr<const Renderer*> DrawnSequence::GetRenderer() const {
-  std::call_once(once_, [this] {
-    // A frame's two pictures are drawn at the same time.
-    renderer_ =
-        Renderer::Make(BuildWorld(spec_, way_), {spec_.lens, std::max(1, spec_.threads / 2)});
-  });
-  RETURN_IF_ERROR(renderer_.status());
-  return renderer_->get();
+absl::StatusOr<DrawnSequence::Studio> DrawnSequence::MakeStudio() const {
+  Studio studio;
+  // A frame's two pictures are drawn at the same time.
+  ASSIGN_OR_RETURN(studio.renderer, Renderer::Make(BuildWorld(spec_, way_),
+                                                   {spec_.lens, std::max(1, spec_.threads / 2)}));
+  if (!spec_.pair.has_value()) return studio;
+  for (const RawCamera& camera : {spec_.pair->left, spec_.pair->right}) {
+    ASSIGN_OR_RETURN(LensView lens,
+                     LensView::Make(camera, rig_.camera.width_px, rig_.camera.height_px));
+    studio.lenses.push_back(std::move(lens));
+  }
+  return studio;
 }
 
-SensorImages DrawnSequence::Draw(const Renderer& renderer, size_t frame) const {
+absl::StatusOr<const DrawnSequence::Studio*> DrawnSequence::GetStudio() const {
+  std::call_once(once_, [this] { studio_ = MakeStudio(); });
+  RETURN_IF_ERROR(studio_.status());
+  return &*studio_;
+}
+
+SensorImages DrawnSequence::Draw(const Studio& studio, size_t frame) const {
   SensorImages images;
   images.timestamp_ns = timestamp_ns(frame);
   cv::Mat& other = rig_.left_from_right.has_value() ? images.right : images.depth;
   const auto policy = spec_.threads > 1 ? std::launch::async : std::launch::deferred;
-  std::future<cv::Mat> drawing = std::async(policy, [&] { return DrawOther(renderer, frame); });
-  images.grey = renderer.DrawGrey(rig_.camera, ShotOf(frame, 0));
+  std::future<cv::Mat> drawing = std::async(policy, [&] { return DrawOther(studio, frame); });
+  images.grey = DrawGrey(studio, frame, 0);
   other = drawing.get();
   return images;
 }
 
-cv::Mat DrawnSequence::DrawOther(const Renderer& renderer, size_t frame) const {
-  if (rig_.left_from_right.has_value()) return renderer.DrawGrey(rig_.camera, ShotOf(frame, 1));
+cv::Mat DrawnSequence::DrawGrey(const Studio& studio, size_t frame, int camera) const {
+  const Shot shot = ShotOf(frame, camera);
+  if (studio.lenses.empty()) return studio.renderer->DrawGrey(rig_.camera, shot);
+  return studio.renderer->DrawGrey(studio.lenses[static_cast<size_t>(camera)], shot);
+}
+
+cv::Mat DrawnSequence::DrawOther(const Studio& studio, size_t frame) const {
+  if (rig_.left_from_right.has_value()) return DrawGrey(studio, frame, 1);
   DepthImageOptions depth;
   depth.units_per_m = std::get<RgbdCalibration>(rig_.calibration).depth_units_per_m;
   depth.noise_m = spec_.depth_noise_m;
   depth.noise_seed = spec_.lens.noise_seed;
-  return MakeDepthImage(renderer.DrawDepth(rig_.camera, ShotOf(frame, 0)), depth, frame);
+  return MakeDepthImage(studio.renderer->DrawDepth(rig_.camera, ShotOf(frame, 0)), depth, frame);
 }
 
 SensorImages DrawnSequence::Dark(size_t frame) const {
@@ -121,8 +150,8 @@ absl::StatusOr<SensorImages> DrawnSequence::Render(size_t frame) const {
   }
   try {
     if (clock_.IsDark(frame)) return Dark(frame);
-    ASSIGN_OR_RETURN(const Renderer* renderer, GetRenderer());
-    return Draw(*renderer, frame);
+    ASSIGN_OR_RETURN(const Studio* studio, GetStudio());
+    return Draw(*studio, frame);
   } catch (const cv::Exception& exception) {
     return absl::InternalError(absl::StrCat("frame ", frame, ": ", exception.what()));
   }

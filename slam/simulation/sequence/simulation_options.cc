@@ -1,17 +1,16 @@
 #include "slam/simulation/sequence/simulation_options.h"
 
 #include <algorithm>
-#include <functional>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
-#include "absl/strings/str_split.h"
+#include "slam/simulation/sequence/event_options.h"
+#include "slam/simulation/sequence/option_kinds.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/text_file.h"
 
 namespace corbslam {
 namespace {
+
+using Option = SimulationOption;
 
 constexpr std::pair<absl::string_view, SimulatedWorld> kWorlds[] = {
     {"city", SimulatedWorld::kCity},
@@ -21,90 +20,6 @@ constexpr std::pair<absl::string_view, CameraRig> kRigs[] = {
     {"kitti", CameraRig::kKitti}, {"euroc", CameraRig::kEuroc}, {"rgbd", CameraRig::kRgbd}};
 constexpr std::pair<absl::string_view, FloorMotion> kMotions[] = {{"walk", FloorMotion::kWalk},
                                                                   {"fly", FloorMotion::kFly}};
-
-template <typename Choices>
-std::string ListNames(const Choices& choices) {
-  return absl::StrJoin(choices, ", ", [](std::string* out, const auto& choice) {
-    absl::StrAppend(out, choice.first);
-  });
-}
-
-template <typename Choices, typename Value>
-bool FindChoice(const Choices& choices, absl::string_view name, Value& value) {
-  for (const auto& [known, choice] : choices) {
-    if (known != name) continue;
-    value = choice;
-    return true;
-  }
-  return false;
-}
-
-template <typename Choices, typename Value>
-std::string NameOf(const Choices& choices, Value value) {
-  for (const auto& [name, choice] : choices) {
-    if (choice == value) return std::string(name);
-  }
-  return "";
-}
-
-// How one option is read and written. Each returns false for a value that it can't take.
-struct Option {
-  absl::string_view name;
-  absl::string_view wants;
-  std::function<bool(absl::string_view, SimulationSpec&)> parse;
-  std::function<std::string(const SimulationSpec&)> format;  // Empty: the option is not written.
-};
-
-template <typename Field>
-using Access = Field& (*)(SimulationSpec&);
-
-// Const access by a field that is reached the same way.
-template <typename Field>
-Field Get(Access<Field> access, SimulationSpec spec) {
-  return access(spec);
-}
-
-Option Real(absl::string_view name, Access<double> access) {
-  return {name, "a number",
-          [access](absl::string_view value, SimulationSpec& spec) {
-            return absl::SimpleAtod(value, &access(spec));
-          },
-          [access](const SimulationSpec& spec) { return FormatReal(Get(access, spec)); }};
-}
-
-template <typename Integer>
-Option Whole(absl::string_view name, Access<Integer> access) {
-  return {name, "a whole number",
-          [access](absl::string_view value, SimulationSpec& spec) {
-            return absl::SimpleAtoi(value, &access(spec));
-          },
-          [access](const SimulationSpec& spec) { return absl::StrCat(Get(access, spec)); }};
-}
-
-Option Flag(absl::string_view name, Access<bool> access) {
-  return {name, "0 or 1",
-          [access](absl::string_view value, SimulationSpec& spec) {
-            access(spec) = value != "0";
-            return value.empty() || value == "0" || value == "1";
-          },
-          [access](const SimulationSpec& spec) { return Get(access, spec) ? "1" : "0"; }};
-}
-
-Option Text(absl::string_view name, Access<std::string> access) {
-  return {name, "a file",
-          [access](absl::string_view value, SimulationSpec& spec) {
-            access(spec) = std::string(value);
-            return !value.empty();
-          },
-          [access](const SimulationSpec& spec) { return Get(access, spec); }};
-}
-
-// Parses "A:B".
-bool ParsePair(absl::string_view value, double& first, double& second) {
-  const std::pair<absl::string_view, absl::string_view> parts =
-      absl::StrSplit(value, absl::MaxSplits(':', 1));
-  return absl::SimpleAtod(parts.first, &first) && absl::SimpleAtod(parts.second, &second);
-}
 
 std::vector<Option> WorldOptions() {
   using Spec = SimulationSpec;
@@ -136,11 +51,15 @@ std::vector<Option> WorldOptions() {
 std::vector<Option> RobotOptions() {
   using Spec = SimulationSpec;
   return {
-      {"rig", "kitti, euroc or rgbd",
+      {"rig", "kitti, euroc, rgbd or a rig file",
        [](absl::string_view value, Spec& spec) {
+         spec.pair.reset();
          return FindChoice(kRigs, value, spec.rig.emplace());
        },
-       [](const Spec& spec) { return spec.rig ? NameOf(kRigs, *spec.rig) : ""; }},
+       [](const Spec& spec) {
+         if (spec.pair.has_value()) return spec.pair->file;
+         return spec.rig ? NameOf(kRigs, *spec.rig) : "";
+       }},
       {"motion", "walk or fly",
        [](absl::string_view value, Spec& spec) { return FindChoice(kMotions, value, spec.motion); },
        [](const Spec& spec) { return NameOf(kMotions, spec.motion); }},
@@ -193,7 +112,7 @@ std::vector<Option> PictureOptions() {
 const std::vector<Option>& Options() {
   static const auto& options = *[] {
     auto* all = new std::vector<Option>(WorldOptions());
-    for (const std::vector<Option>& group : {RobotOptions(), PictureOptions()}) {
+    for (const std::vector<Option>& group : {RobotOptions(), EventOptions(), PictureOptions()}) {
       all->insert(all->end(), group.begin(), group.end());
     }
     return all;

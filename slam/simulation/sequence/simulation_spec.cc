@@ -46,6 +46,34 @@ absl::Status ValidateRobot(const SimulationSpec& spec) {
   return Require("kidnap", spec.kidnap->to_s, 0, 1e6);
 }
 
+absl::Status ValidateEvents(const SimulationSpec& spec) {
+  for (const double seconds :
+       {spec.beginning.dark_s, spec.beginning.blurred_s, spec.beginning.still_s}) {
+    RETURN_IF_ERROR(Require("beginning", seconds, 0, 1e6));
+  }
+  RETURN_IF_ERROR(Require("hand", spec.hand.from_s, 0, 1e6));
+  RETURN_IF_ERROR(Require("hand", spec.hand.duration_s, 0, 1e6));
+  double before_s = 0;
+  for (const ExposureStep& step : spec.exposure_steps) {
+    RETURN_IF_ERROR(Require("exposure_steps", step.at_s, before_s, 1e6));
+    RETURN_IF_ERROR(Require("exposure_steps", step.factor, 0.001, 1000));
+    before_s = step.at_s;
+  }
+  return Require("exposure_ramp_s", spec.exposure_ramp_s, 0, 1e6);
+}
+
+// A rig file says of what size the pictures are; they may be through any lens.
+absl::Status ValidatePair(const SimulationSpec& spec) {
+  if (!spec.pair.has_value()) return absl::OkStatus();
+  if (spec.picture_scale != 1) {
+    return Refuse(
+        "picture_scale", absl::StrCat(spec.picture_scale),
+        absl::StrCat("1 beside rig=", spec.pair->file, ", which says how large pictures are"));
+  }
+  RETURN_IF_ERROR(corbslam::Validate(spec.pair->left.lens));
+  return corbslam::Validate(spec.pair->right.lens);
+}
+
 absl::Status ValidatePictures(const SimulationSpec& spec) {
   if (const absl::Status status = Validate(spec.lens); !status.ok()) {
     return absl::InvalidArgumentError(absl::StrCat("simulation option ", status.message()));
@@ -70,6 +98,8 @@ CameraRig RigOf(const SimulationSpec& spec) {
 absl::Status Validate(const SimulationSpec& spec) {
   RETURN_IF_ERROR(ValidateWorld(spec));
   RETURN_IF_ERROR(ValidateRobot(spec));
+  RETURN_IF_ERROR(ValidateEvents(spec));
+  RETURN_IF_ERROR(ValidatePair(spec));
   return ValidatePictures(spec);
 }
 

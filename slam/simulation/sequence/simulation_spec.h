@@ -5,8 +5,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "slam/camera/lens.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/sensor/sensor.h"
 #include "slam/simulation/lens.h"
 
 namespace corbslam {
@@ -30,6 +34,34 @@ struct Blackout {
   double from_s = 0;
   double duration_s = 0;  // 0: none.
   friend bool operator==(const Blackout&, const Blackout&) = default;
+};
+
+// What the cameras see until the robot sets off, stage by stage.
+struct Beginning {
+  double dark_s = 0;     // Black.
+  double blurred_s = 0;  // Out of focus.
+  double still_s = 0;    // Sharp, and nothing moves but what moves in the world.
+  double total_s() const { return dark_s + blurred_s + still_s; }
+  friend bool operator==(const Beginning&, const Beginning&) = default;
+};
+
+// From at_s on the exposure is multiplied by the factor, until the next step.
+struct ExposureStep {
+  double at_s = 0;
+  double factor = 1;
+  friend bool operator==(const ExposureStep&, const ExposureStep&) = default;
+};
+
+// A stereo pair as it is built, of any lenses, and what the robot is told of it.
+struct SimulatedPair {
+  std::string file;  // Of the rig; how the option is written.
+  StereoCalibration told;
+  RawCamera left;
+  RawCamera right;
+  Rigid3d right_from_left;
+  int width_px = 0;
+  int height_px = 0;
+  double rate_hz = 0;  // 0: 20 Hz.
 };
 
 // At at_s the camera is moved to where it is at to_s of the way, and goes on from there.
@@ -57,6 +89,7 @@ struct SimulationSpec {
 
   // The robot's rig. Absent: rgbd for floors, else kitti.
   std::optional<CameraRig> rig;
+  std::optional<SimulatedPair> pair;        // Instead of `rig`.
   FloorMotion motion = FloorMotion::kWalk;  // kFloor.
   double rate_hz = 0;                       // 0: the rig's.
   double picture_scale = 1;                 // Share of the rig's width and height.
@@ -65,6 +98,13 @@ struct SimulationSpec {
   double start_s = 0;   // Time of the first frame.
   Blackout blackout;
   std::optional<Kidnap> kidnap;
+
+  // What happens to the pictures. The robot's way begins behind the beginning.
+  Beginning beginning;
+  Blackout hand;                             // A hand before both lenses.
+  std::vector<ExposureStep> exposure_steps;  // Their times grow.
+  double exposure_ramp_s = 0;                // How long a step takes; 0: it jumps.
+  bool exposure_apart = false;               // Steps are of the left (or only) camera alone.
 
   // The pictures.
   Lens lens;
