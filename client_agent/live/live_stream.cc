@@ -81,6 +81,7 @@ absl::StatusOr<NextFrame> LiveStream::Next(absl::Time deadline) {
   wrong_in_a_row_ = 0;
   StreamFrame frame;
   frame.frame = {(*pair)->number, (*pair)->first.timestamp_ns, 0};
+  frame.came = (*pair)->came;
   frame.images.timestamp_ns = (*pair)->first.timestamp_ns;
   frame.images.grey = (*pair)->first.image;
   (IsStereo(calibration_) ? frame.images.right : frame.images.depth) = (*pair)->second.image;

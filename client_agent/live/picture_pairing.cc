@@ -46,7 +46,8 @@ void PicturePairing::PairUp() {
 
 void PicturePairing::Publish(LivePicture first, LivePicture second) {
   if (newest_.has_value()) ++counts_.overtaken;
-  newest_ = LivePair{counts_.frames++, std::move(first), std::move(second)};
+  newest_ = LivePair{counts_.frames++, std::move(first), std::move(second),
+                     std::chrono::steady_clock::now()};
 }
 
 void PicturePairing::End(absl::Status status) {

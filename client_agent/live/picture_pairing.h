@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_LIVE_PICTURE_PAIRING_H_
 #define CORBSLAM_CLIENT_AGENT_LIVE_PICTURE_PAIRING_H_
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -26,6 +27,7 @@ struct LivePair {
   size_t number = 0;  // Counts the frames that the camera gave, taken or not, from 0.
   LivePicture first;
   LivePicture second;
+  std::chrono::steady_clock::time_point came;  // When the later of them came.
 };
 
 enum class LiveSide { kFirst, kSecond };

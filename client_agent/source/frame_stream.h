@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_FRAME_STREAM_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_FRAME_STREAM_H_
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,6 +32,8 @@ struct LeftOutFrames {
 struct StreamFrame {
   SourceFrame frame;
   SensorImages images;  // They are stamped with the frame's time.
+  // When a camera gave it; a recording's frames come when they are asked for.
+  std::optional<std::chrono::steady_clock::time_point> came = {};
 };
 struct NoFrameYet {};  // No frame came before the deadline; the stream goes on.
 struct StreamEnd {};   // No frame follows.

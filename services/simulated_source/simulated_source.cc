@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client_agent/source/source_kinds.h"
+#include "services/simulated_source/simulated_pair.h"
 #include "services/simulated_source/simulated_reader.h"
 #include "slam/simulation/sequence/simulation_options.h"
 #include "slam/util/status_macros.h"
@@ -33,7 +34,12 @@ class SimulationSettings : public KindSettings {
   absl::StatusOr<SharedKindSettings> With(absl::string_view key,
                                           absl::string_view value) const override {
     SimulationSpec changed = spec_;
-    RETURN_IF_ERROR(ApplySimulationOption(key, value, changed));
+    if (key == "rig" && IsRigFile(value)) {
+      ASSIGN_OR_RETURN(changed.pair, ReadSimulatedPair(std::string(value)));
+      changed.rig.reset();
+    } else {
+      RETURN_IF_ERROR(ApplySimulationOption(key, value, changed));
+    }
     return std::make_shared<SimulationSettings>(std::move(changed));
   }
   absl::Status Validate() const override { return corbslam::Validate(spec_); }

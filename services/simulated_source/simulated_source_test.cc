@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <opencv2/core.hpp>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/frame_reader.h"
 #include "client_agent/source/recorded_sequence.h"
 #include "client_agent/source/source_kinds.h"
 
@@ -17,6 +20,7 @@ using client_agent::ApplyOptions;
 using client_agent::FormatSourceSpec;
 using client_agent::FramesOf;
 using client_agent::KnownSourceKinds;
+using client_agent::OpenReader;
 using client_agent::OpenSource;
 using client_agent::ParseSourceSpec;
 using client_agent::SourceSpec;
@@ -45,14 +49,47 @@ TEST(SimulatedSourceTest, ComesBackAsFormatted) {
   }
 }
 
+constexpr char kFisheyes[] =
+    "rig: 1\nkind: stereo\nrate_hz: 12\ncameras:\n"
+    "  - {size_px: [160, 120], focal_px: [60, 60], principal_px: [80, 60], lens: equidistant, "
+    "lens_numbers: [0, 0, 0, 0]}\n"
+    "  - {size_px: [160, 120], focal_px: [61, 61], principal_px: [79, 60], lens: equidistant, "
+    "lens_numbers: [0, 0, 0, 0]}\n"
+    "right_from_left: [1, 0, 0, -0.2, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n";
+
+TEST(SimulatedSourceTest, TakesItsCamerasFromARigFile) {
+  const std::string path = ::testing::TempDir() + "/simulated_fisheyes.yaml";
+  std::ofstream(path) << kFisheyes;
+  const auto spec = ParseSourceSpec("sim:city?length=120&rig=" + path);
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_EQ(FormatSourceSpec(*spec), "sim:city?length=120&rig=" + path);
+  const auto reader = OpenReader(*spec);
+  ASSERT_TRUE(reader.ok()) << reader.status();
+  const auto& stereo = std::get<StereoCalibration>((*reader)->calibration());
+  ASSERT_TRUE(stereo.raw.has_value());
+  EXPECT_EQ(stereo.raw->right.fx_px, 61);
+  EXPECT_EQ((*reader)->timestamp_ns(12), 1'000'000'000);
+  const auto images = (*reader)->Read(3);
+  ASSERT_TRUE(images.ok()) << images.status();
+  EXPECT_EQ(images->grey.size(), cv::Size(160, 120));
+  EXPECT_GT(cv::mean(images->right)[0], 20);
+  SourceSpec by_flag = *ParseSourceSpec("sim:city?length=120");
+  ASSERT_TRUE(client_agent::UseRig(path, by_flag).ok());
+  EXPECT_EQ(FormatSourceSpec(by_flag), FormatSourceSpec(*spec));
+}
+
 TEST(SimulatedSourceTest, NamesWhatItDoesNotUnderstand) {
-  const std::pair<const char*, const char*> cases[] = {{"sim:moon", "city, path, floor"},
-                                                       {"sim:city?sead=7", "'sead': known are"},
-                                                       {"sim:city?sead=7", "blackout"},
-                                                       {"sim:city?seed=x", "seed=x"},
-                                                       {"sim:city?rig=gopro", "rig=gopro"},
-                                                       {"sim:city?phase=2", "phase=2"},
-                                                       {"sim:path", "poses"}};
+  const std::pair<const char*, const char*> cases[] = {
+      {"sim:moon", "city, path, floor"},
+      {"sim:city?sead=7", "'sead': known are"},
+      {"sim:city?sead=7", "blackout"},
+      {"sim:city?seed=x", "seed=x"},
+      {"sim:city?rig=gopro", "rig=gopro"},
+      {"sim:city?rig=/no.yaml", "/no.yaml"},
+      {"sim:city?hand=3", "hand=3"},
+      {"sim:city?exposure_steps=5:0.3/2:1", "exposure_steps=2"},
+      {"sim:city?phase=2", "phase=2"},
+      {"sim:path", "poses"}};
   for (const auto& [text, expected] : cases) {
     const absl::Status status = ParseSourceSpec(text).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;

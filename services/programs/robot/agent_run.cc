@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <chrono>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
@@ -62,6 +63,11 @@ absl::Status PlayStream(
     ASSIGN_OR_RETURN(const TrackingResult result, agent.Track((*next)->images));
     ++frames.played;
     if (const auto line = no_pose.Add(result, (*next)->images)) LOG(WARNING) << *line;
+    if (const auto came = (*next)->came; came.has_value()) {
+      const std::chrono::duration<double, std::milli> latency =
+          std::chrono::steady_clock::now() - *came;
+      frames.latency_ms.Add(latency.count());
+    }
     on_frame(result, frames.dropped);
   }
 }
@@ -101,6 +107,7 @@ void AddRun(const FrameStream& stream, const PlayedFrames& played, const SourceF
   report.frames = static_cast<int>(frames);
   report.dropped = static_cast<int>(played.dropped);
   report.left_out = static_cast<int>(played.left_out);
+  report.latency_ms = SpreadOf(played.latency_ms);
   report.pictures_s = PicturesTime_s(stream, frames);
   report.warnings = ToReportWarnings(warnings);
   const ProcessUsage usage = GetProcessUsage();

@@ -13,13 +13,15 @@
 #include "client_agent/source/source_description.h"
 #include "services/programs/robot/paced_stream.h"
 #include "services/programs/robot/robot_report.h"
+#include "slam/util/bounded_sample.h"
 
 namespace corbslam::services {
 
 struct PlayedFrames {
   uint64_t played = 0;
   uint64_t dropped = 0;
-  uint64_t left_out = 0;  // Frames that could not be read.
+  uint64_t left_out = 0;     // Frames that could not be read.
+  BoundedSample latency_ms;  // From a camera's picture to its pose.
 };
 
 // Plays until the last frame, or until `stop`. `on_frame` is called with each result and the number

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "slam/util/bounded_sample.h"
-
 namespace corbslam::services {
 
 using client_agent::Agent;
@@ -24,16 +22,12 @@ Spread ComputeSpread(std::vector<double> values) {
           values[p99]};
 }
 
-namespace {
-
 Spread SpreadOf(const BoundedSample& sample) {
   Spread spread = ComputeSpread(sample.values());
   // The values may be a sample; this mean is of all values.
   spread.mean = sample.mean();
   return spread;
 }
-
-}  // namespace
 
 RobotReport MakeRobotReport(const Agent& agent) {
   const AgentStatus status = agent.GetStatus();

@@ -14,6 +14,7 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/source_finding.h"
 #include "client_agent/upload/held_back.h"
+#include "slam/util/bounded_sample.h"
 
 namespace corbslam::services {
 
@@ -26,6 +27,8 @@ struct Spread {
 };
 // Returns zeros if there are no values.
 Spread ComputeSpread(std::vector<double> values);
+// Returns that of all values' mean and of the kept ones' percentiles.
+Spread SpreadOf(const BoundedSample& sample);
 
 // Says that something looks wrong; docs/sources.md lists the codes.
 struct ReportWarning {
@@ -77,6 +80,7 @@ struct RobotReport {
   std::optional<double> t_rel_percent;
   std::optional<double> r_rel_deg_per_100m;
   Spread tracking_ms;
+  Spread latency_ms;  // Zeros for recordings.
   Spread local_ba_ms;
   int local_ba_count = 0;
   std::optional<double> peak_rss_mb;

@@ -42,6 +42,9 @@ void VisitFields(Report& report, Visitor& visit) {
   visit("/tracking_ms/median", report.tracking_ms.median);
   visit("/tracking_ms/mean", report.tracking_ms.mean);
   visit("/tracking_ms/p99", report.tracking_ms.p99);
+  visit("/latency_ms/median", report.latency_ms.median);
+  visit("/latency_ms/mean", report.latency_ms.mean);
+  visit("/latency_ms/p99", report.latency_ms.p99);
   visit("/local_ba_ms", report.local_ba_ms.median);
   visit("/local_ba/count", report.local_ba_count);
   visit("/local_ba/mean_ms", report.local_ba_ms.mean);

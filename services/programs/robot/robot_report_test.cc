@@ -39,6 +39,7 @@ RobotReport MakeWholeReport() {
   report.t_rel_percent = 0.7;
   report.r_rel_deg_per_100m = 0.3;
   report.tracking_ms = {20.5, 21.5, 1.0 / 3};
+  report.latency_ms = {25.5, 26.5, 27.5};
   report.local_ba_ms = {30.5, 31.5, 32.5};
   report.local_ba_count = 121;
   report.peak_rss_mb = 122.5;
@@ -87,6 +88,7 @@ TEST(RobotReportTest, NamesOfFieldsStay) {
   EXPECT_EQ(json["loops_closed"], 112);
   EXPECT_EQ(json["tracking_ms"]["median"], 20.5);
   EXPECT_EQ(json["tracking_ms"]["mean"], 21.5);
+  EXPECT_EQ(json["latency_ms"], (Json{{"median", 25.5}, {"mean", 26.5}, {"p99", 27.5}}));
   EXPECT_EQ(json["local_ba_ms"], 30.5);
   EXPECT_EQ(json["local_ba"], (Json{{"count", 121}, {"mean_ms", 31.5}, {"p99_ms", 32.5}}));
   EXPECT_EQ(json["outbox"], (Json{{"batches", 124},

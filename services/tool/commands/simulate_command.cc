@@ -22,11 +22,13 @@ using client_agent::OpenReader;
 using client_agent::ParseSourceSpec;
 using client_agent::SourceLayout;
 using client_agent::SourceSpec;
+using client_agent::UseRig;
 
 namespace {
 
 struct SimulateArguments {
   std::string source;
+  std::string rig;
   std::string layout = "kitti";
   std::string out;
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -76,7 +78,8 @@ absl::Status Write(const SourceSpec& source, const SimulateArguments& arguments,
 }
 
 absl::Status Simulate(const SimulateArguments& arguments) {
-  ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(arguments.source));
+  ASSIGN_OR_RETURN(SourceSpec source, ParseSourceSpec(arguments.source));
+  if (!arguments.rig.empty()) RETURN_IF_ERROR(UseRig(arguments.rig, source));
   return Write(source, arguments, arguments.out);
 }
 
@@ -123,6 +126,7 @@ void AddSimulateCommand(CLI::App& app, Command& chosen) {
       "simulate", "Write a simulated sequence with calibration and ground truth");
   simulate->add_option("--source", arguments->source, "sim:city, sim:path or sim:floor, ?OPTIONS")
       ->required();
+  simulate->add_option("--rig", arguments->rig, "Draw through the lenses of this rig file");
   simulate->add_option("--out", arguments->out, "Folder of the sequence")->required();
   AddWriteOptions(*simulate, *arguments);
   simulate->callback(

@@ -1,9 +1,13 @@
 #include "services/tool/sequence/layout_files.h"
 
+#include <array>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
@@ -26,21 +30,66 @@ std::string ProjectionLine(const char* name, const Camera& camera, double baseli
                       Exact(camera.cy_px), " 0 0 0 1 0");
 }
 
-absl::Status WriteKittiFiles(const std::string& folder, const Camera& camera,
+absl::Status WriteKittiFiles(const std::string& folder, const StereoCalibration& stereo,
                              const Trajectory& truth) {
-  RETURN_IF_ERROR(
-      WriteLines({ProjectionLine("P0", camera, 0), ProjectionLine("P1", camera, camera.baseline_m)},
-                 folder + "/calib.txt"));
+  const Camera& camera = stereo.camera;
+  if (!stereo.raw.has_value()) {
+    RETURN_IF_ERROR(WriteLines(
+        {ProjectionLine("P0", camera, 0), ProjectionLine("P1", camera, camera.baseline_m)},
+        folder + "/calib.txt"));
+  }
   std::vector<std::string> times;
   for (const StampedPose& pose : truth) times.push_back(FormatSeconds(pose.timestamp_ns));
   RETURN_IF_ERROR(WriteLines(times, folder + "/times.txt"));
   return WriteKittiTrajectory(truth, folder + "/poses.txt");
 }
 
-absl::Status WriteEurocCamera(const std::string& folder, int index, const Camera& camera,
+// A camera of a pair, as EuRoC's sensor.yaml says it; the left camera's frame is the body's.
+struct EurocFile {
+  RawCamera raw;
+  int width_px = 0;
+  int height_px = 0;
+  Rigid3d left_from_camera;
+};
+
+// Returns EuRoC's word for the distortion and its numbers.
+absl::StatusOr<std::pair<std::string, std::vector<double>>> EurocLens(const LensModel& lens) {
+  if (const auto* pinhole = std::get_if<RadialTangential>(&lens)) {
+    if (pinhole->k3 == 0 && !pinhole->IsRational()) {
+      return std::pair("radial-tangential",
+                       std::vector<double>{pinhole->k1, pinhole->k2, pinhole->p1, pinhole->p2});
+    }
+  } else if (const auto* fisheye = std::get_if<Equidistant>(&lens)) {
+    return std::pair("equidistant",
+                     std::vector<double>{fisheye->k1, fisheye->k2, fisheye->k3, fisheye->k4});
+  }
+  return absl::InvalidArgumentError(absl::StrCat("euroc's sensor.yaml has no word for ",
+                                                 DescribeLens(lens),
+                                                 ": write the layout kitti, whose rig.yaml has"));
+}
+
+std::string Listed(const std::vector<double>& numbers) {
+  return absl::StrCat(
+      "[",
+      absl::StrJoin(numbers, ", ",
+                    [](std::string* out, double number) { absl::StrAppend(out, Exact(number)); }),
+      "]");
+}
+
+std::string Matrix(const Rigid3d& motion) {
+  const Eigen::Matrix3d r = motion.rotation.toRotationMatrix();
+  std::vector<double> rows;
+  for (int i = 0; i < 3; ++i) {
+    rows.insert(rows.end(), {r(i, 0), r(i, 1), r(i, 2), motion.translation(i)});
+  }
+  rows.insert(rows.end(), {0, 0, 0, 1});
+  return Listed(rows);
+}
+
+absl::Status WriteEurocCamera(const std::string& folder, int index, const EurocFile& camera,
                               const Trajectory& truth) {
   const std::string root = absl::StrCat(folder, "/mav0/cam", index);
-  const double aside_m = index == 0 ? 0 : camera.baseline_m;
+  ASSIGN_OR_RETURN(const auto lens, EurocLens(camera.raw.lens));
   const std::vector<std::string> yaml = {
       "%YAML:1.0",
       "sensor_type: camera",
@@ -48,14 +97,13 @@ absl::Status WriteEurocCamera(const std::string& folder, int index, const Camera
       "T_BS:",
       "  cols: 4",
       "  rows: 4",
-      absl::StrCat("  data: [1.0, 0.0, 0.0, ", Exact(aside_m),
-                   ", 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]"),
+      "  data: " + Matrix(camera.left_from_camera),
       absl::StrCat("resolution: [", camera.width_px, ", ", camera.height_px, "]"),
       "camera_model: pinhole",
-      absl::StrCat("intrinsics: [", Exact(camera.fx_px), ", ", Exact(camera.fy_px), ", ",
-                   Exact(camera.cx_px), ", ", Exact(camera.cy_px), "]"),
-      "distortion_model: radial-tangential",
-      "distortion_coefficients: [0.0, 0.0, 0.0, 0.0]"};
+      "intrinsics: " +
+          Listed({camera.raw.fx_px, camera.raw.fy_px, camera.raw.cx_px, camera.raw.cy_px}),
+      "distortion_model: " + lens.first,
+      "distortion_coefficients: " + Listed(lens.second)};
   RETURN_IF_ERROR(WriteLines(yaml, root + "/sensor.yaml"));
   std::vector<std::string> list = {"#timestamp [ns],filename"};
   for (const StampedPose& pose : truth) {
@@ -64,10 +112,24 @@ absl::Status WriteEurocCamera(const std::string& folder, int index, const Camera
   return WriteLines(list, root + "/data.csv");
 }
 
-absl::Status WriteEurocFiles(const std::string& folder, const Camera& camera,
+std::array<EurocFile, 2> EurocPair(const StereoCalibration& stereo) {
+  if (!stereo.raw.has_value()) {
+    const Camera& camera = stereo.camera;
+    const RawCamera raw = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px, {}};
+    const Rigid3d aside = {Eigen::Quaterniond::Identity(), {camera.baseline_m, 0, 0}};
+    return {EurocFile{raw, camera.width_px, camera.height_px, {}},
+            EurocFile{raw, camera.width_px, camera.height_px, aside}};
+  }
+  const RawStereo& raw = *stereo.raw;
+  return {EurocFile{raw.left, raw.width_px, raw.height_px, {}},
+          EurocFile{raw.right, raw.width_px, raw.height_px, raw.right_from_left.Inverse()}};
+}
+
+absl::Status WriteEurocFiles(const std::string& folder, const StereoCalibration& stereo,
                              const Trajectory& truth) {
-  RETURN_IF_ERROR(WriteEurocCamera(folder, 0, camera, truth));
-  RETURN_IF_ERROR(WriteEurocCamera(folder, 1, camera, truth));
+  const std::array<EurocFile, 2> pair = EurocPair(stereo);
+  RETURN_IF_ERROR(WriteEurocCamera(folder, 0, pair[0], truth));
+  RETURN_IF_ERROR(WriteEurocCamera(folder, 1, pair[1], truth));
   std::vector<std::string> lines = {
       "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []"};
   for (const StampedPose& pose : truth) {
@@ -151,14 +213,14 @@ absl::Status WriteLayoutFiles(SourceLayout layout, const std::string& folder,
   const auto* stereo = std::get_if<StereoCalibration>(&calibration);
   const auto* rgbd = std::get_if<RgbdCalibration>(&calibration);
   if (layout == SourceLayout::kKitti && stereo != nullptr) {
-    return WriteKittiFiles(folder, stereo->camera, truth);
+    return WriteKittiFiles(folder, *stereo, truth);
   }
   if (layout == SourceLayout::kEuroc && stereo != nullptr) {
-    return WriteEurocFiles(folder, stereo->camera, truth);
+    return WriteEurocFiles(folder, *stereo, truth);
   }
   if (layout == SourceLayout::kTum && rgbd != nullptr) return WriteTumFiles(folder, *rgbd, truth);
   return absl::InvalidArgumentError(
-      "kitti and euroc take rectified stereo (rig=kitti, rig=euroc), tum takes RGB-D (rig=rgbd)");
+      "kitti and euroc take stereo (rig=kitti, rig=euroc, rig=FILE), tum takes RGB-D (rig=rgbd)");
 }
 
 }  // namespace corbslam::services

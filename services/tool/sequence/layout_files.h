@@ -24,7 +24,9 @@ FramePaths PathsOfFrame(client_agent::SourceLayout layout, size_t index, int64_t
 absl::Status MakeLayoutFolders(client_agent::SourceLayout layout, const std::string& folder);
 
 // Writes everything but the pictures: calibration, times, truth. The cameras must be the layout's:
-// rectified stereo for kKitti and kEuroc, RGB-D for kTum. UNAVAILABLE if a file can't be written.
+// stereo for kKitti and kEuroc, RGB-D for kTum. Pairs that are not rectified have their lenses in
+// EuRoC's sensor.yaml, which knows radial-tangential and equidistant ones; kKitti has no file for
+// any. UNAVAILABLE if a file can't be written.
 absl::Status WriteLayoutFiles(client_agent::SourceLayout layout, const std::string& folder,
                               const SensorCalibration& calibration, const Trajectory& truth);
 

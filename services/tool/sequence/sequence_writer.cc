@@ -10,20 +10,26 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/rig/rig_file.h"
 #include "services/simulated_source/simulated_source.h"
 #include "services/tool/evaluation/accuracy.h"
 #include "services/tool/sequence/layout_files.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
 
 namespace corbslam::services {
 
+using client_agent::FormatRig;
 using client_agent::FormatSourceSpec;
 using client_agent::FrameReader;
 using client_agent::FramesOf;
 using client_agent::OpenReader;
 using client_agent::ReadPerturbed;
+using client_agent::ReadRigFile;
+using client_agent::Rig;
 using client_agent::SourceLayout;
 using client_agent::SourceSpec;
 
@@ -97,6 +103,12 @@ class FrameWriter {
   absl::Status status_ ABSL_GUARDED_BY(mutex_);
 };
 
+// Writes the rig beside the pictures: with it they are played.
+absl::Status CopyRig(const std::string& from, const std::string& to) {
+  ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(from));
+  return WriteLines(absl::StrSplit(FormatRig(rig, "a simulated sequence"), '\n'), to);
+}
+
 CameraRig RigOfLayout(SourceLayout layout) {
   if (layout == SourceLayout::kTum) return CameraRig::kRgbd;
   return layout == SourceLayout::kEuroc ? CameraRig::kEuroc : CameraRig::kKitti;
@@ -115,7 +127,9 @@ absl::StatusOr<size_t> WriteSequence(const SourceSpec& source,
     return absl::InvalidArgumentError("reverse=1: recordings are written forwards; try turned=1");
   }
   SimulationSpec simulation = *asked_for;
-  if (!simulation.rig.has_value()) simulation.rig = RigOfLayout(options.layout);
+  if (!simulation.rig.has_value() && !simulation.pair.has_value()) {
+    simulation.rig = RigOfLayout(options.layout);
+  }
   // Several frames are drawn at a time, each by one thread.
   simulation.threads = 1;
   SourceSpec drawn = source;
@@ -127,6 +141,9 @@ absl::StatusOr<size_t> WriteSequence(const SourceSpec& source,
   for (const size_t frame : frames) written.push_back(truth->trajectory[frame]);
   RETURN_IF_ERROR(MakeLayoutFolders(options.layout, options.folder));
   RETURN_IF_ERROR(WriteLayoutFiles(options.layout, options.folder, reader->calibration(), written));
+  if (simulation.pair.has_value()) {
+    RETURN_IF_ERROR(CopyRig(simulation.pair->file, options.folder + "/rig.yaml"));
+  }
   RETURN_IF_ERROR(FrameWriter(drawn, options, *reader, frames).WriteAll());
   return frames.size();
 }

@@ -132,6 +132,40 @@ INSTANTIATE_TEST_SUITE_P(All, LayoutTest,
                                            Case{SourceLayout::kTum, "tum", "rgbd"}),
                          [](const auto& info) { return std::string(info.param.name); });
 
+// Both layouts say which lenses took the pictures; the body of EuRoC's truth is the left camera.
+TEST(WriteSequenceTest, APairAskewIsReadBackWithItsLenses) {
+  const std::string rig = ::testing::TempDir() + "/sequence_writer_rig.yaml";
+  std::ofstream(rig) << "rig: 1\nkind: stereo\ncameras:\n"
+                        "  - {size_px: [160, 120], focal_px: [60, 60], principal_px: [80, 60],\n"
+                        "     lens: equidistant, lens_numbers: [0.01, 0, 0, 0]}\n"
+                        "  - {size_px: [160, 120], focal_px: [61, 61], principal_px: [79, 60],\n"
+                        "     lens: equidistant, lens_numbers: [0.02, 0, 0, 0]}\n"
+                        "right_from_left: [0.9998, -0.02, 0, -0.2, 0.02, 0.9998, 0, 0.001,\n"
+                        "                  0, 0, 1, 0, 0, 0, 0, 1]\n";
+  const std::string source = "sim:city?seed=3&length=120&frames=4:9&rig=" + rig;
+  for (const auto& [name, layout] :
+       {std::pair("kitti", SourceLayout::kKitti), {"euroc", SourceLayout::kEuroc}}) {
+    const std::string folder = Write(source, layout, std::string("askew_") + name);
+    const std::string with = name[0] == 'k' ? "?rig=" + folder + "/rig.yaml" : "";
+    const SourceSpec read_spec = *ParseSourceSpec(absl::StrCat(name, ":", folder, with));
+    const auto read = OpenReader(read_spec);
+    const auto drawn = OpenReader(*ParseSourceSpec(source));
+    ASSERT_TRUE(read.ok() && drawn.ok()) << read.status() << drawn.status();
+    const auto& stereo = std::get<StereoCalibration>((*read)->calibration());
+    ASSERT_TRUE(stereo.raw.has_value());
+    EXPECT_EQ(std::get<Equidistant>(stereo.raw->right.lens).k1, 0.02);
+    EXPECT_NEAR(stereo.raw->right_from_left.translation.x(), -0.2, 1e-9);
+    EXPECT_NEAR(RotationAngle(stereo.raw->right_from_left.rotation), 0.02, 1e-4);
+    const auto one = (*drawn)->Read(6);
+    const auto other = (*read)->Read(2);
+    ASSERT_TRUE(one.ok() && other.ok());
+    EXPECT_EQ(Difference(one->right, other->right), 0);
+    const auto truth = ReadGroundTruth(read_spec);
+    ASSERT_TRUE(truth.ok() && truth->has_value()) << truth.status();
+    EXPECT_EQ((*truth)->trajectory.size(), 6u);
+  }
+}
+
 TEST(WriteSequenceTest, IsTheSameToTheByteWithAnyThreads) {
   const auto one = ReadFolder(Write(kSmall, SourceLayout::kKitti, "one"));
   const auto two = ReadFolder(Write(kSmall, SourceLayout::kKitti, "two", 2));
