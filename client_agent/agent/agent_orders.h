@@ -17,7 +17,7 @@ namespace corbslam::client_agent {
 struct OrdersForFrame {
   bool mapping_paused = false;
   bool open_local_map = false;
-  std::optional<PictureMask> mask;
+  std::optional<PictureMask> mask = std::nullopt;
 };
 
 // Thread-safe.

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client_agent/source/source_description.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -19,12 +20,8 @@ bool IsStereo(const SensorCalibration& calibration) {
 
 // Returns the size that pictures must have, as they are recorded.
 cv::Size SizeOf(const SensorCalibration& calibration) {
-  if (const auto* const rgbd = std::get_if<RgbdCalibration>(&calibration)) {
-    return {rgbd->camera.width_px, rgbd->camera.height_px};
-  }
-  const auto& stereo = std::get<StereoCalibration>(calibration);
-  if (stereo.raw.has_value()) return {stereo.raw->width_px, stereo.raw->height_px};
-  return {stereo.camera.width_px, stereo.camera.height_px};
+  const Intrinsics recorded = RecordedIntrinsics(calibration);
+  return {recorded.width_px, recorded.height_px};
 }
 
 absl::Status CheckPicture(absl::string_view which, const cv::Mat& image, int type,
@@ -41,18 +38,26 @@ absl::StatusOr<std::unique_ptr<FrameStream>> LiveStream::Open(const Rig& rig,
                                                               std::unique_ptr<LiveCamera> camera,
                                                               const LiveOptions& options) {
   ASSIGN_OR_RETURN(SensorCalibration calibration, CalibrationOf(rig));
+  DepthPreparation depth;
+  if (rig.kind == RigKind::kRgbd) {
+    ASSIGN_OR_RETURN(depth, DepthPreparation::Make(rig, options.registers));
+    if (depth.registers()) LOG(INFO) << options.name << ": depth is " << depth.in_words();
+  } else if (options.registers.value_or(false)) {
+    return absl::InvalidArgumentError(options.name + ": register=1 is of RGB-D rigs");
+  }
   std::unique_ptr<LiveStream> stream(
-      new LiveStream(rig, std::move(calibration), std::move(camera), options));
+      new LiveStream(rig, std::move(calibration), std::move(depth), std::move(camera), options));
   RETURN_IF_ERROR(stream->camera_->Start(stream->pairing_));
   return stream;
 }
 
-LiveStream::LiveStream(const Rig& rig, SensorCalibration calibration,
+LiveStream::LiveStream(const Rig& rig, SensorCalibration calibration, DepthPreparation depth,
                        std::unique_ptr<LiveCamera> camera, const LiveOptions& options)
     : options_(options),
       rate_hz_(rig.rate_hz),
       calibration_(std::move(calibration)),
-      pairing_(/*both=*/true, options.pair_within_ns),
+      depth_(std::move(depth)),
+      pairing_(/*both=*/true, options.pair_within_ns, SecondTimeOffset_ns(rig)),
       rate_(rig.rate_hz),
       camera_(std::move(camera)) {}
 
@@ -75,16 +80,24 @@ absl::StatusOr<NextFrame> LiveStream::Next(absl::Time deadline) {
     LOG(WARNING) << options_.name << ": " << *told;
   }
   if (!pair->has_value()) return NoFrameYet();
-  if (const absl::Status status = CheckPictures(**pair); !status.ok()) {
-    return LeaveOut(**pair, status);
-  }
+  absl::StatusOr<StreamFrame> frame = FrameOf(**pair);
+  if (!frame.ok()) return LeaveOut(**pair, frame.status());
   wrong_in_a_row_ = 0;
+  return *std::move(frame);
+}
+
+absl::StatusOr<StreamFrame> LiveStream::FrameOf(const LivePair& pair) const {
+  RETURN_IF_ERROR(CheckPictures(pair));
   StreamFrame frame;
-  frame.frame = {(*pair)->number, (*pair)->first.timestamp_ns, 0};
-  frame.came = (*pair)->came;
-  frame.images.timestamp_ns = (*pair)->first.timestamp_ns;
-  frame.images.grey = (*pair)->first.image;
-  (IsStereo(calibration_) ? frame.images.right : frame.images.depth) = (*pair)->second.image;
+  frame.frame = {pair.number, pair.first.timestamp_ns, 0};
+  frame.came = pair.came;
+  frame.images.timestamp_ns = pair.first.timestamp_ns;
+  frame.images.grey = pair.first.image;
+  if (IsStereo(calibration_)) {
+    frame.images.right = pair.second.image;
+  } else {
+    ASSIGN_OR_RETURN(frame.images.depth, depth_.Prepare(pair.second.image));
+  }
   return frame;
 }
 
@@ -102,12 +115,12 @@ absl::Status LiveStream::CheckPictures(const LivePair& pair) const {
   const cv::Size size = SizeOf(calibration_);
   RETURN_IF_ERROR(CheckPicture(stereo ? "left" : "grey", pair.first.image, CV_8UC1, size));
   return CheckPicture(stereo ? "right" : "depth", pair.second.image, stereo ? CV_8UC1 : CV_16UC1,
-                      size);
+                      depth_.raw_size().value_or(size));
 }
 
 LeftOutFrames LiveStream::left_out() const {
   LeftOutFrames left_out = wrong_;
-  const PairingCounts counts = pairing_.counts();
+  const CameraCounts counts = pairing_.counts();
   left_out.count += counts.unpaired + counts.late;
   if (left_out.last.empty() && left_out.count > 0) {
     left_out.last = absl::StrCat(options_.name, ": ", counts.unpaired,

@@ -11,6 +11,7 @@
 #include "client_agent/live/rate_watch.h"
 #include "client_agent/source/frame_stream.h"
 #include "client_agent/source/rig/rig.h"
+#include "client_agent/source/rig/rig_depth.h"
 
 namespace corbslam::client_agent {
 
@@ -28,6 +29,9 @@ class LiveCamera {
 struct LiveOptions {
   std::string name;  // For messages: what the user called the source.
   int64_t pair_within_ns = 5'000'000;
+  // RGB-D: whether depth is registered to the pictures here; nullopt: as the rig says. False where
+  // the device or its pipeline does it.
+  std::optional<bool> registers = {};
 };
 
 // Frames are the newest there are. Pictures of another size or type than the rig's are left out;
@@ -46,16 +50,20 @@ class LiveStream : public FrameStream {
   absl::StatusOr<NextFrame> Next(absl::Time deadline) override;
   LeftOutFrames left_out() const override;
   uint64_t overtaken() const override { return pairing_.counts().overtaken; }
+  std::optional<CameraCounts> camera_counts() const override { return pairing_.counts(); }
 
  private:
-  LiveStream(const Rig& rig, SensorCalibration calibration, std::unique_ptr<LiveCamera> camera,
-             const LiveOptions& options);
+  LiveStream(const Rig& rig, SensorCalibration calibration, DepthPreparation depth,
+             std::unique_ptr<LiveCamera> camera, const LiveOptions& options);
   absl::Status CheckPictures(const LivePair& pair) const;
+  // Returns a checked pair as a frame, its depth prepared.
+  absl::StatusOr<StreamFrame> FrameOf(const LivePair& pair) const;
   absl::StatusOr<NextFrame> LeaveOut(const LivePair& pair, const absl::Status& why);
 
   const LiveOptions options_;
   const std::optional<double> rate_hz_;
   const SensorCalibration calibration_;
+  const DepthPreparation depth_;  // RGB-D only.
   PicturePairing pairing_;
   RateWatch rate_;
   LeftOutFrames wrong_;

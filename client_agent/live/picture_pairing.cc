@@ -1,5 +1,7 @@
 #include "client_agent/live/picture_pairing.h"
 
+#include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 namespace corbslam::client_agent {
@@ -12,6 +14,7 @@ constexpr size_t kMostWaiting = 8;
 
 void PicturePairing::Push(LiveSide side, LivePicture picture) {
   const auto index = static_cast<size_t>(side);
+  if (side == LiveSide::kSecond) picture.timestamp_ns += second_offset_ns_;
   const absl::MutexLock lock(&mutex_);
   if (newest_ns_[index].has_value() && picture.timestamp_ns <= *newest_ns_[index]) {
     ++counts_.late;
@@ -37,6 +40,8 @@ void PicturePairing::PairUp() {
       second.pop_front();
       ++counts_.unpaired;
     } else {
+      apart_sum_ns_ += apart_ns;
+      counts_.most_apart_ns = std::max(counts_.most_apart_ns, std::abs(apart_ns));
       Publish(std::move(first.front()), std::move(second.front()));
       first.pop_front();
       second.pop_front();
@@ -63,9 +68,11 @@ absl::StatusOr<std::optional<LivePair>> PicturePairing::Take(absl::Time deadline
   return ended_->ok() ? absl::OutOfRangeError("the camera gives no more frames") : *ended_;
 }
 
-PairingCounts PicturePairing::counts() const {
+CameraCounts PicturePairing::counts() const {
   const absl::MutexLock lock(&mutex_);
-  return counts_;
+  CameraCounts counts = counts_;
+  if (counts.frames > 0) counts.mean_apart_ns = apart_sum_ns_ / static_cast<int64_t>(counts.frames);
+  return counts;
 }
 
 }  // namespace corbslam::client_agent

@@ -13,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "client_agent/source/frame_stream.h"
 
 namespace corbslam::client_agent {
 
@@ -32,19 +33,14 @@ struct LivePair {
 
 enum class LiveSide { kFirst, kSecond };
 
-struct PairingCounts {
-  uint64_t frames = 0;     // Pairs that came.
-  uint64_t overtaken = 0;  // Pairs that a newer one replaced before they were taken.
-  uint64_t unpaired = 0;   // Pictures without a counterpart in time.
-  uint64_t late = 0;       // Pictures that came behind a newer one, or had its very time.
-};
-
 // Holds the newest pair alone: whoever is slower than the camera misses frames, and none waits.
 // Thread-safe: cameras' threads push, one thread takes.
 class PicturePairing {
  public:
-  // `both`: a frame has two pictures, of times at most `within_ns` apart.
-  PicturePairing(bool both, int64_t within_ns) : both_(both), within_ns_(within_ns) {}
+  // `both`: a frame has two pictures, of times at most `within_ns` apart. The second side's were
+  // taken `second_offset_ns` later than they are stamped, which is added to their times.
+  PicturePairing(bool both, int64_t within_ns, int64_t second_offset_ns = 0)
+      : both_(both), within_ns_(within_ns), second_offset_ns_(second_offset_ns) {}
 
   // Pictures of one side must come in the order of their times; others are counted and dropped.
   void Push(LiveSide side, LivePicture picture) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -53,7 +49,7 @@ class PicturePairing {
   // Waits until `deadline` for the newest pair that was not taken yet; nullopt where there is none.
   // After the last pair: OUT_OF_RANGE, or the status that End was given.
   absl::StatusOr<std::optional<LivePair>> Take(absl::Time deadline) ABSL_LOCKS_EXCLUDED(mutex_);
-  PairingCounts counts() const ABSL_LOCKS_EXCLUDED(mutex_);
+  CameraCounts counts() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
   bool IsAnswerable() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
@@ -65,12 +61,14 @@ class PicturePairing {
 
   const bool both_;
   const int64_t within_ns_;
+  const int64_t second_offset_ns_;
   mutable absl::Mutex mutex_;
   std::deque<LivePicture> waiting_[2] ABSL_GUARDED_BY(mutex_);
   std::optional<int64_t> newest_ns_[2] ABSL_GUARDED_BY(mutex_);
   std::optional<LivePair> newest_ ABSL_GUARDED_BY(mutex_);
   std::optional<absl::Status> ended_ ABSL_GUARDED_BY(mutex_);
-  PairingCounts counts_ ABSL_GUARDED_BY(mutex_);
+  int64_t apart_sum_ns_ ABSL_GUARDED_BY(mutex_) = 0;
+  CameraCounts counts_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace corbslam::client_agent

@@ -14,8 +14,6 @@
 namespace corbslam::client_agent {
 namespace {
 
-constexpr double kCloseDepth_baselines = 50;
-
 absl::Status CheckCamera(const EurocCamera& camera, const std::string& path, bool trust,
                          SourceRemarks& remarks) {
   const RawCamera& k = camera.intrinsics;
@@ -51,7 +49,7 @@ absl::StatusOr<StereoCalibration> ReadCalibration(const std::string& root, bool 
                    CheckBaseline(baseline_m, absl::StrCat(root, ": T_BS of cam0 and cam1"), trust));
   remarks.Add(std::move(findings));
   StereoCalibration calibration;
-  calibration.camera.close_depth_m = kCloseDepth_baselines * baseline_m;
+  calibration.camera.close_depth_m = kEurocCloseDepth_baselines * baseline_m;
   calibration.raw = raw;
   calibration.body_from_raw_left = left.body_from_camera;
   return calibration;
@@ -69,10 +67,13 @@ absl::Status NoPairs(const std::string& root, const std::vector<ListedPicture>& 
                    right.front().timestamp_ns, " to ", right.back().timestamp_ns, " ns"));
 }
 
+// The right pictures were taken `right_offset_ns` later than they are stamped.
 absl::StatusOr<std::vector<ListedFrame>> ListFrames(const std::string& root, int64_t tolerance_ns,
+                                                    int64_t right_offset_ns,
                                                     SourceRemarks& remarks) {
   ASSIGN_OR_RETURN(const auto left, ReadCameraList(root + "/cam0", remarks));
-  ASSIGN_OR_RETURN(const auto right, ReadCameraList(root + "/cam1", remarks));
+  ASSIGN_OR_RETURN(auto right, ReadCameraList(root + "/cam1", remarks));
+  for (ListedPicture& picture : right) picture.timestamp_ns += right_offset_ns;
   std::vector<ListedFrame> frames;
   for (const auto& [first, second] : PairByTime(left, right, tolerance_ns, remarks)) {
     frames.push_back({first.timestamp_ns, 0, absl::StrCat(root, "/cam0/data/", first.file),
@@ -94,7 +95,10 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec) {
                      ReadCalibration(root, spec.opening.trust_calibration, description.remarks));
   }
   const auto tolerance_ns = static_cast<int64_t>(1e6 * spec.opening.pair_within_ms);
-  ASSIGN_OR_RETURN(sequence.frames, ListFrames(root, tolerance_ns, description.remarks));
+  ASSIGN_OR_RETURN(const int64_t right_offset_ns, SecondTimeOffsetOf_ns(spec));
+  ASSIGN_OR_RETURN(sequence.frames,
+                   ListFrames(root, tolerance_ns, right_offset_ns, description.remarks));
+  sequence.paired_by_time = true;
   description.layout = "EuRoC (ASL), cam0 and cam1";
   description.intrinsics_from = root + "/cam0/sensor.yaml, cam1/sensor.yaml";
   if (has_rig) RETURN_IF_ERROR(TakeRig(spec, RigKind::kStereo, sequence));

@@ -29,6 +29,18 @@ struct LeftOutFrames {
   std::string last;  // Why the last of them was left out.
 };
 
+// How the pictures of a live camera came since it was opened.
+struct CameraCounts {
+  uint64_t frames = 0;     // Those that came whole, taken or not.
+  uint64_t overtaken = 0;  // Frames that a newer one replaced before they were taken.
+  uint64_t unpaired = 0;   // Pictures without a counterpart in time.
+  uint64_t late = 0;       // Pictures that came behind a newer one, or had its very time.
+  // How much later the second picture of a frame was taken than the first: mean with its sign, and
+  // the largest either way.
+  int64_t mean_apart_ns = 0;
+  int64_t most_apart_ns = 0;
+};
+
 struct StreamFrame {
   SourceFrame frame;
   SensorImages images;  // They are stamped with the frame's time.
@@ -60,6 +72,8 @@ class FrameStream {
   // Returns how many frames a newer one replaced before they were taken: a camera's, whose frames
   // do not wait.
   virtual uint64_t overtaken() const { return 0; }
+  // Nullopt: the stream is of no live camera.
+  virtual std::optional<CameraCounts> camera_counts() const { return std::nullopt; }
 };
 
 }  // namespace corbslam::client_agent

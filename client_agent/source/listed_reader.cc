@@ -20,6 +20,7 @@ class ListedReader : public FrameReader {
  public:
   ListedReader(ListedSequence sequence, int used_bits)
       : calibration_(std::move(sequence.calibration)),
+        depth_(std::move(sequence.depth)),
         frames_(std::move(sequence.frames)),
         description_(std::move(sequence.description)),
         is_stereo_(std::holds_alternative<StereoCalibration>(calibration_)),
@@ -39,8 +40,7 @@ class ListedReader : public FrameReader {
       ASSIGN_OR_RETURN(images.right, ReadGrey(files.second));
       return images;
     }
-    ASSIGN_OR_RETURN(images.depth, ReadDepthImage(files.second));
-    RETURN_IF_ERROR(CheckSize(files.second, images.depth));
+    ASSIGN_OR_RETURN(images.depth, ReadDepth(files.second));
     return images;
   }
 
@@ -49,6 +49,15 @@ class ListedReader : public FrameReader {
     ASSIGN_OR_RETURN(const cv::Mat image, ReadGreyImage(path));
     RETURN_IF_ERROR(CheckSize(path, image));
     return ScaleGreyTo8(image, used_bits_);
+  }
+  absl::StatusOr<cv::Mat> ReadDepth(const std::string& path) const {
+    ASSIGN_OR_RETURN(const cv::Mat recorded, ReadDepthImage(path));
+    absl::StatusOr<cv::Mat> depth = depth_.Prepare(recorded);
+    if (!depth.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat(path, ": ", depth.status().message()));
+    }
+    RETURN_IF_ERROR(CheckSize(path, *depth));
+    return depth;
   }
   absl::Status CheckSize(const std::string& path, const cv::Mat& image) const {
     const Intrinsics& expected = description_.intrinsics;
@@ -61,6 +70,7 @@ class ListedReader : public FrameReader {
   }
 
   const SensorCalibration calibration_;
+  const DepthPreparation depth_;
   const std::vector<ListedFrame> frames_;
   const SourceDescription description_;
   const bool is_stereo_;

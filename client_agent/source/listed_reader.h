@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/rig/rig_depth.h"
 
 namespace corbslam::client_agent {
 
@@ -22,7 +23,10 @@ struct ListedFrame {
 // A layout's part of opening a sequence; the rest is alike for all.
 struct ListedSequence {
   SensorCalibration calibration;
+  DepthPreparation depth;  // RGB-D only.
   std::vector<ListedFrame> frames;
+  // Which two pictures are a frame was found out by their times.
+  bool paired_by_time = false;
   std::string times_file;  // Named in messages about times.
   SourceDescription description;
 };

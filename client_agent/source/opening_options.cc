@@ -32,9 +32,9 @@ std::vector<absl::string_view> OpeningOptionNames(SourceLayout layout) {
     case SourceLayout::kEuroc:
       return {"rig", "scale", "trust_calibration", "pair_within_ms"};
     case SourceLayout::kTum:
-      return {"rig", "scale", "camera", "calibration", "trust_calibration"};
+      return {"rig", "scale", "camera", "calibration", "trust_calibration", "register"};
     case SourceLayout::kSevenScenes:
-      return {"rig", "scale", "camera", "calibration", "trust_calibration", "fps"};
+      return {"rig", "scale", "camera", "calibration", "trust_calibration", "register", "fps"};
     case SourceLayout::kRegistered:
       break;
   }
@@ -64,6 +64,9 @@ absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
   } else if (key == "trust_calibration") {
     if (value != "" && value != "0" && value != "1") return BadOption(key, value, "0 or 1");
     opening.trust_calibration = value != "0";
+  } else if (key == "register") {
+    if (value != "" && value != "0" && value != "1") return BadOption(key, value, "0 or 1");
+    opening.registers = value != "0";
   } else if (key == "fps") {
     return ParseReal(key, value, 0.1, 1000, opening.fps.emplace());
   } else if (key == "images") {
@@ -77,19 +80,22 @@ absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
   return absl::OkStatus();
 }
 
-std::vector<std::string> FormatOpening(const SourceOpening& opening) {
-  std::vector<std::string> options;
-  if (!opening.rig_file.empty()) options.push_back(absl::StrCat("rig=", opening.rig_file));
-  if (opening.scale != 1) options.push_back(absl::StrCat("scale=", FormatReal(opening.scale)));
-  if (!opening.camera.empty()) options.push_back(absl::StrCat("camera=", opening.camera));
-  if (!opening.calibration_file.empty()) {
-    options.push_back(absl::StrCat("calibration=", opening.calibration_file));
-  }
-  if (opening.trust_calibration) options.emplace_back("trust_calibration=1");
-  if (opening.fps.has_value()) options.push_back(absl::StrCat("fps=", FormatReal(*opening.fps)));
-  if (!opening.images.empty()) options.push_back(absl::StrCat("images=", opening.images));
-  if (opening.pair_within_ms != SourceOpening().pair_within_ms) {
-    options.push_back(absl::StrCat("pair_within_ms=", FormatReal(opening.pair_within_ms)));
+std::vector<std::pair<std::string, std::string>> FormatOpening(const SourceOpening& opening) {
+  std::vector<std::pair<std::string, std::string>> options;
+  const auto add_word = [&](const char* key, const std::string& value) {
+    if (!value.empty()) options.push_back({key, value});
+  };
+  const SourceOpening plain;
+  add_word("rig", opening.rig_file);
+  if (opening.scale != plain.scale) add_word("scale", FormatReal(opening.scale));
+  add_word("camera", opening.camera);
+  add_word("calibration", opening.calibration_file);
+  if (opening.trust_calibration) add_word("trust_calibration", "1");
+  if (opening.registers.has_value()) add_word("register", *opening.registers ? "1" : "0");
+  if (opening.fps.has_value()) add_word("fps", FormatReal(*opening.fps));
+  add_word("images", opening.images);
+  if (opening.pair_within_ms != plain.pair_within_ms) {
+    add_word("pair_within_ms", FormatReal(opening.pair_within_ms));
   }
   return options;
 }

@@ -4,6 +4,7 @@
 #define CORBSLAM_CLIENT_AGENT_SOURCE_OPENING_OPTIONS_H_
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -20,8 +21,8 @@ bool IsOpeningOption(SourceLayout layout, absl::string_view key);
 absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
                                 SourceOpening& opening);
 
-// Writes the options that differ from their defaults: "camera=freiburg2" and so on.
-std::vector<std::string> FormatOpening(const SourceOpening& opening);
+// Returns name and value of the options that differ from their defaults.
+std::vector<std::pair<std::string, std::string>> FormatOpening(const SourceOpening& opening);
 
 }  // namespace corbslam::client_agent
 

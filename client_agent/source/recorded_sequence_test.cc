@@ -479,6 +479,26 @@ TEST(EurocSourceTest, PairsWhatIsNearlyOfOneTime) {
   EXPECT_THAT(std::string(reader.status().message()), HasSubstr("have no common times"));
 }
 
+// The right camera stamps its pictures 40 ms early.
+TEST(EurocSourceTest, ARigSaysByHowMuchTimesDiffer) {
+  const std::string directory = MakeEuroc("euroc_offset", "radtan");
+  WriteText(directory + "/mav0/cam1/data.csv", "60000000,1000.png\n260000000,3000.png\n");
+  const std::string rig = directory + "/rig.yaml";
+  const auto open = [&](const std::string& offset) {
+    WriteText(rig, absl::StrCat("rig: 1\nkind: stereo\nrectified: true\nbaseline_m: 0.11\n",
+                                "cameras:\n  - {size_px: [40, 30], focal_px: [50, 50], ",
+                                "principal_px: [20, 15]}\n  - {size_px: [40, 30], ",
+                                "focal_px: [50, 50], principal_px: [20, 15]", offset, "}\n"));
+    return OpenReader(*ParseSourceSpec(absl::StrCat("euroc:", directory, "?rig=", rig)));
+  };
+  EXPECT_THAT(std::string(open("").status().message()), HasSubstr("have no common times"));
+  const auto reader = open(", time_offset_s: 0.04");
+  ASSERT_TRUE(reader.ok()) << reader.status();
+  ASSERT_EQ((*reader)->frame_count(), 2u);
+  EXPECT_EQ((*reader)->timestamp_ns(1), 300'000'000);
+  EXPECT_EQ((*reader)->Read(1)->right.at<uint8_t>(0, 0), 31);
+}
+
 TEST(EurocSourceTest, CountsWhatHasNoCounterpart) {
   const std::string directory = MakeEuroc("euroc_odd", "radtan");
   std::string left;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "client_agent/source/calibration/rgbd_calibration.h"
 #include "client_agent/source/pictures/image_file.h"
@@ -50,6 +51,12 @@ absl::StatusOr<RgbdCalibrationQuery> MakeCalibrationQuery(const SourceSpec& spec
 
 absl::Status CalibrateRgbd(const SourceSpec& spec, ListedSequence& sequence) {
   if (!spec.opening.rig_file.empty()) return TakeRig(spec, RigKind::kRgbd, sequence);
+  if (spec.opening.registers.value_or(false)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        spec.directory,
+        ": ?register=1 needs a rig (?rig=FILE) that says through which lens depth is "
+        "measured (depth.camera) and where that camera sits (depth.colour_from_depth)"));
+  }
   ASSIGN_OR_RETURN(const RgbdCalibrationQuery query, MakeCalibrationQuery(spec, sequence.frames));
   ASSIGN_OR_RETURN(FoundRgbdCalibration found, FindRgbdCalibration(query));
   SourceDescription& description = sequence.description;

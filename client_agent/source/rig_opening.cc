@@ -28,6 +28,12 @@ absl::Status CheckSize(const SourceSpec& spec, const RigCamera& camera,
 
 }  // namespace
 
+absl::StatusOr<int64_t> SecondTimeOffsetOf_ns(const SourceSpec& spec) {
+  if (spec.opening.rig_file.empty()) return 0;
+  ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(spec.opening.rig_file));
+  return SecondTimeOffset_ns(rig);
+}
+
 absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& sequence) {
   const std::string& path = spec.opening.rig_file;
   ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(path));
@@ -38,6 +44,20 @@ absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& seque
   RETURN_IF_ERROR(CheckSize(spec, rig.cameras[0], sequence.frames));
   ASSIGN_OR_RETURN(SourceFindings findings, JudgeRig(rig, path, spec.opening.trust_calibration));
   ASSIGN_OR_RETURN(sequence.calibration, CalibrationOf(rig));
+  if (SecondTimeOffset_ns(rig) != 0 && !sequence.paired_by_time) {
+    findings.push_back({FindingLevel::kWarning, "time-offset-unused",
+                        absl::StrCat(path,
+                                     ": time_offset_s is not applied: this recording's pairs "
+                                     "are told by their numbers, not by their times")});
+  }
+  if (kind == RigKind::kRgbd) {
+    absl::StatusOr<DepthPreparation> depth = DepthPreparation::Make(rig, spec.opening.registers);
+    if (!depth.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat(path, ": ", depth.status().message()));
+    }
+    sequence.description.depth_registration = depth->in_words();
+    sequence.depth = *std::move(depth);
+  }
   sequence.description.remarks.Add(std::move(findings));
   sequence.description.intrinsics_from = path;
   sequence.description.depth_units_from = path;

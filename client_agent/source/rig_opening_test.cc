@@ -81,6 +81,33 @@ TEST(RigOpeningTest, RefusesARigOfOtherPictures) {
   EXPECT_THAT(message, HasSubstr("000000.png has 160x120"));
 }
 
+TEST(RigOpeningTest, NotesATimeOffsetThatMeansNothingHere) {
+  const auto reader =
+      Open("rig=" + WriteRig(absl::StrCat(
+                        "kind: stereo\nrectified: true\nbaseline_m: 0.1\n", kCameras,
+                        "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [81, 60], "
+                        "time_offset_s: 0.01}\n")));
+  ASSERT_TRUE(reader.ok()) << reader.status();
+  const SourceFindings& findings = (*reader)->description().remarks.findings;
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "time-offset-unused");
+}
+
+// A file whose name holds what ends an option.
+TEST(RigOpeningTest, TakesAnyNameOfAFile) {
+  const fs::path named = fs::path(::testing::TempDir()) / "a&b,c%26d.yaml";
+  fs::copy_file(PairOf(kCameras), named, fs::copy_options::overwrite_existing);
+  const std::string written = "rig=" + ::testing::TempDir() + "a%26b%2Cc%2526d.yaml";
+  const auto reader = Open(written);
+  ASSERT_TRUE(reader.ok()) << reader.status();
+  EXPECT_EQ((*reader)->description().intrinsics_from, named.string());
+  auto spec = ParseSourceSpec("kitti:/somewhere");
+  ASSERT_TRUE(UseRig(named.string(), *spec).ok());
+  const auto again = ParseSourceSpec(FormatSourceSpec(*spec));
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->opening.rig_file, named.string()) << FormatSourceSpec(*spec);
+}
+
 TEST(RigOpeningTest, RefusesARigOfAnotherKind) {
   const std::string rgbd =
       WriteRig(absl::StrCat("kind: rgbd\ndepth: {units_per_m: 1000}\n", kCameras));

@@ -30,35 +30,51 @@ std::string DescribeTimes(const SourceDescription& description) {
   return text;
 }
 
+Intrinsics IntrinsicsOf(const Camera& camera) {
+  return {camera.fx_px, camera.fy_px,    camera.cx_px,
+          camera.cy_px, camera.width_px, camera.height_px};
+}
+
 void Describe(const StereoCalibration& calibration, SourceDescription& description) {
   if (!calibration.raw.has_value()) {
-    const Camera& camera = calibration.camera;
     description.camera_model = "rectified stereo pair, pinhole";
-    description.intrinsics = {camera.fx_px, camera.fy_px,    camera.cx_px,
-                              camera.cy_px, camera.width_px, camera.height_px};
-    description.baseline_m = camera.baseline_m;
+    description.baseline_m = calibration.camera.baseline_m;
     return;
   }
   const RawStereo& raw = *calibration.raw;
   description.camera_model =
       absl::StrCat("raw stereo pair, rectified while it is played; left: ", Words(raw.left.lens),
                    "; right: ", Words(raw.right.lens));
-  description.intrinsics = {raw.left.fx_px, raw.left.fy_px, raw.left.cx_px,
-                            raw.left.cy_px, raw.width_px,   raw.height_px};
   description.baseline_m = raw.right_from_left.translation.norm();
 }
 
 void Describe(const RgbdCalibration& calibration, SourceDescription& description) {
-  const Camera& camera = calibration.camera;
   description.camera_model = absl::StrCat("RGB-D, ", Words(calibration.lens));
-  description.intrinsics = {camera.fx_px, camera.fy_px,    camera.cx_px,
-                            camera.cy_px, camera.width_px, camera.height_px};
   description.depth_units_per_m = calibration.depth_units_per_m;
+}
+
+std::string DescribeDepth(const SourceDescription& description) {
+  const std::string text = absl::StrFormat(
+      "%.6g units a metre, from %s", *description.depth_units_per_m, description.depth_units_from);
+  if (description.depth_registration.empty()) return text;
+  return absl::StrCat(text, "; ", description.depth_registration);
 }
 
 }  // namespace
 
+Intrinsics RecordedIntrinsics(const SensorCalibration& calibration) {
+  if (const auto* const rgbd = std::get_if<RgbdCalibration>(&calibration)) {
+    return IntrinsicsOf(rgbd->camera);
+  }
+  const auto& stereo = std::get<StereoCalibration>(calibration);
+  if (!stereo.raw.has_value()) return IntrinsicsOf(stereo.camera);
+  const RawStereo& raw = *stereo.raw;
+  return {raw.left.fx_px, raw.left.fy_px, raw.left.cx_px,
+          raw.left.cy_px, raw.width_px,   raw.height_px};
+}
+
 void DescribeCamera(const SensorCalibration& calibration, SourceDescription& description) {
+  description.intrinsics = RecordedIntrinsics(calibration);
   std::visit([&](const auto& kind) { Describe(kind, description); }, calibration);
 }
 
@@ -74,9 +90,7 @@ std::vector<std::pair<std::string, std::string>> DescribeInWords(
     lines.push_back({"baseline", absl::StrFormat("%.6g m", *description.baseline_m)});
   }
   if (description.depth_units_per_m.has_value()) {
-    lines.push_back(
-        {"depth", absl::StrFormat("%.6g units a metre, from %s", *description.depth_units_per_m,
-                                  description.depth_units_from)});
+    lines.push_back({"depth", DescribeDepth(description)});
   }
   if (description.is_live) {
     lines.push_back({"times", description.times_from});

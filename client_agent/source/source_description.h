@@ -23,6 +23,7 @@ struct SourceDescription {
   std::optional<double> baseline_m;         // Set for a stereo pair only.
   std::optional<double> depth_units_per_m;  // Set for an RGB-D camera only.
   std::string depth_units_from;
+  std::string depth_registration;  // What is done to depth, for people. Empty: it is registered.
   bool is_live = false;  // A camera: how many frames there will be, and when, nobody knows.
   // Number of all frames of the sequence, selected or not.
   size_t frames = 0;
@@ -35,6 +36,9 @@ struct SourceDescription {
 // "KITTI odometry".
 std::vector<std::pair<std::string, std::string>> DescribeInWords(
     const SourceDescription& description);
+
+// Returns intrinsics and size of the (left) pictures as they are recorded.
+Intrinsics RecordedIntrinsics(const SensorCalibration& calibration);
 
 // Fills in camera model, intrinsics and baseline or depth units, from the calibration.
 void DescribeCamera(const SensorCalibration& calibration, SourceDescription& description);

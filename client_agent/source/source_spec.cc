@@ -53,6 +53,20 @@ absl::Status ParseReal(absl::string_view key, absl::string_view value, double le
   return absl::OkStatus();
 }
 
+// Options end at '&' and ','; values that hold these write them as URLs do. Any other '%' is one.
+std::string Decoded(absl::string_view value) {
+  return absl::StrReplaceAll(value, {{"%26", "&"}, {"%2C", ","}, {"%2c", ","}, {"%25", "%"}});
+}
+
+std::string Encoded(absl::string_view value) {
+  return absl::StrReplaceAll(value, {{"&", "%26"},
+                                     {",", "%2C"},
+                                     {"%26", "%2526"},
+                                     {"%2C", "%252C"},
+                                     {"%2c", "%252c"},
+                                     {"%25", "%2525"}});
+}
+
 SequencePart& PartOf(SourceSpec& spec) {
   return spec.selection.part.has_value() ? *spec.selection.part : spec.selection.part.emplace();
 }
@@ -196,7 +210,7 @@ absl::Status ApplyOptions(absl::string_view options, SourceSpec& spec) {
        absl::StrSplit(options, absl::ByAnyChar("&,"), absl::SkipEmpty())) {
     const KeyAndValue parts = absl::StrSplit(option, absl::MaxSplits('=', 1));
     const std::string key = absl::StrReplaceAll(parts.first, {{"-", "_"}});
-    RETURN_IF_ERROR(ApplyOption(key, parts.second, spec));
+    RETURN_IF_ERROR(ApplyOption(key, Decoded(parts.second), spec));
   }
   return absl::OkStatus();
 }
@@ -274,10 +288,12 @@ std::string FormatSourceSpec(const SourceSpec& spec) {
   std::vector<std::string> options;
   if (spec.settings != nullptr) {
     for (const auto& [key, value] : spec.settings->FormatOptions()) {
-      options.push_back(absl::StrCat(key, "=", value));
+      options.push_back(absl::StrCat(key, "=", Encoded(value)));
     }
   }
-  for (std::string& option : FormatOpening(spec.opening)) options.push_back(std::move(option));
+  for (const auto& [key, value] : FormatOpening(spec.opening)) {
+    options.push_back(absl::StrCat(key, "=", Encoded(value)));
+  }
   for (std::string& option : FormatSelection(spec.selection)) {
     options.push_back(std::move(option));
   }
@@ -291,7 +307,7 @@ std::string FormatSourceSpec(const SourceSpec& spec) {
     options.push_back(absl::StrCat("seed=", spec.perturbation.seed));
   }
   if (!spec.truth_frame.empty()) {
-    options.push_back(absl::StrCat("truth_frame=", spec.truth_frame));
+    options.push_back(absl::StrCat("truth_frame=", Encoded(spec.truth_frame)));
   }
   const bool is_plain = options.empty() && !absl::StrContains(spec.directory, '?');
   return absl::StrCat(KindName(spec), ":", spec.directory, is_plain ? "" : "?",

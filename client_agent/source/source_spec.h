@@ -80,6 +80,9 @@ struct SourceOpening {
   std::string camera;
   // calibration=FILE, RGB-D: the file to take instead of the one in the recording's folder.
   std::string calibration_file;
+  // register=1, RGB-D with a rig: depth is registered to the pictures; register=0: it is already.
+  // Nullopt: as the rig says.
+  std::optional<bool> registers;
   // trust-calibration: also an improbable calibration is taken.
   bool trust_calibration = false;
   // fps=RATE: pictures that have no times were taken at this rate, the first at 0 s.
@@ -111,8 +114,9 @@ std::vector<size_t> FramesOf(const SourceSpec& spec, size_t frame_count);
 // Returns "kitti" and so on, without the registered kinds.
 std::vector<absl::string_view> RecordedLayoutNames();
 
-// Parses a spec. A folder whose name holds '?' is recognised where it exists; names of options may
-// be written with '-' or '_'. Returns INVALID_ARGUMENT, naming the option and its value.
+// Parses a spec. In options' values %26, %2C and %25 are '&', ',' and '%', as in URLs. A folder
+// whose name holds '?' is recognised where it exists; names of options may be written with '-' or
+// '_'. Returns INVALID_ARGUMENT, naming the option and its value.
 absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text);
 // Writes a spec that parses back to the same.
 std::string FormatSourceSpec(const SourceSpec& spec);

@@ -7,6 +7,7 @@
 #include "client_agent/source/listed_reader.h"
 #include "client_agent/source/lists/rgbd_lists.h"
 #include "client_agent/source/rgbd_opening.h"
+#include "client_agent/source/rig_opening.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -23,17 +24,19 @@ absl::Status NoLists(const std::string& directory) {
                    "/rgb.txt with depth.txt, which say which picture goes with which depth image"));
 }
 
-absl::StatusOr<Listed> ReadLists(const std::string& directory, SourceRemarks& remarks) {
+absl::StatusOr<Listed> ReadLists(const std::string& directory, int64_t depth_offset_ns,
+                                 SourceRemarks& remarks) {
   Listed listed;
   listed.file = FindAssociations(directory);
   if (!listed.file.empty()) {
-    ASSIGN_OR_RETURN(listed.pairs, ReadAssociations(directory, listed.file, remarks));
+    ASSIGN_OR_RETURN(listed.pairs,
+                     ReadAssociations(directory, listed.file, depth_offset_ns, remarks));
     return listed;
   }
   std::error_code ignored;
   listed.file = directory + "/rgb.txt";
   if (!std::filesystem::exists(listed.file, ignored)) return NoLists(directory);
-  ASSIGN_OR_RETURN(listed.pairs, PairLists(directory, remarks));
+  ASSIGN_OR_RETURN(listed.pairs, PairLists(directory, depth_offset_ns, remarks));
   return listed;
 }
 
@@ -56,7 +59,9 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec) {
   const std::string& directory = spec.directory;
   ListedSequence sequence;
   SourceDescription& description = sequence.description;
-  ASSIGN_OR_RETURN(const Listed listed, ReadLists(directory, description.remarks));
+  ASSIGN_OR_RETURN(const int64_t depth_offset_ns, SecondTimeOffsetOf_ns(spec));
+  ASSIGN_OR_RETURN(const Listed listed, ReadLists(directory, depth_offset_ns, description.remarks));
+  sequence.paired_by_time = true;
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(listed, description.remarks));
   RETURN_IF_ERROR(CalibrateRgbd(spec, sequence));
   description.layout = "TUM RGB-D";

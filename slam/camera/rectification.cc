@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "slam/camera/close_depth.h"
 #include "slam/camera/pair_geometry.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
 
-constexpr double kCloseBaselines = 40;
 constexpr double kUnitTolerance = 1e-3;
 constexpr double kLeastField_deg = 20;
 constexpr double kMostField_deg = 150;
@@ -124,7 +124,7 @@ absl::Status StereoRectifier::MakeAsOpenCv(const RawStereo& raw) {
              .width_px = raw.width_px,
              .height_px = raw.height_px,
              .baseline_m = baseline_m,
-             .close_depth_m = kCloseBaselines * baseline_m};
+             .close_depth_m = kCloseDepth_baselines * baseline_m};
   rectified_from_raw_left_.rotation = Eigen::Quaterniond(ToEigen(left_rotation)).normalized();
   return absl::OkStatus();
 }
@@ -132,7 +132,7 @@ absl::Status StereoRectifier::MakeAsOpenCv(const RawStereo& raw) {
 absl::Status StereoRectifier::MakeOfFisheyes(const RawStereo& raw) {
   const PairRotations rotations = RotationsOf(raw.right_from_left);
   ASSIGN_OR_RETURN(camera_, WidestPinhole(raw, rotations));
-  camera_.close_depth_m = kCloseBaselines * camera_.baseline_m;
+  camera_.close_depth_m = kCloseDepth_baselines * camera_.baseline_m;
   ASSIGN_OR_RETURN(const cv::Mat left,
                    SourcePixels(camera_, rotations.rectified_from_left, raw.left));
   ASSIGN_OR_RETURN(const cv::Mat right,

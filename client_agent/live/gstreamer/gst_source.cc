@@ -1,9 +1,6 @@
 #include "client_agent/live/gstreamer/gst_source.h"
 
-#include <glog/logging.h>
-
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,33 +11,22 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "client_agent/live/gstreamer/gst_camera.h"
+#include "client_agent/live/live_options.h"
 #include "client_agent/source/frame_reader.h"
-#include "client_agent/source/rig/rig_file.h"
 #include "client_agent/source/source_kinds.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/text_file.h"
 
 namespace corbslam::client_agent {
 namespace {
 
-constexpr double kDefaultWithin_ms = 5;
-
-// What both kinds leave to options.
+// What both kinds leave to options, beside those of every camera.
 struct GstOptions {
-  std::string rig;
+  LiveSourceOptions live;
   std::string layout;
   std::string format;  // v4l2: of the device's pictures.
   std::string size;
   std::string rate;
-  double pair_within_ms = kDefaultWithin_ms;
-  std::optional<bool> restarts;
-  bool trust_calibration = false;  // Also an improbable rig is taken.
 };
-
-absl::Status BadOption(absl::string_view key, absl::string_view value, absl::string_view wanted) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("source option ", key, "=", value, ": wants ", wanted));
-}
 
 // Options end at '&', and begin behind '?': pipelines that hold these write them as URLs do.
 std::string Decode(absl::string_view text) {
@@ -54,8 +40,8 @@ class GstSettings : public KindSettings {
 
   absl::string_view kind() const override { return kind_; }
   std::vector<absl::string_view> OptionNames() const override {
-    std::vector<absl::string_view> names = {"rig", "layout", "pair_within_ms", "restart",
-                                            "trust_calibration"};
+    std::vector<absl::string_view> names = LiveOptionNames();
+    names.emplace_back("layout");
     if (IsV4l2()) names.insert(names.end(), {"format", "size", "rate"});
     return names;
   }
@@ -83,22 +69,13 @@ class GstSettings : public KindSettings {
                       "(?layout=side-by-side, ?layout=one-above)"));
   }
   std::vector<std::pair<std::string, std::string>> FormatOptions() const override {
-    std::vector<std::pair<std::string, std::string>> formatted;
-    for (const auto& [key, value] : {std::pair("rig", options_.rig),
-
-                                     {"layout", options_.layout},
+    auto formatted = FormatLiveOptions(options_.live);
+    for (const auto& [key, value] : {std::pair("layout", options_.layout),
                                      {"format", options_.format},
                                      {"size", options_.size},
                                      {"rate", options_.rate}}) {
       if (!value.empty()) formatted.emplace_back(key, value);
     }
-    if (options_.pair_within_ms != kDefaultWithin_ms) {
-      formatted.emplace_back("pair_within_ms", FormatReal(options_.pair_within_ms));
-    }
-    if (options_.restarts.has_value()) {
-      formatted.emplace_back("restart", *options_.restarts ? "1" : "0");
-    }
-    if (options_.trust_calibration) formatted.emplace_back("trust_calibration", "1");
     return formatted;
   }
   uint64_t noise_seed() const override { return 1; }
@@ -110,24 +87,16 @@ class GstSettings : public KindSettings {
         kind_, ": is a live camera, whose frames nobody can list: client_agent plays it"));
   }
   absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive() const override {
-    if (options_.rig.empty()) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          kind_, ": a live camera needs its rig: --rig FILE (docs/rig.md says how to make one)"));
-    }
-    ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(options_.rig));
-    ASSIGN_OR_RETURN(const SourceFindings findings,
-                     JudgeRig(rig, options_.rig, options_.trust_calibration));
-    for (const SourceFinding& finding : findings) LOG(WARNING) << finding.text;
+    ASSIGN_OR_RETURN(const Rig rig, ReadLiveRig(kind_, options_.live));
     GstCameraOptions camera;
     camera.first = PipelineOf(0);
     camera.second = PipelineOf(1);
     camera.layout = LayoutOf();
     camera.second_is_depth = rig.kind == RigKind::kRgbd;
-    camera.restarts = options_.restarts;
+    camera.restarts = options_.live.restarts;
     ASSIGN_OR_RETURN(std::unique_ptr<LiveCamera> opened, MakeGstCamera(camera));
-    return LiveStream::Open(
-        rig, std::move(opened),
-        {absl::StrCat(kind_, ":", place_), static_cast<int64_t>(1e6 * options_.pair_within_ms)});
+    return LiveStream::Open(rig, std::move(opened),
+                            StreamOptions(absl::StrCat(kind_, ":", place_), options_.live));
   }
 
  private:
@@ -162,12 +131,9 @@ class GstSettings : public KindSettings {
 
   absl::Status Set(absl::string_view key, absl::string_view value) {
     int whole = 0;
-    if (key == "rig") {
-      if (value.empty()) return BadOption(key, value, "a file");
-      options_.rig = std::string(value);
-    } else if (key == "layout") {
+    if (key == "layout") {
       if (value != "side-by-side" && value != "one-above") {
-        return BadOption(key, value, "side-by-side or one-above");
+        return BadLiveOption(key, value, "side-by-side or one-above");
       }
       options_.layout = std::string(value);
     } else if (key == "format") {
@@ -176,23 +142,16 @@ class GstSettings : public KindSettings {
       const std::vector<std::string> sides = absl::StrSplit(value, 'x');
       if (sides.size() != 2 || !absl::SimpleAtoi(sides[0], &whole) || whole < 1 ||
           !absl::SimpleAtoi(sides[1], &whole) || whole < 1) {
-        return BadOption(key, value, "WIDTHxHEIGHT, as 1280x480");
+        return BadLiveOption(key, value, "WIDTHxHEIGHT, as 1280x480");
       }
       options_.size = std::string(value);
     } else if (key == "rate") {
       if (!absl::SimpleAtoi(value, &whole) || whole < 1 || whole > 1000) {
-        return BadOption(key, value, "frames a second, 1 to 1000");
+        return BadLiveOption(key, value, "frames a second, 1 to 1000");
       }
       options_.rate = std::string(value);
-    } else if (key == "trust_calibration") {
-      if (value != "" && value != "0" && value != "1") return BadOption(key, value, "0 or 1");
-      options_.trust_calibration = value != "0";
-    } else if (key == "restart") {
-      if (value != "0" && value != "1") return BadOption(key, value, "0 or 1");
-      options_.restarts = value == "1";
-    } else if (!absl::SimpleAtod(value, &options_.pair_within_ms) || options_.pair_within_ms < 0 ||
-               options_.pair_within_ms > 1000) {
-      return BadOption(key, value, "a number from 0 to 1000");
+    } else {
+      return SetLiveOption(key, value, options_.live);
     }
     return absl::OkStatus();
   }

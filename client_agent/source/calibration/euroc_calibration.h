@@ -10,6 +10,9 @@
 
 namespace corbslam::client_agent {
 
+// Camera::close_depth_m of EuRoC's recordings, in baselines.
+inline constexpr double kEurocCloseDepth_baselines = 50;
+
 struct EurocCamera {
   Rigid3d body_from_camera;  // The file's T_BS.
   RawCamera intrinsics;

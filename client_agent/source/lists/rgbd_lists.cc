@@ -132,6 +132,7 @@ std::string FindAssociations(const std::string& directory) {
 
 absl::StatusOr<std::vector<RgbdPair>> ReadAssociations(const std::string& directory,
                                                        const std::string& path,
+                                                       int64_t depth_offset_ns,
                                                        SourceRemarks& remarks) {
   ASSIGN_OR_RETURN(const auto lines, ReadTimedFileLines(directory, path, 2));
   if (lines.empty()) return absl::InvalidArgumentError(absl::StrCat(path, ": lists no frame"));
@@ -140,18 +141,20 @@ absl::StatusOr<std::vector<RgbdPair>> ReadAssociations(const std::string& direct
   for (const std::vector<TimedFile>& line : lines) {
     const TimedFile& grey = line[depth_first ? 1 : 0];
     const TimedFile& depth = line[depth_first ? 0 : 1];
-    pairs.push_back({grey.timestamp_ns, depth.timestamp_ns, grey.line, grey.path, depth.path});
+    pairs.push_back({grey.timestamp_ns, depth.timestamp_ns + depth_offset_ns, grey.line, grey.path,
+                     depth.path});
   }
   RETURN_IF_ERROR(LeaveOutFarApart(path, pairs, remarks));
   return pairs;
 }
 
 absl::StatusOr<std::vector<RgbdPair>> PairLists(const std::string& directory,
-                                                SourceRemarks& remarks) {
+                                                int64_t depth_offset_ns, SourceRemarks& remarks) {
   ASSIGN_OR_RETURN(const std::vector<TimedFile> grey,
                    ReadTimedFiles(directory, directory + "/rgb.txt", remarks));
-  ASSIGN_OR_RETURN(const std::vector<TimedFile> depth,
+  ASSIGN_OR_RETURN(std::vector<TimedFile> depth,
                    ReadTimedFiles(directory, directory + "/depth.txt", remarks));
+  for (TimedFile& file : depth) file.timestamp_ns += depth_offset_ns;
   std::vector<RgbdPair> pairs;
   for (const auto& [i, k] : Associate(grey, depth)) {
     pairs.push_back(

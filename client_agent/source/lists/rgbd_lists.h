@@ -20,6 +20,8 @@ struct RgbdPair {
   std::string depth;
 };
 
+// Depth images were taken `depth_offset_ns` later than they are stamped.
+
 // Returns the first of DIR/associated.txt, associations.txt, association.txt or associate.txt that
 // is there; empty where none is.
 std::string FindAssociations(const std::string& directory);
@@ -29,13 +31,14 @@ std::string FindAssociations(const std::string& directory);
 // than 50 ms apart are left out and counted. Returns INVALID_ARGUMENT with line and field.
 absl::StatusOr<std::vector<RgbdPair>> ReadAssociations(const std::string& directory,
                                                        const std::string& path,
+                                                       int64_t depth_offset_ns,
                                                        SourceRemarks& remarks);
 
 // Reads DIR/rgb.txt and DIR/depth.txt, "time file" a line, and pairs them by growing difference in
 // time, each file once, at most 20 ms apart; returns them in the order of time. What has no
 // counterpart is counted.
 absl::StatusOr<std::vector<RgbdPair>> PairLists(const std::string& directory,
-                                                SourceRemarks& remarks);
+                                                int64_t depth_offset_ns, SourceRemarks& remarks);
 
 }  // namespace corbslam::client_agent
 

@@ -1,18 +1,22 @@
 #include "client_agent/source/rig/rig.h"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/calibration/plausibility.h"
 #include "client_agent/source/pictures/image_file.h"
+#include "client_agent/source/rig/rig_depth.h"
+#include "slam/camera/close_depth.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
 namespace {
 
-constexpr double kCloseDepth_baselines = 40;
 constexpr double kMostBaseline_m = 20;
+// More is another clock, or another unit.
+constexpr double kMostTimeOffset_s = 0.5;
 // Rectified cameras that differ by less are one.
 constexpr double kSame_px = 0.01;
 
@@ -90,7 +94,19 @@ absl::Status ValidateRgbd(const Rig& rig) {
         absl::StrCat("an RGB-D camera has 1 camera (and depth), given ", rig.cameras.size()));
   }
   RETURN_IF_ERROR(CheckRange("depth's units_per_m", rig.depth.units_per_m, 0, 1e6));
-  return CheckRange("depth's virtual_baseline_m", rig.depth.virtual_baseline_m, 0, 10);
+  RETURN_IF_ERROR(CheckRange("depth's virtual_baseline_m", rig.depth.virtual_baseline_m, 0, 10));
+  if (!rig.depth.camera.has_value()) return absl::OkStatus();
+  const absl::Status possible = Validate(DepthGeometryOf(rig));
+  if (possible.ok()) return possible;
+  return absl::InvalidArgumentError(absl::StrCat("depth's ", possible.message()));
+}
+
+absl::Status ValidateTimeOffset(const Rig& rig) {
+  const double offset_s = 1e-9 * static_cast<double>(SecondTimeOffset_ns(rig));
+  if (std::abs(offset_s) <= kMostTimeOffset_s) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("time_offset_s: the two cameras differ by ", offset_s, " s, must be at most ",
+                   kMostTimeOffset_s, ": is it in seconds, and have they one clock?"));
 }
 
 absl::StatusOr<PictureMask> ReadMask(const Rig& rig) {
@@ -148,12 +164,23 @@ absl::Status Validate(const Rig& rig) {
     RETURN_IF_ERROR(CheckRange("close_depth_m", *rig.close_depth_m, 0, 1000));
   }
   if (rig.rate_hz.has_value()) RETURN_IF_ERROR(CheckRange("rate_hz", *rig.rate_hz, 0, 1000));
-  return rig.kind == RigKind::kStereo ? ValidateStereo(rig) : ValidateRgbd(rig);
+  RETURN_IF_ERROR(rig.kind == RigKind::kStereo ? ValidateStereo(rig) : ValidateRgbd(rig));
+  return ValidateTimeOffset(rig);
+}
+
+int64_t SecondTimeOffset_ns(const Rig& rig) {
+  const double second_s =
+      rig.kind == RigKind::kStereo ? rig.cameras[1].time_offset_s : rig.depth.time_offset_s;
+  // What no clock differs by is refused by Validate.
+  return static_cast<int64_t>(
+      std::llround(1e9 * std::clamp(second_s - rig.cameras[0].time_offset_s, -1e6, 1e6)));
 }
 
 absl::StatusOr<SourceFindings> JudgeRig(const Rig& rig, absl::string_view from, bool trust) {
   SourceFindings findings;
-  for (const RigCamera& camera : rig.cameras) {
+  std::vector<RigCamera> cameras = rig.cameras;
+  if (rig.depth.camera.has_value()) cameras.push_back(*rig.depth.camera);
+  for (const RigCamera& camera : cameras) {
     const RawCamera& raw = camera.raw;
     ASSIGN_OR_RETURN(const SourceFindings more,
                      CheckIntrinsics({raw.fx_px, raw.fy_px, raw.cx_px, raw.cy_px, camera.width_px,

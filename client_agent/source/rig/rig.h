@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_RIG_RIG_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_RIG_RIG_H_
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,9 @@ struct RigCamera {
   RawCamera raw;
   int width_px = 0;
   int height_px = 0;
+  // What is added to the stamps of its pictures to get the times at which they were taken. Only
+  // what two cameras of a rig differ by is used.
+  double time_offset_s = 0;
 };
 
 // Where an RGB-D camera's depth comes from and how it is meant.
@@ -30,6 +34,14 @@ struct RigDepth {
   double units_per_m = 1000;  // Of pictures of 16 bits; those of floats are in metres.
   // Baseline of the stereo pair that would measure as well; disparities are of it.
   double virtual_baseline_m = 0.08;
+  // Values of depth pictures that mean no depth, beside 0, NaN, negative ones and 65535 of 16 bits:
+  // in the picture's own units.
+  std::vector<double> no_depth;
+  // The camera that measures it, where its pictures are not registered to the other's already, and
+  // x_in_colour = colour_from_depth * x_in_depth, metres.
+  std::optional<RigCamera> camera;
+  Rigid3d colour_from_depth;
+  double time_offset_s = 0;  // As RigCamera's.
 };
 
 struct Rig {
@@ -60,6 +72,10 @@ absl::Status Validate(const Rig& rig);
 // Finds what is improbable in a rig, as plausibility.h does for every calibration; `from` names its
 // file. What no camera has is INVALID_ARGUMENT, unless `trust`.
 absl::StatusOr<SourceFindings> JudgeRig(const Rig& rig, absl::string_view from, bool trust);
+
+// Returns by how much the second pictures of frames, right ones or depth, are stamped too early
+// against the first ones.
+int64_t SecondTimeOffset_ns(const Rig& rig);
 
 // Returns what sensors need; reads the mask. Errors name the field or the mask's file.
 absl::StatusOr<SensorCalibration> CalibrationOf(const Rig& rig);

@@ -1,93 +1,26 @@
 #include "client_agent/source/rig/rig_file.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <set>
-#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "client_agent/source/calibration/lens_words.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/calibration/yaml_numbers.h"
+#include "client_agent/source/rig/rig_part.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/text_file.h"
 
 namespace corbslam::client_agent {
 namespace {
 
-constexpr int kFormat = 1;
+constexpr size_t kMostNoDepths = 16;
 
-// The fields of a part of the file, which is a map: each is known and read once.
-class Part {
- public:
-  Part(std::string path, std::string name, const YAML::Node& node)
-      : path_(std::move(path)), name_(std::move(name)), node_(node) {}
-
-  absl::Status CheckFields(const std::set<std::string>& known) const {
-    if (!node_.IsMap()) return Bad("holds no fields");
-    std::set<std::string> seen;
-    for (const auto& entry : node_) {
-      const std::string key = entry.first.Scalar();
-      if (!known.contains(key)) {
-        return LineError(
-            path_, LineOf(entry.first),
-            absl::StrCat("unknown field ", key, ": known are ", absl::StrJoin(known, ", ")));
-      }
-      if (!seen.insert(key).second) {
-        return LineError(path_, LineOf(entry.first), absl::StrCat(key, " is there twice"));
-      }
-    }
-    return absl::OkStatus();
-  }
-  bool Has(const char* field) const { return node_[field].IsDefined(); }
-  YAML::Node operator[](const char* field) const { return node_[field]; }
-  std::string Named(const char* field) const { return absl::StrCat(name_, field); }
-  const std::string& path() const { return path_; }
-
-  absl::StatusOr<std::vector<double>> Numbers(const char* field, size_t least, size_t most) const {
-    if (!Has(field)) return Bad(absl::StrCat(Named(field), " is missing"));
-    return ReadNumbers(node_[field], path_, Named(field), least, most);
-  }
-  absl::Status Set(const char* field, double& number) const {
-    if (!Has(field)) return absl::OkStatus();
-    ASSIGN_OR_RETURN(number, ReadNumber(node_[field], path_, Named(field)));
-    return absl::OkStatus();
-  }
-  absl::Status Set(const char* field, std::optional<double>& number) const {
-    return Has(field) ? Set(field, number.emplace()) : absl::OkStatus();
-  }
-  absl::Status Set(const char* field, bool& flag) const {
-    if (!Has(field)) return absl::OkStatus();
-    const std::string word = node_[field].IsScalar() ? node_[field].Scalar() : "";
-    if (word != "true" && word != "false") {
-      return Bad(absl::StrCat(Named(field), " is '", word, "', must be true or false"));
-    }
-    flag = word == "true";
-    return absl::OkStatus();
-  }
-  absl::StatusOr<std::string> Word(const char* field) const {
-    if (Has(field) && node_[field].IsScalar()) return node_[field].Scalar();
-    return Bad(absl::StrCat(Named(field), " is missing"));
-  }
-  absl::StatusOr<Rigid3d> Motion(const char* field) const {
-    ASSIGN_OR_RETURN(const std::vector<double> rows, Numbers(field, 16, 16));
-    return ToRigid(rows, path_, Named(field));
-  }
-  absl::Status Bad(absl::string_view what) const {
-    return absl::InvalidArgumentError(absl::StrCat(path_, ": ", what));
-  }
-
- private:
-  std::string path_;
-  std::string name_;  // Written before its fields' names: "cameras[0].".
-  YAML::Node node_;
-};
-
-absl::StatusOr<RigCamera> ReadCamera(const Part& part) {
-  RETURN_IF_ERROR(
-      part.CheckFields({"size_px", "focal_px", "principal_px", "lens", "lens_numbers"}));
+// Reads what every camera has, time_offset_s aside.
+absl::StatusOr<RigCamera> ReadCamera(const Part& part, const std::set<std::string>& more = {}) {
+  std::set<std::string> known = {"size_px", "focal_px", "principal_px", "lens", "lens_numbers"};
+  known.insert(more.begin(), more.end());
+  RETURN_IF_ERROR(part.CheckFields(known));
   RigCamera camera;
   if (!part.Has("size_px")) return part.Bad(absl::StrCat(part.Named("size_px"), " is missing"));
   ASSIGN_OR_RETURN(const PictureSize size,
@@ -120,7 +53,8 @@ absl::Status ReadCameras(const Part& top, Rig& rig) {
   }
   for (size_t i = 0; i < list.size(); ++i) {
     const Part part(top.path(), absl::StrCat("cameras[", i, "]."), list[i]);
-    ASSIGN_OR_RETURN(rig.cameras.emplace_back(), ReadCamera(part));
+    ASSIGN_OR_RETURN(rig.cameras.emplace_back(), ReadCamera(part, {"time_offset_s"}));
+    RETURN_IF_ERROR(part.Set("time_offset_s", rig.cameras.back().time_offset_s));
   }
   return absl::OkStatus();
 }
@@ -142,12 +76,32 @@ absl::Status ReadStereoFields(const Part& top, Rig& rig) {
   return absl::OkStatus();
 }
 
+// Reads the camera that measures depth, where it isn't the other one.
+absl::Status ReadDepthCamera(const Part& part, RigDepth& depth) {
+  if (part.Has("camera") != part.Has("colour_from_depth")) {
+    return part.Bad(part.Has("camera")
+                        ? "depth.colour_from_depth is missing: where depth.camera sits beside the "
+                          "other one, 4x4 by rows, metres"
+                        : "depth.camera is missing, which colour_from_depth is of");
+  }
+  if (!part.Has("camera")) return absl::OkStatus();
+  ASSIGN_OR_RETURN(depth.camera, ReadCamera(Part(part.path(), "depth.camera.", part["camera"])));
+  ASSIGN_OR_RETURN(depth.colour_from_depth, part.Motion("colour_from_depth"));
+  return absl::OkStatus();
+}
+
 absl::Status ReadDepth(const Part& top, Rig& rig) {
   if (!top.Has("depth")) return top.Bad("depth is missing, which RGB-D cameras have");
   const Part part(top.path(), "depth.", top["depth"]);
-  RETURN_IF_ERROR(part.CheckFields({"units_per_m", "virtual_baseline_m"}));
+  RETURN_IF_ERROR(part.CheckFields({"units_per_m", "virtual_baseline_m", "no_depth", "camera",
+                                    "colour_from_depth", "time_offset_s"}));
   RETURN_IF_ERROR(part.Set("units_per_m", rig.depth.units_per_m));
-  return part.Set("virtual_baseline_m", rig.depth.virtual_baseline_m);
+  RETURN_IF_ERROR(part.Set("virtual_baseline_m", rig.depth.virtual_baseline_m));
+  RETURN_IF_ERROR(part.Set("time_offset_s", rig.depth.time_offset_s));
+  if (part.Has("no_depth")) {
+    ASSIGN_OR_RETURN(rig.depth.no_depth, part.Numbers("no_depth", 0, kMostNoDepths));
+  }
+  return ReadDepthCamera(part, rig.depth);
 }
 
 absl::Status ReadKind(const Part& top, Rig& rig) {
@@ -168,8 +122,8 @@ absl::Status ReadKind(const Part& top, Rig& rig) {
 absl::Status ReadFormat(const Part& top) {
   double format = 0;
   RETURN_IF_ERROR(top.Set("rig", format));
-  if (format == kFormat) return absl::OkStatus();
-  return top.Bad(absl::StrCat("rig is ", format, ": 'rig: ", kFormat,
+  if (format == kRigFormat) return absl::OkStatus();
+  return top.Bad(absl::StrCat("rig is ", format, ": 'rig: ", kRigFormat,
                               "' says that this is a rig file, in the format that is read here"));
 }
 
@@ -196,55 +150,6 @@ absl::Status ReadAll(const Part& top, Rig& rig) {
   return possible.ok() ? possible : top.Bad(possible.message());
 }
 
-std::string Listed(const std::vector<double>& numbers) {
-  return absl::StrCat("[",
-                      absl::StrJoin(numbers, ", ",
-                                    [](std::string* out, double number) {
-                                      absl::StrAppend(out, FormatReal(number));
-                                    }),
-                      "]");
-}
-
-std::string Listed(const Rigid3d& motion) {
-  const Eigen::Matrix3d r = motion.rotation.toRotationMatrix();
-  const Eigen::Vector3d& t = motion.translation;
-  std::vector<double> rows;
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) rows.push_back(r(i, k));
-    rows.push_back(t(i));
-  }
-  rows.insert(rows.end(), {0, 0, 0, 1});
-  return Listed(rows);
-}
-
-void AppendCamera(const RigCamera& camera, std::string& text) {
-  const RawCamera& raw = camera.raw;
-  absl::StrAppend(&text, "  - size_px: [", camera.width_px, ", ", camera.height_px, "]\n");
-  absl::StrAppend(&text, "    focal_px: ", Listed({raw.fx_px, raw.fy_px}), "\n");
-  absl::StrAppend(&text, "    principal_px: ", Listed({raw.cx_px, raw.cy_px}), "\n");
-  const std::vector<double> numbers = NumbersOf(raw.lens);
-  if (numbers.empty()) return;
-  absl::StrAppend(&text, "    lens: ", std::string(NameOf(raw.lens)), "\n");
-  absl::StrAppend(&text, "    lens_numbers: ", Listed(numbers), "\n");
-}
-
-void AppendKind(const Rig& rig, std::string& text) {
-  if (rig.kind == RigKind::kRgbd) {
-    absl::StrAppend(&text, "depth:\n  units_per_m: ", FormatReal(rig.depth.units_per_m),
-                    "\n  virtual_baseline_m: ", FormatReal(rig.depth.virtual_baseline_m), "\n");
-    return;
-  }
-  absl::StrAppend(&text, "rectified: ", rig.rectified ? "true" : "false", "\n");
-  if (rig.rectified) {
-    absl::StrAppend(&text, "baseline_m: ", FormatReal(rig.baseline_m), "\n");
-    return;
-  }
-  absl::StrAppend(&text, "right_from_left: ", Listed(rig.right_from_left), "\n");
-  if (rig.widest_field_deg != Rig().widest_field_deg) {
-    absl::StrAppend(&text, "widest_field_deg: ", FormatReal(rig.widest_field_deg), "\n");
-  }
-}
-
 }  // namespace
 
 absl::StatusOr<Rig> ReadRigFile(const std::string& path) {
@@ -252,23 +157,6 @@ absl::StatusOr<Rig> ReadRigFile(const std::string& path) {
   RETURN_IF_ERROR(UseYamlFields(
       path, [&](const YAML::Node& file) { return ReadAll(Part(path, "", file), rig); }));
   return rig;
-}
-
-std::string FormatRig(const Rig& rig, const std::string& origin) {
-  std::string text =
-      absl::StrCat("# A rig file of CORB-SLAM (docs/rig.md), made of ", origin, "\nrig: ", kFormat,
-                   "\nkind: ", rig.kind == RigKind::kStereo ? "stereo" : "rgbd", "\ncameras:\n");
-  for (const RigCamera& camera : rig.cameras) AppendCamera(camera, text);
-  AppendKind(rig, text);
-  if (rig.body_from_camera.has_value()) {
-    absl::StrAppend(&text, "body_from_camera: ", Listed(*rig.body_from_camera), "\n");
-  }
-  if (rig.close_depth_m.has_value()) {
-    absl::StrAppend(&text, "close_depth_m: ", FormatReal(*rig.close_depth_m), "\n");
-  }
-  if (rig.rate_hz.has_value()) absl::StrAppend(&text, "rate_hz: ", FormatReal(*rig.rate_hz), "\n");
-  if (!rig.mask_file.empty()) absl::StrAppend(&text, "mask: ", rig.mask_file, "\n");
-  return text;
 }
 
 }  // namespace corbslam::client_agent

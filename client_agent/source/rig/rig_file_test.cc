@@ -17,6 +17,18 @@ namespace {
 
 using ::testing::HasSubstr;
 
+constexpr char kDepthCamera[] = R"(rig: 1
+kind: rgbd
+cameras:
+  - {size_px: [640, 480], focal_px: [525, 525], principal_px: [319.5, 239.5]}
+depth:
+  units_per_m: 1000
+  no_depth: [2047, 65535]
+  time_offset_s: 0.012
+  camera: {size_px: [512, 424], focal_px: [365, 365], principal_px: [255, 210], lens: radtan, lens_numbers: [0.1, 0.02, 0, 0]}
+  colour_from_depth: [1, 0, 0, -0.025, 0, 1, 0, 0, 0, 0, 1, 0.003, 0, 0, 0, 1]
+)";
+
 constexpr char kStereo[] = R"(rig: 1
 kind: stereo
 cameras:
@@ -105,6 +117,17 @@ TEST(RigFileTest, ReadsAnRgbdCamera) {
   EXPECT_EQ(rgbd.camera.fy_px, 526);
 }
 
+TEST(RigFileTest, ReadsACameraOfDepth) {
+  const auto rig = Read(kDepthCamera);
+  ASSERT_TRUE(rig.ok()) << rig.status();
+  ASSERT_TRUE(rig->depth.camera.has_value());
+  EXPECT_EQ(rig->depth.camera->width_px, 512);
+  EXPECT_EQ(std::get<RadialTangential>(rig->depth.camera->raw.lens).k2, 0.02);
+  EXPECT_EQ(rig->depth.colour_from_depth.translation, Eigen::Vector3d(-0.025, 0, 0.003));
+  EXPECT_EQ(rig->depth.no_depth, std::vector<double>({2047, 65535}));
+  EXPECT_EQ(SecondTimeOffset_ns(*rig), 12'000'000);
+}
+
 TEST(RigFileTest, AMaskIsBesideTheFileAndOfThePicturesSize) {
   const std::string folder = ::testing::TempDir() + "/with_mask";
   std::filesystem::create_directories(folder);
@@ -124,7 +147,7 @@ TEST(RigFileTest, AMaskIsBesideTheFileAndOfThePicturesSize) {
 }
 
 TEST(RigFileTest, WritesWhatItReads) {
-  for (const char* text : {kStereo, kRectified, kRgbd}) {
+  for (const char* text : {kStereo, kRectified, kRgbd, kDepthCamera}) {
     Rig rig = Read(text).value();
     rig.body_from_camera =
         Rigid3d{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized())),
@@ -143,6 +166,13 @@ TEST(RigFileTest, WritesWhatItReads) {
     EXPECT_EQ(again->baseline_m, rig.baseline_m);
     EXPECT_EQ(again->rectified, rig.rectified);
     EXPECT_EQ(again->depth.units_per_m, rig.depth.units_per_m);
+    EXPECT_EQ(again->depth.no_depth, rig.depth.no_depth);
+    EXPECT_EQ(again->depth.colour_from_depth.translation, rig.depth.colour_from_depth.translation);
+    ASSERT_EQ(again->depth.camera.has_value(), rig.depth.camera.has_value());
+    if (rig.depth.camera.has_value()) {
+      EXPECT_EQ(again->depth.camera->raw, rig.depth.camera->raw);
+    }
+    EXPECT_EQ(SecondTimeOffset_ns(*again), SecondTimeOffset_ns(rig));
     EXPECT_EQ(again->rate_hz, rig.rate_hz);
     EXPECT_EQ(again->close_depth_m, rig.close_depth_m);
   }
@@ -176,7 +206,13 @@ TEST(RigFileTest, RefusesByNameWhatNoRigHas) {
       {kRgbd, "depth:\n  units_per_m: 1000\n", "", "depth is missing"},
       {kRgbd, "units_per_m: 1000", "units_per_m: 0", "units_per_m is 0"},
       {kRgbd, "units_per_m", "units", "unknown field units"},
-      {kRgbd, "cameras:", "camera:", "unknown field camera"}};
+      {kRgbd, "cameras:", "camera:", "unknown field camera"},
+      {kDepthCamera, "-0.025", "-25", "depth.colour_from_depth"},
+      {kDepthCamera, "colour_from_depth", "depth_from_colour", "unknown field depth_from_colour"},
+      {kDepthCamera, "  camera:", "  # camera:", "depth.camera is missing"},
+      {kDepthCamera, "[365, 365]", "[-365, 365]", "depth's depth camera"},
+      {kDepthCamera, "offset_s: 0.012", "offset_s: 12", "differ by 12 s, must be at most 0.5"},
+      {kDepthCamera, "[2047, 65535]", "none", "depth.no_depth is no list"}};
   for (const auto& [file, from, to, says] : cases) {
     const std::string text = absl::StrReplaceAll(file, {{from, to}});
     ASSERT_NE(text, file) << from;

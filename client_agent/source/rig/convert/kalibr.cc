@@ -80,6 +80,16 @@ absl::StatusOr<Rigid3d> ReadMotion(const YAML::Node& node, const std::string& pa
   return ToRigid(rows, path, field);
 }
 
+// Takes the first camera's clock for the rig's.
+void KeepTimeDifference(Rig& rig, std::vector<std::string>& notes) {
+  const double shift_s = rig.cameras[0].time_offset_s;
+  for (RigCamera& camera : rig.cameras) camera.time_offset_s -= shift_s;
+  if (shift_s == 0) return;
+  notes.push_back(absl::StrCat("cam0.timeshift_cam_imu of ", shift_s,
+                               " s is left out, but for how much cam1's differs: poses have the "
+                               "first pictures' own times"));
+}
+
 absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig& converted) {
   if (!file["cam1"].IsDefined()) {
     return Bad(path,
@@ -93,11 +103,10 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
   for (const std::string name : {"cam0", "cam1"}) {
     ASSIGN_OR_RETURN(rig.cameras.emplace_back(), ReadCamera(file[name], path, name));
     const YAML::Node shift = file[name]["timeshift_cam_imu"];
-    if (double shift_s = 0; ReadFinite(shift, shift_s) && shift_s != 0) {
-      converted.notes.push_back(absl::StrCat(name, ".timeshift_cam_imu of ", shift_s,
-                                             " s is left out: poses have the pictures' own times"));
-    }
+    // Kalibr's is what makes a stamp the IMU's; a rig keeps by how much the cameras differ.
+    if (double shift_s = 0; ReadFinite(shift, shift_s)) rig.cameras.back().time_offset_s = shift_s;
   }
+  KeepTimeDifference(rig, converted.notes);
   ASSIGN_OR_RETURN(rig.right_from_left,
                    ReadMotion(file["cam1"]["T_cn_cnm1"], path, "cam1.T_cn_cnm1"));
   if (!file["cam0"]["T_cam_imu"].IsDefined()) return absl::OkStatus();

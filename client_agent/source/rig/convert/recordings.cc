@@ -57,6 +57,8 @@ absl::StatusOr<ConvertedRig> ReadEurocPair(const RigFiles& files) {
   converted.rig.cameras = {CameraOf(left), CameraOf(right)};
   converted.rig.right_from_left = right.body_from_camera.Inverse() * left.body_from_camera;
   converted.rig.body_from_camera = left.body_from_camera;
+  converted.rig.close_depth_m =
+      kEurocCloseDepth_baselines * converted.rig.right_from_left.translation.norm();
   return converted;
 }
 
@@ -80,6 +82,7 @@ absl::StatusOr<ConvertedRig> ReadKittiPair(const RigFiles& files) {
   converted.rig.cameras = {left, right};
   converted.rig.rectified = true;
   converted.rig.baseline_m = camera.baseline_m;
+  converted.rig.close_depth_m = camera.close_depth_m;
   return converted;
 }
 

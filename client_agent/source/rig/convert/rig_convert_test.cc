@@ -170,6 +170,8 @@ TEST(RigConvertTest, ReadsKalibr) {
   EXPECT_LT((rig.body_from_camera->translation - Eigen::Vector3d(0.02, 0.05, -0.01)).norm(), 1e-12);
   ASSERT_FALSE(converted->notes.empty());
   EXPECT_THAT(converted->notes[0], HasSubstr("cam0.timeshift_cam_imu of 0.004 s"));
+  // cam1 has the IMU's own times.
+  EXPECT_EQ(SecondTimeOffset_ns(rig), -4'000'000);
 }
 
 TEST(RigConvertTest, ReadsKalibrsOmni) {
@@ -294,6 +296,8 @@ TEST(RigConvertTest, ReadsKitti) {
   ASSERT_TRUE(odometry.ok()) << odometry.status();
   EXPECT_TRUE(odometry->rig.rectified);
   EXPECT_NEAR(odometry->rig.baseline_m, 386.14 / 718, 1e-9);
+  // As the layout's own calibration has it.
+  EXPECT_NEAR(*odometry->rig.close_depth_m, 35 * 386.14 / 718, 1e-9);
 
   const auto raw = ConvertRig(One("calib_cam_to_cam.txt",
                                   "calib_time: 09-Jan-2012 13:57:47\n"
@@ -302,6 +306,23 @@ TEST(RigConvertTest, ReadsKitti) {
                                   "P_rect_01: 721 0 609 -387.5 0 721 172 0 0 0 1 0\n"));
   ASSERT_TRUE(raw.ok()) << raw.status();
   EXPECT_EQ(raw->rig.cameras[1].width_px, 1242);
+}
+
+TEST(RigConvertTest, ReadsEuroc) {
+  const auto camera = [](const char* x) {
+    return absl::StrCat("T_BS:\n  rows: 4\n  cols: 4\n  data: [1, 0, 0, ", x,
+                        ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nresolution: [752, 480]\n"
+                        "camera_model: pinhole\nintrinsics: [458, 457, 367, 248]\n"
+                        "distortion_model: radial-tangential\n"
+                        "distortion_coefficients: [-0.28, 0.07, 0.0002, 1.7e-05]\n");
+  };
+  RigFiles files = One("sensor0.yaml", camera("0"));
+  files.paths.push_back(WriteText("sensor1.yaml", camera("0.11")));
+  const auto converted = ConvertRig(files);
+  ASSERT_TRUE(converted.ok()) << converted.status();
+  EXPECT_EQ(converted->format, "euroc");
+  EXPECT_NEAR(converted->rig.right_from_left.translation.x(), -0.11, 1e-12);
+  EXPECT_NEAR(*converted->rig.close_depth_m, 5.5, 1e-9);
 }
 
 TEST(RigConvertTest, SaysWhatIsWrong) {
