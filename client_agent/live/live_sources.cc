@@ -8,6 +8,9 @@
 #ifdef CORBSLAM_HAS_GSTREAMER
 #include "client_agent/live/gstreamer/gst_source.h"
 #endif
+#ifdef CORBSLAM_HAS_OPENNI2
+#include "client_agent/live/openni2/openni_source.h"
+#endif
 
 namespace corbslam::client_agent {
 namespace {
@@ -30,6 +33,9 @@ constexpr KnownSource kSources[] = {
      "libgstreamer-plugins-base1.0-dev when it is built, gstreamer1.0-plugins-base when it runs"},
     {"v4l2", "v4l2:/dev/video0,/dev/video1", "live: USB and CSI cameras of Linux",
      "the same, and gstreamer1.0-plugins-good"},
+    {"openni2", "openni2:any, openni2:URI, openni2:FILE.oni",
+     "live: RGB-D cameras of OpenNI 2, and their recordings",
+     "libopenni2-dev when it is built, libopenni2-0 when it runs"},
     {"sim", "sim:WORLD", "a simulator in the camera's place", "the program simulated_agent"}};
 
 }  // namespace
@@ -37,6 +43,9 @@ constexpr KnownSource kSources[] = {
 void RegisterLiveSources() {
 #ifdef CORBSLAM_HAS_GSTREAMER
   RegisterGstSources();
+#endif
+#ifdef CORBSLAM_HAS_OPENNI2
+  RegisterOpenNiSources();
 #endif
 }
 

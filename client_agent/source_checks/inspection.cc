@@ -50,24 +50,30 @@ SampleRead ReadChosen(const FrameReader& reader, const SourceSpec& spec,
 
 }  // namespace
 
-Sample ReadSample(const FrameReader& reader, const SourceSpec& spec, const SampleOptions& options) {
-  return ReadChosen(reader, spec, options).frames;
+Inspection LookIntoSource(const FrameReader& reader, const SourceSpec& spec,
+                          const SampleOptions& options) {
+  Inspection inspection;
+  SourceFindings& findings = inspection.findings;
+  findings = reader.description().remarks.findings;
+  SampleRead read = ReadChosen(reader, spec, options);
+  TellUnreadable(read, findings);
+  inspection.sample = std::move(read.frames);
+  if (inspection.sample.empty() || spec.layout == SourceLayout::kRegistered) return inspection;
+  StereoJudgement seen = JudgeSample(reader.calibration(), inspection.sample);
+  if (spec.layout == SourceLayout::kSevenScenes) {
+    // 65535 is what this layout says where there is no depth.
+    std::erase_if(seen.findings,
+                  [](const SourceFinding& f) { return f.code == "depth-saturated"; });
+  }
+  std::move(seen.findings.begin(), seen.findings.end(), std::back_inserter(findings));
+  inspection.pairs = std::move(seen.pairs);
+  return inspection;
 }
 
 SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
                              const SampleOptions& options) {
-  SourceFindings findings = reader.description().remarks.findings;
-  if (spec.layout == SourceLayout::kRegistered) return findings;
-  const SampleRead sample = ReadChosen(reader, spec, options);
-  TellUnreadable(sample, findings);
-  if (sample.frames.empty()) return findings;
-  SourceFindings seen = CheckSample(reader.calibration(), sample.frames);
-  if (spec.layout == SourceLayout::kSevenScenes) {
-    // 65535 is what this layout says where there is no depth.
-    std::erase_if(seen, [](const SourceFinding& f) { return f.code == "depth-saturated"; });
-  }
-  std::move(seen.begin(), seen.end(), std::back_inserter(findings));
-  return findings;
+  if (spec.layout == SourceLayout::kRegistered) return reader.description().remarks.findings;
+  return LookIntoSource(reader, spec, options).findings;
 }
 
 }  // namespace corbslam::client_agent

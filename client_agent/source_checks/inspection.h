@@ -2,15 +2,14 @@
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_INSPECTION_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_INSPECTION_H_
 
+#include <vector>
+
 #include "client_agent/source/frame_reader.h"
 #include "client_agent/source/source_finding.h"
+#include "client_agent/source_checks/pair_sample.h"
 #include "client_agent/source_checks/sample.h"
 
 namespace corbslam::client_agent {
-
-// Returns the frames of the sample that `spec` selects, those that can be read.
-Sample ReadSample(const FrameReader& reader, const SourceSpec& spec,
-                  const SampleOptions& options = {});
 
 // Returns what the source's files and a sample of the frames that `spec` selects show: the reader's
 // own findings, then those of CheckSample, then frames of the sample that can't be read. A source
@@ -18,6 +17,19 @@ Sample ReadSample(const FrameReader& reader, const SourceSpec& spec,
 // Thread-safe; decodes the sample's pictures.
 SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
                              const SampleOptions& options = {});
+
+// What a look at a source gives: the sample, those of its frames that can be read, and what it
+// showed.
+struct Inspection {
+  Sample sample;
+  SourceFindings findings;
+  std::vector<JudgedPair> pairs;  // Of a stereo source.
+};
+
+// Does what InspectSource does. The sample of a source of a registered kind is read, and not
+// checked.
+Inspection LookIntoSource(const FrameReader& reader, const SourceSpec& spec,
+                          const SampleOptions& options = {});
 
 }  // namespace corbslam::client_agent
 

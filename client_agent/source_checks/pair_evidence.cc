@@ -110,13 +110,12 @@ void CountDisparity(const FeatureMatch& match, std::vector<double>& positive,
 
 }  // namespace
 
-PairEvidence GatherPairEvidence(const CheckFeatures& left, const CheckFeatures& right,
+PairEvidence GatherPairEvidence(size_t features, const std::vector<FeatureMatch>& matches,
                                 const cv::Size& size) {
-  const std::vector<FeatureMatch> matches = MatchFeatures(left, right);
   const std::vector<RowSample> samples = ToSamples(matches, size);
   const Eigen::Vector3d fit = FitRows(samples);
   PairEvidence evidence;
-  evidence.features = std::min(left.features.keypoints.size(), right.features.keypoints.size());
+  evidence.features = features;
   evidence.matches = matches.size();
   evidence.row_score = RowScore(samples);
   evidence.fit = {fit(0), fit(1), fit(2)};

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <opencv2/core/types.hpp>
+#include <vector>
 
 #include "client_agent/source_checks/feature_matches.h"
 
@@ -38,7 +39,8 @@ struct PairEvidence {
   double median_disparity_px = 0;  // Median of the positive ones; 0 without any.
 };
 
-PairEvidence GatherPairEvidence(const CheckFeatures& left, const CheckFeatures& right,
+// `features` as in PairEvidence; `matches` are those of the two pictures of `size`.
+PairEvidence GatherPairEvidence(size_t features, const std::vector<FeatureMatch>& matches,
                                 const cv::Size& size);
 
 }  // namespace corbslam::client_agent

@@ -8,8 +8,6 @@
 namespace corbslam::client_agent {
 namespace {
 
-// Matches with rows farther apart are taken for wrong ones.
-constexpr double kMostRows_px = 40;
 constexpr double kNearMedian_px = 3;
 constexpr double kMoved_px = 1;
 constexpr double kTail = 0.05;
@@ -50,27 +48,18 @@ double Quantile(const std::vector<double>& sorted, double share) {
 
 }  // namespace
 
-std::vector<FeatureMatch> MatchPair(const PairPreparation::Pictures& pictures) {
-  std::vector<FeatureMatch> matches =
-      MatchFeatures(ExtractCheckFeatures(pictures.left), ExtractCheckFeatures(pictures.right));
-  std::erase_if(
-      matches, [](const FeatureMatch& match) { return std::abs(RowsApart(match)) > kMostRows_px; });
-  return matches;
-}
-
-PairRegions MeasureRegions(const PairPreparation& preparation, const Sample& sample) {
+PairRegions MeasureRegions(const PairPreparation& preparation,
+                           const std::vector<JudgedPair>& pairs) {
   PairRegions measured;
   std::array<std::vector<double>, PairRegions::kColumns * PairRegions::kRows> rows_px;
   std::vector<double> all_rows_px;
   std::vector<double> disparities_px;
-  for (const SampleFrame& frame : sample) {
-    const auto pictures = preparation.Rectify(frame.images);
-    if (!pictures.has_value()) continue;
-    ++measured.pairs;
-    for (const FeatureMatch& match : MatchPair(*pictures)) {
+  measured.pairs = pairs.size();
+  for (const JudgedPair& pair : pairs) {
+    for (const FeatureMatch& match : pair.matches) {
       rows_px[RegionOf(match, preparation.camera())].push_back(RowsApart(match));
       all_rows_px.push_back(RowsApart(match));
-      disparities_px.push_back(match.in_a.x() - match.in_b.x() + preparation.right_cx_offset_px());
+      disparities_px.push_back(match.in_a.x() - match.in_b.x());
     }
   }
   for (size_t i = 0; i < rows_px.size(); ++i) measured.regions[i] = Summarise(rows_px[i]);

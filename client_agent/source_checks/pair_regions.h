@@ -3,13 +3,9 @@
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_REGIONS_H_
 
 #include <array>
-#include <opencv2/core/mat.hpp>
-#include <optional>
 #include <vector>
 
-#include "client_agent/source_checks/feature_matches.h"
 #include "client_agent/source_checks/pair_sample.h"
-#include "client_agent/source_checks/sample.h"
 
 namespace corbslam::client_agent {
 
@@ -35,11 +31,9 @@ struct PairRegions {
   double negative_share = 0;
 };
 
-// Matches of the rectified pictures of one pair whose rows are at most 40 pixels apart.
-std::vector<FeatureMatch> MatchPair(const PairPreparation::Pictures& pictures);
-
-// Measures all pairs of the sample. Pure.
-PairRegions MeasureRegions(const PairPreparation& preparation, const Sample& sample);
+// Measures pairs that `preparation` has judged. Pure.
+PairRegions MeasureRegions(const PairPreparation& preparation,
+                           const std::vector<JudgedPair>& pairs);
 
 }  // namespace corbslam::client_agent
 

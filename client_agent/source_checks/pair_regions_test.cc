@@ -16,7 +16,7 @@ PairRegions Measure(const std::string& damage, double amount) {
   EXPECT_TRUE(sample.ok()) << sample.status();
   const auto preparation = PairPreparation::Make(std::get<StereoCalibration>(source.calibration));
   EXPECT_TRUE(preparation.ok()) << preparation.status();
-  return MeasureRegions(*preparation, *sample);
+  return MeasureRegions(*preparation, preparation->Judge(*sample));
 }
 
 TEST(PairRegionsTest, RowsOfAGoodPairAgreeEverywhere) {

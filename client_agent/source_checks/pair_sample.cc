@@ -1,5 +1,7 @@
 #include "client_agent/source_checks/pair_sample.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "slam/util/median.h"
@@ -12,6 +14,13 @@ namespace {
 constexpr size_t kMinFeatures = 100;
 
 bool HasEnough(const CheckFeatures& side) { return side.features.keypoints.size() >= kMinFeatures; }
+
+// Matches with rows farther apart are taken for wrong ones.
+constexpr double kMostRows_px = 40;
+
+bool IsFarApart(const FeatureMatch& match) {
+  return std::abs(match.in_b.y() - match.in_a.y()) > kMostRows_px;
+}
 
 bool HasSize(const cv::Mat& grey, const Camera& camera) {
   return grey.type() == CV_8UC1 && grey.cols == camera.width_px && grey.rows == camera.height_px;
@@ -55,11 +64,25 @@ std::optional<PairPreparation::Sides> PairPreparation::Extract(const SensorImage
   return sides;
 }
 
-std::optional<PairEvidence> PairPreparation::Compare(const std::optional<Sides>& left,
-                                                     const std::optional<Sides>& right) const {
+std::optional<std::vector<FeatureMatch>> PairPreparation::Match(
+    const std::optional<Sides>& left, const std::optional<Sides>& right) const {
   if (!left.has_value() || !right.has_value()) return std::nullopt;
   if (!HasEnough(left->left) || !HasEnough(right->right)) return std::nullopt;
-  return GatherPairEvidence(left->left, right->right, {camera_.width_px, camera_.height_px});
+  return MatchFeatures(left->left, right->right);
+}
+
+PairEvidence PairPreparation::Weigh(const Sides& left, const Sides& right,
+                                    const std::vector<FeatureMatch>& matches) const {
+  return GatherPairEvidence(
+      std::min(left.left.features.keypoints.size(), right.right.features.keypoints.size()), matches,
+      {camera_.width_px, camera_.height_px});
+}
+
+std::optional<PairEvidence> PairPreparation::Compare(const std::optional<Sides>& left,
+                                                     const std::optional<Sides>& right) const {
+  const auto matches = Match(left, right);
+  if (!matches.has_value()) return std::nullopt;
+  return Weigh(*left, *right, *matches);
 }
 
 std::vector<JudgedPair> PairPreparation::Judge(const Sample& sample, bool exchanged) const {
@@ -68,9 +91,11 @@ std::vector<JudgedPair> PairPreparation::Judge(const Sample& sample, bool exchan
   for (const SampleFrame& frame : sample) sides.push_back(Extract(frame.images, exchanged));
   std::vector<JudgedPair> pairs;
   for (size_t i = 0; i < sample.size(); ++i) {
-    const std::optional<PairEvidence> evidence = Compare(sides[i], sides[i]);
-    if (!evidence.has_value()) continue;
-    JudgedPair pair{sample[i].number, *evidence, {}, {}};
+    std::optional<std::vector<FeatureMatch>> matches = Match(sides[i], sides[i]);
+    if (!matches.has_value()) continue;
+    JudgedPair pair{sample[i].number, Weigh(*sides[i], *sides[i], *matches), {}, {}, {}};
+    std::erase_if(*matches, IsFarApart);
+    pair.matches = *std::move(matches);
     if (i > 0 && sample[i - 1].number + 1 == sample[i].number) {
       pair.with_before = Compare(sides[i], sides[i - 1]);
     }

@@ -19,6 +19,9 @@ struct JudgedPair {
   // in the sample.
   std::optional<PairEvidence> with_before;
   std::optional<PairEvidence> with_after;
+  // Matches of the rectified pictures whose rows are at most 40 pixels apart. In the right one they
+  // lie right_cx_offset_px farther left, so that their disparities are right.
+  std::vector<FeatureMatch> matches;
 };
 
 // Rectifies where the calibration is raw.
@@ -55,6 +58,11 @@ class PairPreparation {
   };
   PairPreparation() = default;
   std::optional<Sides> Extract(const SensorImages& images, bool exchanged) const;
+  // Returns nothing where a side has too few features.
+  std::optional<std::vector<FeatureMatch>> Match(const std::optional<Sides>& left,
+                                                 const std::optional<Sides>& right) const;
+  PairEvidence Weigh(const Sides& left, const Sides& right,
+                     const std::vector<FeatureMatch>& matches) const;
   std::optional<PairEvidence> Compare(const std::optional<Sides>& left,
                                       const std::optional<Sides>& right) const;
 

@@ -4,11 +4,15 @@
 
 #include "client_agent/source/source_finding.h"
 #include "client_agent/source_checks/sample.h"
+#include "client_agent/source_checks/stereo_checks.h"
 
 namespace corbslam::client_agent {
 
 // Calls CheckPictures, and CheckStereoPair or CheckDepth as the calibration says. Where the
-// pictures by themselves show an error, only that is told. Pure; any thread.
+// pictures by themselves show an error, only that is told, and no pair is judged. Pure; any thread.
+StereoJudgement JudgeSample(const SensorCalibration& calibration, const Sample& sample);
+
+// Returns the findings alone.
 SourceFindings CheckSample(const SensorCalibration& calibration, const Sample& sample);
 
 }  // namespace corbslam::client_agent

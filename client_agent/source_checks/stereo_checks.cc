@@ -188,19 +188,24 @@ void CheckBaseline(const Camera& camera, const Pairs& pairs, SourceFindings& fin
 
 }  // namespace
 
-SourceFindings CheckStereoPair(const StereoCalibration& calibration, const Sample& sample) {
-  SourceFindings findings;
+StereoJudgement JudgeStereoPair(const StereoCalibration& calibration, const Sample& sample) {
+  StereoJudgement judgement;
   const absl::StatusOr<PairPreparation> preparation = PairPreparation::Make(calibration);
   if (!preparation.ok()) {
-    findings.push_back(
+    judgement.findings.push_back(
         {FindingLevel::kError, "calibration-impossible",
          absl::StrCat("the stereo calibration is impossible: ", preparation.status().message())});
-    return findings;
+    return judgement;
   }
-  const Pairs pairs = preparation->Judge(sample);
-  if (!pairs.empty()) CheckGeometry(*preparation, sample, pairs, findings);
-  CheckBaseline(preparation->camera(), pairs, findings);
-  return findings;
+  judgement.pairs = preparation->Judge(sample);
+  const Pairs& pairs = judgement.pairs;
+  if (!pairs.empty()) CheckGeometry(*preparation, sample, pairs, judgement.findings);
+  CheckBaseline(preparation->camera(), pairs, judgement.findings);
+  return judgement;
+}
+
+SourceFindings CheckStereoPair(const StereoCalibration& calibration, const Sample& sample) {
+  return JudgeStereoPair(calibration, sample).findings;
 }
 
 }  // namespace corbslam::client_agent

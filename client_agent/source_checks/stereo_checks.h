@@ -2,7 +2,10 @@
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_STEREO_CHECKS_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_STEREO_CHECKS_H_
 
+#include <vector>
+
 #include "client_agent/source/source_finding.h"
+#include "client_agent/source_checks/pair_sample.h"
 #include "client_agent/source_checks/sample.h"
 
 namespace corbslam::client_agent {
@@ -12,6 +15,13 @@ namespace corbslam::client_agent {
 // nothing to do with each other, a baseline in other units. Frames of another size than the
 // calibration's are passed over (CheckPictures names them), and so are those with too few features
 // to judge. Pure; any thread.
+struct StereoJudgement {
+  SourceFindings findings;
+  std::vector<JudgedPair> pairs;  // Those that could be judged, in order.
+};
+StereoJudgement JudgeStereoPair(const StereoCalibration& calibration, const Sample& sample);
+
+// Returns the findings alone.
 SourceFindings CheckStereoPair(const StereoCalibration& calibration, const Sample& sample);
 
 }  // namespace corbslam::client_agent

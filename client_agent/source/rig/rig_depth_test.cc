@@ -16,14 +16,14 @@ using ::testing::IsEmpty;
 Rig OneCamera() {
   Rig rig;
   rig.kind = RigKind::kRgbd;
-  rig.cameras = {{{100, 100, 20, 15, {}}, 40, 30}};
+  rig.cameras = {{{100, 100, 20, 16, {}}, 40, 32}};
   return rig;
 }
 
 // Half as large, at the same place: each of its pixels covers two by two of the other's.
 Rig WithDepthCamera() {
   Rig rig = OneCamera();
-  rig.depth.camera = RigCamera{{50, 50, 9.75, 7.25, {}}, 20, 15};
+  rig.depth.camera = RigCamera{{50, 50, 9.75, 7.75, {}}, 20, 16};
   return rig;
 }
 
@@ -33,17 +33,17 @@ TEST(DepthPreparationTest, RegistersWhereTheRigHasACameraOfDepth) {
   const auto preparation = DepthPreparation::Make(WithDepthCamera(), std::nullopt);
   ASSERT_TRUE(preparation.ok()) << preparation.status();
   EXPECT_TRUE(preparation->registers());
-  EXPECT_EQ(preparation->raw_size(), cv::Size(20, 15));
-  EXPECT_THAT(preparation->in_words(), HasSubstr("from a camera of 20x15, 0.0 mm beside"));
-  cv::Mat depth = Depth(20, 15);
+  EXPECT_EQ(preparation->raw_size(), cv::Size(20, 16));
+  EXPECT_THAT(preparation->in_words(), HasSubstr("from a camera of 20x16, 0.0 mm beside"));
+  cv::Mat depth = Depth(20, 16);
   depth.at<uint16_t>(3, 4) = 0;
   const auto prepared = preparation->Prepare(depth);
   ASSERT_TRUE(prepared.ok()) << prepared.status();
-  EXPECT_EQ(prepared->size(), cv::Size(40, 30));
-  EXPECT_EQ(cv::countNonZero(*prepared), 40 * 30 - 4);
+  EXPECT_EQ(prepared->size(), cv::Size(40, 32));
+  EXPECT_EQ(cv::countNonZero(*prepared), 40 * 32 - 4);
   EXPECT_EQ(prepared->at<uint16_t>(7, 9), 0);
   EXPECT_EQ(prepared->at<uint16_t>(8, 10), 2000);
-  EXPECT_FALSE(preparation->Prepare(Depth(40, 30)).ok());
+  EXPECT_FALSE(preparation->Prepare(Depth(40, 32)).ok());
 }
 
 TEST(DepthPreparationTest, LeavesWhatIsRegisteredAlready) {
@@ -54,7 +54,7 @@ TEST(DepthPreparationTest, LeavesWhatIsRegisteredAlready) {
     EXPECT_FALSE(preparation->registers());
     EXPECT_FALSE(preparation->raw_size().has_value());
     EXPECT_THAT(preparation->in_words(), IsEmpty());
-    const cv::Mat depth = Depth(40, 30);
+    const cv::Mat depth = Depth(40, 32);
     EXPECT_EQ(preparation->Prepare(depth)->data, depth.data) << "it is shared";
   }
 }
@@ -63,13 +63,13 @@ TEST(DepthPreparationTest, WhatTheRigSaysIsNoDepthIsNone) {
   Rig rig = OneCamera();
   rig.depth.no_depth = {2047, 65535};
   const auto preparation = DepthPreparation::Make(rig, std::nullopt);
-  cv::Mat depth = Depth(40, 30);
+  cv::Mat depth = Depth(40, 32);
   depth.at<uint16_t>(2, 2) = 2047;
   depth.at<uint16_t>(3, 3) = 65535;
   const auto prepared = preparation->Prepare(depth);
   EXPECT_EQ(prepared->at<uint16_t>(2, 2), 0);
   EXPECT_EQ(prepared->at<uint16_t>(3, 3), 0);
-  EXPECT_EQ(cv::countNonZero(*prepared), 40 * 30 - 2);
+  EXPECT_EQ(cv::countNonZero(*prepared), 40 * 32 - 2);
   EXPECT_EQ(depth.at<uint16_t>(2, 2), 2047) << "what was given stays as it is";
 }
 

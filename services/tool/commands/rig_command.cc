@@ -10,7 +10,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "absl/time/time.h"
+#include "client_agent/live/live_sources.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/live_opening.h"
 #include "client_agent/source/rig/convert/rig_convert.h"
 #include "client_agent/source/rig/rig_file.h"
 #include "services/tool/commands/commands.h"
@@ -54,6 +57,7 @@ struct CheckArguments {
   std::string source;
   std::string rig;
   std::string out;
+  double seconds = 10;
 };
 
 absl::StatusOr<std::optional<PictureSize>> ParseSize(const std::string& text) {
@@ -89,11 +93,21 @@ absl::Status Convert(const ConvertArguments& arguments) {
   return WriteLines(lines, arguments.out);
 }
 
+absl::StatusOr<RigCheck> CheckSource(const SourceSpec& spec, double seconds) {
+  if (!client_agent::IsLive(spec)) {
+    ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(spec));
+    return CheckRig(*reader, spec);
+  }
+  ASSIGN_OR_RETURN(const client_agent::LiveSource camera, client_agent::OpenLiveSource(spec));
+  std::fprintf(stderr, "corbslam: looking at the camera for %g s; move it\n", seconds);
+  return CheckLiveRig(*camera.stream, camera.description, absl::Seconds(seconds));
+}
+
 absl::Status Check(const CheckArguments& arguments) {
+  client_agent::RegisterLiveSources();
   ASSIGN_OR_RETURN(SourceSpec spec, ParseSourceSpec(arguments.source));
   if (!arguments.rig.empty()) RETURN_IF_ERROR(UseRig(arguments.rig, spec));
-  ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(spec));
-  ASSIGN_OR_RETURN(const RigCheck check, CheckRig(*reader, spec));
+  ASSIGN_OR_RETURN(const RigCheck check, CheckSource(spec, arguments.seconds));
   std::printf("%s", FormatRigCheck(check).c_str());
   if (!arguments.out.empty() && !check.picture.empty()) {
     if (!cv::imwrite(arguments.out, check.picture)) {
@@ -143,6 +157,9 @@ void AddCheck(CLI::App& rig, Command& chosen) {
       ->required();
   check->add_option("--rig", arguments->rig, "The rig file; else the recording's own calibration");
   check->add_option("--out", arguments->out, "Picture to write: rectified, with rows and matches");
+  check->add_option("--seconds", arguments->seconds, "How long to look at a live camera's frames")
+      ->check(CLI::Range(0.5, 3600.0))
+      ->capture_default_str();
   check->callback([arguments, &chosen] { chosen = [arguments] { return Check(*arguments); }; });
 }
 

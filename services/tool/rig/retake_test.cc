@@ -87,7 +87,7 @@ TEST(RetakeTest, RectificationUndoesIt) {
     ASSERT_TRUE(preparation.ok()) << preparation.status();
     client_agent::Sample sample;
     for (size_t i = 0; i < 3; ++i) sample.push_back({i, (*reader)->Read(i).value()});
-    const auto measured = client_agent::MeasureRegions(*preparation, sample);
+    const auto measured = client_agent::MeasureRegions(*preparation, preparation->Judge(sample));
     EXPECT_GT(measured.all.matches, 150u) << NameOf(lens);
     EXPECT_LT(measured.all.row_error_px, 0.5) << NameOf(lens);
     EXPECT_LT(measured.negative_share, 0.1) << NameOf(lens);

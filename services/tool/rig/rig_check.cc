@@ -1,31 +1,43 @@
 #include "services/tool/rig/rig_check.h"
 
 #include <algorithm>
+#include <utility>
+#include <variant>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source/source_description.h"
 #include "client_agent/source_checks/inspection.h"
+#include "client_agent/source_checks/live_sample.h"
 #include "client_agent/source_checks/picture_statistics.h"
+#include "client_agent/source_checks/source_checks.h"
 #include "services/tool/rig/rig_picture.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 
+using client_agent::CheckLiveSample;
 using client_agent::FindingLevel;
 using client_agent::FrameReader;
-using client_agent::InspectSource;
+using client_agent::FrameStream;
+using client_agent::Inspection;
+using client_agent::JudgeSample;
+using client_agent::LiveSample;
+using client_agent::LookIntoSource;
 using client_agent::MeasureRegions;
 using client_agent::PairPreparation;
 using client_agent::PairRegions;
 using client_agent::PictureStatistics;
-using client_agent::ReadSample;
 using client_agent::RegionRows;
 using client_agent::Sample;
 using client_agent::SampleFrame;
 using client_agent::SampleOptions;
+using client_agent::SourceDescription;
 using client_agent::SourceFinding;
+using client_agent::SourceFindings;
 using client_agent::SourceSpec;
+using client_agent::StereoJudgement;
+using client_agent::TakeLiveSample;
 
 namespace {
 
@@ -75,6 +87,29 @@ std::string FormatRegions(const PairRegions& measured) {
   return text;
 }
 
+absl::StatusOr<RigCheck> Report(const SensorCalibration& calibration,
+                                std::vector<std::pair<std::string, std::string>> description,
+                                const Inspection& inspection) {
+  RigCheck check;
+  check.description = std::move(description);
+  check.findings = inspection.findings;
+  check.description.push_back({"exposure", DescribeExposure(inspection.sample)});
+  const auto* const stereo = std::get_if<StereoCalibration>(&calibration);
+  if (stereo == nullptr) {
+    check.picture = DrawDepth(inspection.sample);
+    return check;
+  }
+  ASSIGN_OR_RETURN(const PairPreparation preparation, PairPreparation::Make(*stereo));
+  const Camera& camera = preparation.camera();
+  check.description.push_back(
+      {"rectified", absl::StrFormat("fx %.5g fy %.5g cx %.5g cy %.5g px, %dx%d, baseline %.5g m",
+                                    camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
+                                    camera.width_px, camera.height_px, camera.baseline_m)});
+  check.regions = MeasureRegions(preparation, inspection.pairs);
+  check.picture = DrawPair(preparation, inspection.sample, inspection.pairs);
+  return check;
+}
+
 std::string Verdict(const RigCheck& check) {
   if (!check.IsUsable()) return "WRONG: nothing right can come of this rig and these pictures.\n";
   if (!check.findings.empty()) return "USABLE, with what is improbable above.\n";
@@ -90,25 +125,23 @@ bool RigCheck::IsUsable() const {
 }
 
 absl::StatusOr<RigCheck> CheckRig(const FrameReader& reader, const SourceSpec& spec) {
-  RigCheck check;
-  check.description = DescribeInWords(reader.description());
-  check.findings = InspectSource(reader, spec, kThorough);
-  const Sample sample = ReadSample(reader, spec, kThorough);
-  check.description.push_back({"exposure", DescribeExposure(sample)});
-  const auto* const stereo = std::get_if<StereoCalibration>(&reader.calibration());
-  if (stereo == nullptr) {
-    check.picture = DrawDepth(sample);
-    return check;
-  }
-  ASSIGN_OR_RETURN(const PairPreparation preparation, PairPreparation::Make(*stereo));
-  const Camera& camera = preparation.camera();
-  check.description.push_back(
-      {"rectified", absl::StrFormat("fx %.5g fy %.5g cx %.5g cy %.5g px, %dx%d, baseline %.5g m",
-                                    camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
-                                    camera.width_px, camera.height_px, camera.baseline_m)});
-  check.regions = MeasureRegions(preparation, sample);
-  check.picture = DrawPair(preparation, sample);
-  return check;
+  const Inspection inspection = LookIntoSource(reader, spec, kThorough);
+  return Report(reader.calibration(), DescribeInWords(reader.description()), inspection);
+}
+
+absl::StatusOr<RigCheck> CheckLiveRig(FrameStream& stream, const SourceDescription& description,
+                                      absl::Duration duration) {
+  const std::optional<double> interval_s = stream.interval_s();
+  ASSIGN_OR_RETURN(LiveSample taken, TakeLiveSample(stream, duration, kThorough));
+  const std::optional<double> expected_hz =
+      interval_s.has_value() ? std::optional<double>(1 / *interval_s) : std::nullopt;
+  StereoJudgement judged = JudgeSample(stream.calibration(), taken.frames);
+  SourceFindings findings = CheckLiveSample(taken, expected_hz);
+  findings.insert(findings.end(), judged.findings.begin(), judged.findings.end());
+  std::vector<std::pair<std::string, std::string>> lines = DescribeInWords(description);
+  for (auto& line : DescribeInWords(taken)) lines.push_back(std::move(line));
+  return Report(stream.calibration(), std::move(lines),
+                {std::move(taken.frames), std::move(findings), std::move(judged.pairs)});
 }
 
 std::string FormatRigCheck(const RigCheck& check) {

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/frame_stream.h"
 #include "client_agent/source/source_finding.h"
 #include "client_agent/source_checks/pair_regions.h"
 
@@ -31,6 +33,12 @@ struct RigCheck {
 // impossible.
 absl::StatusOr<RigCheck> CheckRig(const client_agent::FrameReader& reader,
                                   const client_agent::SourceSpec& spec);
+
+// Takes frames of a live camera for `duration`; the report also says how the frames came.
+// UNAVAILABLE without a frame; else as the camera's own error says it.
+absl::StatusOr<RigCheck> CheckLiveRig(client_agent::FrameStream& stream,
+                                      const client_agent::SourceDescription& description,
+                                      absl::Duration duration);
 
 // Returns what was found, for people: lines, a table of rows by region, findings, and a last
 // sentence that says whether the rig is right.

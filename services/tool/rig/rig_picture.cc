@@ -6,11 +6,12 @@
 #include <optional>
 #include <vector>
 
-#include "client_agent/source_checks/pair_regions.h"
+#include "client_agent/source_checks/feature_matches.h"
 
 namespace corbslam::services {
 
 using client_agent::FeatureMatch;
+using client_agent::JudgedPair;
 using client_agent::PairPreparation;
 using client_agent::Sample;
 using client_agent::SampleFrame;
@@ -29,16 +30,20 @@ struct Best {
   std::vector<FeatureMatch> matches;
 };
 
-std::optional<Best> FindBest(const PairPreparation& preparation, const Sample& sample) {
-  std::optional<Best> best;
-  for (const SampleFrame& frame : sample) {
-    const auto pictures = preparation.Rectify(frame.images);
-    if (!pictures.has_value()) continue;
-    std::vector<FeatureMatch> matches = client_agent::MatchPair(*pictures);
-    if (!best.has_value() || matches.size() > best->matches.size()) {
-      best = Best{*pictures, std::move(matches)};
-    }
-  }
+std::optional<Best> FindBest(const PairPreparation& preparation, const Sample& sample,
+                             const std::vector<JudgedPair>& pairs) {
+  const auto most = std::max_element(
+      pairs.begin(), pairs.end(),
+      [](const JudgedPair& a, const JudgedPair& b) { return a.matches.size() < b.matches.size(); });
+  if (most == pairs.end()) return std::nullopt;
+  const auto frame = std::find_if(sample.begin(), sample.end(), [&](const SampleFrame& candidate) {
+    return candidate.number == most->number;
+  });
+  if (frame == sample.end()) return std::nullopt;
+  const auto pictures = preparation.Rectify(frame->images);
+  if (!pictures.has_value()) return std::nullopt;
+  Best best{*pictures, most->matches};
+  for (FeatureMatch& match : best.matches) match.in_b.x() += preparation.right_cx_offset_px();
   return best;
 }
 
@@ -79,8 +84,9 @@ cv::Mat ToFloat(const cv::Mat& depth) {
 
 }  // namespace
 
-cv::Mat DrawPair(const PairPreparation& preparation, const Sample& sample) {
-  const std::optional<Best> best = FindBest(preparation, sample);
+cv::Mat DrawPair(const PairPreparation& preparation, const Sample& sample,
+                 const std::vector<JudgedPair>& pairs) {
+  const std::optional<Best> best = FindBest(preparation, sample, pairs);
   if (!best.has_value()) return {};
   cv::Mat picture = InColour(Beside(best->pictures.left, best->pictures.right));
   for (int y = kRowStep_px; y < picture.rows; y += kRowStep_px) {

@@ -3,6 +3,7 @@
 #define CORBSLAM_SERVICES_TOOL_RIG_RIG_PICTURE_H_
 
 #include <opencv2/core/mat.hpp>
+#include <vector>
 
 #include "client_agent/source_checks/pair_sample.h"
 #include "client_agent/source_checks/sample.h"
@@ -11,9 +12,10 @@ namespace corbslam::services {
 
 // Returns the rectified pair with most matches (CV_8UC3), left beside right, with rows drawn
 // through both; matches are joined, green where their rows are at most 0.75 pixels apart, red
-// otherwise. Empty where no pair can be rectified.
+// otherwise. `pairs` are those of the sample. Empty without any.
 cv::Mat DrawPair(const client_agent::PairPreparation& preparation,
-                 const client_agent::Sample& sample);
+                 const client_agent::Sample& sample,
+                 const std::vector<client_agent::JudgedPair>& pairs);
 
 // Returns the middle frame's grey picture beside the same with its depth over it in colours: near
 // is red, far is blue, none is left grey. Empty without a frame.

@@ -1,0 +1,93 @@
+#include "client_agent/live/openni2/openni_camera.h"
+
+#include <glog/logging.h>
+
+#include <thread>
+#include <utility>
+
+#include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+constexpr absl::Duration kBetweenStarts = absl::Seconds(1);
+constexpr absl::Duration kWait = absl::Milliseconds(300);
+
+class OpenNiCamera : public LiveCamera {
+ public:
+  OpenNiCamera(std::unique_ptr<OpenNiDevice> device, const OpenNiOptions& options,
+               std::optional<bool> restarts)
+      : options_(options), restarts_(restarts), device_(std::move(device)) {}
+  ~OpenNiCamera() override { Stop(); }
+
+  absl::Status Start(PicturePairing& pairing) override {
+    pairing_ = &pairing;
+    thread_ = std::thread([this] { Keep(); });
+    return absl::OkStatus();
+  }
+  void Stop() override {
+    if (!stop_.HasBeenNotified()) stop_.Notify();
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  // Runs until it is stopped or the device ends for good.
+  void Keep() {
+    while (true) {
+      const absl::Status ended = Play();
+      if (stop_.HasBeenNotified()) return;
+      const bool at_end = absl::IsOutOfRange(ended);
+      if (!restarts_.value_or(!at_end)) {
+        return pairing_->End(at_end ? absl::OkStatus() : ended);
+      }
+      LOG(WARNING) << "the camera went away: " << ended.message()
+                   << "; waiting for it to come back";
+      device_.reset();
+      if (!OpenAgain()) return;
+      LOG(WARNING) << "the camera is back";
+    }
+  }
+
+  // Returns why the device gives no more; OK when stopped.
+  absl::Status Play() {
+    std::optional<int64_t> zero_ns;  // Of the device's clock, in the machine's time.
+    while (!stop_.HasBeenNotified()) {
+      auto picture = device_->Next(kWait);
+      if (!picture.ok()) return picture.status();
+      if (!picture->has_value()) continue;
+      const int64_t stamp_ns = 1000 * (*picture)->stamp_us;
+      if (!zero_ns.has_value()) zero_ns = absl::GetCurrentTimeNanos() - stamp_ns;
+      pairing_->Push((*picture)->side, {*zero_ns + stamp_ns, std::move((*picture)->image)});
+    }
+    return absl::OkStatus();
+  }
+
+  // Returns false when stopped.
+  bool OpenAgain() {
+    while (!stop_.WaitForNotificationWithTimeout(kBetweenStarts)) {
+      absl::StatusOr<std::unique_ptr<OpenNiDevice>> device = OpenNiDevice::Open(options_);
+      if (!device.ok()) continue;
+      device_ = *std::move(device);
+      return true;
+    }
+    return false;
+  }
+
+  const OpenNiOptions options_;
+  const std::optional<bool> restarts_;
+  PicturePairing* pairing_ = nullptr;
+  std::unique_ptr<OpenNiDevice> device_;  // The thread's, once it runs.
+  absl::Notification stop_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+std::unique_ptr<LiveCamera> MakeOpenNiCamera(std::unique_ptr<OpenNiDevice> device,
+                                             const OpenNiOptions& options,
+                                             std::optional<bool> restarts) {
+  return std::make_unique<OpenNiCamera>(std::move(device), options, restarts);
+}
+
+}  // namespace corbslam::client_agent

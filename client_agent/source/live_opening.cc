@@ -1,0 +1,40 @@
+#include "client_agent/source/live_opening.h"
+
+#include "absl/strings/str_cat.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+bool IsPlain(const SourceSpec& spec) {
+  const FrameSelection& frames = spec.selection;
+  const FrameSelection all;
+  return frames.first == all.first && !frames.last.has_value() && frames.stride == all.stride &&
+         !frames.reverse && !frames.part.has_value() &&
+         spec.perturbation.gamma == Perturbation().gamma &&
+         spec.perturbation.noise_sigma == Perturbation().noise_sigma;
+}
+
+}  // namespace
+
+bool IsLive(const SourceSpec& spec) { return spec.settings != nullptr && spec.settings->is_live(); }
+
+absl::StatusOr<LiveSource> OpenLiveSource(const SourceSpec& spec) {
+  if (!IsPlain(spec)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(FormatSourceSpec(spec),
+                     ": a camera's frames are played as they come: frames, stride, reverse, robot, "
+                     "gamma and noise are of recordings"));
+  }
+  LiveSource opened;
+  ASSIGN_OR_RETURN(opened.stream, spec.settings->OpenLive());
+  opened.description.is_live = true;
+  opened.description.layout = absl::StrCat(spec.settings->kind(), ", live");
+  opened.description.intrinsics_from = "its rig";
+  opened.description.depth_units_from = "its rig";
+  opened.description.times_from = "the camera's own, as its frames come";
+  DescribeCamera(opened.stream->calibration(), opened.description);
+  return opened;
+}
+
+}  // namespace corbslam::client_agent
