@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/live/push/push_source.h"
 #include "client_agent/source/source_kinds.h"
 #ifdef CORBSLAM_HAS_GSTREAMER
 #include "client_agent/live/gstreamer/gst_source.h"
@@ -36,11 +37,14 @@ constexpr KnownSource kSources[] = {
     {"openni2", "openni2:any, openni2:URI, openni2:FILE.oni",
      "live: RGB-D cameras of OpenNI 2, and their recordings",
      "libopenni2-dev when it is built, libopenni2-0 when it runs"},
+    {"push", "push:SOCKET",
+     "live: what a driver program on this machine pushes (docs/push.md, corbslam/push.h)", ""},
     {"sim", "sim:WORLD", "a simulator in the camera's place", "the program simulated_agent"}};
 
 }  // namespace
 
 void RegisterLiveSources() {
+  RegisterPushSource();
 #ifdef CORBSLAM_HAS_GSTREAMER
   RegisterGstSources();
 #endif

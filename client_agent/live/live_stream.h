@@ -24,6 +24,8 @@ class LiveCamera {
   // outlives the camera.
   virtual absl::Status Start(PicturePairing& pairing) = 0;
   virtual void Stop() = 0;
+  // As FrameStream's.
+  virtual PoseListener* pose_listener() { return nullptr; }
 };
 
 struct LiveOptions {
@@ -51,6 +53,7 @@ class LiveStream : public FrameStream {
   LeftOutFrames left_out() const override;
   uint64_t overtaken() const override { return pairing_.counts().overtaken; }
   std::optional<CameraCounts> camera_counts() const override { return pairing_.counts(); }
+  PoseListener* pose_listener() override { return camera_->pose_listener(); }
 
  private:
   LiveStream(const Rig& rig, SensorCalibration calibration, DepthPreparation depth,

@@ -11,6 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "client_agent/source/pose_listener.h"
 #include "slam/sensor/sensor.h"
 
 namespace corbslam::client_agent {
@@ -74,6 +75,9 @@ class FrameStream {
   virtual uint64_t overtaken() const { return 0; }
   // Nullopt: the stream is of no live camera.
   virtual std::optional<CameraCounts> camera_counts() const { return std::nullopt; }
+  // Returns who wants to hear what became of the stream's frames, and lives as long as the stream;
+  // null: nobody.
+  virtual PoseListener* pose_listener() { return nullptr; }
 };
 
 }  // namespace corbslam::client_agent

@@ -15,19 +15,27 @@ bool IsPlain(const SourceSpec& spec) {
          spec.perturbation.noise_sigma == Perturbation().noise_sigma;
 }
 
+absl::Status CheckPlain(const SourceSpec& spec) {
+  if (IsPlain(spec)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(FormatSourceSpec(spec),
+                   ": a camera's frames are played as they come: frames, stride, reverse, robot, "
+                   "gamma and noise are of recordings"));
+}
+
 }  // namespace
 
 bool IsLive(const SourceSpec& spec) { return spec.settings != nullptr && spec.settings->is_live(); }
 
-absl::StatusOr<LiveSource> OpenLiveSource(const SourceSpec& spec) {
-  if (!IsPlain(spec)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(FormatSourceSpec(spec),
-                     ": a camera's frames are played as they come: frames, stride, reverse, robot, "
-                     "gamma and noise are of recordings"));
-  }
+absl::Status CheckLiveSource(const SourceSpec& spec) {
+  RETURN_IF_ERROR(CheckPlain(spec));
+  return spec.settings->CheckLive();
+}
+
+absl::StatusOr<LiveSource> OpenLiveSource(const SourceSpec& spec, const absl::Notification& stop) {
+  RETURN_IF_ERROR(CheckPlain(spec));
   LiveSource opened;
-  ASSIGN_OR_RETURN(opened.stream, spec.settings->OpenLive());
+  ASSIGN_OR_RETURN(opened.stream, spec.settings->OpenLive(stop));
   opened.description.is_live = true;
   opened.description.layout = absl::StrCat(spec.settings->kind(), ", live");
   opened.description.intrinsics_from = "its rig";

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
+#include "absl/synchronization/notification.h"
 #include "client_agent/source/frame_stream.h"
 #include "client_agent/source/source_description.h"
 #include "client_agent/source/source_spec.h"
@@ -19,8 +20,11 @@ struct LiveSource {
 };
 
 // Opens and starts the camera of a live spec. INVALID_ARGUMENT names options that are of recordings
-// alone; other errors are the camera's.
-absl::StatusOr<LiveSource> OpenLiveSource(const SourceSpec& spec);
+// alone; other errors are the camera's. A source that waits for its camera waits until `stop`.
+absl::StatusOr<LiveSource> OpenLiveSource(const SourceSpec& spec, const absl::Notification& stop);
+
+// Says the same as far as that can be known without starting the camera or waiting for anybody.
+absl::Status CheckLiveSource(const SourceSpec& spec);
 
 }  // namespace corbslam::client_agent
 

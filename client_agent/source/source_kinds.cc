@@ -31,8 +31,14 @@ std::vector<SourceKind> AllKinds() {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<FrameStream>> KindSettings::OpenLive() const {
+absl::StatusOr<std::unique_ptr<FrameStream>> KindSettings::OpenLive(
+    const absl::Notification& /*stop*/) const {
   return absl::UnimplementedError(absl::StrCat(kind(), ": is no live camera"));
+}
+
+absl::Status KindSettings::CheckLive() const {
+  const absl::Notification never;
+  return OpenLive(never).status();
 }
 
 void RegisterSourceKind(SourceKind kind) {

@@ -14,6 +14,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "absl/synchronization/notification.h"
 
 namespace corbslam::client_agent {
 
@@ -49,8 +50,12 @@ class KindSettings {
   virtual absl::StatusOr<std::unique_ptr<FrameReader>> Open() const = 0;
   // True: the source is a camera, which OpenLive opens, and Open says so.
   virtual bool is_live() const { return false; }
-  // Opens the camera and starts it. Errors say what to do.
-  virtual absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive() const;
+  // Opens the camera and starts it. Errors say what to do. One that waits for its camera ends with
+  // CANCELLED once it is told to `stop`.
+  virtual absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive(
+      const absl::Notification& stop) const;
+  // Says whether OpenLive would succeed, as far as that can be known without waiting for anybody.
+  virtual absl::Status CheckLive() const;
 };
 
 struct SourceKind {

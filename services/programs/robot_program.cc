@@ -91,11 +91,21 @@ struct Flags {
   bool listen_insecure = false;
 };
 
-absl::StatusOr<RobotSource> OpenFlaggedSource(const Flags& flags) {
+absl::StatusOr<SourceSpec> FlaggedSource(const Flags& flags) {
   ASSIGN_OR_RETURN(SourceSpec spec, ParseSourceSpec(flags.source));
   if (!flags.rig.empty()) RETURN_IF_ERROR(UseRig(flags.rig, spec));
   if (!flags.frames.empty()) RETURN_IF_ERROR(ApplyOptions("frames=" + flags.frames, spec));
-  return OpenRobotSource(spec, flags.strict);
+  return spec;
+}
+
+absl::StatusOr<RobotSource> OpenFlaggedSource(const Flags& flags, const absl::Notification& stop) {
+  ASSIGN_OR_RETURN(const SourceSpec spec, FlaggedSource(flags));
+  return OpenRobotSource(spec, flags.strict, stop);
+}
+
+absl::Status CheckFlaggedSource(const Flags& flags) {
+  ASSIGN_OR_RETURN(const SourceSpec spec, FlaggedSource(flags));
+  return CheckRobotSource(spec, flags.strict);
 }
 
 absl::Status SpoolNeedsServer() { return absl::InvalidArgumentError("--spool-dir needs --server"); }
@@ -231,7 +241,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
       MakeListenSecurity(flags).status(),
       CheckVocabulary(flags.vocabulary),
       ParseUpload(flags).status(),
-      OpenFlaggedSource(flags).status(),
+      CheckFlaggedSource(flags),
   };
   const std::vector<absl::Status> places = CheckPlaces(flags);
   found.insert(found.end(), places.begin(), places.end());
@@ -256,7 +266,11 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(ServerSecurity security, MakeListenSecurity(flags));
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
-  ASSIGN_OR_RETURN(const RobotSource source, OpenFlaggedSource(flags));
+  const absl::StatusOr<RobotSource> opened = OpenFlaggedSource(flags, stop.stopped());
+  // It was stopped while it waited for who drives its camera.
+  if (absl::IsCancelled(opened.status())) return absl::OkStatus();
+  RETURN_IF_ERROR(opened.status());
+  const RobotSource& source = *opened;
   LogSource(source);
   const SensorCalibration& calibration = source.stream->calibration();
   RETURN_IF_ERROR(CheckPosesOf(calibration, flags.poses_of));

@@ -57,6 +57,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
       {"client_agent",
        {
            {"map", 0},
+           {"push_client", 0},
            {"source", 0},
            {"mapping", 1},
            {"shared", 1},

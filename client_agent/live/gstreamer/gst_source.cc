@@ -86,7 +86,8 @@ class GstSettings : public KindSettings {
     return absl::InvalidArgumentError(absl::StrCat(
         kind_, ": is a live camera, whose frames nobody can list: client_agent plays it"));
   }
-  absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive() const override {
+  absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive(
+      const absl::Notification& /*stop*/) const override {
     ASSIGN_OR_RETURN(const Rig rig, ReadLiveRig(kind_, options_.live));
     GstCameraOptions camera;
     camera.first = PipelineOf(0);

@@ -45,7 +45,8 @@ absl::StatusOr<std::unique_ptr<FrameStream>> Open(const std::string& source) {
   RegisterGstSources();
   const auto spec = ParseSourceSpec(source);
   if (!spec.ok()) return spec.status();
-  return spec->settings->OpenLive();
+  const absl::Notification never;
+  return spec->settings->OpenLive(never);
 }
 
 struct Played {

@@ -62,7 +62,8 @@ class OpenNiSettings : public KindSettings {
     return absl::InvalidArgumentError(
         absl::StrCat(kKind, ":", place_, " is a live camera: client_agent plays it"));
   }
-  absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive() const override {
+  absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive(
+      const absl::Notification& /*stop*/) const override {
     ASSIGN_OR_RETURN(const Rig rig, ReadLiveRig(kKind, live_));
     if (rig.kind != RigKind::kRgbd) {
       return absl::InvalidArgumentError(

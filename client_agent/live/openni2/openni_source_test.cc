@@ -61,7 +61,7 @@ class OpenNiSourceTest : public ::testing::Test {
     std::ofstream(path) << rig;
     const auto spec = ParseSourceSpec(absl::StrCat("openni2:", place, "?rig=", path, more));
     if (!spec.ok()) return spec.status();
-    return spec->settings->OpenLive();
+    return spec->settings->OpenLive(absl::Notification());
   }
 
   // Takes up to `most` frames, for twenty seconds.

@@ -27,16 +27,11 @@ absl::Status CheckKeysDiffer(const std::string& path, const YAML::Node& file) {
   return absl::OkStatus();
 }
 
-}  // namespace
-
-absl::Status UseYamlFields(const std::string& path,
-                           const std::function<absl::Status(const YAML::Node&)>& use) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) {
-    return absl::NotFoundError(absl::StrCat("cannot open ", path));
-  }
+// `load` parses, and may throw, as `use` may.
+absl::Status UseLoaded(const std::string& path, const std::function<YAML::Node()>& load,
+                       const std::function<absl::Status(const YAML::Node&)>& use) {
   try {
-    const YAML::Node file = YAML::LoadFile(path);
+    const YAML::Node file = load();
     if (!file.IsMap()) {
       return absl::InvalidArgumentError(absl::StrCat(path, ": holds no fields, as \"fx: 525.0\""));
     }
@@ -47,6 +42,22 @@ absl::Status UseYamlFields(const std::string& path,
     // that it lets through.
     return absl::InvalidArgumentError(absl::StrCat(path, ": ", exception.what()));
   }
+}
+
+}  // namespace
+
+absl::Status UseYamlFields(const std::string& path,
+                           const std::function<absl::Status(const YAML::Node&)>& use) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    return absl::NotFoundError(absl::StrCat("cannot open ", path));
+  }
+  return UseLoaded(path, [&] { return YAML::LoadFile(path); }, use);
+}
+
+absl::Status UseYamlText(const std::string& name, const std::string& text,
+                         const std::function<absl::Status(const YAML::Node&)>& use) {
+  return UseLoaded(name, [&] { return YAML::Load(text); }, use);
 }
 
 int LineOf(const YAML::Node& node) { return node.Mark().line + 1; }

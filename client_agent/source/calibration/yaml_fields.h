@@ -18,6 +18,10 @@ namespace corbslam::client_agent {
 absl::Status UseYamlFields(const std::string& path,
                            const std::function<absl::Status(const YAML::Node&)>& use);
 
+// Does the same with a text; `name` stands for the file in messages.
+absl::Status UseYamlText(const std::string& name, const std::string& text,
+                         const std::function<absl::Status(const YAML::Node&)>& use);
+
 // Returns the line of a node in its file, from 1 on.
 int LineOf(const YAML::Node& node);
 

@@ -159,4 +159,14 @@ absl::StatusOr<Rig> ReadRigFile(const std::string& path) {
   return rig;
 }
 
+absl::StatusOr<Rig> ReadRigText(const std::string& text, const std::string& name) {
+  Rig rig;
+  RETURN_IF_ERROR(UseYamlText(name, text, [&](const YAML::Node& file) {
+    const Part top(name, "", file);
+    if (top.Has("mask")) return top.Bad("mask names a file, which only a rig file may do");
+    return ReadAll(top, rig);
+  }));
+  return rig;
+}
+
 }  // namespace corbslam::client_agent

@@ -14,6 +14,10 @@ namespace corbslam::client_agent {
 // that is not absolute is beside the file.
 absl::StatusOr<Rig> ReadRigFile(const std::string& path);
 
+// Reads a rig file's text that came another way; `name` stands for the file in messages. A mask is
+// INVALID_ARGUMENT, since a text has no folder.
+absl::StatusOr<Rig> ReadRigText(const std::string& text, const std::string& name);
+
 // Returns the file's text, with a comment that says what it is and, in `origin`, what of.
 // ReadRigFile gives the same rig; motions up to rounding.
 std::string FormatRig(const Rig& rig, const std::string& origin);

@@ -16,12 +16,15 @@ namespace corbslam::services {
 using client_agent::Agent;
 using client_agent::AgentStatus;
 using client_agent::FindingLevel;
+using client_agent::FramePose;
 using client_agent::FrameStream;
 using client_agent::LeftOutFrames;
+using client_agent::PoseListener;
 using client_agent::SourceFindings;
 using client_agent::SourceFrame;
 using client_agent::StreamFrame;
 using client_agent::TrackingResult;
+using client_agent::TrackingState;
 
 namespace {
 
@@ -42,6 +45,20 @@ void FollowDrive(const SourceFrame& frame, std::optional<int>& drive, Agent& age
     agent.BeginLocalMap();
   }
   drive = frame.drive;
+}
+
+void TellListener(const TrackingResult& result, uint64_t dropped, FrameStream& stream) {
+  PoseListener* const listener = stream.pose_listener();
+  if (listener == nullptr) return;
+  FramePose pose{.timestamp_ns = result.timestamp_ns,
+                 .local_map = result.local_map,
+                 .is_lost = result.state == TrackingState::kLost,
+                 .points_matched = result.points_matched,
+                 .dropped = dropped};
+  if (result.state == TrackingState::kTracking) {
+    pose.local_from_camera = result.camera_from_local.Inverse();
+  }
+  listener->OnPose(pose);
 }
 
 }  // namespace
@@ -68,6 +85,7 @@ absl::Status PlayStream(
           std::chrono::steady_clock::now() - *came;
       frames.latency_ms.Add(latency.count());
     }
+    TellListener(result, frames.dropped, stream);
     on_frame(result, frames.dropped);
   }
 }

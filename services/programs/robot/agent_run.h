@@ -25,7 +25,7 @@ struct PlayedFrames {
 };
 
 // Plays until the last frame, or until `stop`. `on_frame` is called with each result and the number
-// of frames dropped so far. A frame that can't be read is left out, counted and logged; the agent
+// of frames dropped so far, after the stream's own listener to poses. A frame that can't be read is left out, counted and logged; the agent
 // begins a new local map where the stream's time jumps back. A stream that fails ends with its
 // status, after the frames that came before.
 absl::Status PlayStream(

@@ -12,18 +12,24 @@ namespace corbslam::services {
 
 using client_agent::IsLive;
 using client_agent::LiveSource;
+using client_agent::CheckLiveSource;
 using client_agent::OpenLiveSource;
 using client_agent::SourceFinding;
 using client_agent::SourceSpec;
 
-absl::StatusOr<RobotSource> OpenRobotSource(const SourceSpec& spec, bool strict) {
+absl::StatusOr<RobotSource> OpenRobotSource(const SourceSpec& spec, bool strict,
+                                            const absl::Notification& stop) {
   if (IsLive(spec)) {
-    ASSIGN_OR_RETURN(LiveSource camera, OpenLiveSource(spec));
+    ASSIGN_OR_RETURN(LiveSource camera, OpenLiveSource(spec, stop));
     return RobotSource{std::move(camera.stream), std::move(camera.description), {}};
   }
   ASSIGN_OR_RETURN(InspectedSource inspected, OpenInspectedSource(spec, strict));
   return RobotSource{std::move(inspected.source), std::move(inspected.description),
                      std::move(inspected.warnings)};
+}
+
+absl::Status CheckRobotSource(const SourceSpec& spec, bool strict) {
+  return IsLive(spec) ? CheckLiveSource(spec) : OpenInspectedSource(spec, strict).status();
 }
 
 void LogSource(const RobotSource& source) {

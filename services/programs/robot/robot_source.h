@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
+#include "absl/synchronization/notification.h"
 #include "client_agent/source/frame_stream.h"
 #include "client_agent/source/source_description.h"
 #include "client_agent/source/source_finding.h"
@@ -20,8 +21,13 @@ struct RobotSource {
 };
 
 // Returns INVALID_ARGUMENT with every error that was found, and with every warning too if `strict`.
-// A camera runs from then on. Selecting or disturbing a camera's frames is INVALID_ARGUMENT.
-absl::StatusOr<RobotSource> OpenRobotSource(const client_agent::SourceSpec& spec, bool strict);
+// A camera runs from then on; one that waits for who drives it waits until `stop` (CANCELLED).
+// Selecting or disturbing a camera's frames is INVALID_ARGUMENT.
+absl::StatusOr<RobotSource> OpenRobotSource(const client_agent::SourceSpec& spec, bool strict,
+                                            const absl::Notification& stop);
+
+// Says the same without waiting for anybody.
+absl::Status CheckRobotSource(const client_agent::SourceSpec& spec, bool strict);
 
 // Logs the description, a line each, and the warnings as warnings.
 void LogSource(const RobotSource& source);

@@ -98,7 +98,9 @@ absl::StatusOr<RigCheck> CheckSource(const SourceSpec& spec, double seconds) {
     ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(spec));
     return CheckRig(*reader, spec);
   }
-  ASSIGN_OR_RETURN(const client_agent::LiveSource camera, client_agent::OpenLiveSource(spec));
+  const absl::Notification never;  // Ctrl-C ends the program.
+  ASSIGN_OR_RETURN(const client_agent::LiveSource camera,
+                   client_agent::OpenLiveSource(spec, never));
   std::fprintf(stderr, "corbslam: looking at the camera for %g s; move it\n", seconds);
   return CheckLiveRig(*camera.stream, camera.description, absl::Seconds(seconds));
 }
