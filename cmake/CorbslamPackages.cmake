@@ -1,10 +1,11 @@
-# Debian packages: cpack -G DEB. corbslam-common, corbslam-server and corbslam-robot.
+# Debian packages: cpack -G DEB. corbslam-common, corbslam-server,
+# corbslam-robot, corbslam-push and corbslam-dev.
 set(CPACK_PACKAGE_NAME corbslam)
 set(CPACK_PACKAGE_VENDOR "CORB-SLAM")
 set(CPACK_PACKAGE_CONTACT "CORB-SLAM maintainers <maintainers@corbslam.invalid>")
 set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
 set(CPACK_GENERATOR DEB)
-set(CPACK_COMPONENTS_ALL common server robot)
+set(CPACK_COMPONENTS_ALL common server robot push dev)
 set(CPACK_STRIP_FILES ON)
 # Some files are in /etc.
 set(CPACK_INSTALL_PREFIX /usr)
@@ -30,12 +31,26 @@ set(CPACK_COMPONENT_ROBOT_DESCRIPTION
     "visual SLAM of several robots: what runs on each\n\
 The client agent tracks, maps and closes loops, and streams its map to a map\n\
 store. With a systemd unit for each robot's name, not enabled.")
-foreach(PART COMMON SERVER ROBOT)
+set(CPACK_COMPONENT_PUSH_DESCRIPTION
+    "visual SLAM of several robots: the library of camera drivers\n\
+Programs that give a robot on the same machine pictures load it. It needs libc\n\
+alone.")
+set(CPACK_COMPONENT_DEV_DESCRIPTION
+    "visual SLAM of several robots: for building programs with it\n\
+Headers for pushing pictures to a robot, the generated code and the .proto files\n\
+of the gRPC services, a configuration for CMake, and examples.")
+foreach(PART COMMON SERVER ROBOT PUSH DEV)
   string(TOLOWER ${PART} NAME)
   set(CPACK_DEBIAN_${PART}_PACKAGE_NAME "corbslam-${NAME}")
 endforeach()
 set(CPACK_DEBIAN_SERVER_PACKAGE_DEPENDS "corbslam-common (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_ROBOT_PACKAGE_DEPENDS "corbslam-common (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "corbslam-push (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+# For corbslam::api; corbslam::push needs neither.
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libgrpc++-dev, libprotobuf-dev, pkg-config")
+set(CPACK_DEBIAN_PUSH_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_PUSH_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/deploy/debian/push/triggers")
 # Live cameras (docs/live.md).
 set(CPACK_DEBIAN_ROBOT_PACKAGE_RECOMMENDS "gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
 set(CPACK_DEBIAN_COMMON_PACKAGE_SUGGESTS "corbslam-server, corbslam-robot")

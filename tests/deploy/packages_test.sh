@@ -33,13 +33,13 @@ says() {
 
 (cd "$work" && cpack -G DEB --config "$build/CPackConfig.cmake" > cpack.log 2>&1) ||
   { cat "$work/cpack.log" >&2; exit 1; }
-for package in common server robot; do
+for package in common server robot push dev; do
   deb=$(echo "$work"/corbslam-"$package"_*.deb)
   [ -f "$deb" ] || fail "there is no package corbslam-$package"
   dpkg-deb -c "$deb" | awk '$1 !~ /^d/ {print $6}' | sort > "$work/$package.files"
   dpkg-deb -f "$deb" > "$work/$package.control"
   dpkg-deb -x "$deb" "$work/root"
-  grep -q "^Depends:.*libc6" "$work/$package.control" || fail "$package names no libraries"
+  [ $package = dev ] || grep -q "^Depends:.*libc6" "$work/$package.control" || fail "$package names no libraries"
   has $package "usr/share/doc/corbslam-$package/copyright" "usr/share/doc/corbslam-$package/changelog.gz"
 done
 
@@ -51,6 +51,11 @@ has server usr/bin/map_store usr/bin/fusion_worker usr/lib/systemd/system/map_st
   usr/bin/map_viewer usr/lib/systemd/system/map_viewer.service etc/corbslam/map_viewer.env \
   usr/lib/systemd/system/fusion_worker.service etc/corbslam/map_store.env etc/corbslam/fusion_worker.env
 has robot usr/bin/client_agent usr/lib/systemd/system/client_agent@.service
+has push usr/lib/libcorbslam_push.so.0
+has dev usr/include/corbslam/push.h usr/include/corbslam/push.hpp usr/include/corbslam/v1/agent_service.grpc.pb.h \
+  usr/lib/libcorbslam_api.a usr/lib/cmake/corbslam/corbslamConfig.cmake usr/lib/cmake/corbslam/corbslam-push.cmake \
+  usr/share/corbslam/proto/corbslam/v1/agent_service.proto usr/share/doc/corbslam-dev/examples/push_folder.py
+grep -q "^Depends: corbslam-push (=" "$work/dev.control" || fail "dev does not depend on push"
 grep -q "corbslam-common (=" "$work/server.control" || fail "server does not depend on common"
 grep -q "corbslam-common (=" "$work/robot.control" || fail "robot does not depend on common"
 says /etc/corbslam/map_store.env dpkg-deb -I "$work"/corbslam-server_*.deb conffiles
