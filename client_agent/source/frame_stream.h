@@ -78,6 +78,9 @@ class FrameStream {
   // Returns who wants to hear what became of the stream's frames, and lives as long as the stream;
   // null: nobody.
   virtual PoseListener* pose_listener() { return nullptr; }
+  // Returns false where the stream makes each frame when it is asked, whatever the frame's time is:
+  // then it may be too slow for its own times. True: frames come by themselves, as a camera's do.
+  virtual bool is_live() const { return true; }
 };
 
 }  // namespace corbslam::client_agent

@@ -30,6 +30,7 @@ class RecordedSequence : public FrameStream {
   // Returns the median interval of frames of one drive, so that pauses and playing backwards don't
   // count; nullopt where there are no two frames of one drive.
   std::optional<double> interval_s() const final;
+  bool is_live() const final { return false; }
   // Does what Next does, for callers that need the pictures alone; returns nullopt after the last.
   absl::StatusOr<std::optional<SensorImages>> NextImages();
 };

@@ -36,11 +36,6 @@ absl::StatusOr<std::unique_ptr<FrameStream>> KindSettings::OpenLive(
   return absl::UnimplementedError(absl::StrCat(kind(), ": is no live camera"));
 }
 
-absl::Status KindSettings::CheckLive() const {
-  const absl::Notification never;
-  return OpenLive(never).status();
-}
-
 void RegisterSourceKind(SourceKind kind) {
   const std::vector<absl::string_view> taken = RecordedLayoutNames();
   if (std::find(taken.begin(), taken.end(), kind.name) != taken.end()) return;

@@ -50,12 +50,12 @@ class KindSettings {
   virtual absl::StatusOr<std::unique_ptr<FrameReader>> Open() const = 0;
   // True: the source is a camera, which OpenLive opens, and Open says so.
   virtual bool is_live() const { return false; }
+  // Returns what OpenLive would refuse before it starts the camera or waits for anybody.
+  virtual absl::Status CheckLive() const { return Validate(); }
   // Opens the camera and starts it. Errors say what to do. One that waits for its camera ends with
   // CANCELLED once it is told to `stop`.
   virtual absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive(
       const absl::Notification& stop) const;
-  // Says whether OpenLive would succeed, as far as that can be known without waiting for anybody.
-  virtual absl::Status CheckLive() const;
 };
 
 struct SourceKind {

@@ -47,17 +47,24 @@ Uplink* RobotObservers::Watch(Uplink* uplink) {
 }
 
 Agent* RobotObservers::Watch(Agent* agent) {
-  std::vector<FrameObserver*> observers;
+  std::vector<FrameObserver*> observers = {&tally_};
   if (metrics_ != nullptr) observers.push_back(&metrics_->robot);
   if (trace_ != nullptr) observers.push_back(trace_.get());
-  if (observers.empty()) return agent;
   agent_ = MakeObservedAgent(agent, std::move(observers));
   return agent_.get();
 }
 
 RpcObserver* RobotObservers::OfCalls() { return metrics_ != nullptr ? &metrics_->rpc : nullptr; }
 
+std::unique_ptr<RobotMinutes> RobotObservers::LogEachMinute(const Agent* agent) {
+  RobotMinutesOptions options;
+  options.who = {.mission = sessions_ != nullptr ? mission_ : "", .agent = name_};
+  options.session = OfSessions();
+  return std::make_unique<RobotMinutes>(agent, &tally_, options);
+}
+
 void RobotObservers::SetDropped(uint64_t frames) {
+  tally_.SetDropped(frames);
   if (metrics_ != nullptr) metrics_->robot.SetDropped(frames);
 }
 

@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "client_agent/agent/agent.h"
 #include "services/client/reachability/cause.h"
+#include "services/observe/event_log/robot_minutes.h"
 #include "services/observe/event_log/uplink_log.h"
 #include "services/observe/metrics/metrics_endpoint.h"
 #include "services/observe/metrics/robot_metrics.h"
@@ -41,6 +42,9 @@ class RobotObservers {
   client_agent::Agent* Watch(client_agent::Agent* agent);
   // Returns the observer for ServerOptions.
   RpcObserver* OfCalls();
+  // Begins the log's line a minute. The result must be destroyed before `agent`, which the
+  // observers watch.
+  std::unique_ptr<RobotMinutes> LogEachMinute(const client_agent::Agent* agent);
   void SetDropped(uint64_t frames);
   // Serves the metrics, and announces the address; null if none are wanted. The result must be
   // destroyed before `agent` and `uplink` (which may be null).
@@ -60,6 +64,7 @@ class RobotObservers {
   const ObserveFlags flags_;
   const std::string mission_;
   const std::string name_;
+  FrameTally tally_;
   std::unique_ptr<Metrics> metrics_;
   std::unique_ptr<TraceFile> trace_file_;
   std::unique_ptr<RobotTrace> trace_;

@@ -28,6 +28,7 @@
 #include "services/programs/link_flags.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
+#include "services/programs/record_flags.h"
 #include "services/programs/robot/agent_run.h"
 #include "services/programs/robot/agent_trajectories.h"
 #include "services/programs/robot/robot_report.h"
@@ -83,6 +84,7 @@ struct Flags {
   uint64_t outbox_mb = 64;
   std::string upload = "features=all";
   LinkFlags link;
+  RecordFlags record;
   bool stay = false;
   bool strict = false;
   bool take_over = false;
@@ -106,6 +108,13 @@ absl::StatusOr<RobotSource> OpenFlaggedSource(const Flags& flags, const absl::No
 absl::Status CheckFlaggedSource(const Flags& flags) {
   ASSIGN_OR_RETURN(const SourceSpec spec, FlaggedSource(flags));
   return CheckRobotSource(spec, flags.strict);
+}
+
+absl::Status CheckPace(const Flags& flags) {
+  if (flags.pace != Pace::kStep || flags.server.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--pace step is of a robot alone: with --server what comes depends on the network; "
+      "corbslam run --pace step plays several robots and a store in lockstep");
 }
 
 absl::Status SpoolNeedsServer() { return absl::InvalidArgumentError("--spool-dir needs --server"); }
@@ -142,6 +151,7 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.seed = flags.seed != 0
                      ? flags.seed
                      : (uint64_t{std::random_device()()} << 32) | std::random_device()();
+  options.deterministic = flags.pace == Pace::kStep;
   options.solver_threads = flags.solver_threads;
   options.max_outbox_bytes = flags.outbox_mb << 20;
   options.upload_features = upload;
@@ -225,6 +235,8 @@ std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   if (!flags.spool_dir.empty()) found.push_back(CheckFolder("--spool-dir", flags.spool_dir));
   if (!flags.spool_dir.empty() && flags.server.empty()) found.push_back(SpoolNeedsServer());
   if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
+  found.push_back(CheckPace(flags));
+  found.push_back(CheckRecording(flags.record));
   for (const std::string& file : {flags.stats, flags.trajectory}) {
     if (!file.empty()) found.push_back(CheckFolderOf(file));
   }
@@ -276,10 +288,17 @@ absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(CheckPosesOf(calibration, flags.poses_of));
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
   const AgentOptions options = MakeAgentOptions(flags, upload, calibration);
+  ASSIGN_OR_RETURN(const auto recorder,
+                   StartRecording(flags.record,
+                                  {options, flags.source, flags.pace, uplink != nullptr,
+                                   vocabulary->fingerprint()},
+                                  *source.stream));
   ASSIGN_OR_RETURN(const auto agent,
                    Agent::Create(options, calibration, vocabulary, observers->Watch(uplink.get()),
                                  std::move(spool)));
   Agent* const watched = observers->Watch(agent.get());
+  const auto recording = recorder != nullptr ? recorder->Watch(watched) : nullptr;
+  const auto minutes = observers->LogEachMinute(agent.get());
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "",
                         .agent = flags.agent,
@@ -295,11 +314,14 @@ absl::Status Run(const Flags& flags) {
   }
   PlayedFrames frames;
   const absl::Status played =
-      PlayStream(*source.stream, *watched, flags.pace, stop.stopped(), frames,
-                 [&](const TrackingResult& result, uint64_t dropped) {
+      PlayStream(*source.stream, recording != nullptr ? *recording : *watched, flags.pace,
+                 stop.stopped(), frames, [&](const TrackingResult& result, uint64_t dropped) {
                    observers->SetDropped(dropped);
+                   if (recorder != nullptr) recorder->OnResult(result, dropped);
                    if (server != nullptr) service.OnFrame(result, dropped);
                  });
+  // What became of the recording is in the log: it is no failure of the robot.
+  if (recorder != nullptr) recorder->Finish().IgnoreError();
   // A frame that can't be read ends the drive, but what was mapped until then stays.
   const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
   if (flags.stay && played.ok() && finished.ok()) {
@@ -330,10 +352,11 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--mission", flags.mission, "The exploration that is shared")
       ->capture_default_str();
   app.add_option("--agent", flags.agent, "This robot's name in it")->capture_default_str();
-  app.add_option("--pace", flags.pace, "sensor: frames that come too fast are dropped; max: wait")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Pace>{{"sensor", Pace::kSensor}, {"max", Pace::kMax}}))
-      ->type_name("max|sensor")
+  app.add_option("--pace", flags.pace,
+                 "sensor: drop frames that come too fast; max: wait; step: and let the map wait")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Pace>{
+          {"sensor", Pace::kSensor}, {"max", Pace::kMax}, {"step", Pace::kStep}}))
+      ->type_name("max|sensor|step")
       ->default_str("max");
   app.add_option("--listen", flags.listen, "HOST:PORT for other programs on the robot");
   app.add_option("--stats", flags.stats, "File to write statistics to, as JSON");
@@ -379,6 +402,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "What goes up of a keyframe: features=all, =mapped or =N")
       ->capture_default_str();
   AddLinkFlags(app, flags.link);
+  AddRecordFlags(app, flags.record);
   app.add_flag("--strict", flags.strict,
                "Refuse a source in which something looks wrong, instead of warning");
   app.add_flag("--take-over", flags.take_over,

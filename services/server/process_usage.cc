@@ -13,12 +13,13 @@ double Seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
-// Reads the peak from /proc: getrusage's would include that of the program that started this one.
-uint64_t PeakRss() {
+// Reads a field from /proc: getrusage's peak would include that of the program that started this
+// one.
+uint64_t ReadStatus(const char* field) {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
     uint64_t kib = 0;
-    if (word == "VmHWM:" && status >> kib) return kib * 1024;
+    if (word == field && status >> kib) return kib * 1024;
     status.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
   }
   return 0;
@@ -29,7 +30,8 @@ uint64_t PeakRss() {
 ProcessUsage GetProcessUsage() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
-  return {PeakRss(), Seconds(usage.ru_utime) + Seconds(usage.ru_stime)};
+  return {ReadStatus("VmHWM:"), Seconds(usage.ru_utime) + Seconds(usage.ru_stime),
+          ReadStatus("VmRSS:")};
 }
 
 }  // namespace corbslam::services

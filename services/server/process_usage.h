@@ -9,6 +9,7 @@ namespace corbslam::services {
 struct ProcessUsage {
   uint64_t peak_rss_bytes = 0;
   double cpu_s = 0;
+  uint64_t rss_bytes = 0;  // Now.
 };
 ProcessUsage GetProcessUsage();
 

@@ -86,6 +86,12 @@ class GstSettings : public KindSettings {
     return absl::InvalidArgumentError(absl::StrCat(
         kind_, ": is a live camera, whose frames nobody can list: client_agent plays it"));
   }
+  absl::Status CheckLive() const override {
+    RETURN_IF_ERROR(Validate());
+    ASSIGN_OR_RETURN(const Rig rig, ReadLiveRig(kind_, options_.live));
+    // Reads the mask.
+    return CalibrationOf(rig).status();
+  }
   absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive(
       const absl::Notification& /*stop*/) const override {
     ASSIGN_OR_RETURN(const Rig rig, ReadLiveRig(kind_, options_.live));
@@ -101,6 +107,17 @@ class GstSettings : public KindSettings {
   }
 
  private:
+  absl::StatusOr<Rig> ReadRig() const {
+    if (options_.rig.empty()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          kind_, ": a live camera needs its rig: --rig FILE (docs/rig.md says how to make one)"));
+    }
+    ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(options_.rig));
+    ASSIGN_OR_RETURN(const SourceFindings findings,
+                     JudgeRig(rig, options_.rig, options_.trust_calibration));
+    for (const SourceFinding& finding : findings) LOG(WARNING) << finding.text;
+    return rig;
+  }
   bool IsV4l2() const { return kind_ == "v4l2"; }
   // The devices, or the pipelines.
   std::vector<std::string> Cameras() const {

@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "services/programs/robot/left_out_log.h"
 #include "services/programs/robot/no_pose_log.h"
 #include "services/programs/robot/pictures_time.h"
 #include "services/server/process_usage.h"
@@ -28,13 +30,14 @@ using client_agent::TrackingState;
 
 namespace {
 
-// Logs which frames `stream` has passed over since the last call.
-void TellLeftOut(const FrameStream& stream, PlayedFrames& frames) {
-  const LeftOutFrames left_out = stream.left_out();
-  if (left_out.count == frames.left_out) return;
-  LOG(WARNING) << "a frame that can't be read is left out, " << left_out.count
-               << " so far: " << left_out.last;
-  frames.left_out = left_out.count;
+// Notes what is not the robot's doing: frames that `stream` passed over, and that it is slow.
+void WatchStream(const FrameStream& stream, const PacedStream& paced, LeftOutLog& left_out,
+                 SlowSourceLog& slow, PlayedFrames& frames) {
+  const absl::Time now = absl::Now();
+  frames.left_out = left_out.Tell(stream, now);
+  slow.Tell(paced.source_pace(), stream.interval_s(), now);
+  frames.source_pace = paced.source_pace();
+  frames.dropped = paced.dropped() + stream.overtaken();
 }
 
 // Begins a new local map when the frame is of another drive than the one before.
@@ -68,12 +71,13 @@ absl::Status PlayStream(
     PlayedFrames& frames,
     const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame) {
   PacedStream paced(stream, pace, stop);
+  LeftOutLog left_out;
+  SlowSourceLog slow;
   std::optional<int> drive;
   NoPoseLog no_pose;
   while (true) {
     const absl::StatusOr<std::optional<StreamFrame>> next = paced.Next();
-    TellLeftOut(stream, frames);
-    frames.dropped = paced.dropped() + stream.overtaken();
+    WatchStream(stream, paced, left_out, slow, frames);
     RETURN_IF_ERROR(next.status());
     if (!next->has_value()) return absl::OkStatus();
     FollowDrive((*next)->frame, drive, agent);
@@ -96,11 +100,12 @@ SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agen
   const AgentStatus status = agent.GetStatus();
   warnings.insert(warnings.end(), status.input_findings.begin(), status.input_findings.end());
   if (const LeftOutFrames left_out = stream.left_out(); left_out.count > 0) {
-    warnings.push_back({FindingLevel::kWarning, "frames-left-out",
-                        absl::StrCat(left_out.count,
-                                     " frames could not be read and were left out, "
-                                     "the last because of ",
-                                     left_out.last)});
+    warnings.push_back(
+        {FindingLevel::kWarning, "frames-left-out", DescribeLeftOut(stream, left_out)});
+  }
+  if (played.source_pace.IsTooSlow()) {
+    warnings.push_back({FindingLevel::kWarning, "source-too-slow",
+                        DescribeSlowSource(played.source_pace, stream.interval_s())});
   }
   if (status.upload.refused_items > 0) {
     warnings.push_back(

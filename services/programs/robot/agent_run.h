@@ -22,10 +22,13 @@ struct PlayedFrames {
   uint64_t dropped = 0;
   uint64_t left_out = 0;     // Frames that could not be read.
   BoundedSample latency_ms;  // From a camera's picture to its pose.
+  SourcePace source_pace;    // Of a source that makes its frames, at Pace::kSensor.
 };
 
 // Plays until the last frame, or until `stop`. `on_frame` is called with each result and the number
-// of frames dropped so far, after the stream's own listener to poses. A frame that can't be read is left out, counted and logged; the agent
+// of frames dropped so far, after the stream's own listener to poses. A frame that can't be read is
+// left out, counted and logged (of a camera seldom, with counts); a source that is too slow for its
+// own times is logged; the agent
 // begins a new local map where the stream's time jumps back. A stream that fails ends with its
 // status, after the frames that came before.
 absl::Status PlayStream(

@@ -1,5 +1,6 @@
 #include "services/programs/robot/paced_stream.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <utility>
 #include <variant>
@@ -21,10 +22,24 @@ constexpr absl::Duration kStopLatency = absl::Milliseconds(100);
 
 }  // namespace
 
+absl::StatusOr<NextFrame> PacedStream::Ask(absl::Time deadline) {
+  const absl::Time asked = absl::Now();
+  absl::StatusOr<NextFrame> next = stream_.Next(deadline);
+  if (pace_ != Pace::kSensor || stream_.is_live() || !start_.has_value() || !next.ok()) return next;
+  const auto* const frame = std::get_if<StreamFrame>(&*next);
+  if (frame == nullptr) return next;
+  const absl::Time came = absl::Now();
+  const absl::Duration late = std::max(came - Due(*frame), absl::ZeroDuration());
+  const absl::Duration held = std::min(late, came - asked);
+  *start_ += held;
+  source_pace_.OnFrame(came, held);
+  return next;
+}
+
 absl::StatusOr<std::optional<StreamFrame>> PacedStream::Await() {
   while (!stop_.HasBeenNotified()) {
     absl::StatusOr<NextFrame> next =
-        ahead_.has_value() ? *std::move(ahead_) : stream_.Next(absl::Now() + kStopLatency);
+        ahead_.has_value() ? *std::move(ahead_) : Ask(absl::Now() + kStopLatency);
     ahead_.reset();
     RETURN_IF_ERROR(next.status());
     if (auto* frame = std::get_if<StreamFrame>(&*next)) return std::move(*frame);
@@ -39,7 +54,7 @@ absl::Time PacedStream::Due(const StreamFrame& frame) const {
 }
 
 bool PacedStream::IsOvertaken(absl::Time now) {
-  ahead_ = stream_.Next(now);
+  ahead_ = Ask(now);
   if (!ahead_->ok()) return false;
   const auto* next = std::get_if<StreamFrame>(&**ahead_);
   if (next != nullptr) return now >= Due(*next);
@@ -50,7 +65,7 @@ bool PacedStream::IsOvertaken(absl::Time now) {
 absl::StatusOr<std::optional<StreamFrame>> PacedStream::Next() {
   while (true) {
     ASSIGN_OR_RETURN(std::optional<StreamFrame> frame, Await());
-    if (!frame.has_value() || pace_ == Pace::kMax) return frame;
+    if (!frame.has_value() || pace_ != Pace::kSensor) return frame;
     const absl::Time now = absl::Now();
     // The clock starts when the first picture is there.
     if (!start_.has_value()) {

@@ -9,12 +9,14 @@
 #include "absl/synchronization/notification.h"
 #include "absl/time/time.h"
 #include "client_agent/source/frame_stream.h"
+#include "services/programs/robot/source_pace.h"
 
 namespace corbslam::services {
 
 enum class Pace {
   kSensor,  // Frames come in the stream's own time; those that come too fast are dropped.
   kMax,     // Frames come as fast as the agent takes them.
+  kStep,    // As kMax, for an agent that does all its work on each frame before the next one.
 };
 
 // Plays one stream. One thread uses it, apart from `stop`. `stream` and `stop` must outlive it.
@@ -30,10 +32,15 @@ class PacedStream {
 
   // Returns the number of frames dropped so far.
   uint64_t dropped() const { return dropped_; }
+  // Returns how the stream keeps up with its own times, at kSensor; a live one is not watched.
+  const SourcePace& source_pace() const { return source_pace_; }
 
  private:
   // Returns the stream's next frame, whenever it comes; nullopt as for Next.
   absl::StatusOr<std::optional<client_agent::StreamFrame>> Await();
+  // Asks the stream. Where that makes its frames (FrameStream::is_live) and one was not made by the
+  // time at which it was due, the clock waited: it's not the robot that is slow.
+  absl::StatusOr<client_agent::NextFrame> Ask(absl::Time deadline);
   // Returns true if the stream has a frame, due by `now`, behind the one that Await gave last.
   bool IsOvertaken(absl::Time now);
   absl::Time Due(const client_agent::StreamFrame& frame) const;
@@ -42,6 +49,7 @@ class PacedStream {
   const Pace pace_;
   const absl::Notification& stop_;
   uint64_t dropped_ = 0;
+  SourcePace source_pace_;
   // What the stream answered when it was asked for the frame behind the one that waits to be due;
   // nullopt if it had none yet.
   std::optional<absl::StatusOr<client_agent::NextFrame>> ahead_;

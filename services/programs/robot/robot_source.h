@@ -29,6 +29,9 @@ absl::StatusOr<RobotSource> OpenRobotSource(const client_agent::SourceSpec& spec
 // Says the same without waiting for anybody.
 absl::Status CheckRobotSource(const client_agent::SourceSpec& spec, bool strict);
 
+// Returns what OpenRobotSource would refuse, as far as that can be told without starting a camera.
+absl::Status CheckRobotSource(const client_agent::SourceSpec& spec, bool strict);
+
 // Logs the description, a line each, and the warnings as warnings.
 void LogSource(const RobotSource& source);
 

@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   corbslam::services::AddMissionCommand(app, chosen);
   corbslam::services::AddEvalCommand(app, chosen);
   corbslam::services::AddRenderCommand(app, chosen);
+  corbslam::services::AddReplayCommand(app, chosen);
   corbslam::services::AddRigCommand(app, chosen);
   corbslam::services::AddSimulateCommand(app, chosen);
   corbslam::services::AddSplitCommand(app, chosen);

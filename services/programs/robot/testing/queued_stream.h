@@ -1,4 +1,4 @@
-// Plays a live camera for a test.
+// Plays a live camera, or a slow sequence, for a test.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_TESTING_QUEUED_STREAM_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_TESTING_QUEUED_STREAM_H_
 
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "client_agent/source/frame_stream.h"
 
@@ -30,15 +31,20 @@ class QueuedStream : public client_agent::FrameStream {
   }
   // Returns the deadlines of the questions so far.
   const std::vector<absl::Time>& asked() const { return asked_; }
+  // False: plays a sequence, of which each frame takes `makes_in` to be made.
+  bool live = true;
+  absl::Duration makes_in;
+  std::optional<double> interval;  // What interval_s returns.
   // Called when nothing is left to give.
   std::function<void()> when_empty;
   // What left_out returns.
   client_agent::LeftOutFrames left_out_frames;
 
   const SensorCalibration& calibration() const override { return calibration_; }
-  std::optional<double> interval_s() const override { return std::nullopt; }
+  std::optional<double> interval_s() const override { return interval; }
   absl::StatusOr<client_agent::NextFrame> Next(absl::Time deadline) override {
     asked_.push_back(deadline);
+    absl::SleepFor(makes_in);
     if (queue_.empty()) {
       if (when_empty != nullptr) when_empty();
       return client_agent::NoFrameYet();
@@ -48,6 +54,7 @@ class QueuedStream : public client_agent::FrameStream {
     return next;
   }
   client_agent::LeftOutFrames left_out() const override { return left_out_frames; }
+  bool is_live() const override { return live; }
 
  private:
   std::deque<absl::StatusOr<client_agent::NextFrame>> queue_;

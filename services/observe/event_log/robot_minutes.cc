@@ -1,0 +1,117 @@
+#include "services/observe/event_log/robot_minutes.h"
+
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "services/server/process_usage.h"
+
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::AgentStatus;
+using client_agent::TrackingResult;
+using client_agent::TrackingState;
+using client_agent::UploadStatus;
+
+namespace {
+
+std::string MiB(uint64_t bytes) {
+  return absl::StrFormat("%.1f MiB", static_cast<double>(bytes) / (1 << 20));
+}
+
+std::string DescribeState(TrackingState state) {
+  switch (state) {
+    case TrackingState::kNotInitialised:
+      return "waiting for a first frame with depth";
+    case TrackingState::kTracking:
+      return "tracking";
+    case TrackingState::kLost:
+      return "lost";
+  }
+  return "";
+}
+
+std::string DescribeOutbox(const UploadStatus& upload) {
+  return absl::StrCat(upload.batches, " batches wait (", MiB(upload.memory_bytes), " in memory, ",
+                      MiB(upload.spool_bytes), " on disk)",
+                      upload.room.ok() ? "" : absl::StrCat(", ", upload.room.message()));
+}
+
+std::string DescribeLink(const RobotMinute& minute) {
+  if (!minute.link.has_value()) return "no map store";
+  return absl::StrCat(
+      minute.link->ok() ? "connected" : absl::StrCat("not connected: ", minute.link->message()),
+      ", ", DescribeOutbox(minute.status.upload));
+}
+
+}  // namespace
+
+void FrameTally::OnTracked(const TrackingResult& result, absl::Duration /*took*/) {
+  absl::MutexLock lock(&mutex_);
+  ++counts_.frames;
+  if (result.state != TrackingState::kTracking) return;
+  ++counts_.tracked;
+  points_.push_back(result.points_matched);
+}
+
+void FrameTally::SetDropped(uint64_t frames) {
+  absl::MutexLock lock(&mutex_);
+  dropped_ = frames;
+}
+
+FrameCounts FrameTally::Take() {
+  absl::MutexLock lock(&mutex_);
+  FrameCounts counts = std::exchange(counts_, FrameCounts());
+  counts.dropped = dropped_ - std::exchange(dropped_before_, dropped_);
+  if (!points_.empty()) {
+    const auto middle = points_.begin() + static_cast<std::ptrdiff_t>(points_.size() / 2);
+    std::nth_element(points_.begin(), middle, points_.end());
+    counts.median_points = *middle;
+    points_.clear();
+  }
+  return counts;
+}
+
+std::string FormatMinute(const RobotMinute& minute) {
+  const FrameCounts& frames = minute.frames;
+  const AgentStatus& status = minute.status;
+  const double seconds = absl::ToDoubleSeconds(minute.took);
+  std::string line =
+      absl::StrFormat("%.1f frames/s: %d of %d tracked, %d dropped; %s",
+                      seconds > 0 ? static_cast<double>(frames.frames) / seconds : 0.0,
+                      frames.tracked, frames.frames, frames.dropped, DescribeState(status.state));
+  if (frames.median_points.has_value()) {
+    absl::StrAppend(&line, ", ", *frames.median_points, " points in the median frame");
+  }
+  absl::StrAppend(&line, "; ", status.keyframes, " keyframes in ", status.local_maps,
+                  status.local_maps == 1 ? " local map" : " local maps", "; ", DescribeLink(minute),
+                  "; memory ", MiB(minute.rss_bytes));
+  return line;
+}
+
+RobotMinutes::RobotMinutes(const Agent* agent, FrameTally* tally, RobotMinutesOptions options)
+    : agent_(*agent), tally_(*tally), options_(std::move(options)), thread_([this] { Run(); }) {}
+
+RobotMinutes::~RobotMinutes() {
+  stop_.Notify();
+  thread_.join();
+}
+
+void RobotMinutes::Run() {
+  absl::Time begin = absl::Now();
+  while (!stop_.WaitForNotificationWithTimeout(options_.every)) {
+    const absl::Time end = absl::Now();
+    RobotMinute minute{end - begin, tally_.Take(), agent_.GetStatus(), std::nullopt,
+                       GetProcessUsage().rss_bytes};
+    if (options_.session != nullptr) minute.link = options_.session();
+    LOG(INFO) << options_.who << FormatMinute(minute);
+    begin = end;
+  }
+}
+
+}  // namespace corbslam::services

@@ -1,0 +1,80 @@
+#include "services/programs/record_flags.h"
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "services/command_line/command_line.h"
+#include "services/command_line/help_formatter.h"
+#include "services/programs/checks.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+
+using client_agent::FrameStream;
+
+namespace {
+
+std::string WordOf(Pace pace) {
+  switch (pace) {
+    case Pace::kSensor:
+      return "sensor";
+    case Pace::kMax:
+      return "max";
+    case Pace::kStep:
+      return "step";
+  }
+  return "";
+}
+
+RecordingHead HeadOf(const RunToRecord& run, const FrameStream& stream) {
+  RecordingHead head;
+  head.version = ProgramVersion();
+  head.source = run.source;
+  head.started = absl::FormatTime(absl::RFC3339_sec, absl::Now(), absl::UTCTimeZone());
+  head.flags.mission = run.agent.mission;
+  head.flags.agent = run.agent.name;
+  head.flags.seed = run.agent.seed;
+  head.flags.features = run.agent.sensor.orb.features;
+  head.flags.solver_threads = run.agent.solver_threads;
+  head.flags.pace = WordOf(run.pace);
+  head.flags.joined = run.joined;
+  head.flags.vocabulary = run.vocabulary;
+  head.calibration = stream.calibration();
+  return head;
+}
+
+}  // namespace
+
+void AddRecordFlags(CLI::App& app, RecordFlags& flags) {
+  app.add_option("--record", flags.folder,
+                 "New folder for the frames that are tracked and what came of them, for corbslam "
+                 "replay")
+      ->group(kRareGroup);
+  app.add_option("--record-mb", flags.waiting_mb,
+                 "MiB of frames that wait for --record's disk; more are left out of the recording")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str()
+      ->group(kRareGroup);
+}
+
+absl::Status CheckRecording(const RecordFlags& flags) {
+  if (flags.folder.empty()) return absl::OkStatus();
+  if (const absl::Status status = CheckRecordingFolder(flags.folder); !status.ok()) {
+    return absl::Status(status.code(), absl::StrCat("--record: ", status.message()));
+  }
+  return CheckFolder("--record", flags.folder);
+}
+
+absl::StatusOr<std::unique_ptr<FrameRecorder>> StartRecording(const RecordFlags& flags,
+                                                              const RunToRecord& run,
+                                                              const FrameStream& stream) {
+  if (flags.folder.empty()) return nullptr;
+  RecorderOptions options;
+  options.max_waiting_bytes = flags.waiting_mb << 20;
+  options.waits = run.pace != Pace::kSensor && !stream.is_live();
+  if (const auto interval_s = stream.interval_s(); interval_s.has_value() && *interval_s > 0) {
+    options.rate_hz = 1 / *interval_s;
+  }
+  return FrameRecorder::Start(flags.folder, HeadOf(run, stream), options);
+}
+
+}  // namespace corbslam::services

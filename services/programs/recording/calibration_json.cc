@@ -1,0 +1,208 @@
+#include "services/programs/recording/calibration_json.h"
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/calibration/lens_words.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+
+using client_agent::LensOfWords;
+using client_agent::NumbersOf;
+using client_agent::Rig;
+using client_agent::RigKind;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const Camera& camera) {
+  return {{"fx_px", camera.fx_px},           {"fy_px", camera.fy_px},
+          {"cx_px", camera.cx_px},           {"cy_px", camera.cy_px},
+          {"width_px", camera.width_px},     {"height_px", camera.height_px},
+          {"baseline_m", camera.baseline_m}, {"close_depth_m", camera.close_depth_m}};
+}
+
+Json ToJson(const LensModel& lens) {
+  return {{"lens", std::string(NameOf(lens))}, {"lens_numbers", NumbersOf(lens)}};
+}
+
+Json ToJson(const RawCamera& raw) {
+  return {{"fx_px", raw.fx_px},
+          {"fy_px", raw.fy_px},
+          {"cx_px", raw.cx_px},
+          {"cy_px", raw.cy_px},
+          {"lens", ToJson(raw.lens)}};
+}
+
+Json ToJson(const std::optional<Rigid3d>& motion) {
+  return motion.has_value() ? services::ToJson(*motion) : Json(nullptr);
+}
+
+Json ToJson(const StereoCalibration& stereo) {
+  Json json = {{"camera", ToJson(stereo.camera)},
+               {"right_cx_offset_px", stereo.right_cx_offset_px},
+               {"body_from_raw_left", ToJson(stereo.body_from_raw_left)},
+               {"raw", nullptr}};
+  if (!stereo.raw.has_value()) return json;
+  const RawStereo& raw = *stereo.raw;
+  json["raw"] = {{"left", ToJson(raw.left)},
+                 {"right", ToJson(raw.right)},
+                 {"right_from_left", services::ToJson(raw.right_from_left)},
+                 {"width_px", raw.width_px},
+                 {"height_px", raw.height_px},
+                 {"widest_field_deg", raw.widest_field_deg}};
+  return json;
+}
+
+Json ToJson(const RgbdCalibration& rgbd) {
+  return {{"camera", ToJson(rgbd.camera)},
+          {"lens", ToJson(rgbd.lens)},
+          {"depth_units_per_m", rgbd.depth_units_per_m},
+          {"body_from_raw", ToJson(rgbd.body_from_raw)}};
+}
+
+Camera CameraOf(const Json& json) {
+  return {.fx_px = json.at("fx_px"),
+          .fy_px = json.at("fy_px"),
+          .cx_px = json.at("cx_px"),
+          .cy_px = json.at("cy_px"),
+          .width_px = json.at("width_px"),
+          .height_px = json.at("height_px"),
+          .baseline_m = json.at("baseline_m"),
+          .close_depth_m = json.at("close_depth_m")};
+}
+
+absl::StatusOr<LensModel> LensOf(const Json& json) {
+  return LensOfWords(json.at("lens").get<std::string>(),
+                     json.at("lens_numbers").get<std::vector<double>>());
+}
+
+absl::StatusOr<RawCamera> RawOf(const Json& json) {
+  ASSIGN_OR_RETURN(LensModel lens, LensOf(json.at("lens")));
+  return RawCamera{json.at("fx_px"), json.at("fy_px"), json.at("cx_px"), json.at("cy_px"),
+                   std::move(lens)};
+}
+
+absl::StatusOr<std::optional<Rigid3d>> MotionOf(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  ASSIGN_OR_RETURN(const Rigid3d motion, RigidFromJson(json));
+  return motion;
+}
+
+absl::StatusOr<RawStereo> RawPairOf(const Json& json) {
+  RawStereo raw;
+  ASSIGN_OR_RETURN(raw.left, RawOf(json.at("left")));
+  ASSIGN_OR_RETURN(raw.right, RawOf(json.at("right")));
+  ASSIGN_OR_RETURN(raw.right_from_left, RigidFromJson(json.at("right_from_left")));
+  raw.width_px = json.at("width_px");
+  raw.height_px = json.at("height_px");
+  raw.widest_field_deg = json.at("widest_field_deg");
+  return raw;
+}
+
+absl::StatusOr<SensorCalibration> StereoOf(const Json& json) {
+  StereoCalibration stereo;
+  stereo.camera = CameraOf(json.at("camera"));
+  stereo.right_cx_offset_px = json.at("right_cx_offset_px");
+  ASSIGN_OR_RETURN(stereo.body_from_raw_left, MotionOf(json.at("body_from_raw_left")));
+  if (!json.at("raw").is_null()) {
+    ASSIGN_OR_RETURN(stereo.raw, RawPairOf(json.at("raw")));
+  }
+  return stereo;
+}
+
+absl::StatusOr<SensorCalibration> RgbdOf(const Json& json) {
+  RgbdCalibration rgbd;
+  rgbd.camera = CameraOf(json.at("camera"));
+  ASSIGN_OR_RETURN(rgbd.lens, LensOf(json.at("lens")));
+  rgbd.depth_units_per_m = json.at("depth_units_per_m");
+  ASSIGN_OR_RETURN(rgbd.body_from_raw, MotionOf(json.at("body_from_raw")));
+  return rgbd;
+}
+
+client_agent::RigCamera RigCameraOf(const Camera& camera, double cx_px, const LensModel& lens) {
+  return {
+      {camera.fx_px, camera.fy_px, cx_px, camera.cy_px, lens}, camera.width_px, camera.height_px};
+}
+
+Rig StereoRig(const StereoCalibration& stereo) {
+  Rig rig;
+  const Camera& camera = stereo.camera;
+  if (stereo.raw.has_value()) {
+    const RawStereo& raw = *stereo.raw;
+    rig.cameras = {{raw.left, raw.width_px, raw.height_px},
+                   {raw.right, raw.width_px, raw.height_px}};
+    rig.right_from_left = raw.right_from_left;
+    rig.widest_field_deg = raw.widest_field_deg;
+  } else {
+    rig.rectified = true;
+    rig.baseline_m = camera.baseline_m;
+    rig.cameras = {RigCameraOf(camera, camera.cx_px, {}),
+                   RigCameraOf(camera, camera.cx_px + stereo.right_cx_offset_px, {})};
+  }
+  if (camera.close_depth_m > 0) rig.close_depth_m = camera.close_depth_m;
+  rig.body_from_camera = stereo.body_from_raw_left;
+  return rig;
+}
+
+Rig RgbdRig(const RgbdCalibration& rgbd) {
+  Rig rig;
+  rig.kind = RigKind::kRgbd;
+  rig.cameras = {RigCameraOf(rgbd.camera, rgbd.camera.cx_px, rgbd.lens)};
+  rig.depth = {rgbd.depth_units_per_m, rgbd.camera.baseline_m};
+  if (rgbd.camera.close_depth_m > 0) rig.close_depth_m = rgbd.camera.close_depth_m;
+  rig.body_from_camera = rgbd.body_from_raw;
+  return rig;
+}
+
+}  // namespace
+
+nlohmann::ordered_json ToJson(const Rigid3d& motion) {
+  const Eigen::Quaterniond& q = motion.rotation;
+  const Eigen::Vector3d& t = motion.translation;
+  return Json::array({q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
+}
+
+nlohmann::ordered_json ToJson(const SensorCalibration& calibration) {
+  if (const auto* const stereo = std::get_if<StereoCalibration>(&calibration)) {
+    return {{"stereo", ToJson(*stereo)}};
+  }
+  return {{"rgbd", ToJson(std::get<RgbdCalibration>(calibration))}};
+}
+
+absl::StatusOr<Rigid3d> RigidFromJson(const nlohmann::ordered_json& json) {
+  if (!json.is_array() || json.size() != 7) {
+    return absl::DataLossError(absl::StrCat("a motion is ", json.dump(), ", not seven numbers"));
+  }
+  for (const Json& number : json) {
+    if (number.is_number()) continue;
+    return absl::DataLossError(absl::StrCat("a motion holds ", number.dump(), ", no number"));
+  }
+  // Not normalised anew: that would change the last digits.
+  Rigid3d motion;
+  motion.rotation = Eigen::Quaterniond(json[0], json[1], json[2], json[3]);
+  motion.translation = Eigen::Vector3d(json[4], json[5], json[6]);
+  return motion;
+}
+
+absl::StatusOr<SensorCalibration> CalibrationFromJson(const nlohmann::ordered_json& json) {
+  try {
+    return json.contains("stereo") ? StereoOf(json.at("stereo")) : RgbdOf(json.at("rgbd"));
+  } catch (const Json::exception& error) {
+    return absl::DataLossError(absl::StrCat("the calibration: ", error.what()));
+  }
+}
+
+client_agent::Rig RigOf(const SensorCalibration& calibration) {
+  if (const auto* const stereo = std::get_if<StereoCalibration>(&calibration)) {
+    return StereoRig(*stereo);
+  }
+  return RgbdRig(std::get<RgbdCalibration>(calibration));
+}
+
+}  // namespace corbslam::services

@@ -1,0 +1,145 @@
+#include "services/programs/recording/frame_recorder.h"
+
+#include <glog/logging.h>
+
+#include <utility>
+#include <variant>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "services/programs/recording/recorded_agent.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::TrackingResult;
+using client_agent::TrackingState;
+
+namespace {
+
+constexpr absl::Duration kTellAgain = absl::Seconds(10);
+
+uint64_t BytesOf(const SensorImages& images) {
+  uint64_t bytes = 0;
+  for (const cv::Mat* picture : {&images.grey, &images.right, &images.depth}) {
+    bytes += picture->total() * picture->elemSize();
+  }
+  return bytes;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<FrameRecorder>> FrameRecorder::Start(
+    const std::string& folder, RecordingHead head, const RecorderOptions& options) {
+  head.has_mask = std::visit([](const auto& kind) { return !kind.mask.empty(); }, head.calibration);
+  ASSIGN_OR_RETURN(std::unique_ptr<RecordingFiles> files,
+                   RecordingFiles::Create(folder, head, options.rate_hz));
+  LOG(INFO) << "recording what is tracked to " << folder;
+  return std::unique_ptr<FrameRecorder>(
+      new FrameRecorder(std::move(head), std::move(files), options));
+}
+
+FrameRecorder::FrameRecorder(RecordingHead head, std::unique_ptr<RecordingFiles> files,
+                             const RecorderOptions& options)
+    : options_(options),
+      files_(std::move(files)),
+      head_(std::move(head)),
+      thread_([this] { Run(); }) {}
+
+FrameRecorder::~FrameRecorder() { Finish().IgnoreError(); }
+
+std::unique_ptr<Agent> FrameRecorder::Watch(Agent* agent) { return MakeRecordedAgent(agent, this); }
+
+void FrameRecorder::OnNewLocalMap() { begins_local_map_ = true; }
+
+void FrameRecorder::OnFrame(const SensorImages& images) {
+  absl::MutexLock lock(&mutex_);
+  if (options_.waits) mutex_.Await(absl::Condition(this, &FrameRecorder::HasRoom));
+  FrameLine line;
+  line.frame = frame_ = head_.counts.frames++;
+  line.timestamp_ns = images.timestamp_ns;
+  line.begins_local_map = std::exchange(begins_local_map_, false);
+  if (!failure_.ok()) {
+    ++head_.counts.left_out;
+    return;
+  }
+  Item item{line, std::nullopt, 0};
+  if (HasRoom()) {
+    item.images = images;
+    item.bytes = BytesOf(images);
+    waiting_bytes_ += item.bytes;
+  } else {
+    ++head_.counts.left_out;
+    TellLeftOut(absl::Now());
+  }
+  queue_.push_back(std::move(item));
+}
+
+void FrameRecorder::TellLeftOut(absl::Time now) {
+  if (now - told_left_out_ < kTellAgain) return;
+  told_left_out_ = now;
+  LOG(WARNING) << "the recording's disk is slower than the camera: " << head_.counts.left_out
+               << " of " << head_.counts.frames
+               << " frames are left out of it so far, the robot tracked them; take a faster disk, "
+                  "or more memory (--record-mb)";
+}
+
+void FrameRecorder::OnResult(const TrackingResult& result, uint64_t dropped) {
+  absl::MutexLock lock(&mutex_);
+  head_.counts.dropped = dropped;
+  if (result.state == TrackingState::kTracking) ++head_.counts.tracked;
+  if (!failure_.ok()) return;
+  queue_.push_back({ResultLine{frame_, dropped, result}, std::nullopt, 0});
+}
+
+void FrameRecorder::Run() {
+  while (true) {
+    Item item;
+    {
+      absl::MutexLock lock(&mutex_);
+      mutex_.Await(absl::Condition(this, &FrameRecorder::HasSomething));
+      if (queue_.empty()) return;
+      item = std::move(queue_.front());
+      queue_.pop_front();
+    }
+    if (const absl::Status written = Write(item); !written.ok()) return Fail(item, written);
+    absl::MutexLock lock(&mutex_);
+    waiting_bytes_ -= item.bytes;
+  }
+}
+
+absl::Status FrameRecorder::Write(const Item& item) {
+  if (!item.images.has_value()) return files_->WriteLine(item.line);
+  return files_->WriteFrame(*item.images, options_.least_free_bytes,
+                            std::get<FrameLine>(item.line));
+}
+
+void FrameRecorder::Fail(const Item& failed, const absl::Status& why) {
+  absl::MutexLock lock(&mutex_);
+  LOG(ERROR) << "the recording ends, the robot goes on: " << why.message();
+  failure_ = why;
+  head_.ended = std::string(why.message());
+  queue_.push_back(failed);
+  for (const Item& item : queue_) head_.counts.left_out += item.images.has_value() ? 1 : 0;
+  queue_.clear();
+  waiting_bytes_ = 0;
+}
+
+absl::Status FrameRecorder::Finish() {
+  {
+    absl::MutexLock lock(&mutex_);
+    ending_ = true;
+  }
+  if (!thread_.joinable()) return absl::OkStatus();
+  thread_.join();
+  absl::MutexLock lock(&mutex_);
+  head_.finished = true;
+  const absl::Status written = files_->WriteHead(head_);
+  if (!written.ok()) LOG(ERROR) << "the recording has no end: " << written.message();
+  LOG(INFO) << "recorded " << head_.counts.frames - head_.counts.left_out << " of "
+            << head_.counts.frames << " frames that were tracked";
+  return failure_.ok() ? written : failure_;
+}
+
+}  // namespace corbslam::services

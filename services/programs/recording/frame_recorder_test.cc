@@ -1,0 +1,217 @@
+#include "services/programs/recording/frame_recorder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <utility>
+#include <variant>
+
+#include "client_agent/source/recorded_sequence.h"
+#include "services/programs/recording/recording.h"
+#include "services/testing/test_path.h"
+
+namespace corbslam::services {
+
+using client_agent::OpenSource;
+using client_agent::TrackingResult;
+using client_agent::TrackingState;
+
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr int kWidth_px = 64;
+constexpr int kHeight_px = 48;
+constexpr int64_t kFirst_ns = 1305031102175304123;
+
+Camera SmallCamera() { return {50, 50, 31.5, 23.5, kWidth_px, kHeight_px, 0.1, 4}; }
+
+bool AreSame(const cv::Mat& a, const cv::Mat& b) {
+  return a.type() == b.type() && a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
+}
+
+cv::Mat Noise(int type, int most, int seed) {
+  cv::Mat picture(kHeight_px, kWidth_px, type);
+  cv::RNG random(seed);
+  random.fill(picture, cv::RNG::UNIFORM, 0, most);
+  return picture;
+}
+
+class FrameRecorderTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = TestPath("recording");
+    std::filesystem::remove_all(folder_);
+    options_.waits = true;
+    options_.least_free_bytes = 0;
+  }
+  void Start(const SensorCalibration& calibration) {
+    RecordingHead head;
+    head.source = "test";
+    head.calibration = calibration;
+    auto recorder = FrameRecorder::Start(folder_, head, options_);
+    ASSERT_TRUE(recorder.ok()) << recorder.status();
+    recorder_ = *std::move(recorder);
+  }
+  void StartStereo() {
+    StereoCalibration calibration;
+    calibration.camera = SmallCamera();
+    Start(calibration);
+  }
+  static SensorImages StereoFrame(int i) {
+    return {kFirst_ns + i * 50'000'001ll, Noise(CV_8UC1, 256, 2 * i + 1),
+            Noise(CV_8UC1, 256, 2 * i + 2)};
+  }
+  void Track(const SensorImages& images) {
+    recorder_->OnFrame(images);
+    TrackingResult result;
+    result.timestamp_ns = images.timestamp_ns;
+    result.state = TrackingState::kTracking;
+    recorder_->OnResult(result, 4);
+  }
+  Recording Read() {
+    auto recording = ReadRecording(folder_);
+    EXPECT_TRUE(recording.ok()) << recording.status();
+    return *std::move(recording);
+  }
+
+  std::string folder_;
+  RecorderOptions options_;
+  std::unique_ptr<FrameRecorder> recorder_;
+};
+
+TEST_F(FrameRecorderTest, StereoFramesComeBackAsTheyWereAndClientAgentPlaysThem) {
+  StartStereo();
+  for (int i = 0; i < 3; ++i) {
+    if (i == 2) recorder_->OnNewLocalMap();
+    Track(StereoFrame(i));
+  }
+  ASSERT_TRUE(recorder_->Finish().ok());
+  const Recording recording = Read();
+  ASSERT_EQ(recording.frames.size(), 3u);
+  EXPECT_TRUE(recording.head.finished && recording.notes.empty());
+  EXPECT_EQ(recording.head.counts, (RecordedCounts{3, 0, 4, 3}));
+  EXPECT_TRUE(recording.frames[2].line.begins_local_map);
+  EXPECT_FALSE(recording.frames[1].line.begins_local_map);
+  const auto played = OpenSource(SourceOfRecording(folder_, true));
+  ASSERT_TRUE(played.ok()) << played.status();
+  for (int i = 0; i < 3; ++i) {
+    const SensorImages given = StereoFrame(i);
+    const auto read = ReadPictures(recording, recording.frames[static_cast<size_t>(i)].line);
+    ASSERT_TRUE(read.ok()) << read.status();
+    const auto from_source = (*played)->NextImages();
+    ASSERT_TRUE(from_source.ok() && from_source->has_value()) << from_source.status();
+    for (const SensorImages* back : {&*read, &**from_source}) {
+      EXPECT_EQ(back->timestamp_ns, given.timestamp_ns);
+      EXPECT_TRUE(AreSame(back->grey, given.grey) && AreSame(back->right, given.right));
+    }
+  }
+}
+
+TEST_F(FrameRecorderTest, DepthKeepsItsSixteenBitsAndTimesTheirNanoseconds) {
+  RgbdCalibration calibration;
+  calibration.camera = SmallCamera();
+  calibration.depth_units_per_m = 1000;
+  calibration.mask = cv::Mat(kHeight_px, kWidth_px, CV_8UC1, 255.0);
+  calibration.mask.at<uchar>(3, 4) = 0;
+  Start(calibration);
+  SensorImages images{kFirst_ns, Noise(CV_8UC1, 256, 1)};
+  images.depth = Noise(CV_16UC1, 65536, 2);
+  Track(images);
+  images.timestamp_ns += 33'333'333;
+  Track(images);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  const Recording recording = Read();
+  EXPECT_TRUE(
+      AreSame(std::get<RgbdCalibration>(recording.head.calibration).mask, calibration.mask));
+  const auto played = OpenSource(SourceOfRecording(folder_, false));
+  ASSERT_TRUE(played.ok()) << played.status();
+  const auto& used = std::get<RgbdCalibration>((*played)->calibration());
+  EXPECT_EQ(used.depth_units_per_m, 1000);
+  EXPECT_TRUE(AreSame(used.mask, calibration.mask));
+  const auto first = (*played)->NextImages();
+  ASSERT_TRUE(first.ok() && first->has_value()) << first.status();
+  EXPECT_EQ((*first)->timestamp_ns, kFirst_ns);
+  EXPECT_TRUE(AreSame((*first)->depth, images.depth));
+}
+
+TEST_F(FrameRecorderTest, WhatWasRecordedBeforeACrashCanBePlayed) {
+  StartStereo();
+  Track(StereoFrame(0));
+  recorder_->OnFrame(StereoFrame(1));
+  // The robot crashes in this frame: nothing is finished. The files are read while they are open.
+  const absl::Time deadline = absl::Now() + absl::Seconds(20);
+  while (absl::Now() < deadline && Read().frames.size() < 2) absl::SleepFor(absl::Milliseconds(5));
+  const Recording recording = Read();
+  ASSERT_EQ(recording.frames.size(), 2u);
+  EXPECT_TRUE(recording.frames[0].result.has_value());
+  EXPECT_FALSE(recording.frames[1].result.has_value());
+  EXPECT_TRUE(ReadPictures(recording, recording.frames[1].line).ok());
+  EXPECT_THAT(recording.notes, Contains(HasSubstr("ended without a word")));
+}
+
+TEST_F(FrameRecorderTest, FramesThatTheDiskHasNoTimeForAreLeftOutAndCounted) {
+  options_.waits = false;
+  options_.max_waiting_bytes = 1;  // One frame waits, or is written.
+  StartStereo();
+  constexpr int kMany = 200;
+  for (int i = 0; i < kMany; ++i) Track(StereoFrame(i));
+  ASSERT_TRUE(recorder_->Finish().ok());
+  const Recording recording = Read();
+  ASSERT_EQ(recording.frames.size(), size_t{kMany});
+  uint64_t without = 0;
+  for (const RecordedFrame& frame : recording.frames) {
+    EXPECT_TRUE(frame.result.has_value());
+    if (frame.line.pictures.empty()) ++without;
+  }
+  EXPECT_GT(without, 0u) << "200 frames at once";
+  EXPECT_EQ(recording.head.counts.left_out, without);
+}
+
+TEST_F(FrameRecorderTest, AtFullPaceTrackingWaitsAndNothingIsLeftOut) {
+  options_.max_waiting_bytes = 1;
+  StartStereo();
+  for (int i = 0; i < 40; ++i) Track(StereoFrame(i));
+  ASSERT_TRUE(recorder_->Finish().ok());
+  EXPECT_EQ(Read().head.counts, (RecordedCounts{40, 0, 4, 40}));
+}
+
+TEST_F(FrameRecorderTest, AFullDiskEndsTheRecordingAndNotTheRobot) {
+  options_.least_free_bytes = std::numeric_limits<uint64_t>::max();
+  StartStereo();
+  for (int i = 0; i < 10; ++i) Track(StereoFrame(i));
+  EXPECT_EQ(recorder_->Finish().code(), absl::StatusCode::kResourceExhausted);
+  const Recording recording = Read();
+  EXPECT_TRUE(recording.head.finished);
+  EXPECT_THAT(recording.head.ended, HasSubstr("MiB left"));
+  EXPECT_EQ(recording.head.counts, (RecordedCounts{10, 10, 4, 10}));
+  EXPECT_TRUE(recording.frames.empty());
+}
+
+TEST_F(FrameRecorderTest, AFolderThatGoesAwayEndsTheRecordingAndNotTheRobot) {
+  StartStereo();
+  std::filesystem::remove_all(folder_ + "/mav0");
+  for (int i = 0; i < 3; ++i) Track(StereoFrame(i));
+  const absl::Status finished = recorder_->Finish();
+  EXPECT_EQ(finished.code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(finished.message(), HasSubstr("mav0/cam0/data/"));
+}
+
+TEST_F(FrameRecorderTest, TimesThatFallHaveFilesOfTheirOwn) {
+  StartStereo();
+  Track(StereoFrame(0));
+  recorder_->OnNewLocalMap();
+  Track(StereoFrame(0));
+  ASSERT_TRUE(recorder_->Finish().ok());
+  const Recording recording = Read();
+  ASSERT_EQ(recording.frames.size(), 2u);
+  EXPECT_NE(recording.frames[0].line.pictures, recording.frames[1].line.pictures);
+  EXPECT_TRUE(ReadPictures(recording, recording.frames[1].line).ok());
+}
+
+}  // namespace
+}  // namespace corbslam::services

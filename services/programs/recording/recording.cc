@@ -1,0 +1,117 @@
+#include "services/programs/recording/recording.h"
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <sstream>
+#include <utility>
+#include <variant>
+
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/pictures/image_file.h"
+#include "services/programs/recording/recording_files.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+
+using client_agent::ReadDepthImage;
+using client_agent::ReadGreyImage;
+
+namespace {
+
+absl::StatusOr<std::string> ReadText(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    return absl::NotFoundError(absl::StrCat(
+        path, ": can't be read; client_agent --record writes the folder of a recording"));
+  }
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+absl::Status AtLine(const std::string& path, size_t line, absl::string_view what) {
+  return absl::DataLossError(absl::StrCat(path, ":", line, ": ", what));
+}
+
+// Returns what is wrong with the order of the lines; empty where it is right.
+absl::string_view Add(const RecordedLine& line, std::vector<RecordedFrame>& frames) {
+  if (const auto* const frame = std::get_if<FrameLine>(&line)) {
+    if (frame->frame != frames.size()) return "frames are missing before it";
+    frames.push_back({*frame, std::nullopt});
+    return "";
+  }
+  const auto& result = std::get<ResultLine>(line);
+  if (frames.empty() || result.frame + 1 != frames.size()) return "is not of the frame before it";
+  frames.back().result = result.result;
+  return "";
+}
+
+absl::Status ReadLines(Recording& recording) {
+  const std::string path = LinesPath(recording.folder);
+  ASSIGN_OR_RETURN(const std::string text, ReadText(path));
+  size_t number = 0;
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = text.find('\n', begin);
+    ++number;
+    if (end == std::string::npos) {
+      recording.notes.push_back(absl::StrCat(path, ":", number, ": cut short, left out"));
+      return absl::OkStatus();
+    }
+    const auto line = ParseLine(absl::string_view(text).substr(begin, end - begin));
+    if (!line.ok()) return AtLine(path, number, line.status().message());
+    if (const absl::string_view wrong = Add(*line, recording.frames); !wrong.empty()) {
+      return AtLine(path, number, wrong);
+    }
+    begin = end + 1;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadMask(const std::string& folder, SensorCalibration& calibration) {
+  ASSIGN_OR_RETURN(PictureMask mask, ReadGreyImage(MaskPath(folder)));
+  std::visit([&](auto& kind) { kind.mask = std::move(mask); }, calibration);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+bool Recording::is_stereo() const {
+  return std::holds_alternative<StereoCalibration>(head.calibration);
+}
+
+absl::StatusOr<Recording> ReadRecording(const std::string& folder) {
+  Recording recording;
+  recording.folder = folder;
+  ASSIGN_OR_RETURN(const std::string text, ReadText(HeadPath(folder)));
+  absl::StatusOr<RecordingHead> head = ParseHead(text);
+  if (!head.ok()) {
+    return absl::DataLossError(absl::StrCat(HeadPath(folder), ": ", head.status().message()));
+  }
+  recording.head = *std::move(head);
+  if (recording.head.has_mask) RETURN_IF_ERROR(ReadMask(folder, recording.head.calibration));
+  RETURN_IF_ERROR(ReadLines(recording));
+  if (!recording.head.finished) {
+    recording.notes.emplace_back("the robot's program ended without a word, or is still at it");
+  }
+  if (!recording.head.ended.empty()) {
+    recording.notes.push_back("the recording ended before the run: " + recording.head.ended);
+  }
+  return recording;
+}
+
+absl::StatusOr<SensorImages> ReadPictures(const Recording& recording, const FrameLine& frame) {
+  const std::vector<std::string> paths =
+      PicturePaths(recording.folder, recording.is_stereo(), frame.pictures);
+  SensorImages images;
+  images.timestamp_ns = frame.timestamp_ns;
+  ASSIGN_OR_RETURN(images.grey, ReadGreyImage(paths[0]));
+  if (recording.is_stereo()) {
+    ASSIGN_OR_RETURN(images.right, ReadGreyImage(paths[1]));
+  } else {
+    ASSIGN_OR_RETURN(images.depth, ReadDepthImage(paths[1]));
+  }
+  return images;
+}
+
+}  // namespace corbslam::services

@@ -1,0 +1,43 @@
+// Reads a recording back: what FrameRecorder wrote.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_RECORDING_RECORDING_H_
+#define CORBSLAM_SERVICES_PROGRAMS_RECORDING_RECORDING_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client_agent/tracking/tracking_result.h"
+#include "services/programs/recording/recorded_lines.h"
+#include "services/programs/recording/recording_head.h"
+#include "slam/sensor/sensor.h"
+
+namespace corbslam::services {
+
+// A frame that was given to tracking.
+struct RecordedFrame {
+  FrameLine line;
+  // What tracking said of it; nullopt where the robot ended before it had.
+  std::optional<client_agent::TrackingResult> result;
+};
+
+struct Recording {
+  std::string folder;
+  RecordingHead head;  // With the mask.
+  std::vector<RecordedFrame> frames;
+  // What is odd: a last line that is cut short, a run that has no end.
+  std::vector<std::string> notes;
+
+  bool is_stereo() const;
+};
+
+// NOT_FOUND where the folder holds no recording; DATA_LOSS names the file and the line.
+absl::StatusOr<Recording> ReadRecording(const std::string& folder);
+
+// Returns the pictures of a frame that has some, as they were given to tracking. Errors name the
+// file.
+absl::StatusOr<SensorImages> ReadPictures(const Recording& recording, const FrameLine& frame);
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_RECORDING_RECORDING_H_

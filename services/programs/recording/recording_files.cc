@@ -1,0 +1,221 @@
+#include "services/programs/recording/recording_files.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <utility>
+#include <variant>
+
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/rig/rig_file.h"
+#include "services/programs/recording/calibration_json.h"
+#include "slam/util/folders.h"
+#include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
+
+namespace corbslam::services {
+
+using client_agent::FormatRig;
+using client_agent::Rig;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+absl::Status CantWrite(const std::string& path) {
+  return absl::UnavailableError(absl::StrCat("can't write ", path, errno != 0 ? ": " : "",
+                                             errno != 0 ? strerror(errno) : ""));
+}
+
+absl::Status WriteBytes(const std::string& path, const char* bytes, size_t size) {
+  errno = 0;
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(bytes, static_cast<std::streamsize>(size));
+  file.close();
+  return file ? absl::OkStatus() : CantWrite(path);
+}
+
+// Without parameters OpenCV's encoder takes the fastest compression.
+absl::Status WritePng(const std::string& path, const cv::Mat& picture) {
+  std::vector<unsigned char> bytes;
+  try {
+    if (!cv::imencode(".png", picture, bytes)) {
+      return absl::InternalError(absl::StrCat(path, ": the picture can't be encoded"));
+    }
+  } catch (const cv::Exception& error) {
+    return absl::InternalError(absl::StrCat(path, ": ", error.what()));
+  }
+  return WriteBytes(path, reinterpret_cast<const char*>(bytes.data()), bytes.size());
+}
+
+absl::Status CheckKind(const SensorImages& images, bool is_stereo) {
+  const cv::Mat& second = is_stereo ? images.right : images.depth;
+  if (images.grey.type() == CV_8UC1 && second.type() == (is_stereo ? CV_8UC1 : CV_16UC1) &&
+      !images.grey.empty() && !second.empty()) {
+    return absl::OkStatus();
+  }
+  return absl::UnimplementedError(absl::StrCat("a frame of ", cv::typeToString(images.grey.type()),
+                                               " and ", cv::typeToString(second.type()),
+                                               ": recordings hold grey pictures of 8 bits, and ",
+                                               is_stereo ? "a right one" : "depth of 16 bits"));
+}
+
+absl::Status CheckFree(const std::string& folder, uint64_t least_free_bytes) {
+  std::error_code error;
+  const fs::space_info space = fs::space(folder, error);
+  if (error || space.available >= least_free_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("the disk of ", folder, " has ", space.available >> 20, " MiB left, ",
+                   least_free_bytes >> 20, " MiB stay free for others"));
+}
+
+std::vector<std::string> PictureFolders(const std::string& folder, bool is_stereo) {
+  if (is_stereo) return {folder + "/mav0/cam0/data", folder + "/mav0/cam1/data"};
+  return {folder + "/rgb", folder + "/depth"};
+}
+
+// Each list's path and its heading.
+std::vector<std::pair<std::string, std::string>> ListsOf(const std::string& folder,
+                                                         bool is_stereo) {
+  if (is_stereo) {
+    return {{folder + "/mav0/cam0/data.csv", "#timestamp [ns],filename"},
+            {folder + "/mav0/cam1/data.csv", "#timestamp [ns],filename"}};
+  }
+  return {{folder + "/rgb.txt", "# timestamp filename"},
+          {folder + "/depth.txt", "# timestamp filename"},
+          {folder + "/associated.txt", "# timestamp rgb timestamp depth"}};
+}
+
+std::vector<std::string> ListLines(bool is_stereo, int64_t timestamp_ns, const std::string& name) {
+  if (is_stereo) return std::vector<std::string>(2, absl::StrCat(timestamp_ns, ",", name));
+  const std::string rgb = absl::StrCat(FormatSeconds(timestamp_ns), " rgb/", name);
+  const std::string depth = absl::StrCat(FormatSeconds(timestamp_ns), " depth/", name);
+  return {rgb, depth, absl::StrCat(rgb, " ", depth)};
+}
+
+const PictureMask& MaskOf(const SensorCalibration& calibration) {
+  return std::visit([](const auto& kind) -> const PictureMask& { return kind.mask; }, calibration);
+}
+
+absl::Status AppendTo(const std::string& path, std::ofstream& file, const std::string& line) {
+  errno = 0;
+  file << line << "\n" << std::flush;
+  return file ? absl::OkStatus() : CantWrite(path);
+}
+
+}  // namespace
+
+std::string HeadPath(const std::string& folder) { return folder + "/recording.json"; }
+std::string LinesPath(const std::string& folder) { return folder + "/frames.jsonl"; }
+std::string MaskPath(const std::string& folder) { return folder + "/mask.png"; }
+
+std::vector<std::string> PicturePaths(const std::string& folder, bool is_stereo,
+                                      const std::string& pictures) {
+  std::vector<std::string> paths;
+  for (const std::string& of_camera : PictureFolders(folder, is_stereo)) {
+    paths.push_back(absl::StrCat(of_camera, "/", pictures));
+  }
+  return paths;
+}
+
+std::string SourceOfRecording(const std::string& folder, bool is_stereo) {
+  return absl::StrCat(is_stereo ? "euroc:" : "tum:", folder, "?rig=", folder, "/rig.yaml");
+}
+
+absl::Status CheckRecordingFolder(const std::string& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return absl::OkStatus();
+  if (!fs::is_directory(folder, error)) {
+    return absl::FailedPreconditionError(folder + ": is no folder");
+  }
+  if (fs::directory_iterator(folder, error) == fs::directory_iterator() && !error) {
+    return absl::OkStatus();
+  }
+  return absl::FailedPreconditionError(
+      error ? absl::StrCat(folder, ": ", error.message())
+            : absl::StrCat(folder, ": holds something already: a recording takes a new folder"));
+}
+
+absl::StatusOr<std::unique_ptr<RecordingFiles>> RecordingFiles::Create(
+    const std::string& folder, const RecordingHead& head, std::optional<double> rate_hz) {
+  RETURN_IF_ERROR(CheckRecordingFolder(folder));
+  std::unique_ptr<RecordingFiles> files(
+      new RecordingFiles(folder, std::holds_alternative<StereoCalibration>(head.calibration)));
+  for (const std::string& pictures : PictureFolders(folder, files->is_stereo_)) {
+    RETURN_IF_ERROR(MakeFolder(pictures));
+  }
+  RETURN_IF_ERROR(files->WriteRig(head, rate_hz));
+  RETURN_IF_ERROR(files->MakeLists());
+  RETURN_IF_ERROR(files->WriteHead(head));
+  return files;
+}
+
+absl::Status RecordingFiles::MakeLists() {
+  std::vector<std::pair<std::string, std::string>> wanted = ListsOf(folder_, is_stereo_);
+  wanted.emplace_back(LinesPath(folder_), "");
+  for (const auto& [path, heading] : wanted) {
+    List& list = lists_.emplace_back(List{path, std::ofstream(path, std::ios::trunc)});
+    if (!list.file) return CantWrite(path);
+    if (!heading.empty()) RETURN_IF_ERROR(AppendTo(path, list.file, heading));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RecordingFiles::WriteRig(const RecordingHead& head, std::optional<double> rate_hz) {
+  Rig rig = RigOf(head.calibration);
+  rig.rate_hz = rate_hz;
+  if (const PictureMask& mask = MaskOf(head.calibration); !mask.empty()) {
+    RETURN_IF_ERROR(WritePng(MaskPath(folder_), mask));
+    rig.mask_file = "mask.png";
+  }
+  const std::string text = FormatRig(rig, "what a robot recorded");
+  return WriteBytes(folder_ + "/rig.yaml", text.data(), text.size());
+}
+
+absl::Status RecordingFiles::WriteHead(const RecordingHead& head) {
+  const std::string path = HeadPath(folder_);
+  const std::string text = FormatHead(head);
+  RETURN_IF_ERROR(WriteBytes(path + ".new", text.data(), text.size()));
+  std::error_code error;
+  fs::rename(path + ".new", path, error);
+  if (!error) return absl::OkStatus();
+  return absl::UnavailableError(absl::StrCat("can't write ", path, ": ", error.message()));
+}
+
+// Files are called after their time, as in the layouts; after their number too where times fall, as
+// they do where a drive begins anew.
+std::string RecordingFiles::NameOf(const FrameLine& line) {
+  const bool grows = !latest_ns_.has_value() || line.timestamp_ns > *latest_ns_;
+  if (grows) latest_ns_ = line.timestamp_ns;
+  const std::string time =
+      is_stereo_ ? absl::StrCat(line.timestamp_ns) : FormatSeconds(line.timestamp_ns);
+  return grows ? absl::StrCat(time, ".png") : absl::StrCat(time, "-", line.frame, ".png");
+}
+
+absl::Status RecordingFiles::WriteFrame(const SensorImages& images, uint64_t least_free_bytes,
+                                        FrameLine line) {
+  RETURN_IF_ERROR(CheckKind(images, is_stereo_));
+  RETURN_IF_ERROR(CheckFree(folder_, least_free_bytes));
+  line.pictures = NameOf(line);
+  const std::vector<std::string> paths = PicturePaths(folder_, is_stereo_, line.pictures);
+  RETURN_IF_ERROR(WritePng(paths[0], images.grey));
+  RETURN_IF_ERROR(WritePng(paths[1], is_stereo_ ? images.right : images.depth));
+  RETURN_IF_ERROR(AppendToLists(line.timestamp_ns, line.pictures));
+  return WriteLine(line);
+}
+
+absl::Status RecordingFiles::AppendToLists(int64_t timestamp_ns, const std::string& pictures) {
+  const std::vector<std::string> lines = ListLines(is_stereo_, timestamp_ns, pictures);
+  for (size_t i = 0; i < lines.size(); ++i) {
+    RETURN_IF_ERROR(AppendTo(lists_[i].path, lists_[i].file, lines[i]));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RecordingFiles::WriteLine(const RecordedLine& line) {
+  return AppendTo(lists_.back().path, lists_.back().file, FormatLine(line));
+}
+
+}  // namespace corbslam::services

@@ -1,0 +1,71 @@
+// Writes a recording's files: the pictures in EuRoC's layout (stereo) or TUM's (RGB-D), the rig,
+// recording.json and frames.jsonl (docs/recording.md).
+#ifndef CORBSLAM_SERVICES_PROGRAMS_RECORDING_RECORDING_FILES_H_
+#define CORBSLAM_SERVICES_PROGRAMS_RECORDING_RECORDING_FILES_H_
+
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "services/programs/recording/recorded_lines.h"
+#include "services/programs/recording/recording_head.h"
+#include "slam/sensor/sensor.h"
+
+namespace corbslam::services {
+
+// Where a recording's files are.
+std::string HeadPath(const std::string& folder);
+std::string LinesPath(const std::string& folder);
+std::string MaskPath(const std::string& folder);
+// Returns the paths of a frame's two pictures: left and right, or grey and depth.
+std::vector<std::string> PicturePaths(const std::string& folder, bool is_stereo,
+                                      const std::string& pictures);
+// Returns how client_agent names the recording as a source: "euroc:DIR?rig=DIR/rig.yaml".
+std::string SourceOfRecording(const std::string& folder, bool is_stereo);
+
+// Returns FAILED_PRECONDITION where the folder is there and holds something. Changes nothing.
+absl::Status CheckRecordingFolder(const std::string& folder);
+
+// One thread uses it. Whatever was written is with the operating system when a call returns, so
+// that it outlives the process. Errors name the file and the cause.
+class RecordingFiles {
+ public:
+  // Makes the folder, which must be new or empty, and all files but the pictures. `rate_hz` goes
+  // into the rig.
+  static absl::StatusOr<std::unique_ptr<RecordingFiles>> Create(const std::string& folder,
+                                                                const RecordingHead& head,
+                                                                std::optional<double> rate_hz);
+
+  // Writes the pictures, the layout's lines and then `line`, whose `pictures` it fills in.
+  // RESOURCE_EXHAUSTED where less than `least_free_bytes` would stay free on the disk.
+  absl::Status WriteFrame(const SensorImages& images, uint64_t least_free_bytes, FrameLine line);
+  absl::Status WriteLine(const RecordedLine& line);
+  // Puts `head` in the place of recording.json as a whole.
+  absl::Status WriteHead(const RecordingHead& head);
+
+ private:
+  struct List {
+    std::string path;
+    std::ofstream file;
+  };
+  RecordingFiles(std::string folder, bool is_stereo)
+      : folder_(std::move(folder)), is_stereo_(is_stereo) {}
+  absl::Status MakeLists();
+  absl::Status WriteRig(const RecordingHead& head, std::optional<double> rate_hz);
+  absl::Status AppendToLists(int64_t timestamp_ns, const std::string& pictures);
+  std::string NameOf(const FrameLine& line);
+
+  const std::string folder_;
+  const bool is_stereo_;
+  std::vector<List> lists_;  // The layout's, then frames.jsonl.
+  std::optional<int64_t> latest_ns_;
+};
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_RECORDING_RECORDING_FILES_H_

@@ -1,0 +1,104 @@
+#include "services/tool/replay/replay.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "services/programs/default_vocabulary.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+
+using client_agent::Agent;
+using client_agent::AgentOptions;
+using client_agent::TrackingResult;
+
+namespace {
+
+constexpr absl::Duration kFinishTimeout = absl::Minutes(10);
+
+AgentOptions OptionsOf(const RecordedFlags& flags) {
+  AgentOptions options;
+  options.mission = flags.mission;
+  options.name = flags.agent;
+  options.seed = flags.seed;
+  options.deterministic = true;
+  options.solver_threads = flags.solver_threads;
+  options.sensor.orb.features = flags.features;
+  return options;
+}
+
+absl::StatusOr<std::shared_ptr<const Vocabulary>> LoadVocabulary(const std::string& path,
+                                                                 uint64_t recorded,
+                                                                 Replayed& replayed) {
+  ASSIGN_OR_RETURN(auto vocabulary,
+                   Vocabulary::Load(path.empty() ? DefaultVocabularyPath() : path));
+  if (vocabulary->fingerprint() != recorded) {
+    replayed.notes.emplace_back(
+        "the vocabulary is another one than the robot had: give its own with --vocabulary");
+  }
+  return vocabulary;
+}
+
+// Plays one frame. Returns nullopt, with a note, where there are no pictures.
+absl::StatusOr<std::optional<TrackingResult>> Play(const Recording& recording,
+                                                   const FrameLine& frame, Replayed& replayed) {
+  if (frame.begins_local_map) replayed.agent->BeginLocalMap();
+  if (frame.pictures.empty()) {
+    replayed.notes.push_back(absl::StrCat("frame ", frame.frame, " was left out when recording"));
+    return std::nullopt;
+  }
+  const absl::StatusOr<SensorImages> images = ReadPictures(recording, frame);
+  if (!images.ok()) {
+    replayed.notes.push_back(absl::StrCat("frame ", frame.frame, ": ", images.status().message()));
+    return std::nullopt;
+  }
+  ASSIGN_OR_RETURN(const TrackingResult result, replayed.agent->Track(*images));
+  return result;
+}
+
+}  // namespace
+
+absl::StatusOr<Replayed> Replay(const Recording& recording, const ReplayOptions& options) {
+  Replayed replayed;
+  const RecordedFlags& flags = recording.head.flags;
+  ASSIGN_OR_RETURN(const auto vocabulary,
+                   LoadVocabulary(options.vocabulary_path, flags.vocabulary, replayed));
+  ASSIGN_OR_RETURN(replayed.agent, Agent::Create(OptionsOf(flags), recording.head.calibration,
+                                                 vocabulary, /*uplink=*/nullptr));
+  for (const RecordedFrame& frame : recording.frames) {
+    ASSIGN_OR_RETURN(const auto result, Play(recording, frame.line, replayed));
+    replayed.results.push_back(result);
+    if (options.on_progress != nullptr) {
+      options.on_progress(replayed.results.size(), recording.frames.size());
+    }
+  }
+  RETURN_IF_ERROR(replayed.agent->Finish(kFinishTimeout));
+  return replayed;
+}
+
+FrameResults ResultsOf(const Recording& recording) {
+  FrameResults results;
+  for (const RecordedFrame& frame : recording.frames) results.push_back(frame.result);
+  return results;
+}
+
+std::vector<std::string> ReasonsToDiffer(const Recording& recording, const Replayed& replayed,
+                                         const std::string& version) {
+  const RecordingHead& head = recording.head;
+  std::vector<std::string> reasons = replayed.notes;
+  if (head.flags.pace != "step") {
+    reasons.push_back(absl::StrCat(
+        "it was recorded at --pace ", head.flags.pace,
+        ": mapping ran beside tracking, and how far it had come at each frame isn't recorded"));
+  }
+  if (head.flags.joined) {
+    reasons.emplace_back(
+        "the robot was joined to a map store: what other robots gave it isn't recorded");
+  }
+  if (head.version != version) {
+    reasons.push_back(absl::StrCat("it was recorded by ", head.version, ", this is ", version));
+  }
+  return reasons;
+}
+
+}  // namespace corbslam::services
