@@ -107,17 +107,6 @@ class GstSettings : public KindSettings {
   }
 
  private:
-  absl::StatusOr<Rig> ReadRig() const {
-    if (options_.rig.empty()) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          kind_, ": a live camera needs its rig: --rig FILE (docs/rig.md says how to make one)"));
-    }
-    ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(options_.rig));
-    ASSIGN_OR_RETURN(const SourceFindings findings,
-                     JudgeRig(rig, options_.rig, options_.trust_calibration));
-    for (const SourceFinding& finding : findings) LOG(WARNING) << finding.text;
-    return rig;
-  }
   bool IsV4l2() const { return kind_ == "v4l2"; }
   // The devices, or the pipelines.
   std::vector<std::string> Cameras() const {
