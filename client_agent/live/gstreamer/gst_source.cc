@@ -178,7 +178,7 @@ SourceKind KindOf(const std::string& name, const std::string& usage) {
 
 void RegisterGstSources() {
   RegisterSourceKind(KindOf("gst", "gst:LEFT || RIGHT"));
-  RegisterSourceKind(KindOf("v4l2", "v4l2:/dev/video0,/dev/video1"));
+  RegisterSourceKind(KindOf("v4l2", "v4l2:DEVICES"));
 }
 
 }  // namespace corbslam::client_agent

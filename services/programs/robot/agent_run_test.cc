@@ -13,10 +13,13 @@ namespace corbslam::services {
 using client_agent::Agent;
 using client_agent::AgentStatus;
 using client_agent::AgentTimings;
+using client_agent::FramePose;
 using client_agent::NoFrameYet;
+using client_agent::PoseListener;
 using client_agent::SourceFindings;
 using client_agent::StreamEnd;
 using client_agent::TrackingResult;
+using client_agent::TrackingState;
 using client_agent::TrajectoryPose;
 
 namespace {
@@ -28,10 +31,10 @@ using ::testing::SizeIs;
 class NotingAgent : public Agent {
  public:
   std::vector<double> told;
+  TrackingResult result;  // What Track answers, but for the time.
 
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override {
     told.push_back(1e-9 * static_cast<double>(images.timestamp_ns));
-    TrackingResult result;
     result.timestamp_ns = images.timestamp_ns;
     return result;
   }
@@ -102,6 +105,35 @@ TEST_F(PlayStreamTest, AnotherDriveIsAnotherLocalMap) {
   stream_.Put(StreamEnd());
   EXPECT_TRUE(Play().ok());
   EXPECT_THAT(agent_.told, ElementsAre(5, 6, -1, 0));
+}
+
+TEST_F(PlayStreamTest, TellsTheStreamsListenerEachPose) {
+  class Listener : public PoseListener {
+   public:
+    std::vector<FramePose> poses;
+    void OnPose(const FramePose& pose) override { poses.push_back(pose); }
+  } listener;
+  stream_.listener = &listener;
+  agent_.result.state = TrackingState::kTracking;
+  agent_.result.local_map = {5};
+  agent_.result.points_matched = 30;
+  agent_.result.camera_from_local.translation = {1, 2, 3};
+  stream_.PutFrame(0, 7);
+  stream_.when_empty = [&] {
+    if (listener.poses.size() == 2) return stream_.Put(StreamEnd());
+    agent_.result.state = TrackingState::kLost;
+    stream_.PutFrame(1, 8);
+  };
+  EXPECT_TRUE(Play().ok());
+  ASSERT_THAT(listener.poses, SizeIs(2));
+  EXPECT_EQ(listener.poses[0].timestamp_ns, 7'000'000'000);
+  EXPECT_EQ(listener.poses[0].local_map.value, 5u);
+  EXPECT_EQ(listener.poses[0].points_matched, 30);
+  ASSERT_TRUE(listener.poses[0].local_from_camera.has_value());
+  EXPECT_EQ(listener.poses[0].local_from_camera->translation.x(), -1);
+  EXPECT_FALSE(listener.poses[0].is_lost);
+  EXPECT_FALSE(listener.poses[1].local_from_camera.has_value());
+  EXPECT_TRUE(listener.poses[1].is_lost);
 }
 
 TEST_F(PlayStreamTest, StopsWhileTheStreamIsSilent) {
