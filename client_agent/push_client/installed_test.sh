@@ -64,7 +64,7 @@ timeout 60 "$work/examples/follow_poses" "$address" 3 > "$work/follow.out" || fa
 wait $wall || fail "push_wall ended with $?"
 stop
 [ "$(grep -c ' at ' "$work/wall.out")" -ge 10 ] || fail "push_wall heard $(cat "$work/wall.out")"
-[ "$(grep -c TRACKING "$work/follow.out")" -ge 1 ] || fail "follow_poses heard $(cat "$work/follow.out")"
+[ "$(grep -c STATE_TRACKING "$work/follow.out")" -ge 1 ] || fail "follow_poses heard $(cat "$work/follow.out")"
 [ "$(wc -l < "$work/wall.tum")" -ge 10 ] || fail "the robot's trajectory has $(cat "$work/wall.tum")"
 # 2 cm a frame to the right: the last pose is where 30 frames lead, give or take two that were dropped.
 tail -1 "$work/wall.out" | awk '{exit !($3 > 0.5 && $3 < 0.62 && $4^2 + $5^2 < 0.01)}' ||

@@ -11,11 +11,11 @@
 namespace corbslam::client_agent {
 
 struct FramePose {
-  int64_t timestamp_ns = 0;  // The frame's.
-  LocalMapId local_map;      // Not valid before there is one.
-  // Of the sensor's camera, which of a stereo pair that is rectified here is the rectified left one.
-  // Absent unless the frame was tracked.
-  std::optional<Rigid3d> local_from_camera;
+  int64_t timestamp_ns = 0;   // The frame's.
+  LocalMapId local_map = {};  // Not valid before there is one.
+  // Of the sensor's camera, which of a stereo pair that is rectified here is the rectified left
+  // one. Absent unless the frame was tracked.
+  std::optional<Rigid3d> local_from_camera = std::nullopt;
   // Tracking was lost: there was a local map, and this frame was not found in it.
   bool is_lost = false;
   int points_matched = 0;

@@ -89,7 +89,9 @@ void PushCamera::Step() {
   if (waiting[0].revents != 0) Calm(wake_);
   TakePoses();
   if (driver_.has_value()) {
-    const absl::Status served = ServeDriver((waiting[2].revents & ~POLLOUT) != 0);
+    const auto heard = static_cast<unsigned>(waiting[2].revents);
+    const absl::Status served = ServeDriver((heard & ~unsigned{POLLOUT}) != 0,
+                                            (heard & (unsigned{POLLHUP} | POLLERR)) != 0);
     if (!served.ok()) {
       LOG(WARNING) << "the driver " << driver_->who()
                    << (absl::IsUnavailable(served) ? " went away: " : " was refused: ")
@@ -100,10 +102,13 @@ void PushCamera::Step() {
   if (waiting[1].revents != 0) AcceptOne();
 }
 
-absl::Status PushCamera::ServeDriver(bool readable) {
+absl::Status PushCamera::ServeDriver(bool readable, bool went) {
   if (readable) RETURN_IF_ERROR(driver_->Read());
+  // Reading ends with an error at the latest when nothing is left.
+  while (went) RETURN_IF_ERROR(driver_->Read());
   RETURN_IF_ERROR(driver_->CheckHello(absl::Now()));
-  return driver_->Write();
+  driver_->Write();
+  return absl::OkStatus();
 }
 
 void PushCamera::AcceptOne() {
@@ -153,6 +158,8 @@ absl::Status PushCamera::OnFrame(int64_t timestamp_ns, cv::Mat first, cv::Mat se
                      ": times must grow, from driver to driver too (CLOCK_MONOTONIC)"));
   }
   newest_ns_ = timestamp_ns;
+  // A driver that said the rig and went before the robot began.
+  if (pairing_ == nullptr) return absl::OkStatus();
   pairing_->Push(LiveSide::kFirst, {timestamp_ns, std::move(first)});
   pairing_->Push(LiveSide::kSecond, {timestamp_ns, std::move(second)});
   return absl::OkStatus();

@@ -22,9 +22,9 @@
 namespace corbslam::client_agent {
 
 struct PushCameraOptions {
-  std::string path;                // Of the socket.
-  std::optional<Rig> rig;          // Absent: the first driver says it.
-  bool trust_calibration = false;  // Of a driver's rig.
+  std::string path;                       // Of the socket.
+  std::optional<Rig> rig = std::nullopt;  // Absent: the first driver says it.
+  bool trust_calibration = false;         // Of a driver's rig.
 };
 
 // Listens for drivers, one at a time. What a driver says wrongly is told to it and ends its
@@ -56,7 +56,8 @@ class PushCamera : public LiveCamera, private PushHost, private PoseListener {
   absl::Status UseDriversRig(const PushHello& hello);
   // Waits for anything to do, at most a moment, and does one thing of each kind.
   void Step();
-  absl::Status ServeDriver(bool readable);
+  // Reads one message, or all that are left of a driver that went.
+  absl::Status ServeDriver(bool readable, bool went);
   void AcceptOne();
   void TakePoses() ABSL_LOCKS_EXCLUDED(mutex_);
 

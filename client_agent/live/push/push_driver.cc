@@ -27,7 +27,9 @@ absl::Status PushDriver::Read() {
   ASSIGN_OR_RETURN(std::optional<Packet> packet, ReceivePacket(fd(), kMostPacketBytes));
   if (!packet.has_value()) return absl::OkStatus();
   const absl::Status taken = Take(*std::move(packet));
-  return taken.ok() ? Write() : Refuse(taken);
+  if (!taken.ok()) return Refuse(taken);
+  Write();
+  return absl::OkStatus();
 }
 
 absl::Status PushDriver::Take(Packet packet) {
@@ -51,8 +53,9 @@ absl::Status PushDriver::TakeHello(const Packet& packet) {
   layout_ = hello.layout;
   ring_ = std::move(ring);
   LOG(INFO) << "the driver " << who_ << " is connected";
-  // Nothing was sent before: the socket has room for it.
-  return SendPacket(fd(), FormatWelcome()).status();
+  // Nothing was sent before: the socket has room for it. Whether the driver went is read later.
+  SendPacket(fd(), FormatWelcome()).status().IgnoreError();
+  return absl::OkStatus();
 }
 
 absl::Status PushDriver::TakeFrame(const Packet& packet) {
@@ -84,18 +87,16 @@ absl::Status PushDriver::CheckHello(absl::Time now) {
       absl::StrCat("no hello came within ", absl::FormatDuration(kHelloWithin))));
 }
 
-absl::Status PushDriver::Write() {
+void PushDriver::Write() {
+  // To one that went everything is sent: what it had said before is still to be read.
+  const auto is_sent = [this](const std::string& message) {
+    return SendPacket(fd(), message).value_or(true);
+  };
   if (free_slots_ != 0) {
-    ASSIGN_OR_RETURN(const bool sent, SendPacket(fd(), FormatSlotsFree(free_slots_)));
-    if (!sent) return absl::OkStatus();
+    if (!is_sent(FormatSlotsFree(free_slots_))) return;
     free_slots_ = 0;
   }
-  while (!poses_.empty()) {
-    ASSIGN_OR_RETURN(const bool sent, SendPacket(fd(), poses_.front()));
-    if (!sent) return absl::OkStatus();
-    poses_.pop_front();
-  }
-  return absl::OkStatus();
+  while (!poses_.empty() && is_sent(poses_.front())) poses_.pop_front();
 }
 
 void PushDriver::AddPose(std::string message) {

@@ -35,7 +35,7 @@ class PushDriver {
   // Ends a driver that has been silent for too long before its hello.
   absl::Status CheckHello(absl::Time now);
   // Sends what waits: slots, then poses, the oldest of which are dropped where a driver reads none.
-  absl::Status Write();
+  void Write();
   void AddPose(std::string message);
 
   int fd() const { return socket_.get(); }

@@ -133,7 +133,7 @@ TEST(PushMessageTest, TakesNothingImpossibleOfRandomBytes) {
   int taken = 0;
   for (int i = 0; i < 100000; ++i) {
     std::string packet = HelloPacket(GoodHello());
-    for (uint32_t k = random() % 3 + 1; k > 0; --k) {
+    for (auto k = random() % 3 + 1; k > 0; --k) {
       packet[random() % packet.size()] = static_cast<char>(random());
     }
     if (i % 10 == 0) {

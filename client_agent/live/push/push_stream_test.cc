@@ -180,6 +180,7 @@ TEST_F(PushStreamTest, ARobotThatTakesNothingLeavesNoSlotFree) {
   EXPECT_TRUE(driver.Begin(kPatience_ms).has_value());
   EXPECT_EQ((*pairing.Take(absl::InfiniteFuture()))->first.timestamp_ns, 2);
   EXPECT_EQ(pairing.counts().overtaken, 1u);
+  camera.Stop();
 }
 
 TEST_F(PushStreamTest, ADriverThatVanishesInMidFrameIsWaitedFor) {
@@ -197,6 +198,20 @@ TEST_F(PushStreamTest, ADriverThatVanishesInMidFrameIsWaitedFor) {
   PushConnection driver(Options());
   Push(driver, 2, 2);
   EXPECT_EQ(Next().images.grey.at<uint8_t>(0, 0), 2);
+}
+
+TEST_F(PushStreamTest, TheLastFramesOfADriverThatWentAreTaken) {
+  OpenWithRig();
+  for (int64_t i = 0; i < 20; ++i) {
+    {
+      PushConnection driver(Options());
+      Push(driver, 10, 10 * i + 1);
+      Push(driver, 20, 10 * i + 2);
+    }
+    StreamFrame frame = Next();
+    if (frame.frame.timestamp_ns == 10 * i + 1) frame = Next();
+    EXPECT_EQ(frame.frame.timestamp_ns, 10 * i + 2);
+  }
 }
 
 TEST_F(PushStreamTest, ADriverMayPauseForTenSeconds) {

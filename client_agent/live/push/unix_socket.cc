@@ -123,7 +123,11 @@ absl::StatusOr<std::optional<Packet>> ReceivePacket(int socket, size_t most_byte
   message.msg_iovlen = 1;
   message.msg_control = control;
   message.msg_controllen = sizeof(control);
-  const ssize_t bytes = recvmsg(socket, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  ssize_t bytes = recvmsg(socket, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  // The other side ended before it read all: said once, before what it had sent until then.
+  if (bytes < 0 && errno == ECONNRESET) {
+    bytes = recvmsg(socket, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  }
   if (bytes < 0 && (errno == EAGAIN || errno == EINTR)) return std::nullopt;
   if (bytes < 0) return absl::UnavailableError(std::strerror(errno));
   TakeFiles(message, packet.files);
