@@ -3,7 +3,8 @@
 # PROGRAM:
 #
 # /usr/bin          the programs, and health, which lies beside the first of them here
-# /usr/lib          the shared libraries that these load, and nothing else of Debian
+# /usr/lib          the shared libraries that these load, a robot's with GStreamer's plugins for cameras,
+#                   and nothing else of Debian
 # /usr/share/doc    the licences of the packages that the libraries are from, and the SBOM
 # /var/lib/dpkg     what dpkg knows of these packages, so that scanners find them
 #
@@ -17,7 +18,7 @@ if [ "${1:-}" = --sysroot ] && [ $# -ge 2 ]; then
   sysroot=$(cd "$2" && pwd)
   shift 2
 fi
-[ $# -ge 2 ] || { sed -n '2,13s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 2 ] || { sed -n '2,14s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$1"
 root=$(cd "$1" && pwd)
@@ -66,15 +67,35 @@ resolve() {
 copy_files() {
   (cd "$sysroot/" && sed 's|^/||' | xargs cp -L --parents -t "$root")
 }
+# add_libraries FILE: notes what the program or library FILE loads.
+add_libraries() {
+  list_libraries "$1" > "$lists/ldd" || fail "$1 is not dynamically linked"
+  if grep "not found" "$lists/ldd" >&2; then fail "$1 lacks the libraries above"; fi
+  # "NAME => FILE (ADDRESS)", and the loader's "FILE (ADDRESS)".
+  awk '$2 == "=>" && $3 ~ /^\// {print $3} $1 ~ /^\// {print $1}' "$lists/ldd" |
+    sed "s|^$sysroot||" >> "$lists/files"
+}
 
 for program in "$@" "${1%/*}/health"; do
   [ -x "$program" ] || fail "$program is no program"
   install -m 755 "$program" "$root/usr/bin/${program##*/}"
-  list_libraries "$program" > "$lists/ldd" || fail "$program is not dynamically linked"
-  if grep "not found" "$lists/ldd" >&2; then fail "$program lacks the libraries above"; fi
-  # "NAME => FILE (ADDRESS)", and the loader's "FILE (ADDRESS)".
-  awk '$2 == "=>" && $3 ~ /^\// {print $3} $1 ~ /^\// {print $1}' "$lists/ldd" >> "$lists/files"
+  add_libraries "$program"
 done
+# GStreamer opens its plugins by name, which ldd does not see: those for cameras (docs/live.md), no more.
+if gstreamer=$(grep -m 1 /libgstreamer-1.0 "$lists/files"); then
+  gstreamer=${gstreamer%/*}
+  echo "$gstreamer/gstreamer1.0/gstreamer-1.0/gst-plugin-scanner" > "$lists/plugins"
+  for plugin in app coreelements jpeg multifile playback png rawparse rtp rtpmanager rtsp tcp \
+    typefindfunctions udp video4linux2 videobox videoconvertscale videocrop videofilter videorate \
+    videotestsrc; do
+    echo "$gstreamer/gstreamer-1.0/libgst$plugin.so" >> "$lists/plugins"
+  done
+  while read -r file; do
+    [ -e "$sysroot$file" ] || fail "$file is missing: install what deploy/packages.txt names"
+    echo "$file" >> "$lists/files"
+    add_libraries "$sysroot$file"
+  done < "$lists/plugins"
+fi
 sort -u "$lists/files" > "$lists/libraries"
 # Where the links of Debian's alternatives end, for dpkg to know them; it may do so without the /usr
 # of a merged system.
@@ -111,7 +132,7 @@ corbslam:x:$uid:$uid::/var/lib/corbslam:/usr/bin/false" > "$root/etc/passwd"
 echo "root:x:0:
 corbslam:x:$uid:" > "$root/etc/group"
 echo "hosts: files dns" > "$root/etc/nsswitch.conf"
-sed 's/[^/]*$//' "$lists/libraries" | sort -u > "$root/etc/ld.so.conf"
+sed '/gstreamer-1.0\//d; s/[^/]*$//' "$lists/libraries" | sort -u > "$root/etc/ld.so.conf"
 if [ -n "$sysroot" ]; then
   $emulator "$sysroot/sbin/ldconfig" -r "$root" -X
 else

@@ -1,6 +1,7 @@
 #include "services/programs/record_flags.h"
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
 #include "services/command_line/command_line.h"
 #include "services/command_line/help_formatter.h"
@@ -42,12 +43,19 @@ RecordingHead HeadOf(const RunToRecord& run, const FrameStream& stream) {
   return head;
 }
 
+// A service starts again and again with the same flags: {time} gives each start a folder of its
+// own.
+std::string FolderOf(const RecordFlags& flags, absl::Time now) {
+  return absl::StrReplaceAll(
+      flags.folder, {{"{time}", absl::FormatTime("%Y%m%dT%H%M%SZ", now, absl::UTCTimeZone())}});
+}
+
 }  // namespace
 
 void AddRecordFlags(CLI::App& app, RecordFlags& flags) {
   app.add_option("--record", flags.folder,
                  "New folder for the frames that are tracked and what came of them, for corbslam "
-                 "replay")
+                 "replay; {time} in its name becomes that of the start")
       ->group(kRareGroup);
   app.add_option("--record-mb", flags.waiting_mb,
                  "MiB of frames that wait for --record's disk; more are left out of the recording")
@@ -58,10 +66,11 @@ void AddRecordFlags(CLI::App& app, RecordFlags& flags) {
 
 absl::Status CheckRecording(const RecordFlags& flags) {
   if (flags.folder.empty()) return absl::OkStatus();
-  if (const absl::Status status = CheckRecordingFolder(flags.folder); !status.ok()) {
+  const std::string folder = FolderOf(flags, absl::Now());
+  if (const absl::Status status = CheckRecordingFolder(folder); !status.ok()) {
     return absl::Status(status.code(), absl::StrCat("--record: ", status.message()));
   }
-  return CheckFolder("--record", flags.folder);
+  return CheckFolder("--record", folder);
 }
 
 absl::StatusOr<std::unique_ptr<FrameRecorder>> StartRecording(const RecordFlags& flags,
@@ -74,7 +83,7 @@ absl::StatusOr<std::unique_ptr<FrameRecorder>> StartRecording(const RecordFlags&
   if (const auto interval_s = stream.interval_s(); interval_s.has_value() && *interval_s > 0) {
     options.rate_hz = 1 / *interval_s;
   }
-  return FrameRecorder::Start(flags.folder, HeadOf(run, stream), options);
+  return FrameRecorder::Start(FolderOf(flags, absl::Now()), HeadOf(run, stream), options);
 }
 
 }  // namespace corbslam::services

@@ -1,7 +1,7 @@
 #!/bin/sh
 # systemd_test.sh PROGRAMS: systemd understands our units as they are installed with the programs in
 # the folder PROGRAMS, and they are as closed as they were: their exposure, by systemd's own measure
-# from 0 to 10, is below 1.5. Ends with 77, "skipped", without systemd's tools.
+# from 0 to 10, is at most 1.5, and 1.6 of robots, which open cameras. Ends with 77, "skipped", without systemd's tools.
 set -eu
 
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -22,7 +22,11 @@ for unit in "$root"/deploy/systemd/*.service; do
     { cat "$work/said" >&2; exit 1; }
   # Lines about units of this machine are not ours to judge.
   if grep -F "${installed##*/}" "$work/said" >&2; then exit 1; fi
-  systemd-analyze security --offline=true --threshold=15 "$installed" > "$work/said" 2>&1 ||
+  case $installed in
+    *client_agent@*) most=16 ;;
+    *) most=15 ;;
+  esac
+  systemd-analyze security --offline=true --threshold=$most "$installed" > "$work/said" 2>&1 ||
     { cat "$work/said" >&2; exit 1; }
   tail -n 1 "$work/said"
 done
