@@ -96,11 +96,12 @@ uint64_t DigestOf(const FrameResults& results) {
   uint64_t hash = 14695981039346656037ull;
   for (size_t i = 0; i < results.size(); ++i) {
     if (!results[i].has_value()) continue;
-    TrackingResult result = *results[i];
-    if (result.state != TrackingState::kTracking) {
-      // The rest is valid while tracking only.
-      result = {result.timestamp_ns, result.state, result.local_map};
-    }
+    TrackingResult result;
+    result.timestamp_ns = results[i]->timestamp_ns;
+    result.state = results[i]->state;
+    result.local_map = results[i]->local_map;
+    // The rest is valid while tracking only.
+    if (result.state == TrackingState::kTracking) result = *results[i];
     for (const char c : FormatLine(ResultLine{i, 0, result})) {
       hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
     }
