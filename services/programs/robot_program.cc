@@ -353,7 +353,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   app.add_option("--agent", flags.agent, "This robot's name in it")->capture_default_str();
   app.add_option("--pace", flags.pace,
-                 "sensor: drop frames that come too fast; max: wait; step: and let the map wait")
+                 "sensor: drop what comes too fast; max: wait; step: in lockstep")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Pace>{
           {"sensor", Pace::kSensor}, {"max", Pace::kMax}, {"step", Pace::kStep}}))
       ->type_name("max|sensor|step")

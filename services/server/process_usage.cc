@@ -30,8 +30,9 @@ uint64_t ReadStatus(const char* field) {
 ProcessUsage GetProcessUsage() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
-  return {ReadStatus("VmHWM:"), Seconds(usage.ru_utime) + Seconds(usage.ru_stime),
-          ReadStatus("VmRSS:")};
+  return {ReadStatus("VmHWM:"), Seconds(usage.ru_utime) + Seconds(usage.ru_stime)};
 }
+
+uint64_t GetRssBytes() { return ReadStatus("VmRSS:"); }
 
 }  // namespace corbslam::services

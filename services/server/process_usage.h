@@ -9,9 +9,10 @@ namespace corbslam::services {
 struct ProcessUsage {
   uint64_t peak_rss_bytes = 0;
   double cpu_s = 0;
-  uint64_t rss_bytes = 0;  // Now.
 };
 ProcessUsage GetProcessUsage();
+// Returns the memory in use now.
+uint64_t GetRssBytes();
 
 }  // namespace corbslam::services
 

@@ -106,8 +106,7 @@ void RobotMinutes::Run() {
   absl::Time begin = absl::Now();
   while (!stop_.WaitForNotificationWithTimeout(options_.every)) {
     const absl::Time end = absl::Now();
-    RobotMinute minute{end - begin, tally_.Take(), agent_.GetStatus(), std::nullopt,
-                       GetProcessUsage().rss_bytes};
+    RobotMinute minute{end - begin, tally_.Take(), agent_.GetStatus(), std::nullopt, GetRssBytes()};
     if (options_.session != nullptr) minute.link = options_.session();
     LOG(INFO) << options_.who << FormatMinute(minute);
     begin = end;
