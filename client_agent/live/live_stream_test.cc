@@ -125,6 +125,23 @@ TEST_F(LiveStreamTest, DepthIsOfSixteenBits) {
   EXPECT_THAT(stream_->left_out().last, HasSubstr("a depth picture of 160x120 CV_8UC1"));
 }
 
+TEST_F(LiveStreamTest, DepthOfACameraOfItsOwnIsRegistered) {
+  Rig rig;
+  rig.kind = RigKind::kRgbd;
+  rig.cameras = {{{100, 100, 80, 60, {}}, 160, 120}};
+  rig.depth.camera = RigCamera{{50, 50, 39.75, 29.75, {}}, 80, 60};
+  Open(rig);
+  Push(1, Grey(7), cv::Mat(60, 80, CV_16UC1, cv::Scalar(900)));
+  const auto next = stream_->Next(absl::InfinitePast());
+  ASSERT_TRUE(next.ok() && std::holds_alternative<StreamFrame>(*next)) << next.status();
+  const cv::Mat& depth = std::get<StreamFrame>(*next).images.depth;
+  EXPECT_EQ(depth.size(), cv::Size(160, 120));
+  EXPECT_EQ(depth.at<uint16_t>(100, 1), 900);
+  Push(2, Grey(7), cv::Mat(120, 160, CV_16UC1, cv::Scalar(900)));
+  EXPECT_TRUE(std::holds_alternative<NoFrameYet>(*stream_->Next(absl::InfinitePast())));
+  EXPECT_THAT(stream_->left_out().last, HasSubstr("the rig is of 80x60"));
+}
+
 TEST_F(LiveStreamTest, RefusesAnImpossibleRig) {
   Rig rig = RectifiedPair();
   rig.baseline_m = -1;

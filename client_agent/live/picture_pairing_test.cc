@@ -35,6 +35,23 @@ TEST(PicturePairingTest, PairsWhatIsOfOneTime) {
   EXPECT_FALSE(TakeNow(pairing).has_value()) << "it was taken";
 }
 
+// The second camera stamps its pictures 40 ms early.
+TEST(PicturePairingTest, AddsTheSecondSidesTimeOffset) {
+  PicturePairing pairing(true, 5 * kMs, 40 * kMs);
+  pairing.Push(LiveSide::kSecond, At(58));
+  pairing.Push(LiveSide::kFirst, At(100));
+  const auto pair = TakeNow(pairing);
+  ASSERT_TRUE(pair.has_value());
+  EXPECT_EQ(pair->first.timestamp_ns, 100 * kMs);
+  EXPECT_EQ(pair->second.timestamp_ns, 98 * kMs);
+  pairing.Push(LiveSide::kFirst, At(200));
+  pairing.Push(LiveSide::kSecond, At(164));
+  const CameraCounts counts = pairing.counts();
+  EXPECT_EQ(counts.frames, 2u);
+  EXPECT_EQ(counts.mean_apart_ns, 1 * kMs);
+  EXPECT_EQ(counts.most_apart_ns, 4 * kMs);
+}
+
 // One side starts earlier and loses a picture; the other side's come later than they are.
 TEST(PicturePairingTest, PassesOverPicturesWithoutACounterpart) {
   PicturePairing pairing(true, 5 * kMs);

@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <memory>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <variant>
 #include <vector>
@@ -130,6 +133,78 @@ TEST(GstSourceTest, DepthComesAsASecondPipeline) {
   ASSERT_GE(played.frames.size(), 1u);
   EXPECT_EQ(played.frames[0].images.depth.type(), CV_16UC1);
   EXPECT_GT(played.frames[0].images.depth.at<uint16_t>(3, 3), 50000);
+}
+
+// Writes pictures whose numbers can be told from their pixels, and returns the pipeline that plays
+// them at 20 a second.
+std::string Pictures(const std::string& name, const cv::Size& size, int type) {
+  const std::string folder = absl::StrCat(::testing::TempDir(), "/gst_", name);
+  std::filesystem::create_directories(folder);
+  for (int i = 0; i < 8; ++i) {
+    cv::Mat picture(size, type);
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        if (type == CV_16UC1) {
+          picture.at<uint16_t>(y, x) = static_cast<uint16_t>(1000 + 700 * i + 3 * x + 41 * y);
+        } else {
+          picture.at<uint8_t>(y, x) = static_cast<uint8_t>(20 * i + (x + y) % 16);
+        }
+      }
+    }
+    cv::imwrite(absl::StrCat(folder, "/", i, ".png"), picture);
+  }
+  return absl::StrCat("multifilesrc location=", folder,
+                      "/%d.png index=0 stop-index=7 caps=image/png,framerate=20/1 ! pngdec ! "
+                      "identity sync=true");
+}
+
+// Grey and depth come as they were recorded, to the bit, each with the other's.
+TEST(GstSourceTest, RecordedDepthIsTheSameToTheBit) {
+  const auto stream =
+      Open(absl::StrCat("gst:", Pictures("grey", {160, 120}, CV_8UC1), " || ",
+                        Pictures("depth", {160, 120}, CV_16UC1), "?rig=", WriteRig(kRgbd)));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  const Played played = Play(**stream);
+  EXPECT_TRUE(played.end.ok()) << played.end;
+  ASSERT_GE(played.frames.size(), 2u);
+  for (const StreamFrame& frame : played.frames) {
+    const int number = frame.images.grey.at<uint8_t>(0, 0) / 20;
+    for (const auto& [name, picture] :
+         {std::pair("grey", frame.images.grey), {"depth", frame.images.depth}}) {
+      const cv::Mat recorded =
+          cv::imread(absl::StrCat(::testing::TempDir(), "/gst_", name, "/", number, ".png"),
+                     cv::IMREAD_UNCHANGED);
+      ASSERT_EQ(picture.type(), recorded.type());
+      EXPECT_EQ(cv::norm(picture, recorded, cv::NORM_INF), 0) << name << " " << number;
+    }
+  }
+}
+
+// Depth of another camera, of another size and stamped 0.3 s early.
+TEST(GstSourceTest, DepthIsRegisteredByTheRig) {
+  const std::string rig = absl::StrReplaceAll(
+      kRgbd, {{"{units_per_m: 1000}",
+               "{units_per_m: 1000, time_offset_s: 0.3, camera: {size_px: [80, 60], focal_px: "
+               "[50, 50], principal_px: [39.75, 29.75]}, colour_from_depth: [1, 0, 0, 0, 0, 1, 0, "
+               "0, 0, 0, 1, 0, 0, 0, 0, 1]}"}});
+  const auto stream =
+      Open(absl::StrCat("gst:", Pictures("grey", {160, 120}, CV_8UC1), " || ",
+                        Pictures("small", {80, 60}, CV_16UC1), "?rig=", WriteRig(rig)));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  const Played played = Play(**stream);
+  ASSERT_GE(played.frames.size(), 1u);
+  for (const StreamFrame& frame : played.frames) {
+    ASSERT_EQ(frame.images.depth.size(), cv::Size(160, 120));
+    EXPECT_EQ(cv::countNonZero(frame.images.depth), 160 * 120);
+    // The depth image was taken six frames of 50 ms after the grey one of the same stamp.
+    const int grey = frame.images.grey.at<uint8_t>(0, 0) / 20;
+    EXPECT_EQ(frame.images.depth.at<uint16_t>(0, 0), 1000 + 700 * (grey - 6));
+  }
+  EXPECT_THAT(std::string(Open(absl::StrCat("gst:", TestCamera(3), " || ", TestCamera(3),
+                                            "?register=1&rig=", WriteRig(kRgbd)))
+                              .status()
+                              .message()),
+              HasSubstr("the rig must say through which lens it is measured"));
 }
 
 // A device that goes away and comes back: one stream, whose times go on.

@@ -74,6 +74,47 @@ TEST(RigCheckTest, NamesRowsThatAreApart) {
   EXPECT_THAT(text, HasSubstr("USABLE, with what is improbable above."));
 }
 
+// Plays a scene as a camera would, one frame each time it is asked.
+class SceneStream : public client_agent::FrameStream {
+ public:
+  explicit SceneStream(SampleSource source) : source_(std::move(source)) {}
+  const SensorCalibration& calibration() const override { return source_.calibration; }
+  std::optional<double> interval_s() const override { return 0.05; }
+  absl::StatusOr<client_agent::NextFrame> Next(absl::Time) override {
+    if (next_ == source_.frames) return client_agent::StreamEnd();
+    auto images = source_.read(next_);
+    if (!images.ok()) return images.status();
+    client_agent::StreamFrame frame;
+    frame.frame = {next_, static_cast<int64_t>(next_) * 50'000'000, 0};
+    frame.images = *std::move(images);
+    ++next_;
+    return frame;
+  }
+  client_agent::LeftOutFrames left_out() const override { return {}; }
+  std::optional<client_agent::CameraCounts> camera_counts() const override {
+    return client_agent::CameraCounts{.frames = next_};
+  }
+
+ private:
+  const SampleSource source_;
+  size_t next_ = 0;
+};
+
+TEST(RigCheckTest, LooksAtALiveCamera) {
+  SceneStream stream(LayeredStereo());
+  SourceDescription description;
+  description.is_live = true;
+  client_agent::DescribeCamera(stream.calibration(), description);
+  const auto check = CheckLiveRig(stream, description, absl::Seconds(20));
+  ASSERT_TRUE(check.ok()) << check.status();
+  const std::string text = FormatRigCheck(*check);
+  EXPECT_TRUE(check->IsUsable()) << text;
+  EXPECT_THAT(text, HasSubstr("20.00 frames/s came"));
+  EXPECT_THAT(text, HasSubstr("apart: the second picture of a frame is +0.00 ms later"));
+  EXPECT_THAT(text, HasSubstr("rows: 0."));
+  EXPECT_GT(check->regions->all.matches, 100u);
+}
+
 TEST(RigCheckTest, ShowsDepthBesideThePicture) {
   const RigCheck check = Check(LayeredRgbd());
   EXPECT_FALSE(check.regions.has_value());
