@@ -3,19 +3,16 @@
 #include <glog/logging.h>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
+#include "client_agent/live/openni2/openni_picture.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
 namespace {
 
 using openni::OpenNI;
-using openni::VideoMode;
 
 std::string LastWords() { return std::string(absl::StripSuffix(OpenNI::getExtendedError(), "\n")); }
 
@@ -25,65 +22,6 @@ absl::Status InitialiseOnce() {
     return absl::UnavailableError(absl::StrCat("OpenNI 2 does not start: ", LastWords()));
   }());
   return *status;
-}
-
-bool IsUsable(openni::SensorType type, openni::PixelFormat format) {
-  if (type == openni::SENSOR_DEPTH) {
-    return format == openni::PIXEL_FORMAT_DEPTH_1_MM || format == openni::PIXEL_FORMAT_DEPTH_100_UM;
-  }
-  return format == openni::PIXEL_FORMAT_RGB888 || format == openni::PIXEL_FORMAT_GRAY8 ||
-         format == openni::PIXEL_FORMAT_YUV422 || format == openni::PIXEL_FORMAT_YUYV;
-}
-
-std::string Name(const VideoMode& mode) {
-  return absl::StrCat(mode.getResolutionX(), "x", mode.getResolutionY(), " at ", mode.getFps(),
-                      "/s, format ", static_cast<int>(mode.getPixelFormat()));
-}
-
-// Returns the mode of that size whose rate is nearest to what is wanted, or the fastest.
-const VideoMode* ChooseMode(const openni::SensorInfo& sensor, const cv::Size& size,
-                            std::optional<double> rate_hz) {
-  const VideoMode* best = nullptr;
-  const auto cost = [&](const VideoMode& mode) {
-    return rate_hz.has_value() ? std::abs(mode.getFps() - *rate_hz) : -mode.getFps();
-  };
-  const auto& modes = sensor.getSupportedVideoModes();
-  for (int i = 0; i < modes.getSize(); ++i) {
-    const VideoMode& mode = modes[i];
-    if (mode.getResolutionX() != size.width || mode.getResolutionY() != size.height) continue;
-    if (!IsUsable(sensor.getSensorType(), mode.getPixelFormat())) continue;
-    if (best == nullptr || cost(mode) < cost(*best)) best = &mode;
-  }
-  return best;
-}
-
-cv::Mat ToGrey(const openni::VideoFrameRef& frame) {
-  const auto stride = static_cast<size_t>(frame.getStrideInBytes());
-  auto* const data = const_cast<void*>(frame.getData());  // It is only read.
-  const cv::Size size(frame.getWidth(), frame.getHeight());
-  cv::Mat grey;
-  switch (frame.getVideoMode().getPixelFormat()) {
-    case openni::PIXEL_FORMAT_GRAY8:
-      return cv::Mat(size, CV_8UC1, data, stride).clone();
-    case openni::PIXEL_FORMAT_RGB888:
-      cv::cvtColor(cv::Mat(size, CV_8UC3, data, stride), grey, cv::COLOR_RGB2GRAY);
-      break;
-    case openni::PIXEL_FORMAT_YUV422:
-      cv::cvtColor(cv::Mat(size, CV_8UC2, data, stride), grey, cv::COLOR_YUV2GRAY_UYVY);
-      break;
-    case openni::PIXEL_FORMAT_YUYV:
-      cv::cvtColor(cv::Mat(size, CV_8UC2, data, stride), grey, cv::COLOR_YUV2GRAY_YUYV);
-      break;
-    default:
-      break;  // SetUp lets no other in.
-  }
-  return grey;
-}
-
-cv::Mat ToDepth(const openni::VideoFrameRef& frame) {
-  return cv::Mat(frame.getHeight(), frame.getWidth(), CV_16UC1, const_cast<void*>(frame.getData()),
-                 static_cast<size_t>(frame.getStrideInBytes()))
-      .clone();
 }
 
 }  // namespace
@@ -166,20 +104,17 @@ absl::Status OpenNiDevice::SetUp(openni::VideoStream& stream, openni::SensorType
   if (stream.create(device_, type) != openni::STATUS_OK) {
     return absl::InvalidArgumentError(absl::StrCat(uri_, " has no ", what, ": ", LastWords()));
   }
-  const VideoMode* const mode = ChooseMode(stream.getSensorInfo(), size, options.rate_hz);
+  const openni::VideoMode* const mode = ChooseMode(stream.getSensorInfo(), size, options.rate_hz);
   if (mode == nullptr) {
-    std::vector<std::string> has;
-    const auto& modes = stream.getSensorInfo().getSupportedVideoModes();
-    for (int i = 0; i < modes.getSize(); ++i) has.push_back(Name(modes[i]));
     return absl::InvalidArgumentError(
         absl::StrCat(uri_, " gives no ", what, " of ", size.width, "x", size.height,
                      " in a format that is known, which the rig says; it has ",
-                     absl::StrJoin(has, "; "), ": give the rig of one of these"));
+                     ListModes(stream.getSensorInfo()), ": give the rig of one of these"));
   }
   // A recording has one mode, which can't be set.
   if (!device_.isFile() && stream.setVideoMode(*mode) != openni::STATUS_OK) {
     return absl::UnavailableError(
-        absl::StrCat(uri_, " refuses ", what, " of ", Name(*mode), ": ", LastWords()));
+        absl::StrCat(uri_, " refuses ", what, " of ", DescribeMode(*mode), ": ", LastWords()));
   }
   stream.setMirroringEnabled(false);
   flips_[static_cast<size_t>(is_depth ? LiveSide::kSecond : LiveSide::kFirst)] =
