@@ -1,10 +1,13 @@
 // Runs every call of docs/grpcurl.md as it is written, by a client that knows no proto, against a
 // store, a worker and two robots that were started as the page says, and compares what they answer
-// with what the page says.
+// with what the page says. With CORBSLAM_GRPCURL_ANSWERS=FILE it also writes the answers there, for
+// the page.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <fstream>
 #include <memory>
 #include <regex>
 #include <string>
@@ -117,6 +120,17 @@ class GrpcurlTest : public ::testing::Test {
     EXPECT_EQ(*names, written);
   }
 
+  // For whoever writes the page.
+  static void KeepAnswers(const GrpcurlCall& call, const std::vector<std::string>& answers) {
+    const char* path = std::getenv("CORBSLAM_GRPCURL_ANSWERS");
+    if (path == nullptr) return;
+    std::ofstream file(path, std::ios::app);
+    file << call.line << '\n';
+    for (const std::string& answer : answers) {
+      file << nlohmann::ordered_json::parse(answer).dump(2) << '\n';
+    }
+  }
+
   void CheckCall(const GrpcurlCall& call) {
     GenericClient client(ChannelTo(call.address));
     GenericCallOptions options;
@@ -130,6 +144,7 @@ class GrpcurlTest : public ::testing::Test {
       return;
     }
     ASSERT_TRUE(answers.ok()) << answers.status();
+    KeepAnswers(call, *answers);
     const auto written = ParseDocuments(call.answer);
     ASSERT_TRUE(written.ok()) << written.status();
     ASSERT_FALSE(written->empty()) << call.answer;
