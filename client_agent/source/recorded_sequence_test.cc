@@ -129,9 +129,9 @@ std::vector<size_t> PlayNumbers(RecordedSequence& source) {
     const absl::StatusOr<NextFrame> next = source.Next(absl::InfinitePast());
     EXPECT_TRUE(next.ok()) << next.status();
     if (!next.ok() || std::holds_alternative<StreamEnd>(*next)) return numbers;
-    const auto& [frame, images] = std::get<StreamFrame>(*next);
-    EXPECT_EQ(images.timestamp_ns, frame.timestamp_ns);
-    numbers.push_back(frame.number);
+    const StreamFrame& played = std::get<StreamFrame>(*next);
+    EXPECT_EQ(played.images.timestamp_ns, played.frame.timestamp_ns);
+    numbers.push_back(played.frame.number);
   }
 }
 
