@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
 #include "client_agent/source/frame_reader.h"
 
 namespace corbslam::client_agent {
@@ -97,7 +98,8 @@ TEST(RigOpeningTest, NotesATimeOffsetThatMeansNothingHere) {
 TEST(RigOpeningTest, TakesAnyNameOfAFile) {
   const fs::path named = fs::path(::testing::TempDir()) / "a&b,c%26d.yaml";
   fs::copy_file(PairOf(kCameras), named, fs::copy_options::overwrite_existing);
-  const std::string written = "rig=" + ::testing::TempDir() + "a%26b%2Cc%2526d.yaml";
+  const std::string written =
+      "rig=" + absl::StrReplaceAll(named.string(), {{"%26", "%2526"}, {"&", "%26"}, {",", "%2C"}});
   const auto reader = Open(written);
   ASSERT_TRUE(reader.ok()) << reader.status();
   EXPECT_EQ((*reader)->description().intrinsics_from, named.string());

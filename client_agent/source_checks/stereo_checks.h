@@ -10,15 +10,16 @@
 
 namespace corbslam::client_agent {
 
+struct StereoJudgement {
+  SourceFindings findings;
+  std::vector<JudgedPair> pairs;  // Those that could be judged, in order.
+};
+
 // Judges matches between the pictures of pairs, found without knowledge of the geometry: exchanged
 // cameras, rows apart or turned against each other, a camera that is late, pictures that have
 // nothing to do with each other, a baseline in other units. Frames of another size than the
 // calibration's are passed over (CheckPictures names them), and so are those with too few features
 // to judge. Pure; any thread.
-struct StereoJudgement {
-  SourceFindings findings;
-  std::vector<JudgedPair> pairs;  // Those that could be judged, in order.
-};
 StereoJudgement JudgeStereoPair(const StereoCalibration& calibration, const Sample& sample);
 
 // Returns the findings alone.
