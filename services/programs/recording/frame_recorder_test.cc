@@ -36,7 +36,7 @@ bool AreSame(const cv::Mat& a, const cv::Mat& b) {
 
 cv::Mat Noise(int type, int most, int seed) {
   cv::Mat picture(kHeight_px, kWidth_px, type);
-  cv::RNG random(seed);
+  cv::RNG random(static_cast<uint64_t>(seed));
   random.fill(picture, cv::RNG::UNIFORM, 0, most);
   return picture;
 }

@@ -31,7 +31,7 @@ Rigid3d Turned() {
   Rigid3d motion;
   motion.rotation = Eigen::Quaterniond(
       Eigen::AngleAxisd(kThird, Eigen::Vector3d(1, 2, std::numbers::pi).normalized()));
-  motion.translation = {-0.11, kThird * 1e-3, std::numbers::e};
+  motion.translation = {-0.11, kThird * 1e-3, std::numbers::e * 1e-3};
   return motion;
 }
 
