@@ -7,7 +7,10 @@
 
 namespace corbslam {
 
-// Dice are cheap to make: each thing that is built has its own. Not thread-safe.
+// Dice are cheap to make: each thing that is built has its own. Not thread-safe. At most one
+// argument of a call may draw: compilers evaluate the others before or after it as they like (gcc
+// for x86-64 from the last to the first, for arm64 the other way), and another order makes another
+// world.
 class Dice {
  public:
   explicit Dice(uint64_t seed) : state_(seed) {}

@@ -113,8 +113,8 @@ void FurnishRoom(const FloorBox& room, int index, uint64_t seed, Furnisher* furn
     if (!furnisher->PutAtWall(room, turns, share, piece, own)) continue;
   }
   for (int attempt = 0; attempt < 14; ++attempt) {
-    const Vector2d middle(dice.Uniform(room.low.x() + 0.9, room.high.x() - 0.9),
-                          dice.Uniform(room.low.y() + 0.9, room.high.y() - 0.9));
+    const double y = dice.Uniform(room.low.y() + 0.9, room.high.y() - 0.9);
+    const Vector2d middle(dice.Uniform(room.low.x() + 0.9, room.high.x() - 0.9), y);
     const int turns = dice.Integer(0, 3);
     const bool table = attempt % 3 == 0;
     const Piece piece = PieceOf(table ? FurnitureKind::kTable : FurnitureKind::kChair, &dice);

@@ -32,9 +32,10 @@ void AddShelf(const Extent& e, Dice* dice, Mesh* mesh) {
   AddBox({e.x - board, -e.height, -e.z}, {e.x, 0, e.z}, wood, mesh);
   AddBox({-e.x, -e.height, -e.z}, {e.x, -e.height + board, e.z}, wood, mesh);
   const float books = e.z - 0.06F;
+  const float tone = dice->Uniformf(0.7, 1.3);
   mesh->patches.push_back(Rectangle({-e.x + board, -e.height + board, books},
                                     {2 * (e.x - board), 0, 0}, {0, e.height - board, 0},
-                                    Material::kShelf, dice->Seed(), dice->Uniformf(0.7, 1.3)));
+                                    Material::kShelf, dice->Seed(), tone));
   // Boards stand out before the books, at the pattern's own distance.
   for (float y = -e.height + board; y < -0.05F; y += 0.35F) {
     AddBox({-e.x + board, y, books}, {e.x - board, y + 0.03F, e.z}, wood, mesh, true);
@@ -67,11 +68,10 @@ void AddTable(const Extent& e, Dice* dice, Mesh* mesh) {
     }
     const float half_x = dice->Uniformf(0.04, 0.16);
     const float half_z = dice->Uniformf(0.03, 0.11);
+    const Finish cover = {dice->Chance(0.7) ? Material::kSign : Material::kCarPaint, dice->Seed(),
+                          dice->Uniformf(0.5, 1.4)};
     AddBox({x - half_x, -e.height - dice->Uniformf(0.02, 0.28), z - half_z},
-           {x + half_x, -e.height, z + half_z},
-           {dice->Chance(0.7) ? Material::kSign : Material::kCarPaint, dice->Seed(),
-            dice->Uniformf(0.5, 1.4)},
-           mesh);
+           {x + half_x, -e.height, z + half_z}, cover, mesh);
   }
 }
 
@@ -103,8 +103,9 @@ void AddCabinet(const Extent& e, Dice* dice, Mesh* mesh) {
   const int things = dice->Integer(0, 3);
   for (int i = 0; i < things && e.height < 1.6F; ++i) {
     const float x = dice->Uniformf(-0.7, 0.7) * e.x;
+    const Finish cover = {Material::kSign, dice->Seed(), dice->Uniformf(0.5, 1.4)};
     AddBox({x - 0.08F, -e.height - dice->Uniformf(0.1, 0.35), -0.1F}, {x + 0.08F, -e.height, 0.1F},
-           {Material::kSign, dice->Seed(), dice->Uniformf(0.5, 1.4)}, mesh);
+           cover, mesh);
   }
 }
 

@@ -30,9 +30,10 @@ void AddWalls(const HouseStyle& style, const Finish& wall, Dice* dice, Mesh* mes
                                     front.seed, front.tone));
   // The plinth stands out a little all round.
   const float out = 0.05F;
+  const Finish plinth = {dice->Chance(0.7) ? Material::kPlaster : Material::kPavement, dice->Seed(),
+                         0.55F};
   AddBox({-half - out, -kPlinthM * dice->Uniformf(0.6, 1.4), -out},
-         {half + out, kFoundationM, style.depth + out},
-         {dice->Chance(0.7) ? Material::kPlaster : Material::kPavement, dice->Seed(), 0.55F}, mesh);
+         {half + out, kFoundationM, style.depth + out}, plinth, mesh);
 }
 
 }  // namespace

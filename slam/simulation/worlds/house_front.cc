@@ -31,8 +31,9 @@ void AddDoor(float x, const Finish& wall, Dice* dice, Mesh* mesh) {
   const float top = -kPlinthM - height;
   AddBox({x - half - 0.15F, top - 0.15F, -0.1F}, {x + half + 0.15F, 0.3F, 0},
          {Material::kPlaster, dice->Seed(), dice->Uniformf(0.6, 1.4)}, mesh);
+  const float tone = dice->Uniformf(0.5, 1.3);
   mesh->patches.push_back(Rectangle({x - half, top, -0.12F}, {2 * half, 0, 0}, {0, height, 0},
-                                    Material::kDoor, dice->Seed(), dice->Uniformf(0.5, 1.3)));
+                                    Material::kDoor, dice->Seed(), tone));
   const Finish stone = {Material::kPavement, dice->Seed(), dice->Uniformf(0.7, 1.2)};
   for (int step = 0; step < 3; ++step) {
     const float rise = kPlinthM * static_cast<float>(3 - step) / 3;

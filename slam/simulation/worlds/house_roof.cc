@@ -137,9 +137,10 @@ void AddSkylights(const HouseStyle& style, const RoofShape& at, Dice* dice, Mesh
     const Vector3f start = corner + 0.06F * out;
     mesh->patches.push_back(
         Rectangle(start, {0.9F, 0, 0}, 1.2F * slope, Material::kMetal, dice->Seed(), 0.6F));
+    const float tone = dice->Uniformf(0.8, 1.5);
     mesh->patches.push_back(Rectangle(start + Vector3f(0.1F, 0, 0) + 0.1F * slope + 0.02F * out,
                                       {0.7F, 0, 0}, 1.0F * slope, Material::kGlass, dice->Seed(),
-                                      dice->Uniformf(0.8, 1.5)));
+                                      tone));
   }
 }
 

@@ -30,11 +30,13 @@ void AddClump(const Vector3f& centre, float size, float tone, Dice* dice, Mesh* 
   const Vector3f across = normal.cross(along);
   // The clump is a kite: no two sides are the same, so that no row of clumps looks like tiles.
   const float half = size / 2;
-  AddQuad(centre - half * dice->Uniformf(0.7, 1.2) * along,
-          centre - half * dice->Uniformf(0.5, 1.0) * across,
-          centre + half * dice->Uniformf(0.7, 1.3) * along,
-          centre + half * dice->Uniformf(0.5, 1.0) * across,
-          {Material::kLeaves, dice->Seed(), tone}, mesh);
+  const Finish leaves = {Material::kLeaves, dice->Seed(), tone};
+  const float right = dice->Uniformf(0.5, 1.0);
+  const float up = dice->Uniformf(0.7, 1.3);
+  const float left = dice->Uniformf(0.5, 1.0);
+  const float down = dice->Uniformf(0.7, 1.2);
+  AddQuad(centre - half * down * along, centre - half * left * across, centre + half * up * along,
+          centre + half * right * across, leaves, mesh);
 }
 
 // Clumps near the surface of an ellipsoid are brighter than those within, where it is dark.
@@ -44,14 +46,16 @@ void AddCrown(const Vector3f& centre, const Vector3f& radii, int clumps, float s
     const float depth = std::cbrt(dice->Uniformf(0.08, 1.15));
     const Vector3f offset = depth * RandomDirection(dice);
     const float lit = 0.35F + 0.5F * depth * depth - 0.15F * offset.y();
-    AddClump(centre + radii.cwiseProduct(offset), size * dice->Uniformf(0.65, 1.35),
-             lit * dice->Uniformf(0.75, 1.25), dice, mesh);
+    const float tone = lit * dice->Uniformf(0.75, 1.25);
+    AddClump(centre + radii.cwiseProduct(offset), size * dice->Uniformf(0.65, 1.35), tone, dice,
+             mesh);
   }
 }
 
 void AddBroadleaf(const TreeShape& shape, Dice* dice, Mesh* mesh) {
   const Finish bark = {Material::kBark, dice->Seed(), 0.9F};
-  const Vector3f fork(dice->Uniformf(-0.15, 0.15), -shape.trunk, dice->Uniformf(-0.15, 0.15));
+  const float fork_z = dice->Uniformf(-0.15, 0.15);
+  const Vector3f fork(dice->Uniformf(-0.15, 0.15), -shape.trunk, fork_z);
   AddTube({0, 0.4F, 0}, fork, 1.25F * shape.trunk_radius, shape.trunk_radius, 7, bark, mesh);
   const float crown_height = shape.height - shape.trunk;
   for (int i = 0; i < shape.branches; ++i) {
@@ -85,9 +89,9 @@ void AddConifer(const TreeShape& shape, Dice* dice, Mesh* mesh) {
     const float reach = shape.crown_radius * (1.02F - share) * layer;
     const float angle = dice->Uniformf(0, 2 * std::numbers::pi);
     const float out = reach * std::sqrt(dice->Uniformf(0.15, 1));
+    const float tone = (0.25F + 0.4F * out / (reach + 0.01F)) * dice->Uniformf(0.8, 1.2);
     AddClump({out * std::cos(angle), -up + 0.3F * out, out * std::sin(angle)},
-             shape.clump * dice->Uniformf(0.6, 1.3),
-             (0.25F + 0.4F * out / (reach + 0.01F)) * dice->Uniformf(0.8, 1.2), dice, mesh);
+             shape.clump * dice->Uniformf(0.6, 1.3), tone, dice, mesh);
   }
 }
 
@@ -126,8 +130,8 @@ Mesh BuildHedge(float length, float height, float thickness, uint64_t seed) {
     const bool top = way > height;
     const float y = top ? -height : -std::abs(way);
     const float z = top ? way - height - half : (way < 0 ? -half : half);
-    AddClump({x, y, z}, dice.Uniformf(0.14, 0.3), dice.Uniformf(0.5, 1.0) + (top ? 0.2F : 0.0F),
-             &dice, &mesh);
+    const float tone = dice.Uniformf(0.5, 1.0) + (top ? 0.2F : 0.0F);
+    AddClump({x, y, z}, dice.Uniformf(0.14, 0.3), tone, &dice, &mesh);
   }
   return mesh;
 }
@@ -158,7 +162,9 @@ TreePrototypes BuildTreePrototypes(uint64_t seed) {
     trees.garden.push_back(BuildTree(shape, dice.Next()));
   }
   for (int i = 0; i < 4; ++i) {
-    trees.bushes.push_back(BuildBush(dice.Uniformf(0.6, 1.2), dice.Integer(450, 700), dice.Next()));
+    const uint64_t own = dice.Next();
+    const int clumps = dice.Integer(450, 700);
+    trees.bushes.push_back(BuildBush(dice.Uniformf(0.6, 1.2), clumps, own));
   }
   return trees;
 }

@@ -34,8 +34,10 @@ Mesh MakeBorder(BorderKind kind, double length_m, Dice* dice) {
                          : dice->Chance(0.5) ? Material::kBrick
                                              : Material::kPavement;
   switch (kind) {
-    case BorderKind::kHedge:
-      return BuildHedge(length, dice->Uniformf(0.8, 1.7), dice->Uniformf(0.5, 0.8), seed);
+    case BorderKind::kHedge: {
+      const float thickness = dice->Uniformf(0.5, 0.8);
+      return BuildHedge(length, dice->Uniformf(0.8, 1.7), thickness, seed);
+    }
     case BorderKind::kWall: {
       const float height = dice->Uniformf(0.5, 1.3);
       AddBox({0, -height, -0.12F}, {length, 0.6F, 0.12F}, {stone, seed, tone}, &mesh);

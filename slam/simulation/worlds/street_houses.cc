@@ -129,9 +129,11 @@ void BuildGarages(StreetSite* site) {
     AddBox({-half - 0.1F, -2.75F, -0.25F}, {half + 0.1F, -2.5F, depth + 0.1F},
            {Material::kMetal, dice.Seed(), dice.Uniformf(0.6, 1.5)}, &mesh, true);
     for (float x = -half + 0.3F; x + 2.4F < half + 0.1F; x += 3.0F) {
+      const float tone = dice.Uniformf(0.5, 1.2);
+      const uint32_t seed = dice.Seed();
       mesh.patches.push_back(Rectangle({x, -2.2F, -0.02F}, {2.5F, 0, 0}, {0, 2.2F, 0},
-                                       dice.Chance(0.5) ? Material::kWood : Material::kDoor,
-                                       dice.Seed(), dice.Uniformf(0.5, 1.2)));
+                                       dice.Chance(0.5) ? Material::kWood : Material::kDoor, seed,
+                                       tone));
     }
     site->Build(mesh, Origin(*site, lot), lot.away);
   }

@@ -91,8 +91,10 @@ void AddSpot(const Station& station, Dice* dice, StreetSite* site) {
             {Material::kMetal, dice->Seed(), 0.6F}, site->chunks.At(at));
     return;
   }
-  Lay(at, station.ahead, dice->Uniform(0.3, 1.4), dice->Uniform(0.3, 0.9),
-      {Material::kAsphalt, dice->Seed(), dice->Uniformf(0.5, 1.5)}, site);
+  const Finish patch = {Material::kAsphalt, dice->Seed(), dice->Uniformf(0.5, 1.5)};
+  const double across = dice->Uniform(0.3, 0.9);
+  const double along = dice->Uniform(0.3, 1.4);
+  Lay(at, station.ahead, along, across, patch, site);
 }
 
 bool AnotherStreetNear(const Station& station, const StreetSite& site) {
