@@ -117,6 +117,30 @@ TEST(PixelKernelsTest, FastScoresFollowTheDefinition) {
   }
 }
 
+// Weighs seven pixels that lie `step` apart around `centre` by the taps of a Gaussian of sigma 2.
+int BlurByDefinition(const std::vector<uint8_t>& pixels, int centre, int step) {
+  constexpr int kTaps[4] = {56, 49, 33, 18};
+  int sum = 128;
+  for (int i = -3; i <= 3; ++i) {
+    sum += kTaps[std::abs(i)] * pixels[static_cast<size_t>(centre + i * step)];
+  }
+  return sum / 256;
+}
+
+TEST(PixelKernelsTest, BlursFollowTheDefinition) {
+  const std::vector<uint8_t> pixels = RandomPixels(9);
+  const Outputs out = RunAll(BestPixelKernels(), pixels);
+  for (int y = 3; y < kHeight_px - 3; ++y) {
+    for (int x = 0; x < kWidth_px; ++x) {
+      const int at = y * kWidth_px + x;
+      ASSERT_EQ(out.vertical[static_cast<size_t>(at)], BlurByDefinition(pixels, at, kWidth_px));
+      if (x >= kWidth_px - 6) continue;
+      // RunAll writes a row's first blurred pixel, that of column 3, to column 0.
+      ASSERT_EQ(out.horizontal[static_cast<size_t>(at)], BlurByDefinition(pixels, at + 3, 1));
+    }
+  }
+}
+
 TEST(PixelKernelsTest, MomentsFollowTheDefinition) {
   const std::vector<uint8_t> pixels = RandomPixels(3);
   int m10 = 0, m01 = 0;

@@ -46,7 +46,8 @@ class LayeredScene {
                       {-kWidth_px / 2, -kHeight_px / 2},
                       options.farthest_px});
     for (int i = 1; i <= kCards; ++i) {
-      const cv::Size size(random.uniform(60, 160), random.uniform(50, 120));
+      const int height = random.uniform(50, 120);  // Arguments are evaluated in any order.
+      const cv::Size size(random.uniform(60, 160), height);
       cards_.push_back(
           {MakeTexture(size, options.contrast, random),
            {random.uniform(-40, kWidth_px), random.uniform(-40, kHeight_px)},
