@@ -14,7 +14,7 @@ namespace corbslam::services {
 
 struct PostedPose {
   client_agent::TrackingResult result;
-  std::optional<Similarity3d> global_from_local;
+  std::optional<Similarity3d> global_from_local = std::nullopt;
   uint64_t global_epoch = 0;
   // The frame before had a pose, too.
   bool follows_a_pose = false;

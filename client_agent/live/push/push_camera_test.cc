@@ -30,7 +30,9 @@ constexpr int kPatience_ms = 20000;
 int Memory(size_t bytes, unsigned seals) {
   const int file = memfd_create("test", MFD_ALLOW_SEALING);
   EXPECT_EQ(ftruncate(file, static_cast<off_t>(bytes)), 0);
-  if (seals != 0) EXPECT_EQ(fcntl(file, F_ADD_SEALS, seals), 0);
+  if (seals != 0) {
+    EXPECT_EQ(fcntl(file, F_ADD_SEALS, seals), 0);
+  }
   return file;
 }
 
@@ -249,7 +251,9 @@ TEST_F(PushCameraTest, OutlivesRandomBytes) {
     const int file = Memory(16, 0);
     driver.Send(bytes, static_cast<int>(random() % 3), file);
     close(file);
-    if (!bytes.empty()) EXPECT_NE(driver.Refusal(), "not refused");
+    if (!bytes.empty()) {
+      EXPECT_NE(driver.Refusal(), "not refused");
+    }
   }
   RawDriver good(path_);
   good.SendHello(GoodHello(), Memory(16384, F_SEAL_SHRINK));

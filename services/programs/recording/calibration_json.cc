@@ -154,7 +154,8 @@ Rig RgbdRig(const RgbdCalibration& rgbd) {
   Rig rig;
   rig.kind = RigKind::kRgbd;
   rig.cameras = {RigCameraOf(rgbd.camera, rgbd.camera.cx_px, rgbd.lens)};
-  rig.depth = {rgbd.depth_units_per_m, rgbd.camera.baseline_m};
+  rig.depth.units_per_m = rgbd.depth_units_per_m;
+  rig.depth.virtual_baseline_m = rgbd.camera.baseline_m;
   if (rgbd.camera.close_depth_m > 0) rig.close_depth_m = rgbd.camera.close_depth_m;
   rig.body_from_camera = rgbd.body_from_raw;
   return rig;

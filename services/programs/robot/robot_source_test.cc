@@ -45,7 +45,8 @@ class TestCamera : public KindSettings {
   absl::Status CheckLive() const override {
     return place_ == "wrong" ? absl::InvalidArgumentError("no rig") : absl::OkStatus();
   }
-  absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive() const override {
+  absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive(
+      const absl::Notification& /*stop*/) const override {
     ++times_opened;
     return absl::UnavailableError("no such device");
   }
@@ -69,7 +70,8 @@ TEST_F(RobotSourceTest, ACheckLeavesTheCameraAlone) {
   EXPECT_TRUE(CheckRobotSource(*ParseSourceSpec("testcamera:front"), false).ok());
   EXPECT_EQ(CheckRobotSource(*ParseSourceSpec("testcamera:wrong"), false).message(), "no rig");
   EXPECT_EQ(times_opened, 0);
-  EXPECT_EQ(OpenRobotSource(*ParseSourceSpec("testcamera:front"), false).status().message(),
+  const absl::Notification never;
+  EXPECT_EQ(OpenRobotSource(*ParseSourceSpec("testcamera:front"), false, never).status().message(),
             "no such device");
   EXPECT_EQ(times_opened, 1);
 }
