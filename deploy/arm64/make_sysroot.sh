@@ -1,7 +1,7 @@
 #!/bin/sh
 # make_sysroot.sh [--kernels] FOLDER: puts the headers and libraries of Debian 12's arm64 packages that
 # programs are compiled and linked with (the libraries of ../packages.txt and packages_libraries.txt; with
-# --kernels the few of packages_kernels.txt) into FOLDER. Nothing of this machine changes, and root is
+# --kernels the few of packages_kernels*.txt) into FOLDER. Nothing of this machine changes, and root is
 # not needed. What is there already for the same list stays. DEBIAN_MIRROR names a mirror
 # (http://deb.debian.org/debian); CORBSLAM_ARM64_PACKAGES a folder that keeps the packages, so that the
 # next time fetches what is new.
@@ -21,6 +21,7 @@ mkdir -p "$1"
 root=$(cd "$1" && pwd)
 apt=$root/.apt
 archives=${CORBSLAM_ARM64_PACKAGES:-$apt/archives}
+case $archives in /*) ;; *) archives=$PWD/$archives ;; esac
 
 wanted() {
   if [ -n "$kernels" ]; then
@@ -30,6 +31,11 @@ wanted() {
     sed 's/#.*//' "$here/packages_libraries.txt"
   fi
   sed 's/#.*//' "$here/packages_target.txt"
+}
+
+# OpenCV's headers depend on those of all of OpenCV, and these on GDAL, Mesa and Qt.
+alone() {
+  [ -z "$kernels" ] || sed 's/#.*//' "$here/packages_kernels_alone.txt"
 }
 
 # apt's own folders lie below the new root: it knows of nothing that is installed here.
@@ -72,7 +78,11 @@ fetch() { # PACKAGE...
   # Where none is there yet, apt tells of all.
   apt-get install -q -y --print-uris -o Dir::Cache::archives="$apt/none" "$@" >"$apt/uris" || return 1
   awk '/^.http/ { print $2 }' "$apt/uris" >"$apt/files"
-  apt-get install -q -y --download-only "$@" >>"$apt/log" 2>&1
+  apt-get install -q -y --download-only "$@" >>"$apt/log" 2>&1 || return 1
+  for name in $(alone); do
+    (cd "$archives" && apt-get download -q "$name" >>"$apt/log" 2>&1) || return 1
+    (cd "$archives" && ls -t "${name}"_*.deb | head -n 1) >>"$apt/files"
+  done
 }
 
 # Unpacks a package, of its papers the licence, and notes what dpkg would, for dpkg-query and dpkg-shlibdeps.
@@ -110,7 +120,7 @@ set_links() {
 }
 
 packages=$(wanted | sort | xargs)
-made="$packages; by $(cksum <"$0")"
+made="$packages; $(alone | xargs); by $(cksum <"$0")"
 [ "$(cat "$root/.made" 2>/dev/null || true)" != "$made" ] || exit 0
 find "$root" -mindepth 1 -maxdepth 1 -exec rm -rf {} +
 configure_apt

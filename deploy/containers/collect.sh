@@ -50,7 +50,8 @@ if [ -n "$sysroot" ]; then
 fi
 list_libraries() { # PROGRAM
   if [ -n "$sysroot" ]; then
-    $emulator "$sysroot/lib/ld-linux-aarch64.so.1" --list "$1"
+    $emulator "$sysroot/lib/ld-linux-aarch64.so.1" --list "$1" > "$lists/listed" || return 1
+    sed "s|$sysroot||" "$lists/listed"
   else
     ldd "$1"
   fi
