@@ -92,7 +92,7 @@ TEST(LensViewTest, AMarkerIsWhereTheLensHasIt) {
         continue;
       }
       ++seen;
-      const cv::Mat picture = Draw(MarkerAt(direction, 0.03), *view);
+      const cv::Mat picture = Draw(MarkerAt(direction, 0.02), *view);
       EXPECT_LT((CentreOf(picture) - *expected).norm(), 0.1)
           << c.name << ", " << off_axis << " rad from the axis, at " << expected->transpose();
     }

@@ -47,8 +47,10 @@ TEST(ObstructionsTest, ALensOutOfFocusLosesWhatIsFine) {
   Defocus(0, light);
   EXPECT_EQ(Untouched(light), 1);
   Defocus(4, light);
-  EXPECT_LT(Contrast(light), 0.02);
-  EXPECT_NEAR(cv::mean(light)[0], 0.6, 0.01);
+  // At its sides the picture is continued by its last column.
+  const cv::Mat inner = light.colRange(16, 64);
+  EXPECT_LT(Contrast(inner), 0.02);
+  EXPECT_NEAR(cv::mean(inner)[0], 0.6, 0.01);
 }
 
 }  // namespace

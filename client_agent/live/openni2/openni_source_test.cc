@@ -33,19 +33,10 @@ constexpr char kDepthCamera[] =
     "  camera: {size_px: [160, 120], focal_px: [100, 100], principal_px: [80, 60]}\n"
     "  colour_from_depth: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n";
 
-// OpenNI loads its drivers once: the made-up one, and the system's for recordings.
+// OpenNI loads the drivers beside its library once: the made-up one, and the system's for recordings.
 class OpenNiSourceTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    const fs::path drivers = fs::path(::testing::TempDir()) / "openni_drivers";
-    fs::remove_all(drivers);
-    fs::create_directories(drivers);
-    fs::copy_file(CORBSLAM_MADE_UP_DRIVER, drivers / "libMadeUp.so");
-    for (const char* const folder : {CORBSLAM_OPENNI_DRIVERS}) {
-      const fs::path recordings = fs::path(folder) / "libOniFile.so";
-      if (fs::exists(recordings)) fs::create_symlink(recordings, drivers / "libOniFile.so");
-    }
-    setenv("OPENNI2_DRIVERS_PATH", drivers.c_str(), 1);
     setenv("CORBSLAM_MADE_UP_UNPLUGGED", Unplugged().c_str(), 1);
     fs::remove(Unplugged());
   }
