@@ -226,7 +226,7 @@ void AddEuroc(std::vector<NewcomerMistake>& list) {
                     const std::string path = folder + "/mav0/cam1/sensor.yaml";
                     std::vector<std::string> lines = ReadAllLines(path);
                     for (std::string& line : lines) {
-                      if (line.find("  data: [1.0, 0.0, 0.0, ") == 0) {
+                      if (line.find("  data: [1, 0, 0, ") == 0) {
                         line =
                             "  data: [1.0, 0.0, 0.0, 537.2, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, "
                             "0.0, 0.0, 0.0, 0.0, 1.0]";

@@ -249,7 +249,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "distortion_model is 'fov', only radial-tangential, radtan, equidistant"},
         Stranger{"t_bs_no_rotation",
                  [](const std::string& f) {
-                   ReplaceInFile(f + "/mav0/cam1/sensor.yaml", "data: [1.0", "data: [2.0");
+                   ReplaceInFile(f + "/mav0/cam1/sensor.yaml", "data: [1, ", "data: [2, ");
                  },
                  Level::kFail, "T_BS is no motion"},
         Stranger{"cameras_exchanged",
