@@ -13,12 +13,14 @@
 namespace corbslam {
 
 // Returns the covariance of a pose that OptimisePose found, of its inliers: of a perturbation
-// (translation, rotation) of `camera_from_map` on the left, metres and radians. It is the inverse
-// of the information matrix J^T W J, with the assumed variances scaled by the noise that the
-// residuals show (the a-posteriori variance factor, chi2 by degrees of freedom: Triggs et al.,
-// "Bundle Adjustment - A Modern Synthesis", 2000). The points are taken as they are: errors that
-// they share are not in it. Returns nullopt where the observations don't determine the pose. Pure;
-// any thread.
+// (translation, rotation) of `camera_from_map` on the left, metres and radians. It is H^-1 G H^-1
+// with the information matrix H = J^T W J, and G the sum over the picture's cells of the squares of
+// their J^T W r: the covariance that is right for residuals of any size that neighbours share
+// (Liang and Zeger, "Longitudinal data analysis using generalized linear models", 1986), as corners
+// have that are found at several scales or lie on one edge. Where few cells have observations, H^-1
+// scaled by the noise that the residuals show. The points are taken as they are: the map's own
+// errors are not in it. Returns nullopt where the observations don't determine the pose. Pure; any
+// thread.
 std::optional<Matrix6d> PoseCovariance(const Camera& camera, const Rigid3d& camera_from_map,
                                        absl::Span<const PoseObservation> inliers);
 

@@ -56,7 +56,7 @@ void ExpectConsistent(double noise_px) {
   double in_camera = 0;
   double in_map = 0;
   for (int i = 0; i < kDraws; ++i) {
-    const std::vector<PoseObservation> observations = frames.Draw(60);
+    const std::vector<PoseObservation> observations = frames.Draw(400);
     const PoseEstimate estimate = OptimisePose(frames.camera(), kPose, observations);
     std::vector<PoseObservation> inliers;
     for (size_t k = 0; k < observations.size(); ++k) {
