@@ -170,7 +170,8 @@ bool IsTestCode(absl::string_view path) {
 // Returns why the include is not allowed; empty where it is.
 std::string WhyNot(absl::string_view path, absl::string_view include) {
   const absl::string_view top = Part(path, 0);
-  const bool is_anothers = absl::StrContains(path, "/examples/");  // A program of whoever uses ours.
+  const bool is_anothers =
+      absl::StrContains(path, "/examples/");  // A program of whoever uses ours.
   if (IsWire(include) && top != "services" && top != "tests" && !is_anothers) {
     return "only services/ knows gRPC and protobuf";
   }
