@@ -43,8 +43,8 @@
 namespace corbslam::services {
 
 using client_agent::Agent;
-using client_agent::AgentOrders;
 using client_agent::AgentOptions;
+using client_agent::AgentOrders;
 using client_agent::ApplyOptions;
 using client_agent::FeatureSelection;
 using client_agent::ListSources;

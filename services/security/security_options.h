@@ -48,8 +48,8 @@ struct ServerSecurity {
 // Makes what a server needs: --insecure (logged as a warning), or a certificate, its key, and a way
 // to tell who calls: authorities, whose certificates are then demanded, or token keys. A caller
 // without a certificate gets as far as a call only where token keys are given or health is open.
-// `mission` and `agent` are those of AccessControlOptions. INVALID_ARGUMENT says which flag is missing, what is
-// wrong with which file, or which flags exclude each other.
+// `mission` and `agent` are those of AccessControlOptions. INVALID_ARGUMENT says which flag is
+// missing, what is wrong with which file, or which flags exclude each other.
 absl::StatusOr<ServerSecurity> MakeServerSecurity(
     const SecurityOptions& options, const std::optional<std::string>& mission = std::nullopt,
     const std::optional<std::string>& agent = std::nullopt);

@@ -93,8 +93,8 @@ TEST(SimulatedSourceTest, NamesWhatItDoesNotUnderstand) {
   for (const auto& [text, expected] : cases) {
     const absl::Status status = ParseSourceSpec(text).status();
     const bool lacks_file = std::string(expected) == "/no.yaml";
-    EXPECT_EQ(status.code(), lacks_file ? absl::StatusCode::kNotFound
-                                        : absl::StatusCode::kInvalidArgument)
+    EXPECT_EQ(status.code(),
+              lacks_file ? absl::StatusCode::kNotFound : absl::StatusCode::kInvalidArgument)
         << text;
     EXPECT_THAT(std::string(status.message()), HasSubstr(expected));
   }

@@ -73,11 +73,12 @@ Played Play(FrameStream& stream, size_t most = 1000) {
   return played;
 }
 
-// Two pipelines begin apart by what the machine is busy with: here half a frame may lie between them.
+// Two pipelines begin apart by what the machine is busy with: here half a frame may lie between
+// them.
 TEST(GstSourceTest, TwoPipelinesAreAPair) {
-  const auto stream = Open(absl::StrCat(
-      "gst:", TestCamera(12, "is-live=true pattern=white"), " || ",
-      TestCamera(12, "is-live=true pattern=black"), "?pair_within_ms=25&rig=", WriteRig(kStereo)));
+  const auto stream = Open(absl::StrCat("gst:", TestCamera(12, "is-live=true pattern=white"),
+                                        " || ", TestCamera(12, "is-live=true pattern=black"),
+                                        "?pair_within_ms=25&rig=", WriteRig(kStereo)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   EXPECT_TRUE(played.end.ok()) << played.end;

@@ -33,7 +33,8 @@ constexpr char kDepthCamera[] =
     "  camera: {size_px: [160, 120], focal_px: [100, 100], principal_px: [80, 60]}\n"
     "  colour_from_depth: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n";
 
-// OpenNI loads the drivers beside its library once: the made-up one, and the system's for recordings.
+// OpenNI loads the drivers beside its library once: the made-up one, and the system's for
+// recordings.
 class OpenNiSourceTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

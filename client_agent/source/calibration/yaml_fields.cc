@@ -52,12 +52,14 @@ absl::Status UseYamlFields(const std::string& path,
   if (!std::filesystem::exists(path, ignored)) {
     return absl::NotFoundError(absl::StrCat("cannot open ", path));
   }
-  return UseLoaded(path, [&] { return YAML::LoadFile(path); }, use);
+  return UseLoaded(
+      path, [&] { return YAML::LoadFile(path); }, use);
 }
 
 absl::Status UseYamlText(const std::string& name, const std::string& text,
                          const std::function<absl::Status(const YAML::Node&)>& use) {
-  return UseLoaded(name, [&] { return YAML::Load(text); }, use);
+  return UseLoaded(
+      name, [&] { return YAML::Load(text); }, use);
 }
 
 int LineOf(const YAML::Node& node) { return node.Mark().line + 1; }

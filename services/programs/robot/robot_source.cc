@@ -10,9 +10,9 @@
 
 namespace corbslam::services {
 
+using client_agent::CheckLiveSource;
 using client_agent::IsLive;
 using client_agent::LiveSource;
-using client_agent::CheckLiveSource;
 using client_agent::OpenLiveSource;
 using client_agent::SourceFinding;
 using client_agent::SourceSpec;
