@@ -121,6 +121,7 @@ TEST_F(OpenNiSourceTest, ADeviceThatWasUnpluggedIsWaitedFor) {
 TEST_F(OpenNiSourceTest, PlaysARecordingToItsEnd) {
   const std::string file = ::testing::TempDir() + "/made_up.oni";
   {
+    ASSERT_EQ(openni::OpenNI::initialize(), openni::STATUS_OK);
     openni::Device device;
     ASSERT_EQ(device.open(openni::ANY_DEVICE), openni::STATUS_OK);
     openni::VideoStream colour, depth;
