@@ -26,9 +26,9 @@ struct WriteSequenceOptions {
 };
 
 // Writes the frames and returns their number. Where `source` names no rig, the layout's own is
-// taken; where it names a rig file, that is beside the pictures as rig.yaml. The same source gives the same bytes. INVALID_ARGUMENT for a source that is no simulation,
-// is played backwards, or whose cameras the layout has no place for; UNAVAILABLE, naming the file,
-// where writing fails.
+// taken; where it names a rig file, that is beside the pictures as rig.yaml. The same source gives
+// the same bytes. INVALID_ARGUMENT for a source that is no simulation, is played backwards, or
+// whose cameras the layout has no place for; UNAVAILABLE, naming the file, where writing fails.
 absl::StatusOr<size_t> WriteSequence(const client_agent::SourceSpec& source,
                                      const WriteSequenceOptions& options);
 
