@@ -20,25 +20,10 @@ constexpr int64_t kBetweenTries_ns = 50'000'000;
 
 uint64_t RoundUp(uint64_t bytes, uint64_t unit) { return (bytes + unit - 1) / unit * unit; }
 
-// 0: no such format.
-uint32_t BytesPerPixel(uint32_t format) {
-  switch (format) {
-    case CORBSLAM_PUSH_GREY8:
-      return 1;
-    case CORBSLAM_PUSH_GREY16:
-    case CORBSLAM_PUSH_DEPTH16:
-      return 2;
-    case CORBSLAM_PUSH_BGR8:
-      return 3;
-    default:
-      return 0;
-  }
-}
-
 // Fills in one picture behind `end`, which moves behind it.
 corbslam_push_status LayOut(const char* which, const corbslam_push_picture& wanted,
                             push_wire::Picture& picture, uint64_t& end, ErrorText& error) {
-  const uint32_t pixel = BytesPerPixel(wanted.format);
+  const uint32_t pixel = push_wire::BytesPerPixel(wanted.format);
   if (pixel == 0) {
     return Fail(error, CORBSLAM_PUSH_INVALID, "%s.format is %u, must be 1 to 4", which,
                 wanted.format);

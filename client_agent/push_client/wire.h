@@ -10,6 +10,8 @@
 
 #include <type_traits>
 
+#include "client_agent/push_client/corbslam/push.h"
+
 namespace corbslam::push_wire {
 
 constexpr uint32_t kMagic = 0x48535550;  // "PUSH", as the bytes stand in memory.
@@ -94,6 +96,21 @@ static_assert(sizeof(Header) == 8 && sizeof(Picture) == 24 && sizeof(Hello) == 1
 static_assert(sizeof(Frame) == 24 && sizeof(Welcome) == 16 && sizeof(SlotsFree) == 16);
 static_assert(sizeof(Pose) == 96 && sizeof(Refused) == 8);
 static_assert(std::is_trivially_copyable_v<Hello> && std::is_trivially_copyable_v<Pose>);
+
+// Returns how many bytes a pixel of a format has; 0: there is no such format.
+inline uint32_t BytesPerPixel(uint32_t format) {
+  switch (format) {
+    case CORBSLAM_PUSH_GREY8:
+      return 1;
+    case CORBSLAM_PUSH_GREY16:
+    case CORBSLAM_PUSH_DEPTH16:
+      return 2;
+    case CORBSLAM_PUSH_BGR8:
+      return 3;
+    default:
+      return 0;
+  }
+}
 
 }  // namespace corbslam::push_wire
 

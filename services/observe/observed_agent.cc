@@ -3,42 +3,31 @@
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "client_agent/agent/forwarding_agent.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 
 using client_agent::Agent;
-using client_agent::AgentStatus;
-using client_agent::AgentTimings;
+using client_agent::ForwardingAgent;
 using client_agent::TrackingResult;
-using client_agent::TrajectoryPose;
 
 namespace {
 
-class ObservedAgent : public Agent {
+class ObservedAgent : public ForwardingAgent {
  public:
   ObservedAgent(Agent* agent, std::vector<FrameObserver*> observers)
-      : agent_(*agent), observers_(std::move(observers)) {}
+      : ForwardingAgent(agent), observers_(std::move(observers)) {}
 
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override {
     for (FrameObserver* observer : observers_) observer->OnFrame(images.timestamp_ns);
     const absl::Time start = absl::Now();
-    ASSIGN_OR_RETURN(const TrackingResult result, agent_.Track(images));
+    ASSIGN_OR_RETURN(const TrackingResult result, ForwardingAgent::Track(images));
     for (FrameObserver* observer : observers_) observer->OnTracked(result, absl::Now() - start);
     return result;
   }
 
-  void BeginLocalMap() override { agent_.BeginLocalMap(); }
-  void Step() override { agent_.Step(); }
-  absl::Status Finish(absl::Duration timeout) override { return agent_.Finish(timeout); }
-  AgentStatus GetStatus() const override { return agent_.GetStatus(); }
-  std::optional<Similarity3d> GlobalFromLocal() const override { return agent_.GlobalFromLocal(); }
-  AgentTimings GetTimings() const override { return agent_.GetTimings(); }
-  std::vector<TrajectoryPose> LocalTrajectory() const override { return agent_.LocalTrajectory(); }
-  Map CopyMap() const override { return agent_.CopyMap(); }
-
  private:
-  Agent& agent_;
   const std::vector<FrameObserver*> observers_;
 };
 

@@ -42,25 +42,10 @@ absl::StatusOr<Message> Front(absl::string_view packet, push_wire::Kind kind,
   return message;
 }
 
-// 0: no such format.
-uint32_t BytesPerPixel(uint32_t format) {
-  switch (format) {
-    case CORBSLAM_PUSH_GREY8:
-      return 1;
-    case CORBSLAM_PUSH_GREY16:
-    case CORBSLAM_PUSH_DEPTH16:
-      return 2;
-    case CORBSLAM_PUSH_BGR8:
-      return 3;
-    default:
-      return 0;
-  }
-}
-
 // The numbers are small enough that none of this overflows.
 absl::Status CheckPicture(const std::string& which, const push_wire::Picture& picture,
                           uint64_t slot_bytes) {
-  const uint32_t pixel = BytesPerPixel(picture.format);
+  const uint32_t pixel = push_wire::BytesPerPixel(picture.format);
   if (pixel == 0) {
     return Bad(which + ".format", picture.format, "1 grey8, 2 grey16, 3 bgr8 or 4 depth16");
   }
