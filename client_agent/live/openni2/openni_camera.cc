@@ -2,11 +2,11 @@
 
 #include <glog/logging.h>
 
-#include <thread>
 #include <utility>
 
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
+#include "client_agent/live/openni2/lasting_thread.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -23,12 +23,12 @@ class OpenNiCamera : public LiveCamera {
 
   absl::Status Start(PicturePairing& pairing) override {
     pairing_ = &pairing;
-    thread_ = std::thread([this] { Keep(); });
+    kept_ = RunOnLastingThread([this] { Keep(); });
     return absl::OkStatus();
   }
   void Stop() override {
     if (!stop_.HasBeenNotified()) stop_.Notify();
-    if (thread_.joinable()) thread_.join();
+    if (kept_ != nullptr) kept_->WaitForNotification();
   }
 
  private:
@@ -77,9 +77,9 @@ class OpenNiCamera : public LiveCamera {
   const OpenNiOptions options_;
   const std::optional<bool> restarts_;
   PicturePairing* pairing_ = nullptr;
-  std::unique_ptr<OpenNiDevice> device_;  // The thread's, once it runs.
+  std::unique_ptr<OpenNiDevice> device_;  // Keep's, once it runs.
   absl::Notification stop_;
-  std::thread thread_;
+  std::shared_ptr<const absl::Notification> kept_;  // Notified when the thread has left.
 };
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "client_agent/live/openni2/openni_source.h"
 
-#include <OpenNI.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -110,7 +109,7 @@ TEST_F(OpenNiSourceTest, ADeviceThatWasUnpluggedIsWaitedFor) {
   ASSERT_EQ(before.size(), 3u);
   std::ofstream(Unplugged()) << "\n";
   absl::SleepFor(absl::Milliseconds(1500));
-  Take(**stream, 1);  // The newest that came before.
+  ASSERT_TRUE((*stream)->Next(absl::Now()).ok());  // The newest that came before, if any.
   EXPECT_TRUE(std::holds_alternative<NoFrameYet>(*(*stream)->Next(absl::Now())));
   fs::remove(Unplugged());
   const auto after = Take(**stream, 3);
@@ -120,24 +119,11 @@ TEST_F(OpenNiSourceTest, ADeviceThatWasUnpluggedIsWaitedFor) {
 
 TEST_F(OpenNiSourceTest, PlaysARecordingToItsEnd) {
   const std::string file = ::testing::TempDir() + "/made_up.oni";
-  {
-    ASSERT_EQ(openni::OpenNI::initialize(), openni::STATUS_OK);
-    openni::Device device;
-    ASSERT_EQ(device.open(openni::ANY_DEVICE), openni::STATUS_OK);
-    openni::VideoStream colour, depth;
-    ASSERT_EQ(colour.create(device, openni::SENSOR_COLOR), openni::STATUS_OK);
-    ASSERT_EQ(depth.create(device, openni::SENSOR_DEPTH), openni::STATUS_OK);
-    openni::Recorder recorder;
-    ASSERT_EQ(recorder.create(file.c_str()), openni::STATUS_OK);
-    recorder.attach(colour, /*allowLossyCompression=*/false);
-    recorder.attach(depth, false);
-    colour.start();
-    depth.start();
-    recorder.start();
-    absl::SleepFor(absl::Milliseconds(700));
-    recorder.stop();
-    recorder.destroy();
-  }
+  // By a program of its own: the recorder's thread ends, which OpenNI does not survive
+  // (lasting_thread.h).
+  const fs::path recorder =
+      fs::read_symlink("/proc/self/exe").parent_path() / "client_agent_live_openni2_record_made_up";
+  ASSERT_EQ(std::system(absl::StrCat("'", recorder.string(), "' '", file, "'").c_str()), 0);
   const auto stream = Open(file, absl::StrCat(kRig, kDepthCamera));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const auto frames = Take(**stream, 1000);

@@ -43,13 +43,20 @@ class Stream : public oni::driver::StreamBase {
     if (thread_.joinable()) thread_.join();
   }
   OniBool isPropertySupported(int property) override {
-    return property == ONI_STREAM_PROPERTY_VIDEO_MODE || property == ONI_STREAM_PROPERTY_MIRRORING;
+    return property == ONI_STREAM_PROPERTY_VIDEO_MODE ||
+           property == ONI_STREAM_PROPERTY_MIRRORING || property == ONI_STREAM_PROPERTY_CROPPING;
   }
   OniStatus getProperty(int property, void* data, int* size) override {
     if (property == ONI_STREAM_PROPERTY_VIDEO_MODE) {
       const OniVideoMode mode = ModeOf(type_);
       std::memcpy(data, &mode, sizeof(mode));
       *size = sizeof(mode);
+      return ONI_STATUS_OK;
+    }
+    if (property == ONI_STREAM_PROPERTY_CROPPING) {  // Recordings play with it only.
+      const OniCropping none = {};
+      std::memcpy(data, &none, sizeof(none));
+      *size = sizeof(none);
       return ONI_STATUS_OK;
     }
     if (property != ONI_STREAM_PROPERTY_MIRRORING) return ONI_STATUS_NOT_SUPPORTED;
