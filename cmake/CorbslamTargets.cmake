@@ -7,6 +7,7 @@ function(corbslam_library NAME)
     target_include_directories(${NAME} PUBLIC "${CMAKE_SOURCE_DIR}")
     target_link_libraries(${NAME} PUBLIC ${ARG_DEPS} PRIVATE corbslam_warnings)
     corbslam_precompile(${NAME})
+    corbslam_unite(${NAME} ${ARG_SOURCES})
   else()
     add_library(${NAME} INTERFACE)
     target_include_directories(${NAME} INTERFACE "${CMAKE_SOURCE_DIR}")
@@ -40,6 +41,7 @@ function(corbslam_program NAME)
   add_executable(${NAME} ${ARG_SOURCES})
   target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} ${CORBSLAM_IN_EXECUTABLES})
   corbslam_precompile(${NAME})
+  corbslam_unite(${NAME} ${ARG_SOURCES})
 endfunction()
 
 # A test program's executable, with GoogleTest.
@@ -51,6 +53,7 @@ function(corbslam_test_program NAME)
   target_link_libraries(${NAME} PRIVATE ${ARG_DEPS} corbslam_test_main
                                         ${CORBSLAM_IN_EXECUTABLES})
   corbslam_precompile(${NAME} TEST)
+  corbslam_unite(${NAME} ${ARG_SOURCES})
 endfunction()
 
 # A test binary; each of its cases is a test of ctest's own.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
@@ -11,7 +12,9 @@
 #include "slam/fusing/map_fusing.h"
 #include "slam/fusing/redundant_keyframes.h"
 #include "slam/optimisation/bundle_adjustment.h"
+#include "slam/sensor/picture_features.h"
 #include "slam/util/status_macros.h"
+#include "slam/verification/frame_location.h"
 #include "slam/verification/place_verification.h"
 
 namespace corbslam::fusion_worker {
@@ -39,6 +42,10 @@ class LocalFusionWorker : public FusionWorker {
                                           const ProgressCallback& progress) override;
   absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest& request,
                                                   const ProgressCallback& progress) override;
+  absl::StatusOr<LocateFrameResult> LocateFrame(const LocateFrameRequest& request,
+                                                const ProgressCallback& progress) override;
+  absl::StatusOr<ExtractFeaturesResult> ExtractFeatures(
+      const ExtractFeaturesRequest& request) override;
 
  private:
   const FusionWorkerOptions options_;
@@ -158,6 +165,46 @@ absl::StatusOr<AdjustBundleResult> LocalFusionWorker::AdjustBundle(
       {.seen_share = request.redundant_share, .target_keyframes = request.target_keyframes});
   result.seconds = absl::ToDoubleSeconds(absl::Now() - begin);
   return result;
+}
+
+absl::Status CheckFrame(const LocateFrameRequest& request) {
+  const Keyframe& frame = request.frame;
+  if (frame.payload == nullptr || frame.payload->camera == nullptr) {
+    return absl::InvalidArgumentError("the picture to be located has no camera");
+  }
+  RETURN_IF_ERROR(Validate(frame.camera()));
+  if (frame.descriptors().size() != frame.keypoints().size()) {
+    return absl::InvalidArgumentError(absl::StrCat("the picture to be located has ",
+                                                   frame.descriptors().size(), " descriptors for ",
+                                                   frame.keypoints().size(), " keypoints"));
+  }
+  for (const LocateFrameRequest::Candidate& candidate : request.candidates) {
+    if (request.view.FindKeyframe(candidate.id) != nullptr) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("candidate keyframe ", ToString(candidate.id), " is not in the view"));
+  }
+  return CheckView(request.view);
+}
+
+absl::StatusOr<LocateFrameResult> LocalFusionWorker::LocateFrame(const LocateFrameRequest& request,
+                                                                 const ProgressCallback& progress) {
+  RETURN_IF_ERROR(CheckFrame(request));
+  bool cancelled = false;
+  LocateFrameResult result =
+      corbslam::LocateFrame(request, {.seed = options_.seed}, [&](double part) {
+        cancelled = IsCancelled(progress, part);
+        return !cancelled;
+      });
+  if (cancelled) return absl::CancelledError("the search for a picture's place was cancelled");
+  return result;
+}
+
+absl::StatusOr<ExtractFeaturesResult> LocalFusionWorker::ExtractFeatures(
+    const ExtractFeaturesRequest& request) {
+  ASSIGN_OR_RETURN(const cv::Mat grey, DecodePicture(request.encoded));
+  ASSIGN_OR_RETURN(PictureFeatures found,
+                   FindPictureFeatures(grey, request.camera, request.features));
+  return ExtractFeaturesResult{std::move(found.features), found.camera};
 }
 
 }  // namespace

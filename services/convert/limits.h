@@ -39,6 +39,8 @@ inline constexpr size_t kChunkTargetBytes = 768u << 10;
 // Most bytes of all chunks of one request or result together.
 inline constexpr size_t kMaxWorkBytes = 1u << 30;
 inline constexpr int kMaxCandidates = 100;
+// Most bytes of a picture to be located.
+inline constexpr size_t kMaxPictureBytes = 3u << 20;
 inline constexpr int kMaxIterations = 1000;
 inline constexpr int kMaxSolverThreads = 64;
 

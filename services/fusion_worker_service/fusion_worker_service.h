@@ -33,6 +33,11 @@ class FusionWorkerService : public v1::FusionWorker::CallbackService {
       grpc::CallbackServerContext* context) override;
   grpc::ServerBidiReactor<v1::AdjustBundleRequest, v1::AdjustBundleResponse>* AdjustBundle(
       grpc::CallbackServerContext* context) override;
+  grpc::ServerBidiReactor<v1::LocateFrameRequest, v1::LocateFrameResponse>* LocateFrame(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerUnaryReactor* ExtractFeatures(grpc::CallbackServerContext* context,
+                                            const v1::ExtractFeaturesRequest* request,
+                                            v1::ExtractFeaturesResponse* response) override;
 
   // Returns the number of requests that are received, worked on or waiting; waiting_requests counts
   // those of them that no thread has begun with.

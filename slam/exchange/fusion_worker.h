@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "slam/exchange/frame_location.h"
 #include "slam/exchange/overlap.h"
 #include "slam/map/map.h"
 
@@ -133,6 +134,15 @@ class FusionWorker {
                                                   const ProgressCallback& progress) = 0;
   virtual absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest& request,
                                                           const ProgressCallback& progress) = 0;
+  // Workers that know nothing of pictures return UNIMPLEMENTED.
+  virtual absl::StatusOr<LocateFrameResult> LocateFrame(const LocateFrameRequest& /*request*/,
+                                                        const ProgressCallback& /*progress*/) {
+    return absl::UnimplementedError("this worker looks up no pictures");
+  }
+  virtual absl::StatusOr<ExtractFeaturesResult> ExtractFeatures(
+      const ExtractFeaturesRequest& /*request*/) {
+    return absl::UnimplementedError("this worker looks at no pictures");
+  }
 };
 
 }  // namespace corbslam

@@ -250,23 +250,6 @@ int CountProjected(const std::vector<const MapPoint*>& points, const Keyframe& k
   return static_cast<int>(FindByProjection(points, keyframe, camera_from_points, search).size());
 }
 
-// Returns the most that is found right beside where it should be.
-int CountByChance(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
-                  const Rigid3d& camera_from_points, const PlaceVerificationOptions& options) {
-  constexpr double kAside = 2.0;  // The window beside it, without a gap.
-  int most = 0;
-  for (const Eigen::Vector2d& displacement_radii :
-       {Eigen::Vector2d(kAside, 0), Eigen::Vector2d(-kAside, 0), Eigen::Vector2d(0, kAside),
-        Eigen::Vector2d(0, -kAside)}) {
-    const ProjectionSearchOptions search{.radius_px = kLastRadius_px,
-                                         .check_disparity = options.fix_scale,
-                                         .displacement_radii = displacement_radii};
-    const size_t found = FindByProjection(points, keyframe, camera_from_points, search).size();
-    most = std::max(most, static_cast<int>(found));
-  }
-  return most;
-}
-
 // Counts neighbours of either side that find the other side's points where they should be.
 int CountConsistentKeyframes(const Side& query, const Side& candidate,
                              const PlaceVerificationOptions& options,
@@ -332,8 +315,9 @@ OverlapVerdict Judge(const Side& query, const Side& candidate,
       overlap.candidate_from_query, query.centre, candidate.centre, query.centre);
   evidence.projected_matches =
       CountProjected(candidate.points, query.centre, query_from_candidate_map, options);
-  evidence.chance_matches =
-      CountByChance(candidate.points, query.centre, query_from_candidate_map, options);
+  evidence.chance_matches = static_cast<int>(
+      CountByChance(candidate.points, query.centre, query_from_candidate_map,
+                    {.radius_px = kLastRadius_px, .check_disparity = options.fix_scale}));
   evidence.visible_points =
       static_cast<int>(CountVisible(candidate.points, query.centre, query_from_candidate_map));
   if (evidence.projected_matches < options.min_projected_matches ||

@@ -103,6 +103,19 @@ std::vector<ProjectionMatch> FindByProjection(const std::vector<const MapPoint*>
   return of_keypoint;
 }
 
+size_t CountByChance(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
+                     const Rigid3d& camera_from_points, ProjectionSearchOptions options) {
+  constexpr double kAside = 2.0;  // The window beside it, without a gap.
+  size_t most = 0;
+  for (const Eigen::Vector2d& displacement_radii :
+       {Eigen::Vector2d(kAside, 0), Eigen::Vector2d(-kAside, 0), Eigen::Vector2d(0, kAside),
+        Eigen::Vector2d(0, -kAside)}) {
+    options.displacement_radii = displacement_radii;
+    most = std::max(most, FindByProjection(points, keyframe, camera_from_points, options).size());
+  }
+  return most;
+}
+
 size_t CountVisible(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
                     const Rigid3d& camera_from_points) {
   const Eigen::Vector3d centre = CameraCentre(camera_from_points);

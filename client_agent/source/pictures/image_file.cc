@@ -7,15 +7,13 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "slam/sensor/picture_header.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
 namespace {
 
-// Bytes that may stand behind a picture's end: padding of file systems and of cameras.
-constexpr size_t kMaxTrailer_bytes = 4096;
 constexpr size_t kFirstPictures = 10;
 
 absl::StatusOr<std::string> ReadBytes(const std::string& path) {
@@ -34,19 +32,6 @@ absl::StatusOr<std::string> ReadBytes(const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": an empty file"));
   }
   return bytes;
-}
-
-bool EndsWithMark(absl::string_view bytes, absl::string_view mark) {
-  const size_t last = bytes.rfind(mark);
-  return last != absl::string_view::npos && bytes.size() - last <= mark.size() + kMaxTrailer_bytes;
-}
-
-// Returns whether the picture has no mark of its end, which both JPEG and PNG have. Decoders paint
-// what is missing grey, and say nothing.
-bool IsCutShort(absl::string_view bytes) {
-  if (absl::StartsWith(bytes, "\xff\xd8")) return !EndsWithMark(bytes, "\xff\xd9");
-  if (absl::StartsWith(bytes, "\x89PNG")) return !EndsWithMark(bytes, "IEND");
-  return false;
 }
 
 absl::StatusOr<cv::Mat> ReadImage(const std::string& path, int flags) {

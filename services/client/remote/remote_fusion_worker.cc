@@ -8,8 +8,11 @@
 #include <thread>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/functional/function_ref.h"
 #include "absl/synchronization/mutex.h"
 #include "corbslam/v1/fusion_worker_service.grpc.pb.h"
+#include "services/convert/features.h"
+#include "services/convert/geometry.h"
 #include "services/convert/status.h"
 #include "services/convert/work/work.h"
 #include "slam/util/status_macros.h"
@@ -124,13 +127,32 @@ class RemoteFusionWorker : public FusionWorker {
     return Run<AdjustBundleResult, v1::AdjustBundleRequest, v1::AdjustBundleResponse>(
         request, progress, &v1::FusionWorker::Stub::AdjustBundle);
   }
+  absl::StatusOr<LocateFrameResult> LocateFrame(const LocateFrameRequest& request,
+                                                const ProgressCallback& progress) override {
+    return Run<LocateFrameResult, v1::LocateFrameRequest, v1::LocateFrameResponse>(
+        request, progress, &v1::FusionWorker::Stub::LocateFrame);
+  }
+  absl::StatusOr<ExtractFeaturesResult> ExtractFeatures(
+      const ExtractFeaturesRequest& request) override {
+    return AskInTurn<ExtractFeaturesResult>(
+        nullptr, [&](v1::FusionWorker::Stub& stub) { return ExtractOn(stub, request); });
+  }
 
  private:
-  // Asks the workers one after the other, the least busy first, until one answers.
   template <typename Result, typename RequestMessage, typename ResponseMessage, typename Request,
             typename Method>
   absl::StatusOr<Result> Run(const Request& request, const ProgressCallback& progress,
                              Method method) {
+    return AskInTurn<Result>(progress, [&](v1::FusionWorker::Stub& stub) {
+      return RunOn<Result, RequestMessage, ResponseMessage>(stub, request, progress, method);
+    });
+  }
+
+  // Asks the workers one after the other, the least busy first, until one answers.
+  template <typename Result>
+  absl::StatusOr<Result> AskInTurn(
+      const ProgressCallback& progress,
+      absl::FunctionRef<absl::StatusOr<Result>(v1::FusionWorker::Stub&)> ask) {
     if (stubs_.empty()) return absl::UnavailableError("there are no workers");
     absl::Status last;
     size_t last_worker = 0;
@@ -139,8 +161,7 @@ class RemoteFusionWorker : public FusionWorker {
       if (progress != nullptr && !progress(0)) return Cancelled();
       const size_t worker = Acquire(tried);
       tried[worker] = true;
-      absl::StatusOr<Result> result = RunOn<Result, RequestMessage, ResponseMessage>(
-          *stubs_[worker], request, progress, method);
+      absl::StatusOr<Result> result = ask(*stubs_[worker]);
       Release(worker);
       if (!IsNotTaken(result.status())) return result;
       last = result.status();
@@ -175,6 +196,22 @@ class RemoteFusionWorker : public FusionWorker {
     stream->WritesDone();
     return ReadResult<Result, std::remove_reference_t<decltype(*stream)>, ResponseMessage>(
         *stream, context, watch);
+  }
+
+  absl::StatusOr<ExtractFeaturesResult> ExtractOn(v1::FusionWorker::Stub& stub,
+                                                  const ExtractFeaturesRequest& request) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() +
+                         absl::ToChronoMilliseconds(options_.deadline));
+    v1::ExtractFeaturesRequest message;
+    ToProto(request, message.mutable_picture());
+    message.set_features(static_cast<uint32_t>(std::max(request.features, 0)));
+    v1::ExtractFeaturesResponse response;
+    RETURN_IF_ERROR(FromGrpcStatus(stub.ExtractFeatures(&context, message, &response)));
+    ExtractFeaturesResult result;
+    ASSIGN_OR_RETURN(result.camera, FromProto(response.camera()));
+    ASSIGN_OR_RETURN(result.features, FromProto(response.features(), result.camera));
+    return result;
   }
 
   size_t Acquire(const std::vector<bool>& tried) {

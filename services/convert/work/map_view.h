@@ -3,6 +3,7 @@
 #define CORBSLAM_SERVICES_CONVERT_WORK_MAP_VIEW_H_
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "absl/status/status.h"
@@ -10,6 +11,7 @@
 #include "corbslam/v1/fusion_worker_service.pb.h"
 #include "services/convert/features.h"
 #include "slam/map/map.h"
+#include "slam/vocabulary/words.h"
 
 namespace corbslam::services {
 
@@ -28,6 +30,11 @@ using ChunkSink = std::function<bool(std::string chunk)>;
 // with the node ids of the direct index where it has words. Returns false if the sink did.
 bool WriteMapView(const Map& map, v1::MapView view, const MapViewContent& content,
                   const ChunkSink& sink);
+
+// Writes for each keypoint its node of the direct index; ReadNodes returns the direct index again,
+// and null where the message has none. The bag of words does not travel.
+void WriteNodes(const Words& words, v1::Features* features);
+std::shared_ptr<const Words> ReadNodes(const v1::Features& features);
 
 // Builds a Map from its chunks. Not thread-safe.
 class MapViewReader {

@@ -24,27 +24,12 @@ absl::Status ReadCameras(const v1::MapChunk& chunk, const SlotReader& slots, Cam
   return absl::OkStatus();
 }
 
-// Reads the direct index only: the bag of words does not travel.
-std::shared_ptr<const Words> ReadWords(const v1::Features& features) {
-  if (features.nodes_plus_one_size() == 0) return nullptr;
-  std::map<uint32_t, std::vector<uint32_t>> by_node;
-  for (int i = 0; i < features.nodes_plus_one_size(); ++i) {
-    const uint32_t node_plus_one = features.nodes_plus_one(i);
-    if (node_plus_one != 0) by_node[node_plus_one - 1].push_back(static_cast<uint32_t>(i));
-  }
-  auto words = std::make_shared<Words>();
-  for (auto& [node, keypoints] : by_node) {
-    words->direct_index.push_back({node, std::move(keypoints)});
-  }
-  return words;
-}
-
 absl::Status ReadKeyframe(const v1::MapChunk::KeyframeEntry& entry, KeyframeId id,
                           const CameraBook& cameras, bool descriptors_optional, Map& map) {
   Keyframe keyframe;
   ASSIGN_OR_RETURN(keyframe.payload, FromProto(entry.payload(), id, cameras, descriptors_optional));
   ASSIGN_OR_RETURN(keyframe.camera_from_map, FromProto(entry.camera_from_map()));
-  keyframe.words = ReadWords(entry.payload().features());
+  keyframe.words = ReadNodes(entry.payload().features());
   if (!map.AddKeyframe(std::move(keyframe))) return absl::InvalidArgumentError("came twice");
   return absl::OkStatus();
 }
@@ -180,6 +165,20 @@ absl::Status ReadCovisibility(const v1::MapChunk::CovisibilityColumns& proto,
 }
 
 }  // namespace
+
+std::shared_ptr<const Words> ReadNodes(const v1::Features& features) {
+  if (features.nodes_plus_one_size() == 0) return nullptr;
+  std::map<uint32_t, std::vector<uint32_t>> by_node;
+  for (int i = 0; i < features.nodes_plus_one_size(); ++i) {
+    const uint32_t node_plus_one = features.nodes_plus_one(i);
+    if (node_plus_one != 0) by_node[node_plus_one - 1].push_back(static_cast<uint32_t>(i));
+  }
+  auto words = std::make_shared<Words>();
+  for (auto& [node, keypoints] : by_node) {
+    words->direct_index.push_back({node, std::move(keypoints)});
+  }
+  return words;
+}
 
 absl::Status MapViewReader::Add(const v1::MapChunk& chunk) {
   ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(chunk.local_maps()));

@@ -1,4 +1,5 @@
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -255,6 +256,12 @@ void WriteCovisibility(const Map& map, ChunkWriter& writer) {
 }
 
 }  // namespace
+
+void WriteNodes(const Words& words, v1::Features* features) {
+  KeypointNumbers all(static_cast<size_t>(features->x_px64_size()));
+  std::iota(all.begin(), all.end(), 0u);
+  WriteNodes(words, all, features);
+}
 
 bool WriteMapView(const Map& map, v1::MapView view, const MapViewContent& content,
                   const ChunkSink& sink) {

@@ -1,4 +1,4 @@
-// Converts the three requests to fusion workers and their results, to and from sequences of
+// Converts the requests to fusion workers and their results, to and from sequences of
 // messages: a header, chunks, an end with a checksum.
 #ifndef CORBSLAM_SERVICES_CONVERT_WORK_WORK_H_
 #define CORBSLAM_SERVICES_CONVERT_WORK_WORK_H_
@@ -13,6 +13,7 @@
 #include "corbslam/v1/fusion_worker_service.pb.h"
 #include "services/convert/errors.h"
 #include "services/convert/limits.h"
+#include "services/convert/work/locate_frame.h"
 #include "services/convert/work/map_view.h"
 #include "services/convert/work/result_items.h"
 #include "slam/exchange/fusion_worker.h"

@@ -33,6 +33,14 @@ class KeepingFusionWorker : public FusionWorker {
     if (!kept.ok()) LOG(WARNING) << kept;
     return worker_.AdjustBundle(request, progress);
   }
+  absl::StatusOr<LocateFrameResult> LocateFrame(const LocateFrameRequest& request,
+                                                const ProgressCallback& progress) override {
+    return worker_.LocateFrame(request, progress);
+  }
+  absl::StatusOr<ExtractFeaturesResult> ExtractFeatures(
+      const ExtractFeaturesRequest& request) override {
+    return worker_.ExtractFeatures(request);
+  }
 
  private:
   std::string NextPath() {

@@ -75,7 +75,9 @@ class MeasuredFusionWorker : public FusionWorker {
         families_(registry),
         verify_(families_, "verify"),
         fuse_(families_, "fuse"),
-        adjust_(families_, "adjust") {}
+        adjust_(families_, "adjust"),
+        locate_(families_, "locate"),
+        extract_(families_, "extract") {}
 
   absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
                                                     const ProgressCallback& progress) override {
@@ -89,6 +91,14 @@ class MeasuredFusionWorker : public FusionWorker {
                                                   const ProgressCallback& progress) override {
     return adjust_.Measure([&] { return worker_.AdjustBundle(request, progress); });
   }
+  absl::StatusOr<LocateFrameResult> LocateFrame(const LocateFrameRequest& request,
+                                                const ProgressCallback& progress) override {
+    return locate_.Measure([&] { return worker_.LocateFrame(request, progress); });
+  }
+  absl::StatusOr<ExtractFeaturesResult> ExtractFeatures(
+      const ExtractFeaturesRequest& request) override {
+    return extract_.Measure([&] { return worker_.ExtractFeatures(request); });
+  }
 
  private:
   FusionWorker& worker_;
@@ -96,6 +106,8 @@ class MeasuredFusionWorker : public FusionWorker {
   Kind verify_;
   Kind fuse_;
   Kind adjust_;
+  Kind locate_;
+  Kind extract_;
 };
 
 }  // namespace

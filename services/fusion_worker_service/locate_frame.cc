@@ -1,0 +1,16 @@
+#include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/fusion_worker_service/work_reactor.h"
+
+namespace corbslam::services {
+
+grpc::ServerBidiReactor<v1::LocateFrameRequest, v1::LocateFrameResponse>*
+FusionWorkerService::LocateFrame(grpc::CallbackServerContext*) {
+  using Reactor = WorkReactor<LocateFrameRequestReader, LocateFrameResult, v1::LocateFrameRequest,
+                              v1::LocateFrameResponse>;
+  return new Reactor(pool_, requests_, options_.max_requests,
+                     [this](const LocateFrameRequest& request, const ProgressCallback& progress) {
+                       return worker_.LocateFrame(request, progress);
+                     });
+}
+
+}  // namespace corbslam::services

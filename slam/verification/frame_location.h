@@ -1,0 +1,37 @@
+// Finds where a picture was taken, in a part of a map.
+#ifndef CORBSLAM_SLAM_VERIFICATION_FRAME_LOCATION_H_
+#define CORBSLAM_SLAM_VERIFICATION_FRAME_LOCATION_H_
+
+#include <cstdint>
+#include <functional>
+
+#include "slam/exchange/frame_location.h"
+
+namespace corbslam {
+
+struct FrameLocationOptions {
+  uint64_t seed = 1;
+  // Number of keyframes covisible with a candidate whose points take part.
+  int neighbours = 5;
+  size_t min_features = 50;
+  int min_word_matches = 15;
+  int min_pose_inliers = 12;
+  int min_inliers = 30;
+  // Points found must be this many times what is found right beside where they should be: where
+  // many keypoints are, some match by chance.
+  double min_inliers_to_chance = 4;
+};
+
+// Tries the candidates in turn: features that look like points of the candidate and its neighbours,
+// a pose by PnP RANSAC, then a guided search for all points around, twice (as ORB-SLAM relocalises,
+// T-RO 2015, V.C), and a search beside it for what matches by chance. Ends with the first that is
+// located; else says of the one that got farthest how far. Candidates that the view does not hold
+// are passed over. `goes_on` (may be null) is asked before each; once it says no, the result so far
+// is returned. Deterministic and pure; it takes milliseconds a candidate.
+LocateFrameResult LocateFrame(const LocateFrameRequest& request,
+                              const FrameLocationOptions& options = {},
+                              const std::function<bool(double)>& goes_on = nullptr);
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_VERIFICATION_FRAME_LOCATION_H_
