@@ -9,6 +9,8 @@ if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR CORBSLAM_SANITIZE)
 endif()
 
 file(STRINGS "${CMAKE_CURRENT_LIST_DIR}/compiled_alone.txt" CORBSLAM_COMPILED_ALONE REGEX "^[^#]")
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
+             "${CMAKE_CURRENT_LIST_DIR}/compiled_alone.txt")
 foreach(SOURCE IN LISTS CORBSLAM_COMPILED_ALONE)
   if(NOT EXISTS "${CMAKE_SOURCE_DIR}/${SOURCE}")
     message(FATAL_ERROR "cmake/compiled_alone.txt names ${SOURCE}, which is no file")

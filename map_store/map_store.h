@@ -20,6 +20,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "map_store/archive/mission_archive.h"
+#include "map_store/locating/localize_query.h"
 #include "map_store/options.h"
 #include "map_store/records/journal.h"
 #include "map_store/state/lookups.h"
@@ -172,6 +173,10 @@ class MapStore {
   absl::StatusOr<std::vector<AgentTrajectory>> GetTrajectory(
       absl::string_view mission, absl::string_view agent, TrajectoryFrame frame,
       bool all_islands = false, PosesOf poses_of = PosesOf::kRecordedCamera) const;
+  // Finds where a picture was taken (LocalizePicture). It blocks while workers work, and changes
+  // nothing. UNAVAILABLE: there is no worker, or none takes requests.
+  absl::StatusOr<LocalizeAnswer> Localize(absl::string_view mission, const LocalizeQuery& query,
+                                          const std::function<bool()>& goes_on) const;
   absl::StatusOr<Page<OverlapInfo>> ListOverlaps(absl::string_view mission,
                                                  const OverlapFilter& filter,
                                                  const PageRequest& page) const;

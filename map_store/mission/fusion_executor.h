@@ -40,6 +40,8 @@ class FusionExecutor {
   // Does all that the mission has to do, here and now, in the order of the policy.
   void RunUntilIdle(Mission& mission);
 
+  // Null: there is none.
+  FusionWorker* worker() const { return worker_; }
   bool has_worker() const { return worker_ != nullptr; }
   // Returns the outage that lasts; nullopt while workers take requests, and before the first one.
   std::optional<WorkerOutage> worker_outage() const { return watch_.outage(); }

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_MAP_STORE_MISSION_MISSION_H_
 #define CORBSLAM_MAP_STORE_MISSION_MISSION_H_
 
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "map_store/mission/mission_sessions.h"
 #include "map_store/mission/mission_snapshots.h"
 #include "map_store/mission/mission_strand.h"
+#include "map_store/mission/picture_localization.h"
 
 namespace corbslam::map_store {
 
@@ -36,6 +38,11 @@ class Mission {
   template <typename Read>
   auto WithState(Read read) const {
     return strand_.WithState(std::move(read));
+  }
+  // Does what LocalizePicture does.
+  absl::StatusOr<LocalizeAnswer> Localize(FusionWorker& worker, const LocalizeQuery& query,
+                                          const std::function<bool()>& goes_on) const {
+    return LocalizePicture(strand_, worker, query, goes_on);
   }
   MissionLoad Load() const;
   MissionInfo Info() const;

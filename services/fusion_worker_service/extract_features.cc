@@ -4,6 +4,7 @@
 
 #include "services/convert/features.h"
 #include "services/convert/geometry.h"
+#include "services/convert/work/locate_frame.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,20 +27,20 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::W
         v1::MapStore::WithCallbackMethod_ListMissions<v1::MapStore::WithCallbackMethod_GetMission<
             v1::MapStore::WithCallbackMethod_DeleteMission<v1::MapStore::WithCallbackMethod_BackupMission<
                 v1::MapStore::WithCallbackMethod_RestoreMission<v1::MapStore::WithCallbackMethod_ListAgents<
-                    v1::MapStore::WithCallbackMethod_ListLocalMaps<
-                        v1::MapStore::WithCallbackMethod_GetLocalMap<
-                            v1::MapStore::WithCallbackMethod_ListKeyframes<
-                                v1::MapStore::WithCallbackMethod_GetKeyframe<
-                                    v1::MapStore::WithCallbackMethod_GetStatistics<
-                                        v1::MapStore::WithCallbackMethod_GetTrajectory<
-                                            v1::MapStore::WithCallbackMethod_ListOverlaps<
-                                                v1::MapStore::WithCallbackMethod_RetractOverlap<
-                                                    v1::MapStore::
-                                                        WithCallbackMethod_RederiveGlobalLayer<
+                    v1::MapStore::WithCallbackMethod_ListLocalMaps<v1::MapStore::WithCallbackMethod_GetLocalMap<
+                        v1::MapStore::WithCallbackMethod_ListKeyframes<
+                            v1::MapStore::WithCallbackMethod_GetKeyframe<
+                                v1::MapStore::WithCallbackMethod_GetStatistics<
+                                    v1::MapStore::WithCallbackMethod_GetTrajectory<
+                                        v1::MapStore::WithCallbackMethod_ListOverlaps<
+                                            v1::MapStore::WithCallbackMethod_RetractOverlap<
+                                                v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
+                                                    v1::MapStore::WithCallbackMethod_AskForExactPlaces<
+                                                        v1::MapStore::WithCallbackMethod_Localize<
                                                             v1::MapStore::
-                                                                WithCallbackMethod_AskForExactPlaces<
+                                                                WithCallbackMethod_LocalizeStream<
                                                                     v1::MapStore::
-                                                                        Service>>>>>>>>>>>>>>>>>>>>;
+                                                                        Service>>>>>>>>>>>>>>>>>>>>>>;
 
 // Returns OK if the caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -49,6 +50,10 @@ using SessionCheck = std::function<absl::Status(
 // begun.
 using RestoreCheck =
     std::function<absl::Status(const grpc::CallbackServerContext&, const std::string& mission)>;
+
+// Returns OK if the caller may look into what has this name, which begins with its mission's.
+using LookCheck =
+    std::function<absl::Status(const grpc::CallbackServerContext&, const std::string& name)>;
 
 struct MapStoreServiceOptions {
   // Number of threads that read and apply batches and answer look-ups. They may be more than
@@ -63,6 +68,7 @@ struct MapStoreServiceOptions {
   // Null: everybody may.
   SessionCheck may_open;
   RestoreCheck may_restore;
+  LookCheck may_look;  // Of LocalizeStream, each of whose requests names a mission.
 };
 
 // Serves all calls; each RPC is in the file of its name. `store` is not owned and must outlive it;
@@ -75,6 +81,9 @@ class MapStoreService : public MapStoreMethods {
         limits_(options.streams),
         pool_(options.threads, options.streams.max_waiting_calls) {}
 
+  // How many pictures are looked up at one time, and how many wait: a look-up waits for workers.
+  static constexpr int kMaxLocating = 4;
+  static constexpr size_t kMaxWaitingToLocate = 64;
   // How many replays are made or told at one time.
   static constexpr size_t kMaxReplays = 4;
 
@@ -141,7 +150,15 @@ class MapStoreService : public MapStoreMethods {
                                                 const v1::RederiveGlobalLayerRequest* request,
                                                 v1::RederiveGlobalLayerResponse* response) override;
 
+  grpc::ServerUnaryReactor* Localize(grpc::CallbackServerContext* context,
+                                     const v1::LocalizeRequest* request,
+                                     v1::LocalizeResponse* response) override;
+  grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* LocalizeStream(
+      grpc::CallbackServerContext* context) override;
+
  private:
+  absl::Status AnswerLocalize(const v1::LocalizeRequest& request,
+                              const std::function<bool()>& goes_on, v1::LocalizeResponse* response);
   static MapStoreServiceOptions Observed(MapStoreServiceOptions options, SyncObserver* observer) {
     options.observers.push_back(observer);
     return options;
@@ -155,6 +172,10 @@ class MapStoreService : public MapStoreMethods {
   TaskPool pool_;
   // Its one thread makes replays, one after the other: they would keep look-ups waiting for long.
   TaskPool replay_pool_{0, kMaxReplays};
+  // Its threads wait for workers most of the time.
+  const std::unique_ptr<TaskPool> locating_ =
+      TaskPool::ForLookUps(kMaxLocating, kMaxWaitingToLocate);
+  TaskPool& locating_pool_ = *locating_;
 };
 
 }  // namespace corbslam::services

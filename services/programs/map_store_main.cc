@@ -140,6 +140,7 @@ absl::Status Run(Flags flags) {
   MapStoreServiceOptions service_options = flags.service;
   service_options.may_open = MakeSessionCheck(security.access);
   service_options.may_restore = MakeRestoreCheck(security.access);
+  service_options.may_look = MakeLookCheck(security.access);
   service_options.observers = observers->OfStreams();
   MapStoreService service(&store, service_options);
   GuardedMapStore guarded(&service, security.access);

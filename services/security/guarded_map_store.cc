@@ -57,6 +57,15 @@ RestoreCheck MakeRestoreCheck(std::shared_ptr<const AccessControl> access) {
   };
 }
 
+LookCheck MakeLookCheck(std::shared_ptr<const AccessControl> access) {
+  if (access == nullptr) return nullptr;
+  return [access = std::move(access)](const grpc::CallbackServerContext& context,
+                                      const std::string& name) -> absl::Status {
+    ASSIGN_OR_RETURN(const std::string mission, MissionOf(name));
+    return access->Check({Action::kLook, mission, std::nullopt}, EvidenceOf(context), absl::Now());
+  };
+}
+
 absl::Status GuardedMapStore::Check(const grpc::CallbackServerContext& context, Action action,
                                     absl::string_view name) const {
   if (access_ == nullptr) return absl::OkStatus();
@@ -203,6 +212,19 @@ grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* GuardedMapStore::GetTraject
   const absl::Status status = Check(*context, Action::kLook, request->name());
   if (!status.ok()) return new RefusedStream<v1::GetTrajectoryResponse>(status);
   return service_.GetTrajectory(context, request);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::Localize(grpc::CallbackServerContext* context,
+                                                    const v1::LocalizeRequest* request,
+                                                    v1::LocalizeResponse* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->mission());
+  return status.ok() ? service_.Localize(context, request, response) : Refuse(context, status);
+}
+
+// MakeLookCheck checks each request, which names its mission.
+grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* GuardedMapStore::LocalizeStream(
+    grpc::CallbackServerContext* context) {
+  return service_.LocalizeStream(context);
 }
 
 }  // namespace corbslam::services

@@ -17,6 +17,8 @@ namespace corbslam::services {
 SessionCheck MakeSessionCheck(std::shared_ptr<const AccessControl> access);
 // Makes a check likewise: operators restore missions of their own.
 RestoreCheck MakeRestoreCheck(std::shared_ptr<const AccessControl> access);
+// Makes a check likewise, for streams that look into missions.
+LookCheck MakeLookCheck(std::shared_ptr<const AccessControl> access);
 
 // Checks each call and hands it on to `service`, which is not owned and must outlive it.
 // Thread-safe. A method that it does not hand on is UNIMPLEMENTED, so that a new one is closed
@@ -79,6 +81,12 @@ class GuardedMapStore : public MapStoreMethods {
   grpc::ServerUnaryReactor* RederiveGlobalLayer(grpc::CallbackServerContext* context,
                                                 const v1::RederiveGlobalLayerRequest* request,
                                                 v1::RederiveGlobalLayerResponse* response) override;
+
+  grpc::ServerUnaryReactor* Localize(grpc::CallbackServerContext* context,
+                                     const v1::LocalizeRequest* request,
+                                     v1::LocalizeResponse* response) override;
+  grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* LocalizeStream(
+      grpc::CallbackServerContext* context) override;
 
  private:
   // Checks a resource's name, which begins with its mission's.

@@ -87,6 +87,7 @@ class SecureServiceTest : public ::testing::Test {
     MapStoreServiceOptions service_options;
     service_options.may_open = MakeSessionCheck(security->access);
     service_options.may_restore = MakeRestoreCheck(security->access);
+    service_options.may_look = MakeLookCheck(security->access);
     service_ = std::make_unique<MapStoreService>(store_.get(), service_options);
     guarded_ = std::make_unique<GuardedMapStore>(service_.get(), security->access);
     worker_service_ = std::make_unique<FusionWorkerService>(&worker_);

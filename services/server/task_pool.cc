@@ -18,10 +18,17 @@ constexpr int kLookUpStepsLower = 5;
 
 }  // namespace
 
-TaskPool::TaskPool(int threads, size_t max_waiting_calls) : max_waiting_calls_(max_waiting_calls) {
+TaskPool::TaskPool(int threads, size_t max_waiting_calls)
+    : TaskPool(threads, std::max(1, threads / 4), max_waiting_calls) {}
+
+TaskPool::TaskPool(int threads, int look_up_threads, size_t max_waiting_calls)
+    : max_waiting_calls_(max_waiting_calls) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { RunTasks(); });
-  const int look_ups = std::max(1, threads / 4);
-  for (int i = 0; i < look_ups; ++i) threads_.emplace_back([this] { RunLookUps(); });
+  for (int i = 0; i < look_up_threads; ++i) threads_.emplace_back([this] { RunLookUps(); });
+}
+
+std::unique_ptr<TaskPool> TaskPool::ForLookUps(int threads, size_t max_waiting_calls) {
+  return std::unique_ptr<TaskPool>(new TaskPool(0, threads, max_waiting_calls));
 }
 
 TaskPool::~TaskPool() {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <thread>
 #include <vector>
 
@@ -23,6 +24,8 @@ class TaskPool {
 
   // Starts `threads` for tasks, and those for look-ups.
   explicit TaskPool(int threads, size_t max_waiting_calls = kMaxWaitingCalls);
+  // Starts threads for look-ups only.
+  static std::unique_ptr<TaskPool> ForLookUps(int threads, size_t max_waiting_calls);
   // Runs what was scheduled, then ends the threads.
   ~TaskPool();
   TaskPool(const TaskPool&) = delete;
@@ -38,6 +41,8 @@ class TaskPool {
   size_t waiting() const;
 
  private:
+  TaskPool(int threads, int look_up_threads, size_t max_waiting_calls);
+
   using Task = std::function<void()>;
   struct LookUp {
     Task run;

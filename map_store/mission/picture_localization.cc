@@ -1,0 +1,157 @@
+#include "map_store/mission/picture_localization.h"
+
+#include <algorithm>
+#include <memory>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "absl/synchronization/mutex.h"
+#include "map_store/locating/place_search.h"
+#include "map_store/mission/pausing_read.h"
+#include "slam/util/status_macros.h"
+#include "slam/verification/frame_location.h"
+
+namespace corbslam::map_store {
+namespace {
+
+using Candidates = std::vector<LocateFrameRequest::Candidate>;
+
+// Each request has so many: mostly the first one is right, and each is half a megabyte to send.
+constexpr size_t kCandidatesOfRequest = 2;
+// How often a view is read anew because the map changed meanwhile.
+constexpr int kMaxReads = 5;
+
+absl::Status Cancelled() { return absl::CancelledError("the caller went away"); }
+
+absl::StatusOr<Keyframe> MakeFrame(FusionWorker& worker, const Vocabulary& vocabulary,
+                                   const LocalizeQuery& query) {
+  Keyframe frame;
+  if (const auto* given = std::get_if<Keyframe>(&query.picture)) {
+    frame = *given;
+  } else {
+    ASSIGN_OR_RETURN(ExtractFeaturesResult found,
+                     worker.ExtractFeatures(std::get<ExtractFeaturesRequest>(query.picture)));
+    frame.payload = MakeKeyframePayload({}, 0, 0, std::make_shared<const Camera>(found.camera),
+                                        std::move(found.features));
+    frame.points.resize(frame.keypoints().size());
+  }
+  frame.words = std::make_shared<const Words>(vocabulary.Transform(frame.descriptors()));
+  return frame;
+}
+
+bool GotFarther(const LocateFrameResult& result, const LocalizeAnswer& than) {
+  return std::tuple(result.stage, result.inliers, result.pose_inliers, result.word_matches) >
+         std::tuple(than.stage, than.inliers, than.pose_inliers, than.word_matches);
+}
+
+class Search {
+ public:
+  Search(const MissionStrand& strand, FusionWorker& worker, const LocalizeQuery& query,
+         const std::function<bool()>& goes_on)
+      : strand_(strand), worker_(worker), query_(query), goes_on_(goes_on) {}
+
+  absl::StatusOr<LocalizeAnswer> Run() {
+    ASSIGN_OR_RETURN(frame_, MakeFrame(worker_, *strand_.environment().vocabulary, query_));
+    if (frame_.keypoints().size() < FrameLocationOptions().min_features) {
+      answer_.revision = strand_.Revision();
+      answer_.stage = LocateStage::kFewFeatures;
+      return answer_;
+    }
+    for (const PlacesOfIsland& places : Places()) {
+      for (size_t i = 0; i < places.candidates.size(); i += kCandidatesOfRequest) {
+        const auto begin = places.candidates.begin() + static_cast<ptrdiff_t>(i);
+        const size_t count = std::min(kCandidatesOfRequest, places.candidates.size() - i);
+        RETURN_IF_ERROR(Try(places.island, {begin, begin + static_cast<ptrdiff_t>(count)}));
+        if (answer_.stage == LocateStage::kLocated) return answer_;
+      }
+    }
+    return answer_;
+  }
+
+ private:
+  std::vector<PlacesOfIsland> Places() {
+    return strand_.WithState([this](const MissionState& state) {
+      answer_.revision = state.global.revision;
+      answer_.stage = LocateStage::kNoCandidates;
+      return FindPlaces(state, frame_.words->bag,
+                        {.prior = query_.prior, .all_islands = query_.all_islands},
+                        strand_.options());
+    });
+  }
+
+  absl::Status Try(IslandId island, const Candidates& candidates) {
+    ASSIGN_OR_RETURN(LocateFrameRequest request, Read(candidates));
+    if (request.candidates.empty()) return absl::OkStatus();
+    request.frame = frame_;
+    ASSIGN_OR_RETURN(LocateFrameResult result,
+                     worker_.LocateFrame(request, [this](double) { return GoesOn(); }));
+    if (result.stage == LocateStage::kLocated && IsOutsidePrior(result.camera_from_map)) {
+      result.stage = LocateStage::kOutsidePrior;
+    }
+    if (GotFarther(result, answer_)) Take(island, std::move(result));
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<LocateFrameRequest> Read(const Candidates& candidates) {
+    absl::StatusOr<LocateFrameRequest> request;
+    for (int i = 0; i < kMaxReads; ++i) {
+      if (!GoesOn()) return Cancelled();
+      request = ReadOnce(candidates);
+      if (!absl::IsAborted(request.status())) return request;
+    }
+    return absl::UnavailableError("the map changed each time that it was read: try again");
+  }
+
+  absl::StatusOr<LocateFrameRequest> ReadOnce(const Candidates& candidates) {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    if (strand_.deleted()) return strand_.Deleted();
+    const uint64_t revision = strand_.state().global.revision;
+    PausingRead read(strand_, [this, revision]() ABSL_NO_THREAD_SAFETY_ANALYSIS -> absl::Status {
+      if (strand_.deleted()) return strand_.Deleted();
+      if (strand_.state().global.revision == revision) return absl::OkStatus();
+      return absl::AbortedError("another revision was committed");
+    });
+    return BuildLocateRequest(strand_.state(), candidates, read);
+  }
+
+  bool IsOutsidePrior(const Rigid3d& camera_from_island) const {
+    if (!query_.prior.has_value()) return false;
+    const Eigen::Vector3d expected = query_.prior->camera_from_global.Inverse().translation;
+    return (camera_from_island.Inverse().translation - expected).norm() > query_.prior->radius_m;
+  }
+
+  void Take(IslandId island, LocateFrameResult result) {
+    answer_.stage = result.stage;
+    answer_.revision = result.base_revision;
+    answer_.word_matches = result.word_matches;
+    answer_.pose_inliers = result.pose_inliers;
+    answer_.inliers = result.inliers;
+    if (result.stage != LocateStage::kLocated) return;
+    answer_.island = island;
+    answer_.in_reference_island = strand_.WithState(
+        [island](const MissionState& state) { return state.ReferenceIsland() == island; });
+    answer_.camera_from_island = result.camera_from_map;
+    answer_.covariance = std::move(result.covariance);
+    answer_.keyframes = std::move(result.keyframes);
+  }
+
+  bool GoesOn() const { return goes_on_ == nullptr || goes_on_(); }
+
+  const MissionStrand& strand_;
+  FusionWorker& worker_;
+  const LocalizeQuery& query_;
+  const std::function<bool()>& goes_on_;
+  Keyframe frame_;
+  LocalizeAnswer answer_;
+};
+
+}  // namespace
+
+absl::StatusOr<LocalizeAnswer> LocalizePicture(const MissionStrand& strand, FusionWorker& worker,
+                                               const LocalizeQuery& query,
+                                               const std::function<bool()>& goes_on) {
+  return Search(strand, worker, query, goes_on).Run();
+}
+
+}  // namespace corbslam::map_store
