@@ -43,6 +43,8 @@ struct AgentOptions {
   // Bounds of the link to the map store, each way; 0: no bound (docs/adr/0019-link-budgets.md).
   uint64_t uplink_bytes_per_second = 0;
   uint64_t downlink_bytes_per_second = 0;
+  // What the robot wants to be told of what others mapped.
+  ShareScope share;
   // Whether anybody will ask for LocalTrajectory. What it returns is held in memory, some 100 bytes
   // a frame.
   bool keep_trajectory = true;

@@ -29,6 +29,7 @@ StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
   link.features = options.upload_features;
   link.uplink_bytes_per_second = options.uplink_bytes_per_second;
   link.downlink_bytes_per_second = options.downlink_bytes_per_second;
+  link.share = options.share;
   return link;
 }
 

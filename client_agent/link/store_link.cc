@@ -237,6 +237,7 @@ void StoreLink::ConnectIfDue() {
     request = {options_.mission, options_.agent, last_revision_, queue_.local_maps()};
     request.capabilities.coded_features = true;
     request.downlink_bytes_per_second = options_.downlink_bytes_per_second;
+    request.share = options_.share;
   }
   if (close_first) uplink_->Close();
   uplink_->Open(request, this);

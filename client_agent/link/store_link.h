@@ -40,6 +40,8 @@ struct StoreLinkOptions {
   size_t hold_newest_keyframes = RecorderOptions().hold_newest;
   // Where no frame has come for so long, nothing is held back.
   absl::Duration max_hold = absl::Seconds(2);
+  // What the store is asked to tell of what others mapped.
+  ShareScope share = {};
   // The options from here on change speed, but no results.
   // Bytes that the outbox may take in memory; with a spool, what is over goes to the disk.
   size_t max_outbox_bytes = 64 << 20;

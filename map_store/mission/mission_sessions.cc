@@ -80,7 +80,8 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
   {
     // The lock is free once the session before has stopped telling the robot.
     absl::MutexLock telling(&opened.told->mutex);
-    ResumeSharing(request.last_revision, opened.told->share);
+    ResumeSharing(request.last_revision, request.share, opened.told->share);
+    opened.told->wants_nothing = request.share.mode == ShareMode::kNone;
     opened.told->updates = 0;
     opened.told->complete_at_version = opened.told->share.complete_at_version;
   }
@@ -168,8 +169,9 @@ void MissionSessions::DescribeTold(AgentInfo& agent) const {
   const MissionState& state = strand_.state();
   const Island* island =
       agent.local_maps.empty() ? nullptr : state.FindIslandOf(agent.local_maps.back());
-  // A local map that was merged with none has nothing to be told.
-  agent.up_to_date = island == nullptr || island->local_maps.size() < 2 ||
+  // A local map that was merged with none has nothing to be told, nor has who wants nothing.
+  agent.up_to_date = told->second.wants_nothing || island == nullptr ||
+                     island->local_maps.size() < 2 ||
                      told->second.complete_at_version == island->shared_version;
 }
 

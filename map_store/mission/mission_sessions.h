@@ -59,9 +59,10 @@ class MissionSessions {
     ShareState share ABSL_GUARDED_BY(mutex);
     // True: somebody wants exact places, and the agent has not been asked for them yet.
     std::atomic<bool> exact_places_wanted = false;
-    // Of its session: the updates that it was sent, and ShareState::complete_at_version after the
-    // last look.
+    // Of its session: the updates that it was sent, whether it wants none (ShareMode::kNone), and
+    // ShareState::complete_at_version after the last look.
     std::atomic<uint64_t> updates = 0;
+    std::atomic<bool> wants_nothing = false;
     std::atomic<uint64_t> complete_at_version = 0;
   };
   struct Opened {

@@ -31,7 +31,7 @@ ItemChanges ContentOf(const LocalMapState& local_map, const ShareState& share) {
 
 ItemChanges FindChanges(const LocalMapState& local_map, const ShareState& share) {
   std::optional<ItemChanges> changes;
-  if (share.seen_local_maps.contains(local_map.id)) {
+  if (share.seen_local_maps.contains(local_map.id) && !share.look_at_all) {
     changes = local_map.changes.Since(share.seen_version);
   }
   if (!changes.has_value()) changes = ContentOf(local_map, share);
@@ -63,6 +63,7 @@ void AddPlaces(ShareState& share) {
   ShareNews& news = share.news;
   news.own_keyframes = true;
   for (const auto& [id, sent] : share.keyframes) news.keyframes.insert(news.keyframes.end(), id);
+  for (const KeyframeId id : share.far.TakeAll()) news.keyframes.insert(id);
   news.points.clear();
   news.all_points_from = MapPointId{LocalMapId{0}, 0};
 }
@@ -80,6 +81,7 @@ std::vector<LocalMapId> CollectNews(const MissionState& state, const Island& isl
     AddChanges(changes, id == share.local_map, share);
   }
   if (share.seen_revision != state.global.revision) AddPlaces(share);
+  share.look_at_all = false;
   share.seen_version = state.version;
   share.seen_revision = state.global.revision;
   share.seen_local_maps = {island.local_maps.begin(), island.local_maps.end()};

@@ -57,6 +57,32 @@ class Centres {
   std::vector<Eigen::Vector3d> centres_;  // By x.
 };
 
+// Makes what lies behind a robot seem farther away than it is, as the robot will hardly need it.
+class Heading {
+ public:
+  // The robot has moved between its last two keyframes. It goes nowhere if it has only one.
+  explicit Heading(const IslandPoses& own) {
+    if (own.size() < 2) return;
+    const auto newest = own.rbegin();
+    robot_ = CameraCentre(newest->second.ToRigid());
+    const Eigen::Vector3d motion = robot_ - CameraCentre(std::next(newest)->second.ToRigid());
+    if (motion.norm() > kLeastMotion) direction_ = motion.normalized();
+  }
+
+  // Returns by what to multiply the distance of a point: 1 straight ahead, 2 straight behind.
+  double Factor(const Eigen::Vector3d& point) const {
+    const double distance = (point - robot_).norm();
+    if (!(distance > 0)) return 1;
+    return 1.5 - 0.5 * direction_.dot(point - robot_) / distance;
+  }
+
+ private:
+  static constexpr double kLeastMotion = 1e-6;
+
+  Eigen::Vector3d robot_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();  // Of length 1 or 0.
+};
+
 }  // namespace
 
 OwnLandmarkCount::OwnLandmarkCount(const MissionState& state, const Waiting& waiting,
@@ -107,15 +133,18 @@ std::vector<KeyframeId> OrderNewKeyframes(const MissionState& state, const Waiti
     const auto it = share.news.own_landmarks.find(id);
     return many && it != share.news.own_landmarks.end() ? it->second : 0;
   };
-  const Centres own(poses.Of(*state.FindLocalMap(share.local_map)));
+  const IslandPoses& own_poses = poses.Of(*state.FindLocalMap(share.local_map));
+  const Centres own(own_poses);
+  const Heading heading(own_poses);
   std::vector<std::tuple<int, double, KeyframeId>> ranked;
   for (const KeyframeId& id : waiting) {
     const IslandPoses& others = poses.Of(*state.FindLocalMap(id.local_map));
     // The owner may have removed the keyframe while landmarks were counted.
     const auto pose = others.find(id);
     if (pose == others.end()) continue;
-    ranked.emplace_back(-own_landmarks(id),
-                        own.SquaredDistance(CameraCentre(pose->second.ToRigid())), id);
+    const Eigen::Vector3d centre = CameraCentre(pose->second.ToRigid());
+    const double factor = many ? heading.Factor(centre) : 1;
+    ranked.emplace_back(-own_landmarks(id), own.SquaredDistance(centre) * factor * factor, id);
   }
   std::sort(ranked.begin(), ranked.end());
   std::vector<KeyframeId> ids;

@@ -41,7 +41,8 @@ class OwnLandmarkCount {
 };
 
 // Orders the waiting keyframes. If they are many, those that see most of the agent's own landmarks
-// come first, then the nearest; if they are few, the nearest come first.
+// come first, then the nearest to any own keyframe, where what lies behind the robot counts as up
+// to twice as far away as it is; if they are few, the nearest come first.
 std::vector<KeyframeId> OrderNewKeyframes(const MissionState& state,
                                           const std::set<KeyframeId>& waiting, PoseCache& poses,
                                           const ShareState& share);

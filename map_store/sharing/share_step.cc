@@ -10,6 +10,7 @@
 
 #include "map_store/sharing/share_news.h"
 #include "map_store/sharing/share_order.h"
+#include "map_store/sharing/share_reach.h"
 #include "map_store/view/placement.h"
 #include "map_store/view/sights.h"
 
@@ -91,7 +92,8 @@ class ShareStep {
         share_(share),
         news_(share.news),
         looks_(read, kLooksInAPiece),
-        poses_(state, all_placed_) {}
+        poses_(state, all_placed_),
+        reach_(state, poses_, share) {}
 
   SharedUpdate Take() {
     update_.revision = state_.global.revision;
@@ -127,7 +129,12 @@ class ShareStep {
   }
 
   bool IsOwn(MapPointId point) const { return point.local_map == share_.local_map; }
-  bool IsKnown(MapPointId point) const { return IsOwn(point) || share_.points.contains(point); }
+  // Returns whether the agent is to hear which landmark the point belongs to. Of its own points it
+  // hears that only where it wants everything, or holds another's point of that landmark.
+  bool IsKnown(MapPointId point) const {
+    return (IsOwn(point) && share_.scope.mode == ShareMode::kEverything) ||
+           share_.points.contains(point);
+  }
 
   const IslandPoses& PosesOf(const LocalMapState& local_map) { return poses_.Of(local_map); }
 
@@ -179,6 +186,7 @@ class ShareStep {
 
   // Takes keyframes that went and those that moved; sets the new ones aside.
   void TakeKeyframes() {
+    reach_.MoveWithRobot();
     for (auto it = news_.keyframes.begin(); it != news_.keyframes.end();) {
       if (!GoesOn(2)) return;
       const LocalMapState& local_map = *state_.FindLocalMap(it->local_map);
@@ -186,7 +194,9 @@ class ShareStep {
       const auto sent = share_.keyframes.find(*it);
       if (sent == share_.keyframes.end()) {
         // A keyframe that is not old enough becomes news again when it is.
-        const bool is_new = keyframe != nullptr && IsShared(*it);
+        const bool is_living = keyframe != nullptr && IsShared(*it);
+        if (!is_living) share_.far.Erase(*it);
+        const bool is_new = is_living && reach_.Wants(*it);
         if (is_new) new_keyframes_.insert(*it);
         it = is_new ? std::next(it) : news_.keyframes.erase(it);
         continue;
@@ -334,6 +344,7 @@ class ShareStep {
   }
 
   void TakeNewKeyframes() {
+    if (new_keyframes_.empty()) return;
     if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
     if (!CountOwnLandmarks()) return;
     for (const KeyframeId& id : OrderNewKeyframes(state_, new_keyframes_, poses_, share_)) {
@@ -415,6 +426,7 @@ class ShareStep {
   LooksInPieces looks_;
   const Unplaced all_placed_;
   PoseCache poses_;
+  ShareReach reach_;
   std::set<KeyframeId> new_keyframes_;
   SharedUpdate update_;
 };

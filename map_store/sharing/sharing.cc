@@ -20,10 +20,16 @@ bool HasLostAny(const ShareState& share, const Island& island) {
   });
 }
 
+void ForgetAll(ShareState& share) {
+  const ShareScope scope = share.scope;
+  share = ShareState();
+  share.scope = scope;
+}
+
 // Forgets what was sent; if the agent has anything, it is told to forget it, too.
 void StartAgain(LocalMapId local_map, IslandId island, ShareState& share) {
   const bool had_any = share.restart || HasSent(share);
-  share = ShareState();
+  ForgetAll(share);
   share.local_map = local_map;
   share.island = island;
   share.restart = had_any;
@@ -42,6 +48,7 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
                                              const AgentState& agent, ShareState& share,
                                              LongRead& read) {
   share.unfinished = false;
+  if (share.scope.mode == ShareMode::kNone) return std::nullopt;
   if (agent.local_maps.empty()) return std::nullopt;
   const LocalMapId own = agent.local_maps.back();
   const Island& island = *state.FindIslandOf(own);
@@ -68,12 +75,26 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
 
 void ForgetLastUpdate(ShareState& share) { share.last_revision = 0; }
 
-void ResumeSharing(uint64_t last_revision, ShareState& share) {
+namespace {
+
+// The agent keeps what it has. What the new scope takes in is found by a look at all there is; that
+// what is too far away for it is kept apart anew.
+void ChangeScope(const ShareScope& scope, ShareState& share) {
+  share.scope = scope;
+  share.far.TakeAll();
+  share.look_at_all = true;
+  share.complete_at_version = 0;
+}
+
+}  // namespace
+
+void ResumeSharing(uint64_t last_revision, const ShareScope& scope, ShareState& share) {
+  if (share.scope != scope) ChangeScope(scope, share);
   const bool certain = last_revision != 0 && last_revision == share.last_revision &&
                        share.updates_of_last_revision == 1;
   if (certain) return;
   const bool holds_any = last_revision != 0;
-  share = ShareState();
+  ForgetAll(share);
   share.restart = holds_any;
 }
 

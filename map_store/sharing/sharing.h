@@ -1,6 +1,7 @@
 // Tells an agent what it lacks of the global layer, step by step within a byte budget (CORB-SLAM,
 // section 2.3): others' keyframes and points in full, the nearest first; moved ones light;
-// landmarks; where its own keyframes stand.
+// landmarks; where its own keyframes stand. An agent may want less of it (ShareScope): then it gets
+// fewer of others' keyframes or none, and no points and landmarks but those that these see.
 #ifndef CORBSLAM_MAP_STORE_SHARING_SHARING_H_
 #define CORBSLAM_MAP_STORE_SHARING_SHARING_H_
 
@@ -30,8 +31,9 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
 void ForgetLastUpdate(ShareState& share);
 
 // The caller says that the agent opened a session, and up to which revision it has applied what it
-// was sent. Sharing goes on from there if that is certain, else it starts again.
-void ResumeSharing(uint64_t last_revision, ShareState& share);
+// was sent. Sharing goes on from there if that is certain, else it starts again. `scope` is what it
+// wants from now on: what it was sent stays and, unless it wants nothing, is kept up to date.
+void ResumeSharing(uint64_t last_revision, const ShareScope& scope, ShareState& share);
 
 }  // namespace corbslam::map_store
 

@@ -13,9 +13,11 @@
 
 #include "absl/container/btree_map.h"
 #include "absl/container/btree_set.h"
+#include "map_store/state/far_keyframes.h"
 #include "map_store/state/lookups.h"
 #include "map_store/state/sights_table.h"
 #include "slam/exchange/shared_update.h"
+#include "slam/exchange/uplink.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
 
@@ -45,6 +47,9 @@ struct ShareNews {
 };
 
 struct ShareState {
+  // What the agent wants to be told, as its newest session says. Of what it was sent under another
+  // scope it keeps all, and is told what becomes of it.
+  ShareScope scope;
   // The frame in which all of the below was sent; invalid: nothing was.
   IslandId island;
   LocalMapId local_map;
@@ -59,6 +64,10 @@ struct ShareState {
   uint64_t seen_version = 0;
   uint64_t seen_revision = 0;
   std::set<LocalMapId> seen_local_maps;
+  // The scope is another since then: all is to be looked at as if it had never been seen.
+  bool look_at_all = false;
+  // Others' keyframes that are too far away to be sent (ShareMode::kNearby). They are no news.
+  FarKeyframes far;
   // The island's `shared_version` up to which everything was sent.
   uint64_t complete_at_version = 0;
   // The revision of the last update, and how many updates had it.

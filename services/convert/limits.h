@@ -29,6 +29,9 @@ inline constexpr size_t kMaxCamerasOfStream = 10'000;
 // A robot may bound its shared updates to so many bytes per second.
 inline constexpr uint64_t kMinDownlink_Bps = 1'000;
 inline constexpr uint64_t kMaxDownlink_Bps = uint64_t{1} << 40;
+// A robot that wants what is near it says how near, within these limits.
+inline constexpr double kMinShareRadius_m = 1;
+inline constexpr double kMaxShareRadius_m = 1e6;
 // Our own writers begin another part of a batch or shared update after so many bytes.
 inline constexpr size_t kPartBytes = 2u << 20;
 // A keypoint takes about so many bytes as columns.

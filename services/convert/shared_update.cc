@@ -306,6 +306,50 @@ Capabilities ReadCapabilities(const Message& proto) {
   return capabilities;
 }
 
+v1::Share ToProto(ShareMode mode) {
+  switch (mode) {
+    case ShareMode::kNone:
+      return v1::SHARE_NONE;
+    case ShareMode::kCorrections:
+      return v1::SHARE_CORRECTIONS;
+    case ShareMode::kNearby:
+      return v1::SHARE_NEARBY;
+    case ShareMode::kEverything:
+      break;
+  }
+  return v1::SHARE_UNSPECIFIED;
+}
+
+absl::StatusOr<ShareMode> ReadShareMode(int share) {
+  switch (share) {
+    case v1::SHARE_UNSPECIFIED:
+    case v1::SHARE_EVERYTHING:
+      return ShareMode::kEverything;
+    case v1::SHARE_NONE:
+      return ShareMode::kNone;
+    case v1::SHARE_CORRECTIONS:
+      return ShareMode::kCorrections;
+    case v1::SHARE_NEARBY:
+      return ShareMode::kNearby;
+    default:
+      return OutOfRange("share", share, v1::Share_MIN, v1::Share_MAX);
+  }
+}
+
+// A radius is checked whatever the mode is, and used with SHARE_NEARBY only.
+absl::StatusOr<ShareScope> ReadShareScope(const v1::OpenSession& proto) {
+  ShareScope scope;
+  ASSIGN_OR_RETURN(scope.mode, ReadShareMode(proto.share()));
+  const double radius_m = proto.share_radius_m();
+  if (radius_m == 0) return scope;
+  // No comparison with a number that is none is true.
+  if (!(radius_m >= kMinShareRadius_m && radius_m <= kMaxShareRadius_m)) {
+    return OutOfRange("share_radius_m", radius_m, kMinShareRadius_m, kMaxShareRadius_m);
+  }
+  if (scope.mode == ShareMode::kNearby) scope.radius_m = radius_m;
+  return scope;
+}
+
 }  // namespace
 
 void ToProto(const SessionRequest& request, v1::OpenSession* proto) {
@@ -317,6 +361,8 @@ void ToProto(const SessionRequest& request, v1::OpenSession* proto) {
   proto->set_take_over(request.take_over);
   AddCapabilities(request.capabilities, proto);
   proto->set_downlink_bytes_per_second(request.downlink_bytes_per_second);
+  proto->set_share(ToProto(request.share.mode));
+  if (request.share.mode == ShareMode::kNearby) proto->set_share_radius_m(request.share.radius_m);
 }
 
 absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
@@ -340,6 +386,7 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
       bound != 0 && (bound < kMinDownlink_Bps || bound > kMaxDownlink_Bps)) {
     return OutOfRange("downlink_bytes_per_second", bound, kMinDownlink_Bps, kMaxDownlink_Bps);
   }
+  ASSIGN_OR_RETURN(request.share, ReadShareScope(proto));
   return request;
 }
 

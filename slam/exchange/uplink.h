@@ -21,6 +21,23 @@ struct Capabilities {
   bool coded_features = false;
 };
 
+// What of the global layer an agent is told.
+enum class ShareMode {
+  kNone,         // Nothing: it has no global pose either.
+  kCorrections,  // Where its own keyframes stand.
+  kNearby,       // That, and others' keyframes near it, with their points.
+  kEverything,   // That, and in time all others' keyframes and points.
+};
+
+struct ShareScope {
+  ShareMode mode = ShareMode::kEverything;
+  // With kNearby: how far keyframes may be from the newest one that the agent sent, in metres of
+  // the island's frame, 1 to 1e6.
+  double radius_m = 50;
+
+  bool operator==(const ShareScope&) const = default;
+};
+
 // The first message of a session: opens or resumes.
 struct SessionRequest {
   std::string mission;
@@ -37,6 +54,7 @@ struct SessionRequest {
   Capabilities capabilities = {};
   // At most about so many bytes of shared updates a second; 0: no bound.
   uint64_t downlink_bytes_per_second = 0;
+  ShareScope share = {};
   // Where the request came from, for people. The store's transport says it, not the agent.
   std::string peer = "";
 };
