@@ -59,13 +59,24 @@ void SharedMirror::Apply(const SharedUpdate& update) {
 
 TestAgent::TestAgent(MapStore& store, std::string mission, std::string name,
                      const SyntheticMap& made)
-    : store_(store), made_(made), local_map_(made.map.keyframes().begin()->first.local_map) {
+    : store_(store),
+      mission_(std::move(mission)),
+      name_(std::move(name)),
+      made_(made),
+      local_map_(made.map.keyframes().begin()->first.local_map) {
+  Resume({}).IgnoreError();
+}
+
+absl::Status TestAgent::Resume(const ShareScope& scope) {
   SessionRequest request;
-  request.mission = std::move(mission);
-  request.agent = std::move(name);
+  request.mission = mission_;
+  request.agent = name_;
+  request.last_revision = mirror_.revision;
   request.local_maps = {local_map_};
-  const auto opened = store.OpenSession(request);
-  if (opened.ok()) session_ = opened->session_id;
+  request.share = scope;
+  ASSIGN_OR_RETURN(const MapStore::OpenedSession opened, store_.OpenSession(request));
+  session_ = opened.session_id;
+  return absl::OkStatus();
 }
 
 void TestAgent::AddPoints(const Keyframe& keyframe, MapUpdateBatch& batch) {

@@ -34,6 +34,9 @@ class TestAgent {
   TestAgent(map_store::MapStore& store, std::string mission, std::string name,
             const SyntheticMap& made);
 
+  // Opens another session, which goes on from what `mirror` holds and wants to be told `scope`.
+  absl::Status Resume(const ShareScope& scope);
+
   // Returns the next numbered batch, of `keyframes` keyframes with their points and a tracked frame
   // each.
   MapUpdateBatch NextBatch(size_t keyframes);
@@ -46,6 +49,8 @@ class TestAgent {
   // Takes updates until there are no more, and applies them to `mirror`.
   absl::Status TakeShared(size_t byte_budget = 1 << 20);
 
+  const std::string& name() const { return name_; }
+
   uint64_t session() const { return session_; }
   LocalMapId local_map() const { return local_map_; }
   KeyframeId Id(uint32_t index) const { return {local_map_, index}; }
@@ -56,6 +61,8 @@ class TestAgent {
   void AddPoints(const Keyframe& keyframe, MapUpdateBatch& batch);
 
   map_store::MapStore& store_;
+  const std::string mission_;
+  const std::string name_;
   const SyntheticMap& made_;
   const LocalMapId local_map_;
   uint64_t session_ = 0;

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
 #include "services/convert/limits.h"
 #include "services/convert/testing/test_data.h"
 
@@ -157,6 +160,67 @@ TEST(SessionTest, ADownlinkThatNothingPassesIsRefused) {
     const absl::Status status = FromProto(proto).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(std::string(status.message()), HasSubstr("downlink_bytes_per_second"));
+  }
+}
+
+TEST(SessionTest, WhatIsWantedPassesTheWire) {
+  SessionRequest request;
+  request.mission = "m";
+  request.agent = "alpha";
+  for (const ShareScope& scope : {ShareScope{ShareMode::kNone}, ShareScope{ShareMode::kCorrections},
+                                  ShareScope{ShareMode::kNearby}, ShareScope{ShareMode::kNearby, 7},
+                                  ShareScope{ShareMode::kNearby, 1e6}, ShareScope{}}) {
+    request.share = scope;
+    v1::OpenSession proto;
+    ToProto(request, &proto);
+    const auto read = FromProto(proto);
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_EQ(read->share, scope);
+  }
+}
+
+TEST(SessionTest, WhoSaysNothingOfItWantsEverything) {
+  v1::OpenSession proto;
+  proto.set_mission("missions/m");
+  proto.set_agent("alpha");
+  EXPECT_EQ(FromProto(proto)->share.mode, ShareMode::kEverything);
+  proto.set_share(v1::SHARE_EVERYTHING);
+  EXPECT_EQ(FromProto(proto)->share.mode, ShareMode::kEverything);
+  proto.set_share(v1::SHARE_NEARBY);
+  EXPECT_EQ(FromProto(proto)->share, (ShareScope{ShareMode::kNearby, 50}));
+  // A radius says nothing in other modes.
+  proto.set_share(v1::SHARE_CORRECTIONS);
+  proto.set_share_radius_m(7);
+  EXPECT_EQ(FromProto(proto)->share, ShareScope{ShareMode::kCorrections});
+}
+
+TEST(SessionTest, AWishThatIsNotKnownIsRefusedByNameValueAndLimits) {
+  v1::OpenSession proto;
+  proto.set_mission("missions/m");
+  proto.set_agent("alpha");
+  for (const int share : {-1, 5, 77}) {
+    proto.set_share(static_cast<v1::Share>(share));
+    const absl::Status status = FromProto(proto).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(status.message()),
+                HasSubstr(absl::StrCat("share is ", share, ", must be in [0, 4]")));
+  }
+}
+
+TEST(SessionTest, ARadiusOutOfItsLimitsIsRefusedByNameValueAndLimitsInEveryMode) {
+  v1::OpenSession proto;
+  proto.set_mission("missions/m");
+  proto.set_agent("alpha");
+  for (const v1::Share share : {v1::SHARE_NEARBY, v1::SHARE_NONE}) {
+    proto.set_share(share);
+    for (const double radius_m : {0.5, -3.0, 2e6, std::nan(""), HUGE_VAL}) {
+      proto.set_share_radius_m(radius_m);
+      const absl::Status status = FromProto(proto).status();
+      EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << radius_m;
+      EXPECT_THAT(
+          std::string(status.message()),
+          HasSubstr(absl::StrCat("share_radius_m is ", radius_m, ", must be in [1, 1e+06]")));
+    }
   }
 }
 

@@ -198,6 +198,7 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   const MapStore::OpenedSession& opened = *session;
   session_id_ = opened.session_id;
   pacer_ = SharePacer(request.downlink_bytes_per_second);
+  moves_what_is_shared_ = request.share.mode == ShareMode::kNearby;
   for (SyncObserver* observer : observers_) observer->OnOpened(who_);
   timer_.Disarm();
   v1::SyncResponse response;
@@ -250,6 +251,8 @@ absl::StatusOr<Acknowledgement> SyncReactor::ApplyWhole(const MapUpdateBatch& ba
   for (SyncObserver* observer : observers_) {
     observer->OnApplied(who_, batch, took, stored.status());
   }
+  // The store tells only the other sessions of this batch.
+  if (stored.ok() && moves_what_is_shared_) OnShareable();
   return stored;
 }
 

@@ -99,6 +99,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   BatchAssembler assembler_;
   map_store::BatchTransfer transfer_;
   SharePacer pacer_;
+  // True: the agent's own batches, too, change what it is to be told.
+  bool moves_what_is_shared_ = false;
 
   bool has_request_ ABSL_GUARDED_BY(mutex_) = false;
   absl::Time read_at_ ABSL_GUARDED_BY(mutex_);
