@@ -98,7 +98,7 @@ absl::StatusOr<Page<AgentInfo>> MapStore::ListAgents(absl::string_view mission_n
     Page<AgentInfo> page;
     for (auto it = state.agents.upper_bound(start.after);
          it != state.agents.end() && page.items.size() <= start.size; ++it) {
-      page.items.push_back(map_store::DescribeAgent(it->first, it->second));
+      page.items.push_back(map_store::DescribeAgent(state, it->first, it->second));
     }
     page.next_page_token =
         EndPage(start, page.items, [](const AgentInfo& agent) { return agent.name; });

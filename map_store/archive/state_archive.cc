@@ -493,6 +493,7 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);
+  for (auto& [id, local_map] : state.local_maps) NoteNewestFrames(0, 0, local_map);
   return state;
 }
 

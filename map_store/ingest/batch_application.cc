@@ -168,10 +168,13 @@ void ApplyBatch(const MapUpdateBatch& batch, const BatchWords& words,
   AddFullItems(batch, words, state, local_map);
   MoveLightItems(batch, local_map);
   ChangeGraph(batch, state, local_map);
+  const size_t tracked_before = local_map.frames.size();
+  const size_t lost_before = local_map.lost_frames_ns.size();
   local_map.frames.insert(local_map.frames.end(), batch.tracked_frames.begin(),
                           batch.tracked_frames.end());
   local_map.lost_frames_ns.insert(local_map.lost_frames_ns.end(), batch.lost_frames_ns.begin(),
                                   batch.lost_frames_ns.end());
+  NoteNewestFrames(tracked_before, lost_before, local_map);
   local_map.closed = local_map.closed || batch.closes_local_map;
   local_map.last_batch = batch.number;
   local_map.stored_bytes += StoredBytes(batch);

@@ -62,6 +62,19 @@ struct MissionInfo {
   std::optional<WorkerOutage> worker_outage;
 };
 
+// Where an agent was at its newest frame that had a pose, as far as the store was told. The newest
+// is that of the latest time in the local map that was opened last and has any.
+struct LastPose {
+  int64_t timestamp_ns = 0;
+  LocalMapId local_map;
+  IslandId island;
+  bool in_reference_island = false;
+  // Of the camera of keyframes, whose units are rescaled to the island's.
+  Rigid3d camera_from_island;
+  // Frames of a later time, or of later local maps, had none.
+  bool lost_since = false;
+};
+
 struct AgentInfo {
   std::string name;
   bool connected = false;
@@ -69,6 +82,7 @@ struct AgentInfo {
   // Whether it is connected and nothing waits to be told to it.
   bool up_to_date = false;
   uint64_t shared_updates = 0;  // The number that its session was sent.
+  std::optional<LastPose> last_pose;
 };
 
 struct LocalMapInfo {

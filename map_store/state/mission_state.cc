@@ -1,5 +1,7 @@
 #include "map_store/state/mission_state.h"
 
+#include <algorithm>
+
 namespace corbslam::map_store {
 namespace {
 
@@ -72,6 +74,17 @@ void IndexPoints(MissionState& state) {
 void ForgetChanges(const MissionState& state, LocalMapState& local_map) {
   local_map.changes.Forget(state.version);
   local_map.places_version = state.version;
+}
+
+void NoteNewestFrames(size_t tracked, size_t lost, LocalMapState& local_map) {
+  const std::vector<TrackedFrame>& frames = local_map.frames;
+  for (size_t i = tracked; i < frames.size(); ++i) {
+    if (frames[i].timestamp_ns < frames[local_map.newest_frame].timestamp_ns) continue;
+    local_map.newest_frame = i;
+  }
+  for (size_t i = lost; i < local_map.lost_frames_ns.size(); ++i) {
+    local_map.newest_lost_ns = std::max(local_map.newest_lost_ns, local_map.lost_frames_ns[i]);
+  }
 }
 
 LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string& agent) {

@@ -82,6 +82,10 @@ struct LocalMapState {
 
   std::vector<TrackedFrame> frames;
   std::vector<int64_t> lost_frames_ns;
+  // The frame of the latest time (its index in `frames`), and the latest time of a lost frame;
+  // derived by NoteNewestFrames. Frames whose keyframes came late stand behind newer ones.
+  size_t newest_frame = 0;
+  int64_t newest_lost_ns = std::numeric_limits<int64_t>::min();
   WaitingTable<uint64_t, ParkedReference> parked;         // By the order in which they came.
   WaitingTable<KeyframeId, ParkedParent> parked_parents;  // By child; the newest word counts.
   size_t expired_references = 0;
@@ -270,6 +274,10 @@ void IndexPoints(MissionState& state);
 
 // The caller says that all of the local map may have changed, and may stand elsewhere.
 void ForgetChanges(const MissionState& state, LocalMapState& local_map);
+
+// Brings `newest_frame` and `newest_lost_ns` up to date with frames that were appended after the
+// first `tracked` and `lost` ones.
+void NoteNewestFrames(size_t tracked, size_t lost, LocalMapState& local_map);
 
 // Adds a local map of an agent, as an island of its own.
 LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string& agent);

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/view/island_view.h"
+#include "map_store/view/last_pose.h"
 #include "map_store/view/placement.h"
 
 namespace corbslam::map_store {
@@ -86,8 +87,12 @@ MissionInfo DescribeMission(const MissionState& state) {
   return info;
 }
 
-AgentInfo DescribeAgent(const std::string& name, const AgentState& agent) {
-  return {.name = name, .connected = agent.session != 0, .local_maps = agent.local_maps};
+AgentInfo DescribeAgent(const MissionState& state, const std::string& name,
+                        const AgentState& agent) {
+  return {.name = name,
+          .connected = agent.session != 0,
+          .local_maps = agent.local_maps,
+          .last_pose = FindLastPose(state, agent)};
 }
 
 LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& local_map) {

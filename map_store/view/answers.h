@@ -15,7 +15,8 @@ namespace corbslam::map_store {
 absl::Status NoSuchLocalMap(LocalMapId id);
 
 MissionInfo DescribeMission(const MissionState& state);
-AgentInfo DescribeAgent(const std::string& name, const AgentState& agent);
+AgentInfo DescribeAgent(const MissionState& state, const std::string& name,
+                        const AgentState& agent);
 LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& local_map);
 // Describes the keyframes one after the other; the state must have all of them.
 std::vector<KeyframeInfo> DescribeKeyframes(const MissionState& state,

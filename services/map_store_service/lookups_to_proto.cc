@@ -62,12 +62,22 @@ void ToProto(const MissionInfo& info, v1::Mission* proto) {
   proto->set_worker_error(info.worker_outage->cause);
 }
 
+void ToProto(absl::string_view mission, const map_store::LastPose& pose, v1::LastPose* proto) {
+  proto->set_timestamp_ns(pose.timestamp_ns);
+  proto->set_local_map(LocalMapName(mission, pose.local_map));
+  proto->set_island(LocalMapName(mission, pose.island));
+  proto->set_in_global_frame(pose.in_reference_island);
+  ToProto(pose.camera_from_island, proto->mutable_camera_from_island());
+  proto->set_lost_since(pose.lost_since);
+}
+
 void ToProto(absl::string_view mission, const AgentInfo& info, v1::MissionAgent* proto) {
   proto->set_name(AgentName(mission, info.name));
   proto->set_connected(info.connected);
   for (const LocalMapId id : info.local_maps) proto->add_local_maps(LocalMapName(mission, id));
   proto->set_up_to_date(info.up_to_date);
   proto->set_shared_updates(info.shared_updates);
+  if (info.last_pose.has_value()) ToProto(mission, *info.last_pose, proto->mutable_last_pose());
 }
 
 void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* proto) {

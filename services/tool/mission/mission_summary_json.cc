@@ -1,3 +1,4 @@
+#include "services/convert/geometry.h"
 #include "services/tool/mission/mission_json.h"
 #include "services/tool/mission/mission_summary.h"
 #include "services/tool/mission/summary_pairs.h"
@@ -7,10 +8,28 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json ToJson(const v1::LastPose& pose) {
+  Json json = {{"timestamp_ns", pose.timestamp_ns()},
+               {"local_map", pose.local_map()},
+               {"island", pose.island()},
+               {"in_global_frame", pose.in_global_frame()},
+               {"lost_since", pose.lost_since()},
+               {"position_in_island", nullptr}};
+  const auto camera_from_island = FromProto(pose.camera_from_island());
+  if (camera_from_island.ok()) {
+    const Eigen::Vector3d centre = CameraCentre(*camera_from_island);
+    json["position_in_island"] = {centre.x(), centre.y(), centre.z()};
+  }
+  return json;
+}
+
 Json ToJson(const v1::MissionAgent& agent) {
   Json local_maps = Json::array();
   for (const std::string& name : agent.local_maps()) local_maps.push_back(name);
-  return {{"name", agent.name()}, {"connected", agent.connected()}, {"local_maps", local_maps}};
+  Json json = {
+      {"name", agent.name()}, {"connected", agent.connected()}, {"local_maps", local_maps}};
+  if (agent.has_last_pose()) json["last_pose"] = ToJson(agent.last_pose());
+  return json;
 }
 
 Json ToJson(const v1::LocalMap& local_map, const std::string& short_name) {

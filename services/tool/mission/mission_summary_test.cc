@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
+#include "services/convert/geometry.h"
 
 namespace corbslam::services {
 namespace {
@@ -47,6 +48,13 @@ MissionSummary MakeSummary() {
     summary.agents.emplace_back().set_name(absl::StrCat("missions/lab/agents/", name));
   }
   summary.agents[0].set_connected(true);
+  v1::LastPose& last = *summary.agents[0].mutable_last_pose();
+  last.set_timestamp_ns(5);
+  last.set_local_map(MapName(3));
+  last.set_island(MapName(3));
+  last.set_lost_since(true);
+  ToProto(Rigid3d{Eigen::Quaterniond::Identity(), {-1.25, 0, 2}},
+          last.mutable_camera_from_island());
   AddLocalMap(1, "alpha", 1, summary);
   AddLocalMap(2, "bravo", 1, summary);
   AddLocalMap(3, "alpha", 3, summary);
@@ -65,6 +73,7 @@ TEST(MissionSummaryTest, SaysWhatWasFusedAndWhyTheRestWasNot) {
       FormatSummary(MakeSummary()),
       AllOf(HasSubstr("Mission lab: 2 robots, 3 local maps in 2 islands, 30 keyframes, "),
             HasSubstr("alpha            yes                2        20       200       100"),
+            HasSubstr(" 1.25 0.00 -2.00 in the frame of alpha/2, lost since\n"),
             HasSubstr("alpha/2          3                alpha/2          no"),
             HasSubstr("5 overlaps verified, 3 accepted\n"),
             HasSubstr("  alpha/1 and bravo/1, fused: 2 accepted (up to 45 inliers); 1 refused: too "
@@ -135,6 +144,9 @@ TEST(MissionSummaryTest, HasTheSameAsJson) {
   EXPECT_EQ(json["mission"]["name"], "missions/lab");
   EXPECT_EQ(json["agents"].size(), 2u);
   EXPECT_EQ(json["agents"][0]["local_maps"].size(), 2u);
+  EXPECT_EQ(json["agents"][0]["last_pose"]["position_in_island"][2], -2.0);
+  EXPECT_EQ(json["agents"][0]["last_pose"]["in_global_frame"], false);
+  EXPECT_FALSE(json["agents"][1].contains("last_pose"));
   EXPECT_EQ(json["local_maps"][2]["short_name"], "alpha/2");
   EXPECT_EQ(json["overlaps"], 5);
   EXPECT_EQ(json["pairs"].size(), 4u);

@@ -5,6 +5,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
+#include "services/convert/geometry.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/mission/mission_summary.h"
 #include "services/tool/mission/summary_pairs.h"
@@ -42,10 +43,31 @@ std::string FormatMission(const v1::Mission& mission) {
       FormatWorkers(mission));
 }
 
+// Says where the robot was last, as "1.20 0.00 3.40" in the global frame, and whether it was lost
+// since.
+std::string DescribeLastPose(const v1::MissionAgent& agent,
+                             const std::map<std::string, std::string>& names) {
+  if (!agent.has_last_pose()) return "-";
+  const v1::LastPose& pose = agent.last_pose();
+  const auto camera_from_island = FromProto(pose.camera_from_island());
+  if (!camera_from_island.ok()) return "-";
+  const Eigen::Vector3d centre = CameraCentre(*camera_from_island);
+  std::string text = absl::StrFormat("%.2f %.2f %.2f", centre.x(), centre.y(), centre.z());
+  if (!pose.in_global_frame()) {
+    const auto island = names.find(pose.island());
+    absl::StrAppend(&text, " in the frame of ",
+                    island == names.end() ? LastSegment(pose.island()) : island->second);
+  }
+  if (pose.lost_since()) absl::StrAppend(&text, ", lost since");
+  return text;
+}
+
 // Writes one line for each robot, with its local maps added up.
 std::string FormatRobots(const MissionSummary& summary) {
-  std::string text = absl::StrFormat("\n%-16s %-9s %10s %9s %9s %9s %9s\n", "robot", "connected",
-                                     "local maps", "keyframes", "points", "tracked", "lost");
+  const std::map<std::string, std::string> names = ShortNames(summary);
+  std::string text =
+      absl::StrFormat("\n%-16s %-9s %10s %9s %9s %9s %9s  %s\n", "robot", "connected", "local maps",
+                      "keyframes", "points", "tracked", "lost", "last seen at");
   for (const v1::MissionAgent& agent : summary.agents) {
     v1::LocalMap sum;
     for (const v1::LocalMap& local_map : summary.local_maps) {
@@ -55,10 +77,10 @@ std::string FormatRobots(const MissionSummary& summary) {
       sum.set_tracked_frames(sum.tracked_frames() + local_map.tracked_frames());
       sum.set_lost_frames(sum.lost_frames() + local_map.lost_frames());
     }
-    absl::StrAppendFormat(&text, "%-16s %-9s %10d %9d %9d %9d %9d\n", LastSegment(agent.name()),
+    absl::StrAppendFormat(&text, "%-16s %-9s %10d %9d %9d %9d %9d  %s\n", LastSegment(agent.name()),
                           agent.connected() ? "yes" : "no", agent.local_maps_size(),
                           sum.keyframes(), sum.map_points(), sum.tracked_frames(),
-                          sum.lost_frames());
+                          sum.lost_frames(), DescribeLastPose(agent, names));
   }
   return text;
 }

@@ -1,0 +1,58 @@
+#include "map_store/view/last_pose.h"
+
+#include <cstddef>
+
+#include "map_store/view/placement.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// Frames that are looked at before a local map counts as one without any pose.
+constexpr size_t kMaxLooks = 100;
+
+std::optional<Rigid3d> CameraFromIsland(const MissionState& state, const LocalMapState& local_map,
+                                        const TrackedFrame& frame) {
+  LivingRelative relative;
+  if (!FindLivingRelative(state, frame.reference, relative)) return std::nullopt;
+  const LocalMapId of_relative = relative.id.local_map;
+  if (state.global.island_of.at(of_relative) != state.global.island_of.at(local_map.id)) {
+    return std::nullopt;
+  }
+  const auto table = FindPoses(state, *state.FindLocalMap(of_relative));
+  const Rigid3d relative_from_camera = relative.relative_from_id * frame.reference_from_camera;
+  return relative_from_camera.Inverse() * table->poses.at(relative.id).ToRigid();
+}
+
+std::optional<LastPose> FindIn(const MissionState& state, const LocalMapState& local_map) {
+  for (size_t look = 0; look < kMaxLooks && look <= local_map.newest_frame; ++look) {
+    if (local_map.frames.empty()) return std::nullopt;
+    const TrackedFrame& frame = local_map.frames[local_map.newest_frame - look];
+    const auto pose = CameraFromIsland(state, local_map, frame);
+    if (!pose.has_value()) continue;
+    const IslandId island = state.global.island_of.at(local_map.id);
+    return LastPose{.timestamp_ns = frame.timestamp_ns,
+                    .local_map = local_map.id,
+                    .island = island,
+                    .in_reference_island = island == state.ReferenceIsland(),
+                    .camera_from_island = *pose,
+                    .lost_since = local_map.newest_lost_ns > frame.timestamp_ns};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<LastPose> FindLastPose(const MissionState& state, const AgentState& agent) {
+  bool lost_later = false;
+  for (auto id = agent.local_maps.rbegin(); id != agent.local_maps.rend(); ++id) {
+    const LocalMapState& local_map = *state.FindLocalMap(*id);
+    if (std::optional<LastPose> pose = FindIn(state, local_map)) {
+      pose->lost_since |= lost_later;
+      return pose;
+    }
+    lost_later |= !local_map.lost_frames_ns.empty();
+  }
+  return std::nullopt;
+}
+
+}  // namespace corbslam::map_store

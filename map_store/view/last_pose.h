@@ -1,0 +1,20 @@
+// Finds where an agent was last.
+#ifndef CORBSLAM_MAP_STORE_VIEW_LAST_POSE_H_
+#define CORBSLAM_MAP_STORE_VIEW_LAST_POSE_H_
+
+#include <optional>
+
+#include "map_store/state/lookups.h"
+#include "map_store/state/mission_state.h"
+
+namespace corbslam::map_store {
+
+// Returns the agent's newest frame with a pose, in the frame of its local map's island; nullopt as
+// long as there is none. Where no one knows the keyframe that the frame refers to, or it lies in
+// another island, the frame that came before it stands for it. It looks at a few frames at most,
+// however many there are; the poses of keyframes are those that were found already (FindPoses).
+std::optional<LastPose> FindLastPose(const MissionState& state, const AgentState& agent);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_VIEW_LAST_POSE_H_
