@@ -44,8 +44,9 @@ class SharedMap {
   // because a part of that does not fit the rest.
   PlacementChange Place(const PlacementPlan& plan, Map& map);
 
-  // Returns where the robot's frame is in the global one, by the own keyframe placed last; none
-  // before fusion.
+  // Returns where the robot's frame is in the mission's global one: by the own keyframe placed last
+  // or, before fusion placed any, as the store said of the local map as a whole. None where the
+  // store said neither, or that the island is not connected to the global frame.
   std::optional<Similarity3d> GlobalFromLocal() const;
 
   size_t keyframe_count() const { return content_.keyframes().size(); }
@@ -68,6 +69,8 @@ class SharedMap {
   SharedContent content_;
   PlacementPlanner planner_;
   bool has_all_places_ = true;
+  bool apart_ = false;
+  std::optional<Similarity3d> told_global_from_local_;
   // Foreign keyframes whose parents are not in the map (yet).
   absl::btree_set<KeyframeId> orphans_;
 };

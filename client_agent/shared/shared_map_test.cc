@@ -133,6 +133,45 @@ TEST_F(SharedMapTest, ForeignItemsArePlacedInTheRobotsFrame) {
   EXPECT_LT((global_from_local.translation - kGlobalFromLocal.translation).norm(), 1e-9);
 }
 
+TEST_F(SharedMapTest, ARobotAloneLiesWhereTheStoreSaysUntilFusionPlacesItsKeyframes) {
+  EXPECT_FALSE(shared_.GlobalFromLocal().has_value());
+  SharedUpdate alone;
+  alone.global_from_local = Similarity3d::Identity();
+  Share(alone);
+  ASSERT_TRUE(shared_.GlobalFromLocal().has_value());
+  EXPECT_EQ(shared_.GlobalFromLocal()->translation.norm(), 0);
+  // A loop that the robot closes moves its keyframes, and not its frame.
+  Correct(0.5);
+  EXPECT_EQ(shared_.GlobalFromLocal()->translation.norm(), 0);
+  EXPECT_EQ(map_.keyframes().size(), 3u);
+  Share(FirstUpdate());
+  EXPECT_GT(shared_.GlobalFromLocal()->translation.norm(), 5);
+}
+
+TEST_F(SharedMapTest, ForgettingAllItForgetsWhereItLies) {
+  SharedUpdate alone;
+  alone.global_from_local = Similarity3d::Identity();
+  Share(alone);
+  SharedUpdate restart;
+  restart.restart = true;
+  Share(restart);
+  EXPECT_FALSE(shared_.GlobalFromLocal().has_value());
+  restart.global_from_local = Similarity3d::Identity();
+  Share(restart);
+  EXPECT_TRUE(shared_.GlobalFromLocal().has_value());
+}
+
+TEST_F(SharedMapTest, ApartFromTheGlobalFrameOthersArePlacedAndNoGlobalPoseIsKnown) {
+  SharedUpdate apart = FirstUpdate();
+  apart.apart = true;
+  EXPECT_EQ(Share(apart).added_keyframes.size(), 1u);
+  EXPECT_FALSE(shared_.GlobalFromLocal().has_value());
+  SharedUpdate connected;
+  connected.revision = 5;
+  Share(connected);
+  EXPECT_TRUE(shared_.GlobalFromLocal().has_value());
+}
+
 TEST_F(SharedMapTest, ALandmarkTheRobotHoldsIsNotHeldTwice) {
   Share(FirstUpdate());
   EXPECT_EQ(map_.FindPoint({kForeign, 2}), nullptr);

@@ -120,9 +120,13 @@ absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const st
     RETURN_IF_ERROR(strand_.Sync());
     return *known;
   }
+  bool begins = false;
   {
     const BatchTransfer transfer = measured != nullptr ? *measured : EstimateTransfer(batch);
     StateWriteLock lock(strand_);
+    const LocalMapState& local_map = *strand_.state().FindLocalMap(batch.local_map);
+    begins =
+        !batch.full_keyframes.empty() && local_map.arrived.size() <= batch.full_keyframes.size();
     CountTransfer(batch, transfer,
                   absl::ToDoubleMilliseconds(strand_.environment().clock() - begin),
                   strand_.mutable_state().statistics);
@@ -133,6 +137,9 @@ absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const st
   listeners_.CallAllBut(session_id);
   events_.Tell();
   RETURN_IF_ERROR(durable);
+  // With its first keyframe a local map may have a place in the global frame, which its owner is
+  // told.
+  if (begins) listeners_.Call(session_id);
   return Acknowledgement{batch.local_map, batch.number};
 }
 

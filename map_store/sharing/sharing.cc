@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "map_store/sharing/global_place.h"
 #include "map_store/sharing/share_step.h"
 
 namespace corbslam::map_store {
@@ -28,7 +29,7 @@ void ForgetAll(ShareState& share) {
 
 // Forgets what was sent; if the agent has anything, it is told to forget it, too.
 void StartAgain(LocalMapId local_map, IslandId island, ShareState& share) {
-  const bool had_any = share.restart || HasSent(share);
+  const bool had_any = share.restart || HasSent(share) || share.global_from_local.has_value();
   ForgetAll(share);
   share.local_map = local_map;
   share.island = island;
@@ -58,15 +59,19 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
   if (island.local_maps.size() < 2) {
     // The island may have been larger, under the same name.
     if (HasSent(share)) StartAgain(own, island.id, share);
-    if (!std::exchange(share.restart, false)) return std::nullopt;
-    SharedUpdate forget;
-    forget.revision = state.global.revision;
-    forget.restart = true;
-    NoteSent(forget.revision, share);
-    return forget;
+    SharedUpdate alone;
+    alone.revision = state.global.revision;
+    alone.restart = std::exchange(share.restart, false);
+    alone.global_from_local = TakeGlobalPlace(state, share);
+    if (alone.IsEmpty()) return std::nullopt;
+    NoteSent(alone.revision, share);
+    return alone;
   }
   if (share.complete_at_version == island.shared_version && !share.restart) return std::nullopt;
+  // The island itself may be another one after the step.
+  const bool apart = island.id != state.ReferenceIsland();
   SharedUpdate update = TakeShareStep(state, island, options, byte_budget, share, read);
+  update.apart = apart;
   const bool ends_places = std::exchange(share.more_places, update.more_places);
   if (update.IsEmpty() && !ends_places) return std::nullopt;
   NoteSent(update.revision, share);

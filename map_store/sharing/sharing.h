@@ -19,8 +19,9 @@ namespace corbslam::map_store {
 // Returns the next update for the agent, and notes it in `share` as sent; none if the agent has
 // all. The agent's own local map is the one that it opened last. Other local maps, its own earlier
 // ones among them, are shared once its own is in one island with them. Another island's frame, or
-// another local map, begins with `restart`. `read` pauses meanwhile (TakeShareStep). If it returns
-// none and `share` is left unfinished, the caller is to ask again.
+// another local map, begins with `restart`. An agent whose local map is alone in the reference
+// island is told where it lies in the global frame, and nothing else. `read` pauses meanwhile
+// (TakeShareStep). If it returns none and `share` is left unfinished, the caller is to ask again.
 std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
                                              const MapStoreOptions& options, size_t byte_budget,
                                              const AgentState& agent, ShareState& share,

@@ -57,6 +57,8 @@ struct ShareState {
   absl::btree_map<MapPointId, Eigen::Vector3d> points;
   absl::btree_map<MapPointId, std::vector<MapPointId>> landmarks;
   std::map<KeyframeId, OwnKeyframePose> own_keyframes;
+  // Where the agent was told that its local map lies as a whole in the mission's global frame.
+  std::optional<Similarity3d> global_from_local;
 
   // News that are not sent yet, and up to where the mission has been searched for news: its
   // version, its revision, and the local maps that the island had then.

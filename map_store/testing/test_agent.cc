@@ -33,7 +33,10 @@ void SharedMirror::Apply(const SharedUpdate& update) {
     points.clear();
     own.clear();
     landmarks.clear();
+    global_from_local.reset();
   }
+  if (update.global_from_local.has_value()) global_from_local = update.global_from_local;
+  apart = update.apart;
   for (const SharedKeyframe& keyframe : update.keyframes) {
     keyframes[keyframe.payload->id] = keyframe;
   }

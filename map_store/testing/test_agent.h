@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "map_store/map_store.h"
@@ -20,6 +21,8 @@ struct SharedMirror {
   std::map<MapPointId, SharedMapPoint> points;
   std::map<KeyframeId, Similarity3d> own;
   std::map<MapPointId, std::vector<MapPointId>> landmarks;
+  std::optional<Similarity3d> global_from_local;
+  bool apart = false;
   int restarts = 0;
   int updates = 0;
   uint64_t revision = 0;

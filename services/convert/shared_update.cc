@@ -185,6 +185,8 @@ void Append(SharedUpdate& update, SharedUpdate& part) {
   update.revision = part.revision;
   update.restart |= part.restart;
   update.more_places = part.more_places;
+  if (part.global_from_local.has_value()) update.global_from_local = part.global_from_local;
+  update.apart |= part.apart;
   AppendAll(update.keyframes, part.keyframes);
   AppendAll(update.points, part.points);
   AppendAll(update.moved_keyframes, part.moved_keyframes);
@@ -207,6 +209,10 @@ std::vector<v1::SharedUpdate> ToProto(const SharedUpdate& update, CameraBook& se
     return SlotWriter(part.mutable_local_maps());
   });
   writer.part().set_restart(update.restart);
+  if (update.global_from_local.has_value()) {
+    ToProto(*update.global_from_local, writer.part().mutable_global_from_local());
+  }
+  writer.part().set_apart_from_global_frame(update.apart);
   for (const SharedKeyframe& keyframe : update.keyframes) {
     WriteKeyframe(keyframe, form, sent, writer);
   }
@@ -235,6 +241,12 @@ absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook
   update.revision = proto.revision();
   update.restart = proto.restart();
   update.more_places = proto.more_places();
+  if (proto.has_global_from_local()) {
+    const auto global_from_local = FromProto(proto.global_from_local());
+    if (!global_from_local.ok()) return Locate(global_from_local.status(), "global_from_local");
+    update.global_from_local = *global_from_local;
+  }
+  update.apart = proto.apart_from_global_frame();
   ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(proto.local_maps()));
   RETURN_IF_ERROR(ReadCameras(proto, slots, cameras));
   for (int i = 0; i < proto.keyframes_size(); ++i) {

@@ -28,6 +28,12 @@ void ExpectSame(const SharedUpdate& a, const SharedUpdate& b) {
   EXPECT_EQ(a.revision, b.revision);
   EXPECT_EQ(a.restart, b.restart);
   EXPECT_EQ(a.more_places, b.more_places);
+  EXPECT_EQ(a.apart, b.apart);
+  ASSERT_EQ(a.global_from_local.has_value(), b.global_from_local.has_value());
+  if (a.global_from_local.has_value()) {
+    EXPECT_EQ(a.global_from_local->scale, b.global_from_local->scale);
+    EXPECT_EQ(a.global_from_local->translation, b.global_from_local->translation);
+  }
   ASSERT_EQ(a.keyframes.size(), b.keyframes.size());
   for (size_t i = 0; i < a.keyframes.size(); ++i) {
     EXPECT_EQ(a.keyframes[i].payload->id, b.keyframes[i].payload->id);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -78,9 +79,15 @@ struct SharedUpdate {
   std::vector<OwnKeyframePose> own_keyframes;
   std::vector<KeyframeId> removed_keyframes;
   std::vector<MapPointId> removed_points;
+  // Where the receiver's local map lies as a whole in the mission's global frame; nullopt: as said
+  // last. `own_keyframes` that come later say it better.
+  std::optional<Similarity3d> global_from_local;
+  // True: the island is not connected to the mission's global frame; what is called global here is
+  // the island's own frame.
+  bool apart = false;
 
   bool IsEmpty() const {
-    return !restart && keyframes.empty() && points.empty() && moved_keyframes.empty() &&
+    return !restart && !global_from_local.has_value() && keyframes.empty() && points.empty() && moved_keyframes.empty() &&
            moved_points.empty() && observations.empty() && landmarks.empty() &&
            own_keyframes.empty() && removed_keyframes.empty() && removed_points.empty();
   }

@@ -116,6 +116,8 @@ SharedUpdate MakeSharedUpdate(std::mt19937& random) {
   update.revision = 7;
   update.restart = true;
   update.more_places = true;
+  update.global_from_local = MakeSimilarity(random);
+  update.apart = true;
   for (uint32_t i = 0; i < 3; ++i) {
     SharedKeyframe keyframe;
     keyframe.payload = MakePayload(random, {kOtherMap, i}, 25);
