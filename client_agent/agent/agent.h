@@ -12,7 +12,9 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "client_agent/agent/agent_events.h"
 #include "client_agent/agent/agent_orders.h"
+#include "client_agent/map/near_map.h"
 #include "client_agent/source/source_finding.h"
 #include "client_agent/spool/spool.h"
 #include "client_agent/tracking/tracking_result.h"
@@ -50,6 +52,9 @@ struct AgentOptions {
   bool keep_trajectory = true;
   // What others want of the robot while it runs; null: nobody does.
   std::shared_ptr<AgentOrders> orders;
+  // Where the link to the map store notes what happens; null: nowhere. What frames change, whoever
+  // gives frames notes (AgentEvents::NoteFrame).
+  std::shared_ptr<AgentEvents> events;
 
   absl::Status Validate() const;
 };
@@ -146,6 +151,9 @@ class Agent {
   virtual std::vector<TrajectoryPose> LocalTrajectory() const = 0;
   // Returns a copy of the local map in use.
   virtual Map CopyMap() const = 0;
+  // Returns what of the local map in use lies around the camera of the newest frame that had a pose
+  // in it (FindNearMap); nullopt as long as no frame had one.
+  virtual std::optional<NearMap> GetNearMap(const NearMapLimits& limits) const = 0;
 };
 
 }  // namespace corbslam::client_agent

@@ -52,6 +52,7 @@ TEST(AgentTest, BlackImagesAreNoErrorAndWrongOnesAre) {
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->state, TrackingState::kNotInitialised);
   EXPECT_FALSE((*agent)->Track({2, cv::Mat(), cv::Mat(), cv::Mat()}).ok());
+  EXPECT_FALSE((*agent)->GetNearMap({}).has_value()) << "it knows no place";
   EXPECT_TRUE((*agent)->Finish(absl::Seconds(10)).ok());
   EXPECT_EQ((*agent)->GetStatus().frames, 1);
 }
@@ -147,6 +148,14 @@ TEST_F(RecordedAgentTest, ThreadedRunTracksEveryFrame) {
   EXPECT_EQ(agent->LocalTrajectory().size(), 60u);
   EXPECT_GE(status.keyframes, 3);
   EXPECT_GT(status.map_points, 500);
+  const auto near = agent->GetNearMap({.radius_m = 100, .max_points = 400});
+  ASSERT_TRUE(near.has_value());
+  EXPECT_EQ(near->local_map, status.local_map);
+  EXPECT_EQ(near->timestamp_ns, status.timestamp_ns);
+  EXPECT_EQ(near->own_points.size(), 400u);
+  EXPECT_TRUE(near->truncated);
+  EXPECT_EQ(near->keyframes.size(), static_cast<size_t>(status.keyframes));
+  EXPECT_LT((near->centre - status.local_from_camera.translation).norm(), 1e-9);
 }
 
 TEST_F(RecordedAgentTest, LostForAWhileItFindsBackLostForLongItOpensANewMap) {

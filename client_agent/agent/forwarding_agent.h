@@ -25,6 +25,9 @@ class ForwardingAgent : public Agent {
   AgentTimings GetTimings() const override { return agent_.GetTimings(); }
   std::vector<TrajectoryPose> LocalTrajectory() const override { return agent_.LocalTrajectory(); }
   Map CopyMap() const override { return agent_.CopyMap(); }
+  std::optional<NearMap> GetNearMap(const NearMapLimits& limits) const override {
+    return agent_.GetNearMap(limits);
+  }
 
  private:
   Agent& agent_;

@@ -30,6 +30,11 @@ StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
   link.uplink_bytes_per_second = options.uplink_bytes_per_second;
   link.downlink_bytes_per_second = options.downlink_bytes_per_second;
   link.share = options.share;
+  if (options.events != nullptr) {
+    link.on_event = [events = options.events](LinkEvent event, LocalMapId local_map) {
+      events->NoteLink(event, local_map);
+    };
+  }
   return link;
 }
 
@@ -103,6 +108,7 @@ void SingleAgent::OpenLocalMap() {
   if (!options_.deterministic) current().Start();
   absl::MutexLock lock(&mutex_);
   sessions_.push_back(current_session_);
+  has_pose_ = false;
   ++status_.local_maps;
   status_.local_map = options.local_map;
 }
@@ -179,6 +185,7 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
     ++status_.frames;
     ++(tracked ? status_.tracked : status_.lost);
     if (tracked) {
+      has_pose_ = true;
       status_.timestamp_ns = result.timestamp_ns;
       status_.local_from_camera = result.camera_from_local.Inverse();
       // Where the reference is another's keyframe, the frame is in no local map's trajectory.
@@ -268,6 +275,22 @@ std::vector<TrajectoryPose> SingleAgent::LocalTrajectory() const {
   }
   for (const auto& session : sessions) AppendTrajectory(frames, session->map(), trajectory);
   return trajectory;
+}
+
+std::optional<NearMap> SingleAgent::GetNearMap(const NearMapLimits& limits) const {
+  std::shared_ptr<const LocalMapSession> session;
+  Eigen::Vector3d centre;
+  int64_t timestamp_ns = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!has_pose_) return std::nullopt;
+    session = sessions_.back();
+    centre = status_.local_from_camera.translation;
+    timestamp_ns = status_.timestamp_ns;
+  }
+  NearMap near = FindNearMap(session->map(), centre, limits);
+  near.timestamp_ns = timestamp_ns;
+  return near;
 }
 
 Map SingleAgent::CopyMap() const {

@@ -3,6 +3,7 @@
 #define CORBSLAM_CLIENT_AGENT_AGENT_SINGLE_AGENT_H_
 
 #include <memory>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -35,6 +36,7 @@ class SingleAgent : public Agent {
   AgentTimings GetTimings() const override;
   std::vector<TrajectoryPose> LocalTrajectory() const override;
   Map CopyMap() const override;
+  std::optional<NearMap> GetNearMap(const NearMapLimits& limits) const override;
 
  private:
   void OpenLocalMap();
@@ -74,6 +76,8 @@ class SingleAgent : public Agent {
   // The frames of the sessions' local maps.
   std::vector<TrackedFrame> tracked_frames_ ABSL_GUARDED_BY(mutex_);
   AgentStatus status_ ABSL_GUARDED_BY(mutex_);
+  // True: status_ has a pose in the local map in use.
+  bool has_pose_ ABSL_GUARDED_BY(mutex_) = false;
   int64_t points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t foreign_points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   // The link reads the sessions' maps, so that it is destroyed before them.

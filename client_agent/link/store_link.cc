@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/exchange/session_end.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -65,6 +66,7 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs) {
     // What was shared was placed in the map that ends, so that the store must tell it again.
     reopen_ = !recordings_.empty();
     inbox_.swap(inbox);
+    share_watch_ = ShareWatch();
     recorder->SetPointsFollow(store_moves_points_);
     needs_new_local_map_ = recording->closed = !queue_.Begin(map.local_map());
     recordings_.push_back(std::move(recording));
@@ -434,6 +436,7 @@ ArrivedUpdate StoreLink::Prepare(SharedUpdate update) const {
 void StoreLink::OnShared(SharedUpdate update) {
   ArrivedUpdate arrived = Prepare(std::move(update));
   std::shared_ptr<SharedInbox> inbox;
+  std::optional<LinkEvent> event;
   {
     absl::MutexLock lock(&mutex_);
     // The rest of the updates for a map that has ended will be told again for the one that goes on.
@@ -441,11 +444,24 @@ void StoreLink::OnShared(SharedUpdate update) {
     last_revision_ = arrived.update.revision;
     ++shared_updates_;
     inbox = inbox_;
+    event = share_watch_.Add(arrived.update);
   }
   inbox->Add(std::move(arrived));
+  if (event.has_value()) Tell(*event, inbox->local_map());
+}
+
+void StoreLink::Tell(LinkEvent event, LocalMapId local_map) const {
+  if (options_.on_event) options_.on_event(event, local_map);
 }
 
 void StoreLink::OnSessionClosed(const absl::Status& reason) {
+  NoteClosed(reason);
+  if (!SaysMissionDeleted(reason)) return;
+  const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
+  Tell(LinkEvent::kMissionDeleted, inbox == nullptr ? LocalMapId() : inbox->local_map());
+}
+
+void StoreLink::NoteClosed(const absl::Status& reason) {
   absl::MutexLock lock(&mutex_);
   const bool passes =
       !IsRefusal(reason) ||

@@ -16,6 +16,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "client_agent/link/map_jobs.h"
+#include "client_agent/link/share_watch.h"
 #include "client_agent/link/shared_inbox.h"
 #include "client_agent/map/guarded_map.h"
 #include "client_agent/spool/spool.h"
@@ -58,7 +59,8 @@ struct StoreLinkOptions {
   // the map and coalesces there; downwards, the store is asked to keep to it.
   uint64_t uplink_bytes_per_second = 0;
   uint64_t downlink_bytes_per_second = 0;
-  uint64_t seed = 1;  // Seed of the back-off's jitter.
+  uint64_t seed = 1;           // Seed of the back-off's jitter.
+  LinkEventListener on_event;  // Null: nobody listens.
   std::function<absl::Time()> clock = &absl::Now;
 };
 
@@ -127,7 +129,9 @@ class StoreLink : private UplinkListener {
   void OnExactPlacesWanted() override;
   void OnSessionClosed(const absl::Status& reason) override;
 
+  void NoteClosed(const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
   ArrivedUpdate Prepare(SharedUpdate update) const;
+  void Tell(LinkEvent event, LocalMapId local_map) const ABSL_LOCKS_EXCLUDED(mutex_);
   void Run();
   bool WaitForWork();
   void NoteCapabilities(const Capabilities& store) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -165,6 +169,7 @@ class StoreLink : private UplinkListener {
   mutable absl::Mutex mutex_;
   std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<SharedInbox> inbox_ ABSL_GUARDED_BY(mutex_);
+  ShareWatch share_watch_ ABSL_GUARDED_BY(mutex_);  // Of the local map in use.
   enum class Session { kNone, kOpening, kOpen, kRefused };
   Session session_ ABSL_GUARDED_BY(mutex_) = Session::kNone;
   absl::Status refusal_ ABSL_GUARDED_BY(mutex_);

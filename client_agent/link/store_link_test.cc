@@ -2,11 +2,13 @@
 
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "client_agent/link/testing/fake_map_jobs.h"
 #include "client_agent/link/testing/fake_uplink.h"
 #include "gtest/gtest.h"
+#include "slam/exchange/session_end.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -22,6 +24,9 @@ class StoreLinkTest : public testing::Test {
     options.min_backoff = absl::ZeroDuration();
     options.max_backoff = absl::ZeroDuration();
     options.hold_newest_keyframes = 0;
+    options.on_event = [this](LinkEvent event, LocalMapId local_map) {
+      events_.emplace_back(event, local_map);
+    };
     manager_ = std::make_unique<StoreLink>(options, &uplink_,
                                            [](const auto&) { return std::make_shared<Words>(); });
     Begin(kOwn);
@@ -38,6 +43,7 @@ class StoreLinkTest : public testing::Test {
     map_->Write([&](Map& map) { map.AddKeyframe(keyframe); });
   }
 
+  std::vector<std::pair<LinkEvent, LocalMapId>> events_;
   FakeUplink uplink_;
   FakeMapJobs jobs_;
   // The link reads a map that ended until all of it is in batches.
@@ -78,6 +84,50 @@ TEST_F(StoreLinkTest, ResumesAfterABreakWithoutLossOrRepetition) {
   ASSERT_EQ(uplink_.stored[kOwn].size(), 4U);
   EXPECT_EQ(uplink_.stored[kOwn][2].full_keyframes.at(0).payload->id, (KeyframeId{kOwn, 2}));
   EXPECT_EQ(uplink_.requests.back().local_maps, (std::vector<LocalMapId>{kOwn}));
+}
+
+TEST_F(StoreLinkTest, SaysWhenTheLocalMapJoinsOthersAndWhenItLeavesThem) {
+  using Events = std::vector<std::pair<LinkEvent, LocalMapId>>;
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  SharedUpdate alone;
+  alone.global_from_local = Similarity3d::Identity();
+  uplink_.Share(alone);
+  EXPECT_TRUE(events_.empty()) << "it is still alone";
+  SharedUpdate merged;
+  merged.own_keyframes.push_back({{kOwn, 0}, Similarity3d(), Rigid3d()});
+  uplink_.Share(merged);
+  uplink_.Share(merged);
+  EXPECT_EQ(events_, (Events{{LinkEvent::kMerged, kOwn}})) << "once";
+  // A session that begins again is told all again.
+  merged.restart = true;
+  uplink_.Share(merged);
+  EXPECT_EQ(events_.size(), 1u);
+  SharedUpdate forget;
+  forget.restart = true;
+  uplink_.Share(forget);
+  EXPECT_EQ(events_.back(), (Events::value_type{LinkEvent::kSplit, kOwn}));
+  merged.apart = true;
+  uplink_.Share(merged);
+  merged.apart = false;
+  uplink_.Share(merged);
+  EXPECT_EQ(events_.size(), 4u);
+  EXPECT_EQ(events_.back().first, LinkEvent::kMerged) << "with the mission's global frame";
+  Begin({2});
+  manager_->Step();
+  uplink_.Share(forget);
+  EXPECT_EQ(events_.size(), 4u) << "the new local map was never with others";
+}
+
+TEST_F(StoreLinkTest, SaysThatTheMissionWasDeletedAndOfNoOtherEndThatItWas) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  uplink_.Break(absl::UnavailableError("cut"));
+  uplink_.Break(absl::AbortedError("a newer session of agent alpha"));
+  EXPECT_TRUE(events_.empty());
+  uplink_.Break(MissionDeletedError("m"));
+  ASSERT_EQ(events_.size(), 1u);
+  EXPECT_EQ(events_[0].first, LinkEvent::kMissionDeleted);
 }
 
 TEST_F(StoreLinkTest, FencedAgentDoesNotTryAgain) {

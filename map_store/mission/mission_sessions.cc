@@ -6,6 +6,7 @@
 #include "map_store/ingest/parked_references.h"
 #include "map_store/mission/pausing_read.h"
 #include "map_store/sharing/sharing.h"
+#include "slam/exchange/session_end.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -98,7 +99,7 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
 absl::Status CheckSession(const MissionStrand& strand, uint64_t session_id,
                           const std::string& agent) {
   if (strand.deleted()) {
-    return absl::AbortedError(absl::StrCat("mission ", strand.name(), " was deleted"));
+    return MissionDeletedError(strand.name());
   }
   const auto& agents = strand.state().agents;
   const auto it = agents.find(agent);

@@ -88,6 +88,10 @@ class IdleAgent : public Agent {
   AgentTimings GetTimings() const override { return {}; }
   std::vector<TrajectoryPose> LocalTrajectory() const override { return {}; }
   Map CopyMap() const override { return {}; }
+  std::optional<client_agent::NearMap> GetNearMap(
+      const client_agent::NearMapLimits&) const override {
+    return std::nullopt;
+  }
 };
 
 class FirstLine : public google::LogSink {

@@ -46,6 +46,10 @@ class NotingAgent : public Agent {
   AgentTimings GetTimings() const override { return {}; }
   std::vector<TrajectoryPose> LocalTrajectory() const override { return {}; }
   Map CopyMap() const override { return {}; }
+  std::optional<client_agent::NearMap> GetNearMap(
+      const client_agent::NearMapLimits&) const override {
+    return std::nullopt;
+  }
 };
 
 class PlayStreamTest : public ::testing::Test {
