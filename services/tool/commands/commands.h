@@ -23,6 +23,7 @@ void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& cho
 void AddDoctorCommand(CLI::App& app, Command& chosen);
 void AddEvalCommand(CLI::App& app, Command& chosen);
 void AddRenderCommand(CLI::App& app, Command& chosen);
+void AddLocalizeCommand(CLI::App& app, Command& chosen);
 void AddReplayCommand(CLI::App& app, Command& chosen);
 void AddRigCommand(CLI::App& app, Command& chosen);
 void AddSimulateCommand(CLI::App& app, Command& chosen);

@@ -1,0 +1,175 @@
+#include "services/tool/mission/picture_search.h"
+
+#include <cmath>
+#include <fstream>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+#include "absl/time/clock.h"
+#include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/client/store/call_status.h"
+#include "services/convert/geometry.h"
+#include "services/convert/limits.h"
+#include "services/convert/resource_names.h"
+#include "services/convert/work/locate_frame.h"
+#include "slam/exchange/frame_location.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+namespace {
+
+absl::StatusOr<std::vector<double>> ParseNumbers(absl::string_view what, const std::string& text,
+                                                 size_t count) {
+  std::vector<double> numbers;
+  for (const absl::string_view word :
+       absl::StrSplit(text, absl::ByAnyChar(" ,"), absl::SkipEmpty())) {
+    double number = 0;
+    if (!absl::SimpleAtod(word, &number) || !std::isfinite(number)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(what, " is \"", text, "\": \"", word, "\" is no number"));
+    }
+    numbers.push_back(number);
+  }
+  if (numbers.size() == count) return numbers;
+  return absl::InvalidArgumentError(
+      absl::StrCat(what, " is \"", text, "\", must have ", count, " numbers"));
+}
+
+// A file that is too large is read no further than that shows.
+absl::StatusOr<std::string> ReadPicture(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return absl::NotFoundError(absl::StrCat("no picture ", path));
+  std::string bytes(kMaxPictureBytes + 1, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<size_t>(file.gcount()));
+  if (!bytes.empty() && bytes.size() <= kMaxPictureBytes) return bytes;
+  return absl::InvalidArgumentError(absl::StrCat(path, ": a picture has 1 to ", kMaxPictureBytes,
+                                                 " bytes: write a larger one as JPEG"));
+}
+
+v1::LocalizeRequest MakeRequest(const PictureSearch& search, std::string encoded) {
+  v1::LocalizeRequest request;
+  request.set_mission(MissionName(search.mission));
+  ToProto(ExtractFeaturesRequest{.encoded = std::move(encoded), .camera = search.camera},
+          request.mutable_picture());
+  if (search.near_m.has_value()) {
+    // Only the place counts.
+    ToProto(Rigid3d{Eigen::Quaterniond::Identity(), -*search.near_m},
+            request.mutable_prior()->mutable_camera_from_global());
+    request.mutable_prior()->set_radius_m(search.radius_m);
+  }
+  request.set_all_islands(search.all_islands);
+  return request;
+}
+
+absl::StatusOr<Rigid3d> IslandFromCamera(const v1::LocalizeResponse& answer) {
+  ASSIGN_OR_RETURN(const Rigid3d camera_from_island, FromProto(answer.camera_from_island()));
+  return camera_from_island.Inverse();
+}
+
+std::string DescribeFailure(const v1::LocalizeResponse& answer) {
+  const auto stage = FromProto(answer.stage());
+  if (!stage.ok()) return "the store's answer has no stage that is known here";
+  switch (*stage) {
+    case LocateStage::kFewFeatures:
+      return "the picture has too few features: it is dark, blurred or bare";
+    case LocateStage::kNoCandidates:
+      return "no keyframe of the map looks like it";
+    case LocateStage::kFewMatches:
+      return absl::StrCat("only ", answer.word_matches(), " features look like the map's");
+    case LocateStage::kNoPose:
+      return absl::StrCat("of ", answer.word_matches(), " features that look like the map's ",
+                          answer.pose_inliers(), " agree on a place");
+    case LocateStage::kFewInliers:
+      return absl::StrCat("only ", answer.inliers(), " points of the map are where they should be");
+    case LocateStage::kOutsidePrior:
+      return "it was taken outside of the radius";
+    case LocateStage::kLocated:
+      break;
+  }
+  return "";
+}
+
+}  // namespace
+
+absl::StatusOr<RawCamera> ParseCamera(const std::string& text) {
+  ASSIGN_OR_RETURN(const std::vector<double> numbers, ParseNumbers("--camera", text, 4));
+  return RawCamera{.fx_px = numbers[0],
+                   .fy_px = numbers[1],
+                   .cx_px = numbers[2],
+                   .cy_px = numbers[3],
+                   .lens = {}};
+}
+
+absl::StatusOr<Eigen::Vector3d> ParsePlace(const std::string& text) {
+  ASSIGN_OR_RETURN(const std::vector<double> numbers, ParseNumbers("--near", text, 3));
+  return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+}
+
+absl::StatusOr<std::vector<FoundPicture>> FindPictures(
+    const std::shared_ptr<grpc::Channel>& channel, const PictureSearch& search) {
+  const auto stub = v1::MapStore::NewStub(channel);
+  std::vector<FoundPicture> found;
+  for (const std::string& path : search.pictures) {
+    ASSIGN_OR_RETURN(std::string encoded, ReadPicture(path));
+    const v1::LocalizeRequest request = MakeRequest(search, std::move(encoded));
+    FoundPicture picture{.path = path, .seconds = 0, .answer = {}};
+    grpc::ClientContext context;
+    SetDeadline(context);
+    const absl::Time begin = absl::Now();
+    const grpc::Status status = stub->Localize(&context, request, &picture.answer);
+    picture.seconds = absl::ToDoubleSeconds(absl::Now() - begin);
+    RETURN_IF_ERROR(ToStatus(status, absl::StrCat(path, ": Localize")));
+    found.push_back(std::move(picture));
+  }
+  return found;
+}
+
+std::string DescribeFound(const FoundPicture& found) {
+  const v1::LocalizeResponse& answer = found.answer;
+  if (answer.stage() != v1::LOCATE_STAGE_LOCATED) {
+    return absl::StrCat(found.path, ": not found: ", DescribeFailure(answer), "\n");
+  }
+  const auto pose = IslandFromCamera(answer);
+  if (!pose.ok()) return absl::StrCat(found.path, ": ", pose.status().message(), "\n");
+  const Eigen::Vector3d& at = pose->translation;
+  const Eigen::Vector3d ahead = pose->rotation * Eigen::Vector3d::UnitZ();
+  return absl::StrFormat(
+      "%s: at %.3f %.3f %.3f m, looks along %.3f %.3f %.3f, %d points agree, %s, %.0f ms\n",
+      found.path, at.x(), at.y(), at.z(), ahead.x(), ahead.y(), ahead.z(), answer.inliers(),
+      answer.in_global_frame() ? "global frame"
+                               : absl::StrCat("in the frame of island ", answer.island()),
+      1e3 * found.seconds);
+}
+
+nlohmann::json ToJson(const FoundPicture& found) {
+  const v1::LocalizeResponse& answer = found.answer;
+  nlohmann::json json = {{"picture", found.path},
+                         {"located", answer.stage() == v1::LOCATE_STAGE_LOCATED},
+                         {"stage", std::string(absl::StripPrefix(
+                                       v1::LocateStage_Name(answer.stage()), "LOCATE_STAGE_"))},
+                         {"revision", answer.revision()},
+                         {"word_matches", answer.word_matches()},
+                         {"pose_inliers", answer.pose_inliers()},
+                         {"inliers", answer.inliers()},
+                         {"seconds", found.seconds}};
+  const auto pose = IslandFromCamera(answer);
+  if (answer.stage() != v1::LOCATE_STAGE_LOCATED || !pose.ok()) return json;
+  const Eigen::Vector3d ahead = pose->rotation * Eigen::Vector3d::UnitZ();
+  json["position_m"] = {pose->translation.x(), pose->translation.y(), pose->translation.z()};
+  json["rotation_wxyz"] = {pose->rotation.w(), pose->rotation.x(), pose->rotation.y(),
+                           pose->rotation.z()};
+  json["forward"] = {ahead.x(), ahead.y(), ahead.z()};
+  json["island"] = answer.island();
+  json["in_global_frame"] = answer.in_global_frame();
+  json["covariance"] = std::vector<double>(answer.covariance().begin(), answer.covariance().end());
+  json["keyframes"] =
+      std::vector<std::string>(answer.keyframes().begin(), answer.keyframes().end());
+  return json;
+}
+
+}  // namespace corbslam::services
