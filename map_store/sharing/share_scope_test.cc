@@ -168,9 +168,13 @@ TEST_F(ShareScopeTest, WhatComesNearIsToldWhenTheRobotMovesOn) {
   Ids wanted;
   size_t first = 0;
   for (uint32_t sent = 4; sent <= 11; ++sent) {
-    if (sent > 4) ASSERT_TRUE(d.Stream(1).ok());
+    if (sent > 4) {
+      ASSERT_TRUE(d.Stream(1).ok());
+    }
     // Every other time fusion moves everything.
-    if (sent % 2 == 0) ASSERT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+    if (sent % 2 == 0) {
+      ASSERT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+    }
     ASSERT_TRUE(d.TakeShared(kAll_bytes).ok());
     for (uint32_t i = 0; i < 11; ++i) {
       if ((centre(a.Id(i)) - centre(d.Id(sent - 1))).norm() <= kClose.radius_m) {
