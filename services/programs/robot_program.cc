@@ -35,6 +35,7 @@
 #include "services/programs/robot/robot_source.h"
 #include "services/programs/robot/source_json.h"
 #include "services/programs/robot_observers.h"
+#include "services/programs/share_flags.h"
 #include "services/security/flags.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
@@ -84,6 +85,7 @@ struct Flags {
   uint64_t outbox_mb = 64;
   std::string upload = "features=all";
   LinkFlags link;
+  ShareFlags share;
   RecordFlags record;
   bool stay = false;
   bool strict = false;
@@ -157,6 +159,7 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.upload_features = upload;
   options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
   options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
+  options.share = ScopeOf(flags.share);
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   if (!flags.listen.empty()) options.orders = std::make_shared<AgentOrders>();
@@ -235,6 +238,7 @@ std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   if (!flags.spool_dir.empty()) found.push_back(CheckFolder("--spool-dir", flags.spool_dir));
   if (!flags.spool_dir.empty() && flags.server.empty()) found.push_back(SpoolNeedsServer());
   if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
+  found.push_back(CheckShareFlags(flags.share, !flags.server.empty()));
   found.push_back(CheckPace(flags));
   found.push_back(CheckRecording(flags.record));
   for (const std::string& file : {flags.stats, flags.trajectory}) {
@@ -402,6 +406,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "What goes up of a keyframe: features=all, =mapped or =N")
       ->capture_default_str();
   AddLinkFlags(app, flags.link);
+  AddShareFlags(app, flags.share);
   AddRecordFlags(app, flags.record);
   app.add_flag("--strict", flags.strict,
                "Refuse a source in which something looks wrong, instead of warning");
