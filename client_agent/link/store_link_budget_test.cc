@@ -303,6 +303,15 @@ TEST_F(StoreLinkBudgetTest, TheStoreIsToldWhatItMaySend) {
   manager_->Step();
   ASSERT_EQ(uplink_.requests.size(), 1u);
   EXPECT_EQ(uplink_.requests[0].downlink_bytes_per_second, 77u);
+  EXPECT_EQ(uplink_.requests[0].share, ShareScope());
+}
+
+TEST_F(StoreLinkBudgetTest, TheStoreIsToldWhatTheRobotWantsToHear) {
+  options_.share = {ShareMode::kNearby, 12};
+  StartRobot();
+  manager_->Step();
+  ASSERT_EQ(uplink_.requests.size(), 1u);
+  EXPECT_EQ(uplink_.requests[0].share, (ShareScope{ShareMode::kNearby, 12}));
 }
 
 TEST_F(StoreLinkBudgetTest, TheThreadKeepsToItToo) {

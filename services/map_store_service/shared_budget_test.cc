@@ -1,8 +1,11 @@
-// Tests that what others mapped comes to a robot at the pace that it asked for, and its
-// acknowledgements at once.
+// Tests that what others mapped comes to a robot at the pace that it asked for, as much of it as it
+// asked for, and its acknowledgements at once.
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "absl/synchronization/mutex.h"
@@ -26,9 +29,9 @@ class SharedNotes : public UplinkListener {
     absl::MutexLock lock(&mutex_);
     open_ = true;
   }
-  void OnAcknowledged(const Acknowledgement&) override {
+  void OnAcknowledged(const Acknowledgement& acknowledgement) override {
     absl::MutexLock lock(&mutex_);
-    ++acknowledged_;
+    acknowledged_ = acknowledgement.number;
   }
   void OnShared(SharedUpdate update) override {
     absl::MutexLock lock(&mutex_);
@@ -41,15 +44,24 @@ class SharedNotes : public UplinkListener {
     absl::MutexLock lock(&mutex_);
     return mutex_.AwaitWithTimeout(absl::Condition(&open_), kPatience);
   }
-  bool WaitForAcknowledgement() {
+  bool WaitForAcknowledgement() { return WaitForBatch(1); }
+  bool WaitForBatch(uint64_t number) {
     absl::MutexLock lock(&mutex_);
-    const auto come = [this]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return acknowledged_ > 0; };
+    const auto come = [this, number]()
+                          ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return acknowledged_ >= number; };
     return mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
   }
   bool WaitForKeyframes(size_t count) {
     absl::MutexLock lock(&mutex_);
     const auto come = [this, count]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
       return mirror_.keyframes.size() >= count;
+    };
+    return mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
+  }
+  bool WaitForOwnPlaces(size_t count) {
+    absl::MutexLock lock(&mutex_);
+    const auto come = [this, count]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+      return mirror_.own.size() >= count;
     };
     return mutex_.AwaitWithTimeout(absl::Condition(&come), kPatience);
   }
@@ -63,7 +75,7 @@ class SharedNotes : public UplinkListener {
 
   absl::Mutex mutex_;
   bool open_ ABSL_GUARDED_BY(mutex_) = false;
-  int acknowledged_ ABSL_GUARDED_BY(mutex_) = 0;
+  uint64_t acknowledged_ ABSL_GUARDED_BY(mutex_) = 0;
   SharedMirror mirror_ ABSL_GUARDED_BY(mutex_);
 };
 
@@ -89,10 +101,9 @@ class DelayNotes : public SyncObserver {
 class SharedBudgetTest : public testing::SharingMission {
  protected:
   void SetUp() override {
-    for (TestAgent* agent : {&a_, &b_}) {
-      ASSERT_TRUE(agent->Stream().ok());
-      store_.CloseSession(agent->session());
-    }
+    ASSERT_TRUE(a_.Stream(keyframes_of_a_).ok());
+    ASSERT_TRUE(b_.Stream().ok());
+    for (TestAgent* agent : {&a_, &b_}) store_.CloseSession(agent->session());
     Fuse();
     MapStoreServiceOptions options;
     options.observers = {&delays_};
@@ -104,15 +115,28 @@ class SharedBudgetTest : public testing::SharingMission {
   void TearDown() override { server_->Shutdown(absl::ZeroDuration()); }
 
   std::unique_ptr<Uplink> Open(uint64_t bytes_per_second, UplinkListener* listener) {
+    return Open(b_, {}, bytes_per_second, listener);
+  }
+  std::unique_ptr<Uplink> Open(const TestAgent& agent, const ShareScope& scope,
+                               uint64_t bytes_per_second, UplinkListener* listener) {
     auto uplink = MakeRemoteUplink(server_->InProcessChannel());
     SessionRequest request;
     request.mission = kMission;
-    request.agent = "b";
-    request.local_maps = {b_.local_map()};
+    request.agent = agent.name();
+    request.local_maps = {agent.local_map()};
     request.downlink_bytes_per_second = bytes_per_second;
+    request.share = scope;
     uplink->Open(request, listener);
     return uplink;
   }
+  bool IsUpToDate(const TestAgent& agent) {
+    for (const map_store::AgentInfo& info : store_.ListAgents(kMission, {})->items) {
+      if (info.name == agent.name()) return info.up_to_date;
+    }
+    return false;
+  }
+
+  size_t keyframes_of_a_ = 14;
 
   TestAgent a_{store_, kMission, "a", map_a_};
   TestAgent b_{store_, kMission, "b", map_b_};
@@ -164,6 +188,75 @@ TEST_F(SharedBudgetTest, AcknowledgementsDoNotWaitForIt) {
   SharedNotes again;
   const auto next = Open(0, &again);
   EXPECT_TRUE(again.WaitForKeyframes(11));
+}
+
+TEST_F(SharedBudgetTest, CorrectionsAreAllThatComesIfThatIsWanted) {
+  SharedNotes notes;
+  const auto uplink = Open(b_, {ShareMode::kCorrections}, 0, &notes);
+  ASSERT_TRUE(notes.WaitForOwnPlaces(11));
+  // The acknowledgement comes after all that was told before it.
+  ASSERT_TRUE(uplink->Send(b_.EmptyBatch()));
+  ASSERT_TRUE(notes.WaitForAcknowledgement());
+  const SharedMirror mirror = notes.mirror();
+  EXPECT_TRUE(mirror.keyframes.empty());
+  EXPECT_TRUE(mirror.points.empty());
+  EXPECT_TRUE(mirror.landmarks.empty());
+  EXPECT_GT(mirror.revision, 0u);
+}
+
+TEST_F(SharedBudgetTest, NothingComesIfThatIsWanted) {
+  SharedNotes notes;
+  const auto uplink = Open(b_, {ShareMode::kNone}, 0, &notes);
+  ASSERT_TRUE(notes.WaitForSession());
+  ASSERT_TRUE(uplink->Send(b_.EmptyBatch()));
+  ASSERT_TRUE(notes.WaitForAcknowledgement());
+  EXPECT_TRUE(IsUpToDate(b_));
+  EXPECT_EQ(notes.mirror().updates, 0);
+  EXPECT_TRUE(notes.mirror().own.empty());
+}
+
+// A is still driving towards where B has been.
+class NearbySyncTest : public SharedBudgetTest {
+ protected:
+  static constexpr ShareScope kClose = {ShareMode::kNearby, 3};
+
+  NearbySyncTest() { keyframes_of_a_ = 10; }
+
+  Eigen::Vector3d Centre(KeyframeId id) {
+    return CameraCentre(store_.GetKeyframe(kMission, id)->camera_from_island.ToRigid());
+  }
+  // Adds B's settled keyframes that are near this one of A.
+  void AddNear(uint32_t newest, std::set<KeyframeId>& near) {
+    for (uint32_t i = 0; i < 11; ++i) {
+      const double distance_m = (Centre(b_.Id(i)) - Centre(a_.Id(newest))).norm();
+      if (distance_m <= kClose.radius_m) near.insert(b_.Id(i));
+    }
+  }
+  static std::set<KeyframeId> Held(SharedNotes& notes) {
+    std::set<KeyframeId> held;
+    for (const auto& [id, keyframe] : notes.mirror().keyframes) held.insert(id);
+    return held;
+  }
+};
+
+TEST_F(NearbySyncTest, TheRobotsOwnBatchesBringWhatIsNearByThen) {
+  SharedNotes notes;
+  const auto uplink = Open(a_, kClose, 0, &notes);
+  std::set<KeyframeId> near;
+  AddNear(9, near);
+  ASSERT_FALSE(near.empty());
+  ASSERT_TRUE(notes.WaitForKeyframes(near.size()));
+  EXPECT_EQ(Held(notes), near);
+  const size_t first = near.size();
+  for (uint32_t newest = 10; newest < 14; ++newest) {
+    ASSERT_TRUE(uplink->Send(a_.NextBatch(1)));
+    ASSERT_TRUE(notes.WaitForBatch(newest + 1));
+    AddNear(newest, near);
+    ASSERT_TRUE(notes.WaitForKeyframes(near.size())) << newest;
+    EXPECT_EQ(Held(notes), near) << newest;
+  }
+  EXPECT_GT(near.size(), first + 2);
+  EXPECT_LT(near.size(), 11u);
 }
 
 }  // namespace
