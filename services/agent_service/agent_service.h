@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/agent/agent.h"
+#include "client_agent/agent/agent_events.h"
 #include "client_agent/agent/agent_orders.h"
 #include "corbslam/v1/agent_service.grpc.pb.h"
 #include "services/agent_service/pose_board.h"
@@ -33,6 +34,8 @@ struct AgentServiceOptions {
   std::function<absl::Status()> session = nullptr;
   // Where orders go; null: PauseMapping and the others are UNIMPLEMENTED.
   std::shared_ptr<client_agent::AgentOrders> orders = nullptr;
+  // What WatchEvents tells, and where frames are noted; null: WatchEvents is UNIMPLEMENTED.
+  std::shared_ptr<client_agent::AgentEvents> events = nullptr;
 };
 
 // Answers calls about one agent. `agent` and `uplink` (null: no map store) are not owned and must
@@ -48,6 +51,10 @@ class AgentService : public v1::Agent::CallbackService {
 
   grpc::ServerWriteReactor<v1::WatchPoseResponse>* WatchPose(
       grpc::CallbackServerContext* context, const v1::WatchPoseRequest* request) override;
+  grpc::ServerWriteReactor<v1::AgentEvent>* WatchEvents(
+      grpc::CallbackServerContext* context, const v1::WatchAgentEventsRequest* request) override;
+  grpc::ServerWriteReactor<v1::WatchAgentMapResponse>* WatchMap(
+      grpc::CallbackServerContext* context, const v1::WatchAgentMapRequest* request) override;
   grpc::ServerUnaryReactor* GetStatus(grpc::CallbackServerContext* context,
                                       const v1::GetStatusRequest* request,
                                       v1::AgentStatus* response) override;

@@ -60,6 +60,10 @@ class FakeAgent : public Agent {
     return poses;
   }
   Map CopyMap() const override { return {}; }
+  std::optional<client_agent::NearMap> GetNearMap(
+      const client_agent::NearMapLimits&) const override {
+    return std::nullopt;
+  }
 };
 
 class AgentServiceTest : public ::testing::Test {

@@ -22,8 +22,9 @@ class PoseBoard {
  public:
   using Reader = std::function<void(const PostedPose&)>;
 
-  void Post(const client_agent::TrackingResult& result,
-            const std::optional<Similarity3d>& global_from_local, uint64_t dropped) {
+  // Returns how often global_from_local has changed so far.
+  uint64_t Post(const client_agent::TrackingResult& result,
+                const std::optional<Similarity3d>& global_from_local, uint64_t dropped) {
     absl::MutexLock lock(&mutex_);
     PostedPose pose = newest_.value_or(PostedPose());
     pose.follows_a_pose = pose.result.state == client_agent::TrackingState::kTracking;
@@ -33,6 +34,7 @@ class PoseBoard {
     newest_ = std::move(pose);
     dropped_ = dropped;
     for (const auto& [token, reader] : readers_) reader(*newest_);
+    return newest_->global_epoch;
   }
   uint64_t dropped() const {
     absl::MutexLock lock(&mutex_);

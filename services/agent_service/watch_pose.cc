@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "services/agent_service/agent_service.h"
+#include "services/agent_service/pulled_stream.h"
 #include "services/convert/geometry.h"
-#include "services/convert/status.h"
 
 namespace corbslam::services {
 
@@ -98,17 +98,11 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-// Refuses a call with a status.
-class RefusedPose : public grpc::ServerWriteReactor<v1::WatchPoseResponse> {
- public:
-  explicit RefusedPose(const absl::Status& status) { Finish(ToGrpcStatus(status)); }
-  void OnDone() override { delete this; }
-};
-
 }  // namespace
 
 void AgentService::OnFrame(const TrackingResult& result, uint64_t dropped) {
-  poses_.Post(result, agent_.GlobalFromLocal(), dropped);
+  const uint64_t global_epoch = poses_.Post(result, agent_.GlobalFromLocal(), dropped);
+  if (options_.events != nullptr) options_.events->NoteFrame(result, global_epoch);
 }
 
 grpc::ServerWriteReactor<v1::WatchPoseResponse>* AgentService::WatchPose(
@@ -116,13 +110,14 @@ grpc::ServerWriteReactor<v1::WatchPoseResponse>* AgentService::WatchPose(
   const double rate_hz = request->max_rate_hz();
   // The condition is written so that NaN is refused.
   if (rate_hz != 0 && !(rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz)) {
-    return new RefusedPose(absl::InvalidArgumentError(
+    return new RefusedStream<v1::WatchPoseResponse>(absl::InvalidArgumentError(
         absl::StrCat("max_rate_hz is ", rate_hz, ", must be 0 or in [0.1, 1000]")));
   }
   const auto poses_of = FromProto(request->poses_of());
-  if (!poses_of.ok()) return new RefusedPose(poses_of.status());
+  if (!poses_of.ok()) return new RefusedStream<v1::WatchPoseResponse>(poses_of.status());
   const auto camera_from_wanted = CameraFromWanted(options_.recorded_camera, *poses_of);
-  if (!camera_from_wanted.ok()) return new RefusedPose(camera_from_wanted.status());
+  if (!camera_from_wanted.ok())
+    return new RefusedStream<v1::WatchPoseResponse>(camera_from_wanted.status());
   const int64_t interval_ns = rate_hz == 0 ? 0 : static_cast<int64_t>(1e9 / rate_hz);
   return new WatchPoseReactor(poses_, interval_ns, *poses_of, *camera_from_wanted);
 }

@@ -162,7 +162,10 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.share = ScopeOf(flags.share);
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
-  if (!flags.listen.empty()) options.orders = std::make_shared<AgentOrders>();
+  if (!flags.listen.empty()) {
+    options.orders = std::make_shared<AgentOrders>();
+    options.events = std::make_shared<client_agent::AgentEvents>();
+  }
   const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
   return options;
@@ -308,7 +311,8 @@ absl::Status Run(const Flags& flags) {
                         .agent = flags.agent,
                         .recorded_camera = recorded,
                         .session = observers->OfSessions(),
-                        .orders = options.orders});
+                        .orders = options.orders,
+                        .events = options.events});
   ASSIGN_OR_RETURN(const auto metrics, observers->Serve(agent.get(), uplink.get()));
   security.server.rpc_observer = observers->OfCalls();
   std::unique_ptr<Server> server;

@@ -117,6 +117,8 @@ const std::map<absl::string_view, Action>& OwnMethods() {
       {"/corbslam.v1.FusionWorker/LocateFrame", Action::kCompute},
       {"/corbslam.v1.FusionWorker/ExtractFeatures", Action::kCompute},
       {"/corbslam.v1.Agent/WatchPose", Action::kLook},
+      {"/corbslam.v1.Agent/WatchEvents", Action::kLook},
+      {"/corbslam.v1.Agent/WatchMap", Action::kLook},
       {"/corbslam.v1.Agent/GetStatus", Action::kLook},
       {"/corbslam.v1.Agent/GetTrajectory", Action::kLook},
       {"/corbslam.v1.Agent/PauseMapping", Action::kCommand},
