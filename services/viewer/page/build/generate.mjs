@@ -1,13 +1,11 @@
 // Generates TypeScript from the protocol's files.
 import { execFileSync } from 'node:child_process';
-import { mkdirSync } from 'node:fs';
+import { mkdirSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { genDir, page, protoDir } from './paths.mjs';
 
-const files = [
-  'viewer', 'events', 'map_store_service', 'resources', 'overlap', 'items', 'geometry',
-  'agent_service', 'map_update', 'shared_update',
-];
+// All of them: what one imports can't be left out. The bundler drops what the page doesn't use.
+const files = readdirSync(join(protoDir, 'corbslam/v1')).filter((name) => name.endsWith('.proto')).sort();
 
 mkdirSync(genDir, { recursive: true });
 execFileSync(process.env.PROTOC ?? 'protoc', [
@@ -15,5 +13,5 @@ execFileSync(process.env.PROTOC ?? 'protoc', [
   `-I${protoDir}`,
   `--es_out=${genDir}`,
   '--es_opt=target=ts',
-  ...files.map((name) => `corbslam/v1/${name}.proto`),
+  ...files.map((name) => `corbslam/v1/${name}`),
 ], { cwd: protoDir, stdio: 'inherit' });

@@ -103,6 +103,7 @@ export class MissionPage {
       this.stage.localPort.setTop(state.top);
     }
     this.fetched.follow(state);
+    this.truth.show(state.paths);
     this.repaint();
     this.panelsMs = 0;
   }
@@ -117,7 +118,8 @@ export class MissionPage {
   }
 
   fit(): void {
-    this.stage.globalPort.fit(this.stage.map.bounds(({ agent }) => !this.state.hidden.has(agent)));
+    const { hidden, points } = this.state;
+    this.stage.globalPort.fit(this.stage.map.extent(({ agent }) => !hidden.has(agent), points));
     this.stage.localPort.fit(this.stage.local.bounds());
     this.stage.invalidate(true);
   }

@@ -1,25 +1,37 @@
 import type { Rest } from './feed/rest';
-import { type TruePose, alignTruth, dashes, parseTruth } from './model/truth';
+import { type TruePose, alignTruth, dashes, parseTruth, referenceKeyframes } from './model/truth';
 import type { MapModel } from './model/map_model';
 import { Refresher } from './refresher';
 import type { Stage } from './scene/stage';
 
-/** Asks once whether a mission's truth is known, and then lays it on the map as that grows. */
+/**
+ * Asks once whether a mission's truth is known, and then lays it on the reference island's keyframes
+ * as that grows. While paths are hidden it does nothing.
+ */
 export class TrueTrajectory {
   private truth: TruePose[] | undefined;
   private seen = '';
+  private isWanted = false;
   private readonly again: Refresher;
 
   constructor(
-    private readonly rest: Rest, private readonly mission: string, private readonly stage: Stage,
-    private readonly model: () => MapModel, private readonly onChange: () => void,
+    private readonly rest: Pick<Rest, 'truth'>, private readonly mission: string,
+    private readonly stage: { truth: Pick<Stage['truth'], 'show'>; invalidate(): void },
+    private readonly model: () => MapModel, private readonly onChange: () => void, everyMs = 1000,
   ) {
-    this.again = new Refresher(5000, () => this.refresh());
+    this.again = new Refresher(everyMs, () => this.refresh());
+  }
+
+  /** Whether paths, and with them the truth, are to be seen. */
+  show(isWanted: boolean): void {
+    this.isWanted = isWanted;
+    this.onMap(this.model());
   }
 
   onMap(model: MapModel): void {
-    const now = [model.revision, model.keyframeCount >> 3].join();
-    if (now === this.seen || model.keyframeCount === 0 || this.truth?.length === 0) return;
+    if (!this.isWanted || model.keyframeCount === 0 || this.truth?.length === 0) return;
+    const now = [model.globalIsland, model.revision, model.keyframeCount >> 3].join();
+    if (now === this.seen) return;
     this.seen = now;
     this.again.want();
   }
@@ -31,9 +43,7 @@ export class TrueTrajectory {
   private async refresh(): Promise<void> {
     this.truth ??= parseTruth(await this.rest.truth(this.mission));
     if (this.truth.length === 0) return;
-    const reference = this.model().globalIsland;
-    const frames = await this.rest.trajectory(this.mission, 'global');
-    const alignment = alignTruth(this.truth, frames.filter(({ island }) => island.slice(-16) === reference));
+    const alignment = alignTruth(this.truth, referenceKeyframes(this.model()));
     this.stage.truth.show(alignment ? dashes(this.truth, alignment) : []);
     this.onChange();
     this.stage.invalidate();

@@ -1,6 +1,6 @@
-import type { TrajectoryPose } from '@gen/corbslam/v1/resources_pb';
 import { type Alignment, alignPoses } from './alignment';
-import { type Pose, poseOfRigid } from './pose';
+import type { MapModel } from './map_model';
+import type { Pose } from './pose';
 import { type Vec3, rotate } from './vector';
 
 /** Where a camera really was, in a frame of its own. */
@@ -22,14 +22,26 @@ export function parseTruth(text: string): TruePose[] {
   return poses.sort((a, b) => a.timeS - b.timeS);
 }
 
-/** island_from_truth by the frames that have a true pose of their time; undefined: there are too few. */
-export function alignTruth(truth: TruePose[], frames: TrajectoryPose[]): Alignment | undefined {
+/** Where a map says that a camera was. */
+export interface TimedPose {
+  timestampNs: bigint;
+  pose: Pose;
+}
+
+/** The keyframes of the reference island: the map has them, so nothing has to be asked for. */
+export function referenceKeyframes(model: MapModel): TimedPose[] {
+  const members = model.islands().get(model.globalIsland ?? '') ?? [];
+  return members.flatMap(({ keyframes }) =>
+    [...keyframes.records].map(([index, { timestampNs }]) => ({ timestampNs, pose: keyframes.pose(index)! })));
+}
+
+/** island_from_truth by the poses that have a true one of their time; undefined: there are too few. */
+export function alignTruth(truth: TruePose[], told: TimedPose[]): Alignment | undefined {
   const source: Pose[] = [];
   const target: Pose[] = [];
-  for (const frame of frames) {
-    const pose = poseOfRigid(frame.frameFromCamera);
-    const near = nearest(truth, Number(frame.timestampNs) / 1e9);
-    if (!pose || !near) continue;
+  for (const { timestampNs, pose } of told) {
+    const near = nearest(truth, Number(timestampNs) / 1e9);
+    if (!near) continue;
     source.push(near);
     target.push(pose);
   }

@@ -1,6 +1,7 @@
 import { Box3, Group, Vector3 } from 'three';
 import type { KeyframeId } from '../model/ids';
 import { type GroundBox, type Plot, layOut } from '../model/layout';
+import { withPoints } from '../model/extent';
 import type { KeyframeStore } from '../model/keyframe_store';
 import type { LocalMapModel } from '../model/local_map';
 import type { IslandChange, MapModel } from '../model/map_model';
@@ -49,10 +50,18 @@ export class MapView {
 
   /** Around the keyframes of some local maps, where they will be once nothing moves. */
   bounds(wanted: (localMap: LocalMapModel) => boolean): Box3 {
+    return this.around(wanted, keyframeBox);
+  }
+
+  /** As `bounds`, and around the points that belong to them, where those are seen. */
+  extent(wanted: (localMap: LocalMapModel) => boolean, points: boolean): Box3 {
+    return this.around(wanted, points ? pointBox : keyframeBox);
+  }
+
+  private around(wanted: (localMap: LocalMapModel) => boolean, boxOf: (localMap: LocalMapModel) => Box3): Box3 {
     const box = new Box3();
     for (const { model } of this.views.values()) {
-      if (!wanted(model) || model.keyframes.count === 0) continue;
-      box.union(keyframeBox(model).translate(this.offset(model.island)));
+      if (wanted(model) && model.keyframes.count > 0) box.union(boxOf(model).translate(this.offset(model.island)));
     }
     return box.isEmpty() ? box : box.applyMatrix4(this.root.matrixWorld);
   }
@@ -100,6 +109,13 @@ function keyframeBox({ keyframes }: LocalMapModel): Box3 {
   for (let i = 0; i < keyframes.count; i++) box.expandByPoint(at.fromArray(keyframes.centres, 4 * i));
   boxes.set(keyframes, { edits: keyframes.edits, box });
   return box.clone();
+}
+
+/** Around the keyframes and most of the points. */
+function pointBox(localMap: LocalMapModel): Box3 {
+  const { min, max } = keyframeBox(localMap);
+  const { low, high } = withPoints({ low: min.toArray(), high: max.toArray() }, localMap.points);
+  return new Box3(new Vector3(...low), new Vector3(...high));
 }
 
 function groundBox(members: LocalMapModel[]): GroundBox {
