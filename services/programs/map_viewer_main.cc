@@ -2,6 +2,7 @@
 #include <glog/logging.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,7 @@
 #include "services/viewer/page_files.h"
 #include "services/viewer/truths.h"
 #include "services/viewer/viewer.h"
+#include "services/viewer/web/web_host.h"
 #include "services/viewer/web/web_server.h"
 #include "slam/util/status_macros.h"
 
@@ -39,6 +41,7 @@ struct Flags {
   // Of the way from browsers.
   std::string web_certificate;
   std::string web_key;
+  std::vector<std::string> web_hosts;
   std::string token_key;
   bool open = false;
   WebServerOptions web;
@@ -104,6 +107,15 @@ absl::StatusOr<std::optional<KeyPair>> MakeWebTls(const Flags& flags) {
   return pair;
 }
 
+// Returns the names by which browsers may call the viewer; nullopt: any, since TLS sees to it.
+absl::StatusOr<std::optional<std::vector<std::string>>> MakeWebHosts(const Flags& flags) {
+  for (const std::string& name : flags.web_hosts) {
+    RETURN_IF_ERROR(CheckHostName("--web-host", name));
+  }
+  if (!flags.web_certificate.empty() && flags.web_hosts.empty()) return std::nullopt;
+  return flags.web_hosts;
+}
+
 bool IsLoopback(const std::string& address) {
   return absl::StartsWith(address, "127.") || absl::StartsWith(address, "[::1]");
 }
@@ -126,6 +138,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
   found.push_back(ReadTruths(flags.truths).status());
   found.push_back(MakeAccess(flags).status());
   found.push_back(MakeWebTls(flags).status());
+  found.push_back(MakeWebHosts(flags).status());
   found.push_back(PageFiles::Load(flags.page).status());
   return found;
 }
@@ -135,6 +148,7 @@ absl::Status Run(Flags flags) {
   ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
   ASSIGN_OR_RETURN(const auto access, MakeAccess(flags));
   ASSIGN_OR_RETURN(flags.web.tls, MakeWebTls(flags));
+  ASSIGN_OR_RETURN(flags.web.hosts, MakeWebHosts(flags));
   ASSIGN_OR_RETURN(MissionFeeds::Robots robots, MakeRobots(flags, credentials));
   ASSIGN_OR_RETURN(flags.viewer.truths, ReadTruths(flags.truths));
   absl::StatusOr<PageFiles> page = PageFiles::Load(flags.page);
@@ -164,6 +178,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--web-cert", flags.web_certificate,
                  "PEM file of the certificate that browsers are shown; without: no TLS");
   app.add_option("--web-key", flags.web_key, "PEM file of its private key");
+  app.add_option("--web-host", flags.web_hosts,
+                 "Name by which browsers may call it, beside its IP addresses and localhost; * for "
+                 "any; may be repeated; without, with TLS: any");
   app.add_option("--token-key", flags.token_key,
                  "PEM file of Ed25519 public keys whose tokens browsers show");
   app.add_flag("--open", flags.open, "Everybody who reaches it may look at every mission");

@@ -19,9 +19,11 @@
 #include <type_traits>
 #include <utility>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
+#include "services/viewer/web/web_host.h"
 #include "services/viewer/web/web_socket.h"
 #include "services/viewer/web/web_target.h"
 
@@ -53,6 +55,14 @@ WebResponse Refuse(int status, absl::string_view why) {
   WebResponse response;
   response.status = status;
   response.body = std::make_shared<const std::string>(absl::StrCat(why, "\n"));
+  return response;
+}
+
+WebResponse RefuseHost(absl::string_view host) {
+  WebResponse response = Refuse(
+      421, absl::StrCat("this server does not go by the name \"", absl::CHexEscape(host),
+                        "\": use its IP address, or start it with --web-host and that name"));
+  response.headers["X-Content-Type-Options"] = "nosniff";
   return response;
 }
 
@@ -120,8 +130,15 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
     if (!ReadRequest(parser_->get(), request)) {
       return Write(Refuse(400, "the path or query can't be read"), false);
     }
+    if (const std::string host = Text(parser_->get()[http::field::host]); !IsOwn(host)) {
+      return Write(RefuseHost(host), false);
+    }
     if (beast::websocket::is_upgrade(parser_->get())) return Upgrade(request);
     Ask(request);
+  }
+
+  bool IsOwn(absl::string_view host) const {
+    return !shared_.options.hosts || IsOwnHost(host, *shared_.options.hosts);
   }
 
   void Upgrade(const WebRequest& request) {

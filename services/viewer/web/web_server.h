@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
@@ -17,6 +18,9 @@ namespace corbslam::services {
 struct WebServerOptions {
   // Nullopt: no TLS.
   std::optional<KeyPair> tls = std::nullopt;
+  // Names by which browsers may call it beside IP addresses and localhost (web_host.h); requests to
+  // others get 421. Nullopt: any. With TLS the certificate says it, and browsers see to that.
+  std::optional<std::vector<std::string>> hosts = std::nullopt;
   // Connections beyond these are closed at once.
   size_t max_connections = 256;
   // WebSockets beyond these are refused with 503.

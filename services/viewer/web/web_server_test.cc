@@ -25,6 +25,7 @@ using testing::Ask;
 using testing::BodyOf;
 using ::testing::HasSubstr;
 using testing::MakeRequest;
+using ::testing::Not;
 using testing::RawConnection;
 using testing::StatusOf;
 using testing::WebSocketClient;
@@ -216,6 +217,24 @@ TEST_F(WebServerTest, StreamsAreBounded) {
 TEST_F(WebServerTest, PagesOfOtherSitesReadNothing) {
   Start();
   EXPECT_EQ(StatusOf(AskForSocket("Origin: http://evil.example\r\n")), 403);
+  WebSocketClient own(address(), "/stream", {.origin = absl::StrCat("http://", address())});
+  EXPECT_TRUE(own.stands());
+}
+
+TEST_F(WebServerTest, ANameThatLeadsHereByRebindingReadsNothing) {
+  Start({.hosts = std::vector<std::string>{"viewer.lan"}});
+  const auto ask = [this](const std::string& host) {
+    return Ask(address(),
+               absl::StrCat("GET /a HTTP/1.1\r\nHost: ", host, "\r\nConnection: close\r\n\r\n"));
+  };
+  EXPECT_EQ(StatusOf(ask(address())), 200);
+  EXPECT_EQ(StatusOf(ask("viewer.lan:80")), 200);
+  const std::string refusal = ask("evil.example:80");
+  EXPECT_EQ(StatusOf(refusal), 421);
+  EXPECT_THAT(BodyOf(refusal), HasSubstr("\"evil.example:80\""));
+  EXPECT_THAT(refusal, Not(HasSubstr("GET /a")));
+  // Its page's origin would be its own here: a WebSocket is refused for the name, too.
+  EXPECT_EQ(StatusOf(AskForSocket("Origin: http://x\r\n")), 421);
   WebSocketClient own(address(), "/stream", {.origin = absl::StrCat("http://", address())});
   EXPECT_TRUE(own.stands());
 }

@@ -38,9 +38,16 @@ export function answer(mission: SimulatedMission, path: string, query: URLSearch
     });
   }
   if (path === '/trajectory') return trajectory(mission, query.get('frame') === 'local');
+  if (path === '/truth') return { type: 'text/plain', body: truth(mission) };
   if (path === '/history') return prefixed(mission.past.map((message) => toBinary(WatchMapResponseSchema, message)));
   const match = /^\/localMaps\/([0-9a-f]{16})\/keyframes\/(\d+)$/.exec(path);
   return match ? keyframe(mission, match[1], Number(match[2])) : undefined;
+}
+
+/** Where the first robot really was: beside where it says, as far as it has come. */
+function truth({ robots: [first] }: SimulatedMission): string {
+  return first.keyframes.map(({ world: { centre: [x, y, z], rotation }, timeNs }) =>
+    [Number(timeNs) / 1e9, x + Math.sin(x / 20), y, z, ...rotation].join(' ')).join('\n');
 }
 
 function prefixed(messages: Uint8Array[]): Answer {

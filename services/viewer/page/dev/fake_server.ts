@@ -1,6 +1,6 @@
 // Serves dist/ and a simulated mission by the contract that the page has with its server.
 //   --port=8090 --robots=3 --token=SECRET
-//   --big: at once 10,000 keyframes and 1,000,000 points; --steps=N: so many keyframes a robot at once
+//   --big: at once 10,000 keyframes and 1,000,000 points; --still: nobody drives; --steps=N: so many keyframes a robot at once
 //   --merge=S,S: islands merge after so many seconds (default 12,20); --away=S: the store is away from then on for 5 s
 import { createServer, type IncomingMessage, type ServerResponse } from 'node:http';
 import { existsSync, readFileSync } from 'node:fs';
@@ -50,14 +50,28 @@ function serve(request: IncomingMessage, response: ServerResponse): void {
   response.writeHead(200, { 'Content-Type': told.type }).end(told.body);
 }
 
-function send(socket: WebSocket, part: MessageInitShape<typeof ViewerMessageSchema>['part']): void {
-  socket.send(toBinary(ViewerMessageSchema, create(ViewerMessageSchema, { part })));
+type Part = MessageInitShape<typeof ViewerMessageSchema>['part'];
+
+function encode(part: Part): Uint8Array {
+  return toBinary(ViewerMessageSchema, create(ViewerMessageSchema, { part }));
+}
+
+function send(socket: WebSocket, part: Part): void {
+  socket.send(encode(part));
+}
+
+/** Encoding the large map takes longer than all else: a map that stands still is encoded before anybody comes. */
+const kept = flags.has('still') ? [...mission.picture()].map((value) => encode({ case: 'map', value })) : undefined;
+
+function sendPicture(socket: WebSocket): void {
+  if (kept) for (const bytes of kept) socket.send(bytes);
+  else for (const value of mission.picture()) send(socket, { case: 'map', value });
 }
 
 function welcome(socket: WebSocket): void {
   const { keyframes, mapPoints } = missionFacts(mission);
   send(socket, { case: 'reset', value: { reason: MapReset_Reason.BEGIN, keyframes, mapPoints } });
-  for (const value of mission.picture()) send(socket, { case: 'map', value });
+  sendPicture(socket);
   for (const value of mission.events) send(socket, { case: 'event', value });
   send(socket, { case: 'pulse', value: pulse(mission, true) });
   sockets.add(socket);

@@ -1,80 +1,42 @@
 // Walks through the page before a real map store, worker, viewer and robots: what comes, merges, goes
 // and comes back must be seen. Pictures are kept. Run by tests/viewer/live_page_test.sh.
-//   --programs DIR --source SOURCE --pictures DIR
-import { type ChildProcess, spawn } from 'node:child_process';
-import { createWriteStream, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
+//   --programs DIR --source SOURCE --pictures DIR [--page DIR]
+import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { type Page, chromium } from 'playwright-core';
+import { type Browser, type BrowserContextOptions, type Page, chromium } from 'playwright-core';
+import { checkNames, makeToken, pinchAndTurn, playPast } from './hands';
+import { Program, option, start } from './programs';
 
 const BROWSER = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
   '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 const PATIENCE_MS = 240_000;
+/** Without: the page that the viewer was built with. */
+const PAGE = option('page', '') ? ['--page', option('page')] : [];
 
-function option(name: string): string {
-  const at = process.argv.indexOf(`--${name}`);
-  if (at < 0) throw new Error(`--${name} is missing`);
-  return process.argv[at + 1];
-}
-const programs = option('programs');
 const pictures = option('pictures');
+const places = { programs: option('programs'), logs: pictures };
 const folder = mkdtempSync(join(tmpdir(), 'live_page.'));
 mkdirSync(pictures, { recursive: true });
 
-/** Starts a program; `address` is what it says to listen on. */
-class Program {
-  address = '';
-  private readonly child: ChildProcess;
-  private readonly ended: Promise<void>;
-
-  constructor(readonly name: string, args: string[]) {
-    this.child = spawn(join(programs, name), args, { stdio: ['ignore', 'pipe', 'pipe'] });
-    this.child.stderr!.pipe(createWriteStream(join(pictures, `${name}.log`), { flags: 'a' }));
-    this.ended = new Promise((done) => this.child.once('exit', () => done()));
-  }
-
-  async listening(): Promise<string> {
-    for await (const chunk of this.child.stdout!) {
-      const found = /listening on (\S+)/.exec(String(chunk));
-      if (!found) continue;
-      this.child.stdout!.resume();
-      return (this.address = found[1]);
-    }
-    throw new Error(`${this.name} ended before it listened; ${pictures}/${this.name}.log says why`);
-  }
-
-  end(): Promise<void> { return this.ended; }
-
-  async stop(): Promise<void> {
-    this.child.kill('SIGTERM');
-    await this.ended;
-  }
-}
-
-async function start(name: string, args: string[]): Promise<Program> {
-  const program = new Program(name, args);
-  await program.listening();
-  return program;
-}
-
 function startStore(worker: string, listen = '127.0.0.1:0'): Promise<Program> {
-  return start('map_store', ['--listen', listen, '--insecure', '--worker', worker, '--data-dir', join(folder, 'store')]);
+  return start('map_store', ['--listen', listen, '--insecure', '--worker', worker, '--data-dir', join(folder, 'store')], places);
 }
 
 function startViewer(store: string, listen = '127.0.0.1:0'): Promise<Program> {
-  return start('map_viewer', ['--listen', listen, '--insecure', '--store', store]);
+  return start('map_viewer', ['--listen', listen, '--insecure', '--store', store, ...PAGE], places);
 }
 
 function play(store: string, mission: string): Program {
   return new Program('corbslam', ['run', '--server', store, '--insecure', '--mission', mission, '--pace', 'sensor',
-    '--source', option('source'), '--out', join(folder, mission)]);
+    '--source', option('source'), '--out', join(folder, mission)], places);
 }
 
 const errors: string[] = [];
 let isAway = false;
 
-async function open(browser: Awaited<ReturnType<typeof chromium.launch>>, url: string): Promise<Page> {
-  const context = await browser.newContext({ viewport: { width: 1600, height: 900 } });
+async function open(browser: Browser, url: string, options: BrowserContextOptions = {}): Promise<Page> {
+  const context = await browser.newContext({ viewport: { width: 1600, height: 900 }, ...options });
   const page = await context.newPage();
   // While a server is away on purpose the browser itself complains of the connection.
   page.on('console', (message) => message.type() === 'error' && !isAway && errors.push(message.text()));
@@ -143,9 +105,50 @@ async function scrub(page: Page): Promise<void> {
   await until(page, 'window.corbslam.shownRevision < window.corbslam.revision');
   const before = await page.evaluate('window.corbslam.keyframes');
   await shot(page, '06_past');
+  const moments = await playPast(page);
+  check(moments.length > 1 && moments.every((at, i) => i === 0 || at > moments[i - 1]), `the past plays from its begin to its end: ${moments.length} moments`);
   await page.getByRole('button', { name: 'Live' }).click();
   await until(page, 'window.corbslam.shownRevision === window.corbslam.revision');
   check(Number(before) <= Number(await page.evaluate('window.corbslam.keyframes')), 'the past had fewer keyframes than now');
+}
+
+/** What a person does on a phone: two fingers, one finger, the panels' tabs. */
+async function touch(browser: Browser, url: string): Promise<void> {
+  const phone = await open(browser, url, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  await until(phone, 'window.corbslam?.keyframes > 1 && !window.corbslam.moving');
+  const { before, pinched, turned } = await pinchAndTurn(phone);
+  check(pinched.distance < 0.8 * before.distance, 'two fingers that part go nearer');
+  check(Math.abs(turned.azimuth - pinched.azimuth) > 5, 'one finger turns the map');
+  await phone.getByRole('button', { name: 'Events' }).tap();
+  check(await phone.locator('#events').isVisible(), 'a tap on a tab shows its panel');
+  await shot(phone, '09_phone');
+  await phone.close();
+}
+
+/** A viewer that wants tokens: the page asks, refuses what is bad, and takes what is good. */
+async function showToken(browser: Browser, store: string): Promise<void> {
+  const { publicKey, token } = makeToken(folder, places, 'lab');
+  const viewer = await start('map_viewer', ['--listen', '127.0.0.1:0', '--insecure', '--store', store,
+    '--token-key', publicKey, ...PAGE], places);
+  isAway = true;  // The browser itself complains of answers with 401.
+  const page = await open(browser, `http://${viewer.address}/#mission=lab`);
+  const prompt = page.getByLabel('Token');
+  await prompt.waitFor();
+  await shot(page, '10_token');
+  await prompt.fill('corbslam1.bad.token');
+  await prompt.press('Enter');
+  await page.getByText('The token was refused.').waitFor();
+  check(true, 'a bad token is refused, and asked for again');
+  await prompt.fill(token);
+  await page.getByRole('button', { name: 'Go on' }).click();
+  await until(page, 'window.corbslam?.keyframes > 1');
+  check(!page.url().includes(token), 'a token opens its mission, and is not in the address');
+  const linked = await open(browser, `http://${viewer.address}/#mission=field&token=${token}`);
+  await linked.getByText('This token does not open this mission.').waitFor();
+  check(!linked.url().includes(token), 'a token of another mission is refused, and goes out of the address');
+  for (const one of [page, linked]) await one.close();
+  isAway = false;
+  await viewer.stop();
 }
 
 async function comeBack(page: Page, restart: () => Promise<void>, what: string): Promise<void> {
@@ -158,8 +161,8 @@ async function comeBack(page: Page, restart: () => Promise<void>, what: string):
   check(true, what);
 }
 
-async function walk(browser: Awaited<ReturnType<typeof chromium.launch>>): Promise<void> {
-  const worker = await start('fusion_worker', ['--listen', '127.0.0.1:0', '--insecure']);
+async function walk(browser: Browser): Promise<void> {
+  const worker = await start('fusion_worker', ['--listen', '127.0.0.1:0', '--insecure'], places);
   let store = await startStore(worker.address);
   let viewer = await startViewer(store.address);
   try {
@@ -168,6 +171,8 @@ async function walk(browser: Awaited<ReturnType<typeof chromium.launch>>): Promi
     await watchTheMerge(page, store.address);
     await lookCloser(page);
     await scrub(page);
+    check((await checkNames(page)).length === 0, 'every control has a name that screen readers say');
+    await touch(browser, `${home}#mission=lab`);
     const second = play(store.address, 'field');
     const other = await open(browser, `${home}#mission=field`);
     await until(other, 'window.corbslam?.keyframes > 1');
@@ -178,6 +183,7 @@ async function walk(browser: Awaited<ReturnType<typeof chromium.launch>>): Promi
     check((await hostile.locator('img').count()) === 0, 'a hostile name is text');
     await shot(hostile, '07_hostile');
     await hostile.close();
+    await showToken(browser, store.address);
     const list = await open(browser, home);
     await list.getByText('field').first().waitFor({ timeout: 20_000 });
     check(true, 'the start page lists the missions');

@@ -1,19 +1,17 @@
 // Looks at the page in a browser: starts the simulated server, walks through what people do, and
 // keeps pictures in out/look. Fails where the page wrote an error to the console.
-//   --big: the large map, with figures of speed; --phone: only what a phone shows
+//   --phone: only what a phone shows
 import { spawn } from 'node:child_process';
 import { mkdirSync } from 'node:fs';
 import { type Page, chromium } from 'playwright-core';
 
-const isBig = process.argv.includes('--big');
-const PORT = isBig ? '8092' : '8091';
+const PORT = '8091';
 const HOME = `http://localhost:${PORT}/`;
 const SWIFT = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
   '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 const errors: string[] = [];
 mkdirSync('out/look', { recursive: true });
-const merge = isBig ? '1e9' : '30,1e9';
-const server = spawn(process.execPath, ['out/fake_server.mjs', `--port=${PORT}`, `--merge=${merge}`, ...(isBig ? ['--big'] : [])], { stdio: ['ignore', 'pipe', 'inherit'] });
+const server = spawn(process.execPath, ['out/fake_server.mjs', `--port=${PORT}`, '--merge=30,1e9'], { stdio: ['ignore', 'pipe', 'inherit'] });
 const isUp = new Promise((done) => server.stdout!.once('data', done));
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: SWIFT });
 
@@ -115,36 +113,10 @@ async function walkOnPhone(): Promise<void> {
   await shot(await open(390, 844, 'light', ''), '13_start_phone_light');
 }
 
-async function measure(): Promise<void> {
-  const begun = Date.now();
-  const page = await open(1920, 1080, 'dark', '#mission=lab');
-  console.log('first picture after ms', Date.now() - begun);
-  await until(page, 'window.corbslam.points >= 1000000');
-  console.log('all points after ms', Date.now() - begun);
-  await page.waitForTimeout(3000);
-  await shot(page, '20_big_dark');
-  await page.mouse.move(900, 500);
-  await page.mouse.down();
-  for (let i = 0; i < 120; i++) {
-    await page.mouse.move(900 + 3 * (i % 60), 500 + (i % 7));
-    if (i % 30 === 29) console.log('turning', await page.evaluate(FIGURES));
-  }
-  await page.screenshot({ path: 'out/look/21_big_turning.png' });
-  await page.mouse.up();
-  await page.waitForTimeout(1500);
-  console.log('still', await page.evaluate(FIGURES));
-}
-
-const FIGURES = `JSON.stringify((({ fps, drawCalls, drawnPoints, uploadBytes, points, keyframes, receivedBytes }) =>
-  ({ fps: Math.round(10 * fps) / 10, drawCalls, drawnPoints, uploadBytes, points, keyframes, receivedBytes }))(window.corbslam))`;
-
 try {
   await isUp;
-  if (isBig) await measure();
-  else {
-    if (!process.argv.includes('--phone')) await walk();
-    await walkOnPhone();
-  }
+  if (!process.argv.includes('--phone')) await walk();
+  await walkOnPhone();
 } finally {
   await browser.close();
   server.kill();

@@ -17,6 +17,8 @@ export interface SimulatedRobot {
   /** Whose frame it is in: the number of the robot that names the island. */
   island: number;
   distance: number;
+  /** By its clock. */
+  startNs: bigint;
 }
 
 const STEP_M = 1.4;
@@ -32,7 +34,7 @@ export class SimulatedMission {
   private readonly random = new Random(7);
 
   constructor(readonly name: string, count: number, readonly pointsPerKeyframe: number) {
-    this.robots = makeRobots(count, this.random).map((robot, island) => ({ robot, keyframes: [], points: [], island, distance: 0 }));
+    this.robots = makeRobots(count, this.random).map((robot, island) => ({ robot, keyframes: [], points: [], island, distance: 0, startNs: BigInt(island) * 10n ** 13n }));
     for (const { robot } of this.robots) {
       this.happen({ case: 'agentJoined', value: { agent: `missions/${name}/agents/${robot.name}` } });
       this.happen({ case: 'localMapBegun', value: { agent: `agents/${robot.name}`, localMap: `localMaps/${hexId(robot.id)}` } });
@@ -99,7 +101,7 @@ export class SimulatedMission {
 
   private step(one: SimulatedRobot): void {
     const world = driveTo(one.robot, one.distance);
-    one.keyframes.push({ world, timeNs: BigInt(Math.round(one.distance * 1e8)) });
+    one.keyframes.push({ world, timeNs: one.startNs + BigInt(Math.round(one.distance * 1e8)) });
     for (let i = 0; i < this.pointsPerKeyframe; i++) one.points.push(seePoint(world, this.random));
     one.distance += STEP_M;
   }

@@ -2,6 +2,8 @@ import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import type { StreamState } from './feed/stream';
 import type { FrameLayout } from './frame_layout';
 
+const REFUSALS = { token: 'The token was refused.', mission: 'This token does not open this mission.' };
+
 /** Says how the connections stand: this page's to the viewer, and the viewer's to the store. */
 export class Connection {
   private state: StreamState = { name: 'connecting' };
@@ -11,7 +13,7 @@ export class Connection {
   constructor(private readonly layout: FrameLayout, private readonly onRefused: (reason: string) => void) {}
 
   onState(state: StreamState): void {
-    if (state.name === 'refused' && state.why === 'token') return this.onRefused('The token was refused.');
+    if (state.name === 'refused') return this.onRefused(REFUSALS[state.why]);
     this.state = state;
     this.wasOpen ||= state.name === 'open';
     this.show();
@@ -35,7 +37,6 @@ export class Connection {
     if (state.name === 'away') return `The viewer is away; it is asked again in ${seconds(state.retryMs)}.${stays}`;
     if (state.name === 'connecting' && this.wasOpen) return `Connecting again …${stays}`;
     if (state.name === 'missing') return 'There is no such mission yet. The page waits for it.';
-    if (state.name === 'refused') return 'This token does not open this mission.';
     if (pulse && !pulse.storeAnswers) return `The map store does not answer${reason(pulse.storeError)}.${stays}`;
     return '';
   }

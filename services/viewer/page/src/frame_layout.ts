@@ -36,6 +36,11 @@ export class FrameLayout {
     }
   }
 
+  /** What those hear who don't see the picture. */
+  describe(words: string): void {
+    if (this.canvas.getAttribute('aria-label') !== words) this.canvas.setAttribute('aria-label', words);
+  }
+
   showBanner(words: string): void {
     this.banner.hidden = words === '';
     if (this.banner.textContent !== words) this.banner.textContent = words;

@@ -4,6 +4,7 @@ import { keyframeName, parseKeyframeName } from './model/ids';
 /** Figures for tests in a browser, as `window.corbslam`; nothing of the page depends on them. */
 export function installHook(page: MissionPage): void {
   const { live, stage, past, selection } = page;
+  const watched: { atMs: number; drawCalls: number; drawnPoints: number; scriptMs: number }[] = [];
   const hook = {
     get connected() { return live.isConnected; },
     get mission() { return page.mission; },
@@ -18,9 +19,30 @@ export function installHook(page: MissionPage): void {
     get drawCalls() { return stage.figures.drawCalls; },
     get drawnPoints() { return stage.figures.drawnPoints; },
     get uploadBytes() { return stage.figures.uploadBytes; },
+    get uploadedBytes() { return stage.uploadedBytes; },
+    /** How the global layer is looked at: angles in degrees, distance in the map's unit. */
+    get camera() {
+      const { controls } = stage.globalPort;
+      const degrees = (angle: number) => (angle * 180) / Math.PI;
+      return { azimuth: degrees(controls.getAzimuthalAngle()), polar: degrees(controls.getPolarAngle()), distance: stage.globalPort.distance() };
+    },
+    get seenMs() { return page.seenMs; },
+    /** Begins to keep the figures of frames; returns those since it was called before. */
+    watchFrames() {
+      page.onFrame = () => {
+        const { drawCalls, drawnPoints, scriptMs } = stage.figures;
+        watched.push({ atMs: performance.now(), drawCalls, drawnPoints, scriptMs });
+      };
+      return watched.splice(0);
+    },
     get fps() { return stage.figures.fps; },
     get receivedBytes() { return live.stream.receivedBytes + page.rest.receivedBytes; },
     get moving() { return [...stage.map.views.values()].some(({ placement }) => placement.isMoving); },
+    figures() {
+      const { drawCalls, drawnPoints } = stage.figures;
+      const { keyframes, points, receivedBytes, uploadedBytes } = hook;
+      return { keyframes, points, receivedBytes, uploadedBytes, drawCalls, drawnPoints };
+    },
     keyframeNames(): string[] {
       return [...page.model.localMaps.values()].flatMap(({ id, keyframes }) =>
         [...keyframes.records.keys()].map((index) => keyframeName({ localMap: id, index })));

@@ -9,6 +9,7 @@ import { installHook } from './hook';
 import { handleKey } from './keyboard';
 import { Live } from './live';
 import { type KeyframeId, lastSegment } from './model/ids';
+import { mapWords } from './model/words';
 import type { IslandChange, MapModel } from './model/map_model';
 import { DetailsPanel } from './panels/details';
 import { EventsPanel } from './panels/events';
@@ -54,6 +55,10 @@ export class MissionPage {
   private mapChanged = false;
   private wantsFit = true;
   private panelsMs = 0;
+  /** When the map was first seen, and when all of it, in milliseconds since the page was asked for. */
+  readonly seenMs: { first?: number; whole?: number } = {};
+  /** Told of each frame that was drawn. */
+  onFrame: (() => void) | undefined;
   private isClosed = false;
 
   constructor(public state: ViewState, readonly rest: Rest, private readonly onRefused: (reason: string) => void) {
@@ -175,10 +180,22 @@ export class MissionPage {
       this.labels.update(this.model, state);
       const port = state.layer === 'local' ? stage.localPort : stage.globalPort;
       this.scale.update(port.pixelsPerUnit(port.distance()));
+      this.noteFrame();
     }
     if (performance.now() - this.panelsMs > PANELS_EVERY_MS) this.updatePanels();
     requestAnimationFrame(this.tick);
   };
+
+  private noteFrame(): void {
+    this.onFrame?.();
+    const isWhole = this.live.hasPicture && !this.mapChanged;
+    if (this.live.model.keyframeCount === 0 || this.seenMs.whole !== undefined) return;
+    // A frame is on the screen once the next one is asked for.
+    requestAnimationFrame((now) => {
+      this.seenMs.first ??= now;
+      if (isWhole) this.seenMs.whole ??= now;
+    });
+  }
 
   private takeMap(): void {
     this.mapChanged = false;
@@ -205,6 +222,7 @@ export class MissionPage {
     this.robots.update(this.painter.robots, model, live.pulse, state);
     const receivedBytes = live.stream.receivedBytes + this.rest.receivedBytes;
     this.numbers.update(model, live.pulse, { receivedBytes, drawnPoints: this.stage.figures.drawnPoints, isTruthShown: this.stage.truth.isShown });
+    this.layout.describe(`The map: ${mapWords(model)}`);
     this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap, (id) => this.agentOf(id));
   }
 

@@ -1,4 +1,4 @@
-import type { Rest } from './feed/rest';
+import { type Rest, RestError } from './feed/rest';
 import { type TruePose, alignTruth, dashes, parseTruth, referenceKeyframes } from './model/truth';
 import type { MapModel } from './model/map_model';
 import { Refresher } from './refresher';
@@ -17,7 +17,7 @@ export class TrueTrajectory {
   constructor(
     private readonly rest: Pick<Rest, 'truth'>, private readonly mission: string,
     private readonly stage: { truth: Pick<Stage['truth'], 'show'>; invalidate(): void },
-    private readonly model: () => MapModel, private readonly onChange: () => void, everyMs = 1000,
+    private readonly model: () => MapModel, private readonly onChange: () => void, everyMs = 2000,
   ) {
     this.again = new Refresher(everyMs, () => this.refresh());
   }
@@ -40,8 +40,18 @@ export class TrueTrajectory {
     this.again.stop();
   }
 
+  /** A viewer that knows of no truths has none. */
+  private async ask(): Promise<string> {
+    try {
+      return await this.rest.truth(this.mission);
+    } catch (error) {
+      if (error instanceof RestError && error.status === 404) return '';
+      throw error;
+    }
+  }
+
   private async refresh(): Promise<void> {
-    this.truth ??= parseTruth(await this.rest.truth(this.mission));
+    this.truth ??= parseTruth(await this.ask());
     if (this.truth.length === 0) return;
     const alignment = alignTruth(this.truth, referenceKeyframes(this.model()));
     this.stage.truth.show(alignment ? dashes(this.truth, alignment) : []);

@@ -3,7 +3,7 @@ import test from 'node:test';
 import { create } from '@bufbuild/protobuf';
 import { type MissionEvent, MissionEventSchema } from '@gen/corbslam/v1/events_pb';
 import { OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
-import { bytes, count, eventWords, since, verdictWords } from '../src/model/words';
+import { bytes, count, eventWords, mapWords, since, verdictWords } from '../src/model/words';
 
 function said(event: MissionEvent['event'] | object): string {
   return eventWords(create(MissionEventSchema, { event: event as never })).text;
@@ -30,4 +30,11 @@ test('numbers are short', () => {
   assert.equal(count(1234567), '1\u2009234\u2009567');
   assert.equal(bytes(48213), '48 kB');
   assert.equal(since(0n, 90_000_000_000n), '1 min');
+});
+
+test('the picture is told to those who do not see it', () => {
+  const islands = () => new Map([['a', []], ['b', []]]);
+  const seen = { islands, agents: () => ['alpha', 'beta'], keyframeCount: 1, pointCount: 1200 };
+  assert.equal(mapWords(seen), '2 islands, 1 keyframe, 1\u2009200 points of alpha and beta');
+  assert.equal(mapWords({ ...seen, keyframeCount: 0 }), 'nothing yet');
 });

@@ -103,6 +103,13 @@ function seconds(ms: number): string {
   return ms < 1000 ? `${Math.round(ms)} ms` : `${(ms / 1000).toFixed(1)} s`;
 }
 
+/** What is in the picture. */
+export function mapWords(model: { islands(): Map<string, unknown>; agents(): string[]; keyframeCount: number; pointCount: number }): string {
+  if (model.keyframeCount === 0) return 'nothing yet';
+  const parts = [many(model.islands().size, 'island'), many(model.keyframeCount, 'keyframe'), many(model.pointCount, 'point')];
+  return `${parts.join(', ')} of ${list(model.agents()) || 'robots without a name'}`;
+}
+
 /** A number with thin spaces between thousands. */
 export function count(n: number | bigint): string {
   return n.toString().replace(/\B(?=(\d{3})+(?!\d))/g, '\u2009');

@@ -37,11 +37,12 @@ export class OverlapsPanel {
 
   private row(overlap: Overlap, chosen: Overlap | undefined, agentOf: (localMap: string) => string): HTMLElement {
     const mark = isAccepted(overlap) ? 'yes' : 'no';
+    const sides = `${side(overlap.query, agentOf)} – ${side(overlap.candidate, agentOf)}`;
     return h('li', {}, h('button', {
-      class: `overlap ${mark}`, 'aria-pressed': String(chosen?.number === overlap.number),
+      class: `overlap ${mark}`, 'aria-label': `${sides}. ${verdictWords(overlap.verdict)}`, 'aria-pressed': String(chosen?.number === overlap.number),
       'data-focus': `overlap-${overlap.number}`, click: () => this.choose(overlap),
     }, h('span', { class: 'mark', 'aria-hidden': 'true' }, mark === 'yes' ? '✓' : '✕'),
-      h('span', { class: 'text' }, `${side(overlap.query, agentOf)} – ${side(overlap.candidate, agentOf)}`),
+      h('span', { class: 'text' }, sides),
       h('small', {}, verdictWords(overlap.verdict).replace(/^(Accepted|Refused[^:]*|Taken back): /, ''))));
   }
 }

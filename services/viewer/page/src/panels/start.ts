@@ -22,7 +22,8 @@ export class StartScreen {
       this.giveToken(input.value.trim());
     };
     this.show('A token is needed', h('form', { submit },
-      h('p', {}, reason), h('label', { for: 'token' }, 'Token'), input, h('button', {}, 'Go on')));
+      h('p', { role: 'alert' }, reason), h('label', { for: 'token' }, 'Token'), input, h('button', {}, 'Go on'),
+      h('a', { href: '#' }, 'All missions')));
     input.focus();
   }
 

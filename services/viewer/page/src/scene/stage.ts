@@ -28,6 +28,8 @@ export interface FrameFigures {
   drawnPoints: number;
   uploadBytes: number;
   fps: number;
+  /** What the page's own script took for it; drawing goes on elsewhere. */
+  scriptMs: number;
 }
 
 /** Draws the layers into their viewports, when something changed. */
@@ -39,7 +41,9 @@ export class Stage {
   readonly overlapsView: OverlapsView;
   readonly globalPort: Viewport;
   readonly localPort: Viewport;
-  readonly figures: FrameFigures = { drawCalls: 0, drawnPoints: 0, uploadBytes: 0, fps: 0 };
+  readonly figures: FrameFigures = { drawCalls: 0, drawnPoints: 0, uploadBytes: 0, fps: 0, scriptMs: 0 };
+  /** Bytes for the GPU so far. */
+  uploadedBytes = 0;
   overlaps: Overlap[] = [];
   /** Set while the past is shown: overlaps that were taken in later are left out. */
   pastRevision: bigint | undefined;
@@ -85,6 +89,7 @@ export class Stage {
   sync(model: MapModel, changes: IslandChange[], isHurried: boolean): void {
     this.points = model.pointCount;
     this.figures.uploadBytes = this.map.sync(model, changes, performance.now());
+    this.uploadedBytes += this.figures.uploadBytes;
     this.grid.cover(this.map.bounds(() => true));
     this.truth.place(this.map.plots.get(model.globalIsland ?? ''));
     this.invalidate(isHurried || this.completeMs > SLOW_COMPLETE_MS);
@@ -123,6 +128,7 @@ export class Stage {
     this.isComplete = this.drewComplete = !isMotion;
     this.updateOverlaps(state);
     this.render(this.detail.fraction(isMotion, this.points, now));
+    this.figures.scriptMs = performance.now() - now;
     this.measure(now);
     return true;
   }
