@@ -66,14 +66,19 @@ void KeepBest(size_t max_places, std::vector<Place>& places) {
 
 }  // namespace
 
-std::vector<PlacesOfIsland> FindPlaces(const MissionState& state, const BagOfWords& bag,
-                                       const PlaceSearch& search, const MapStoreOptions& options) {
-  const IslandId reference = state.ReferenceIsland();
+absl::StatusOr<std::vector<PlacesOfIsland>> FindPlaces(const MissionState& state,
+                                                       const BagOfWords& bag,
+                                                       const PlaceSearch& search,
+                                                       const MapStoreOptions& options,
+                                                       LongRead& read) {
   const bool only_reference = search.prior.has_value() || !search.all_islands;
   std::vector<Place> places;
-  for (const LocalMapId id : state.order) {
-    if (only_reference && state.FindIslandOf(id)->id != reference) continue;
+  // Local maps may be added during a pause.
+  for (size_t i = 0; i < state.order.size(); ++i) {
+    const LocalMapId id = state.order[i];
+    if (only_reference && state.FindIslandOf(id)->id != state.ReferenceIsland()) continue;
     AddPlaces(state, *state.FindLocalMap(id), bag, search, options, places);
+    RETURN_IF_ERROR(read.Pause());
   }
   KeepBest(search.max_places, places);
   std::vector<PlacesOfIsland> islands;

@@ -29,9 +29,12 @@ struct PlaceSearch {
 // Returns keyframes that share words with the picture, the best of each group of covisible ones, by
 // island: first that of the best one. With a prior, keyframes count that stand within its radius of
 // it and half as much again: what is seen from a place is seen from beside it too. Keyframes that
-// fusion does without don't count.
-std::vector<PlacesOfIsland> FindPlaces(const MissionState& state, const BagOfWords& bag,
-                                       const PlaceSearch& search, const MapStoreOptions& options);
+// fusion does without don't count. ABORTED as `read` says, which pauses after each local map.
+absl::StatusOr<std::vector<PlacesOfIsland>> FindPlaces(const MissionState& state,
+                                                       const BagOfWords& bag,
+                                                       const PlaceSearch& search,
+                                                       const MapStoreOptions& options,
+                                                       LongRead& read);
 
 // Returns the candidates with what is covisible with them, in their island's frame; without those
 // whose owner removed them meanwhile. ABORTED as `read` says. The caller adds the picture.

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "absl/synchronization/mutex.h"
 #include "map_store/locating/place_search.h"
 #include "map_store/mission/pausing_read.h"
@@ -19,7 +20,7 @@ using Candidates = std::vector<LocateFrameRequest::Candidate>;
 
 // Each request has so many: mostly the first one is right, and each is half a megabyte to send.
 constexpr size_t kCandidatesOfRequest = 2;
-// How often a view is read anew because the map changed meanwhile.
+// How often the map is read anew because it changed meanwhile.
 constexpr int kMaxReads = 5;
 
 absl::Status Cancelled() { return absl::CancelledError("the caller went away"); }
@@ -58,7 +59,8 @@ class Search {
       answer_.stage = LocateStage::kFewFeatures;
       return answer_;
     }
-    for (const PlacesOfIsland& places : Places()) {
+    ASSIGN_OR_RETURN(const std::vector<PlacesOfIsland> islands, Places());
+    for (const PlacesOfIsland& places : islands) {
       for (size_t i = 0; i < places.candidates.size(); i += kCandidatesOfRequest) {
         const auto begin = places.candidates.begin() + static_cast<ptrdiff_t>(i);
         const size_t count = std::min(kCandidatesOfRequest, places.candidates.size() - i);
@@ -70,18 +72,23 @@ class Search {
   }
 
  private:
-  std::vector<PlacesOfIsland> Places() {
-    return strand_.WithState([this](const MissionState& state) {
-      answer_.revision = state.global.revision;
-      answer_.stage = LocateStage::kNoCandidates;
-      return FindPlaces(state, frame_.words->bag,
-                        {.prior = query_.prior, .all_islands = query_.all_islands},
-                        strand_.options());
-    });
+  absl::StatusOr<std::vector<PlacesOfIsland>> Places() {
+    return ReadCalmly<std::vector<PlacesOfIsland>>(
+        [this](const MissionState& state, LongRead& read) {
+          answer_.revision = state.global.revision;
+          answer_.stage = LocateStage::kNoCandidates;
+          return FindPlaces(state, frame_.words->bag,
+                            {.prior = query_.prior, .all_islands = query_.all_islands},
+                            strand_.options(), read);
+        });
   }
 
   absl::Status Try(IslandId island, const Candidates& candidates) {
-    ASSIGN_OR_RETURN(LocateFrameRequest request, Read(candidates));
+    ASSIGN_OR_RETURN(
+        LocateFrameRequest request,
+        ReadCalmly<LocateFrameRequest>([&candidates](const MissionState& state, LongRead& read) {
+          return BuildLocateRequest(state, candidates, read);
+        }));
     if (request.candidates.empty()) return absl::OkStatus();
     request.frame = frame_;
     ASSIGN_OR_RETURN(LocateFrameResult result,
@@ -93,17 +100,21 @@ class Search {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<LocateFrameRequest> Read(const Candidates& candidates) {
-    absl::StatusOr<LocateFrameRequest> request;
+  // Reads the state in pieces, anew where another revision was committed meanwhile.
+  template <typename Result>
+  absl::StatusOr<Result> ReadCalmly(
+      absl::FunctionRef<absl::StatusOr<Result>(const MissionState&, LongRead&)> look) {
     for (int i = 0; i < kMaxReads; ++i) {
       if (!GoesOn()) return Cancelled();
-      request = ReadOnce(candidates);
-      if (!absl::IsAborted(request.status())) return request;
+      absl::StatusOr<Result> result = ReadOnce(look);
+      if (!absl::IsAborted(result.status())) return result;
     }
     return absl::UnavailableError("the map changed each time that it was read: try again");
   }
 
-  absl::StatusOr<LocateFrameRequest> ReadOnce(const Candidates& candidates) {
+  template <typename Result>
+  absl::StatusOr<Result> ReadOnce(
+      absl::FunctionRef<absl::StatusOr<Result>(const MissionState&, LongRead&)> look) {
     absl::ReaderMutexLock lock(&strand_.mutex());
     if (strand_.deleted()) return strand_.Deleted();
     const uint64_t revision = strand_.state().global.revision;
@@ -112,7 +123,7 @@ class Search {
       if (strand_.state().global.revision == revision) return absl::OkStatus();
       return absl::AbortedError("another revision was committed");
     });
-    return BuildLocateRequest(strand_.state(), candidates, read);
+    return look(strand_.state(), read);
   }
 
   bool IsOutsidePrior(const Rigid3d& camera_from_island) const {
