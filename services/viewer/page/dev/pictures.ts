@@ -10,7 +10,8 @@ import { type Program, option, start } from './programs';
 const FLAGS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
   '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 const PATIENCE_MS = 240_000;
-const QUALITY = 0.86;
+const QUALITY = 0.7;
+const MIDDLE_MS = 380;
 const out = option('out');
 const mission = option('mission', 'demo');
 const folder = mkdtempSync(join(tmpdir(), 'pictures.'));
@@ -72,14 +73,14 @@ async function showMerge(browser: Browser, home: string, theme: 'light' | 'dark'
   await page.keyboard.press('f');
   await page.waitForTimeout(1500);
   await keep(browser, page, `viewer_merge_before_${theme}`);
-  // The move takes 0.8 s, less than a picture may: time goes at a twentieth of its speed meanwhile.
-  await page.evaluate(`(() => { const now = performance.now.bind(performance), from = now();
-    performance.now = () => from + (now() - from) / (window.slow ?? 1); window.slow = 20; })()`);
+  // The move takes 0.8 s, less than a picture may: time stands still in its middle.
+  await page.evaluate('window.standsAtMs = performance.now(); performance.now = () => window.standsAtMs');
   await slider.fill(String(step + 1));
   await until(page, 'window.corbslam.moving');
-  await page.waitForTimeout(7000);
+  await page.evaluate(`window.standsAtMs += ${MIDDLE_MS}`);
+  await page.waitForTimeout(2000);
   await keep(browser, page, `viewer_merge_during_${theme}`);
-  await page.evaluate('window.slow = 1');
+  await page.evaluate('delete performance.now');
   await until(page, '!window.corbslam.moving');
   await page.getByRole('button', { name: 'Live' }).click();
   await page.keyboard.press('f');

@@ -29,6 +29,8 @@ export class Program {
     this.ended = new Promise((done) => this.child.once('exit', () => done()));
   }
 
+  get pid(): number { return this.child.pid!; }
+
   async listening(): Promise<string> {
     for await (const chunk of this.child.stdout!) {
       const found = /listening on (\S+)/.exec(String(chunk));

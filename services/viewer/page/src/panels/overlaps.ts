@@ -43,8 +43,14 @@ export class OverlapsPanel {
       'data-focus': `overlap-${overlap.number}`, click: () => this.choose(overlap),
     }, h('span', { class: 'mark', 'aria-hidden': 'true' }, mark === 'yes' ? '✓' : '✕'),
       h('span', { class: 'text' }, sides),
-      h('small', {}, verdictWords(overlap.verdict).replace(/^(Accepted|Refused[^:]*|Taken back): /, ''))));
+      h('small', {}, reason(overlap))));
   }
+}
+
+/** In a word or two, beside the mark that says whether it is believed. */
+function reason(overlap: Overlap): string {
+  if (isAccepted(overlap)) return `${count(overlap.inliers)} point pairs agree`;
+  return verdictWords(overlap.verdict).replace(/^(Refused[^:]*|Taken back): /, '');
 }
 
 function side(name: string, agentOf: (localMap: string) => string): string {

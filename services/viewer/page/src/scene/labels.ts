@@ -12,6 +12,9 @@ export interface Label {
 /** Where a label may go if others are in its place, by its own heights. */
 const SHIFTS = [0, -1, 1, -2, 2];
 const GAP_PX = 2;
+/** How far above its place a label begins, as the style sheet has it. */
+const ISLAND_LIFT_PX = 22;
+const ROBOT_LIFT_PX = 8;
 
 interface Rectangle {
   left: number;
@@ -64,10 +67,12 @@ export class Labels {
 function freeHeight(element: HTMLElement, x: number, y: number, taken: Rectangle[]): number | undefined {
   const { offsetWidth: width, offsetHeight: height } = element;
   // An island's name is centred, a robot's begins at its mark; both only have to keep off each other.
-  const left = element.classList.contains('island') ? x - width / 2 : x;
+  const isIsland = element.classList.contains('island');
+  const left = isIsland ? x - width / 2 : x;
+  const lift = isIsland ? ISLAND_LIFT_PX : ROBOT_LIFT_PX;
   for (const shift of SHIFTS) {
     const top = y + shift * (height + GAP_PX);
-    const place = { left, top, right: left + width, bottom: top + height };
+    const place = { left, top: top - lift, right: left + width, bottom: top - lift + height };
     if (taken.some((other) => overlap(place, other))) continue;
     taken.push(place);
     return top;

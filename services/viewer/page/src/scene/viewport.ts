@@ -1,7 +1,11 @@
-import { type Box3, PerspectiveCamera, Sphere, Vector3 } from 'three';
+import { type Box3, PerspectiveCamera, Vector3 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { distanceToSee } from './framing';
 
 const FIELD_OF_VIEW_DEG = 45;
+/** Of the height, what tools and the timeline leave. */
+const FREE_HEIGHT = 0.84;
+const NEAREST_FIT = 2;
 
 /** A camera, its controls, and the part of the page in which they work. */
 export class Viewport {
@@ -50,15 +54,16 @@ export class Viewport {
     return { left: pixels('--covered-left'), right: pixels('--covered-right') };
   }
 
-  /** Shows all of a box, from the direction that is looked from now. */
+  /** Shows all of a box, from the direction that is looked from now, beside what panels cover. */
   fit(box: Box3): void {
-    if (box.isEmpty() || this.element.clientWidth === 0) return;
-    const sphere = box.getBoundingSphere(new Sphere());
+    const { clientWidth, clientHeight } = this.element;
+    if (box.isEmpty() || clientWidth === 0 || clientHeight === 0) return;
     const { left, right } = this.covered();
-    const width = Math.max(1, this.element.clientWidth - left - right);
-    const narrow = Math.min(1, width / Math.max(1, this.element.clientHeight));
-    const distance = ((narrow < 1 ? 1.05 : 0.85) * Math.max(sphere.radius, 2)) / Math.sin((FIELD_OF_VIEW_DEG * Math.PI) / 360) / narrow;
-    this.look(sphere.center, distance);
+    const up = FREE_HEIGHT * Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360);
+    const aside = (up * Math.max(1, clientWidth - left - right)) / clientHeight;
+    const away = this.camera.position.clone().sub(this.controls.target).normalize();
+    const distance = distanceToSee(box, away, this.camera.up, aside, up);
+    this.look(box.getCenter(new Vector3()), Math.max(distance, NEAREST_FIT));
   }
 
   /** From above, north (the first camera's view) up, as the paper's figures; or again aslant. */
