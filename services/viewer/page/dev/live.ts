@@ -38,11 +38,12 @@ let isAway = false;
 async function open(browser: Browser, url: string, options: BrowserContextOptions = {}): Promise<Page> {
   const context = await browser.newContext({ viewport: { width: 1600, height: 900 }, ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
   // While a server is away on purpose the browser itself complains of the connection.
   page.on('console', (message) => message.type() === 'error' && !isAway && errors.push(message.text()));
   page.on('pageerror', (error) => errors.push(String(error)));
   page.on('dialog', (dialog) => { errors.push(`a dialog: ${dialog.message()}`); void dialog.dismiss(); });
-  await page.goto(url);
+  await page.goto(url, { timeout: PATIENCE_MS });
   return page;
 }
 

@@ -138,7 +138,7 @@ try {
   const home = `http://${await begin('map_viewer', ['--store', store, ...page, ...truth])}/`;
   const parts: Record<string, () => Promise<void>> = {
     merge: async () => { for (const theme of ['light', 'dark'] as const) await showMerge(browser, home, theme); },
-    refused: async () => { for (const theme of ['light', 'dark'] as const) await showRefusal(browser, home, theme); },
+    refused: async () => { for (const theme of ['dark', 'light'] as const) await showRefusal(browser, home, theme); },
     past: () => showPast(browser, home), phone: () => showPhone(browser, home),
   };
   for (const part of option('parts', Object.keys(parts).join()).split(',')) await parts[part]();
