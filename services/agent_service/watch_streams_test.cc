@@ -107,7 +107,7 @@ class WatchStreamsTest : public ::testing::Test {
   int64_t time_ns_ = 0;
   MapAgent agent_;
   std::shared_ptr<AgentEvents> events_ = std::make_shared<AgentEvents>();
-  AgentService service_{&agent_, nullptr, {.agent = "alpha", .events = events_}};
+  AgentService service_{&agent_, nullptr, {.mission = "", .agent = "alpha", .events = events_}};
   std::unique_ptr<Server> server_;
   std::unique_ptr<v1::Agent::Stub> stub_;
 };
@@ -227,7 +227,7 @@ TEST_F(WatchStreamsTest, RefusesLimitsThatAreNone) {
 
 TEST(NoEventsTest, AnAgentThatKeepsNoneSaysSo) {
   MapAgent agent;
-  AgentService service(&agent, nullptr, {.agent = "alpha"});
+  AgentService service(&agent, nullptr, {.mission = "", .agent = "alpha"});
   auto server = *Server::Start("", {&service});
   const auto stub = v1::Agent::NewStub(server->InProcessChannel());
   grpc::ClientContext context;
