@@ -47,7 +47,10 @@ export class OverlapsView {
   update(overlaps: Overlap[], map: MapView, chosen: Overlap | undefined): void {
     this.shown = overlaps.flatMap((overlap) => shownOverlap(overlap, map) ?? []);
     write(this.accepted, this.shown.filter(({ overlap }) => isAccepted(overlap)));
-    write(this.refused, this.shown.filter(({ overlap }) => !isAccepted(overlap)));
+    const refused = this.shown.filter(({ overlap }) => !isAccepted(overlap));
+    // Hundreds of lines over each other would hide the map.
+    this.refused.material.uniforms.opacity.value = 0.75 * Math.max(0.12, Math.min(1, 60 / Math.max(1, refused.length)));
+    write(this.refused, refused);
     const one = chosen && shownOverlap(chosen, map);
     write(this.chosen, one ? [one] : []);
   }
