@@ -4,7 +4,7 @@
 
 #include <memory>
 #include <string>
-#include <vector>
+#include <thread>
 
 #include "fusion_worker/local_fusion_worker.h"
 #include "map_store/testing/shared_world.h"
@@ -116,17 +116,20 @@ TEST_F(LocalizeServiceTest, NotToFindAPlaceIsAnAnswer) {
 TEST_F(LocalizeServiceTest, AStreamAnswersEachInItsOrder) {
   grpc::ClientContext context;
   const auto stream = stub_->LocalizeStream(&context);
-  for (int i = 1; i <= 4; ++i) {
-    ASSERT_TRUE(
-        stream->Write(RequestOf(i == 2 ? nowhere_ : near_, i % 4, static_cast<uint64_t>(i))));
-  }
-  stream->WritesDone();
+  // In one process a message is taken only when the other side reads it.
+  std::thread writer([&] {
+    for (int i = 1; i <= 4; ++i) {
+      stream->Write(RequestOf(i == 2 ? nowhere_ : near_, i % 4, static_cast<uint64_t>(i)));
+    }
+    stream->WritesDone();
+  });
   v1::LocalizeResponse response;
   for (uint64_t i = 1; i <= 4; ++i) {
     ASSERT_TRUE(stream->Read(&response));
     EXPECT_EQ(response.id(), i);
     EXPECT_EQ(response.stage() == v1::LOCATE_STAGE_LOCATED, i != 2);
   }
+  writer.join();
   EXPECT_FALSE(stream->Read(&response));
   EXPECT_TRUE(stream->Finish().ok());
 }
@@ -135,10 +138,10 @@ TEST_F(LocalizeServiceTest, AWrongRequestEndsAStreamAfterItsAnswers) {
   grpc::ClientContext context;
   const auto stream = stub_->LocalizeStream(&context);
   ASSERT_TRUE(stream->Write(RequestOf(near_, 3, 1)));
-  ASSERT_TRUE(stream->Write(v1::LocalizeRequest()));
   v1::LocalizeResponse response;
   ASSERT_TRUE(stream->Read(&response));
   EXPECT_EQ(response.id(), 1u);
+  stream->Write(v1::LocalizeRequest());
   EXPECT_FALSE(stream->Read(&response));
   EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }

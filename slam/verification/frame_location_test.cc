@@ -62,7 +62,6 @@ TEST_F(FrameLocationTest, FindsWhereThePictureWasTaken) {
   EXPECT_LT(error.translation.norm(), 0.05);
   EXPECT_LT(RotationAngle(error.rotation), 0.005);
   EXPECT_GE(result.inliers, 30);
-  EXPECT_GE(result.inliers, result.pose_inliers);
   ASSERT_FALSE(result.keyframes.empty());
   EXPECT_LE(result.keyframes.size(), 10u);
   // At 19.5 degrees, between those of 18 and 21.
@@ -99,7 +98,6 @@ TEST_F(FrameLocationTest, TellsTheStageItReached) {
   const LocateFrameResult few = LocateFrame(request, {.min_inliers = 10'000});
   EXPECT_EQ(few.stage, LocateStage::kFewInliers);
   EXPECT_GT(few.inliers, 30);
-  EXPECT_EQ(LocateFrame(request, {.min_inliers_to_chance = 1e9}).stage, LocateStage::kFewInliers);
   request.candidates.clear();
   EXPECT_EQ(LocateFrame(request).stage, LocateStage::kNoCandidates);
   request.candidates = {{{kA, 99}, 50}};

@@ -52,7 +52,9 @@ std::string DescribeLastPose(const v1::MissionAgent& agent,
   const auto camera_from_island = FromProto(pose.camera_from_island());
   if (!camera_from_island.ok()) return "-";
   const Eigen::Vector3d centre = CameraCentre(*camera_from_island);
-  std::string text = absl::StrFormat("%.2f %.2f %.2f", centre.x(), centre.y(), centre.z());
+  // What rounds to 0 is not below it.
+  const Eigen::Vector3d shown = (100 * centre).array().round() / 100 + 0.0;
+  std::string text = absl::StrFormat("%.2f %.2f %.2f", shown.x(), shown.y(), shown.z());
   if (!pose.in_global_frame()) {
     const auto island = names.find(pose.island());
     absl::StrAppend(&text, " in the frame of ",
