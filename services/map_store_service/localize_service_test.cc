@@ -189,9 +189,19 @@ TEST_F(LocalizeServiceTest, APriorIsInTheGlobalFrame) {
 }
 
 TEST_F(LocalizeServiceTest, WithoutAWorkerItSaysSo) {
-  worker_server_->Shutdown(absl::ZeroDuration());
+  const auto nobody = MakeRemoteFusionWorker({}, {});
+  MapStore store(testing::DeterministicOptions(), testing::TheWorld().vocabulary,
+                 std::make_unique<InMemoryJournal>(), nobody.get());
+  TestAgent agent(store, "m", "a", map_);
+  ASSERT_TRUE(agent.Stream().ok());
+  MapStoreService service(&store);
+  const auto server = Start(service);
+  const auto stub = v1::MapStore::NewStub(server->InProcessChannel());
+  grpc::ClientContext context;
   v1::LocalizeResponse response;
-  EXPECT_EQ(Ask(RequestOf(near_, 3), &response).error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(stub->Localize(&context, RequestOf(near_, 3), &response).error_code(),
+            grpc::StatusCode::UNAVAILABLE);
+  server->Shutdown(absl::ZeroDuration());
 }
 
 }  // namespace

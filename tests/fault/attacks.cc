@@ -200,11 +200,10 @@ Attacker::Ends Attacker::ReplayANumber(int times) {
     stream.Send(BatchMessage(batch));
   }
   const absl::Time deadline = absl::Now() + kPatience;
-  // The session's grant is one answer more.
-  while (stream.answers() <= times && !stream.has_ended() && absl::Now() < deadline) {
+  while (stream.acknowledgements() < times && !stream.has_ended() && absl::Now() < deadline) {
     absl::SleepFor(absl::Milliseconds(1));
   }
-  return {{"OK", stream.answers() - 1}};
+  return {{"OK", stream.acknowledgements()}};
 }
 
 Attacker::Ends Attacker::ClaimTwoGigabytes(absl::Duration patience) {

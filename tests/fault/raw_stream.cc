@@ -1,11 +1,24 @@
 #include "tests/fault/raw_stream.h"
 
 #include "absl/time/clock.h"
+#include "corbslam/v1/map_store_service.pb.h"
 #include "services/convert/status.h"
 
 namespace corbslam::tests {
 
 using services::FromGrpcStatus;
+
+namespace {
+
+bool IsAcknowledgement(const grpc::ByteBuffer& response) {
+  grpc::Slice bytes;
+  v1::SyncResponse message;
+  return response.DumpToSingleSlice(&bytes).ok() &&
+         message.ParseFromArray(bytes.begin(), static_cast<int>(bytes.size())) &&
+         message.has_acknowledgement();
+}
+
+}  // namespace
 
 RawStream::RawStream(const std::shared_ptr<grpc::Channel>& channel, const std::string& method)
     : stub_(channel) {
@@ -63,15 +76,16 @@ bool RawStream::has_ended() const {
   return broken_;
 }
 
-int RawStream::answers() const {
+int RawStream::acknowledgements() const {
   absl::MutexLock lock(&mutex_);
-  return answers_;
+  return acknowledgements_;
 }
 
 void RawStream::OnReadDone(bool ok) {
+  const bool is_acknowledgement = ok && IsAcknowledgement(response_);
   {
     absl::MutexLock lock(&mutex_);
-    if (ok) ++answers_;
+    acknowledgements_ += is_acknowledgement;
     broken_ |= !ok;
   }
   if (ok) StartRead(&response_);

@@ -32,8 +32,8 @@ class RawStream : private grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBu
   // Returns how the store ends the call; none where it does not within the time.
   std::optional<absl::Status> WaitForEnd(absl::Duration timeout);
   bool has_ended() const;
-  // Returns the number of messages that came.
-  int answers() const;
+  // Returns the number of batches that came back acknowledged, of a Sync.
+  int acknowledgements() const;
 
  private:
   void OnReadDone(bool ok) override;
@@ -52,7 +52,7 @@ class RawStream : private grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBu
   mutable absl::Mutex mutex_;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool broken_ ABSL_GUARDED_BY(mutex_) = false;
-  int answers_ ABSL_GUARDED_BY(mutex_) = 0;
+  int acknowledgements_ ABSL_GUARDED_BY(mutex_) = 0;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
 };
 
