@@ -87,9 +87,10 @@ struct SharedUpdate {
   bool apart = false;
 
   bool IsEmpty() const {
-    return !restart && !global_from_local.has_value() && keyframes.empty() && points.empty() && moved_keyframes.empty() &&
-           moved_points.empty() && observations.empty() && landmarks.empty() &&
-           own_keyframes.empty() && removed_keyframes.empty() && removed_points.empty();
+    return !restart && !global_from_local.has_value() && keyframes.empty() && points.empty() &&
+           moved_keyframes.empty() && moved_points.empty() && observations.empty() &&
+           landmarks.empty() && own_keyframes.empty() && removed_keyframes.empty() &&
+           removed_points.empty();
   }
 };
 
