@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -39,11 +38,6 @@ absl::StatusOr<Keyframe> MakeFrame(FusionWorker& worker, const Vocabulary& vocab
   }
   frame.words = std::make_shared<const Words>(vocabulary.Transform(frame.descriptors()));
   return frame;
-}
-
-bool GotFarther(const LocateFrameResult& result, const LocalizeAnswer& than) {
-  return std::tuple(result.stage, result.inliers, result.pose_inliers, result.word_matches) >
-         std::tuple(than.stage, than.inliers, than.pose_inliers, than.word_matches);
 }
 
 class Search {

@@ -155,11 +155,6 @@ LocateFrameResult TryCandidate(const Keyframe& frame, const Map& view, KeyframeI
   return result;
 }
 
-bool GotFarther(const LocateFrameResult& a, const LocateFrameResult& b) {
-  return std::tuple(a.stage, a.inliers, a.pose_inliers, a.word_matches) >
-         std::tuple(b.stage, b.inliers, b.pose_inliers, b.word_matches);
-}
-
 }  // namespace
 
 LocateFrameResult LocateFrame(const LocateFrameRequest& request,

@@ -4,10 +4,19 @@
 
 #include <cstdint>
 #include <functional>
+#include <tuple>
 
 #include "slam/exchange/frame_location.h"
 
 namespace corbslam {
+
+// Returns whether the search behind `a` got farther than that behind `b`: by the stage, then by the
+// counts, the last one first. Both are results or answers of one (LocateFrameResult).
+template <typename A, typename B>
+bool GotFarther(const A& a, const B& b) {
+  return std::tie(a.stage, a.inliers, a.pose_inliers, a.word_matches) >
+         std::tie(b.stage, b.inliers, b.pose_inliers, b.word_matches);
+}
 
 struct FrameLocationOptions {
   uint64_t seed = 1;
