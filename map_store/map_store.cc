@@ -121,6 +121,7 @@ absl::StatusOr<MapStore::Session> MapStore::FindSession(uint64_t session_id) con
 absl::StatusOr<MapStore::OpenedSession> MapStore::OpenSession(const SessionRequest& request) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", request.mission));
   RETURN_IF_ERROR(map_store::ValidateName("agent", request.agent));
+  if (request.localise_only) RETURN_IF_ERROR(FindMission(request.mission).status());
   ASSIGN_OR_RETURN(const uint64_t session_id, EnterMission(request.mission, request.agent));
   ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
   absl::StatusOr<SessionGrant> grant = session.mission->sessions().Open(session_id, request);
@@ -135,6 +136,12 @@ absl::StatusOr<Acknowledgement> MapStore::Apply(uint64_t session_id, const MapUp
                                                 const BatchTransfer* measured) {
   ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
   return session.mission->batches().Apply(session_id, session.agent, batch, measured);
+}
+
+absl::Status MapStore::NoteLocalised(uint64_t session_id,
+                                     const std::vector<LocalisedFrame>& frames) {
+  ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
+  return session.mission->sessions().NoteLocalised(session_id, session.agent, frames);
 }
 
 void MapStore::CloseSession(uint64_t session_id) {

@@ -75,7 +75,8 @@ class MapStore {
 
   // Sessions: an agent has one at a time.
 
-  // Opens or resumes a session; creates the mission and the agent where there are none. An older
+  // Opens or resumes a session; creates the mission and the agent where there are none, but returns
+  // NOT_FOUND for an agent that changes nothing where there is no such mission. An older
   // session of the same agent is fenced: its calls return ABORTED from now on, and its shared
   // listener is called once. Returns ALREADY_EXISTS if the older session was opened by another
   // process (SessionRequest::instance) and this one is not to take over, INVALID_ARGUMENT if a name
@@ -97,6 +98,10 @@ class MapStore {
   // Returns the next step of what the agent lacks, or none when it has all; about `byte_budget`
   // bytes at most, but at least one item. Returns ABORTED when the session is fenced.
   absl::StatusOr<std::optional<SharedUpdate>> NextShared(uint64_t session_id, size_t byte_budget);
+  // Notes where frames were of an agent that changes nothing (SessionRequest::localise_only), by
+  // time: what is near it follows, and look-ups say it; it is not recorded. Returns
+  // PERMISSION_DENIED if the session is of another agent, else as Apply.
+  absl::Status NoteLocalised(uint64_t session_id, const std::vector<LocalisedFrame>& frames);
   // Has the agent tell exactly where its points are (MapUpdateBatch::points_follow). Returns
   // NOT_FOUND if there is no such agent, FAILED_PRECONDITION if it is not connected.
   absl::Status AskForExactPlaces(absl::string_view mission, const std::string& agent);

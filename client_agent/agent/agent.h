@@ -14,6 +14,7 @@
 #include "absl/time/time.h"
 #include "client_agent/agent/agent_events.h"
 #include "client_agent/agent/agent_orders.h"
+#include "client_agent/agent/place_inquiry.h"
 #include "client_agent/map/near_map.h"
 #include "client_agent/source/source_finding.h"
 #include "client_agent/spool/spool.h"
@@ -47,6 +48,12 @@ struct AgentOptions {
   uint64_t downlink_bytes_per_second = 0;
   // What the robot wants to be told of what others mapped.
   ShareScope share;
+  // Makes no map: tracks the camera in what others share, in the mission's global frame, and tells
+  // the store nothing but where it was. Needs an uplink.
+  bool localise_only = false;
+  // Who is asked where a frame was taken, while the robot is lost or does not know where its map
+  // lies; null: nobody.
+  AskPlace ask_place;
   // Whether anybody will ask for LocalTrajectory. What it returns is held in memory, some 100 bytes
   // a frame.
   bool keep_trajectory = true;
@@ -94,6 +101,9 @@ struct AgentStatus {
   double foreign_points_percent = 0;
   // Loops closed against others' keyframes.
   int foreign_loops_closed = 0;
+  // Frames whose place the map store found: by them tracking went on, or it was known where the map
+  // lies before fusion said so.
+  int places_told = 0;
   // Seconds between Create and the first acknowledged keyframe.
   std::optional<double> first_upload_s;
   UploadStatus upload;
@@ -141,8 +151,8 @@ class Agent {
   virtual absl::Status Finish(absl::Duration timeout) = 0;
 
   virtual AgentStatus GetStatus() const = 0;
-  // Returns where the local map in use lies, as the map store said last. It is cheap enough for
-  // every frame.
+  // Returns where the local map in use lies, as the map store said last; before it has said so, by
+  // where it found one of its frames (AgentOptions::ask_place). It is cheap enough for every frame.
   virtual std::optional<Similarity3d> GlobalFromLocal() const = 0;
   // Returns copies of all timings, which is meant for the end.
   virtual AgentTimings GetTimings() const = 0;

@@ -30,12 +30,19 @@ StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
   link.uplink_bytes_per_second = options.uplink_bytes_per_second;
   link.downlink_bytes_per_second = options.downlink_bytes_per_second;
   link.share = options.share;
+  link.localise_only = options.localise_only;
   if (options.events != nullptr) {
     link.on_event = [events = options.events](LinkEvent event, LocalMapId local_map) {
       events->NoteLink(event, local_map);
     };
   }
   return link;
+}
+
+PlaceInquiryOptions MakeInquiryOptions(const AgentOptions& options) {
+  PlaceInquiryOptions inquiry;
+  inquiry.uplink_bytes_per_second = options.uplink_bytes_per_second;
+  return inquiry;
 }
 
 }  // namespace
@@ -55,6 +62,10 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Create(const AgentOptions& options
                                                      std::shared_ptr<const Vocabulary> vocabulary,
                                                      Uplink* uplink, std::unique_ptr<Spool> spool) {
   RETURN_IF_ERROR(options.Validate());
+  if (options.localise_only && uplink == nullptr) {
+    return absl::InvalidArgumentError(
+        "agent: one that only localises needs a map store, and there is none");
+  }
   if (vocabulary == nullptr) return absl::InvalidArgumentError("agent: no vocabulary");
   ASSIGN_OR_RETURN(std::unique_ptr<Sensor> sensor, MakeSensor(calibration, options.sensor));
   ASSIGN_OR_RETURN(const RecordedCamera recorded_camera, RecordedCameraOf(calibration));
@@ -75,6 +86,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       camera_(std::make_shared<const Camera>(sensor_->camera())),
       vocabulary_(std::move(vocabulary)),
       random_(SeedOf(options)),
+      inquiry_(options.ask_place, MakeInquiryOptions(options), !options.deterministic),
       link_(std::make_unique<StoreLink>(
           MakeStoreLinkOptions(options, recorded_camera), uplink,
           [vocabulary = vocabulary_](const std::vector<Descriptor>& descriptors) {
@@ -94,6 +106,7 @@ void SingleAgent::OpenLocalMap() {
   options.tracker.seed = options_.seed;
   // Depths of RGB-D cameras are coarser than disparities.
   options.tracker.local_map_widening = is_stereo_ ? 1 : 3;
+  options.tracker.localise_only = options_.localise_only;
   options.mapper.local_bundle.threads = options_.solver_threads;
   options.loop_closer.seed = options_.seed;
   options.loop_closer.fix_scale = camera_->IsMetric();
@@ -109,6 +122,7 @@ void SingleAgent::OpenLocalMap() {
   absl::MutexLock lock(&mutex_);
   sessions_.push_back(current_session_);
   has_pose_ = false;
+  found_global_from_local_.reset();
   ++status_.local_maps;
   status_.local_map = options.local_map;
 }
@@ -140,9 +154,11 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   FollowOrders();
   ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
   Watch(features);
+  UseAnswer();
   TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
   smooth_pose_.Add(result);
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start));
+  AskForPlace(result);
   const bool paused = options_.orders != nullptr && options_.orders->mapping_paused();
   if (!paused && (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap())) {
     BeginLocalMap();
@@ -150,6 +166,43 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   if (options_.deterministic) Step();
   LetGoOfFinished();
   return result;
+}
+
+void SingleAgent::AskForPlace(const TrackingResult& result) {
+  const bool is_lost = result.why_no_pose == WhyNoPose::kNotRecognised;
+  const bool is_tracked = result.state == TrackingState::kTracking;
+  const std::optional<Similarity3d> known = link_->GlobalFromLocal();
+  // A lost robot can look where it is told only if it knows where that is in its map.
+  if (is_lost ? !known.has_value() : !is_tracked || known.has_value()) return;
+  if (!inquiry_.MayAsk(is_lost)) return;
+  PlaceQuestion question{current().tracker().last_payload(), current().map().local_map(), {}};
+  if (is_tracked) question.camera_from_local = result.camera_from_local;
+  inquiry_.Ask(std::move(question));
+}
+
+void SingleAgent::UseAnswer() {
+  const std::optional<PlaceAnswer> answer = inquiry_.TakeAnswer();
+  if (!answer.has_value() || !Use(*answer)) return;
+  absl::MutexLock lock(&mutex_);
+  ++status_.places_told;
+}
+
+bool SingleAgent::Use(const PlaceAnswer& answer) {
+  const PlaceQuestion& question = answer.question;
+  if (question.local_map != current().map().local_map()) return false;
+  if (question.camera_from_local.has_value()) {
+    const Rigid3d global_from_local =
+        answer.camera_from_global.Inverse() * *question.camera_from_local;
+    absl::MutexLock lock(&mutex_);
+    found_global_from_local_ = Similarity3d::FromRigid(global_from_local);
+    return true;
+  }
+  const std::optional<Similarity3d> global_from_local = link_->GlobalFromLocal();
+  if (!global_from_local.has_value()) return false;
+  // What is near there comes, though the map does not show it yet.
+  link_->AddLocalised({question.frame->timestamp_ns, answer.camera_from_global});
+  return current().tracker().ResumeAt(question.frame,
+                                      answer.camera_from_global * global_from_local->ToRigid());
 }
 
 void SingleAgent::FollowOrders() {
@@ -193,6 +246,10 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
         tracked_frames_.push_back(
             {result.timestamp_ns, result.reference, result.reference_from_camera});
       }
+      if (options_.keep_trajectory && options_.localise_only) {
+        finished_.trajectory.push_back(
+            {result.timestamp_ns, result.local_map, status_.local_from_camera});
+      }
     }
     if (tracked && foreign_keyframes > 0) {
       points_matched_ += result.points_matched;
@@ -204,6 +261,10 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
   } else {
     link_->AddLostFrame(result.timestamp_ns);
   }
+  // The frame of the local map is then the global one.
+  LocalisedFrame localised{result.timestamp_ns, std::nullopt};
+  if (tracked) localised.camera_from_global = result.camera_from_local;
+  link_->AddLocalised(localised);
 }
 
 void SingleAgent::Step() {
@@ -223,7 +284,9 @@ absl::Status SingleAgent::Finish(absl::Duration timeout) {
 }
 
 std::optional<Similarity3d> SingleAgent::GlobalFromLocal() const {
-  return link_->GlobalFromLocal();
+  if (const auto told = link_->GlobalFromLocal()) return told;
+  absl::MutexLock lock(&mutex_);
+  return found_global_from_local_;
 }
 
 AgentTimings SingleAgent::GetTimings() const { return {tracking_ms_.Copy(), local_ba_ms_.Copy()}; }
@@ -253,7 +316,7 @@ AgentStatus SingleAgent::GetStatus() const {
     status.foreign_loops_closed += loops.closed_against_others;
   }
   status.mapping_paused = options_.orders != nullptr && options_.orders->mapping_paused();
-  status.global_from_local = link_->GlobalFromLocal();
+  status.global_from_local = GlobalFromLocal();
   status.foreign_keyframes = static_cast<int>(link_->shared_keyframes());
   status.shared_updates = link_->shared_updates();
   status.upload = link_->upload();

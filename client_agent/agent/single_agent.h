@@ -42,6 +42,11 @@ class SingleAgent : public Agent {
   void OpenLocalMap();
   void FollowOrders();
   void Watch(const Features& features);
+  // Asks where the frame was that was tracked last, if it is lost or its map is in no place.
+  void AskForPlace(const TrackingResult& result);
+  void UseAnswer();
+  // Returns whether what the map store found told the robot something.
+  bool Use(const PlaceAnswer& answer);
   void Record(const TrackingResult& result, double tracking_ms);
   LocalMapSession& current() const { return *current_session_; }
   // What is left of local maps that ended, once nobody reads them any more.
@@ -80,6 +85,9 @@ class SingleAgent : public Agent {
   bool has_pose_ ABSL_GUARDED_BY(mutex_) = false;
   int64_t points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t foreign_points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
+  // Where the local map in use lies by what the map store found of one of its frames.
+  std::optional<Similarity3d> found_global_from_local_ ABSL_GUARDED_BY(mutex_);
+  PlaceInquiry inquiry_;
   // The link reads the sessions' maps, so that it is destroyed before them.
   std::unique_ptr<StoreLink> link_;
 };

@@ -68,12 +68,13 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs) {
     inbox_.swap(inbox);
     share_watch_ = ShareWatch();
     recorder->SetPointsFollow(store_moves_points_);
-    needs_new_local_map_ = recording->closed = !queue_.Begin(map.local_map());
+    recording->closed = options_.localise_only || !queue_.Begin(map.local_map());
+    needs_new_local_map_ = recording->closed && !options_.localise_only;
     recordings_.push_back(std::move(recording));
     wake_ = true;
   }
   if (inbox != nullptr) inbox->Close();
-  map.SetObserver(recorder);
+  if (!options_.localise_only) map.SetObserver(recorder);
 }
 
 bool StoreLink::Reads(LocalMapId local_map) const {
@@ -114,11 +115,16 @@ void StoreLink::OnCorrected(LocalMapId local_map, const OwnCorrection& correctio
 }
 
 void StoreLink::AddTrackedFrame(const TrackedFrame& frame) {
-  if (uplink_ != nullptr) frames_.Add(frame, options_.clock());
+  if (uplink_ != nullptr && !options_.localise_only) frames_.Add(frame, options_.clock());
 }
 
 void StoreLink::AddLostFrame(int64_t timestamp_ns) {
-  if (uplink_ != nullptr) frames_.Add(FrameInbox::LostFrame{timestamp_ns}, options_.clock());
+  if (uplink_ == nullptr || options_.localise_only) return;
+  frames_.Add(FrameInbox::LostFrame{timestamp_ns}, options_.clock());
+}
+
+void StoreLink::AddLocalised(const LocalisedFrame& frame) {
+  if (uplink_ != nullptr && options_.localise_only) localised_.Add(frame);
 }
 
 void StoreLink::DeliverFrames() {
@@ -240,6 +246,7 @@ void StoreLink::ConnectIfDue() {
     request.capabilities.coded_features = true;
     request.downlink_bytes_per_second = options_.downlink_bytes_per_second;
     request.share = options_.share;
+    request.localise_only = options_.localise_only;
   }
   if (close_first) uplink_->Close();
   uplink_->Open(request, this);
@@ -348,7 +355,16 @@ bool StoreLink::TakeBatchOf(Recording& recording) {
   return !last;
 }
 
+void StoreLink::SendLocalised() {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (session_ != Session::kOpen) return;
+  }
+  localised_.SendTo(*uplink_, options_.flush_interval, options_.clock());
+}
+
 void StoreLink::SendUnsent() {
+  if (options_.localise_only) SendLocalised();
   while (true) {
     {
       absl::MutexLock lock(&mutex_);
@@ -390,6 +406,15 @@ bool StoreLink::NeedsNewLocalMap() const {
 
 void StoreLink::OnSessionOpened(const SessionGrant& grant) {
   absl::MutexLock lock(&mutex_);
+  if (options_.localise_only && !grant.capabilities.localise_only) {
+    // It would wait for batches, and tells nothing to an agent without a local map.
+    session_ = Session::kRefused;
+    refusal_ = absl::FailedPreconditionError(
+        "the map store is of an older version, which knows no robots that only localise: bring it "
+        "up to date, or run this robot without --localise-only");
+    LOG(ERROR) << refusal_;
+    return;
+  }
   NoteCapabilities(grant.capabilities);
   GiveUp(queue_.Resume(grant));
   session_ = Session::kOpen;

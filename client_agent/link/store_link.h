@@ -15,6 +15,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "client_agent/link/localised_outbox.h"
 #include "client_agent/link/map_jobs.h"
 #include "client_agent/link/share_watch.h"
 #include "client_agent/link/shared_inbox.h"
@@ -43,6 +44,8 @@ struct StoreLinkOptions {
   absl::Duration max_hold = absl::Seconds(2);
   // What the store is asked to tell of what others mapped.
   ShareScope share = {};
+  // The robot changes nothing: no local map is told, only where frames were (AddLocalised).
+  bool localise_only = false;
   // The options from here on change speed, but no results.
   // Bytes that the outbox may take in memory; with a spool, what is over goes to the disk.
   size_t max_outbox_bytes = 64 << 20;
@@ -93,6 +96,8 @@ class StoreLink : private UplinkListener {
   void OnCorrected(LocalMapId local_map, const OwnCorrection& correction, GuardedMap& map);
   void AddTrackedFrame(const TrackedFrame& frame);
   void AddLostFrame(int64_t timestamp_ns);
+  // Takes where a frame was of a robot that localises only, for which the two above do nothing.
+  void AddLocalised(const LocalisedFrame& frame);
 
   void Start();
   // Sends all there is, now; with a budget, as much as that has.
@@ -150,6 +155,7 @@ class StoreLink : private UplinkListener {
   void NoteHeldBack() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendUnsent();
+  void SendLocalised();
   // Gives up local maps. Those of this process get no more batches.
   void GiveUp(const std::vector<LostLocalMap>& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Returns true if no local map goes on.
@@ -165,6 +171,7 @@ class StoreLink : private UplinkListener {
   UploadQueue queue_;
   LinkBudget budget_;
   FrameInbox frames_;
+  LocalisedOutbox localised_;
 
   mutable absl::Mutex mutex_;
   std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);

@@ -26,17 +26,20 @@ void PlacementPlanner::Move(KeyframeId id, const Rigid3d& after_from_before) {
   if (it != placings_.end()) it->second = after_from_before * it->second;
 }
 
-PlacementPlan PlacementPlanner::Plan(const Map& map, const SharedContent& content) {
+PlacementPlan PlacementPlanner::Plan(const Map& map, const SharedContent& content,
+                                     const std::optional<Rigid3d>& local_from_global) {
   PlacementPlan plan;
   held_.Update(map);
-  anchors_ = ChooseAnchors(map, content);
+  anchors_ = ChooseAnchors(map, content, local_from_global);
   PlanPoints(PlanKeyframes(map, content, plan), map, content, plan);
   return plan;
 }
 
 // Foreign keyframes that stay take the place of the own ones that share points with them: fusion
 // may have placed the own ones by what it knew before it looked at the points.
-PlacingAnchors PlacementPlanner::ChooseAnchors(const Map& map, const SharedContent& content) const {
+PlacingAnchors PlacementPlanner::ChooseAnchors(
+    const Map& map, const SharedContent& content,
+    const std::optional<Rigid3d>& local_from_global) const {
   PlacingAnchors anchors;
   absl::btree_set<KeyframeId> superseded;
   for (const auto& [id, shared] : content.keyframes()) {
@@ -49,6 +52,9 @@ PlacingAnchors PlacementPlanner::ChooseAnchors(const Map& map, const SharedConte
   for (const auto& [id, place] : content.own_places().places()) {
     if (superseded.contains(id)) continue;
     anchors.Add(place.camera_from_global, place.LocalFromGlobal());
+  }
+  if (content.own_places().places().empty() && local_from_global.has_value()) {
+    anchors.Add(Rigid3d::Identity(), *local_from_global);
   }
   return anchors;
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "absl/container/btree_set.h"
@@ -40,8 +41,10 @@ class PlacementPlanner {
   // Makes a plan for content with own keyframes that fusion has placed. A foreign keyframe that the
   // robot's own sight holds stays; every other one is placed by the nearest anchor: an own keyframe
   // that fusion has placed, or a foreign one that stays. Points go with the keyframe that they
-  // refer to. The plan is to be carried out.
-  PlacementPlan Plan(const Map& map, const SharedContent& content);
+  // refer to. The plan is to be carried out. Where fusion has placed no own keyframe,
+  // `local_from_global` says where all of the robot's frame lies.
+  PlacementPlan Plan(const Map& map, const SharedContent& content,
+                     const std::optional<Rigid3d>& local_from_global = std::nullopt);
 
   // Returns local_from_global of each foreign keyframe that was planned.
   const std::map<KeyframeId, Rigid3d>& placings() const { return placings_; }
@@ -52,7 +55,8 @@ class PlacementPlanner {
   void Forget(KeyframeId id) { placings_.erase(id); }
 
  private:
-  PlacingAnchors ChooseAnchors(const Map& map, const SharedContent& content) const;
+  PlacingAnchors ChooseAnchors(const Map& map, const SharedContent& content,
+                               const std::optional<Rigid3d>& local_from_global) const;
   Rigid3d LocalFromGlobal(KeyframeId id, const ForeignKeyframe& shared, const Map& map) const;
   // Returns the keyframes that lie elsewhere now.
   std::vector<KeyframeId> PlanKeyframes(const Map& map, const SharedContent& content,

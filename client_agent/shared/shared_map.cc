@@ -51,7 +51,12 @@ void SharedMap::MoveWithPoints(KeyframeId id, const Rigid3d& after_from_before, 
 PlacementPlan SharedMap::Plan(const Map& map) {
   if (!has_all_places_) return {};
   content_.own_places().ForgetGone(map);
-  return CanPlace() ? planner_.Plan(map, content_) : PlacementPlan();
+  if (!CanPlace()) return {};
+  std::optional<Rigid3d> local_from_global;
+  if (told_global_from_local_.has_value()) {
+    local_from_global = told_global_from_local_->ToRigid().Inverse();
+  }
+  return planner_.Plan(map, content_, local_from_global);
 }
 
 PlacementChange SharedMap::Place(const PlacementPlan& plan, Map& map) {

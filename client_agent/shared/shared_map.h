@@ -52,8 +52,11 @@ class SharedMap {
   size_t keyframe_count() const { return content_.keyframes().size(); }
 
  private:
-  // Returns true once fusion has placed own keyframes, so that others' can be.
-  bool CanPlace() const { return !content_.own_places().places().empty(); }
+  // Returns true once fusion has placed own keyframes, or the store said where the robot's frame
+  // lies as a whole, so that others' keyframes can be placed.
+  bool CanPlace() const {
+    return !content_.own_places().places().empty() || told_global_from_local_.has_value();
+  }
   void RemoveGoneKeyframes(const SourceNews& news, Map& map, PlacementChange& change);
   void PlaceKeyframe(const PlacementPlan::PlacedKeyframe& placed, Map& map,
                      PlacementChange& change);

@@ -128,4 +128,15 @@ LocalMapView GatherLocalMap(const Map& map, LocalMapId own, const std::vector<Ma
   return view;
 }
 
+void ReferToOthers(const Map& map, const std::vector<MapPointId>& seen, LocalMapView& view) {
+  const std::vector<Vote> votes = CountVotes(map, seen);
+  if (votes.empty()) return;
+  const Keyframe& reference = *map.FindKeyframe(votes.front().id);
+  view.reference = votes.front().id;
+  view.share_of_reference =
+      static_cast<double>(votes.front().points) / static_cast<double>(seen.size());
+  view.reference_from_map = reference.camera_from_map;
+  view.reference_points = CountReferencePoints(map, reference);
+}
+
 }  // namespace corbslam::client_agent

@@ -34,6 +34,9 @@ LocalMapView GatherLocalMap(const Map& map, LocalMapId own, const std::vector<Ma
                             KeyframeId fallback, const Camera& camera,
                             const Rigid3d& camera_from_map);
 
+// Makes the keyframe the reference that shares most of the points `seen`, whoever made it.
+void ReferToOthers(const Map& map, const std::vector<MapPointId>& seen, LocalMapView& view);
+
 }  // namespace corbslam::client_agent
 
 #endif  // CORBSLAM_CLIENT_AGENT_TRACKING_LOCAL_MAP_VIEW_H_

@@ -32,11 +32,15 @@ std::vector<MapPointId> SeenPoints(const Frame& frame) {
 
 Tracker::Tracker(const TrackerOptions& options, std::shared_ptr<const Camera> camera,
                  const TrackerParts& parts)
-    : options_(options), camera_(std::move(camera)), parts_(parts) {}
+    : options_(options),
+      camera_(std::move(camera)),
+      parts_(parts),
+      mapping_paused_(options.localise_only) {}
 
 TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
   Frame frame = MakeFrame(timestamp_ns, camera_, std::move(features));
-  if (state_ == TrackingState::kNotInitialised) {
+  last_payload_ = frame.payload;
+  if (state_ == TrackingState::kNotInitialised && !options_.localise_only) {
     const WhyNoPose why_not = Begin(frame);
     return Conclude(std::move(frame), why_not);
   }
@@ -79,16 +83,40 @@ WhyNoPose Tracker::JudgePicture(const Frame& frame) const {
 }
 
 bool Tracker::FindPose(Frame& frame) {
-  const bool is_lost = state_ == TrackingState::kLost;
   std::optional<Solution> solution = SolveInOneMap(frame);
   if (!solution.has_value()) return false;
-  frames_since_relocalisation_ = is_lost ? 0 : frames_since_relocalisation_ + 1;
-  frame = std::move(solution->frame);
-  local_map_ = std::move(solution->local_map);
-  inliers_ = solution->inliers;
-  points_in_view_ = static_cast<int>(solution->visible.size());
-  corrections_ = solution->corrections;
-  parts_.statistics->Count(solution->visible, SeenPoints(frame));
+  TakeOver(*std::move(solution), frame);
+  return true;
+}
+
+void Tracker::TakeOver(Solution solution, Frame& frame) {
+  const bool goes_on = state_ == TrackingState::kTracking;
+  frames_since_relocalisation_ = goes_on ? frames_since_relocalisation_ + 1 : 0;
+  frame = std::move(solution.frame);
+  local_map_ = std::move(solution.local_map);
+  inliers_ = solution.inliers;
+  points_in_view_ = static_cast<int>(solution.visible.size());
+  corrections_ = solution.corrections;
+  parts_.statistics->Count(solution.visible, SeenPoints(frame));
+}
+
+bool Tracker::ResumeAt(std::shared_ptr<const KeyframePayload> payload,
+                       const Rigid3d& camera_from_map) {
+  const bool may_resume = state_ == TrackingState::kLost && payload != nullptr;
+  if (!may_resume) return false;
+  Solution solution;
+  solution.corrections = parts_.map->corrections();
+  solution.frame.payload = std::move(payload);
+  if (!RelocaliseNear(*parts_.map, camera_from_map, solution.frame)) return false;
+  if (!TrackLocalMap(solution) || !IsBelievable(solution)) return false;
+  Frame frame;
+  TakeOver(std::move(solution), frame);
+  SetReference(frame);
+  DropTemporaryPoints(frame);
+  velocity_.reset();
+  lost_frames_ = 0;
+  state_ = TrackingState::kTracking;
+  previous_ = std::move(frame);
   return true;
 }
 
@@ -97,9 +125,10 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
   std::optional<Solution> solution;
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
     const uint64_t corrections = parts_.map->corrections();
-    parts_.map->ReadWithHistory(
-        [&](const Map& map, const MapHistory& history) { Refresh(map, history, *previous_); });
-    if (state_ == TrackingState::kLost) {
+    parts_.map->ReadWithHistory([&](const Map& map, const MapHistory& history) {
+      if (previous_.has_value()) Refresh(map, history, *previous_);
+    });
+    if (state_ != TrackingState::kTracking) {
       solution = Solve({&Tracker::Relocalise}, frame);
     } else {
       // If the previous frame has just become a keyframe, mapping may not have made its points yet.
@@ -192,10 +221,13 @@ bool Tracker::TrackLocalMap(Solution& solution) const {
   Frame& frame = solution.frame;
   const std::vector<MapPointId> seen = SeenPoints(frame);
   solution.local_map = parts_.map->Read([&](const Map& map) {
-    return GatherLocalMap(map, own, seen, previous_->reference, frame.camera(),
-                          frame.camera_from_map);
+    LocalMapView view =
+        GatherLocalMap(map, own, seen, previous_.has_value() ? previous_->reference : KeyframeId(),
+                       frame.camera(), frame.camera_from_map);
+    if (options_.localise_only) ReferToOthers(map, seen, view);
+    return view;
   });
-  const bool is_lost = state_ == TrackingState::kLost;
+  const bool is_lost = state_ != TrackingState::kTracking;
   const bool is_fresh = is_lost || frames_since_relocalisation_ < 2;
   const bool on_probation = is_lost || frames_since_relocalisation_ < kProbation;
   MatchLocalPoints(solution.local_map.points, is_fresh ? 5 : options_.local_map_widening, frame,
@@ -206,15 +238,19 @@ bool Tracker::TrackLocalMap(Solution& solution) const {
   return Support(solution) >= least;
 }
 
-void Tracker::ConsiderKeyframe(Frame& frame) {
+void Tracker::SetReference(Frame& frame) const {
   if (local_map_.reference.IsValid()) {
     frame.reference = local_map_.reference;
     frame.camera_from_reference = frame.camera_from_map * local_map_.reference_from_map.Inverse();
-  } else {
+  } else if (previous_.has_value()) {
     frame.reference = previous_->reference;
     frame.camera_from_reference = frame.camera_from_map * previous_->camera_from_map.Inverse() *
                                   previous_->camera_from_reference;
   }
+}
+
+void Tracker::ConsiderKeyframe(Frame& frame) {
+  SetReference(frame);
   if (mapping_paused_) return;
   KeyframeEvidence evidence;
   CountClosePoints(frame, evidence);
@@ -278,7 +314,7 @@ TrackingResult Tracker::Conclude(Frame frame, WhyNoPose why_no_pose) {
   result.why_no_pose = why_no_pose;
   if (why_no_pose == WhyNoPose::kHasOne) {
     ConcludeTracked(std::move(frame), result);
-  } else if (state_ != TrackingState::kNotInitialised) {
+  } else if (state_ != TrackingState::kNotInitialised || options_.localise_only) {
     ConcludeLost(why_no_pose);
   }
   result.state = state_;

@@ -40,6 +40,9 @@ struct TrackerOptions {
   // small.
   int max_lost_frames = 30;
   int min_keyframes_to_wait = 5;
+  // True: the camera is tracked in what others made, and no map is begun or added to. Frames are
+  // lost until one of them is found there.
+  bool localise_only = false;
   uint64_t seed = 1;
   KeyframePolicyOptions keyframe;
 };
@@ -65,7 +68,13 @@ class Tracker {
   TrackingResult Track(int64_t timestamp_ns, Features features);
 
   // While paused the map gets no keyframes, and none is begun or given up.
-  void PauseMapping(bool paused) { mapping_paused_ = paused; }
+  void PauseMapping(bool paused) { mapping_paused_ = paused || options_.localise_only; }
+
+  // Returns what the last frame showed; null before the first.
+  std::shared_ptr<const KeyframePayload> last_payload() const { return last_payload_; }
+  // While the camera is lost, looks at the map where somebody else says that an earlier lost frame
+  // was. Returns whether the map agrees: tracking goes on from there.
+  bool ResumeAt(std::shared_ptr<const KeyframePayload> payload, const Rigid3d& camera_from_map);
 
   // True when tracking will not find its way back, so that it is time for a new local map: not
   // while the pictures are such that none could begin. What covers the camera ends no map, and uses
@@ -87,6 +96,7 @@ class Tracker {
   using FirstPose = bool (Tracker::*)(Frame&) const;
 
   bool FindPose(Frame& frame);
+  void TakeOver(Solution solution, Frame& frame);
   std::optional<Solution> SolveInOneMap(const Frame& frame);
   std::optional<Solution> Solve(const std::vector<FirstPose>& ways, const Frame& frame) const;
   bool FollowMotion(Frame& frame) const;
@@ -101,6 +111,7 @@ class Tracker {
   bool IsDoubtful(const Solution& solution) const;
   // Returns false for a solution that is worse than no pose at all.
   bool IsBelievable(const Solution& solution) const;
+  void SetReference(Frame& frame) const;
   void ConsiderKeyframe(Frame& frame);
   void MakeKeyframe(Frame& frame);
   void EnsureWords(Frame& frame) const;
@@ -117,6 +128,7 @@ class Tracker {
 
   TrackingState state_ = TrackingState::kNotInitialised;
   std::optional<Frame> previous_;
+  std::shared_ptr<const KeyframePayload> last_payload_;
   // Camera motion now_from_previous; none after a start or relocalisation.
   std::optional<Rigid3d> velocity_;
   LocalMapView local_map_;

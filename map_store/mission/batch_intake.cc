@@ -28,6 +28,12 @@ absl::StatusOr<BatchIntake::Known> BatchIntake::Check(uint64_t session_id, const
                                                       const MapUpdateBatch& batch) const {
   RETURN_IF_ERROR(CheckSession(strand_, session_id, agent));
   const MissionState& state = strand_.state();
+  if (state.agents.at(agent).localise_only) {
+    return absl::PermissionDeniedError(
+        absl::StrCat("agent ", agent,
+                     " opened its session with localise_only, which changes nothing: it may not "
+                     "send batches"));
+  }
   const LocalMapState* local_map = state.FindLocalMap(batch.local_map);
   if (local_map != nullptr && local_map->agent != agent) {
     return absl::PermissionDeniedError(

@@ -59,7 +59,8 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
   MissionState& state = strand_.mutable_state();
   const absl::Time now = strand_.environment().clock();
   Opened opened;
-  opened.grant.capabilities = {.points_follow = true, .coded_features = true};
+  opened.grant.capabilities = {
+      .points_follow = true, .coded_features = true, .localise_only = true};
   for (const LocalMapId& id : request.local_maps) {
     LocalMapState* local_map = state.FindLocalMap(id);
     if (local_map != nullptr) ExpireParked(now, strand_.options(), *local_map);
@@ -70,9 +71,33 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
   agent.instance = request.instance;
   agent.session_begin = now;
   agent.peer = request.peer;
+  agent.localise_only = request.localise_only;
+  agent.localised.reset();
+  agent.localised_lost_ns = -1;
   opened.told = &told_[request.agent];
   ++state.version;
   return opened;
+}
+
+absl::Status MissionSessions::NoteLocalised(uint64_t session_id, const std::string& agent_name,
+                                            const std::vector<LocalisedFrame>& frames) {
+  StateWriteLock lock(strand_);
+  RETURN_IF_ERROR(CheckSession(strand_, session_id, agent_name));
+  AgentState& agent = strand_.mutable_state().agents.at(agent_name);
+  if (!agent.localise_only) {
+    return absl::PermissionDeniedError(
+        absl::StrCat("agent ", agent_name,
+                     " says where it is in the global frame, but opened its session "
+                     "without localise_only: its frames belong into batches"));
+  }
+  for (const LocalisedFrame& frame : frames) {
+    if (frame.camera_from_global.has_value()) {
+      agent.localised = frame;
+    } else {
+      agent.localised_lost_ns = frame.timestamp_ns;
+    }
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
@@ -163,16 +188,29 @@ void MissionSessions::DescribeTold(std::vector<AgentInfo>& agents) const {
   for (AgentInfo& agent : agents) DescribeTold(agent);
 }
 
+namespace {
+
+// Returns the island that the agent is told of; null if there is nothing to tell: its local map was
+// merged with none.
+const Island* FindToldIsland(const MissionState& state, const AgentInfo& agent) {
+  if (agent.localise_only) {
+    const auto it = state.global.islands.find(state.ReferenceIsland());
+    return it == state.global.islands.end() ? nullptr : &it->second;
+  }
+  if (agent.local_maps.empty()) return nullptr;
+  const Island* island = state.FindIslandOf(agent.local_maps.back());
+  return island == nullptr || island->local_maps.size() < 2 ? nullptr : island;
+}
+
+}  // namespace
+
 void MissionSessions::DescribeTold(AgentInfo& agent) const {
   const auto told = told_.find(agent.name);
   if (told == told_.end() || !agent.connected) return;
   agent.shared_updates = told->second.updates;
   const MissionState& state = strand_.state();
-  const Island* island =
-      agent.local_maps.empty() ? nullptr : state.FindIslandOf(agent.local_maps.back());
-  // A local map that was merged with none has nothing to be told, nor has who wants nothing.
+  const Island* island = FindToldIsland(state, agent);
   agent.up_to_date = told->second.wants_nothing || island == nullptr ||
-                     island->local_maps.size() < 2 ||
                      told->second.complete_at_version == island->shared_version;
 }
 

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "map_store/sharing/robot_places.h"
 #include "map_store/view/sights.h"
 
 namespace corbslam::map_store {
@@ -88,6 +89,8 @@ class Heading {
 OwnLandmarkCount::OwnLandmarkCount(const MissionState& state, const Waiting& waiting,
                                    ShareState& share)
     : state_(state), waiting_(waiting), share_(share), revision_(state.global.revision) {
+  // A robot that localises only has none.
+  if (!share.local_map.IsValid()) return;
   if (waiting.size() <= kFew || AreCounted(state, waiting, share.news)) return;
   stage_ = Stage::kOwn;
   next_ = {share.local_map, 0};
@@ -133,7 +136,7 @@ std::vector<KeyframeId> OrderNewKeyframes(const MissionState& state, const Waiti
     const auto it = share.news.own_landmarks.find(id);
     return many && it != share.news.own_landmarks.end() ? it->second : 0;
   };
-  const IslandPoses& own_poses = poses.Of(*state.FindLocalMap(share.local_map));
+  const IslandPoses& own_poses = RobotPlaces(state, share, poses);
   const Centres own(own_poses);
   const Heading heading(own_poses);
   std::vector<std::tuple<int, double, KeyframeId>> ranked;

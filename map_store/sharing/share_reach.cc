@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "map_store/sharing/robot_places.h"
+
 namespace corbslam::map_store {
 
 void ShareReach::MoveWithRobot() {
   if (share_.scope.mode != ShareMode::kNearby) return;
-  const IslandPoses& own = poses_.Of(*state_.FindLocalMap(share_.local_map));
+  const IslandPoses& own = RobotPlaces(state_, share_, poses_);
   if (own.empty()) return;
   robot_ = CameraCentre(own.rbegin()->second.ToRigid());
   share_.far.MoveTo(*robot_);

@@ -31,7 +31,7 @@ class ShareReach {
   const MissionState& state_;
   PoseCache& poses_;
   ShareState& share_;
-  // The robot's newest keyframe, in the island's frame; none: it has no keyframe.
+  // The robot's newest place, in the island's frame; none: it has none.
   std::optional<Eigen::Vector3d> robot_;
 };
 

@@ -102,7 +102,7 @@ class ShareStep {
     for (const LocalMapId& id : CollectNews(state_, island, share_)) {
       if (id != share_.local_map) FindFollowers(*state_.FindLocalMap(id));
     }
-    if (news_.own_keyframes) TakeOwnKeyframes();
+    if (news_.own_keyframes && share_.local_map.IsValid()) TakeOwnKeyframes();
     TakeKeyframes();
     TakePointMoves();
     update_.more_places = !budget_.complete();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "map_store/sharing/global_place.h"
+#include "map_store/sharing/robot_places.h"
 #include "map_store/sharing/share_step.h"
 
 namespace corbslam::map_store {
@@ -42,6 +43,46 @@ void NoteSent(uint64_t revision, ShareState& share) {
   share.last_revision = revision;
 }
 
+std::optional<SharedUpdate> TakeOfIsland(const MissionState& state, const Island& island,
+                                         const MapStoreOptions& options, size_t byte_budget,
+                                         ShareState& share, LongRead& read) {
+  if (share.complete_at_version == island.shared_version && !share.restart) return std::nullopt;
+  // The island itself may be another one after the step.
+  const bool apart = island.id != state.ReferenceIsland();
+  SharedUpdate update = TakeShareStep(state, island, options, byte_budget, share, read);
+  update.apart = apart;
+  const bool ends_places = std::exchange(share.more_places, update.more_places);
+  if (update.IsEmpty() && !ends_places) return std::nullopt;
+  NoteSent(update.revision, share);
+  return update;
+}
+
+// Before anything else the agent is told that its frame is the global one.
+std::optional<SharedUpdate> TakeForLocalisation(const MissionState& state,
+                                                const MapStoreOptions& options, size_t byte_budget,
+                                                const AgentState& agent, ShareState& share,
+                                                LongRead& read) {
+  const auto it = state.global.islands.find(state.ReferenceIsland());
+  if (it == state.global.islands.end()) return std::nullopt;
+  const auto& [id, island] = *it;
+  if (share.local_map.IsValid() || share.island != id || HasLostAny(share, island)) {
+    StartAgain(LocalMapId(), id, share);
+  }
+  if (agent.localised.has_value() && NoteSaidPlace(*agent.localised->camera_from_global, share)) {
+    share.complete_at_version = 0;
+  }
+  if (share.global_from_local.has_value()) {
+    return TakeOfIsland(state, island, options, byte_budget, share, read);
+  }
+  share.global_from_local = Similarity3d::Identity();
+  SharedUpdate first;
+  first.revision = state.global.revision;
+  first.restart = std::exchange(share.restart, false);
+  first.global_from_local = share.global_from_local;
+  NoteSent(first.revision, share);
+  return first;
+}
+
 }  // namespace
 
 std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
@@ -50,6 +91,9 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
                                              LongRead& read) {
   share.unfinished = false;
   if (share.scope.mode == ShareMode::kNone) return std::nullopt;
+  if (agent.localise_only) {
+    return TakeForLocalisation(state, options, byte_budget, agent, share, read);
+  }
   if (agent.local_maps.empty()) return std::nullopt;
   const LocalMapId own = agent.local_maps.back();
   const Island& island = *state.FindIslandOf(own);
@@ -67,15 +111,7 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
     NoteSent(alone.revision, share);
     return alone;
   }
-  if (share.complete_at_version == island.shared_version && !share.restart) return std::nullopt;
-  // The island itself may be another one after the step.
-  const bool apart = island.id != state.ReferenceIsland();
-  SharedUpdate update = TakeShareStep(state, island, options, byte_budget, share, read);
-  update.apart = apart;
-  const bool ends_places = std::exchange(share.more_places, update.more_places);
-  if (update.IsEmpty() && !ends_places) return std::nullopt;
-  NoteSent(update.revision, share);
-  return update;
+  return TakeOfIsland(state, island, options, byte_budget, share, read);
 }
 
 void ForgetLastUpdate(ShareState& share) { share.last_revision = 0; }

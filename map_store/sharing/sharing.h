@@ -22,6 +22,8 @@ namespace corbslam::map_store {
 // another local map, begins with `restart`. An agent whose local map is alone in the reference
 // island is told where it lies in the global frame, and nothing else. `read` pauses meanwhile
 // (TakeShareStep). If it returns none and `share` is left unfinished, the caller is to ask again.
+// An agent that localises only is told of the reference island, as if it had a keyframe where it
+// said that it was; its own frame is that island's.
 std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
                                              const MapStoreOptions& options, size_t byte_budget,
                                              const AgentState& agent, ShareState& share,

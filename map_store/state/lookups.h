@@ -66,7 +66,7 @@ struct MissionInfo {
 // is that of the latest time in the local map that was opened last and has any.
 struct LastPose {
   int64_t timestamp_ns = 0;
-  LocalMapId local_map;
+  LocalMapId local_map;  // Invalid: of no local map, as the agent localises only.
   IslandId island;
   bool in_reference_island = false;
   // Of the camera of keyframes, whose units are rescaled to the island's.
@@ -82,6 +82,8 @@ struct AgentInfo {
   // Whether it is connected and nothing waits to be told to it.
   bool up_to_date = false;
   uint64_t shared_updates = 0;  // The number that its session was sent.
+  // Its session changes nothing; `last_pose` is then what it said of itself.
+  bool localise_only = false;
   std::optional<LastPose> last_pose;
 };
 

@@ -29,6 +29,7 @@
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
 #include "slam/exchange/point_followers.h"
+#include "slam/exchange/uplink.h"
 #include "slam/map/map.h"
 #include "slam/place/keyframe_database.h"
 
@@ -208,6 +209,11 @@ struct AgentState {
   uint64_t instance = 0;
   absl::Time session_begin;
   std::string peer;
+  // True: that session changes nothing (SessionRequest::localise_only). What it said of itself is
+  // not recorded: the newest frame with a pose, and the time of the newest one without.
+  bool localise_only = false;
+  std::optional<LocalisedFrame> localised;
+  int64_t localised_lost_ns = -1;
 };
 
 struct MissionState {

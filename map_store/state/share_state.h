@@ -15,6 +15,7 @@
 #include "absl/container/btree_set.h"
 #include "map_store/state/far_keyframes.h"
 #include "map_store/state/lookups.h"
+#include "map_store/state/pose_table.h"
 #include "map_store/state/sights_table.h"
 #include "slam/exchange/shared_update.h"
 #include "slam/exchange/uplink.h"
@@ -52,7 +53,10 @@ struct ShareState {
   ShareScope scope;
   // The frame in which all of the below was sent; invalid: nothing was.
   IslandId island;
-  LocalMapId local_map;
+  LocalMapId local_map;  // Invalid: the agent localises only, and its frame is the island's.
+  // Of an agent that localises only: where it was, as it said, at most two places under made-up
+  // names, the newest last.
+  IslandPoses said_places;
   std::map<KeyframeId, SentKeyframe> keyframes;
   absl::btree_map<MapPointId, Eigen::Vector3d> points;
   absl::btree_map<MapPointId, std::vector<MapPointId>> landmarks;

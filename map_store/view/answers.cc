@@ -92,6 +92,7 @@ AgentInfo DescribeAgent(const MissionState& state, const std::string& name,
   return {.name = name,
           .connected = agent.session != 0,
           .local_maps = agent.local_maps,
+          .localise_only = agent.localise_only,
           .last_pose = FindLastPose(state, agent)};
 }
 

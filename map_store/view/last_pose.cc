@@ -40,9 +40,22 @@ std::optional<LastPose> FindIn(const MissionState& state, const LocalMapState& l
   return std::nullopt;
 }
 
+// Of an agent that localises only.
+std::optional<LastPose> SaidByItself(const MissionState& state, const AgentState& agent) {
+  if (!agent.localised.has_value()) return std::nullopt;
+  const LocalisedFrame& frame = *agent.localised;
+  return LastPose{.timestamp_ns = frame.timestamp_ns,
+                  .local_map = {},
+                  .island = state.ReferenceIsland(),
+                  .in_reference_island = true,
+                  .camera_from_island = *frame.camera_from_global,
+                  .lost_since = agent.localised_lost_ns > frame.timestamp_ns};
+}
+
 }  // namespace
 
 std::optional<LastPose> FindLastPose(const MissionState& state, const AgentState& agent) {
+  if (agent.localise_only) return SaidByItself(state, agent);
   bool lost_later = false;
   for (auto id = agent.local_maps.rbegin(); id != agent.local_maps.rend(); ++id) {
     const LocalMapState& local_map = *state.FindLocalMap(*id);

@@ -10,6 +10,7 @@ namespace corbslam::services {
 
 inline constexpr int kMaxKeypoints = 20000;
 inline constexpr int kMaxLocalMapsOfMessage = 10000;
+inline constexpr int kMaxLocalisedFrames = 10000;
 inline constexpr uint32_t kMaxCameraIndex = 1000;
 // These are far beyond what the map store takes from robots (docs/limits.md): a worker or a robot
 // must not refuse what the store has stored, in whichever frame it stands.

@@ -305,6 +305,7 @@ template <typename Message>
 void AddCapabilities(const Capabilities& capabilities, Message* proto) {
   if (capabilities.points_follow) proto->add_capabilities(v1::CAPABILITY_POINTS_FOLLOW);
   if (capabilities.coded_features) proto->add_capabilities(v1::CAPABILITY_CODED_FEATURES);
+  if (capabilities.localise_only) proto->add_capabilities(v1::CAPABILITY_LOCALISE_ONLY);
 }
 
 // Ignores capabilities that it does not know: they are of a newer version.
@@ -314,6 +315,7 @@ Capabilities ReadCapabilities(const Message& proto) {
   for (const int capability : proto.capabilities()) {
     capabilities.points_follow |= capability == v1::CAPABILITY_POINTS_FOLLOW;
     capabilities.coded_features |= capability == v1::CAPABILITY_CODED_FEATURES;
+    capabilities.localise_only |= capability == v1::CAPABILITY_LOCALISE_ONLY;
   }
   return capabilities;
 }
@@ -375,6 +377,7 @@ void ToProto(const SessionRequest& request, v1::OpenSession* proto) {
   proto->set_downlink_bytes_per_second(request.downlink_bytes_per_second);
   proto->set_share(ToProto(request.share.mode));
   if (request.share.mode == ShareMode::kNearby) proto->set_share_radius_m(request.share.radius_m);
+  proto->set_localise_only(request.localise_only);
 }
 
 absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
@@ -399,6 +402,11 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
     return OutOfRange("downlink_bytes_per_second", bound, kMinDownlink_Bps, kMaxDownlink_Bps);
   }
   ASSIGN_OR_RETURN(request.share, ReadShareScope(proto));
+  request.localise_only = proto.localise_only();
+  if (request.localise_only && !request.local_maps.empty()) {
+    return absl::InvalidArgumentError(
+        "local_maps is not empty, though an agent with localise_only has none");
+  }
   return request;
 }
 

@@ -64,7 +64,7 @@ void ToProto(const MissionInfo& info, v1::Mission* proto) {
 
 void ToProto(absl::string_view mission, const map_store::LastPose& pose, v1::LastPose* proto) {
   proto->set_timestamp_ns(pose.timestamp_ns);
-  proto->set_local_map(LocalMapName(mission, pose.local_map));
+  proto->set_local_map(NameOrEmpty(mission, pose.local_map));
   proto->set_island(LocalMapName(mission, pose.island));
   proto->set_in_global_frame(pose.in_reference_island);
   ToProto(pose.camera_from_island, proto->mutable_camera_from_island());
@@ -77,6 +77,7 @@ void ToProto(absl::string_view mission, const AgentInfo& info, v1::MissionAgent*
   for (const LocalMapId id : info.local_maps) proto->add_local_maps(LocalMapName(mission, id));
   proto->set_up_to_date(info.up_to_date);
   proto->set_shared_updates(info.shared_updates);
+  proto->set_localise_only(info.localise_only);
   if (info.last_pose.has_value()) ToProto(mission, *info.last_pose, proto->mutable_last_pose());
 }
 

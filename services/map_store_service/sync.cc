@@ -5,6 +5,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "services/convert/limits.h"
+#include "services/convert/localised_frames.h"
 #include "services/convert/resource_names.h"
 #include "services/convert/shared_update.h"
 #include "services/convert/status.h"
@@ -179,6 +180,7 @@ absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
     return absl::InvalidArgumentError("the first message must have the part open");
   }
   if (request.has_batch()) return Apply(request.batch());
+  if (request.has_localised()) return NoteLocalised(request.localised());
   return absl::InvalidArgumentError("a message has no part that is known");
 }
 
@@ -254,6 +256,13 @@ absl::StatusOr<Acknowledgement> SyncReactor::ApplyWhole(const MapUpdateBatch& ba
   // The store tells only the other sessions of this batch.
   if (stored.ok() && moves_what_is_shared_) OnShareable();
   return stored;
+}
+
+absl::Status SyncReactor::NoteLocalised(const v1::LocalisedFrames& localised) {
+  ASSIGN_OR_RETURN(const std::vector<LocalisedFrame> frames, FromProto(localised));
+  RETURN_IF_ERROR(store_.NoteLocalised(*session_id_, frames));
+  if (moves_what_is_shared_) OnShareable();
+  return absl::OkStatus();
 }
 
 bool SyncReactor::MayShare() {

@@ -66,6 +66,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   absl::Status Handle(const v1::SyncRequest& request);
   absl::Status Open(const v1::OpenSession& open);
   absl::Status Apply(const v1::MapUpdateBatch& part);
+  absl::Status NoteLocalised(const v1::LocalisedFrames& localised);
   absl::StatusOr<Acknowledgement> ApplyWhole(const MapUpdateBatch& batch);
   void Share();
   // Returns false if the link's budget is spent; a timer then wakes the stream when it is not any
@@ -99,7 +100,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   BatchAssembler assembler_;
   map_store::BatchTransfer transfer_;
   SharePacer pacer_;
-  // True: the agent's own batches, too, change what it is to be told.
+  // True: what the agent itself says, too, changes what it is to be told.
   bool moves_what_is_shared_ = false;
 
   bool has_request_ ABSL_GUARDED_BY(mutex_) = false;

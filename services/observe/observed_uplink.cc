@@ -28,6 +28,10 @@ class ObservedUplink : public Uplink, private UplinkListener {
     return true;
   }
 
+  bool SendLocalised(const std::vector<LocalisedFrame>& frames) override {
+    return uplink_.SendLocalised(frames);
+  }
+
   void PauseReading() override { uplink_.PauseReading(); }
   void ResumeReading() override { uplink_.ResumeReading(); }
   void Close() override { uplink_.Close(); }

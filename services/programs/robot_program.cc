@@ -17,6 +17,7 @@
 #include "client_agent/source/source_kinds.h"
 #include "services/agent_service/agent_service.h"
 #include "services/client/remote/channel.h"
+#include "services/client/remote/place_asker.h"
 #include "services/client/remote/remote_uplink.h"
 #include "services/command_line/help_formatter.h"
 #include "services/convert/batch_bytes.h"
@@ -90,6 +91,7 @@ struct Flags {
   bool stay = false;
   bool strict = false;
   bool take_over = false;
+  bool localise_only = false;
   SecurityOptions security;
   ObserveFlags observe;
   bool listen_insecure = false;
@@ -120,6 +122,21 @@ absl::Status CheckPace(const Flags& flags) {
 }
 
 absl::Status SpoolNeedsServer() { return absl::InvalidArgumentError("--spool-dir needs --server"); }
+
+absl::Status CheckLocaliseOnly(const Flags& flags) {
+  if (!flags.localise_only) return absl::OkStatus();
+  if (flags.server.empty()) {
+    return absl::InvalidArgumentError("--localise-only needs --server, whose map it localises in");
+  }
+  const ShareMode mode = flags.share.mode;
+  if (mode == ShareMode::kNone || mode == ShareMode::kCorrections) {
+    return absl::InvalidArgumentError(
+        "--localise-only needs others' keyframes: --share nearby or everything");
+  }
+  if (flags.spool_dir.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--spool-dir keeps what a robot maps, and with --localise-only it maps nothing");
+}
 
 // Returns null if no spool was asked for.
 absl::StatusOr<std::unique_ptr<Spool>> OpenFlaggedSpool(const Flags& flags) {
@@ -160,6 +177,7 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
   options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
   options.share = ScopeOf(flags.share);
+  options.localise_only = flags.localise_only;
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   if (!flags.listen.empty()) {
@@ -205,12 +223,18 @@ absl::Status WriteResults(const Flags& flags, const Agent& agent,
 }
 
 // Returns null without --server.
-absl::StatusOr<std::unique_ptr<Uplink>> MakeUplink(const Flags& flags) {
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const Flags& flags) {
   if (flags.server.empty()) return nullptr;
   ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
+  return MakeChannel(flags.server, credentials);
+}
+
+// Returns null without a channel.
+std::unique_ptr<Uplink> MakeUplink(const Flags& flags, std::shared_ptr<grpc::Channel> channel) {
+  if (channel == nullptr) return nullptr;
   RemoteUplinkOptions options;
   options.take_over = flags.take_over;
-  return MakeRemoteUplink(MakeChannel(flags.server, credentials), options);
+  return MakeRemoteUplink(std::move(channel), options);
 }
 
 // Returns how other programs on the robot reach it.
@@ -243,6 +267,7 @@ std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
   found.push_back(CheckShareFlags(flags.share, !flags.server.empty()));
   found.push_back(CheckPace(flags));
+  found.push_back(CheckLocaliseOnly(flags));
   found.push_back(CheckRecording(flags.record));
   for (const std::string& file : {flags.stats, flags.trajectory}) {
     if (!file.empty()) found.push_back(CheckFolderOf(file));
@@ -256,7 +281,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
   std::vector<absl::Status> found = {
       CheckNameSegment("--mission", flags.mission),
       CheckNameSegment("--agent", flags.agent),
-      MakeUplink(flags).status(),
+      MakeStoreChannel(flags).status(),
       MakeListenSecurity(flags).status(),
       CheckVocabulary(flags.vocabulary),
       ParseUpload(flags).status(),
@@ -276,7 +301,8 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(const FeatureSelection upload, ParseUpload(flags));
   ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool, OpenFlaggedSpool(flags));
   // The uplink outlives the agent, which closes it.
-  ASSIGN_OR_RETURN(const std::unique_ptr<Uplink> uplink, MakeUplink(flags));
+  ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel, MakeStoreChannel(flags));
+  const std::unique_ptr<Uplink> uplink = MakeUplink(flags, channel);
   ASSIGN_OR_RETURN(const auto observers,
                    RobotObservers::Make(flags.observe, flags.mission, flags.agent));
   if (uplink != nullptr) {
@@ -294,7 +320,8 @@ absl::Status Run(const Flags& flags) {
   const SensorCalibration& calibration = source.stream->calibration();
   RETURN_IF_ERROR(CheckPosesOf(calibration, flags.poses_of));
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
-  const AgentOptions options = MakeAgentOptions(flags, upload, calibration);
+  AgentOptions options = MakeAgentOptions(flags, upload, calibration);
+  if (channel != nullptr) options.ask_place = MakePlaceAsker(channel, flags.mission);
   ASSIGN_OR_RETURN(const auto recorder,
                    StartRecording(flags.record,
                                   {options, flags.source, flags.pace, uplink != nullptr,
@@ -412,6 +439,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
   AddLinkFlags(app, flags.link);
   AddShareFlags(app, flags.share);
   AddRecordFlags(app, flags.record);
+  app.add_flag("--localise-only", flags.localise_only,
+               "Map nothing: track the camera in what others mapped")
+      ->group(kRareGroup);
   app.add_flag("--strict", flags.strict,
                "Refuse a source in which something looks wrong, instead of warning");
   app.add_flag("--take-over", flags.take_over,

@@ -4,12 +4,14 @@
 #define CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/shared_update.h"
+#include "slam/geometry/rigid3.h"
 
 namespace corbslam {
 
@@ -19,6 +21,8 @@ struct Capabilities {
   bool points_follow = false;
   // Both sides understand coded columns of features and of descriptors (docs/wire.md).
   bool coded_features = false;
+  // A store that has it understands SessionRequest::localise_only.
+  bool localise_only = false;
 };
 
 // What of the global layer an agent is told.
@@ -55,6 +59,9 @@ struct SessionRequest {
   // At most about so many bytes of shared updates a second; 0: no bound.
   uint64_t downlink_bytes_per_second = 0;
   ShareScope share = {};
+  // True: the agent changes nothing. It sends no batches, only where its frames were
+  // (Uplink::SendLocalised), and what it is told is in the mission's global frame.
+  bool localise_only = false;
   // Where the request came from, for people. The store's transport says it, not the agent.
   std::string peer = "";
 };
@@ -69,6 +76,13 @@ struct SessionGrant {
   std::vector<Acknowledgement> acknowledged;
   // What the store understands.
   Capabilities capabilities = {};
+};
+
+// Where a frame was of an agent that changes nothing.
+struct LocalisedFrame {
+  int64_t timestamp_ns = 0;
+  // In the mission's global frame as the agent was told it; nullopt: it was lost.
+  std::optional<Rigid3d> camera_from_global;
 };
 
 // Hears what comes from the store. One thread at a time calls it, and never from inside a call of
@@ -98,6 +112,9 @@ class Uplink {
   // Returns false when no session stands, or the transport's queue is full: keep the batch, try
   // again.
   virtual bool Send(const MapUpdateBatch& batch) = 0;
+  // Does the same with the frames of an agent that changes nothing, by time. The default is for an
+  // uplink that carries batches only.
+  virtual bool SendLocalised(const std::vector<LocalisedFrame>& /*frames*/) { return false; }
   // Reads nothing more from the store until ResumeReading, but for what is being read: the listener
   // has no room. Acknowledgements wait, too. May be called by the listener. A transport that brings
   // only what its owner asks for needs neither.

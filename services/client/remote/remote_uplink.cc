@@ -56,6 +56,11 @@ class RemoteUplink : public Uplink {
     return session != nullptr && session->Send(batch);
   }
 
+  bool SendLocalised(const std::vector<LocalisedFrame>& frames) override {
+    const std::shared_ptr<SyncSession> session = Current();
+    return session != nullptr && session->SendLocalised(frames);
+  }
+
   void PauseReading() override {
     if (const std::shared_ptr<SyncSession> session = Current()) session->PauseReading();
   }

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "services/convert/limits.h"
+#include "services/convert/localised_frames.h"
 #include "services/convert/map_update.h"
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
@@ -39,12 +40,24 @@ void SyncSession::Start(std::shared_ptr<SyncSession> self) {
 bool SyncSession::Send(const MapUpdateBatch& batch) {
   {
     absl::MutexLock lock(&mutex_);
-    if (!granted_ || broken_ || leaving_ || queued_bytes_ > max_queued_bytes_) return false;
+    if (!HasRoom()) return false;
     for (v1::MapUpdateBatch& part : ToProto(batch, sent_cameras_, kPartBytes, form_)) {
       v1::SyncRequest request;
       *request.mutable_batch() = std::move(part);
       Push(std::move(request));
     }
+  }
+  WriteNext();
+  return true;
+}
+
+bool SyncSession::SendLocalised(const std::vector<LocalisedFrame>& frames) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!HasRoom()) return false;
+    v1::SyncRequest request;
+    ToProto(frames, request.mutable_localised());
+    Push(std::move(request));
   }
   WriteNext();
   return true;

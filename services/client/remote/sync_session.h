@@ -8,6 +8,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -42,6 +43,8 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   void Start(std::shared_ptr<SyncSession> self);
   // Does what Uplink::Send does.
   bool Send(const MapUpdateBatch& batch);
+  // Does what Uplink::SendLocalised does.
+  bool SendLocalised(const std::vector<LocalisedFrame>& frames);
   // Returns what Uplink::bytes_waiting does; 0 once the call has broken.
   uint64_t bytes_waiting() const;
   // These do what those of Uplink do.
@@ -62,6 +65,9 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
 
   absl::Status Handle(const v1::SyncResponse& response);
   absl::Status HandleShared(const v1::SharedUpdate& part);
+  bool HasRoom() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    return granted_ && !broken_ && !leaving_ && queued_bytes_ <= max_queued_bytes_;
+  }
   void Push(v1::SyncRequest request) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Returns the message to write next; null if one is being written or there is none.
   const v1::SyncRequest* NextWrite() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

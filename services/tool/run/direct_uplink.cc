@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "services/convert/localised_frames.h"
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"
 
@@ -50,6 +51,18 @@ bool DirectUplink::Send(const MapUpdateBatch& batch) {
   }
   bytes_up_ += WireBytes(batch, FormOf(store_understands_), sent_up_);
   listener_->OnAcknowledged(*stored);
+  return true;
+}
+
+bool DirectUplink::SendLocalised(const std::vector<LocalisedFrame>& frames) {
+  if (!session_.has_value()) return false;
+  if (const absl::Status noted = store_->NoteLocalised(*session_, frames); !noted.ok()) {
+    End(noted);
+    return false;
+  }
+  v1::LocalisedFrames message;
+  ToProto(frames, &message);
+  bytes_up_ += message.ByteSizeLong();
   return true;
 }
 

@@ -4,6 +4,7 @@
 #define CORBSLAM_SERVICES_TOOL_RUN_DIRECT_UPLINK_H_
 
 #include <optional>
+#include <vector>
 
 #include "map_store/map_store.h"
 #include "services/convert/features.h"
@@ -21,6 +22,7 @@ class DirectUplink : public Uplink {
 
   void Open(const SessionRequest& request, UplinkListener* listener) override;
   bool Send(const MapUpdateBatch& batch) override;
+  bool SendLocalised(const std::vector<LocalisedFrame>& frames) override;
   void Close() override;
   // Returns the size of the messages as the wire would carry them.
   uint64_t bytes_up() const override { return bytes_up_; }
