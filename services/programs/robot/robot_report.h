@@ -71,6 +71,7 @@ struct RobotReport {
   int keyframes_held = 0;
   double points_matched_percent = 0;
   int shared_loops_closed = 0;
+  int places_told = 0;
   int loops_closed = 0;
   int keyframes = 0;
   int map_points = 0;

@@ -30,6 +30,7 @@ RobotReport MakeWholeReport() {
   report.keyframes_held = 109;
   report.points_matched_percent = 11.0;
   report.shared_loops_closed = 111;
+  report.places_told = 112;
   report.loops_closed = 112;
   report.keyframes = 113;
   report.map_points = 114;

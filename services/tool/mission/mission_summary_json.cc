@@ -28,6 +28,7 @@ Json ToJson(const v1::MissionAgent& agent) {
   for (const std::string& name : agent.local_maps()) local_maps.push_back(name);
   Json json = {
       {"name", agent.name()}, {"connected", agent.connected()}, {"local_maps", local_maps}};
+  if (agent.localise_only()) json["localise_only"] = true;
   if (agent.has_last_pose()) json["last_pose"] = ToJson(agent.last_pose());
   return json;
 }
