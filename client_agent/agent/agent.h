@@ -104,6 +104,8 @@ struct AgentStatus {
   // Frames whose place the map store found: by them tracking went on, or it was known where the map
   // lies before fusion said so.
   int places_told = 0;
+  // Seconds between the first frame and the first that knew its pose in the mission's global frame.
+  std::optional<double> located_after_s;
   // Seconds between Create and the first acknowledged keyframe.
   std::optional<double> first_upload_s;
   UploadStatus upload;

@@ -261,10 +261,21 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
   } else {
     link_->AddLostFrame(result.timestamp_ns);
   }
+  NoteLocated(tracked);
   // The frame of the local map is then the global one.
   LocalisedFrame localised{result.timestamp_ns, std::nullopt};
   if (tracked) localised.camera_from_global = result.camera_from_local;
   link_->AddLocalised(localised);
+}
+
+void SingleAgent::NoteLocated(bool tracked) {
+  const bool is_placed = tracked && GlobalFromLocal().has_value();
+  const absl::Time now = absl::Now();
+  absl::MutexLock lock(&mutex_);
+  first_frame_ = std::min(first_frame_, now);
+  if (is_placed && !status_.located_after_s.has_value()) {
+    status_.located_after_s = absl::ToDoubleSeconds(now - first_frame_);
+  }
 }
 
 void SingleAgent::Step() {

@@ -48,6 +48,7 @@ class SingleAgent : public Agent {
   // Returns whether what the map store found told the robot something.
   bool Use(const PlaceAnswer& answer);
   void Record(const TrackingResult& result, double tracking_ms);
+  void NoteLocated(bool tracked);
   LocalMapSession& current() const { return *current_session_; }
   // What is left of local maps that ended, once nobody reads them any more.
   struct FinishedMaps {
@@ -87,6 +88,7 @@ class SingleAgent : public Agent {
   int64_t foreign_points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   // Where the local map in use lies by what the map store found of one of its frames.
   std::optional<Similarity3d> found_global_from_local_ ABSL_GUARDED_BY(mutex_);
+  absl::Time first_frame_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
   PlaceInquiry inquiry_;
   // The link reads the sessions' maps, so that it is destroyed before them.
   std::unique_ptr<StoreLink> link_;

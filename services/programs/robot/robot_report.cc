@@ -42,6 +42,7 @@ RobotReport MakeRobotReport(const Agent& agent) {
   report.points_matched_percent = status.foreign_points_percent;
   report.shared_loops_closed = status.foreign_loops_closed;
   report.places_told = status.places_told;
+  report.located_after_s = status.located_after_s;
   report.loops_closed = status.loops_closed;
   report.keyframes = status.keyframes;
   report.map_points = status.map_points;

@@ -72,6 +72,7 @@ struct RobotReport {
   double points_matched_percent = 0;
   int shared_loops_closed = 0;
   int places_told = 0;
+  std::optional<double> located_after_s;
   int loops_closed = 0;
   int keyframes = 0;
   int map_points = 0;

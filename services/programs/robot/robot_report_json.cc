@@ -32,6 +32,7 @@ void VisitFields(Report& report, Visitor& visit) {
   visit("/shared/points_matched_percent", report.points_matched_percent);
   visit("/shared/loops_closed", report.shared_loops_closed);
   visit("/shared/places_told", report.places_told);
+  visit("/shared/located_after_s", report.located_after_s);
   visit("/loops_closed", report.loops_closed);
   visit("/keyframes", report.keyframes);
   visit("/map_points", report.map_points);

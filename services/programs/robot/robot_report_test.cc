@@ -31,6 +31,7 @@ RobotReport MakeWholeReport() {
   report.points_matched_percent = 11.0;
   report.shared_loops_closed = 111;
   report.places_told = 112;
+  report.located_after_s = 0.113;
   report.loops_closed = 112;
   report.keyframes = 113;
   report.map_points = 114;
