@@ -55,8 +55,9 @@ function fits(box: GroundBox, plot: Plot | undefined): boolean {
   );
 }
 
+// Points are seen far beside the paths that the boxes are of.
 function widened(box: GroundBox): GroundBox {
-  const margin = 2 + 0.2 * Math.max(box.maxX - box.minX, box.maxZ - box.minZ);
+  const margin = 8 + 0.35 * Math.max(box.maxX - box.minX, box.maxZ - box.minZ);
   return {
     minX: box.minX - margin, maxX: box.maxX + margin, minZ: box.minZ - margin, maxZ: box.maxZ + margin,
   };

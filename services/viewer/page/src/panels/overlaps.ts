@@ -69,14 +69,15 @@ export function overlapDetails(overlap: Overlap, agentOf: (localMap: string) => 
     ['Further keyframe pairs that agree', e?.consistentKeyframes],
   ];
   const verdict = h('p', { class: isAccepted(overlap) ? 'verdict yes' : 'verdict no' }, verdictWords(overlap.verdict));
-  const state = overlap.revision > 0n ? `taken in by revision ${count(overlap.revision)}`
-    : overlap.fused ? 'its sides are in one island by another overlap' : 'not part of the map';
+  const state = overlap.revision > 0n ? `Taken in by revision ${count(overlap.revision)}.`
+    : overlap.fused ? 'Its sides are in one island by another overlap.' : 'Not part of the map.';
   return [
     h('h3', {}, `Overlap ${overlap.number}`), verdict,
+    h('p', { class: 'note' }, state),
     overlap.note ? h('p', { class: 'note' }, overlap.note) : '',
     table([
       ['Asked', side(overlap.query, agentOf)], ['Candidate', side(overlap.candidate, agentOf)],
-      ['State', state], ['Point pairs that agree', count(overlap.inliers)],
+      ['Point pairs that agree', count(overlap.inliers)],
       ...counted.map(([name, value]): [string, string] => [name, value ? count(value) : '–']),
     ]),
   ].filter((node): node is HTMLElement => typeof node !== 'string');
