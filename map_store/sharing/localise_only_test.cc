@@ -64,8 +64,9 @@ class LocaliseOnlyTest : public testing::SharingMission {
     return ids;
   }
   AgentInfo Guest() {
-    for (AgentInfo& agent : store_.ListAgents(testing::kMission, {})->items) {
-      if (agent.name == "guest") return std::move(agent);
+    const auto agents = store_.ListAgents(testing::kMission, {});
+    for (const AgentInfo& agent : agents->items) {
+      if (agent.name == "guest") return agent;
     }
     ADD_FAILURE() << "no agent guest";
     return {};

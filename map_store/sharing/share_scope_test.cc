@@ -45,7 +45,8 @@ class ShareScopeTest : public testing::SharingMission {
     return ids;
   }
   bool UpToDate(const std::string& name) {
-    for (const AgentInfo& agent : store_.ListAgents(kMission, {})->items) {
+    const auto agents = store_.ListAgents(kMission, {});
+    for (const AgentInfo& agent : agents->items) {
       if (agent.name == name) return agent.up_to_date;
     }
     return false;

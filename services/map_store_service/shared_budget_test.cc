@@ -130,7 +130,8 @@ class SharedBudgetTest : public testing::SharingMission {
     return uplink;
   }
   bool IsUpToDate(const TestAgent& agent) {
-    for (const map_store::AgentInfo& info : store_.ListAgents(kMission, {})->items) {
+    const auto agents = store_.ListAgents(kMission, {});
+    for (const map_store::AgentInfo& info : agents->items) {
       if (info.name == agent.name()) return info.up_to_date;
     }
     return false;
