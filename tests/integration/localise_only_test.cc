@@ -56,9 +56,10 @@ class LocaliseOnlyTest : public ::testing::Test {
   }
   json StatsOf(const std::string& name) { return json::parse(ReadText(FileOf(name + ".json"))); }
   json Mission() {
-    json shown = json::parse(RunTool({"mission", "show", "--insecure", "--json", "--mission",
-                                      "default", "--server", servers_.store_address()}));
-    return shown;
+    const std::string said = RunTool({"mission", "show", "--insecure", "--json", "--mission",
+                                      "default", "--server", servers_.store_address()});
+    // Warnings of the log come first.
+    return json::parse(said.substr(said.find('{')));
   }
   // Returns the root mean square error of one robot's trajectory, or of all under one alignment.
   double ErrorOf(const std::vector<std::string>& names) {
