@@ -43,6 +43,10 @@ struct AgentOptions {
   FeatureSelection upload_features;
   // Bytes that batches which the map store has not acknowledged may take in memory.
   size_t max_outbox_bytes = 64 << 20;
+  // Bytes that the items of the local map in use may take in memory, others' among them, as
+  // EstimateBytes has it; 0: no bound. Beyond, the agent goes on in a new local map and lets go of
+  // the old one once the link has told all of it (docs/robot.md): it needs an uplink.
+  uint64_t max_map_bytes = 0;
   // Bounds of the link to the map store, each way; 0: no bound (docs/adr/0019-link-budgets.md).
   uint64_t uplink_bytes_per_second = 0;
   uint64_t downlink_bytes_per_second = 0;
@@ -89,6 +93,10 @@ struct AgentStatus {
   int tracked = 0;
   int lost = 0;
   int local_maps = 0;
+  // Local maps that were begun because the one before was full (AgentOptions::max_map_bytes).
+  int hand_overs = 0;
+  // About what the local map in use takes in memory.
+  uint64_t map_bytes = 0;
   // Own items, over all local maps.
   int keyframes = 0;
   int map_points = 0;
@@ -153,8 +161,9 @@ class Agent {
   virtual absl::Status Finish(absl::Duration timeout) = 0;
 
   virtual AgentStatus GetStatus() const = 0;
-  // Returns where the local map in use lies, as the map store said last; before it has said so, by
-  // where it found one of its frames (AgentOptions::ask_place). It is cheap enough for every frame.
+  // Returns where the local map in use lies, as the map store said last. Before it has said so that
+  // is where the store found one of its frames (AgentOptions::ask_place) or, after a hand-over,
+  // where the local map before lay: the two have one frame. It is cheap enough for every frame.
   virtual std::optional<Similarity3d> GlobalFromLocal() const = 0;
   // Returns copies of all timings, which is meant for the end.
   virtual AgentTimings GetTimings() const = 0;

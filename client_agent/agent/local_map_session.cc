@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "client_agent/map/map_bytes.h"
 
 namespace corbslam::client_agent {
 
@@ -27,17 +28,20 @@ LocalMapSession::~LocalMapSession() { Stop(); }
 
 MapperParts LocalMapSession::MakeMapperParts(SampleLog* local_ba_ms) {
   MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr, &looks_, local_ba_ms};
-  parts.on_mapped = [this](KeyframeId id) {
-    const auto words = map_.Read([&](const Map& map) {
-      const Keyframe* keyframe = map.FindKeyframe(id);
-      return keyframe == nullptr ? nullptr : keyframe->words;
-    });
-    if (words == nullptr) return;
-    places_.Add(id, words);
-    loop_closer_.Enqueue(id);
-  };
+  parts.on_mapped = [this](KeyframeId id) { OnMapped(id); };
   parts.on_removed = [this](KeyframeId id) { places_.Remove(id); };
   return parts;
+}
+
+void LocalMapSession::OnMapped(KeyframeId id) {
+  const auto words = map_.Read([&](const Map& map) {
+    map_bytes_ = EstimateBytes(map);
+    const Keyframe* keyframe = map.FindKeyframe(id);
+    return keyframe == nullptr ? nullptr : keyframe->words;
+  });
+  if (words == nullptr) return;
+  places_.Add(id, words);
+  loop_closer_.Enqueue(id);
 }
 
 void LocalMapSession::Start() {
@@ -67,6 +71,10 @@ bool LocalMapSession::WaitUntilIdle(absl::Time deadline) {
   }
 }
 
+bool LocalMapSession::IsIdle() const {
+  return threads_.empty() || (queue_.IsIdle() && loop_closer_.IsIdle());
+}
+
 void LocalMapSession::Stop() {
   loop_closer_.Stop();
   queue_.Stop();
@@ -75,6 +83,7 @@ void LocalMapSession::Stop() {
 }
 
 void LocalMapSession::OnPlaced(const PlacementChange& change, const Map& map) {
+  map_bytes_ = EstimateBytes(map);
   for (const KeyframeId id : change.removed_keyframes) places_.Remove(id);
   for (const KeyframeId id : change.added_keyframes) {
     const Keyframe* keyframe = map.FindKeyframe(id);

@@ -3,6 +3,8 @@
 #ifndef CORBSLAM_CLIENT_AGENT_AGENT_LOCAL_MAP_SESSION_H_
 #define CORBSLAM_CLIENT_AGENT_AGENT_LOCAL_MAP_SESSION_H_
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -45,6 +47,9 @@ class LocalMapSession : public MapJobs {
   void Step();
   // Waits for the threads instead: returns when all is idle, or false at the deadline.
   bool WaitUntilIdle(absl::Time deadline);
+  // Returns whether Stop would cut nothing off. Without threads it is always so: WaitUntilIdle does
+  // the work.
+  bool IsIdle() const;
   // Ends the threads; the map stays. What waits in the queue is dropped.
   void Stop();
 
@@ -56,12 +61,17 @@ class LocalMapSession : public MapJobs {
   GuardedMap& map() { return map_; }
   const GuardedMap& map() const { return map_; }
   const LoopCloser& loop_closer() const { return loop_closer_; }
+  // Returns EstimateBytes of the map, as of the last keyframe that was mapped or the last change of
+  // what others made.
+  uint64_t map_bytes() const { return map_bytes_; }
 
  private:
   MapperParts MakeMapperParts(SampleLog* local_ba_ms);
+  void OnMapped(KeyframeId id);
 
   const std::shared_ptr<const Vocabulary> vocabulary_;
   GuardedMap map_;
+  std::atomic<uint64_t> map_bytes_ = 0;
   MappingQueue queue_;
   PointStatistics statistics_;
   LookBook looks_;

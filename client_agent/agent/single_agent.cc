@@ -67,6 +67,11 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Create(const AgentOptions& options
         "agent: one that only localises needs a map store, and there is none");
   }
   if (vocabulary == nullptr) return absl::InvalidArgumentError("agent: no vocabulary");
+  if (options.max_map_bytes > 0 && uplink == nullptr) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("agent options: max_map_bytes is ", options.max_map_bytes,
+                     ", but without an uplink there is nowhere for the rest of the map to go"));
+  }
   ASSIGN_OR_RETURN(std::unique_ptr<Sensor> sensor, MakeSensor(calibration, options.sensor));
   ASSIGN_OR_RETURN(const RecordedCamera recorded_camera, RecordedCameraOf(calibration));
   return std::make_unique<SingleAgent>(options, std::move(sensor), calibration, recorded_camera,
@@ -100,7 +105,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
 
 SingleAgent::~SingleAgent() { current().Stop(); }
 
-void SingleAgent::OpenLocalMap() {
+void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_local) {
   LocalMapSessionOptions options;
   while (!options.local_map.IsValid()) options.local_map.value = random_();
   options.tracker.seed = options_.seed;
@@ -117,22 +122,31 @@ void SingleAgent::OpenLocalMap() {
   };
   options.local_ba_ms = &local_ba_ms_;
   current_session_ = std::make_shared<LocalMapSession>(options, camera_, vocabulary_);
+  {
+    absl::MutexLock lock(&mutex_);
+    presumed_global_from_local_ = global_from_local;
+  }
   link_->BeginLocalMap(current().map(), current());
   if (!options_.deterministic) current().Start();
   absl::MutexLock lock(&mutex_);
   sessions_.push_back(current_session_);
   has_pose_ = false;
-  found_global_from_local_.reset();
   ++status_.local_maps;
   status_.local_map = options.local_map;
 }
 
 void SingleAgent::LetGoOfFinished() {
-  absl::MutexLock lock(&mutex_);
-  while (sessions_.size() > 1 && !link_->Reads(sessions_.front()->map().local_map())) {
-    KeepResultsOf(*sessions_.front());
-    sessions_.erase(sessions_.begin());
+  Sessions finished;
+  {
+    absl::MutexLock lock(&mutex_);
+    while (sessions_.size() > 1 && !link_->Reads(sessions_.front()->map().local_map())) {
+      KeepResultsOf(*sessions_.front());
+      finished.push_back(std::move(sessions_.front()));
+      sessions_.erase(sessions_.begin());
+    }
   }
+  if (finished.empty() || options_.deterministic) return;
+  freeing_ = std::jthread([finished = std::move(finished)]() mutable { finished.clear(); });
 }
 
 // Keeps the results of a session whose map does not change any more.
@@ -163,6 +177,7 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   if (!paused && (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap())) {
     BeginLocalMap();
   }
+  HandOverIfFull(result);
   if (options_.deterministic) Step();
   LetGoOfFinished();
   return result;
@@ -194,7 +209,7 @@ bool SingleAgent::Use(const PlaceAnswer& answer) {
     const Rigid3d global_from_local =
         answer.camera_from_global.Inverse() * *question.camera_from_local;
     absl::MutexLock lock(&mutex_);
-    found_global_from_local_ = Similarity3d::FromRigid(global_from_local);
+    presumed_global_from_local_ = Similarity3d::FromRigid(global_from_local);
     return true;
   }
   const std::optional<Similarity3d> global_from_local = link_->GlobalFromLocal();
@@ -215,9 +230,13 @@ void SingleAgent::FollowOrders() {
 }
 
 void SingleAgent::BeginLocalMap() {
+  EndLocalMap();
+  OpenLocalMap();
+}
+
+void SingleAgent::EndLocalMap() {
   current().WaitUntilIdle(absl::Now() + absl::Seconds(1));
   current().Stop();
-  OpenLocalMap();
 }
 
 void SingleAgent::Watch(const Features& features) {
@@ -230,11 +249,13 @@ void SingleAgent::Watch(const Features& features) {
 void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
   const bool tracked = result.state == TrackingState::kTracking;
   const size_t foreign_keyframes = link_->shared_keyframes();
+  const bool is_placed = link_->GlobalFromLocal().has_value();
   tracking_ms_.Add(tracking_ms);
   {
     absl::MutexLock lock(&mutex_);
     status_.state = result.state;
     status_.why_no_pose = result.why_no_pose;
+    if (is_placed) presumed_global_from_local_.reset();
     ++status_.frames;
     ++(tracked ? status_.tracked : status_.lost);
     if (tracked) {
@@ -297,7 +318,7 @@ absl::Status SingleAgent::Finish(absl::Duration timeout) {
 std::optional<Similarity3d> SingleAgent::GlobalFromLocal() const {
   if (const auto told = link_->GlobalFromLocal()) return told;
   absl::MutexLock lock(&mutex_);
-  return found_global_from_local_;
+  return presumed_global_from_local_;
 }
 
 AgentTimings SingleAgent::GetTimings() const { return {tracking_ms_.Copy(), local_ba_ms_.Copy()}; }
@@ -328,6 +349,7 @@ AgentStatus SingleAgent::GetStatus() const {
   }
   status.mapping_paused = options_.orders != nullptr && options_.orders->mapping_paused();
   status.global_from_local = GlobalFromLocal();
+  status.map_bytes = sessions.back()->map_bytes();
   status.foreign_keyframes = static_cast<int>(link_->shared_keyframes());
   status.shared_updates = link_->shared_updates();
   status.upload = link_->upload();

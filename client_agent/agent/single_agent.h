@@ -5,11 +5,13 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <thread>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/agent/agent.h"
+#include "client_agent/agent/hand_over.h"
 #include "client_agent/agent/local_map_session.h"
 #include "client_agent/agent/smooth_pose.h"
 #include "client_agent/link/store_link.h"
@@ -39,7 +41,8 @@ class SingleAgent : public Agent {
   std::optional<NearMap> GetNearMap(const NearMapLimits& limits) const override;
 
  private:
-  void OpenLocalMap();
+  // `global_from_local` is where the new local map lies until the map store says it.
+  void OpenLocalMap(const std::optional<Similarity3d>& global_from_local = std::nullopt);
   void FollowOrders();
   void Watch(const Features& features);
   // Asks where the frame was that was tracked last, if it is lost or its map is in no place.
@@ -49,6 +52,12 @@ class SingleAgent : public Agent {
   bool Use(const PlaceAnswer& answer);
   void Record(const TrackingResult& result, double tracking_ms);
   void NoteLocated(bool tracked);
+  void EndLocalMap();
+  // Goes on in a new local map where the one in use is full and the frame is fit for it.
+  void HandOverIfFull(const TrackingResult& result);
+  HandOverEvidence GatherEvidence() const;
+  void HandOver(const HandedFrame& handed);
+  void WarnOfLateLink(uint64_t map_bytes);
   LocalMapSession& current() const { return *current_session_; }
   // What is left of local maps that ended, once nobody reads them any more.
   struct FinishedMaps {
@@ -58,7 +67,8 @@ class SingleAgent : public Agent {
   };
   using Sessions = std::vector<std::shared_ptr<const LocalMapSession>>;
 
-  // Lets go of local maps that ended and that the link has told to their end, oldest first.
+  // Lets go of local maps that ended and that the link has told to their end, oldest first. Their
+  // memory is freed on a thread of its own: that takes longer than a frame has.
   void LetGoOfFinished();
   void KeepResultsOf(const LocalMapSession& session) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -72,6 +82,7 @@ class SingleAgent : public Agent {
   std::mt19937_64 random_;
   std::shared_ptr<LocalMapSession> current_session_;
   SmoothPose smooth_pose_;
+  bool warned_of_late_link_ = false;
   SampleLog tracking_ms_;
   SampleLog local_ba_ms_;
 
@@ -86,12 +97,14 @@ class SingleAgent : public Agent {
   bool has_pose_ ABSL_GUARDED_BY(mutex_) = false;
   int64_t points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t foreign_points_matched_ ABSL_GUARDED_BY(mutex_) = 0;
-  // Where the local map in use lies by what the map store found of one of its frames.
-  std::optional<Similarity3d> found_global_from_local_ ABSL_GUARDED_BY(mutex_);
+  // Where the local map in use lies until the map store says it: by the local map before it, or by
+  // what the store found of one of its frames.
+  std::optional<Similarity3d> presumed_global_from_local_ ABSL_GUARDED_BY(mutex_);
   absl::Time first_frame_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
   PlaceInquiry inquiry_;
   // The link reads the sessions' maps, so that it is destroyed before them.
   std::unique_ptr<StoreLink> link_;
+  std::jthread freeing_;
 };
 
 }  // namespace corbslam::client_agent

@@ -21,6 +21,12 @@ class SmoothPose {
   // nobody knows it, and the camera is taken not to have moved.
   void Add(TrackingResult& result);
 
+  // Notes that the camera goes on in another local map at the pose that it has, which is no jump.
+  void GoOnIn(LocalMapId local_map) {
+    local_map_ = local_map;
+    corrections_ = 0;
+  }
+
  private:
   // Returns whether the pose does not go on from the one before by what the camera moved.
   bool Jumps(const TrackingResult& result) const;

@@ -85,6 +85,16 @@ TEST_F(SmoothPoseTest, InAnotherMapItGoesOnFromWhereItWas) {
   EXPECT_EQ(epoch_, 2u);
 }
 
+TEST_F(SmoothPoseTest, AHandOverIsNoJump) {
+  Add(Tracked(0, 0));
+  Add(Tracked(11, 1, kFirst, 1));
+  smooth_.GoOnIn(kSecond);
+  EXPECT_DOUBLE_EQ(Add(Tracked(12, 1, kSecond)), 2);
+  EXPECT_EQ(epoch_, 2u) << "the correction's";
+  EXPECT_DOUBLE_EQ(Add(Tracked(20, 1, kSecond, 1)), 3);
+  EXPECT_EQ(epoch_, 3u) << "a correction of the new local map";
+}
+
 TEST(PoseQualityTest, GrowsWithPointsAndTheirShare) {
   TrackingResult result = Tracked(0, 0);
   EXPECT_EQ(PoseQuality(result), 0);

@@ -56,6 +56,28 @@ TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
   return Conclude(std::move(frame), unrecognised ? WhyNoPose::kNotRecognised : picture);
 }
 
+std::optional<HandedFrame> Tracker::HandOver() const {
+  if (state_ != TrackingState::kTracking || mapping_paused_) return std::nullopt;
+  if (JudgePicture(*previous_) != WhyNoPose::kHasOne) return std::nullopt;
+  HandedFrame handed;
+  handed.frame.payload = previous_->payload;
+  handed.frame.words = previous_->words;
+  handed.frame.camera_from_map = previous_->camera_from_map;
+  handed.frame.associations.resize(previous_->associations.size());
+  handed.now_from_previous = velocity_;
+  return handed;
+}
+
+bool Tracker::TakeOver(const HandedFrame& handed) {
+  Frame frame = handed.frame;
+  MakeKeyframe(frame);
+  if (!frame.keyframe.IsValid()) return false;
+  state_ = TrackingState::kTracking;
+  velocity_ = handed.now_from_previous;
+  previous_ = std::move(frame);
+  return true;
+}
+
 bool Tracker::IsLostForGood() const {
   if (state_ != TrackingState::kLost || mapping_paused_) return false;
   if (why_lost_ != WhyNoPose::kNotRecognised) return false;
@@ -85,11 +107,11 @@ WhyNoPose Tracker::JudgePicture(const Frame& frame) const {
 bool Tracker::FindPose(Frame& frame) {
   std::optional<Solution> solution = SolveInOneMap(frame);
   if (!solution.has_value()) return false;
-  TakeOver(*std::move(solution), frame);
+  Accept(*std::move(solution), frame);
   return true;
 }
 
-void Tracker::TakeOver(Solution solution, Frame& frame) {
+void Tracker::Accept(Solution solution, Frame& frame) {
   const bool goes_on = state_ == TrackingState::kTracking;
   frames_since_relocalisation_ = goes_on ? frames_since_relocalisation_ + 1 : 0;
   frame = std::move(solution.frame);
@@ -110,7 +132,7 @@ bool Tracker::ResumeAt(std::shared_ptr<const KeyframePayload> payload,
   if (!RelocaliseNear(*parts_.map, camera_from_map, solution.frame)) return false;
   if (!TrackLocalMap(solution) || !IsBelievable(solution)) return false;
   Frame frame;
-  TakeOver(std::move(solution), frame);
+  Accept(std::move(solution), frame);
   SetReference(frame);
   DropTemporaryPoints(frame);
   velocity_.reset();

@@ -59,6 +59,13 @@ struct TrackerParts {
   LookBook* looks = nullptr;
 };
 
+// What tracking in one local map passes on to that in the next: a frame, with its pose in the old
+// map's frame and without what it sees there, and what the camera moved up to it.
+struct HandedFrame {
+  Frame frame;
+  std::optional<Rigid3d> now_from_previous;
+};
+
 // One thread may use it at a time. It waits for nothing but short locks.
 class Tracker {
  public:
@@ -66,6 +73,14 @@ class Tracker {
           const TrackerParts& parts);
 
   TrackingResult Track(int64_t timestamp_ns, Features features);
+
+  // Returns the newest frame, for the tracker of another local map to go on from. Nullopt where
+  // that has no pose or shows too little for a map to begin with, and while mapping is paused.
+  std::optional<HandedFrame> HandOver() const;
+  // Begins the map with a frame that another tracker handed over, at the pose that it has: poses go
+  // on as if it had been tracked here. To be called instead of Track for the first frame. Returns
+  // false, and does nothing, where mapping takes no keyframe.
+  bool TakeOver(const HandedFrame& handed);
 
   // While paused the map gets no keyframes, and none is begun or given up.
   void PauseMapping(bool paused) { mapping_paused_ = paused || options_.localise_only; }
@@ -96,7 +111,7 @@ class Tracker {
   using FirstPose = bool (Tracker::*)(Frame&) const;
 
   bool FindPose(Frame& frame);
-  void TakeOver(Solution solution, Frame& frame);
+  void Accept(Solution solution, Frame& frame);
   std::optional<Solution> SolveInOneMap(const Frame& frame);
   std::optional<Solution> Solve(const std::vector<FirstPose>& ways, const Frame& frame) const;
   bool FollowMotion(Frame& frame) const;

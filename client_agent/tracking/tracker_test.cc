@@ -248,6 +248,59 @@ TEST_F(TrackerTest, SaysHowItMovedAndHowSurelyItKnows) {
   EXPECT_LT(spread_m, 0.02);
 }
 
+// The map that the tracker goes on in, with what works on it.
+struct NextMap {
+  NextMap(const Vocabulary* vocabulary)
+      : tracker(Options(), std::make_shared<const Camera>(Scene().camera),
+                {&map, &queue, &statistics, vocabulary}) {}
+
+  GuardedMap map{LocalMapId{43}};
+  MappingQueue queue;
+  PointStatistics statistics;
+  Mapper mapper{{}, {&map, &queue, &statistics, nullptr, nullptr}};
+  Tracker tracker;
+};
+
+TEST_F(TrackerTest, GoesOnInAnotherMapFromTheFrameThatBothSee) {
+  TrackingResult before;
+  for (uint32_t i = 0; i < 20; ++i) before = Track(i);
+  const std::optional<HandedFrame> handed = tracker_.HandOver();
+  ASSERT_TRUE(handed.has_value());
+  NextMap next(vocabulary_.get());
+  ASSERT_TRUE(next.tracker.TakeOver(*handed));
+  for (uint32_t i = 20; i < 40; ++i) {
+    const TrackingResult result = next.tracker.Track(i * 100'000'000, Seen(i).payload->features);
+    while (next.mapper.Step()) {
+    }
+    ASSERT_EQ(result.state, TrackingState::kTracking) << i;
+    EXPECT_EQ(result.local_map, LocalMapId{43});
+    EXPECT_LT(Error(result, i), 0.03) << "in the frame of the map before, " << i;
+    ASSERT_TRUE(result.motion.has_value()) << i;
+    EXPECT_EQ(result.motion->since_ns, 100'000'000);
+  }
+  const Rigid3d first =
+      next.map.Read([](const Map& map) { return map.keyframes().begin()->second.camera_from_map; });
+  EXPECT_LT((CameraCentre(first) - CameraCentre(before.camera_from_local)).norm(), 1e-9);
+}
+
+TEST_F(TrackerTest, HandsOverOnlyWhatAMapCanBeginWith) {
+  EXPECT_FALSE(tracker_.HandOver().has_value()) << "nothing was tracked yet";
+  for (uint32_t i = 0; i < 10; ++i) Track(i);
+  tracker_.PauseMapping(true);
+  EXPECT_FALSE(tracker_.HandOver().has_value()) << "mapping is paused";
+  tracker_.PauseMapping(false);
+  Features flat = Seen(10).payload->features;
+  for (size_t i = 0; i < flat.keypoints.size(); ++i) {
+    if (i % 8 != 0) flat.keypoints[i].disparity_px = 0;
+  }
+  ASSERT_EQ(Finish(tracker_.Track(1'000'000'000, flat)).state, TrackingState::kTracking);
+  EXPECT_FALSE(tracker_.HandOver().has_value()) << "too few depths";
+  Track(11);
+  EXPECT_TRUE(tracker_.HandOver().has_value());
+  TrackElsewhere();
+  EXPECT_FALSE(tracker_.HandOver().has_value()) << "it is lost";
+}
+
 TEST_F(TrackerTest, ALargeMapIsGivenUpAfterManyLostFrames) {
   for (uint32_t i = 0; i < 40; ++i) Track(i);
   int frames = 0;

@@ -27,6 +27,7 @@
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/link_flags.h"
+#include "services/programs/memory_flags.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
 #include "services/programs/record_flags.h"
@@ -87,6 +88,7 @@ struct Flags {
   std::string upload = "features=all";
   LinkFlags link;
   ShareFlags share;
+  MemoryFlags memory;
   RecordFlags record;
   bool stay = false;
   bool strict = false;
@@ -128,14 +130,18 @@ absl::Status CheckLocaliseOnly(const Flags& flags) {
   if (flags.server.empty()) {
     return absl::InvalidArgumentError("--localise-only needs --server, whose map it localises in");
   }
-  const ShareMode mode = flags.share.mode;
+  const ShareMode mode = flags.share.mode.value_or(ShareMode::kEverything);
   if (mode == ShareMode::kNone || mode == ShareMode::kCorrections) {
     return absl::InvalidArgumentError(
         "--localise-only needs others' keyframes: --share nearby or everything");
   }
-  if (flags.spool_dir.empty()) return absl::OkStatus();
+  if (!flags.spool_dir.empty()) {
+    return absl::InvalidArgumentError(
+        "--spool-dir keeps what a robot maps, and with --localise-only it maps nothing");
+  }
+  if (flags.memory.budget_bytes == 0) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      "--spool-dir keeps what a robot maps, and with --localise-only it maps nothing");
+      "--memory-budget bounds what a robot maps, and with --localise-only it maps nothing");
 }
 
 // Returns null if no spool was asked for.
@@ -160,6 +166,10 @@ absl::StatusOr<FeatureSelection> ParseUpload(const Flags& flags) {
   return Locate(selection.status(), "--upload");
 }
 
+ShareFlags ShareOf(const Flags& flags) {
+  return flags.memory.budget_bytes > 0 ? WithBoundedMemory(flags.share) : flags.share;
+}
+
 AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload,
                               const SensorCalibration& calibration) {
   AgentOptions options;
@@ -176,8 +186,9 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.upload_features = upload;
   options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
   options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
-  options.share = ScopeOf(flags.share);
+  options.share = ScopeOf(ShareOf(flags));
   options.localise_only = flags.localise_only;
+  options.max_map_bytes = MaxMapBytes(flags.memory, options.max_outbox_bytes);
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   if (!flags.listen.empty()) {
@@ -265,7 +276,9 @@ std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   if (!flags.spool_dir.empty()) found.push_back(CheckFolder("--spool-dir", flags.spool_dir));
   if (!flags.spool_dir.empty() && flags.server.empty()) found.push_back(SpoolNeedsServer());
   if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
-  found.push_back(CheckShareFlags(flags.share, !flags.server.empty()));
+  const bool has_server = !flags.server.empty();
+  found.push_back(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20, has_server));
+  found.push_back(CheckShareFlags(ShareOf(flags), has_server));
   found.push_back(CheckPace(flags));
   found.push_back(CheckLocaliseOnly(flags));
   found.push_back(CheckRecording(flags.record));
@@ -438,6 +451,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   AddLinkFlags(app, flags.link);
   AddShareFlags(app, flags.share);
+  AddMemoryFlags(app, flags.memory);
   AddRecordFlags(app, flags.record);
   app.add_flag("--localise-only", flags.localise_only,
                "Map nothing: track the camera in what others mapped")

@@ -24,10 +24,11 @@ std::string CheckRadius(const std::string& text) {
 }  // namespace
 
 void AddShareFlags(CLI::App& app, ShareFlags& flags) {
-  app.add_option("--share", flags.mode,
-                 "What the map store tells the robot: everything; nearby: others' keyframes near "
-                 "it; corrections: where its own map is in all's; none: nothing, and WatchPose has "
-                 "no global_from_local")
+  app.add_option_function<ShareMode>(
+         "--share", [&flags](ShareMode mode) { flags.mode = mode; },
+         "What the map store tells the robot: everything; nearby: others' keyframes near "
+         "it; corrections: where its own map is in all's; none: nothing, and WatchPose has "
+         "no global_from_local")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, ShareMode>{{"none", ShareMode::kNone},
                                            {"corrections", ShareMode::kCorrections},
@@ -50,19 +51,25 @@ void AddShareFlags(CLI::App& app, ShareFlags& flags) {
 }
 
 absl::Status CheckShareFlags(const ShareFlags& flags, bool has_server) {
-  if (flags.has_radius && flags.mode != ShareMode::kNearby) {
+  const ShareMode mode = flags.mode.value_or(flags.otherwise);
+  if (flags.has_radius && mode != ShareMode::kNearby) {
     return absl::InvalidArgumentError(
         absl::StrCat("--share-radius is ", flags.radius_m, ", but needs --share nearby"));
   }
-  if (has_server || flags.mode == ShareMode::kEverything) return absl::OkStatus();
+  if (has_server || mode == ShareMode::kEverything) return absl::OkStatus();
   return absl::InvalidArgumentError("--share needs --server");
 }
 
 ShareScope ScopeOf(const ShareFlags& flags) {
   ShareScope scope;
-  scope.mode = flags.mode;
-  if (flags.mode == ShareMode::kNearby) scope.radius_m = flags.radius_m;
+  scope.mode = flags.mode.value_or(flags.otherwise);
+  if (scope.mode == ShareMode::kNearby) scope.radius_m = flags.radius_m;
   return scope;
+}
+
+ShareFlags WithBoundedMemory(ShareFlags flags) {
+  flags.otherwise = ShareMode::kNearby;
+  return flags;
 }
 
 }  // namespace corbslam::services

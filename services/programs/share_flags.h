@@ -3,6 +3,7 @@
 #define CORBSLAM_SERVICES_PROGRAMS_SHARE_FLAGS_H_
 
 #include <CLI/CLI.hpp>
+#include <optional>
 
 #include "absl/status/status.h"
 #include "slam/exchange/uplink.h"
@@ -10,7 +11,9 @@
 namespace corbslam::services {
 
 struct ShareFlags {
-  ShareMode mode = ShareMode::kEverything;
+  // Nullopt: --share was not given, and the mode is `otherwise`.
+  std::optional<ShareMode> mode;
+  ShareMode otherwise = ShareMode::kEverything;
   double radius_m = ShareScope().radius_m;
   // The radius was given.
   bool has_radius = false;
@@ -23,6 +26,9 @@ void AddShareFlags(CLI::App& app, ShareFlags& flags);
 // without a map store.
 absl::Status CheckShareFlags(const ShareFlags& flags, bool has_server);
 ShareScope ScopeOf(const ShareFlags& flags);
+// Returns the flags of a robot whose memory is bounded: without --share it is told of what is
+// nearby.
+ShareFlags WithBoundedMemory(ShareFlags flags);
 
 }  // namespace corbslam::services
 

@@ -16,6 +16,11 @@ double Number(uint64_t value) { return static_cast<double>(value); }
 
 void AddMap(const AgentStatus& status, Families& families) {
   families.Counter("corbslam_robot_local_maps_total", "Local maps begun.", status.local_maps);
+  families.Counter("corbslam_robot_hand_overs_total",
+                   "Local maps begun because the one before was full.", status.hand_overs);
+  families.Gauge("corbslam_robot_map_bytes",
+                 "About what the local map in use takes in memory, with what others made in it.",
+                 Number(status.map_bytes));
   families.Gauge("corbslam_robot_keyframes", "Own keyframes of all local maps.", status.keyframes);
   families.Gauge("corbslam_robot_map_points", "Own points of all local maps.", status.map_points);
   families.Gauge("corbslam_robot_shared_keyframes", "Keyframes of other robots that are held.",

@@ -37,6 +37,8 @@ RobotReport MakeRobotReport(const Agent& agent) {
   report.tracked = status.tracked;
   report.lost = status.lost;
   report.local_maps = status.local_maps;
+  report.hand_overs = status.hand_overs;
+  report.map_mb = static_cast<double>(status.map_bytes) / (1 << 20);
   report.first_upload_s = status.first_upload_s;
   report.keyframes_held = status.foreign_keyframes;
   report.points_matched_percent = status.foreign_points_percent;

@@ -67,6 +67,8 @@ struct RobotReport {
   int left_out = 0;       // Frames that could not be read.
   double pictures_s = 0;  // Seconds that its camera took for `frames`.
   int local_maps = 0;
+  int hand_overs = 0;
+  double map_mb = 0;  // About what the last local map took in memory, in units of 2^20 bytes.
   std::optional<double> first_upload_s;
   int keyframes_held = 0;
   double points_matched_percent = 0;

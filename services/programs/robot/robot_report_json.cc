@@ -27,6 +27,8 @@ void VisitFields(Report& report, Visitor& visit) {
   visit("/left_out", report.left_out);
   visit("/pictures_s", report.pictures_s);
   visit("/local_maps", report.local_maps);
+  visit("/hand_overs", report.hand_overs);
+  visit("/map_mb", report.map_mb);
   visit("/first_upload_s", report.first_upload_s);
   visit("/shared/keyframes_held", report.keyframes_held);
   visit("/shared/points_matched_percent", report.points_matched_percent);

@@ -26,6 +26,8 @@ RobotReport MakeWholeReport() {
   report.left_out = 105;
   report.pictures_s = 10.625;
   report.local_maps = 107;
+  report.hand_overs = 135;
+  report.map_mb = 136.5;
   report.first_upload_s = 0.1;
   report.keyframes_held = 109;
   report.points_matched_percent = 11.0;

@@ -1,0 +1,101 @@
+#include "services/programs/memory_flags.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace corbslam::services {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr uint64_t kOutbox = uint64_t{64} << 20;
+constexpr uint64_t kMiB = uint64_t{1} << 20;
+
+struct Parsed {
+  MemoryFlags memory;
+  ShareFlags share;
+  std::string error;  // Empty: the arguments are good.
+
+  absl::Status Check(bool has_server = true) const {
+    return CheckMemoryFlags(memory, share, kOutbox, has_server);
+  }
+};
+
+Parsed Parse(const std::vector<std::string>& arguments) {
+  Parsed parsed;
+  CLI::App app;
+  AddMemoryFlags(app, parsed.memory);
+  AddShareFlags(app, parsed.share);
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::Error& error) {
+    parsed.error = error.what();
+  }
+  return parsed;
+}
+
+TEST(MemoryFlagsTest, WithoutItThereIsNoBound) {
+  const Parsed parsed = Parse({});
+  EXPECT_EQ(parsed.memory.budget_bytes, 0u);
+  EXPECT_EQ(MaxMapBytes(parsed.memory, kOutbox), 0u);
+  EXPECT_TRUE(parsed.Check(/*has_server=*/false).ok());
+}
+
+TEST(MemoryFlagsTest, AreBytesWithAUnit) {
+  EXPECT_EQ(Parse({"--memory-budget", "500MB"}).memory.budget_bytes, 500 * kMiB);
+  EXPECT_EQ(Parse({"--memory-budget=1GiB"}).memory.budget_bytes, 1024 * kMiB);
+  EXPECT_THAT(Parse({"--memory-budget", "much"}).error,
+              AllOf(HasSubstr("--memory-budget"), HasSubstr("much")));
+  EXPECT_NE(Parse({"--memory-budget", "-5MB"}).error, "");
+}
+
+TEST(MemoryFlagsTest, TheMapHasWhatTheRestLeaves) {
+  const Parsed parsed = Parse({"--memory-budget", "500MB"});
+  EXPECT_TRUE(parsed.Check().ok()) << parsed.Check();
+  const uint64_t map = MaxMapBytes(parsed.memory, kOutbox);
+  EXPECT_GT(map, 150 * kMiB);
+  EXPECT_LT(map + kRobotItself_bytes + kOutbox, 500 * kMiB);
+  EXPECT_GT(MaxMapBytes(parsed.memory, 0), map) << "what the outbox does not take is the map's";
+}
+
+TEST(MemoryFlagsTest, TooLittleIsRefusedWithValueAndLimit) {
+  const uint64_t least = kRobotItself_bytes + kOutbox + kLeastForMap_bytes;
+  EXPECT_THAT(Parse({"--memory-budget", "500"}).Check().message(),
+              AllOf(HasSubstr("--memory-budget is 500 bytes"),
+                    HasSubstr(std::to_string(least >> 20) + " MiB"), HasSubstr("with a unit")));
+  EXPECT_TRUE(absl::IsInvalidArgument(Parse({"--memory-budget", "287MB"}).Check()));
+  Parsed parsed;
+  parsed.memory.budget_bytes = least;
+  EXPECT_TRUE(parsed.Check().ok());
+  EXPECT_GT(MaxMapBytes(parsed.memory, kOutbox), 40 * kMiB);
+  --parsed.memory.budget_bytes;
+  EXPECT_FALSE(parsed.Check().ok());
+}
+
+TEST(MemoryFlagsTest, NeedsAStore) {
+  EXPECT_THAT(Parse({"--memory-budget", "500MB"}).Check(/*has_server=*/false).message(),
+              HasSubstr("--memory-budget needs --server"));
+}
+
+TEST(MemoryFlagsTest, OthersMapsAreBoundedToo) {
+  Parsed parsed = Parse({"--memory-budget", "500MB", "--share", "everything"});
+  EXPECT_THAT(parsed.Check().message(),
+              AllOf(HasSubstr("--share everything"), HasSubstr("--share nearby")));
+  for (const char* mode : {"nearby", "corrections", "none"}) {
+    EXPECT_TRUE(Parse({"--memory-budget", "500MB", "--share", mode}).Check().ok()) << mode;
+  }
+  parsed = Parse({"--memory-budget", "500MB", "--share-radius", "30"});
+  EXPECT_TRUE(parsed.Check().ok());
+  const ShareFlags bounded = WithBoundedMemory(parsed.share);
+  EXPECT_TRUE(CheckShareFlags(bounded, /*has_server=*/true).ok());
+  EXPECT_EQ(ScopeOf(bounded), (ShareScope{ShareMode::kNearby, 30}));
+  const Parsed none = Parse({"--share", "none"});
+  EXPECT_EQ(ScopeOf(WithBoundedMemory(none.share)).mode, ShareMode::kNone);
+}
+
+}  // namespace
+}  // namespace corbslam::services
