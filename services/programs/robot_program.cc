@@ -335,6 +335,10 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
   AgentOptions options = MakeAgentOptions(flags, upload, calibration);
   if (channel != nullptr) options.ask_place = MakePlaceAsker(channel, flags.mission);
+  if (options.max_map_bytes > 0) {
+    LOG(INFO) << "memory budget: " << (flags.memory.budget_bytes >> 20) << " MiB, of which "
+              << (options.max_map_bytes >> 20) << " MiB are for the local map in use";
+  }
   ASSIGN_OR_RETURN(const auto recorder,
                    StartRecording(flags.record,
                                   {options, flags.source, flags.pace, uplink != nullptr,

@@ -28,7 +28,7 @@ void AddShareFlags(CLI::App& app, ShareFlags& flags) {
          "--share", [&flags](ShareMode mode) { flags.mode = mode; },
          "What the map store tells the robot: everything; nearby: others' keyframes near "
          "it; corrections: where its own map is in all's; none: nothing, and WatchPose has "
-         "no global_from_local")
+         "no global_from_local. With --memory-budget it is nearby unless said otherwise")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, ShareMode>{{"none", ShareMode::kNone},
                                            {"corrections", ShareMode::kCorrections},
