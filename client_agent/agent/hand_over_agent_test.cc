@@ -201,7 +201,7 @@ TEST_F(HandOverAgentTest, ALocalMapThatIsBegunAnewInheritsNoPlace) {
 }
 
 TEST_F(HandOverAgentTest, NothingLeavesMemoryBeforeItIsSafe) {
-  uplink_.reachable = false;
+  uplink_.acknowledge = false;
   AgentOptions options = Bounded(kFewBytes);
   options.max_outbox_bytes = 1 << 20;
   const std::unique_ptr<Agent> agent = Make(options);
@@ -212,9 +212,10 @@ TEST_F(HandOverAgentTest, NothingLeavesMemoryBeforeItIsSafe) {
   EXPECT_EQ(status.local_maps, 1) << "the map waits in memory, whole";
   EXPECT_GT(status.map_bytes, 2 * kFewBytes);
   EXPECT_EQ(agent->CopyMap().keyframes().size(), static_cast<size_t>(status.keyframes));
-  // The link is back.
-  uplink_.reachable = true;
-  absl::SleepFor(absl::Seconds(1));
+  // The store says in the next session what it has.
+  uplink_.acknowledge = true;
+  uplink_.Break(absl::UnavailableError("cut"));
+  absl::SleepFor(absl::Milliseconds(500));
   for (int i = kFrames - 1; i > kFrames - 20; --i) Track(*agent, i);
   EXPECT_EQ(agent->GetStatus().hand_overs, 1);
   EXPECT_LT(agent->GetStatus().map_bytes, status.map_bytes / 2);

@@ -337,7 +337,8 @@ absl::Status Run(const Flags& flags) {
   if (channel != nullptr) options.ask_place = MakePlaceAsker(channel, flags.mission);
   if (options.max_map_bytes > 0) {
     LOG(INFO) << "memory budget: " << (flags.memory.budget_bytes >> 20) << " MiB, of which "
-              << (options.max_map_bytes >> 20) << " MiB are for the local map in use";
+              << (options.max_map_bytes >> 20) << " MiB are for the local map in use"
+              << (flags.share.mode.has_value() ? "" : "; --share is nearby, because of it");
   }
   ASSIGN_OR_RETURN(const auto recorder,
                    StartRecording(flags.record,

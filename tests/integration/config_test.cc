@@ -94,13 +94,15 @@ TEST(ConfigTest, InvalidConfigurationsEndWithTwoAndSayAllThatIsWrong) {
                                 HasSubstr("map_store: --worker: address is \"a:b\""),
                                 HasSubstr("/none.voc"), HasSubstr("/dev/null is no folder"),
                                 HasSubstr("max_missions"), HasSubstr("--tls-cert")));
-  const Ended agent = RunToEnd(
-      "client_agent", {"--validate-config", "--source", "tum:/nowhere", "--agent", "a b",
-                       "--spool-dir", TempFile("spool"), "--stats", "/nowhere/stats.json"});
+  const Ended agent =
+      RunToEnd("client_agent",
+               {"--validate-config", "--source", "tum:/nowhere", "--agent", "a b", "--spool-dir",
+                TempFile("spool"), "--stats", "/nowhere/stats.json", "--memory-budget", "500MB"});
   EXPECT_EQ(agent.exit_code, 2);
   EXPECT_THAT(agent.text,
               AllOf(HasSubstr("/nowhere: there is no such folder"), HasSubstr("--agent is \"a b\""),
-                    HasSubstr("--spool-dir needs --server"), HasSubstr("/nowhere/stats.json")));
+                    HasSubstr("--spool-dir needs --server"), HasSubstr("/nowhere/stats.json"),
+                    HasSubstr("--memory-budget needs --server")));
   // This can't even be parsed.
   const Ended flag = RunToEnd("fusion_worker", {"--validate-config", "--threads", "none"});
   EXPECT_EQ(flag.exit_code, 2);
