@@ -13,7 +13,7 @@ struct HandOverLimits {
   uint64_t max_map_bytes = 0;
   // A local map of fewer own keyframes goes on: where others' fill it, the next one would soon be
   // as full, and the map store would find no way to join what is so short.
-  int min_own_keyframes = 20;
+  int min_own_keyframes = 10;
   // A frame that is handed over must agree with so many points, and with this share of those in
   // view: twice what tracking asks for at least.
   int min_points_matched = 60;

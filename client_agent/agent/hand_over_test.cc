@@ -34,9 +34,9 @@ TEST(HandOverTest, AMapThatFitsGoesOn) {
 TEST(HandOverTest, AMapThatOthersFillIsNotLeftAtOnce) {
   HandOverEvidence evidence = Full();
   evidence.map_bytes = 5000;
-  evidence.own_keyframes = 19;
+  evidence.own_keyframes = 9;
   EXPECT_EQ(Judge(evidence), HandOverVerdict::kFits);
-  evidence.own_keyframes = 20;
+  evidence.own_keyframes = 10;
   EXPECT_EQ(Judge(evidence), HandOverVerdict::kNow);
 }
 
