@@ -1,15 +1,13 @@
 #include <atomic>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "services/agent_service/agent_service.h"
+#include "services/agent_service/near_map_message.h"
 #include "services/agent_service/pulled_stream.h"
-#include "services/convert/geometry.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -20,28 +18,6 @@ using client_agent::NearMapLimits;
 namespace {
 
 constexpr uint32_t kMostPoints = 200'000;
-
-void WritePoints(const std::vector<Eigen::Vector3f>& points,
-                 google::protobuf::RepeatedField<float>* proto) {
-  proto->Reserve(static_cast<int>(3 * points.size()));
-  for (const Eigen::Vector3f& point : points) proto->Add(point.begin(), point.end());
-}
-
-void Write(const NearMap& near, v1::WatchAgentMapResponse& response) {
-  response.set_timestamp_ns(near.timestamp_ns);
-  response.set_local_map(ToString(near.local_map));
-  response.mutable_centre()->Add(near.centre.begin(), near.centre.end());
-  WritePoints(near.own_points, response.mutable_own_points());
-  WritePoints(near.shared_points, response.mutable_shared_points());
-  for (const NearMap::NearKeyframe& keyframe : near.keyframes) {
-    v1::NearKeyframe* proto = response.add_keyframes();
-    proto->set_local_map(ToString(keyframe.id.local_map));
-    proto->set_index(keyframe.id.index);
-    ToProto(keyframe.local_from_camera, proto->mutable_local_from_camera());
-    proto->set_shared(keyframe.shared);
-  }
-  response.set_truncated(near.truncated);
-}
 
 // Looks at the map with the first frame after each interval.
 class WatchMapReactor : public PulledStream<v1::WatchAgentMapResponse> {
@@ -64,7 +40,7 @@ class WatchMapReactor : public PulledStream<v1::WatchAgentMapResponse> {
 
   bool Make(v1::WatchAgentMapResponse& response) override {
     const std::optional<NearMap> near = agent_.GetNearMap(limits_);
-    if (near.has_value()) Write(*near, response);
+    if (near.has_value()) ToProto(*near, &response);
     return near.has_value();
   }
   void Unsubscribe() override { board_.Remove(token_); }

@@ -33,6 +33,7 @@
 #include "services/programs/record_flags.h"
 #include "services/programs/robot/agent_run.h"
 #include "services/programs/robot/agent_trajectories.h"
+#include "services/programs/robot/held_map_file.h"
 #include "services/programs/robot/robot_report.h"
 #include "services/programs/robot/robot_source.h"
 #include "services/programs/robot/source_json.h"
@@ -75,6 +76,7 @@ struct Flags {
   Pace pace = Pace::kMax;
   std::string listen;
   std::string stats;
+  std::string held_map;
   std::string trajectory;
   PosesOf poses_of = PosesOf::kRecordedCamera;
   std::string vocabulary = DefaultVocabularyPath();
@@ -228,6 +230,7 @@ absl::Status WriteResults(const Flags& flags, const Agent& agent,
   if (!flags.trajectory.empty()) {
     RETURN_IF_ERROR(WriteAgentTrajectories(agent, calibration, flags.poses_of, flags.trajectory));
   }
+  if (!flags.held_map.empty()) RETURN_IF_ERROR(WriteHeldMap(GetHeldMap(agent), flags.held_map));
   const std::string statistics = ToJson(report).dump(2) + "\n";
   LOG(INFO) << LogFields{.mission = flags.mission, .agent = flags.agent} << "done\n" << statistics;
   return flags.stats.empty() ? absl::OkStatus() : WriteText(flags.stats, statistics);
@@ -282,7 +285,7 @@ std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   found.push_back(CheckPace(flags));
   found.push_back(CheckLocaliseOnly(flags));
   found.push_back(CheckRecording(flags.record));
-  for (const std::string& file : {flags.stats, flags.trajectory}) {
+  for (const std::string& file : {flags.stats, flags.trajectory, flags.held_map}) {
     if (!file.empty()) found.push_back(CheckFolderOf(file));
   }
   const std::vector<absl::Status> observing = CheckObserving(flags.observe);
@@ -413,6 +416,10 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->default_str("max");
   app.add_option("--listen", flags.listen, "HOST:PORT for other programs on the robot");
   app.add_option("--stats", flags.stats, "File to write statistics to, as JSON");
+  app.add_option(
+         "--held-map", flags.held_map,
+         "File for what the robot holds of its own and others' map in the end, for pictures")
+      ->group(kRareGroup);
   app.add_option("--trajectory", flags.trajectory,
                  "File for the trajectory, as TUM; of further local maps: FILE.2 and so on");
   app.add_option("--poses-of", flags.poses_of,

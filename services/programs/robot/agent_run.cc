@@ -83,6 +83,7 @@ absl::Status PlayStream(
     FollowDrive((*next)->frame, drive, agent);
     ASSIGN_OR_RETURN(const TrackingResult result, agent.Track((*next)->images));
     ++frames.played;
+    frames.relocalised.Add(result);
     if (const auto line = no_pose.Add(result, (*next)->images)) LOG(WARNING) << *line;
     if (const auto came = (*next)->came; came.has_value()) {
       const std::chrono::duration<double, std::milli> latency =
@@ -130,6 +131,8 @@ void AddRun(const FrameStream& stream, const PlayedFrames& played, const SourceF
   report.frames = static_cast<int>(frames);
   report.dropped = static_cast<int>(played.dropped);
   report.left_out = static_cast<int>(played.left_out);
+  report.relocalised = played.relocalised.all();
+  report.shared_relocalised = played.relocalised.by_others();
   report.latency_ms = SpreadOf(played.latency_ms);
   report.pictures_s = PicturesTime_s(stream, frames);
   report.warnings = ToReportWarnings(warnings);

@@ -12,6 +12,7 @@
 #include "client_agent/source/frame_stream.h"
 #include "client_agent/source/source_description.h"
 #include "services/programs/robot/paced_stream.h"
+#include "services/programs/robot/relocalisation_count.h"
 #include "services/programs/robot/robot_report.h"
 #include "slam/util/bounded_sample.h"
 
@@ -23,6 +24,7 @@ struct PlayedFrames {
   uint64_t left_out = 0;     // Frames that could not be read.
   BoundedSample latency_ms;  // From a camera's picture to its pose.
   SourcePace source_pace;    // Of a source that makes its frames, at Pace::kSensor.
+  RelocalisationCount relocalised;
 };
 
 // Plays until the last frame, or until `stop`. `on_frame` is called with each result and the number

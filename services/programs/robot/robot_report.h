@@ -75,7 +75,9 @@ struct RobotReport {
   int shared_loops_closed = 0;
   int places_told = 0;
   std::optional<double> located_after_s;
+  int shared_relocalised = 0;  // Of `relocalised`, by points most of which others made.
   int loops_closed = 0;
+  int relocalised = 0;
   int keyframes = 0;
   int map_points = 0;
   std::optional<double> ate_m;
@@ -98,8 +100,8 @@ struct RobotReport {
 };
 
 // Returns the report without what only the player of the pictures knows: name, source and its
-// description, dropped and unread frames, the pictures' time, warnings, bytes, memory, processor
-// time and accuracy.
+// description, dropped, unread and relocalised frames, the pictures' time, warnings, bytes, memory,
+// processor time and accuracy.
 RobotReport MakeRobotReport(const client_agent::Agent& agent);
 
 // Returns the findings in the form that reports have.

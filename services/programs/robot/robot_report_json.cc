@@ -35,7 +35,9 @@ void VisitFields(Report& report, Visitor& visit) {
   visit("/shared/loops_closed", report.shared_loops_closed);
   visit("/shared/places_told", report.places_told);
   visit("/shared/located_after_s", report.located_after_s);
+  visit("/shared/relocalised", report.shared_relocalised);
   visit("/loops_closed", report.loops_closed);
+  visit("/relocalised", report.relocalised);
   visit("/keyframes", report.keyframes);
   visit("/map_points", report.map_points);
   visit("/ate_m", report.ate_m);

@@ -35,6 +35,8 @@ RobotReport MakeWholeReport() {
   report.places_told = 112;
   report.located_after_s = 0.113;
   report.loops_closed = 112;
+  report.shared_relocalised = 135;
+  report.relocalised = 136;
   report.keyframes = 113;
   report.map_points = 114;
   report.ate_m = 0.015;
@@ -90,6 +92,8 @@ TEST(RobotReportTest, NamesOfFieldsStay) {
   EXPECT_EQ(json["shared"]["points_matched_percent"], 11.0);
   EXPECT_EQ(json["shared"]["loops_closed"], 111);
   EXPECT_EQ(json["loops_closed"], 112);
+  EXPECT_EQ(json["shared"]["relocalised"], 135);
+  EXPECT_EQ(json["relocalised"], 136);
   EXPECT_EQ(json["tracking_ms"]["median"], 20.5);
   EXPECT_EQ(json["tracking_ms"]["mean"], 21.5);
   EXPECT_EQ(json["latency_ms"], (Json{{"median", 25.5}, {"mean", 26.5}, {"p99", 27.5}}));

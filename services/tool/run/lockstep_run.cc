@@ -10,6 +10,7 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/robot/agent_run.h"
+#include "services/programs/robot/held_map_file.h"
 #include "services/programs/robot/inspected_source.h"
 #include "services/programs/robot/pictures_time.h"
 #include "services/programs/robot/robot_report.h"
@@ -28,6 +29,7 @@ using client_agent::FormatSourceSpec;
 using client_agent::FrameStream;
 using client_agent::NextFrame;
 using client_agent::StreamFrame;
+using client_agent::TrackingResult;
 using fusion_worker::FusionWorkerOptions;
 using fusion_worker::MakeLocalFusionWorker;
 using map_store::InMemoryJournal;
@@ -51,6 +53,7 @@ struct LockstepRobot {
   std::unique_ptr<DirectUplink> uplink;
   std::unique_ptr<Agent> agent;  // Destroyed before the uplink. Null if it could not begin.
   size_t frames = 0;
+  RelocalisationCount relocalised;
   bool has_ended = false;
 };
 
@@ -113,6 +116,7 @@ absl::Status Lockstep::OpenRobot(LockstepRobot& robot) {
   options.name = robot.plan.name;
   options.seed = options_.seed.value_or(kSeed);
   options.deterministic = true;
+  if (options_.alone) options.share.mode = ShareMode::kNone;
   const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = is_stereo ? kStereoFeatures : kRgbdFeatures;
   ASSIGN_OR_RETURN(robot.agent,
@@ -132,7 +136,9 @@ absl::Status Lockstep::TakeFrame(LockstepRobot& robot) {
   const int drive = taken->frame.drive;
   if (robot.drive.value_or(drive) != drive) robot.agent->BeginLocalMap();
   robot.drive = drive;
-  return robot.agent->Track(taken->images).status();
+  ASSIGN_OR_RETURN(const TrackingResult result, robot.agent->Track(taken->images));
+  robot.relocalised.Add(result);
+  return absl::OkStatus();
 }
 
 // Lets the store fuse until it is idle, then hands out what is new.
@@ -198,6 +204,8 @@ RobotReport Report(const LockstepRobot& robot) {
   if (robot.agent != nullptr) {
     report = MakeRobotReport(*robot.agent);
     DescribeSource(robot, report);
+    report.relocalised = robot.relocalised.all();
+    report.shared_relocalised = robot.relocalised.by_others();
     report.bytes_up = robot.uplink->bytes_up();
     report.bytes_down = robot.uplink->bytes_down();
   }
@@ -217,6 +225,7 @@ absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {
   RETURN_IF_ERROR(ReadOutcome(reader, options_.robots, outcome));
   for (const LockstepRobot& robot : robots_) {
     outcome.report.robots.push_back(Report(robot));
+    outcome.held.push_back(robot.agent == nullptr ? std::nullopt : GetHeldMap(*robot.agent));
     for (const ReportWarning& warning : outcome.report.robots.back().warnings) {
       if (warning.code != "robot-failed" && warning.code != "nothing-tracked") continue;
       outcome.failures.push_back(absl::StrCat(robot.plan.name, ": ", warning.text));

@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "client_agent/map/near_map.h"
 #include "services/client/store/served_mission.h"
 #include "services/client/store/store_reader.h"
 #include "services/security/security_options.h"
@@ -24,6 +25,9 @@ struct MissionRunOptions {
   std::vector<RobotPlan> robots;
   // True: the robots play one after the other instead of all at once.
   bool sequential = false;
+  // True: the robots bring their maps as ever, but are told nothing of what others made, as with
+  // client_agent --share none.
+  bool alone = false;
   // Seeds local map ids and every random choice. Nullopt: 1 in lockstep, another number each time
   // for processes, so that a mission can be taken up again.
   std::optional<uint64_t> seed;
@@ -51,6 +55,9 @@ struct MissionOutcome {
   RunReport report;
   std::vector<RobotPaths> paths;  // In the order of the robots.
   ServedMap map;
+  // What each robot held in the end, its own map and what came of others', in its local map's
+  // frame; in the order of the robots. Nullopt for one that never had a pose or left nothing.
+  std::vector<std::optional<client_agent::NearMap>> held;
   // What went wrong with single robots: "alpha: ...". The others' results are still valid.
   std::vector<std::string> failures;
 };

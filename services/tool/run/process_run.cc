@@ -17,6 +17,7 @@
 #include "client_agent/source/frame_reader.h"
 #include "corbslam/v1/agent_service.grpc.pb.h"
 #include "services/client/remote/channel.h"
+#include "services/programs/robot/held_map_file.h"
 #include "services/programs/robot/robot_report.h"
 #include "services/runtime/child_process.h"
 #include "services/simulated_source/simulated_source.h"
@@ -28,6 +29,7 @@ namespace corbslam::services {
 using client_agent::FormatSourceSpec;
 using client_agent::FrameReader;
 using client_agent::FramesOf;
+using client_agent::NearMap;
 using client_agent::OpenReader;
 
 namespace {
@@ -43,6 +45,7 @@ struct RunningAgent {
   RobotPlan plan;
   size_t frames = 0;
   std::string statistics_path;
+  std::string held_map_path;
   std::unique_ptr<ChildProcess> process;
   std::string address;                    // Empty if it does not serve.
   std::unique_ptr<v1::Agent::Stub> stub;  // Null if the agent does not stay after its last frame.
@@ -66,9 +69,9 @@ class ProcessRun {
                                           bool needs_vocabulary);
   // The store has a journal where somebody may want to see the map's past.
   absl::Status StartServers();
-  // Returns the path of a folder of the logs' that is not there: what an earlier run left is
-  // removed.
-  absl::StatusOr<std::string> MakeFreshFolder(const std::string& name) const;
+  // Returns the path of a file or folder of the logs' that is not there: what an earlier run left
+  // is removed.
+  absl::StatusOr<std::string> MakeFreshPath(const std::string& name) const;
   // Starts a viewer of the mission, which also asks the agents that run, and says where it is.
   absl::Status StartViewer();
   // Starts an agent. With `stays` it is connected until it is stopped, and takes in what others
@@ -130,19 +133,19 @@ absl::Status ProcessRun::StartServers() {
   ASSIGN_OR_RETURN(const std::string worker, StartServer("fusion_worker", {}, false));
   std::vector<std::string> arguments = {"--worker", worker};
   if (options_.view) {
-    ASSIGN_OR_RETURN(const std::string folder, MakeFreshFolder("missions"));
+    ASSIGN_OR_RETURN(const std::string folder, MakeFreshPath("missions"));
     arguments.insert(arguments.end(), {"--data-dir", folder});
   }
   ASSIGN_OR_RETURN(store_address_, StartServer("map_store", std::move(arguments), true));
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::string> ProcessRun::MakeFreshFolder(const std::string& name) const {
-  const std::string folder = absl::StrCat(options_.log_folder, "/", name);
+absl::StatusOr<std::string> ProcessRun::MakeFreshPath(const std::string& name) const {
+  const std::string path = absl::StrCat(options_.log_folder, "/", name);
   std::error_code error;
-  std::filesystem::remove_all(folder, error);
-  if (error) return absl::UnavailableError(absl::StrCat(folder, ": ", error.message()));
-  return folder;
+  std::filesystem::remove_all(path, error);
+  if (error) return absl::UnavailableError(absl::StrCat(path, ": ", error.message()));
+  return path;
 }
 
 void AppendFlags(const SecurityOptions& security, std::vector<std::string>& arguments) {
@@ -197,13 +200,15 @@ absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
     ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(plan.source));
     agent.frames = FramesOf(plan.source, reader->frame_count()).size();
   }
-  agent.statistics_path = absl::StrCat(options_.log_folder, "/", plan.name, ".json");
-  std::vector<std::string> arguments = {"--source",  FormatSourceSpec(plan.source),
-                                        "--server",  store_address_,
-                                        "--mission", options_.mission,
-                                        "--agent",   plan.name,
-                                        "--pace",    options_.pace,
-                                        "--stats",   agent.statistics_path};
+  ASSIGN_OR_RETURN(agent.statistics_path, MakeFreshPath(plan.name + ".json"));
+  ASSIGN_OR_RETURN(agent.held_map_path, MakeFreshPath(plan.name + ".map"));
+  std::vector<std::string> arguments = {"--source",   FormatSourceSpec(plan.source),
+                                        "--server",   store_address_,
+                                        "--mission",  options_.mission,
+                                        "--agent",    plan.name,
+                                        "--pace",     options_.pace,
+                                        "--stats",    agent.statistics_path,
+                                        "--held-map", agent.held_map_path};
   if (options_.seed.has_value()) {
     arguments.insert(arguments.end(), {"--seed", absl::StrCat(*options_.seed)});
   }
@@ -212,6 +217,7 @@ absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
   own.insecure = true;
   AppendFlags(options_.server.empty() ? own : options_.security, arguments);
   if (options_.strict) arguments.push_back("--strict");
+  if (options_.alone) arguments.insert(arguments.end(), {"--share", "none"});
   if (stays) {
     arguments.insert(arguments.end(), {"--stay", "--listen", "127.0.0.1:0", "--listen-insecure"});
   }
@@ -326,6 +332,14 @@ RobotReport ReadRobotReport(RunningAgent& agent) {
   return report;
 }
 
+// Returns nullopt if the robot left none: why it failed is known by then.
+std::optional<NearMap> ReadRobotHeldMap(const RunningAgent& agent) {
+  absl::StatusOr<std::optional<NearMap>> held = ReadHeldMap(agent.held_map_path);
+  if (held.ok()) return *std::move(held);
+  LOG(WARNING) << agent.plan.name << " has no picture of its map: " << held.status();
+  return std::nullopt;
+}
+
 void ProcessRun::StopServers(MissionOutcome& outcome) {
   // The store is stopped first, so that it does not miss its worker.
   for (auto server = servers_.rbegin(); server != servers_.rend(); ++server) {
@@ -353,6 +367,7 @@ absl::StatusOr<MissionOutcome> ProcessRun::Run() {
   RETURN_IF_ERROR(ReadOutcome(*store_, options_.robots, outcome));
   for (RunningAgent& agent : agents_) {
     outcome.report.robots.push_back(ReadRobotReport(agent));
+    outcome.held.push_back(ReadRobotHeldMap(agent));
     if (agent.failure.ok()) continue;
     outcome.failures.push_back(absl::StrCat(agent.plan.name, ": ", agent.failure.message()));
   }
