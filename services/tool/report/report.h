@@ -51,6 +51,13 @@ struct ServerReport {
   double cpu_s = 0;
 };
 
+// What the same robots measured when they were told nothing of what others made.
+struct CompanyReport {
+  std::vector<RobotReport> alone;  // In the order of the run's robots.
+  std::optional<double> fused_ate_alone_m;
+  double wall_s = 0;
+};
+
 struct RunReport {
   std::string mission;
   std::string pace;
@@ -66,6 +73,7 @@ struct RunReport {
   TransferReport light_keyframes;
   TransferReport light_map_points;
   std::map<std::string, ServerReport> servers;
+  std::optional<CompanyReport> company;  // Set if the robots played a second time, alone.
   double wall_s = 0;
   std::string version;
   std::string command;

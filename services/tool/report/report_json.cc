@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "services/tool/report/report.h"
+#include "services/tool/report/report_company.h"
 #include "services/tool/report/report_cost.h"
 
 namespace corbslam::services {
@@ -96,6 +97,7 @@ nlohmann::ordered_json ToJson(const RunReport& report) {
             {"light_map_points", ToJson(report.light_map_points)}}},
           {"servers", servers},
           {"per_robot_minute", ToJson(ComputeRobotMinuteCost(report))},
+          {"company", CompanyToJson(report)},
           {"wall_s", report.wall_s},
           {"version", report.version},
           {"command", report.command}};

@@ -3,6 +3,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "services/tool/report/report.h"
+#include "services/tool/report/report_company.h"
 #include "services/tool/report/report_tables.h"
 
 namespace corbslam::services {
@@ -36,6 +37,15 @@ std::string Cost(const RunReport& report) {
   return line.empty() ? "" : absl::StrCat("\n", line, "\n");
 }
 
+// Returns an empty text if the robots did not play alone, too.
+std::string Company(const RunReport& report) {
+  if (!report.company.has_value()) return "";
+  std::string text =
+      absl::StrCat("\n## What company gave\n\n", ToMarkdown(CompanyTable(report)), "\n");
+  for (const std::string& line : CompanyLines(report)) absl::StrAppend(&text, "* ", line, "\n");
+  return text;
+}
+
 // Returns a line for each warning; an empty text if there is none.
 std::string WarningList(const RunReport& report) {
   const std::vector<ReportWarning> warnings = AllWarnings(report);
@@ -55,7 +65,7 @@ std::string ToMarkdown(const RunReport& report) {
   return absl::StrCat(
       "# Several robots, one map\n\n", ToMarkdown(RobotTable(report)), WarningList(report),
       "\nThe fused map:\n\n", ToMarkdown(FusedTable(report)), "\n", FusionList(report), "\n",
-      ToMarkdown(TransferTable(report)), Servers(report), Cost(report),
+      ToMarkdown(TransferTable(report)), Servers(report), Cost(report), Company(report),
       absl::StrFormat("\nMission %s, pace %s, %.1f s, corbslam %s\n\n    %s\n", report.mission,
                       report.pace, report.wall_s, report.version, report.command));
 }
