@@ -28,8 +28,9 @@ struct Sequence {
 
 using Sequences = std::map<std::string, Sequence>;
 
-// Returns a key that is equal for sources that share times and truth.
-std::string KeyOf(const SourceSpec& source) {
+// Returns a key that is equal for sources that share times and truth; without the phase for those
+// that share the truth alone.
+std::string KeyOf(const SourceSpec& source, bool with_phase = true) {
   SourceSpec sequence;
   sequence.layout = source.layout;
   sequence.directory = source.directory;
@@ -37,6 +38,8 @@ std::string KeyOf(const SourceSpec& source) {
     SimulationSpec plain = *simulation;
     plain.lens = {};
     plain.threads = 1;
+    // A turned robot with another phase is elsewhere at one time.
+    if (!with_phase && !plain.turned) plain.phase = 0;
     SetSimulation(plain, sequence);
   }
   return FormatSourceSpec(sequence);
@@ -136,13 +139,13 @@ std::optional<RelativeError> FusedRelativeError(const std::vector<RobotPaths>& r
                        sum.rotation_deg_per_100m / sum.segments, sum.segments};
 }
 
-// Returns the truth of the time in which the robots that played `key` were on their way.
-Trajectory CutTruth(const std::vector<RobotPaths>& robots, const std::string& key,
+// Returns the truth of the time in which the robots that went this way were on it.
+Trajectory CutTruth(const std::vector<RobotPaths>& robots, const std::string& way,
                     const Trajectory& truth) {
   int64_t first_ns = std::numeric_limits<int64_t>::max();
   int64_t last_ns = std::numeric_limits<int64_t>::min();
   for (const RobotPaths& robot : robots) {
-    if (KeyOf(robot.source) != key) continue;
+    if (WayOf(robot.source) != way) continue;
     for (const StampedPose& pose : ToTrajectory(robot.global)) {
       first_ns = std::min(first_ns, pose.timestamp_ns);
       last_ns = std::max(last_ns, pose.timestamp_ns);
@@ -168,7 +171,7 @@ FusedAccuracy ComputeFusedAccuracy(const std::vector<RobotPaths>& robots,
   const Sequence& sequence = sequences.at(KeyOf(in_global->source));
   if (!sequence.truth.has_value()) return {};
   FusedAccuracy accuracy;
-  accuracy.truth = CutTruth(robots, KeyOf(in_global->source), *sequence.truth);
+  accuracy.truth = CutTruth(robots, WayOf(in_global->source), *sequence.truth);
   const std::string world = WorldOf(in_global->source);
   const std::vector<PosePair> pairs = PairToTruth(robots, sequences, world, false);
   const std::optional<AbsoluteError> all = ErrorOf(pairs, alignment);
@@ -210,6 +213,8 @@ std::string GlobalWorld(const std::vector<RobotPaths>& robots) {
 }
 
 }  // namespace
+
+std::string WayOf(const SourceSpec& source) { return KeyOf(source, false); }
 
 absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,
                                          Alignment alignment) {

@@ -61,6 +61,11 @@ struct Accuracy {
   FusedAccuracy fused;
 };
 
+// Returns a name that is equal for sources whose cameras go one way by one clock, though they may
+// take their pictures at other moments of it and through other lenses: the truth of one is where
+// the others were, too.
+std::string WayOf(const client_agent::SourceSpec& source);
+
 // Computes the errors; `from_frame` is a frame's number in its sequence.
 absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,
                                          Alignment alignment);

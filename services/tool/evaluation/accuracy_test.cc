@@ -234,6 +234,33 @@ TEST(ComputeAccuracyTest, HoldsRobotsOfOneSimulatedWorldAgainstOneTruth) {
   EXPECT_NEAR(accuracy->fused.relative->translation_percent, 0, 1e-6);
 }
 
+// The picture of the map shows where both robots really drove, though they took their pictures at
+// different moments.
+TEST(ComputeAccuracyTest, KeepsTheTruthOfAllThatWentOneWay) {
+  const std::string city = "sim:city?seed=3&length=200&";
+  const absl::StatusOr<Accuracy> accuracy =
+      ComputeAccuracy({MakePerfectRobot(city + "robot=1/2"),
+                       MakePerfectRobot(city + "robot=2/2&phase=0.5&noise_seed=4")},
+                      15, Alignment::kSe3);
+  ASSERT_TRUE(accuracy.ok()) << accuracy.status();
+  ASSERT_TRUE(accuracy->fused.truth.has_value());
+  const RobotPaths whole = MakePerfectRobot(city + "phase=0");
+  // Half a frame later one picture less may fit.
+  EXPECT_GE(accuracy->fused.truth->size() + 1, whole.local.size());
+}
+
+TEST(WayOfTest, IsThatOfTheWorldTheWayAndTheClock) {
+  const auto way = [](const std::string& options) {
+    return WayOf(*ParseSourceSpec("sim:city?seed=3&length=200" + options));
+  };
+  EXPECT_EQ(way("&robot=1/2"), way("&phase=0.5&noise_seed=4&frames=3:20"));
+  for (const char* other : {"&turned=1", "&start_s=5", "&kidnap=3:6", "&world=4"}) {
+    EXPECT_NE(way(""), way(other)) << other;
+  }
+  // Turned, another phase is another place at one time.
+  EXPECT_NE(way("&turned=1"), way("&turned=1&phase=0.5"));
+}
+
 TEST(ComputeAccuracyTest, HasNoFusedErrorForTwoSimulatedWorlds) {
   const absl::StatusOr<Accuracy> accuracy =
       ComputeAccuracy({MakePerfectRobot("sim:city?seed=3&length=200"),

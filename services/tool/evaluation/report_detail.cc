@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "services/tool/evaluation/held_picture.h"
 #include "services/tool/evaluation/picture.h"
 #include "services/tool/evaluation/trajectory_files.h"
 
@@ -81,6 +82,20 @@ ReportDetail ComposeDetail(const std::vector<RobotPaths>& robots, const ServedMa
   }
   detail.map = ComposePicture(map, own, accuracy.fused);
   return detail;
+}
+
+std::vector<ReportDetail::Held> ComposeHeld(
+    const std::vector<RobotPaths>& robots,
+    const std::vector<std::optional<client_agent::NearMap>>& held, const ServedMap& map) {
+  std::vector<ReportDetail::Held> pictures;
+  for (size_t i = 0; i < std::min(robots.size(), held.size()); ++i) {
+    if (!held[i].has_value() || held[i]->keyframes.empty()) continue;
+    ReportDetail::Held& picture = pictures.emplace_back();
+    picture.robot = robots[i].name;
+    picture.map = ComposeHeldPicture(robots[i].name, *held[i], map);
+    picture.nearer = CutMeeting(picture.map);
+  }
+  return pictures;
 }
 
 }  // namespace corbslam::services

@@ -46,5 +46,21 @@ TEST(ComposeDetailTest, TakesRobotsThatBroughtNothing) {
   EXPECT_TRUE(detail.robots[0].path.empty());
 }
 
+TEST(ComposeHeldTest, ShowsThoseThatHoldAnything) {
+  client_agent::NearMap held;
+  held.keyframes = {{{LocalMapId{1}, 0}, {}, false}, {{LocalMapId{2}, 0}, {}, true}};
+  ServedMap map;
+  map.keyframes = {{{LocalMapId{2}, 0}, {}, "alpha", {}}};
+  const std::vector<RobotPaths> robots = {
+      {"alpha", {}, {}, {}}, {"bravo", {}, {}, {}}, {"charlie", {}, {}, {}}};
+  const auto pictures = ComposeHeld(robots, {std::nullopt, held, client_agent::NearMap()}, map);
+  ASSERT_EQ(pictures.size(), 1u);
+  EXPECT_EQ(pictures[0].robot, "bravo");
+  ASSERT_EQ(pictures[0].map.robots.size(), 2u);
+  EXPECT_EQ(pictures[0].map.robots[0].name, "alpha");
+  EXPECT_TRUE(pictures[0].map.robots[1].is_own);
+  EXPECT_TRUE(pictures[0].nearer.has_value());
+}
+
 }  // namespace
 }  // namespace corbslam::services

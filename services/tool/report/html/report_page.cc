@@ -8,9 +8,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
+#include "services/tool/report/html/held_plots.h"
 #include "services/tool/report/html/map_data.h"
 #include "services/tool/report/html/page_parts.h"
 #include "services/tool/report/html/report_plots.h"
+#include "services/tool/report/report_company.h"
 #include "services/tool/report/report_tables.h"
 #include "slam/rendering/svg_text.h"
 
@@ -74,6 +76,28 @@ std::string Warnings(const RunReport& report) {
       Lines(lines), "</section>\n");
 }
 
+// Returns an empty text without figures.
+std::string HeldMaps(const ReportDetail& detail) {
+  const std::string plots = HeldPlots(detail);
+  if (plots.empty()) return "";
+  return absl::StrCat(
+      "<section aria-labelledby=\"h-held\">\n<h2 id=\"h-held\">What each robot holds</h2>\n"
+      "<p class=\"note\">The map in each robot's memory at the end, in its own frame: what it "
+      "made, "
+      "and what came to it of what others made.</p>\n",
+      plots, "</section>\n");
+}
+
+// Returns an empty text if the robots did not play alone, too.
+std::string Company(const RunReport& report) {
+  if (!report.company.has_value()) return "";
+  return absl::StrCat(
+      "<section aria-labelledby=\"h-company\">\n"
+      "<h2 id=\"h-company\">What company gave</h2>\n",
+      ToHtml(CompanyTable(report), "The same robots with company, and alone"),
+      Lines(CompanyLines(report)), CompanyPlots(report), "</section>\n");
+}
+
 // The numbers that are looked for first.
 std::string Figures(const RunReport& report) {
   const FusedReport& fused = report.fused;
@@ -127,7 +151,9 @@ std::string ToHtml(const RunReport& report, const ReportDetail& detail) {
        {"{{about}}", About(report)},
        {"{{figures}}", Figures(report)},
        {"{{warnings}}", Warnings(report)},
-       {"{{map}}", FlatMap(detail)},
+       {"{{map}}", FlatMap(detail.map)},
+       {"{{company}}", Company(report)},
+       {"{{held}}", HeldMaps(detail)},
        {"{{accuracy}}", AccuracyPlots(detail)},
        {"{{robots}}",
         absl::StrCat(ToHtml(RobotTable(report), "Each robot"), RobotPlots(report, detail))},

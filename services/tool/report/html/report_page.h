@@ -3,6 +3,7 @@
 #define CORBSLAM_SERVICES_TOOL_REPORT_HTML_REPORT_PAGE_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,14 @@ struct ReportDetail {
     std::vector<double> local_maps_s;   // When each further local map begins.
     std::vector<Eigen::Vector3d> path;  // Every tracked frame in the global frame.
   };
+  // What one robot held of the map in the end, in its local map's frame.
+  struct Held {
+    std::string robot;
+    MapPicture map;
+    std::optional<MapPicture> nearer;  // Where it drives among others' keyframes.
+  };
   std::vector<Robot> robots;  // In the report's order.
+  std::vector<Held> held;     // Of those that hold anything.
   MapPicture map;             // The map in the global frame.
 };
 

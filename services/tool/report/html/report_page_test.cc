@@ -126,6 +126,63 @@ TEST(ToHtmlTest, TakesARunThatBroughtNothing) {
   EXPECT_THAT(html, HasSubstr("There is no ground truth"));
 }
 
+// Makes a report whose robots played alone, too.
+RunReport MakeCompany(const std::vector<std::string>& names) {
+  RunReport report = MakeReport(names);
+  report.company.emplace();
+  for (RobotReport& robot : report.robots) {
+    robot.ate_m = 0.0125;
+    report.company->alone.push_back(robot);
+    report.company->alone.back().ate_m = 0.05;
+  }
+  return report;
+}
+
+// Adds the map of `detail` as what each robot holds.
+void AddHeld(ReportDetail& detail) {
+  for (const ReportDetail::Robot& robot : detail.robots) {
+    detail.held.push_back({robot.name, detail.map, detail.map});
+  }
+}
+
+TEST(ToHtmlTest, ShowsWhatCompanyGave) {
+  const std::vector<std::string> names = {"alpha", kHostile};
+  const std::string html = ToHtml(MakeCompany(names), MakeDetail(names));
+  EXPECT_EQ(FindFault(html), "");
+  EXPECT_THAT(html, HasSubstr("<h2 id=\"h-company\">What company gave</h2>"));
+  EXPECT_THAT(html, HasSubstr("alpha: 0.0125 m with company instead of 0.0500 m alone, 75 % less"));
+  EXPECT_THAT(html, HasSubstr("Absolute error with company and alone"));
+  EXPECT_THAT(html, Not(HasSubstr("<img")));
+  EXPECT_THAT(ToHtml(MakeReport(names), MakeDetail(names)), Not(HasSubstr("h-company")));
+}
+
+TEST(ToHtmlTest, ShowsWhatEachRobotHolds) {
+  const std::vector<std::string> names = {"alpha", kHostile};
+  ReportDetail detail = MakeDetail(names);
+  EXPECT_THAT(ToHtml(MakeReport(names), detail), Not(HasSubstr("h-held")));
+  AddHeld(detail);
+  detail.held[1].nearer.reset();
+  const std::string html = ToHtml(MakeReport(names), detail);
+  EXPECT_EQ(FindFault(html), "");
+  EXPECT_THAT(html, HasSubstr("The map that alpha holds"));
+  EXPECT_THAT(html, HasSubstr("40 keyframes of its own (green) and 40 of others (blue)"));
+  EXPECT_THAT(html, HasSubstr("The same, nearer: alpha among others"));
+  EXPECT_THAT(html, Not(HasSubstr("<img")));
+}
+
+TEST(ToHtmlTest, BoundsWhatRobotsHold) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 20; ++i) names.push_back(absl::StrCat("robot", i));
+  ReportDetail detail = MakeDetail(names);
+  for (int i = 0; i < 100'000; ++i) detail.map.points.push_back({0.001 * i, 0, 5});
+  const size_t without = ToHtml(MakeReport(names), detail).size();
+  AddHeld(detail);
+  const std::string html = ToHtml(MakeReport(names), detail);
+  EXPECT_THAT(html, HasSubstr("The map that robot7 holds"));
+  EXPECT_THAT(html, Not(HasSubstr("The map that robot8 holds")));
+  EXPECT_LT(html.size(), without + 4'000'000);
+}
+
 TEST(WriteMapDataTest, KeepsPointsWithinMillimetres) {
   const ReportDetail detail = MakeDetail({"alpha", "bravo"});
   const nlohmann::json data = nlohmann::json::parse(WriteMapData(detail));

@@ -14,13 +14,6 @@ namespace {
 
 constexpr SvgLook kLook = SvgLook::kInAPage;
 constexpr double kLongGap_s = 1;
-constexpr size_t kMostFlatPoints = 12'000;
-
-std::string Figure(const std::string& caption, const std::string& note, const std::string& svg) {
-  return absl::StrCat("<figure><figcaption>", caption,
-                      note.empty() ? "" : absl::StrCat("<span class=\"note\">", note, "</span>"),
-                      "</figcaption>\n", svg, "</figure>\n");
-}
 
 std::string Plots(const std::string& figures) {
   return absl::StrCat("<div class=\"plots\">\n", figures, "</div>\n");
@@ -147,6 +140,12 @@ std::string TrackingTimeline(const ReportDetail& detail, const std::vector<Paint
 
 }  // namespace
 
+std::string Figure(const std::string& caption, const std::string& note, const std::string& svg) {
+  return absl::StrCat("<figure><figcaption>", caption,
+                      note.empty() ? "" : absl::StrCat("<span class=\"note\">", note, "</span>"),
+                      "</figcaption>\n", svg, "</figure>\n");
+}
+
 std::string AccuracyPlots(const ReportDetail& detail) {
   if (!HasErrors(detail)) {
     return "<p class=\"note\">There is no ground truth beside what the robots saw, or too little "
@@ -194,16 +193,14 @@ std::string FusionPlots(const RunReport& report) {
       Figure("Merges and global bundle adjustments, oldest first", "", DrawBarPlot(plot, kLook)));
 }
 
-std::string FlatMap(const ReportDetail& detail) {
-  MapPicture map = detail.map;
-  const size_t step =
-      std::max<size_t>(1, (map.points.size() + kMostFlatPoints - 1) / kMostFlatPoints);
-  std::vector<Eigen::Vector3d> points;
-  for (size_t i = 0; i < map.points.size(); i += step) points.push_back(map.points[i]);
-  map.points = std::move(points);
+std::string FlatMap(const MapPicture& map, size_t most_points, int width_px) {
+  MapPicture thinned = map;
+  const size_t step = std::max<size_t>(1, (map.points.size() + most_points - 1) / most_points);
+  thinned.points.clear();
+  for (size_t i = 0; i < map.points.size(); i += step) thinned.points.push_back(map.points[i]);
   MapPictureOptions options;
-  options.width_px = 900;
-  const absl::StatusOr<std::string> svg = RenderMapSvg(map, kLook, options);
+  options.width_px = width_px;
+  const absl::StatusOr<std::string> svg = RenderMapSvg(thinned, kLook, options);
   return svg.ok() ? *svg : "<p class=\"note\">No robot brought anything: there is no map.</p>\n";
 }
 

@@ -2,9 +2,11 @@
 #ifndef CORBSLAM_SERVICES_TOOL_REPORT_HTML_REPORT_PLOTS_H_
 #define CORBSLAM_SERVICES_TOOL_REPORT_HTML_REPORT_PLOTS_H_
 
+#include <cstddef>
 #include <string>
 
 #include "services/tool/report/html/report_page.h"
+#include "slam/rendering/map_picture.h"
 
 namespace corbslam::services {
 
@@ -12,8 +14,12 @@ namespace corbslam::services {
 std::string AccuracyPlots(const ReportDetail& detail);
 std::string RobotPlots(const RunReport& report, const ReportDetail& detail);
 std::string FusionPlots(const RunReport& report);
-// The map from above as SVG, with at most 12,000 points; a sentence if there is no map.
-std::string FlatMap(const ReportDetail& detail);
+// The map from above as SVG, with at most so many points; a sentence if there is no map.
+inline constexpr size_t kMostFlatPoints = 12'000;
+std::string FlatMap(const MapPicture& map, size_t most_points = kMostFlatPoints,
+                    int width_px = 900);
+// A figure element around a plot, with its caption; `note` may be empty.
+std::string Figure(const std::string& caption, const std::string& note, const std::string& svg);
 
 }  // namespace corbslam::services
 
