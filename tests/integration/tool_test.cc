@@ -116,7 +116,39 @@ TEST(ToolTest, ShowsWhatItIsGoodFor) {
   EXPECT_EQ(report["fused"]["islands"], 1);
   EXPECT_LT(report["fused"]["ate_m"], 0.03);
   EXPECT_THAT(ReadText(folder + "/report.md"), HasSubstr("| bravo |"));
-  EXPECT_THAT(ReadText(folder + "/map.png"), StartsWith("\x89PNG"));
+  for (const char* picture : {"/map.png", "/alpha.map.png", "/bravo.map.png"}) {
+    EXPECT_THAT(ReadText(folder + picture), StartsWith("\x89PNG")) << picture;
+  }
+  EXPECT_TRUE(report["company"].is_null());
+}
+
+// Robots in lockstep see each other's map; alone they are told nothing, and nothing else differs.
+TEST(ToolTest, SaysWhatCompanyGave) {
+  const std::string folder = TestPath("company");
+  RunTool({"run", "--source", DemoSource() + "?frames=0:79", "--robots", "2", "--overlap", "25",
+           "--pace", "step", "--company", "--out", folder});
+  const json report = json::parse(ReadText(folder + "/report.json"));
+  const json& company = report["company"];
+  ASSERT_EQ(company["robots"].size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    const json& robot = company["robots"][i];
+    EXPECT_EQ(robot["name"], report["robots"][i]["name"]);
+    EXPECT_EQ(robot["frames"]["with"], robot["frames"]["without"]);
+    EXPECT_EQ(robot["ate_m"]["with"], report["robots"][i]["ate_m"]);
+    EXPECT_GT(robot["others"]["keyframes_held"], 0) << robot["name"];
+  }
+  const json alone = json::parse(ReadText(folder + "/alone/report.json"));
+  EXPECT_EQ(alone["mission"], "demo-alone");
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(alone["robots"][i]["shared"]["keyframes_held"], 0);
+    EXPECT_EQ(company["robots"][i]["ate_m"]["without"], alone["robots"][i]["ate_m"]);
+  }
+  EXPECT_THAT(ReadText(folder + "/report.md"), HasSubstr("## What company gave"));
+  EXPECT_THAT(ReadText(folder + "/report.html"),
+              AllOf(HasSubstr("h-company"), HasSubstr("The map that bravo holds")));
+  for (const char* picture : {"/alpha.map.png", "/bravo.near.png", "/alone/alpha.map.png"}) {
+    EXPECT_THAT(ReadText(folder + picture), StartsWith("\x89PNG")) << picture;
+  }
 }
 
 TEST(ToolTest, FindsNothingWrongWithWhatWorks) {

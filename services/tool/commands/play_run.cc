@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <random>
 #include <set>
 #include <utility>
 
@@ -126,11 +127,12 @@ absl::StatusOr<std::string> WriteTruth(const std::vector<RobotPlan>& robots,
   return path;
 }
 
-// Returns an error if a robot failed, although the report is written.
+// Returns an error if a robot failed, although the report is written. Those that played alone count
+// as further ones.
 absl::Status JudgeOutcome(const MissionOutcome& outcome, const std::string& out) {
   if (outcome.failures.empty()) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat(outcome.failures.size(), " of ",
-                                                    outcome.report.robots.size(),
+  const size_t played = outcome.report.robots.size() * (outcome.report.company.has_value() ? 2 : 1);
+  return absl::FailedPreconditionError(absl::StrCat(outcome.failures.size(), " of ", played,
                                                     " robots failed; the report of all is in ", out,
                                                     ".\n", absl::StrJoin(outcome.failures, "\n")));
 }
@@ -207,6 +209,8 @@ absl::Status PlayRun(RunPlan plan) {
   ASSIGN_OR_RETURN(plan.own, ChooseOwn(plan.own, NamesOf(plan.mission.robots)));
   ASSIGN_OR_RETURN(std::vector<ReportWarning> warnings,
                    CheckSources(plan.mission.robots, plan.mission.strict));
+  // Both runs have the same seed.
+  if (plan.company && !plan.mission.seed.has_value()) plan.mission.seed = std::random_device()() | 1u;
   plan.mission.log_folder = plan.out + "/logs";
   RETURN_IF_ERROR(MakeFolder(plan.mission.log_folder));
   if (plan.mission.view) {
@@ -215,8 +219,10 @@ absl::Status PlayRun(RunPlan plan) {
   }
   ASSIGN_OR_RETURN(MissionOutcome outcome, Play(plan, start));
   outcome.report.warnings = std::move(warnings);
-  if (plan.company) RETURN_IF_ERROR(AddCompany(plan, outcome));
+  // What was mapped together is kept whatever becomes of the second run.
+  const absl::Status company = plan.company ? AddCompany(plan, outcome) : absl::OkStatus();
   RETURN_IF_ERROR(WriteResults(plan.out, plan.own, outcome));
+  RETURN_IF_ERROR(company);
   std::printf("Done in %.0f s: %s/report.md, report.html, report.json, map.png\n",
               absl::ToDoubleSeconds(absl::Now() - start), plan.out.c_str());
   PrintWarnings(outcome.report);
