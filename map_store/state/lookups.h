@@ -60,6 +60,10 @@ struct MissionInfo {
   // Whether the store has fusion workers at all; they may be away.
   bool has_worker = false;
   std::optional<WorkerOutage> worker_outage;
+  // About how much memory its map takes, and what it takes of the journal's disk.
+  uint64_t memory_bytes = 0;
+  uint64_t disk_bytes = 0;
+  std::string damage;  // As Journal::Damage says it; empty: none.
 };
 
 // Where an agent was at its newest frame that had a pose, as far as the store was told. The newest

@@ -57,6 +57,9 @@ void ToProto(const MissionInfo& info, v1::Mission* proto) {
   proto->set_fusion_idle(info.fusion_idle);
   proto->set_waiting_queries(info.waiting_queries);
   proto->set_lacks_fusion_worker(!info.has_worker);
+  proto->set_memory_bytes(info.memory_bytes);
+  proto->set_disk_bytes(info.disk_bytes);
+  proto->set_damage(info.damage);
   if (!info.worker_outage.has_value()) return;
   proto->set_worker_away_since_ns(absl::ToUnixNanos(info.worker_outage->begin));
   proto->set_worker_error(info.worker_outage->cause);

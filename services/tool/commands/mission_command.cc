@@ -25,15 +25,7 @@ absl::Status ListMissions(const MissionArguments& arguments) {
     std::printf("%s\n", json.dump(2).c_str());
     return absl::OkStatus();
   }
-  std::printf("%-40s %6s %6s %7s %9s %9s %8s %s\n", "mission", "agents", "maps", "islands",
-              "keyframes", "points", "revision", "fusion");
-  for (const v1::Mission& mission : missions) {
-    std::printf("%-40s %6u %6u %7u %9lu %9lu %8lu %s\n", mission.name().c_str(), mission.agents(),
-                mission.local_maps(), mission.islands(),
-                static_cast<unsigned long>(mission.keyframes()),
-                static_cast<unsigned long>(mission.map_points()),
-                static_cast<unsigned long>(mission.revision()), DescribeFusion(mission).c_str());
-  }
+  std::printf("%s", FormatMissions(missions).c_str());
   return absl::OkStatus();
 }
 

@@ -39,6 +39,9 @@ absl::StatusOr<MissionSummary> ReadSummary(const std::shared_ptr<grpc::Channel>&
 std::string FormatSummary(const MissionSummary& summary);
 nlohmann::ordered_json ToJson(const MissionSummary& summary);
 
+// Writes a table with a line for each mission.
+std::string FormatMissions(const std::vector<v1::Mission>& missions);
+
 // Returns "idle", "busy", "waits for a worker" or "has no worker".
 std::string DescribeFusion(const v1::Mission& mission);
 

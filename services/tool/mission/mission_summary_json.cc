@@ -74,7 +74,10 @@ nlohmann::ordered_json ToJson(const v1::Mission& mission) {
           {"waiting_queries", mission.waiting_queries()},
           {"lacks_fusion_worker", mission.lacks_fusion_worker()},
           {"worker_away_since_ns", mission.worker_away_since_ns()},
-          {"worker_error", mission.worker_error()}};
+          {"worker_error", mission.worker_error()},
+          {"memory_bytes", mission.memory_bytes()},
+          {"disk_bytes", mission.disk_bytes()},
+          {"damage", mission.damage()}};
 }
 
 nlohmann::ordered_json ToJson(const MissionSummary& summary) {

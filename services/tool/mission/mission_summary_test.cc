@@ -85,6 +85,20 @@ TEST(MissionSummaryTest, SaysWhatWasFusedAndWhyTheRestWasNot) {
                       "compared\n")));
 }
 
+TEST(MissionSummaryTest, SaysWhatAMissionCostsAndWhatIsDamaged) {
+  MissionSummary summary = MakeSummary();
+  summary.mission.set_memory_bytes(3 << 19);
+  summary.mission.set_disk_bytes(42 << 20);
+  summary.mission.set_fusion_idle(true);
+  EXPECT_THAT(FormatSummary(summary), HasSubstr("about 1.5 MiB in memory, 42.0 MiB on disk\n"));
+  EXPECT_EQ(FormatSummary(summary).find("DAMAGED"), std::string::npos);
+  EXPECT_THAT(FormatMissions({summary.mission}), HasSubstr("        1.5       42.0 idle\n"));
+  EXPECT_EQ(ToJson(summary)["mission"]["disk_bytes"], 42 << 20);
+  summary.mission.set_damage("000012.sst: a block; delete the mission");
+  EXPECT_THAT(FormatSummary(summary), HasSubstr("\nDAMAGED: 000012.sst: a block; delete the"));
+  EXPECT_THAT(FormatMissions({summary.mission}), HasSubstr("damaged: see `corbslam mission show`"));
+}
+
 constexpr char kNoWords[] = "no two keyframes share enough words";
 
 void AddUncompared(int query, int against, uint64_t waiting, uint64_t failed,

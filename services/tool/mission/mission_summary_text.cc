@@ -34,13 +34,23 @@ std::string FormatWorkers(const v1::Mission& mission) {
       " (", mission.worker_error(), ")\n");
 }
 
+std::string Mib(uint64_t bytes) {
+  return absl::StrFormat("%.1f", static_cast<double>(bytes) / (1 << 20));
+}
+
+// Returns an empty text if nothing is known to be damaged.
+std::string FormatDamage(const v1::Mission& mission) {
+  return mission.damage().empty() ? "" : absl::StrCat("DAMAGED: ", mission.damage(), "\n");
+}
+
 std::string FormatMission(const v1::Mission& mission) {
   return absl::StrCat(
       "Mission ", LastSegment(mission.name()), ": ", Count(mission.agents(), "robot"), ", ",
       Count(mission.local_maps(), "local map"), " in ", Count(mission.islands(), "island"), ", ",
       Count(mission.keyframes(), "keyframe"), ", ", Count(mission.map_points(), "map point"),
-      "; revision ", mission.revision(), ", fusion ", DescribeFusion(mission), "\n",
-      FormatWorkers(mission));
+      "; revision ", mission.revision(), ", fusion ", DescribeFusion(mission), "; about ",
+      Mib(mission.memory_bytes()), " MiB in memory, ", Mib(mission.disk_bytes()), " MiB on disk\n",
+      FormatDamage(mission), FormatWorkers(mission));
 }
 
 // Says where the robot was last, as "1.20 0.00 3.40" in the global frame, and whether it was lost
@@ -187,6 +197,21 @@ std::string DescribeVerdict(v1::OverlapVerdict verdict) {
     default:
       return absl::StrCat("verdict ", static_cast<int>(verdict));
   }
+}
+
+std::string FormatMissions(const std::vector<v1::Mission>& missions) {
+  std::string text = absl::StrFormat("%-40s %6s %6s %7s %9s %9s %8s %10s %10s %s\n", "mission",
+                                     "agents", "maps", "islands", "keyframes", "points", "revision",
+                                     "memory MiB", "disk MiB", "fusion");
+  for (const v1::Mission& mission : missions) {
+    absl::StrAppendFormat(&text, "%-40s %6d %6d %7d %9d %9d %8d %10s %10s %s\n", mission.name(),
+                          mission.agents(), mission.local_maps(), mission.islands(),
+                          mission.keyframes(), mission.map_points(), mission.revision(),
+                          Mib(mission.memory_bytes()), Mib(mission.disk_bytes()),
+                          mission.damage().empty() ? DescribeFusion(mission)
+                                                   : "damaged: see `corbslam mission show`");
+  }
+  return text;
 }
 
 std::string FormatSummary(const MissionSummary& summary) {
