@@ -52,7 +52,7 @@ class FailingJournal : public InMemoryJournal {
     if (fails) return absl::ResourceExhaustedError("disk full");
     return InMemoryJournal::Append(mission, record);
   }
-  absl::Status Sync(Position) override {
+  absl::Status Sync(absl::string_view, Position) override {
     return sync_fails ? absl::UnavailableError("disk gone") : absl::OkStatus();
   }
   bool fails = false;

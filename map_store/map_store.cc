@@ -1,5 +1,7 @@
 #include "map_store/map_store.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -7,9 +9,11 @@
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/mission/fusion_executor.h"
 #include "map_store/mission/memory_budget.h"
+#include "map_store/mission/memory_returner.h"
 #include "map_store/mission/mission.h"
 #include "map_store/mission/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
+#include "map_store/view/damage_words.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 
@@ -22,6 +26,7 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       journal_(std::move(journal)),
       clock_(std::move(clock)),
       memory_(std::make_unique<MemoryBudget>(options.memory_budget_bytes, &ResidentBytes, clock_)),
+      memory_returner_(std::make_unique<MemoryReturner>(&GiveBackFreeMemory)),
       executor_(
           std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)),
       snapshots_(std::make_unique<SnapshotKeeper>(clock_)) {
@@ -33,7 +38,8 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
     return missions;
   };
   executor_->Start(list_missions, options_.fusion_threads);
-  snapshots_->Start(list_missions);
+  snapshots_->Start(list_missions, [this] { memory_returner_->Wake(); });
+  memory_returner_->Start();
 }
 
 MapStore::~MapStore() {
@@ -50,6 +56,7 @@ absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view
   absl::MutexLock lock(&mutex_);
   const auto it = missions_.find(std::string(name));
   if (it != missions_.end()) return it->second;
+  RETURN_IF_ERROR(CheckReadable(name));
   return absl::NotFoundError(absl::StrCat("there is no mission ", name));
 }
 
@@ -57,16 +64,26 @@ absl::Status MapStore::Recover() {
   ASSIGN_OR_RETURN(const std::vector<std::string> names, journal_->ListMissions());
   for (const std::string& name : names) {
     std::shared_ptr<Mission> mission = MakeMission(name);
-    RETURN_IF_ERROR(mission->Recover());
+    const absl::Status recovered = mission->Recover();
+    LOG_IF(ERROR, !recovered.ok()) << SayDamage(name, recovered);
+    if (!recovered.ok() && !absl::IsDataLoss(recovered)) return recovered;
     absl::MutexLock lock(&mutex_);
-    missions_[name] = std::move(mission);
+    if (recovered.ok()) {
+      missions_[name] = std::move(mission);
+    } else {
+      unreadable_[name] = recovered;
+    }
   }
   Wake();
   return absl::OkStatus();
 }
 
 absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const std::string& agent) {
+  if (const absl::Status damage = journal_->Damage(name); !damage.ok()) {
+    return absl::DataLossError(SayDamage(name, damage));
+  }
   absl::MutexLock lock(&mutex_);
+  RETURN_IF_ERROR(CheckReadable(name));
   auto mission = missions_.find(name);
   if (mission == missions_.end()) {
     if (restoring_.contains(name)) {
@@ -94,7 +111,7 @@ void MapStore::LeaveMission(uint64_t session_id) {
 }
 
 absl::Status MapStore::CheckRoomForMission() const {
-  const size_t count = missions_.size() + restoring_.size();
+  const size_t count = missions_.size() + unreadable_.size() + restoring_.size();
   if (count < options_.max_missions) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrCat(count, " missions; that is the limit"));
 }
@@ -108,7 +125,12 @@ std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
   environment.wake_fusion = [this] { Wake(); };
   environment.has_worker = executor_->has_worker();
   environment.memory = memory_.get();
-  return std::make_shared<Mission>(name, std::move(environment));
+  // What it took is free only when the last one who has it lets it go.
+  return {new Mission(name, std::move(environment)), [this](Mission* mission) {
+            const bool is_worth_while = !mission->IsVacant();
+            delete mission;
+            if (is_worth_while) memory_returner_->Wake();
+          }};
 }
 
 absl::StatusOr<MapStore::Session> MapStore::FindSession(uint64_t session_id) const {
@@ -174,7 +196,7 @@ void MapStore::SetSharedListener(uint64_t session_id, std::function<void()> list
 
 absl::Status MapStore::RunFusionUntilIdle(absl::string_view mission_name) {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  mission->snapshots().Keep([] { return true; }).IgnoreError();
+  mission->snapshots().Keep([] { return true; }).status().IgnoreError();
   executor_->RunUntilIdle(*mission);
   return absl::OkStatus();
 }
@@ -204,6 +226,11 @@ absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
 }
 
 absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
+  {
+    absl::MutexLock deleting(&deletion_mutex_);
+    ASSIGN_OR_RETURN(const bool is_deleted, DeleteUnreadable(mission_name));
+    if (is_deleted) return absl::OkStatus();
+  }
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   // A caller that waited for another one's deletion must not delete the mission that has got the
   // name since.
@@ -245,6 +272,7 @@ absl::Status MapStore::RestoreMission(const std::string& name, MissionState stat
     if (missions_.contains(name) || restoring_.contains(name)) {
       return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
     }
+    RETURN_IF_ERROR(CheckReadable(name));
     RETURN_IF_ERROR(CheckRoomForMission());
     restoring_.insert(name);
   }

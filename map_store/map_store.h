@@ -39,6 +39,7 @@ struct MissionLoad;
 
 class FusionExecutor;
 class MemoryBudget;
+class MemoryReturner;
 class Mission;
 class SnapshotKeeper;
 
@@ -66,8 +67,12 @@ class MapStore {
   MapStore& operator=(const MapStore&) = delete;
 
   // Takes in what the journal has. The caller calls it once, before all else, and calls nothing
-  // else if it fails. Returns DATA_LOSS, naming the mission and the place, for what can't be read.
+  // else if it fails. A mission that can't be read is damaged: it is there by its name, so that it
+  // can be deleted, and all else that is asked of it gets DATA_LOSS with the place and what to do.
   absl::Status Recover();
+  // Returns what is damaged of the missions that are, those included that the journal found damaged
+  // since; by name.
+  std::map<std::string, std::string> ListDamaged() const;
 
   // Returns OK if the store takes batches now, as far as the journal knows
   // (Journal::CheckWritable).
@@ -149,7 +154,8 @@ class MapStore {
 
   absl::StatusOr<Page<MissionInfo>> ListMissions(const PageRequest& page) const;
   absl::StatusOr<MissionInfo> GetMission(absl::string_view mission) const;
-  // Deletes the mission and fences the sessions in it.
+  // Deletes the mission and fences the sessions in it. What it took of the disk is free when the
+  // function returns, what it took of memory a moment later.
   absl::Status DeleteMission(absl::string_view mission);
   // Returns the mission as it is now, to be written to a file while the mission goes on.
   absl::StatusOr<MissionBackup> BackUpMission(absl::string_view mission) const;
@@ -230,6 +236,14 @@ class MapStore {
   // Wakes the fusion threads and the snapshot keeper, which may have work now.
   void Wake();
   std::shared_ptr<Mission> MakeMission(const std::string& name);
+  // Returns DATA_LOSS, with what to do, for a mission that could not be read.
+  absl::Status CheckReadable(absl::string_view name) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  std::optional<MissionInfo> DescribeUnreadable(absl::string_view name) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  MissionInfo InfoOfUnreadable(const std::string& name, const absl::Status& damage) const;
+  // Deletes it if it could not be read; returns whether that is so.
+  absl::StatusOr<bool> DeleteUnreadable(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_);
   absl::Status CheckRoomForMission() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
   MissionInfo Describe(const Mission& mission) const;
@@ -239,6 +253,7 @@ class MapStore {
   const std::unique_ptr<Journal> journal_;
   const Clock clock_;
   const std::unique_ptr<MemoryBudget> memory_;
+  const std::unique_ptr<MemoryReturner> memory_returner_;
   std::unique_ptr<FusionExecutor> executor_;
   std::unique_ptr<SnapshotKeeper> snapshots_;
 
@@ -246,6 +261,8 @@ class MapStore {
   absl::Mutex deletion_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
   mutable absl::Mutex mutex_;
   std::map<std::string, std::shared_ptr<Mission>, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
+  // Missions that could not be read, and why.
+  std::map<std::string, absl::Status, std::less<>> unreadable_ ABSL_GUARDED_BY(mutex_);
   // Names of missions that are being restored.
   std::set<std::string, std::less<>> restoring_ ABSL_GUARDED_BY(mutex_);
   std::map<uint64_t, Session> sessions_ ABSL_GUARDED_BY(mutex_);

@@ -8,6 +8,7 @@
 #include "map_store/mission/mission.h"
 #include "map_store/mission/mission_load.h"
 #include "map_store/view/answers.h"
+#include "map_store/view/damage_words.h"
 #include "map_store/view/trajectory.h"
 #include "slam/util/status_macros.h"
 
@@ -21,10 +22,15 @@ MissionInfo MapStore::Describe(const Mission& mission) const {
   MissionInfo info = mission.Info();
   info.has_worker = has_worker();
   info.worker_outage = worker_outage();
+  info.disk_bytes = journal_->DiskBytes(info.name);
+  info.damage = SayDamage(info.name, journal_->Damage(info.name));
   return info;
 }
 
 absl::StatusOr<MissionInfo> MapStore::GetMission(absl::string_view mission_name) const {
+  if (const auto unreadable = DescribeUnreadable(mission_name); unreadable.has_value()) {
+    return *unreadable;
+  }
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   return Describe(*mission);
 }

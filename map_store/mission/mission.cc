@@ -1,6 +1,7 @@
 #include "map_store/mission/mission.h"
 
 #include "map_store/view/answers.h"
+#include "map_store/view/memory_estimate.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -16,6 +17,7 @@ MissionLoad MeasureLoad(const MissionState& state) {
     load.keyframes += local_map.map.keyframes().size();
     load.map_points += local_map.map.points().size();
   }
+  load.memory_bytes = EstimateMemory(state);
   load.overlaps_queried = state.statistics.overlaps_queried;
   load.overlaps_verified = state.statistics.overlaps_verified;
   load.overlaps_accepted = state.statistics.overlaps_accepted;
@@ -42,6 +44,7 @@ MissionInfo Mission::Info() const {
 MissionLoad Mission::Load() const {
   MissionLoad load = WithState(&MeasureLoad);
   load.mission = strand_.name();
+  load.disk_bytes = strand_.environment().journal->DiskBytes(strand_.name());
   load.waiting = fusion_.CountWaiting();
   const MissionStrand::WriteTimes writes = strand_.write_times();
   load.written_s = absl::ToDoubleSeconds(writes.total);

@@ -75,10 +75,10 @@ absl::StatusOr<MissionState> MissionSnapshots::Replay(Beginning beginning,
   return state;
 }
 
-absl::Status MissionSnapshots::Keep(const std::function<bool()>& goes_on) {
+absl::StatusOr<bool> MissionSnapshots::Keep(const std::function<bool()>& goes_on) {
   absl::MutexLock one(&mutex_);
   Journal& journal = *strand_.environment().journal;
-  if (!journal.WantsSnapshot(strand_.name())) return absl::OkStatus();
+  if (!journal.WantsSnapshot(strand_.name())) return false;
   Beginning beginning;
   {
     absl::MutexLock turn(&strand_.turn());
@@ -90,11 +90,14 @@ absl::Status MissionSnapshots::Keep(const std::function<bool()>& goes_on) {
   JournalSnapshot snapshot = TakeSnapshot(state);
   snapshot.position = position;
   if (strand_.IsDeleted()) return absl::CancelledError("no snapshot any more");
-  return journal.WriteSnapshot(strand_.name(), snapshot);
+  RETURN_IF_ERROR(journal.WriteSnapshot(strand_.name(), snapshot));
+  return true;
 }
 
 absl::StatusOr<MissionBackup> MissionSnapshots::BackUp() {
-  if (!strand_.environment().journal->KeepsRecords()) {
+  const Journal& journal = *strand_.environment().journal;
+  // What a damaged journal can't give any more is still in memory.
+  if (!journal.KeepsRecords() || !journal.Damage(strand_.name()).ok()) {
     return strand_.WithState([](const MissionState& state) { return MissionBackup(state); });
   }
   absl::MutexLock one(&mutex_);

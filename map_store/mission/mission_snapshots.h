@@ -23,12 +23,12 @@ class MissionSnapshots {
   // `strand` is not owned and must outlive it.
   explicit MissionSnapshots(MissionStrand& strand) : strand_(strand) {}
 
-  // Writes a snapshot into the journal, if the journal wants one. It is made from the journal
-  // itself, beside the strand and the state's lock. CANCELLED once the mission is deleted or
-  // `goes_on`, which is called often, says no.
-  absl::Status Keep(const std::function<bool()>& goes_on) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Writes a snapshot into the journal, if the journal wants one; returns whether. It is made from
+  // the journal itself, beside the strand and the state's lock. CANCELLED once the mission is
+  // deleted or `goes_on`, which is called often, says no.
+  absl::StatusOr<bool> Keep(const std::function<bool()>& goes_on) ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns the mission as it is now, likewise made beside those who change it; where the journal
-  // keeps nothing, under the state's lock. CANCELLED once the mission is deleted.
+  // keeps nothing or is damaged, under the state's lock. CANCELLED once the mission is deleted.
   absl::StatusOr<MissionBackup> BackUp() ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns the map as it was when the journal begins, and what changed up to chosen revisions, up
   // to now; likewise made. Where the journal keeps nothing, it is the map as it is now.

@@ -140,7 +140,7 @@ MissionStrand::WriteTimes MissionStrand::write_times() const {
   return {absl::Nanoseconds(written_ns_.load()), absl::Nanoseconds(longest_write_ns_.load())};
 }
 
-absl::Status MissionStrand::Sync() { return environment_.journal->Sync(appended_); }
+absl::Status MissionStrand::Sync() { return environment_.journal->Sync(name_, appended_); }
 
 StateWriteLock::StateWriteLock(MissionStrand& strand) : strand_(strand) {
   strand_.gate().Lock();

@@ -14,8 +14,9 @@ constexpr absl::Duration kAfterFailure = absl::Minutes(1);
 
 }  // namespace
 
-void SnapshotKeeper::Start(ListMissions missions) {
+void SnapshotKeeper::Start(ListMissions missions, std::function<void()> when_written) {
   missions_ = std::move(missions);
+  when_written_ = std::move(when_written);
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -32,10 +33,12 @@ void SnapshotKeeper::Run() {
   for (uint64_t seen = 0; signal_.Wait(seen);) {
     if (clock_() < next_try) continue;
     for (const std::shared_ptr<Mission>& mission : missions_()) {
-      const absl::Status kept = mission->snapshots().Keep([this] { return !signal_.stopped(); });
-      if (kept.ok() || absl::IsCancelled(kept)) continue;
+      const absl::StatusOr<bool> kept =
+          mission->snapshots().Keep([this] { return !signal_.stopped(); });
+      if (kept.ok() && *kept) when_written_();
+      if (kept.ok() || absl::IsCancelled(kept.status())) continue;
       // The next batch would want the snapshot again, which would cost as much again.
-      LOG(WARNING) << "no snapshot was written: " << kept;
+      LOG(WARNING) << "no snapshot was written: " << kept.status();
       next_try = clock_() + kAfterFailure;
     }
   }

@@ -22,7 +22,8 @@ class SnapshotKeeper {
   explicit SnapshotKeeper(std::function<absl::Time()> clock) : clock_(std::move(clock)) {}
   ~SnapshotKeeper() { Stop(); }
 
-  void Start(ListMissions missions);
+  // `when_written` is called after each snapshot.
+  void Start(ListMissions missions, std::function<void()> when_written);
   // Gives up the snapshot that is being written, and joins the thread. The missions must still be
   // there.
   void Stop();
@@ -34,6 +35,7 @@ class SnapshotKeeper {
 
   const std::function<absl::Time()> clock_;
   ListMissions missions_;
+  std::function<void()> when_written_;
   WorkSignal signal_;
   std::thread thread_;
 };

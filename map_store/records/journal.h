@@ -29,7 +29,7 @@ struct JournalSnapshot {
 // Keeps the records of missions; records of one mission are appended one at a time. Thread-safe.
 class Journal {
  public:
-  // Names an append; it grows with each.
+  // Names an append; it grows with each of its mission.
   using Position = uint64_t;
 
   struct Replay {
@@ -56,9 +56,9 @@ class Journal {
   // RESOURCE_EXHAUSTED (no room), UNAVAILABLE (the disk refuses), each naming the journal.
   virtual absl::StatusOr<Position> Append(absl::string_view mission,
                                           const JournalRecord& record) = 0;
-  // Returns once everything up to the position would survive what this journal promises to survive.
-  // An error means that it is not certain.
-  virtual absl::Status Sync(Position position) = 0;
+  // Returns once everything of the mission up to the position would survive what this journal
+  // promises to survive. An error means that it is not certain.
+  virtual absl::Status Sync(absl::string_view mission, Position position) = 0;
 
   // Returns whether so much was appended to the mission since its last snapshot that another one is
   // worth while.
@@ -85,6 +85,12 @@ class Journal {
   // Returns OK if the journal takes records now, else the error that Append would give. After a
   // failed write the journal finds out by trying, so that somebody should call this now and then.
   virtual absl::Status CheckWritable() = 0;
+
+  // Returns DATA_LOSS, naming the file and the place, once something of the mission was found
+  // damaged: nothing is appended to it any more. Other missions are none the worse for it.
+  virtual absl::Status Damage(absl::string_view) const { return absl::OkStatus(); }
+  // Returns how many bytes the mission takes of the disk.
+  virtual uint64_t DiskBytes(absl::string_view) const { return 0; }
 };
 
 // Keeps nothing and only counts: a journal for tests and for stores without a disk. Thread-safe.
@@ -93,7 +99,7 @@ class InMemoryJournal : public Journal {
   void Prepare(BatchRecord&) const override {}
   void Prepare(AdjustRecord&) const override {}
   absl::StatusOr<Position> Append(absl::string_view mission, const JournalRecord& record) override;
-  absl::Status Sync(Position) override { return absl::OkStatus(); }
+  absl::Status Sync(absl::string_view, Position) override { return absl::OkStatus(); }
   bool WantsSnapshot(absl::string_view) const override { return false; }
   absl::Status WriteSnapshot(absl::string_view, const JournalSnapshot&) override {
     return absl::OkStatus();

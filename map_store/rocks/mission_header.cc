@@ -1,8 +1,28 @@
 #include "map_store/rocks/mission_header.h"
 
+#include "absl/strings/str_cat.h"
 #include "map_store/archive/archive.h"
 
 namespace corbslam::map_store {
+
+absl::StatusOr<uint32_t> CheckFormat(std::string_view bytes) {
+  ArchiveReader reader(bytes);
+  uint32_t format = 0;
+  reader(format);
+  if (!reader.done() || format == 0) {
+    return absl::DataLossError("its format's number is damaged");
+  }
+  if (format >= kOldestJournalFormat && format <= kJournalFormat) return format;
+  return absl::FailedPreconditionError(absl::StrCat("it has format ", format,
+                                                    ", this program reads ", kOldestJournalFormat,
+                                                    " to ", kJournalFormat));
+}
+
+std::string EncodeFormat() {
+  ArchiveWriter writer;
+  writer(kJournalFormat);
+  return writer.Take();
+}
 
 std::string Encode(const MissionHeader& header) {
   ArchiveWriter writer;

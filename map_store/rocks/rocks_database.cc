@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 #include <rocksdb/env.h>
 #include <rocksdb/options.h>
+#include <rocksdb/table.h>
 
 #include <array>
 #include <cstdarg>
@@ -30,49 +31,124 @@ class ProgramLog : public rocksdb::Logger {
   }
 };
 
-rocksdb::Options MakeOptions(rocksdb::Env* env) {
+constexpr size_t kBlockCacheBytes = 32 << 20;
+
+// Keeps what each database takes for itself small: there is one for each mission.
+void ShareResources(const std::shared_ptr<rocksdb::Cache>& cache, rocksdb::Options& made) {
+  rocksdb::BlockBasedTableOptions table;
+  table.block_cache = cache;
+  made.table_factory.reset(rocksdb::NewBlockBasedTableFactory(table));
+  // These would be threads and timers for each database.
+  made.stats_dump_period_sec = 0;
+  made.stats_persist_period_sec = 0;
+}
+
+rocksdb::Options MakeOptions(rocksdb::Env* env, const std::shared_ptr<rocksdb::Cache>& cache) {
   rocksdb::Options made;
-  made.create_if_missing = true;
   // An end of the log that a crash tore is dropped; damage anywhere else is refused.
   made.wal_recovery_mode = rocksdb::WALRecoveryMode::kTolerateCorruptedTailRecords;
-  made.max_total_wal_size = 256 << 20;
+  // A log would otherwise reserve more than a small mission ever takes, for each mission.
+  made.allow_fallocate = false;
   // Tables of tens of megabytes that are flushed go to the disk as they are written: synced at the
   // end, they would hold up the log, and with it every acknowledgement. The limit is strict,
   // because a file system that orders data before its own journal waits for whatever is under way.
   made.bytes_per_sync = 1 << 20;
   made.strict_bytes_per_sync = true;
   // A burst of uploads fills one buffer while another is flushed; with two, which is the default,
-  // all writers then wait for the disk. All four together are as large as those two.
-  made.max_write_buffer_number = 4;
-  made.write_buffer_size = 32 << 20;
+  // all writers then wait for the disk. All eight together are as large as those two; a mission
+  // with little to do has one.
+  made.max_write_buffer_number = 8;
+  made.write_buffer_size = 16 << 20;
   // Features are large and never change: compaction leaves them where they are.
   made.enable_blob_files = true;
   made.min_blob_size = 16 << 10;
   made.enable_blob_garbage_collection = true;
+  made.blob_file_size = 16 << 20;
   made.info_log = std::make_shared<ProgramLog>();
   // RocksDB would try behind our back what Reopen does.
   made.max_bgerror_resume_count = 0;
   if (env != nullptr) made.env = env;
+  ShareResources(cache, made);
   return made;
 }
 
 }  // namespace
 
-rocksdb::Status RocksDatabase::Open() {
+std::shared_ptr<rocksdb::Cache> MakeBlockCache() { return rocksdb::NewLRUCache(kBlockCacheBytes); }
+
+rocksdb::Status RocksDatabase::Open(Mode mode) {
   absl::MutexLock lock(&mutex_);
-  return OpenLocked();
+  return OpenLocked(mode);
 }
 
-rocksdb::Status RocksDatabase::OpenLocked() {
+rocksdb::Status RocksDatabase::OpenLocked(Mode mode) {
   rocksdb::DB* opened = nullptr;
-  rocksdb::Status status = rocksdb::DB::Open(MakeOptions(env_), directory_, &opened);
-  if (status.ok()) db_.reset(opened);
+  rocksdb::Options options = MakeOptions(env_, cache_);
+  options.create_if_missing = mode == Mode::kMake;
+  const rocksdb::Status status = mode == Mode::kOnlyRead
+                                     ? rocksdb::DB::OpenForReadOnly(options, directory_, &opened)
+                                     : rocksdb::DB::Open(options, directory_, &opened);
+  if (!status.ok()) return status;
+  db_.reset(opened);
+  // Compaction gives way to everybody: nobody waits for it.
+  db_->GetEnv()->LowerThreadPoolIOPriority(rocksdb::Env::LOW);
+  db_->GetEnv()->LowerThreadPoolCPUPriority(rocksdb::Env::LOW);
   return status;
+}
+
+void RocksDatabase::Destroy(const std::string& directory) {
+  const rocksdb::Status destroyed = rocksdb::DestroyDB(directory, rocksdb::Options());
+  LOG_IF(WARNING, !destroyed.ok()) << directory << ": " << destroyed.ToString();
+}
+
+void RocksDatabase::Close() {
+  closing_.store(true);
+  absl::MutexLock tidied(&tidying_);
+  std::shared_ptr<rocksdb::DB> closed;
+  {
+    absl::MutexLock lock(&mutex_);
+    closed.swap(db_);
+  }
+  // Whoever reads at this moment ends soon.
+  while (closed.use_count() > 1) absl::SleepFor(absl::Milliseconds(1));
+}
+
+rocksdb::Status RocksDatabase::Tidy() {
+  absl::MutexLock tidying(&tidying_);
+  const std::shared_ptr<rocksdb::DB> db = Use();
+  if (db == nullptr || closing_.load()) return rocksdb::Status::Incomplete("closed");
+  rocksdb::CompactRangeOptions options;
+  options.canceled = &closing_;
+  // Else the lowest tables would stay as they are, and with them the files of features.
+  options.bottommost_level_compaction = rocksdb::BottommostLevelCompaction::kForceOptimized;
+  options.blob_garbage_collection_policy = rocksdb::BlobGarbageCollectionPolicy::kForce;
+  options.blob_garbage_collection_age_cutoff = 1;
+  return db->CompactRange(options, nullptr, nullptr);
+}
+
+rocksdb::Status RocksDatabase::Flush() {
+  const std::shared_ptr<rocksdb::DB> db = Use();
+  if (db == nullptr) return rocksdb::Status::Aborted("the journal is closed");
+  return db->Flush(rocksdb::FlushOptions());
+}
+
+uint64_t RocksDatabase::BytesInMemory() const {
+  const std::shared_ptr<rocksdb::DB> db = Use();
+  uint64_t bytes = 0;
+  if (db != nullptr) db->GetIntProperty(rocksdb::DB::Properties::kSizeAllMemTables, &bytes);
+  return bytes;
+}
+
+rocksdb::Status RocksDatabase::VerifyChecksums() const {
+  const std::shared_ptr<rocksdb::DB> db = Use();
+  if (db == nullptr) return rocksdb::Status::Aborted("the journal is closed");
+  return db->VerifyChecksum();
 }
 
 rocksdb::Status RocksDatabase::Reopen() {
   absl::MutexLock lock(&mutex_);
   if (!failed_.load()) return rocksdb::Status::OK();
+  if (closing_.load()) return rocksdb::Status::Aborted("the journal is closed");
   const absl::Time now = absl::Now();
   // After corruption (see below) only a new process may open it. Two databases in one folder can't
   // be.
@@ -81,7 +157,7 @@ rocksdb::Status RocksDatabase::Reopen() {
   }
   last_try_ = now;
   db_.reset();
-  last_failure_ = OpenLocked();
+  last_failure_ = OpenLocked(Mode::kOpen);
   if (!last_failure_.ok()) return last_failure_;
   // The log gives back writes in their order, but perhaps not the last ones.
   if (db_->GetLatestSequenceNumber() < last_written_.load()) {

@@ -1,7 +1,9 @@
-// Keeps the RocksDB of a journal: its options, and how it comes back after a write failed.
+// Keeps one RocksDB of a journal: its options, how it comes back after a write failed, and how it
+// gives back what it needs no more.
 #ifndef CORBSLAM_MAP_STORE_ROCKS_ROCKS_DATABASE_H_
 #define CORBSLAM_MAP_STORE_ROCKS_ROCKS_DATABASE_H_
 
+#include <rocksdb/cache.h>
 #include <rocksdb/db.h>
 #include <rocksdb/write_batch.h>
 
@@ -18,17 +20,31 @@
 
 namespace corbslam::map_store {
 
+// Returns a cache for all databases of a journal, so that many missions take no more than one.
+std::shared_ptr<rocksdb::Cache> MakeBlockCache();
+
 // Closes the database after a failed write and opens it again, once a second at most, when the next
 // write comes: RocksDB refuses all writes after a failed one, and does not always recover by itself
 // (its Resume() may go on failing when there is room again). Thread-safe.
 class RocksDatabase {
  public:
-  // `env` (not owned) may be null: then it is the system's.
-  RocksDatabase(std::string directory, rocksdb::Env* env)
-      : directory_(std::move(directory)), env_(env) {}
+  // How it is opened. What only reads writes nothing at all, and takes no lock.
+  enum class Mode { kMake, kOpen, kOnlyRead };
 
-  // Opens the database; called before all else.
-  rocksdb::Status Open() ABSL_LOCKS_EXCLUDED(mutex_);
+  // `env` (not owned) may be null: then it is the system's.
+  RocksDatabase(std::string directory, rocksdb::Env* env, std::shared_ptr<rocksdb::Cache> cache)
+      : directory_(std::move(directory)), env_(env), cache_(std::move(cache)) {}
+  ~RocksDatabase() { Close(); }
+
+  // Removes a database that nobody has open, with all that is in it.
+  static void Destroy(const std::string& directory);
+
+  const std::string& directory() const { return directory_; }
+
+  // Opens the database; called before all else. kMake makes it where it is not there.
+  rocksdb::Status Open(Mode mode) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Ends all that goes on with the files and closes them; from here on everything fails.
+  void Close() ABSL_LOCKS_EXCLUDED(mutex_, tidying_);
 
   // Returns Corruption if something that was written before a failure is not all there; the process
   // must then be started again.
@@ -37,6 +53,17 @@ class RocksDatabase {
   // Returns whether the last write failed.
   bool failed() const { return failed_.load(); }
   rocksdb::Status Get(const std::string& key, std::string* value) const ABSL_LOCKS_EXCLUDED(mutex_);
+
+  // Writes anew what is still there, and removes the files that held it together with what is not:
+  // it takes as much room as is there, and other writes go on. Returns Incomplete once the database
+  // is closed.
+  rocksdb::Status Tidy() ABSL_LOCKS_EXCLUDED(mutex_, tidying_);
+  // Puts what only the log and memory hold into tables.
+  rocksdb::Status Flush() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Returns how many bytes that would be, about.
+  uint64_t BytesInMemory() const ABSL_LOCKS_EXCLUDED(mutex_);
+  // Reads all files and compares them with their checksums.
+  rocksdb::Status VerifyChecksums() const ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Calls `visit(key, value)` for all keys from `first` on, up to `end`.
   template <typename Visit>
@@ -59,7 +86,7 @@ class RocksDatabase {
  private:
   static std::string_view View(const rocksdb::Slice& slice) { return {slice.data(), slice.size()}; }
 
-  rocksdb::Status OpenLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  rocksdb::Status OpenLocked(Mode mode) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   rocksdb::Status Reopen() ABSL_LOCKS_EXCLUDED(mutex_);
   rocksdb::Status Fail(const rocksdb::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   void NoteWritten(uint64_t written);
@@ -71,7 +98,11 @@ class RocksDatabase {
 
   const std::string directory_;
   rocksdb::Env* const env_;
+  const std::shared_ptr<rocksdb::Cache> cache_;
 
+  std::atomic<bool> closing_ = false;
+  // Held while the database is being tidied up.
+  absl::Mutex tidying_;
   mutable absl::Mutex mutex_;
   // Null if opening the database again failed.
   std::shared_ptr<rocksdb::DB> db_ ABSL_GUARDED_BY(mutex_);

@@ -458,7 +458,7 @@ TEST_F(RocksJournalTest, ARestoreHoldsUpNobodysSync) {
   int synced_meanwhile = 0;
   while (!restored) {
     const auto position = (*journal)->Append(kMission, map_store::RederiveRecord());
-    ASSERT_TRUE(position.ok() && (*journal)->Sync(*position).ok());
+    ASSERT_TRUE(position.ok() && (*journal)->Sync(kMission, *position).ok());
     synced_meanwhile += restored ? 0 : 1;
   }
   restore.join();

@@ -47,7 +47,7 @@ class ByteJournal : public map_store::Journal {
     bytes_->records.push_back(map_store::EncodeRecord(record));
     return bytes_->snapshot_position + bytes_->records.size();
   }
-  absl::Status Sync(Position) override { return absl::OkStatus(); }
+  absl::Status Sync(absl::string_view, Position) override { return absl::OkStatus(); }
   bool WantsSnapshot(absl::string_view) const override { return bytes_->wants_snapshot; }
   absl::Status WriteSnapshot(absl::string_view,
                              const map_store::JournalSnapshot& snapshot) override {

@@ -49,9 +49,10 @@ void UnsyncedLossEnv::CopyAfterPowerCut(const std::string& from, const std::stri
   fs::remove_all(to);
   fs::create_directories(to);
   absl::MutexLock lock(&mutex_);
-  for (const fs::directory_entry& entry : fs::directory_iterator(from)) {
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(from)) {
+    const fs::path copy = fs::path(to) / fs::relative(entry.path(), from);
+    if (entry.is_directory()) fs::create_directories(copy);
     if (!entry.is_regular_file()) continue;
-    const fs::path copy = fs::path(to) / entry.path().filename();
     fs::copy_file(entry.path(), copy);
     const auto it = synced_.find(Normal(entry.path().string()));
     if (it != synced_.end()) fs::resize_file(copy, std::min(it->second, fs::file_size(copy)));

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/view/island_view.h"
 #include "map_store/view/last_pose.h"
+#include "map_store/view/memory_estimate.h"
 #include "map_store/view/placement.h"
 
 namespace corbslam::map_store {
@@ -84,6 +85,7 @@ MissionInfo DescribeMission(const MissionState& state) {
   info.keyframes = CountKeyframes(state);
   info.map_points = CountPoints(state);
   info.waiting_queries = state.queries.size();
+  info.memory_bytes = EstimateMemory(state);
   return info;
 }
 

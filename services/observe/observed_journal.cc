@@ -31,9 +31,9 @@ class ObservedJournal : public Journal {
     return position;
   }
 
-  absl::Status Sync(Position position) override {
+  absl::Status Sync(absl::string_view mission, Position position) override {
     const absl::Time start = absl::Now();
-    const absl::Status status = journal_->Sync(position);
+    const absl::Status status = journal_->Sync(mission, position);
     for (JournalObserver* observer : observers_) observer->OnSynced(absl::Now() - start, status);
     return status;
   }
@@ -69,6 +69,12 @@ class ObservedJournal : public Journal {
     RETURN_IF_ERROR(journal_->DeleteMission(mission));
     for (JournalObserver* observer : observers_) observer->OnDeleted(mission);
     return absl::OkStatus();
+  }
+  absl::Status Damage(absl::string_view mission) const override {
+    return journal_->Damage(mission);
+  }
+  uint64_t DiskBytes(absl::string_view mission) const override {
+    return journal_->DiskBytes(mission);
   }
 
  private:

@@ -29,7 +29,7 @@ class FailingJournal : public InMemoryJournal {
     if (!failure_.ok()) return failure_;
     return InMemoryJournal::Append(mission, record);
   }
-  absl::Status Sync(Position) override { return failure_; }
+  absl::Status Sync(absl::string_view, Position) override { return failure_; }
   absl::Status CheckWritable() override { return failure_; }
 
  private:
@@ -92,14 +92,14 @@ TEST(ObservedJournalTest, ObserversHearWhatHappenedAndHowItEnded) {
   const auto journal = MakeObservedJournal(std::move(in_memory), {&notes});
   const map_store::JournalRecord record = testing::MakeSmallMission().front();
   EXPECT_TRUE(journal->Append("lab", record).ok());
-  EXPECT_TRUE(journal->Sync(1).ok());
+  EXPECT_TRUE(journal->Sync("m", 1).ok());
   EXPECT_TRUE(journal->CheckWritable().ok());
   EXPECT_TRUE(journal->WriteSnapshot("lab", {}).ok());
   EXPECT_TRUE(journal->DeleteMission("lab").ok());
   EXPECT_EQ(inner.records(), 1u);
   failure = absl::ResourceExhaustedError("full");
   EXPECT_EQ(journal->Append("lab", record).status(), failure);
-  EXPECT_EQ(journal->Sync(1), failure);
+  EXPECT_EQ(journal->Sync("m", 1), failure);
   EXPECT_EQ(journal->CheckWritable(), failure);
   EXPECT_THAT(notes.notes, ElementsAre("append lab 0 OK", "sync OK", "check OK", "snapshot OK",
                                        "deleted lab", "append lab 0 RESOURCE_EXHAUSTED",

@@ -16,13 +16,18 @@ uint64_t ResidentBytes() {
 }
 
 void ReturnFreeMemory() {
-#ifdef __GLIBC__
   // Giving less back is not worth holding up those who allocate meanwhile.
   constexpr uint64_t kLeast = uint64_t{128} << 20;
-  const uint64_t resident = ResidentBytes();
+  ReturnFreeMemoryAbove(std::max(kLeast, ResidentBytes() / 8));
+}
+
+void ReturnFreeMemoryAbove(uint64_t least_bytes) {
+#ifdef __GLIBC__
   const struct mallinfo2 allocated = mallinfo2();
   const uint64_t used = allocated.uordblks + allocated.hblkhd;
-  if (resident > used + std::max(kLeast, resident / 8)) malloc_trim(0);
+  if (ResidentBytes() > used + least_bytes) malloc_trim(0);
+#else
+  static_cast<void>(least_bytes);
 #endif
 }
 

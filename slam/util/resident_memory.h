@@ -12,6 +12,8 @@ uint64_t ResidentBytes();
 // Gives memory that the process has freed back to the system, if it is much: the allocator would
 // keep it, for ever where something small lies above it.
 void ReturnFreeMemory();
+// Does so if it is more than `least_bytes`, for a thread that nobody waits for.
+void ReturnFreeMemoryAbove(uint64_t least_bytes);
 
 // Does so at the end of its scope, when what is declared after it is gone.
 class ReturnsFreeMemory {

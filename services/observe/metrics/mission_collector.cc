@@ -39,6 +39,14 @@ void AddContents(const MissionLoad& load, Families& families) {
                  load.longest_write_s, mission);
 }
 
+void AddSpace(const MissionLoad& load, Families& families) {
+  const MetricLabels mission = {{"mission", load.mission}};
+  families.Gauge("corbslam_mission_memory_bytes", "About how much memory the mission's map takes.",
+                 Number(load.memory_bytes), mission);
+  families.Gauge("corbslam_mission_disk_bytes", "What the mission takes of the journal's disk.",
+                 Number(load.disk_bytes), mission);
+}
+
 void AddFusion(const MissionLoad& load, Families& families) {
   const auto stage = [&](const std::string& name, uint64_t value) {
     families.Counter("corbslam_mission_overlaps_total",
@@ -70,6 +78,9 @@ std::vector<prometheus::MetricFamily> MissionCollector::Collect() const {
   std::set<std::string> missions;
   const std::vector<MissionLoad> loads = store_.ListLoads();
   families.Gauge("corbslam_missions", "Missions in the store.", Number(loads.size()));
+  families.Gauge("corbslam_missions_damaged",
+                 "Missions whose journal is damaged: they take nothing in.",
+                 Number(store_.ListDamaged().size()));
   const MapStore::Memory memory = store_.memory();
   families.Gauge("corbslam_memory_budget_bytes",
                  "Resident memory beyond which nothing is taken in; 0: no limit.",
@@ -84,6 +95,7 @@ std::vector<prometheus::MetricFamily> MissionCollector::Collect() const {
   }
   for (const MissionLoad& load : loads) {
     AddContents(load, families);
+    AddSpace(load, families);
     AddFusion(load, families);
     missions.insert(load.mission);
   }

@@ -1,0 +1,246 @@
+#include "map_store/rocks/mission_journal.h"
+
+#include <rocksdb/write_batch.h>
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/rocks/journal_folder.h"
+#include "map_store/rocks/journal_keys.h"
+#include "map_store/rocks/mission_header.h"
+#include "map_store/rocks/rocks_database.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+constexpr size_t kChunkBytes = 1 << 20;
+// Tables have bytes of their own, and what is deleted may come to little.
+constexpr uint64_t kLittle = 8 << 20;
+// What was written to lately will be written to again.
+constexpr absl::Duration kUntilIdle = absl::Seconds(30);
+constexpr uint64_t kLeastToFlush = 1 << 20;
+
+}  // namespace
+
+MissionJournal::MissionJournal(std::string name, const RocksJournalOptions& options,
+                               std::unique_ptr<RocksDatabase> database)
+    : name_(std::move(name)), options_(options), database_(std::move(database)) {}
+
+MissionJournal::~MissionJournal() { Close(); }
+
+void MissionJournal::Close() { database_->Close(); }
+
+absl::Status MissionJournal::ToStatus(const rocksdb::Status& status) const {
+  if (status.ok()) return absl::OkStatus();
+  const std::string message =
+      absl::StrCat("journal ", database_->directory(), ": ", status.ToString());
+  if (status.IsNoSpace()) return absl::ResourceExhaustedError(message);
+  if (status.IsCorruption()) return Note(absl::DataLossError(message));
+  return absl::UnavailableError(message);
+}
+
+absl::Status MissionJournal::Note(absl::Status error) const {
+  absl::MutexLock lock(&damage_mutex_);
+  if (absl::IsDataLoss(error) && damage_.ok()) damage_ = error;
+  return error;
+}
+
+absl::Status MissionJournal::Damage() const {
+  absl::MutexLock lock(&damage_mutex_);
+  return damage_;
+}
+
+absl::Status MissionJournal::WriteFormat() {
+  rocksdb::WriteBatch batch;
+  batch.Put(map_store::FormatKey(), EncodeFormat());
+  return ToStatus(database_->Write(batch, true));
+}
+
+absl::Status MissionJournal::Begin() { return WriteFormat(); }
+
+absl::Status MissionJournal::CheckWritable() {
+  // The write repeats what is there already, to find out whether writing works.
+  return database_->failed() ? WriteFormat() : absl::OkStatus();
+}
+
+Journal::Position MissionJournal::NextPosition() {
+  absl::MutexLock lock(&mutex_);
+  return ++last_;
+}
+
+absl::StatusOr<Journal::Position> MissionJournal::Append(const BatchBytes& bytes,
+                                                         const std::vector<KeyframeId>& removed) {
+  RETURN_IF_ERROR(Damage());
+  rocksdb::WriteBatch batch;
+  for (const auto& [id, features] : bytes.features) batch.Put(FeaturesKey(name_, id), features);
+  const Position position = NextPosition();
+  batch.Put(RecordKey(name_, position), bytes.record);
+  bool is_marked = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    is_marked = is_marked_;
+  }
+  if (!is_marked) batch.Put(MissionKey(name_), Encode(MissionHeader()));
+  RETURN_IF_ERROR(ToStatus(database_->Write(batch, false)));
+  absl::MutexLock lock(&mutex_);
+  is_marked_ = true;
+  written_ = position;
+  contents_.NoteRecord(position, bytes.record.size());
+  for (const auto& [id, features] : bytes.features) {
+    contents_.NoteFeatures(id, position, features.size());
+  }
+  for (const KeyframeId& id : removed) contents_.NoteRemoved(id, position);
+  return position;
+}
+
+absl::Status MissionJournal::Sync(Position position) {
+  if (!options_.sync) return absl::OkStatus();
+  absl::MutexLock lock(&mutex_);
+  while (synced_ < position) {
+    // One thread syncs for all that were written by then; the others wait for it.
+    if (syncing_) {
+      synced_changed_.Wait(&mutex_);
+      continue;
+    }
+    syncing_ = true;
+    const Position written = written_;
+    mutex_.Unlock();
+    const absl::Status status = ToStatus(database_->SyncLog());
+    mutex_.Lock();
+    syncing_ = false;
+    synced_changed_.SignalAll();
+    RETURN_IF_ERROR(status);
+    synced_ = written;
+  }
+  return absl::OkStatus();
+}
+
+bool MissionJournal::WantsSnapshot() const {
+  absl::MutexLock lock(&mutex_);
+  return contents_.WantsSnapshot(options_.min_bytes_between_snapshots);
+}
+
+absl::Status MissionJournal::WriteChunks(const JournalSnapshot& snapshot, uint32_t& chunks) {
+  for (size_t begin = 0; begin < snapshot.state.size(); begin += kChunkBytes) {
+    rocksdb::WriteBatch chunk;
+    chunk.Put(SnapshotKey(name_, snapshot.position, chunks++),
+              snapshot.state.substr(begin, kChunkBytes));
+    RETURN_IF_ERROR(ToStatus(database_->Write(chunk, false)));
+    // Else the next record's sync would wait for the whole snapshot.
+    if (options_.sync) RETURN_IF_ERROR(ToStatus(database_->SyncLog()));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status MissionJournal::WriteSnapshot(const JournalSnapshot& snapshot) {
+  RETURN_IF_ERROR(Damage());
+  RETURN_IF_ERROR(CheckRoom(options_, snapshot.state.size()));
+  uint32_t chunks = 0;
+  RETURN_IF_ERROR(WriteChunks(snapshot, chunks));
+  std::vector<KeyframeId> unneeded;
+  {
+    absl::MutexLock lock(&mutex_);
+    unneeded = contents_.FindUnneeded(snapshot);
+  }
+  const uint64_t size = snapshot.state.size();
+  rocksdb::WriteBatch turn;
+  turn.Put(MissionKey(name_), Encode(MissionHeader{snapshot.position, size}));
+  const std::string records = MissionPrefix(JournalPart::kRecord, name_);
+  turn.DeleteRange(records, RecordKey(name_, snapshot.position + 1));
+  const std::string snapshots = MissionPrefix(JournalPart::kSnapshot, name_);
+  turn.DeleteRange(snapshots, SnapshotKey(name_, snapshot.position, 0));
+  // This removes what an attempt that failed at the same position may have left behind.
+  turn.DeleteRange(SnapshotKey(name_, snapshot.position, chunks),
+                   SnapshotKey(name_, snapshot.position + 1, 0));
+  for (const KeyframeId& id : unneeded) turn.Delete(FeaturesKey(name_, id));
+  RETURN_IF_ERROR(ToStatus(database_->Write(turn, true)));
+  absl::MutexLock lock(&mutex_);
+  is_marked_ = true;
+  may_be_wasteful_ = true;
+  contents_.NoteSnapshot(snapshot.position, size, unneeded);
+  return absl::OkStatus();
+}
+
+absl::Status MissionJournal::Create(const MissionState& state) {
+  rocksdb::WriteBatch mark;
+  mark.Put(MissionKey(name_), Encode(MissionHeader{kNotWhole, 0}));
+  RETURN_IF_ERROR(ToStatus(database_->Write(mark, false)));
+  const Position position = NextPosition();
+  RETURN_IF_ERROR(WriteFeatures(state, position));
+  JournalSnapshot snapshot = map_store::TakeSnapshot(state);
+  snapshot.position = position;
+  return WriteSnapshot(snapshot);
+}
+
+absl::Status MissionJournal::WriteFeatures(const MissionState& state, Position position) {
+  for (const auto& [id, local_map] : state.local_maps) {
+    RETURN_IF_ERROR(CheckRoom(options_, local_map.stored_bytes));
+    for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
+      const std::string features = map_store::EncodeFeatures(*keyframe.payload);
+      rocksdb::WriteBatch batch;
+      batch.Put(FeaturesKey(name_, keyframe_id), features);
+      RETURN_IF_ERROR(ToStatus(database_->Write(batch, false)));
+      absl::MutexLock lock(&mutex_);
+      contents_.NoteFeatures(keyframe_id, position, features.size());
+    }
+  }
+  return absl::OkStatus();
+}
+
+uint64_t MissionJournal::DiskBytes() const { return BytesIn(database_->directory()); }
+
+bool MissionJournal::IsWasteful() const {
+  uint64_t live = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!may_be_wasteful_) return false;
+    live = contents_.live_bytes();
+  }
+  return DiskBytes() > live + live / 4 + kLittle;
+}
+
+void MissionJournal::SetMayBeWasteful(bool may_be) {
+  absl::MutexLock lock(&mutex_);
+  may_be_wasteful_ = may_be;
+}
+
+absl::Status MissionJournal::TidyMemory(absl::Time now) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (looked_at_ != written_ || unchanged_since_ == absl::InfiniteFuture()) {
+      looked_at_ = written_;
+      unchanged_since_ = now;
+    }
+    if (now - unchanged_since_ < kUntilIdle) return absl::OkStatus();
+  }
+  if (database_->BytesInMemory() < kLeastToFlush) return absl::OkStatus();
+  return ToStatus(database_->Flush());
+}
+
+absl::Status MissionJournal::Tidy(absl::Time now) {
+  if (!Damage().ok() || database_->failed()) return absl::OkStatus();
+  RETURN_IF_ERROR(TidyMemory(now));
+  if (!IsWasteful()) return absl::OkStatus();
+  std::error_code error;
+  const auto space = std::filesystem::space(options_.directory, error);
+  uint64_t live = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    live = contents_.live_bytes();
+  }
+  if (!error && space.available < live + kLittle) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("journal ", database_->directory(), ": tidying up takes ", live,
+                     " bytes for a while, and the disk has ", space.available, " free"));
+  }
+  SetMayBeWasteful(false);
+  const rocksdb::Status tidied = database_->Tidy();
+  if (tidied.ok()) return absl::OkStatus();
+  SetMayBeWasteful(true);
+  return tidied.IsIncomplete() ? absl::OkStatus() : ToStatus(tidied);
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,201 @@
+// Implements the part of RocksJournal that opens its folder and makes missions in it.
+#include <glog/logging.h>
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "map_store/rocks/journal_keys.h"
+#include "map_store/rocks/journal_tidier.h"
+#include "map_store/rocks/journal_upgrade.h"
+#include "map_store/rocks/mission_header.h"
+#include "map_store/rocks/mission_journal.h"
+#include "map_store/rocks/rocks_database.h"
+#include "map_store/rocks/rocks_journal.h"
+#include "slam/util/lock_holder.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+using Mode = RocksDatabase::Mode;
+
+// RocksDB locks this file of the folder as long as it has the database open.
+constexpr char kLockName[] = "LOCK";
+
+// Says why a database can't be opened, with the process that has it open, where there is one.
+std::string ExplainOpenFailure(const std::string& directory, const rocksdb::Status& status) {
+  const std::string said = status.ToString();
+  const bool is_locked = absl::StrContains(said, "While lock file") ||
+                         absl::StrContains(said, "lock hold by current process");
+  if (!is_locked) return said;
+  const std::string lock = absl::StrCat(directory, "/", kLockName);
+  return absl::StrCat("the folder is in use: ", DescribeLockHolder(lock),
+                      "; stop it, or choose another folder");
+}
+
+// Returns whether a database can't be opened because of what is, or is not, in its files.
+bool IsDamage(const rocksdb::Status& status) {
+  const std::string said = status.ToString();
+  return status.IsCorruption() || absl::StrContains(said, "No such file") ||
+         absl::StrContains(said, "does not exist") || absl::StrContains(said, "Input/output error");
+}
+
+absl::Status OpenFailure(const std::string& path, const rocksdb::Status& status) {
+  const std::string message = absl::StrCat("journal ", path, ": ", status.ToString());
+  if (IsDamage(status)) return absl::DataLossError(message);
+  if (status.IsNoSpace()) return absl::ResourceExhaustedError(message);
+  return absl::UnavailableError(message);
+}
+
+// An open database always has a log, so that one without has lost it.
+bool HasLog(const std::string& directory) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(directory, error), end; !error && it != end;
+       it.increment(error)) {
+    if (it->path().extension() == ".log") return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+RocksJournal::RocksJournal(const RocksJournalOptions& options)
+    : options_(options), folder_(options.directory), cache_(MakeBlockCache()) {}
+
+absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
+    const RocksJournalOptions& options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.directory, error);
+  if (error) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("journal ", options.directory, ": ", error.message()));
+  }
+  std::unique_ptr<RocksJournal> journal(new RocksJournal(options));
+  RETURN_IF_ERROR(journal->OpenGuard());
+  RETURN_IF_ERROR(journal->LoadMissions());
+  journal->tidier_ =
+      std::make_unique<JournalTidier>([made = journal.get()] { return made->OpenMissions(); });
+  return journal;
+}
+
+absl::Status RocksJournal::OpenGuard() {
+  guard_ = std::make_unique<RocksDatabase>(options_.directory, options_.env, cache_);
+  const rocksdb::Status opened = guard_->Open(Mode::kMake);
+  const std::string place = absl::StrCat("journal ", options_.directory, ": ");
+  if (!opened.ok() && !IsDamage(opened)) {
+    return absl::FailedPreconditionError(place + ExplainOpenFailure(options_.directory, opened));
+  }
+  const absl::StatusOr<uint32_t> format =
+      opened.ok() ? ReadGuard() : absl::DataLossError(opened.ToString());
+  const bool is_new = absl::IsNotFound(format.status());
+  if (absl::IsFailedPrecondition(format.status()) ||
+      (absl::IsDataLoss(format.status()) && !folder_.exists())) {
+    return absl::Status(format.status().code(), place + std::string(format.status().message()));
+  }
+  // Once there is a folder of missions, the guard has nothing that could be lost.
+  if (folder_.exists())
+    return format.ok() && *format > kLastSharedFormat ? absl::OkStatus() : MakeGuard();
+  if (!is_new && *format > kLastSharedFormat) {
+    return absl::DataLossError(absl::StrCat(place, "the folder ", folder_.path(), " is lost"));
+  }
+  if (is_new) {
+    RETURN_IF_ERROR(folder_.Make());
+  } else {
+    RETURN_IF_ERROR(UpgradeJournal(options_, *guard_, cache_));
+  }
+  return MakeGuard();
+}
+
+absl::StatusOr<uint32_t> RocksJournal::ReadGuard() {
+  std::string bytes;
+  const rocksdb::Status found = guard_->Get(map_store::FormatKey(), &bytes);
+  if (found.IsNotFound()) return absl::NotFoundError("no format");
+  if (!found.ok()) return absl::DataLossError(found.ToString());
+  return CheckFormat(bytes);
+}
+
+absl::Status RocksJournal::MakeGuard() {
+  guard_->Close();
+  RocksDatabase::Destroy(options_.directory);
+  guard_ = std::make_unique<RocksDatabase>(options_.directory, options_.env, cache_);
+  rocksdb::WriteBatch batch;
+  batch.Put(map_store::FormatKey(), EncodeFormat());
+  rocksdb::Status made = guard_->Open(Mode::kMake);
+  if (made.ok()) made = guard_->Write(batch, true);
+  if (made.ok()) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("journal ", options_.directory, ": ", made.ToString()));
+}
+
+absl::Status RocksJournal::LoadMissions() {
+  RETURN_IF_ERROR(folder_.RemoveLeftovers());
+  ASSIGN_OR_RETURN(const std::vector<std::string> names, folder_.ListKept());
+  for (const std::string& name : names) RETURN_IF_ERROR(LoadMission(name));
+  return absl::OkStatus();
+}
+
+absl::Status RocksJournal::LoadMission(const std::string& name) {
+  absl::StatusOr<MissionPtr> opened = OpenMission(name);
+  if (opened.ok()) {
+    const absl::Status loaded = (*opened)->Load();
+    if (absl::IsNotFound(loaded)) {
+      LOG(WARNING) << "mission " << name << " goes, its making was cut short: " << loaded;
+      opened->reset();
+      RETURN_IF_ERROR(folder_.Turn(name, kKept, kDeleted));
+      return folder_.Remove(name, kDeleted);
+    }
+    if (!loaded.ok()) opened = loaded;
+  }
+  absl::MutexLock lock(&mutex_);
+  if (opened.ok()) {
+    missions_[name] = *std::move(opened);
+  } else if (absl::IsDataLoss(opened.status())) {
+    unreadable_[name] = opened.status();
+  } else {
+    return opened.status();
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<RocksJournal::MissionPtr> RocksJournal::OpenMission(const std::string& name) const {
+  const std::string path = folder_.PathOf(name);
+  if (!HasLog(path)) {
+    return absl::DataLossError(absl::StrCat("journal ", path, ": its log (*.log) is lost"));
+  }
+  auto database = std::make_unique<RocksDatabase>(path, options_.env, cache_);
+  const rocksdb::Status opened = database->Open(Mode::kOpen);
+  if (!opened.ok()) return OpenFailure(path, opened);
+  return std::make_shared<MissionJournal>(name, options_, std::move(database));
+}
+
+absl::Status RocksJournal::MakeFolder(const std::string& name) const {
+  RETURN_IF_ERROR(folder_.Remove(name, kBeingMade));
+  const std::string path = folder_.PathOf(name, kBeingMade);
+  auto database = std::make_unique<RocksDatabase>(path, options_.env, cache_);
+  const rocksdb::Status opened = database->Open(Mode::kMake);
+  if (!opened.ok()) return OpenFailure(path, opened);
+  {
+    MissionJournal begun(name, options_, std::move(database));
+    RETURN_IF_ERROR(begun.Begin());
+  }
+  return folder_.Turn(name, kBeingMade, kKept);
+}
+
+absl::StatusOr<RocksJournal::MissionPtr> RocksJournal::MakeMission(absl::string_view mission) {
+  const std::string name(mission);
+  absl::MutexLock making(&making_);
+  if (absl::StatusOr<MissionPtr> found = FindMission(name); !absl::IsNotFound(found.status())) {
+    return found;
+  }
+  // An attempt that could not open it has left it behind.
+  std::error_code error;
+  if (!std::filesystem::exists(folder_.PathOf(name), error)) RETURN_IF_ERROR(MakeFolder(name));
+  ASSIGN_OR_RETURN(MissionPtr made, OpenMission(name));
+  absl::MutexLock lock(&mutex_);
+  return missions_[name] = std::move(made);
+}
+
+}  // namespace corbslam::map_store
