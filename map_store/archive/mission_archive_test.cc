@@ -17,7 +17,9 @@
 #include "absl/time/clock.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/map_store.h"
+#include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/journal_keys.h"
+#include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
@@ -271,8 +273,12 @@ TEST_F(MissionArchiveTest, AHalfRestoredMissionIsGoneAtTheNextStart) {
   OpenStore(options).reset();
   {
     rocksdb::DB* raw = nullptr;
-    ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
+    rocksdb::Options make;
+    make.create_if_missing = true;
+    const std::string folder = map_store::JournalFolder(options.directory).PathOf("m");
+    ASSERT_TRUE(rocksdb::DB::Open(make, folder, &raw).ok());
     const std::unique_ptr<rocksdb::DB> journal(raw);
+    ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), EncodeFormat()).ok());
     const std::string not_whole(8, '\xff');
     ASSERT_TRUE(raw->Put({}, map_store::MissionKey("m"), not_whole + std::string(8, '\0')).ok());
     ASSERT_TRUE(raw->Put({}, map_store::FeaturesKey("m", {LocalMapId{0xa}, 3}), "half").ok());

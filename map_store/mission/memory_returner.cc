@@ -10,7 +10,7 @@
 namespace corbslam::map_store {
 namespace {
 
-constexpr int kStepsLower = 10;
+constexpr int kPriorityStepsLower = 10;
 // Who deletes one thing often deletes the next one, and streams end a moment after their mission.
 constexpr absl::Duration kPause = absl::Seconds(2);
 constexpr uint64_t kLeastBytes = 16 << 20;
@@ -28,7 +28,7 @@ void MemoryReturner::Stop() {
 
 void MemoryReturner::Run() {
   // The allocator's locks are held meanwhile, a piece at a time.
-  const absl::Status lowered = LowerThreadPriority(kStepsLower);
+  const absl::Status lowered = LowerThreadPriority(kPriorityStepsLower);
   LOG_IF(WARNING, !lowered.ok()) << "giving memory back may hold up robots: " << lowered;
   for (uint64_t seen = 0; signal_.Wait(seen) && signal_.WaitFor(kPause);) give_back_();
 }

@@ -21,6 +21,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "map_store/map_store.h"
+#include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
@@ -229,8 +230,13 @@ int LogsWanted() {
   return logs;
 }
 
+// Returns the folder of the mission's own database.
+std::string MissionFolder(const std::string& folder) {
+  return map_store::JournalFolder(folder).PathOf(kMission);
+}
+
 fs::path LogIn(const std::string& folder) {
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  for (const auto& entry : fs::directory_iterator(MissionFolder(folder))) {
     if (entry.path().extension() == ".log") return entry.path();
   }
   return {};
@@ -281,11 +287,14 @@ class DamagedLogTest : public RocksJournalTest {
   // it was refused as damaged.
   int CountWholeBatches() {
     const auto store = TryOpen({.directory = damaged_});
-    if (!store.ok()) {
-      EXPECT_THAT(std::string(store.status().message()), HasSubstr("damaged"));
+    EXPECT_TRUE(store.ok()) << store.status();
+    if (!store.ok()) return -1;
+    const auto mission = (*store)->GetMission(kMission);
+    if (!mission.ok()) return 0;
+    if (!mission->damage.empty()) {
+      EXPECT_THAT(mission->damage, HasSubstr(MissionFolder(damaged_)));
       return -1;
     }
-    if (!(*store)->GetMission(kMission).ok()) return 0;
     const std::string dump = DumpLocal(kMission, **store);
     const auto same = std::ranges::find(whole_, dump);
     EXPECT_NE(same, whole_.end()) << "not what any number of whole batches gives:\n" << dump;
@@ -478,28 +487,42 @@ TEST_F(RocksJournalTest, ADeletedMissionStaysDeleted) {
   EXPECT_EQ(store->GetMission(kMission)->keyframes, 2u);
 }
 
+// Makes of a journal what programs of older formats wrote: one database with all missions.
+void MakeShared(const std::string& folder, const std::string& format) {
+  rocksdb::DB* raw = nullptr;
+  ASSERT_TRUE(rocksdb::DB::Open({}, folder, &raw).ok());
+  const std::unique_ptr<rocksdb::DB> shared(raw);
+  std::string before;
+  ASSERT_TRUE(shared->Get({}, map_store::FormatKey(), &before).ok());
+  EXPECT_EQ(before, std::string("\x0b\0\0\0", 4));
+  ASSERT_TRUE(rocksdb::DB::OpenForReadOnly({}, MissionFolder(folder), &raw).ok());
+  const std::unique_ptr<rocksdb::DB> own(raw);
+  const std::unique_ptr<rocksdb::Iterator> it(own->NewIterator({}));
+  for (it->SeekToFirst(); it->Valid(); it->Next()) {
+    ASSERT_TRUE(shared->Put({}, it->key(), it->value()).ok());
+  }
+  ASSERT_TRUE(shared->Put({}, map_store::FormatKey(), format).ok());
+  ASSERT_TRUE(shared->Close().ok());
+  fs::remove_all(map_store::JournalFolder(folder).path());
+}
+
 // A program before recorded cameras left format 5.
 TEST_F(RocksJournalTest, AnOlderFormatIsReadAndBecomesTheNewOne) {
   const RocksJournalOptions options{.directory = Folder("store")};
-  const auto set_format = [&](const std::string& format) {
-    rocksdb::DB* raw = nullptr;
-    ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
-    const std::unique_ptr<rocksdb::DB> closing(raw);
-    std::string before;
-    ASSERT_TRUE(raw->Get({}, map_store::FormatKey(), &before).ok());
-    EXPECT_EQ(before, std::string("\x0a\0\0\0", 4));
-    ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), format).ok());
-    ASSERT_TRUE(raw->Close().ok());
-  };
   auto store = Open(options);
   Send(MakeBatches(), 0, 6, store.get());
+  const std::string local = DumpLocal(kMission, *store);
   store.reset();
-  set_format(std::string("\x05\0\0\0", 4));
+  MakeShared(options.directory, std::string("\x05\0\0\0", 4));
   store = Open(options);
   ASSERT_NE(store, nullptr);
   EXPECT_EQ(store->GetMission(kMission)->keyframes, 6u);
+  EXPECT_EQ(DumpLocal(kMission, *store), local);
+  // The missions have left the old database.
+  EXPECT_LT(map_store::BytesIn(options.directory),
+            map_store::BytesIn(MissionFolder(options.directory)) + (64 << 10));
   store.reset();
-  set_format(std::string("\x04\0\0\0", 4));
+  MakeShared(options.directory, std::string("\x04\0\0\0", 4));
   EXPECT_EQ(TryOpen(options).status().code(), absl::StatusCode::kFailedPrecondition);
 }
 
@@ -516,11 +539,11 @@ TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   rocksdb::DB* raw = nullptr;
   ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
   const std::unique_ptr<rocksdb::DB> closing(raw);
-  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x0b\0\0\0", 4)).ok());
+  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x0c\0\0\0", 4)).ok());
   ASSERT_TRUE(raw->Close().ok());
   const auto newer = RocksJournal::Open(options);
   EXPECT_EQ(newer.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 11"));
+  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 12"));
 
   const auto nowhere = RocksJournal::Open({.directory = "/proc/version/journal"});
   EXPECT_EQ(nowhere.status().code(), absl::StatusCode::kFailedPrecondition);

@@ -1,3 +1,4 @@
+#include "map_store/testing/recover_whole.h"
 #include "tests/fault/replay_fixture.h"
 
 #include <glog/logging.h>
@@ -38,7 +39,7 @@ std::unique_ptr<MapStore> ReplayFaultTest::Reopen(const RocksJournalOptions& jou
   MapStoreOptions options;
   options.deterministic = deterministic;
   auto store = std::make_unique<MapStore>(options, vocabulary_, *std::move(journal), worker);
-  const absl::Status recovered = store->Recover();
+  const absl::Status recovered = testing::RecoverWhole(*store);
   if (recovered.ok()) return store;
   LOG(WARNING) << recovered;
   return nullptr;
