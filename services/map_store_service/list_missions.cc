@@ -12,11 +12,20 @@ using map_store::PageRequest;
 grpc::ServerUnaryReactor* MapStoreService::ListMissions(grpc::CallbackServerContext* context,
                                                         const v1::ListMissionsRequest* request,
                                                         v1::ListMissionsResponse* response) {
-  return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
-    ASSIGN_OR_RETURN(const PageRequest page, ReadPage(*request));
-    ASSIGN_OR_RETURN(const auto found, store_.ListMissions(page));
-    for (const auto& item : found.items) ToProto(item, response->add_missions());
-    response->set_next_page_token(found.next_page_token);
+  const ListFilter shows = options_.may_list != nullptr ? options_.may_list(*context) : nullptr;
+  return AnswerOn(pool_, context, [this, shows, request, response]() -> absl::Status {
+    ASSIGN_OR_RETURN(PageRequest page, ReadPage(*request));
+    // The page is full with a mission that is shown, so that its token names no other one.
+    do {
+      ASSIGN_OR_RETURN(const auto found, store_.ListMissions(page));
+      for (const auto& item : found.items) {
+        if (shows != nullptr && !shows(item.name)) continue;
+        ToProto(item, response->add_missions());
+        --page.page_size;
+      }
+      page.page_token = found.next_page_token;
+    } while (page.page_size > 0 && !page.page_token.empty());
+    response->set_next_page_token(page.page_token);
     return absl::OkStatus();
   });
 }

@@ -55,6 +55,13 @@ using RestoreCheck =
 using LookCheck =
     std::function<absl::Status(const grpc::CallbackServerContext&, const std::string& name)>;
 
+// Returns a check of whether the caller's streams may stay open (StreamLimits::EndWhoMayNotStay).
+using StayCheckMaker = std::function<StayCheck(const grpc::CallbackServerContext&)>;
+
+// Returns a check of which missions the caller's list has.
+using ListFilter = std::function<bool(const std::string& mission)>;
+using ListFilterMaker = std::function<ListFilter(const grpc::CallbackServerContext&)>;
+
 struct MapStoreServiceOptions {
   // Number of threads that read and apply batches and answer look-ups. They may be more than
   // processors: they wait for the journal, and one sync then serves several.
@@ -69,6 +76,8 @@ struct MapStoreServiceOptions {
   SessionCheck may_open;
   RestoreCheck may_restore;
   LookCheck may_look;  // Of LocalizeStream, each of whose requests names a mission.
+  StayCheckMaker may_stay;
+  ListFilterMaker may_list;
 };
 
 // Serves all calls; each RPC is in the file of its name. `store` is not owned and must outlive it;
@@ -90,6 +99,9 @@ class MapStoreService : public MapStoreMethods {
   // Ends Sync, WatchMap and WatchEvents with UNAVAILABLE, once what they had to say is said; no new
   // stream begins. The server is about to stop.
   void EndStreams() { limits_.Close(); }
+
+  // Ends those of these streams whose callers may not stay any more, with the reason.
+  void EndWhoMayNotStay() { limits_.EndWhoMayNotStay(); }
 
   // Returns the number of calls and batches that no thread has begun with.
   size_t waiting_tasks() const { return pool_.waiting(); }
@@ -157,6 +169,9 @@ class MapStoreService : public MapStoreMethods {
       grpc::CallbackServerContext* context) override;
 
  private:
+  StayCheck MayStay(const grpc::CallbackServerContext& context) const {
+    return options_.may_stay != nullptr ? options_.may_stay(context) : nullptr;
+  }
   absl::Status AnswerLocalize(const v1::LocalizeRequest& request,
                               const std::function<bool()>& goes_on, v1::LocalizeResponse* response);
   static MapStoreServiceOptions Observed(MapStoreServiceOptions options, SyncObserver* observer) {

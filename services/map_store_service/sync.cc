@@ -29,7 +29,7 @@ constexpr char kBroken[] = "the stream broke: the robot's process or its link is
 
 SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
                          const MapStoreServiceOptions& options, OpenCheck may_open,
-                         absl::string_view peer)
+                         StayCheck may_stay, absl::string_view peer)
     : StreamTask(pool, Threads::kTasks),
       store_(store),
       shared_bytes_(options.shared_bytes),
@@ -37,14 +37,15 @@ SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
       may_open_(std::move(may_open)),
       peer_(absl::StrReplaceAll(peer, {{"%5B", "["}, {"%5D", "]"}})),
       limits_(limits.options()) {
-  absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket = limits.Enter(peer);
+  absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket =
+      limits.Enter(peer, std::move(may_stay));
   if (!ticket.ok()) {
     Refuse(ticket.status());
     return;
   }
   ticket_ = *std::move(ticket);
-  const absl::Status open = ticket_->SetCloseListener(
-      link_.Guard([this] { End(absl::UnavailableError("the map store is stopping")); }));
+  const absl::Status open =
+      ticket_->SetCloseListener(link_.Guard([this](const absl::Status& why) { End(why); }));
   if (!open.ok()) {
     Refuse(open);
     return;
@@ -343,7 +344,8 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MapStoreService::Sy
     if (options_.may_open == nullptr) return absl::OkStatus();
     return options_.may_open(*context, request.mission, request.agent);
   };
-  return new SyncReactor(store_, pool_, limits_, options_, may_open, context->peer());
+  return new SyncReactor(store_, pool_, limits_, options_, may_open, MayStay(*context),
+                         context->peer());
 }
 
 }  // namespace corbslam::services

@@ -44,7 +44,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
 
   // `peer` is the caller, as gRPC spells it.
   SyncReactor(map_store::MapStore& store, TaskPool& pool, StreamLimits& limits,
-              const MapStoreServiceOptions& options, OpenCheck may_open, absl::string_view peer);
+              const MapStoreServiceOptions& options, OpenCheck may_open, StayCheck may_stay,
+              absl::string_view peer);
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;

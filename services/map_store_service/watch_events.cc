@@ -58,7 +58,8 @@ class WatchEventsReactor : public WatchReactor<v1::MissionEvent> {
 
 grpc::ServerWriteReactor<v1::MissionEvent>* MapStoreService::WatchEvents(
     grpc::CallbackServerContext* context, const v1::WatchEventsRequest* request) {
-  auto* reactor = new WatchEventsReactor(store_, pool_, *request, limits_.Enter(context->peer()));
+  auto* reactor = new WatchEventsReactor(store_, pool_, *request,
+                                         limits_.Enter(context->peer(), MayStay(*context)));
   reactor->Start();
   return reactor;
 }

@@ -58,7 +58,8 @@ class WatchMapReactor : public WatchReactor<v1::WatchMapResponse> {
 
 grpc::ServerWriteReactor<v1::WatchMapResponse>* MapStoreService::WatchMap(
     grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) {
-  auto* reactor = new WatchMapReactor(store_, pool_, *request, limits_.Enter(context->peer()));
+  auto* reactor = new WatchMapReactor(store_, pool_, *request,
+                                      limits_.Enter(context->peer(), MayStay(*context)));
   reactor->Start();
   return reactor;
 }

@@ -138,12 +138,11 @@ absl::Status Run(Flags flags) {
                  observers->Watch(worker.get()));
   RETURN_IF_ERROR(store.Recover());
   MapStoreServiceOptions service_options = flags.service;
-  service_options.may_open = MakeSessionCheck(security.access);
-  service_options.may_restore = MakeRestoreCheck(security.access);
-  service_options.may_look = MakeLookCheck(security.access);
+  SetChecks(security.access, service_options);
   service_options.observers = observers->OfStreams();
   MapStoreService service(&store, service_options);
   GuardedMapStore guarded(&service, security.access);
+  const RevokedStreamsEnder revoked(&service, security.access);
   ASSIGN_OR_RETURN(const auto metrics, observers->Serve(store, service));
   security.server.rpc_observer = observers->OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,

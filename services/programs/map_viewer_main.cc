@@ -43,6 +43,7 @@ struct Flags {
   std::string web_key;
   std::vector<std::string> web_hosts;
   std::string token_key;
+  SecurityOptions tokens;  // What --help-all shows about browsers' tokens.
   bool open = false;
   WebServerOptions web;
   ViewerOptions viewer;
@@ -87,15 +88,9 @@ absl::StatusOr<std::shared_ptr<const AccessControl>> MakeAccess(const Flags& fla
         "--open for everybody who reaches it (docs/viewer.md)");
   }
   if (flags.open) return absl::InvalidArgumentError("--open and --token-key exclude each other");
-  ASSIGN_OR_RETURN(const std::string pem, ReadSecurityFile("--token-key", flags.token_key));
-  absl::StatusOr<TokenVerifier> verifier = TokenVerifier::FromPem(pem);
-  if (!verifier.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--token-key ", flags.token_key, ": ", verifier.status().message()));
-  }
-  AccessControlOptions options;
-  options.tokens = *std::move(verifier);
-  return std::make_shared<const AccessControl>(options);
+  SecurityOptions tokens = flags.tokens;
+  tokens.token_key_file = flags.token_key;
+  return MakeTokenAccess(tokens);
 }
 
 absl::StatusOr<std::optional<KeyPair>> MakeWebTls(const Flags& flags) {
@@ -183,6 +178,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "any; may be repeated; without, with TLS: any");
   app.add_option("--token-key", flags.token_key,
                  "PEM file of Ed25519 public keys whose tokens browsers show");
+  AddTokenFlags(app, flags.tokens);
   app.add_flag("--open", flags.open, "Everybody who reaches it may look at every mission");
   app.add_option("--max-pages", flags.web.max_streams, "Pages that are open at once")
       ->check(CLI::Range(1, 10000))

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "services/observe/metrics/credential_collector.h"
 #include "services/observe/metrics/process_collector.h"
 #include "services/observe/metrics/robot_collector.h"
 #include "services/server/server.h"
@@ -71,11 +72,12 @@ void RobotObservers::SetDropped(uint64_t frames) {
 absl::StatusOr<std::unique_ptr<MetricsEndpoint>> RobotObservers::Serve(const Agent* agent,
                                                                        const Uplink* uplink) {
   if (metrics_ == nullptr) return nullptr;
-  ASSIGN_OR_RETURN(auto endpoint,
-                   MetricsEndpoint::Start(
-                       flags_.metrics_listen,
-                       {std::make_shared<ProcessCollector>("client_agent"), metrics_->registry,
-                        std::make_shared<RobotCollector>(agent, uplink, mission_, name_)}));
+  ASSIGN_OR_RETURN(
+      auto endpoint,
+      MetricsEndpoint::Start(flags_.metrics_listen,
+                             {std::make_shared<ProcessCollector>("client_agent"),
+                              std::make_shared<CredentialCollector>(), metrics_->registry,
+                              std::make_shared<RobotCollector>(agent, uplink, mission_, name_)}));
   AnnounceMetrics(endpoint->address());
   return endpoint;
 }

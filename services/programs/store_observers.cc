@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "services/observe/metrics/credential_collector.h"
 #include "services/observe/metrics/measured_fusion_worker.h"
 #include "services/observe/metrics/mission_collector.h"
 #include "services/observe/metrics/process_collector.h"
@@ -54,7 +55,8 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> StoreObservers::Serve(
   ASSIGN_OR_RETURN(auto endpoint,
                    MetricsEndpoint::Start(
                        flags_.metrics_listen,
-                       {std::make_shared<ProcessCollector>("map_store"), metrics_->registry,
+                       {std::make_shared<ProcessCollector>("map_store"),
+                        std::make_shared<CredentialCollector>(), metrics_->registry,
                         std::make_shared<MissionCollector>(&store, &service, &metrics_->ingest)}));
   AnnounceMetrics(endpoint->address());
   return endpoint;

@@ -1,5 +1,6 @@
 #include "services/programs/worker_observers.h"
 
+#include "services/observe/metrics/credential_collector.h"
 #include "services/observe/metrics/measured_fusion_worker.h"
 #include "services/observe/metrics/process_collector.h"
 #include "services/observe/metrics/worker_collector.h"
@@ -23,11 +24,11 @@ RpcObserver* WorkerObservers::OfCalls() { return metrics_ != nullptr ? &metrics_
 absl::StatusOr<std::unique_ptr<MetricsEndpoint>> WorkerObservers::Serve(
     const FusionWorkerService& service) {
   if (metrics_ == nullptr) return nullptr;
-  ASSIGN_OR_RETURN(
-      auto endpoint,
-      MetricsEndpoint::Start(flags_.metrics_listen,
-                             {std::make_shared<ProcessCollector>("fusion_worker"),
-                              metrics_->registry, std::make_shared<WorkerCollector>(&service)}));
+  ASSIGN_OR_RETURN(auto endpoint, MetricsEndpoint::Start(
+                                      flags_.metrics_listen,
+                                      {std::make_shared<ProcessCollector>("fusion_worker"),
+                                       std::make_shared<CredentialCollector>(), metrics_->registry,
+                                       std::make_shared<WorkerCollector>(&service)}));
   AnnounceMetrics(endpoint->address());
   return endpoint;
 }

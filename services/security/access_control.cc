@@ -2,6 +2,7 @@
 
 #include <grpc/grpc_security_constants.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/escaping.h"
@@ -59,22 +60,82 @@ Evidence EvidenceOf(const grpc::CallbackServerContext& context) {
   return ReadEvidence(context.auth_context().get(), context.client_metadata());
 }
 
-absl::StatusOr<Identity> AccessControl::Identify(const Evidence& evidence, absl::Time now) const {
-  if (evidence.authorization) {
-    absl::string_view token = *evidence.authorization;
-    if (!absl::StartsWithIgnoreCase(token, "bearer ")) {
-      return absl::UnauthenticatedError("authorization must be: Bearer TOKEN");
-    }
-    if (!options_.tokens) {
-      return absl::UnauthenticatedError("this server takes no tokens (it has no --token-key)");
-    }
-    token.remove_prefix(sizeof("bearer ") - 1);
-    return options_.tokens->Verify(token, now);
+absl::Status AccessControl::CheckClaims(const TokenClaims& claims, absl::Time now) const {
+  RETURN_IF_ERROR(CheckExpiry(claims, now));
+  if (!claims.audience.empty() && claims.audience != options_.audience) {
+    return absl::UnauthenticatedError(
+        absl::StrCat("the caller's token ", claims.id, " is for servers called ", claims.audience,
+                     options_.audience.empty() ? "; this one has no name (--token-audience)"
+                                               : absl::StrCat(", not for ", options_.audience)));
   }
-  if (!evidence.uris.empty()) return IdentityFromUris(evidence.uris);
+  // A token says itself when it was issued, so that a time to come counts for nothing.
+  const absl::Duration lifetime = claims.expires - std::min(claims.issued.value_or(now), now);
+  if (lifetime <= options_.max_token_lifetime) return absl::OkStatus();
   return absl::UnauthenticatedError(
-      "the caller showed neither a certificate with a corbslam: URI nor a token "
-      "(docs/security.md)");
+      absl::StrCat("the caller's token ", claims.id, " is good for ",
+                   absl::FormatDuration(absl::Trunc(lifetime, absl::Seconds(1))),
+                   "; this server takes none of over ",
+                   absl::FormatDuration(options_.max_token_lifetime), " (--max-token-lifetime)"));
+}
+
+absl::StatusOr<Identity> AccessControl::IdentifyToken(absl::string_view token, const Rules& rules,
+                                                      absl::Time now) const {
+  constexpr absl::string_view kBearer = "bearer ";
+  if (!absl::StartsWithIgnoreCase(token, kBearer)) {
+    return absl::UnauthenticatedError("authorization must be: Bearer TOKEN");
+  }
+  if (!rules.tokens) {
+    return absl::UnauthenticatedError("this server takes no tokens (it has no --token-key)");
+  }
+  token.remove_prefix(kBearer.size());
+  ASSIGN_OR_RETURN(TokenClaims claims, rules.tokens->Read(token));
+  RETURN_IF_ERROR(CheckClaims(claims, now));
+  return Identity{std::move(claims.grants), std::move(claims.id)};
+}
+
+absl::StatusOr<Identity> AccessControl::Identify(const Evidence& evidence, absl::Time now) const {
+  const std::shared_ptr<const Rules> current = rules();
+  absl::StatusOr<Identity> identity;
+  if (evidence.authorization) {
+    identity = IdentifyToken(*evidence.authorization, *current, now);
+  } else if (!evidence.uris.empty()) {
+    identity = IdentityFromUris(evidence.uris);
+  } else {
+    identity = absl::UnauthenticatedError(
+        "the caller showed neither a certificate with a corbslam: URI nor a token "
+        "(docs/security.md)");
+  }
+  if (identity.ok()) RETURN_IF_ERROR(current->revoked.Check(*identity));
+  return identity;
+}
+
+absl::Status AccessControl::CheckNotRevoked(const Identity& identity) const {
+  return rules()->revoked.Check(identity);
+}
+
+std::shared_ptr<const AccessControl::Rules> AccessControl::rules() const {
+  absl::MutexLock lock(&mutex_);
+  return rules_;
+}
+
+void AccessControl::SetTokens(TokenVerifier tokens) {
+  absl::MutexLock lock(&mutex_);
+  rules_ = std::make_shared<const Rules>(Rules{std::move(tokens), rules_->revoked});
+}
+
+void AccessControl::SetRevoked(RevokedList revoked) {
+  std::vector<std::function<void()>> listeners;
+  {
+    absl::MutexLock lock(&mutex_);
+    rules_ = std::make_shared<const Rules>(Rules{rules_->tokens, std::move(revoked)});
+    listeners = listeners_;
+  }
+  for (const std::function<void()>& listener : listeners) listener();
+}
+
+void AccessControl::OnRevoked(std::function<void()> listener) const {
+  absl::MutexLock lock(&mutex_);
+  listeners_.push_back(std::move(listener));
 }
 
 absl::Status AccessControl::CheckMethod(absl::string_view path, const Evidence& evidence,

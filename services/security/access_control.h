@@ -5,16 +5,20 @@
 #include <grpcpp/security/auth_metadata_processor.h>
 #include <grpcpp/server_context.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "services/security/identity.h"
 #include "services/security/policy.h"
+#include "services/security/revoked_list.h"
 #include "services/security/token.h"
 
 namespace corbslam::services {
@@ -29,6 +33,14 @@ Evidence EvidenceOf(const grpc::CallbackServerContext& context);
 struct AccessControlOptions {
   // Nullopt: tokens are refused.
   std::optional<TokenVerifier> tokens;
+  // Identities that are refused.
+  RevokedList revoked = {};
+  // The server's name: a token that is for another one is refused, and so is every token that is
+  // for one, if this is empty.
+  std::string audience = {};
+  // A token that is good for longer is refused: from when it was issued or, if it does not say so,
+  // from when it is shown.
+  absl::Duration max_token_lifetime = absl::InfiniteDuration();
   // True: callers without an identity may ask for health, too.
   bool health_is_open = true;
   // The mission of all that this server tells (an agent's own service). Nullopt: requests name it.
@@ -37,10 +49,12 @@ struct AccessControlOptions {
   std::optional<std::string> agent;
 };
 
-// Knows who may call what. Immutable, thread-safe.
+// Knows who may call what. Thread-safe.
 class AccessControl {
  public:
-  explicit AccessControl(const AccessControlOptions& options) : options_(options) {}
+  explicit AccessControl(const AccessControlOptions& options)
+      : options_(options),
+        rules_(std::make_shared<const Rules>(Rules{options.tokens, options.revoked})) {}
 
   // Returns who the caller is. A token, if one is shown, counts instead of the certificate: a good
   // certificate never makes up for a bad token. UNAUTHENTICATED if neither is shown.
@@ -50,9 +64,32 @@ class AccessControl {
   absl::Status CheckMethod(absl::string_view path, const Evidence& evidence, absl::Time now) const;
   // Checks the access once the request has named the mission.
   absl::Status Check(const Access& access, const Evidence& evidence, absl::Time now) const;
+  // Returns UNAUTHENTICATED, naming what, once the identity is revoked; a token that has expired,
+  // or whose key is gone, is none of that: a stream that is open stays so.
+  absl::Status CheckNotRevoked(const Identity& identity) const;
+
+  // Replace what calls are decided by from now on.
+  void SetTokens(TokenVerifier tokens) ABSL_LOCKS_EXCLUDED(mutex_);
+  void SetRevoked(RevokedList revoked) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Has `listener` called after each SetRevoked, by its thread, as long as this lives.
+  void OnRevoked(std::function<void()> listener) const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
+  // What changes while the server runs.
+  struct Rules {
+    std::optional<TokenVerifier> tokens;
+    RevokedList revoked;
+  };
+
+  std::shared_ptr<const Rules> rules() const ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<Identity> IdentifyToken(absl::string_view token, const Rules& rules,
+                                         absl::Time now) const;
+  absl::Status CheckClaims(const TokenClaims& claims, absl::Time now) const;
+
   const AccessControlOptions options_;
+  mutable absl::Mutex mutex_;
+  std::shared_ptr<const Rules> rules_ ABSL_GUARDED_BY(mutex_);
+  mutable std::vector<std::function<void()>> listeners_ ABSL_GUARDED_BY(mutex_);
 };
 
 // Makes a processor that asks `access` about every call before its handler runs, calls of gRPC's

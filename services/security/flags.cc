@@ -3,6 +3,9 @@
 #include <map>
 #include <string>
 
+#include "absl/strings/str_cat.h"
+#include "services/command_line/help_formatter.h"
+
 namespace corbslam::services {
 namespace {
 
@@ -12,6 +15,21 @@ void AddSwitch(CLI::App& app, const std::string& flag, bool& value, const std::s
       ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{on, true}, {off, false}}))
       ->type_name(on + "|" + off)
       ->default_str(on);
+}
+
+// Reads "12h"; CLI11 says which flag has what else.
+void AddDuration(CLI::App& app, const std::string& flag, absl::Duration& value,
+                 const std::string& what) {
+  app.add_option_function<std::string>(
+         flag,
+         [flag, &value](const std::string& text) {
+           if (absl::ParseDuration(text, &value) && value >= absl::Seconds(1)) return;
+           throw CLI::ValidationError(
+               flag, absl::StrCat("is \"", text, "\", must be at least 1s, as 90m or 720h"));
+         },
+         what)
+      ->type_name("DURATION")
+      ->group(kRareGroup);
 }
 
 }  // namespace
@@ -27,10 +45,22 @@ void AddTlsFlags(CLI::App& app, SecurityOptions& options) {
 void AddServerFlags(CLI::App& app, SecurityOptions& options) {
   app.add_option("--token-key", options.token_key_file,
                  "PEM file of Ed25519 public keys whose tokens are taken");
+  AddTokenFlags(app, options);
   AddSwitch(app, "--reflection", options.reflection, "on", "off",
             "Whether callers may ask which methods there are");
   AddSwitch(app, "--health", options.health_is_open, "open", "closed",
             "Whether callers without an identity may ask how it is");
+}
+
+void AddTokenFlags(CLI::App& app, SecurityOptions& options) {
+  app.add_option("--revoked-tokens", options.revoked_file,
+                 "File of tokens' ids and identities that are refused, one a line")
+      ->group(kRareGroup);
+  app.add_option("--token-audience", options.audience,
+                 "This server's name; tokens that are for another one are refused")
+      ->group(kRareGroup);
+  AddDuration(app, "--max-token-lifetime", options.max_token_lifetime,
+              "Tokens that are good for longer are refused, as 720h; without: none");
 }
 
 void AddClientFlags(CLI::App& app, SecurityOptions& options) {

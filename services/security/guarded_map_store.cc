@@ -66,6 +66,40 @@ LookCheck MakeLookCheck(std::shared_ptr<const AccessControl> access) {
   };
 }
 
+StayCheckMaker MakeStayCheck(std::shared_ptr<const AccessControl> access) {
+  if (access == nullptr) return nullptr;
+  return [access = std::move(access)](const grpc::CallbackServerContext& context) -> StayCheck {
+    const absl::StatusOr<Identity> identity = access->Identify(EvidenceOf(context), absl::Now());
+    if (!identity.ok()) return [why = identity.status()] { return why; };
+    return [access, caller = *identity] { return access->CheckNotRevoked(caller); };
+  };
+}
+
+ListFilterMaker MakeListFilter(std::shared_ptr<const AccessControl> access) {
+  if (access == nullptr) return nullptr;
+  return [access = std::move(access)](const grpc::CallbackServerContext& context) -> ListFilter {
+    const absl::StatusOr<Identity> identity = access->Identify(EvidenceOf(context), absl::Now());
+    return [caller = identity.value_or(Identity())](const std::string& mission) {
+      return Authorise(caller, {Action::kLook, mission, std::nullopt}).ok();
+    };
+  };
+}
+
+void SetChecks(const std::shared_ptr<const AccessControl>& access,
+               MapStoreServiceOptions& options) {
+  options.may_open = MakeSessionCheck(access);
+  options.may_restore = MakeRestoreCheck(access);
+  options.may_look = MakeLookCheck(access);
+  options.may_stay = MakeStayCheck(access);
+  options.may_list = MakeListFilter(access);
+}
+
+RevokedStreamsEnder::RevokedStreamsEnder(MapStoreService* service,
+                                         const std::shared_ptr<const AccessControl>& access) {
+  if (access == nullptr) return;
+  access->OnRevoked(link_.Guard([service] { service->EndWhoMayNotStay(); }));
+}
+
 absl::Status GuardedMapStore::Check(const grpc::CallbackServerContext& context, Action action,
                                     absl::string_view name) const {
   if (access_ == nullptr) return absl::OkStatus();
@@ -79,7 +113,7 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* GuardedMapStore::Sy
   return service_.Sync(context);
 }
 
-// The call gate has looked at the method, and that is all that this call needs.
+// MakeListFilter leaves out what the caller may not look into.
 grpc::ServerUnaryReactor* GuardedMapStore::ListMissions(grpc::CallbackServerContext* context,
                                                         const v1::ListMissionsRequest* request,
                                                         v1::ListMissionsResponse* response) {

@@ -9,6 +9,7 @@
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/security/access_control.h"
+#include "services/server/stream_task.h"
 
 namespace corbslam::services {
 
@@ -19,6 +20,27 @@ SessionCheck MakeSessionCheck(std::shared_ptr<const AccessControl> access);
 RestoreCheck MakeRestoreCheck(std::shared_ptr<const AccessControl> access);
 // Makes a check likewise, for streams that look into missions.
 LookCheck MakeLookCheck(std::shared_ptr<const AccessControl> access);
+
+// Makes a check likewise: streams stay open until their caller is revoked.
+StayCheckMaker MakeStayCheck(std::shared_ptr<const AccessControl> access);
+// Makes a check likewise: a list has the missions that its caller may look into.
+ListFilterMaker MakeListFilter(std::shared_ptr<const AccessControl> access);
+// Sets all these checks.
+void SetChecks(const std::shared_ptr<const AccessControl>& access, MapStoreServiceOptions& options);
+
+// Ends the streams of callers that are revoked, as long as it lives.
+class RevokedStreamsEnder {
+ public:
+  // `service` is not owned and must outlive it; its options have MakeStayCheck's. Null access:
+  // nobody is ever revoked.
+  RevokedStreamsEnder(MapStoreService* service, const std::shared_ptr<const AccessControl>& access);
+  ~RevokedStreamsEnder() { link_.Cut(); }
+  RevokedStreamsEnder(const RevokedStreamsEnder&) = delete;
+  RevokedStreamsEnder& operator=(const RevokedStreamsEnder&) = delete;
+
+ private:
+  StreamLink link_;
+};
 
 // Checks each call and hands it on to `service`, which is not owned and must outlive it.
 // Thread-safe. A method that it does not hand on is UNIMPLEMENTED, so that a new one is closed

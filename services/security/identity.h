@@ -40,6 +40,7 @@ absl::StatusOr<Role> ParseMissionRole(absl::string_view text);
 
 struct Identity {
   std::vector<Grant> grants;
+  std::string token_id = {};  // Of the token that was shown; empty for a certificate.
 
   bool operator==(const Identity&) const = default;
 };

@@ -4,6 +4,8 @@
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
+#include <algorithm>
+#include <ctime>
 #include <fstream>
 #include <memory>
 
@@ -48,10 +50,17 @@ absl::Status Bad(absl::string_view flag, const std::string& path, absl::string_v
 }  // namespace
 
 absl::StatusOr<std::string> ReadSecurityFile(absl::string_view flag, const std::string& path) {
+  absl::StatusOr<std::string> text = ReadListFile(flag, path);
+  if (text.ok() && text->empty()) return Bad(flag, path, "can't be read or is empty");
+  return text;
+}
+
+absl::StatusOr<std::string> ReadListFile(absl::string_view flag, const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text(kMaxFileBytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.gcount() <= 0) return Bad(flag, path, "can't be read or is empty");
+  if (!file.read(text.data(), static_cast<std::streamsize>(text.size())) && !file.eof()) {
+    return Bad(flag, path, "can't be read");
+  }
   text.resize(static_cast<size_t>(file.gcount()));
   if (text.size() > kMaxFileBytes) return Bad(flag, path, "is longer than 1 MiB");
   return text;
@@ -83,6 +92,21 @@ absl::StatusOr<std::string> ReadAuthorities(const std::string& path) {
   ASSIGN_OR_RETURN(std::string pem, ReadSecurityFile("--tls-ca", path));
   if (ParseCertificate(pem) != nullptr) return pem;
   return Bad("--tls-ca", path, "holds no certificate");
+}
+
+absl::Time FirstExpiry(const std::string& certificates_pem) {
+  const BioPtr bio = ReadFrom(certificates_pem);
+  absl::Time first = absl::InfiniteFuture();
+  while (true) {
+    const CertificatePtr certificate(PEM_read_bio_X509(bio.get(), nullptr, NoPassphrase, nullptr),
+                                     X509_free);
+    if (certificate == nullptr) break;
+    std::tm parts = {};
+    if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate.get()), &parts) != 1) continue;
+    first = std::min(first, absl::FromTM(parts, absl::UTCTimeZone()));
+  }
+  ERR_clear_error();
+  return first;
 }
 
 }  // namespace corbslam::services

@@ -6,11 +6,14 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "absl/time/time.h"
 
 namespace corbslam::services {
 
 // Reads a file of at most 1 MiB. INVALID_ARGUMENT names the flag and the file.
 absl::StatusOr<std::string> ReadSecurityFile(absl::string_view flag, const std::string& path);
+// Reads it likewise; it may be empty.
+absl::StatusOr<std::string> ReadListFile(absl::string_view flag, const std::string& path);
 
 struct KeyPair {
   std::string certificate_pem;
@@ -21,6 +24,9 @@ absl::StatusOr<KeyPair> ReadKeyPair(const std::string& certificate_path,
                                     const std::string& key_path);
 // Reads one or more certificates.
 absl::StatusOr<std::string> ReadAuthorities(const std::string& path);
+
+// Returns when the first of the certificates in the text expires; InfiniteFuture if there is none.
+absl::Time FirstExpiry(const std::string& certificates_pem);
 
 }  // namespace corbslam::services
 

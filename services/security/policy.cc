@@ -42,10 +42,9 @@ bool Covers(const Grant& grant, const Access& access) {
   switch (access.action) {
     case Action::kCheckHealth:
     case Action::kReflect:
+    case Action::kListMissions:
     case Action::kCompute:
       return true;
-    case Action::kListMissions:
-      return grant.mission == kAll;
     case Action::kInspect:
       return grant.mission == kAll || (access.mission && grant.mission == *access.mission);
     case Action::kUpload:
@@ -70,7 +69,7 @@ std::string DescribeAccess(const Access& access) {
     case Action::kLook:
       return absl::StrCat("look into ", mission);
     case Action::kListMissions:
-      return "list all missions";
+      return "list missions";
     case Action::kUpload:
       return absl::StrCat("upload to ", mission,
                           access.agent ? absl::StrCat(" as agent ", *access.agent) : "");

@@ -16,7 +16,7 @@ enum class Action {
   kCheckHealth,   // Everybody with an identity, or everybody.
   kReflect,       // Everybody with an identity.
   kLook,          // Agents, viewers and operators of the mission.
-  kListMissions,  // Callers with a grant for all missions.
+  kListMissions,  // As kLook; the list has the missions that the caller may look into.
   kUpload,        // The agent itself.
   kCommand,       // The agent itself, and operators of the mission.
   kAdminister,    // Operators of the mission.

@@ -1,13 +1,15 @@
 #include "services/security/security_options.h"
 
 #include <glog/logging.h>
-#include <grpcpp/security/server_credentials.h>
 
 #include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "services/convert/status.h"
+#include "services/security/credential_watch.h"
+#include "services/security/key_material.h"
+#include "services/security/live_credentials.h"
 #include "services/security/pem_files.h"
 #include "slam/util/status_macros.h"
 
@@ -16,13 +18,26 @@ namespace {
 
 bool NamesFiles(const SecurityOptions& options) {
   return !options.certificate_file.empty() || !options.key_file.empty() ||
-         !options.ca_file.empty() || !options.token_key_file.empty() || !options.token_file.empty();
+         !options.ca_file.empty() || !options.token_key_file.empty() ||
+         !options.token_file.empty() || !options.revoked_file.empty();
 }
 
 absl::Status CheckInsecure(const SecurityOptions& options) {
   if (!NamesFiles(options)) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      "--insecure excludes --tls-cert, --tls-key, --tls-ca, --token-key and --token-file");
+      "--insecure excludes --tls-cert, --tls-key, --tls-ca, --token-key, --revoked-tokens and "
+      "--token-file");
+}
+
+absl::Status CheckTokenFlags(const SecurityOptions& options) {
+  if (!options.audience.empty()) {
+    RETURN_IF_ERROR(CheckTokenWord("--token-audience", options.audience));
+  }
+  const bool limits_tokens =
+      !options.audience.empty() || options.max_token_lifetime < absl::InfiniteDuration();
+  if (!limits_tokens || !options.token_key_file.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--token-audience and --max-token-lifetime are about tokens: they need --token-key");
 }
 
 absl::Status CheckServerFlags(const SecurityOptions& options) {
@@ -36,7 +51,7 @@ absl::Status CheckServerFlags(const SecurityOptions& options) {
         "a server needs to know who calls: --tls-ca, whose certificates callers then show, or "
         "--token-key, or both (docs/security.md)");
   }
-  return absl::OkStatus();
+  return CheckTokenFlags(options);
 }
 
 absl::Status CheckClientFlags(const SecurityOptions& options) {
@@ -60,24 +75,94 @@ grpc_ssl_client_certificate_request_type CertificateRequest(const SecurityOption
                                : GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY;
 }
 
-absl::StatusOr<std::shared_ptr<const AccessControl>> MakeAccessControl(
-    const SecurityOptions& options, const std::optional<std::string>& mission,
-    const std::optional<std::string>& agent) {
+absl::StatusOr<TokenVerifier> ParseTokenKeys(const std::string& path, const std::string& pem) {
+  absl::StatusOr<TokenVerifier> verifier = TokenVerifier::FromPem(pem);
+  if (verifier.ok()) return verifier;
+  return absl::InvalidArgumentError(
+      absl::StrCat("--token-key ", path, ": ", verifier.status().message()));
+}
+
+absl::StatusOr<RevokedList> ParseRevoked(const std::string& path, const std::string& text) {
+  absl::StatusOr<RevokedList> revoked = RevokedList::Parse(text);
+  if (revoked.ok()) return revoked;
+  return absl::InvalidArgumentError(
+      absl::StrCat("--revoked-tokens ", path, ": ", revoked.status().message()));
+}
+
+// Owns what is replaced while a program runs, and what replaces it. gRPC's credentials own it.
+struct Living {
+  KeyMaterial material;
+  std::shared_ptr<AccessControl> access;
+  // Declared last, so that it ends first.
+  CredentialWatch watch;
+};
+
+absl::Status WatchPair(const SecurityOptions& options, Living& living) {
+  if (options.certificate_file.empty()) return absl::OkStatus();
+  const auto read = [options]() -> absl::StatusOr<std::string> {
+    ASSIGN_OR_RETURN(const KeyPair pair, ReadKeyPair(options.certificate_file, options.key_file));
+    return absl::StrCat(pair.key_pem, "\n", pair.certificate_pem);
+  };
+  return living.watch.Add({Credential::kCertificate, read, [&living](const std::string& pem) {
+                             return living.material.SetPair(pem);
+                           }});
+}
+
+absl::Status WatchAuthorities(const SecurityOptions& options, Living& living) {
+  if (options.ca_file.empty()) return absl::OkStatus();
+  return living.watch.Add(
+      {Credential::kAuthorities, [options] { return ReadAuthorities(options.ca_file); },
+       [&living](const std::string& pem) { return living.material.SetAuthorities(pem); }});
+}
+
+absl::Status WatchTokenKeys(const SecurityOptions& options, Living& living) {
+  const std::string& path = options.token_key_file;
+  if (path.empty()) return absl::OkStatus();
+  const auto read = [path]() -> absl::StatusOr<std::string> {
+    ASSIGN_OR_RETURN(std::string pem, ReadSecurityFile("--token-key", path));
+    RETURN_IF_ERROR(ParseTokenKeys(path, pem).status());
+    return pem;
+  };
+  return living.watch.Add(
+      {Credential::kTokenKeys, read, [path, &living](const std::string& pem) -> absl::Status {
+         ASSIGN_OR_RETURN(TokenVerifier verifier, ParseTokenKeys(path, pem));
+         living.access->SetTokens(std::move(verifier));
+         return absl::OkStatus();
+       }});
+}
+
+absl::Status WatchRevoked(const SecurityOptions& options, Living& living) {
+  const std::string& path = options.revoked_file;
+  if (path.empty()) return absl::OkStatus();
+  const auto read = [path]() -> absl::StatusOr<std::string> {
+    ASSIGN_OR_RETURN(std::string text, ReadListFile("--revoked-tokens", path));
+    RETURN_IF_ERROR(ParseRevoked(path, text).status());
+    return text;
+  };
+  return living.watch.Add(
+      {Credential::kRevokedTokens, read, [path, &living](const std::string& text) -> absl::Status {
+         ASSIGN_OR_RETURN(RevokedList revoked, ParseRevoked(path, text));
+         living.access->SetRevoked(std::move(revoked));
+         return absl::OkStatus();
+       }});
+}
+
+absl::StatusOr<std::shared_ptr<Living>> MakeLivingServer(const SecurityOptions& options,
+                                                         const std::optional<std::string>& mission,
+                                                         const std::optional<std::string>& agent) {
   AccessControlOptions access;
   access.health_is_open = options.health_is_open;
+  access.audience = options.audience;
+  access.max_token_lifetime = options.max_token_lifetime;
   access.mission = mission;
   access.agent = agent;
-  if (!options.token_key_file.empty()) {
-    ASSIGN_OR_RETURN(const std::string pem,
-                     ReadSecurityFile("--token-key", options.token_key_file));
-    absl::StatusOr<TokenVerifier> verifier = TokenVerifier::FromPem(pem);
-    if (!verifier.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--token-key ", options.token_key_file, ": ", verifier.status().message()));
-    }
-    access.tokens = *std::move(verifier);
-  }
-  return std::make_shared<const AccessControl>(access);
+  auto living = std::make_shared<Living>();
+  living->access = std::make_shared<AccessControl>(access);
+  RETURN_IF_ERROR(WatchPair(options, *living));
+  RETURN_IF_ERROR(WatchAuthorities(options, *living));
+  RETURN_IF_ERROR(WatchTokenKeys(options, *living));
+  RETURN_IF_ERROR(WatchRevoked(options, *living));
+  return living;
 }
 
 absl::StatusOr<std::string> ReadToken(const std::string& path) {
@@ -123,14 +208,11 @@ absl::StatusOr<ServerSecurity> MakeServerSecurity(const SecurityOptions& options
     return security;
   }
   RETURN_IF_ERROR(CheckServerFlags(options));
-  grpc::SslServerCredentialsOptions tls(CertificateRequest(options));
-  ASSIGN_OR_RETURN(KeyPair pair, ReadKeyPair(options.certificate_file, options.key_file));
-  tls.pem_key_cert_pairs.push_back({std::move(pair.key_pem), std::move(pair.certificate_pem)});
-  if (!options.ca_file.empty()) {
-    ASSIGN_OR_RETURN(tls.pem_root_certs, ReadAuthorities(options.ca_file));
-  }
-  ASSIGN_OR_RETURN(security.access, MakeAccessControl(options, mission, agent));
-  security.server.credentials = grpc::SslServerCredentials(tls);
+  ASSIGN_OR_RETURN(const std::shared_ptr<Living> living, MakeLivingServer(options, mission, agent));
+  security.access = living->access;
+  security.server.credentials =
+      MakeLiveServerCredentials(living->material, CertificateRequest(options), living);
+  living->watch.Start();
   security.server.credentials->SetAuthMetadataProcessor(MakeCallGate(security.access));
   return security;
 }
@@ -144,19 +226,31 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials
     return grpc::InsecureChannelCredentials();
   }
   RETURN_IF_ERROR(CheckClientFlags(options));
-  grpc::SslCredentialsOptions tls;
-  ASSIGN_OR_RETURN(tls.pem_root_certs, ReadAuthorities(options.ca_file));
-  if (!options.certificate_file.empty()) {
-    ASSIGN_OR_RETURN(KeyPair pair, ReadKeyPair(options.certificate_file, options.key_file));
-    tls.pem_cert_chain = std::move(pair.certificate_pem);
-    tls.pem_private_key = std::move(pair.key_pem);
-  }
-  const std::shared_ptr<grpc::ChannelCredentials> channel = grpc::SslCredentials(tls);
+  const auto living = std::make_shared<Living>();
+  RETURN_IF_ERROR(WatchAuthorities(options, *living));
+  RETURN_IF_ERROR(WatchPair(options, *living));
+  const std::shared_ptr<grpc::ChannelCredentials> channel =
+      MakeLiveChannelCredentials(living->material, living);
+  living->watch.Start();
   if (options.token_file.empty()) return channel;
   RETURN_IF_ERROR(ReadToken(options.token_file).status());
   return grpc::CompositeChannelCredentials(
       channel,
       grpc::MetadataCredentialsFromPlugin(std::make_unique<TokenFile>(options.token_file)));
+}
+
+absl::StatusOr<std::shared_ptr<const AccessControl>> MakeTokenAccess(
+    const SecurityOptions& options) {
+  SecurityOptions tokens;
+  tokens.token_key_file = options.token_key_file;
+  tokens.revoked_file = options.revoked_file;
+  tokens.audience = options.audience;
+  tokens.max_token_lifetime = options.max_token_lifetime;
+  RETURN_IF_ERROR(CheckTokenFlags(tokens));
+  ASSIGN_OR_RETURN(const std::shared_ptr<Living> living,
+                   MakeLivingServer(tokens, std::nullopt, std::nullopt));
+  living->watch.Start();
+  return std::shared_ptr<const AccessControl>(living, living->access.get());
 }
 
 }  // namespace corbslam::services

@@ -25,6 +25,12 @@ struct SecurityOptions {
   std::string ca_file;
   // For servers: public keys of the tokens that are accepted, as PEM.
   std::string token_key_file;
+  // For servers: ids of tokens, and identities, that are refused
+  // (services/security/revoked_list.h).
+  std::string revoked_file;
+  // For servers: AccessControlOptions has these two.
+  std::string audience;
+  absl::Duration max_token_lifetime = absl::InfiniteDuration();
   // For clients: the token to show. It is read again for each call, so that it can be replaced.
   std::string token_file;
   // These two are for servers.
@@ -48,6 +54,8 @@ struct ServerSecurity {
 // Makes what a server needs: --insecure (logged as a warning), or a certificate, its key, and a way
 // to tell who calls: authorities, whose certificates are then demanded, or token keys. A caller
 // without a certificate gets as far as a call only where token keys are given or health is open.
+// All the files are read again while the server lives (services/security/credential_watch.h): new
+// contents count for new connections and calls, and no stream ends but those of the revoked.
 // `mission` and `agent` are those of AccessControlOptions. INVALID_ARGUMENT says which flag is
 // missing, what is wrong with which file, or which flags exclude each other.
 absl::StatusOr<ServerSecurity> MakeServerSecurity(
@@ -55,9 +63,15 @@ absl::StatusOr<ServerSecurity> MakeServerSecurity(
     const std::optional<std::string>& agent = std::nullopt);
 
 // Makes what a client needs: --insecure (logged as a warning), or the authorities of the server's
-// certificate. The client's own certificate and its token are optional: a server decides. Errors
-// are as above.
+// certificate. The client's own certificate and its token are optional: a server decides. The files
+// are read again as above, as long as the credentials or channels of them live. Errors are as
+// above.
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials(
+    const SecurityOptions& options);
+
+// Makes what decides about callers by tokens alone, for a server of another kind (the viewer's),
+// and reads `token_key_file` and `revoked_file` again as long as it lives. Errors are as above.
+absl::StatusOr<std::shared_ptr<const AccessControl>> MakeTokenAccess(
     const SecurityOptions& options);
 
 }  // namespace corbslam::services

@@ -16,13 +16,13 @@ namespace corbslam::services {
 // Lets others call a stream that may be gone. Thread-safe.
 class StreamLink {
  public:
-  // Returns a function that calls `action` until the link is cut, and does nothing afterwards. It
-  // may outlive the link.
+  // Returns a function that calls `action`, with what it is given itself, until the link is cut,
+  // and does nothing afterwards. It may outlive the link.
   template <typename Action>
-  std::function<void()> Guard(Action action) const {
-    return [state = state_, action = std::move(action)] {
+  auto Guard(Action action) const {
+    return [state = state_, action = std::move(action)](const auto&... given) {
       absl::MutexLock lock(&state->mutex);
-      if (state->joined) action();
+      if (state->joined) action(given...);
     };
   }
 

@@ -4,6 +4,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 namespace {
@@ -46,7 +47,8 @@ std::string HostOfPeer(absl::string_view peer) {
   return std::string(has_port ? peer.substr(0, peer.rfind(':')) : peer);
 }
 
-absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> StreamLimits::Enter(absl::string_view peer) {
+absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> StreamLimits::Enter(absl::string_view peer,
+                                                                          StayCheck may_stay) {
   std::string host = HostOfPeer(peer);
   absl::MutexLock lock(&mutex_);
   if (closed_) return Stopping();
@@ -58,7 +60,7 @@ absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> StreamLimits::Enter(absl::
     return TooMany(host, of_host, options_.max_streams_per_host);
   }
   ++of_host;
-  auto ticket = std::make_unique<Ticket>(this, std::move(host));
+  auto ticket = std::make_unique<Ticket>(this, std::move(host), std::move(may_stay));
   tickets_.insert(ticket.get());
   return ticket;
 }
@@ -67,7 +69,16 @@ void StreamLimits::Close() {
   absl::MutexLock lock(&mutex_);
   closed_ = true;
   for (Ticket* ticket : tickets_) {
-    if (ticket->on_close_ != nullptr) ticket->on_close_();
+    if (ticket->on_close_ != nullptr) ticket->on_close_(Stopping());
+  }
+}
+
+void StreamLimits::EndWhoMayNotStay() {
+  absl::MutexLock lock(&mutex_);
+  for (Ticket* ticket : tickets_) {
+    if (ticket->on_close_ == nullptr || ticket->may_stay_ == nullptr) continue;
+    const absl::Status may_stay = ticket->may_stay_();
+    if (!may_stay.ok()) ticket->on_close_(may_stay);
   }
 }
 
@@ -94,9 +105,12 @@ StreamLimits::Ticket::~Ticket() {
   if (!agent_.empty()) Decrease(agent_, limits_.of_agent_);
 }
 
-absl::Status StreamLimits::Ticket::SetCloseListener(std::function<void()> listener) {
+absl::Status StreamLimits::Ticket::SetCloseListener(
+    std::function<void(const absl::Status&)> listener) {
   absl::MutexLock lock(&limits_.mutex_);
   if (limits_.closed_) return Stopping();
+  // What forbids it may have come between the call's check and now.
+  if (may_stay_ != nullptr) RETURN_IF_ERROR(may_stay_());
   on_close_ = std::move(listener);
   return absl::OkStatus();
 }

@@ -45,6 +45,9 @@ struct StreamLimitOptions {
 // Returns "ipv4:10.0.0.7:4711" without the port.
 std::string HostOfPeer(absl::string_view peer);
 
+// Returns why a stream may not stay open; OK: it may. It outlives its call.
+using StayCheck = std::function<absl::Status()>;
+
 // Counts streams and their bytes. Errors are RESOURCE_EXHAUSTED, naming whose limit and what it is.
 // Thread-safe.
 class StreamLimits {
@@ -54,14 +57,15 @@ class StreamLimits {
   // One open stream; it counts until this is destroyed. Not thread-safe.
   class Ticket {
    public:
-    Ticket(StreamLimits* limits, std::string host) : limits_(*limits), host_(std::move(host)) {}
+    Ticket(StreamLimits* limits, std::string host, StayCheck may_stay)
+        : limits_(*limits), host_(std::move(host)), may_stay_(std::move(may_stay)) {}
     ~Ticket();
     Ticket(const Ticket&) = delete;
     Ticket& operator=(const Ticket&) = delete;
 
-    // Sets a function that is called once when all streams are to end; it must not end this ticket
-    // itself. UNAVAILABLE: they are to end already.
-    absl::Status SetCloseListener(std::function<void()> listener);
+    // Sets a function that is called with the reason when the stream is to end, perhaps more than
+    // once; it must not end this ticket itself. An error: it is to end already.
+    absl::Status SetCloseListener(std::function<void(const absl::Status&)> listener);
     // Counts the stream for this agent ("missions/m/agents/a").
     absl::Status Name(const std::string& agent);
     // Counts so many bytes more that the stream holds, of a batch that is not whole.
@@ -74,16 +78,20 @@ class StreamLimits {
 
     StreamLimits& limits_;
     const std::string host_;
-    std::function<void()> on_close_;  // Guarded by the limits' mutex.
+    const StayCheck may_stay_;                           // Null: it may.
+    std::function<void(const absl::Status&)> on_close_;  // Guarded by the limits' mutex.
     std::string agent_;
     size_t held_ = 0;
   };
 
   // Lets a stream in; `peer` is as gRPC spells it. UNAVAILABLE after Close.
-  absl::StatusOr<std::unique_ptr<Ticket>> Enter(absl::string_view peer);
+  absl::StatusOr<std::unique_ptr<Ticket>> Enter(absl::string_view peer,
+                                                StayCheck may_stay = nullptr);
 
   // Tells the listeners that the server is about to stop, and lets no more streams in.
   void Close();
+  // Asks of each stream with a listener whether it may stay, and tells those that may not why.
+  void EndWhoMayNotStay();
 
   const StreamLimitOptions& options() const { return options_; }
   size_t open_streams() const;

@@ -77,7 +77,8 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
  private:
   void ListenForClose() {
     if (!ticket_.ok()) return;
-    const absl::Status open = (*ticket_)->SetCloseListener(link_.Guard([this] { OnClose(); }));
+    const absl::Status open = (*ticket_)->SetCloseListener(
+        link_.Guard([this](const absl::Status& why) { OnClose(why); }));
     if (!open.ok()) ticket_ = open;
   }
 
@@ -123,10 +124,8 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
     return absl::OkStatus();
   }
 
-  void OnClose() {
-    Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-      end_ = absl::UnavailableError("the map store is stopping");
-    });
+  void OnClose(const absl::Status& why) {
+    Note([this, &why]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { end_ = why; });
   }
 
   void OnChange() {

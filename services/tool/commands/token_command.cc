@@ -21,6 +21,7 @@ struct TokenArguments {
   std::string role;
   std::string agent;
   std::string lifetime = "24h";
+  std::string audience;
   std::string out;
 };
 
@@ -45,8 +46,16 @@ absl::Status MakeToken(const TokenArguments& arguments) {
   // The grant is parsed as the program that reads the token will parse it.
   RETURN_IF_ERROR(ParseGrant(FormatGrant(grant)).status());
   ASSIGN_OR_RETURN(const std::string key, ReadSecurityFile("--key", arguments.key));
-  ASSIGN_OR_RETURN(const std::string token,
-                   SignToken({.grants = {grant}, .expires = absl::Now() + lifetime}, key));
+  const absl::Time now = absl::Now();
+  TokenClaims claims = {.grants = {grant}, .expires = now + lifetime};
+  ASSIGN_OR_RETURN(claims.id, MakeTokenId());
+  claims.issued = now;
+  claims.audience = arguments.audience;
+  ASSIGN_OR_RETURN(const std::string token, SignToken(claims, key));
+  // Whoever has to revoke it needs the id.
+  std::fprintf(stderr, "token %s of %s, good until %s\n", claims.id.c_str(),
+               FormatGrant(grant).c_str(),
+               absl::FormatTime(claims.expires, absl::UTCTimeZone()).c_str());
   if (!arguments.out.empty()) return WriteSecret(token + "\n", arguments.out);
   std::printf("%s\n", token.c_str());
   return absl::OkStatus();
@@ -67,6 +76,8 @@ void AddTokenCommand(CLI::App& app, Command& chosen) {
       ->required();
   token->add_option("--lifetime", arguments->lifetime, "How long it is good, as 90m or 720h")
       ->capture_default_str();
+  token->add_option("--audience", arguments->audience,
+                    "Name of the servers that it is for (--token-audience); without: all");
   token->add_option("--out", arguments->out, "File to write; else it is printed");
   token->callback([arguments, &chosen] { chosen = [arguments] { return MakeToken(*arguments); }; });
 }
