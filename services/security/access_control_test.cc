@@ -102,6 +102,77 @@ TEST(AccessControlTest, TokensAreRefusedWhereNoKeyIsKnown) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("--token-key"));
 }
 
+// Returns what a store called "north", which takes tokens of a day at most, says to these claims.
+absl::Status Ask(TokenClaims claims) {
+  AccessControlOptions options;
+  options.tokens = *TokenVerifier::FromPem(Keys().public_pem);
+  options.audience = "north";
+  options.max_token_lifetime = absl::Hours(24);
+  claims.grants = {*ParseGrant("missions/lab/viewers/eve")};
+  const auto token = SignToken(claims, Keys().private_pem);
+  EXPECT_TRUE(token.ok()) << token.status();
+  return AccessControl(options).CheckMethod(
+      kGetMission, {{}, absl::StrCat("Bearer ", token.value_or(""))}, kNow);
+}
+
+TEST(AccessControlTest, ATokenIsForItsServersAndForNoLongerThanTheyAllow) {
+  const absl::Time soon = kNow + absl::Hours(1);
+  EXPECT_TRUE(Ask({.grants = {}, .expires = soon, .audience = "north"}).ok());
+  EXPECT_TRUE(Ask({.grants = {}, .expires = soon}).ok()) << "one of before there were audiences";
+  EXPECT_THAT(std::string(Ask({.grants = {}, .expires = soon, .audience = "south"}).message()),
+              HasSubstr("is for servers called south, not for north"));
+  EXPECT_TRUE(Ask({.grants = {}, .expires = soon, .issued = soon - absl::Hours(24)}).ok());
+  const char* too_long = "this server takes none of over 24h (--max-token-lifetime)";
+  EXPECT_THAT(
+      std::string(Ask({.grants = {}, .expires = soon, .issued = soon - absl::Hours(25)}).message()),
+      HasSubstr(too_long));
+  EXPECT_THAT(std::string(Ask({.grants = {}, .expires = kNow + absl::Hours(25)}).message()),
+              HasSubstr(too_long));
+  EXPECT_THAT(
+      std::string(
+          Ask({.grants = {}, .expires = kNow + absl::Hours(100), .issued = kNow + absl::Hours(99)})
+              .message()),
+      HasSubstr(too_long));
+}
+
+TEST(AccessControlTest, AServerWithoutANameTakesNoTokenThatIsForOne) {
+  TokenClaims claims = {{*ParseGrant("missions/lab/viewers/eve")}, kNow + absl::Hours(1)};
+  claims.audience = "north";
+  const auto token = SignToken(claims, Keys().private_pem);
+  const absl::Status status =
+      Make().CheckMethod(kGetMission, {{}, absl::StrCat("Bearer ", *token)}, kNow);
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnauthenticated);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("--token-audience"));
+}
+
+TEST(AccessControlTest, WhoIsRevokedIsNobodyAndIsHeardOf) {
+  AccessControlOptions options;
+  options.tokens = *TokenVerifier::FromPem(Keys().public_pem);
+  AccessControl access(options);
+  int heard = 0;
+  access.OnRevoked([&heard] { ++heard; });
+  const Evidence eve = Certificate("missions/lab/viewers/eve");
+  const auto identity = access.Identify(eve, kNow);
+  ASSERT_TRUE(identity.ok());
+  access.SetRevoked(*RevokedList::Parse("missions/-/viewers/eve"));
+  EXPECT_EQ(heard, 1);
+  EXPECT_EQ(access.CheckMethod(kGetMission, eve, kNow).code(), absl::StatusCode::kUnauthenticated);
+  EXPECT_EQ(access.CheckNotRevoked(*identity).code(), absl::StatusCode::kUnauthenticated);
+  EXPECT_TRUE(access.CheckMethod(kGetMission, Certificate("missions/lab/viewers/bob"), kNow).ok());
+  access.SetRevoked(RevokedList());
+  EXPECT_TRUE(access.CheckMethod(kGetMission, eve, kNow).ok());
+}
+
+TEST(AccessControlTest, TokensOfANewKeyCountFromTheNextCallOn) {
+  AccessControlOptions options;
+  options.tokens = *TokenVerifier::FromPem(test_data::MakeTokenKeys().public_pem);
+  AccessControl access(options);
+  const Evidence eve = {{}, Bearer("missions/lab/viewers/eve")};
+  EXPECT_FALSE(access.CheckMethod(kGetMission, eve, kNow).ok());
+  access.SetTokens(*TokenVerifier::FromPem(Keys().public_pem));
+  EXPECT_TRUE(access.CheckMethod(kGetMission, eve, kNow).ok());
+}
+
 TEST(AccessControlTest, ClosedHealthIsForEverybodyWithAnIdentity) {
   const AccessControl access = Make(/*health_is_open=*/false);
   EXPECT_EQ(access.CheckMethod(kHealth, {}, kNow).code(), absl::StatusCode::kUnauthenticated);

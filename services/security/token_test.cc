@@ -131,6 +131,33 @@ TEST_F(TokenTest, NobodyIsAskedForAPassphrase) {
   EXPECT_FALSE(SignToken(claims, behind_passphrase(keys_.private_pem)).ok());
 }
 
+TEST_F(TokenTest, HasWhatItIsRevokedAndLimitedBy) {
+  TokenClaims claims = {{{Role::kAgent, "lab", "alpha"}}, kNow + absl::Hours(1)};
+  claims.id = *MakeTokenId();
+  claims.issued = kNow;
+  claims.audience = "store-1";
+  const auto token = SignToken(claims, keys_.private_pem);
+  ASSERT_TRUE(token.ok()) << token.status();
+  const auto read = Verifier(keys_.public_pem).Read(*token);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->id, claims.id);
+  EXPECT_EQ(read->issued, claims.issued);
+  EXPECT_EQ(read->audience, "store-1");
+  EXPECT_EQ(Verifier(keys_.public_pem).Verify(*token, kNow)->token_id, claims.id);
+  EXPECT_NE(*MakeTokenId(), *MakeTokenId());
+  claims.id = "two words";
+  EXPECT_EQ(SignToken(claims, keys_.private_pem).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+TEST_F(TokenTest, AnOldTokenHasAnIdOfItsOwn) {
+  const std::string alpha = Verifier(keys_.public_pem).Read(Sign())->id;
+  EXPECT_THAT(alpha, ::testing::MatchesRegex("sha256-[0-9a-f]{16}"));
+  EXPECT_EQ(Verifier(keys_.public_pem).Read(Sign())->id, alpha);
+  const std::vector<Grant> others = {{Role::kAgent, "lab", "bravo"}};
+  EXPECT_NE(Verifier(keys_.public_pem).Read(Sign(others))->id, alpha);
+}
+
 TEST_F(TokenTest, IsNotLongerThanMetadataMayBe) {
   const std::vector<Grant> grants(500, {Role::kAgent, "a-mission", "a-robot"});
   EXPECT_EQ(SignToken({grants, kNow}, keys_.private_pem).status().code(),
