@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "services/observe/metrics/credential_collector.h"
+#include "services/observe/metrics/security_collector.h"
 #include "services/observe/metrics/process_collector.h"
 #include "services/observe/metrics/robot_collector.h"
 #include "services/server/server.h"
@@ -76,7 +76,7 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> RobotObservers::Serve(const Age
       auto endpoint,
       MetricsEndpoint::Start(flags_.metrics_listen,
                              {std::make_shared<ProcessCollector>("client_agent"),
-                              std::make_shared<CredentialCollector>(), metrics_->registry,
+                              std::make_shared<SecurityCollector>(), metrics_->registry,
                               std::make_shared<RobotCollector>(agent, uplink, mission_, name_)}));
   AnnounceMetrics(endpoint->address());
   return endpoint;

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "services/observe/metrics/credential_collector.h"
+#include "services/observe/metrics/security_collector.h"
 #include "services/observe/metrics/measured_fusion_worker.h"
 #include "services/observe/metrics/mission_collector.h"
 #include "services/observe/metrics/process_collector.h"
@@ -56,7 +56,7 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> StoreObservers::Serve(
                    MetricsEndpoint::Start(
                        flags_.metrics_listen,
                        {std::make_shared<ProcessCollector>("map_store"),
-                        std::make_shared<CredentialCollector>(), metrics_->registry,
+                        std::make_shared<SecurityCollector>(), metrics_->registry,
                         std::make_shared<MissionCollector>(&store, &service, &metrics_->ingest)}));
   AnnounceMetrics(endpoint->address());
   return endpoint;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "services/observe/metrics/credential_collector.h"
+#include "services/observe/metrics/security_collector.h"
 #include "services/observe/metrics/families.h"
 #include "services/observe/metrics/process_collector.h"
 #include "services/server/server.h"
@@ -42,7 +42,7 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> ServeViewerMetrics(const Observ
   ASSIGN_OR_RETURN(auto endpoint,
                    MetricsEndpoint::Start(flags.metrics_listen,
                                           {std::make_shared<ProcessCollector>("map_viewer"),
-                                           std::make_shared<CredentialCollector>(),
+                                           std::make_shared<SecurityCollector>(),
                                            std::make_shared<ViewerCollector>(viewer, server)}));
   AnnounceMetrics(endpoint->address());
   return endpoint;

@@ -1,6 +1,6 @@
 #include "services/programs/worker_observers.h"
 
-#include "services/observe/metrics/credential_collector.h"
+#include "services/observe/metrics/security_collector.h"
 #include "services/observe/metrics/measured_fusion_worker.h"
 #include "services/observe/metrics/process_collector.h"
 #include "services/observe/metrics/worker_collector.h"
@@ -27,7 +27,7 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> WorkerObservers::Serve(
   ASSIGN_OR_RETURN(auto endpoint, MetricsEndpoint::Start(
                                       flags_.metrics_listen,
                                       {std::make_shared<ProcessCollector>("fusion_worker"),
-                                       std::make_shared<CredentialCollector>(), metrics_->registry,
+                                       std::make_shared<SecurityCollector>(), metrics_->registry,
                                        std::make_shared<WorkerCollector>(&service)}));
   AnnounceMetrics(endpoint->address());
   return endpoint;

@@ -8,6 +8,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "absl/time/clock.h"
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
@@ -37,26 +38,36 @@ Evidence ReadEvidence(const grpc::AuthContext* context, const Metadata& metadata
 
 class CallGate : public grpc::AuthMetadataProcessor {
  public:
-  explicit CallGate(std::shared_ptr<const AccessControl> access) : access_(std::move(access)) {}
+  CallGate(std::shared_ptr<const AccessControl> access, TurnedAwayListener on_turned_away)
+      : access_(std::move(access)), on_turned_away_(std::move(on_turned_away)) {}
 
   // Verifying a signature takes a fraction of a millisecond.
   bool IsBlocking() const override { return false; }
 
   grpc::Status Process(const InputMetadata& metadata, grpc::AuthContext* context, OutputMetadata*,
                        OutputMetadata*) override {
-    const auto path = metadata.find(":path");
-    return ToGrpcStatus(
-        access_->CheckMethod(path != metadata.end() ? ToView(path->second) : absl::string_view(),
-                             ReadEvidence(context, metadata), absl::Now()));
+    const absl::string_view path = Find(metadata, ":path");
+    const Evidence evidence = ReadEvidence(context, metadata);
+    const absl::Status status = access_->CheckMethod(path, evidence, absl::Now());
+    if (!status.ok() && on_turned_away_ != nullptr) {
+      on_turned_away_(absl::StripPrefix(path, "/"), evidence, Find(metadata, "user-agent"), status);
+    }
+    return ToGrpcStatus(status);
   }
 
  private:
+  static absl::string_view Find(const InputMetadata& metadata, const char* key) {
+    const auto entry = metadata.find(key);
+    return entry != metadata.end() ? ToView(entry->second) : absl::string_view();
+  }
+
   const std::shared_ptr<const AccessControl> access_;
+  const TurnedAwayListener on_turned_away_;
 };
 
 }  // namespace
 
-Evidence EvidenceOf(const grpc::CallbackServerContext& context) {
+Evidence EvidenceOf(const grpc::ServerContextBase& context) {
   return ReadEvidence(context.auth_context().get(), context.client_metadata());
 }
 
@@ -158,8 +169,8 @@ absl::Status AccessControl::Check(const Access& access, const Evidence& evidence
 }
 
 std::shared_ptr<grpc::AuthMetadataProcessor> MakeCallGate(
-    std::shared_ptr<const AccessControl> access) {
-  return std::make_shared<CallGate>(std::move(access));
+    std::shared_ptr<const AccessControl> access, TurnedAwayListener on_turned_away) {
+  return std::make_shared<CallGate>(std::move(access), std::move(on_turned_away));
 }
 
 }  // namespace corbslam::services

@@ -28,7 +28,7 @@ struct Evidence {
   std::vector<std::string> uris;  // Names in a certificate that TLS has verified.
   std::optional<std::string> authorization;
 };
-Evidence EvidenceOf(const grpc::CallbackServerContext& context);
+Evidence EvidenceOf(const grpc::ServerContextBase& context);
 
 struct AccessControlOptions {
   // Nullopt: tokens are refused.
@@ -92,10 +92,16 @@ class AccessControl {
   mutable std::vector<std::function<void()>> listeners_ ABSL_GUARDED_BY(mutex_);
 };
 
+// Hears of a call that the gate has refused, of what its caller showed and what it calls itself
+// (its user agent).
+using TurnedAwayListener =
+    std::function<void(absl::string_view method, const Evidence& evidence,
+                       absl::string_view user_agent, const absl::Status& status)>;
+
 // Makes a processor that asks `access` about every call before its handler runs, calls of gRPC's
-// own services included.
+// own services included. `on_turned_away` may be null.
 std::shared_ptr<grpc::AuthMetadataProcessor> MakeCallGate(
-    std::shared_ptr<const AccessControl> access);
+    std::shared_ptr<const AccessControl> access, TurnedAwayListener on_turned_away = nullptr);
 
 }  // namespace corbslam::services
 

@@ -46,6 +46,15 @@ void AddServerFlags(CLI::App& app, SecurityOptions& options) {
   app.add_option("--token-key", options.token_key_file,
                  "PEM file of Ed25519 public keys whose tokens are taken");
   AddTokenFlags(app, options);
+  app.add_option("--audit-log", options.audit_file,
+                 "File of who did what, and what was refused; - for the log; without: none")
+      ->group(kRareGroup);
+  app.add_option("--audit-log-bytes", options.audit_bytes,
+                 "Bytes of it, as 64MiB, beyond which it becomes FILE.1 and a new one begins")
+      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+      ->check(CLI::Range(uint64_t{64} << 10, uint64_t{1} << 40))
+      ->capture_default_str()
+      ->group(kRareGroup);
   AddSwitch(app, "--reflection", options.reflection, "on", "off",
             "Whether callers may ask which methods there are");
   AddSwitch(app, "--health", options.health_is_open, "open", "closed",

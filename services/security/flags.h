@@ -10,7 +10,7 @@ namespace corbslam::services {
 
 // Adds --insecure, --tls-cert, --tls-key, --tls-ca. The options must outlive the parsing.
 void AddTlsFlags(CLI::App& app, SecurityOptions& options);
-// Adds --token-key, --reflection, --health, and those below.
+// Adds --token-key, --reflection, --health, the audit log's, and those below.
 void AddServerFlags(CLI::App& app, SecurityOptions& options);
 // Adds --revoked-tokens, --token-audience and --max-token-lifetime, which --help-all shows.
 void AddTokenFlags(CLI::App& app, SecurityOptions& options);

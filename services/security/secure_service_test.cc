@@ -4,8 +4,10 @@
 
 #include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -361,6 +363,52 @@ TEST_F(SecureServiceTest, ReflectionCanBeSwitchedOff) {
   EXPECT_EQ(GenericClient(ConnectAs("viewer")).ListServices().status().code(),
             absl::StatusCode::kUnimplemented);
   EXPECT_EQ(GetMission(ConnectAs("viewer")).code(), absl::StatusCode::kNotFound);
+}
+
+// Returns the lines of the audit log with this event.
+std::vector<nlohmann::json> LinesOf(const std::string& path, const std::string& event) {
+  std::ifstream file(path);
+  std::vector<nlohmann::json> lines;
+  for (std::string line; std::getline(file, line);) {
+    const nlohmann::json json = nlohmann::json::parse(line);
+    if (json["event"] == event) lines.push_back(json);
+  }
+  return lines;
+}
+
+TEST_F(SecureServiceTest, TheAuditLogSaysWhoDidWhat) {
+  SecurityOptions options = certificates_->Options("store");
+  options.token_key_file = certificates_->Path("token.pub");
+  options.audit_file = certificates_->Path("audit.log");
+  Serve(options);
+  ASSERT_TRUE(Upload(ConnectAs("alpha"), "lab", "alpha").ok());
+  EXPECT_FALSE(Upload(ConnectAs("alpha"), "field", "alpha").ok());
+  EXPECT_FALSE(GetMission(ConnectAs("alpha"), "field").ok());
+  EXPECT_FALSE(GetMission(Connect(Stranger())).ok());
+  EXPECT_FALSE(DeleteMission(ConnectAs("viewer")).ok());
+  EXPECT_TRUE(DeleteMission(ConnectAs("operator")).ok());
+  server_.reset();
+
+  const auto asked = LinesOf(options.audit_file, "session_asked");
+  ASSERT_EQ(asked.size(), 2u);
+  EXPECT_EQ(asked[0]["identity"], "missions/lab/agents/alpha");
+  EXPECT_EQ(asked[0]["resource"], "missions/lab/agents/alpha");
+  EXPECT_TRUE(absl::StartsWith(asked[0]["peer"].get<std::string>(), "ipv4:127.0.0.1:"));
+  EXPECT_EQ(LinesOf(options.audit_file, "session_ended").size(), 1u);
+  const auto administered = LinesOf(options.audit_file, "administered");
+  ASSERT_EQ(administered.size(), 1u);
+  EXPECT_EQ(administered[0]["identity"], "missions/-/operators/operator");
+  EXPECT_EQ(administered[0]["call"], "corbslam.v1.MapStore/DeleteMission");
+  EXPECT_EQ(administered[0]["resource"], "missions/lab");
+  EXPECT_EQ(administered[0]["code"], "OK");
+  const auto refused = LinesOf(options.audit_file, "refused");
+  ASSERT_EQ(refused.size(), 4u);
+  EXPECT_EQ(refused[0]["resource"], "missions/field/agents/alpha");
+  EXPECT_EQ(refused[0]["code"], "PERMISSION_DENIED");
+  EXPECT_EQ(refused[1]["resource"], "missions/field");
+  EXPECT_EQ(refused[2]["code"], "UNAUTHENTICATED");
+  EXPECT_FALSE(refused[2].contains("identity"));
+  EXPECT_EQ(refused[3]["identity"], "missions/lab/viewers/viewer");
 }
 
 // Returns the names in all pages of one mission each.

@@ -192,6 +192,21 @@ class TokenFile : public grpc::MetadataCredentialsPlugin {
   const std::string path_;
 };
 
+// Makes what hears of calls, and the gate that tells it whom it turned away.
+absl::Status Audit(const SecurityOptions& options, ServerSecurity& security) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<AuditLog> log,
+                   AuditLog::Open({.file = options.audit_file, .max_bytes = options.audit_bytes},
+                                  security.access));
+  security.server.auditor = log;
+  if (security.access == nullptr) return absl::OkStatus();
+  security.server.credentials->SetAuthMetadataProcessor(MakeCallGate(
+      security.access, [log](absl::string_view method, const Evidence& evidence,
+                             absl::string_view user_agent, const absl::Status& status) {
+        log->OnTurnedAway(method, evidence, user_agent, status);
+      }));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<ServerSecurity> MakeServerSecurity(const SecurityOptions& options,
@@ -205,6 +220,7 @@ absl::StatusOr<ServerSecurity> MakeServerSecurity(const SecurityOptions& options
                     "write and delete";
     // Nobody has an identity that could be asked for.
     security.server.health = options.health_is_open;
+    RETURN_IF_ERROR(Audit(options, security));
     return security;
   }
   RETURN_IF_ERROR(CheckServerFlags(options));
@@ -213,7 +229,7 @@ absl::StatusOr<ServerSecurity> MakeServerSecurity(const SecurityOptions& options
   security.server.credentials =
       MakeLiveServerCredentials(living->material, CertificateRequest(options), living);
   living->watch.Start();
-  security.server.credentials->SetAuthMetadataProcessor(MakeCallGate(security.access));
+  RETURN_IF_ERROR(Audit(options, security));
   return security;
 }
 

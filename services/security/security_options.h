@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "services/security/access_control.h"
+#include "services/security/audit_log.h"
 #include "services/server/server.h"
 
 namespace corbslam::services {
@@ -31,6 +32,9 @@ struct SecurityOptions {
   // For servers: AccessControlOptions has these two.
   std::string audience;
   absl::Duration max_token_lifetime = absl::InfiniteDuration();
+  // For servers: AuditLogOptions has these two.
+  std::string audit_file;
+  uint64_t audit_bytes = AuditLogOptions().max_bytes;
   // For clients: the token to show. It is read again for each call, so that it can be replaced.
   std::string token_file;
   // These two are for servers.

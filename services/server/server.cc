@@ -72,11 +72,12 @@ void Configure(const ServerOptions& options, grpc::ServerBuilder& builder) {
   }
   // A robot that has nothing to say for long is pinged again and again.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> creators;
   if (options.rpc_observer != nullptr) {
-    std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> creators;
     creators.push_back(MakeRpcInterceptors(options.rpc_observer));
-    builder.experimental().SetInterceptorCreators(std::move(creators));
   }
+  if (options.auditor != nullptr) creators.push_back(MakeAuditInterceptors(options.auditor));
+  if (!creators.empty()) builder.experimental().SetInterceptorCreators(std::move(creators));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "services/server/call_auditor.h"
 #include "services/server/rpc_observer.h"
 
 namespace corbslam::services {
@@ -40,6 +41,8 @@ struct ServerOptions {
   absl::Duration max_connection_age = absl::InfiniteDuration();
   // Hears of every call. Not owned, must outlive the server; null: nobody does.
   RpcObserver* rpc_observer = nullptr;
+  // Hears how calls ended; null: nobody does.
+  std::shared_ptr<CallAuditor> auditor;
 };
 
 // A running server. Thread-safe.
