@@ -157,6 +157,7 @@ void StoreLink::Step() {
 
 absl::Status StoreLink::Finish(absl::Duration timeout) {
   if (uplink_ == nullptr) return absl::OkStatus();
+  if (options_.localise_only) SendLocalised(/*all=*/true);
   {
     absl::MutexLock lock(&mutex_);
     for (auto& recording : recordings_) recording->closing = true;
@@ -355,16 +356,17 @@ bool StoreLink::TakeBatchOf(Recording& recording) {
   return !last;
 }
 
-void StoreLink::SendLocalised() {
+void StoreLink::SendLocalised(bool all) {
   {
     absl::MutexLock lock(&mutex_);
     if (session_ != Session::kOpen) return;
   }
-  localised_.SendTo(*uplink_, options_.flush_interval, options_.clock());
+  const absl::Duration interval = all ? absl::ZeroDuration() : options_.flush_interval;
+  localised_.SendTo(*uplink_, interval, options_.clock());
 }
 
 void StoreLink::SendUnsent() {
-  if (options_.localise_only) SendLocalised();
+  if (options_.localise_only) SendLocalised(/*all=*/false);
   while (true) {
     {
       absl::MutexLock lock(&mutex_);

@@ -155,7 +155,7 @@ class StoreLink : private UplinkListener {
   void NoteHeldBack() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendUnsent();
-  void SendLocalised();
+  void SendLocalised(bool all);
   // Gives up local maps. Those of this process get no more batches.
   void GiveUp(const std::vector<LostLocalMap>& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Returns true if no local map goes on.
