@@ -329,5 +329,69 @@ TEST_F(TrackerTest, PointsOfOthersAreUsedAndCounted) {
   EXPECT_LT(Error(result, 10), 0.02);
 }
 
+// Where the camera was, in the frame of the first camera.
+Rigid3d TruePose(uint32_t index) {
+  const auto& truth = Scene().true_camera_from_map;
+  const LocalMapId scene = SceneOptions().local_map;
+  return truth.at({scene, index}) * truth.at({scene, 0}).Inverse();
+}
+
+Rigid3d Shifted(Rigid3d camera_from_map, double shift_m) {
+  camera_from_map.translation += Eigen::Vector3d(shift_m, 0, 0);
+  return camera_from_map;
+}
+
+TEST_F(TrackerTest, GoesOnWhereSomebodySaysThatALostFrameWas) {
+  for (uint32_t i = 0; i < 20; ++i) Track(i);
+  EXPECT_FALSE(tracker_.ResumeAt(tracker_.last_payload(), TruePose(19))) << "it is not lost";
+  TrackElsewhere();
+  places_.clear();
+  ASSERT_EQ(Track(8).state, TrackingState::kLost) << "nothing finds it by its looks";
+  const auto lost = tracker_.last_payload();
+  EXPECT_FALSE(tracker_.ResumeAt(lost, Shifted(TruePose(8), 15))) << "the map shows nothing there";
+  EXPECT_EQ(Track(8).state, TrackingState::kLost);
+  ASSERT_TRUE(tracker_.ResumeAt(lost, Shifted(TruePose(8), 0.05)));
+  for (uint32_t i = 9; i < 15; ++i) {
+    const TrackingResult result = Track(i);
+    ASSERT_EQ(result.state, TrackingState::kTracking) << i;
+    EXPECT_LT(Error(result, i), 0.03) << i;
+  }
+}
+
+TEST_F(TrackerTest, LocalisesInOthersMapAndLeavesItAsItIs) {
+  for (uint32_t i = 0; i < 30; ++i) Track(i);
+  GuardedMap others(LocalMapId{99});
+  map_.Read([&](const Map& map) { others.Write([&](Map& copy) { copy = map; }); });
+  const size_t keyframes = others.Read([](const Map& map) { return map.keyframes().size(); });
+  TrackerOptions options = Options();
+  options.localise_only = true;
+  MappingQueue queue;
+  PointStatistics statistics;
+  std::vector<KeyframeId> places;
+  const PlaceFinder find_places = [&](const Words&) { return places; };
+  Tracker tracker(options, std::make_shared<const Camera>(Scene().camera),
+                  {&others, &queue, &statistics, vocabulary_.get(), &find_places});
+  const auto track = [&](uint32_t i) {
+    return tracker.Track(i * 100'000'000, Seen(i).payload->features);
+  };
+  for (int i = 0; i < 60; ++i) {
+    const TrackingResult lost = track(5);
+    ASSERT_EQ(lost.state, TrackingState::kLost) << "where it is nobody has said";
+    EXPECT_EQ(lost.why_no_pose, WhyNoPose::kNotRecognised);
+  }
+  EXPECT_FALSE(tracker.IsLostForGood()) << "there is no other map to begin";
+  places = places_;
+  for (uint32_t i = 5; i < 25; ++i) {
+    const TrackingResult result = track(i);
+    ASSERT_EQ(result.state, TrackingState::kTracking) << i;
+    EXPECT_LT(Error(result, i), 0.03) << i;
+    EXPECT_EQ(result.foreign_points_matched, result.points_matched) << i;
+    EXPECT_TRUE(result.reference.IsValid()) << i;
+    EXPECT_FALSE(result.made_keyframe) << i;
+  }
+  EXPECT_TRUE(queue.IsIdle());
+  EXPECT_EQ(others.Read([](const Map& map) { return map.keyframes().size(); }), keyframes);
+}
+
 }  // namespace
 }  // namespace corbslam::client_agent
