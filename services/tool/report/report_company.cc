@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "services/tool/report/or_null.h"
 
 namespace corbslam::services {
 namespace {
@@ -14,10 +15,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kDecimals = 4;
-
-Json OrNull(const std::optional<double>& value) {
-  return value.has_value() ? Json(*value) : Json(nullptr);
-}
 
 template <typename Value>
 Json Both(const Value& with, const Value& without) {

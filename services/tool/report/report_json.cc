@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "services/tool/report/or_null.h"
 #include "services/tool/report/report.h"
 #include "services/tool/report/report_company.h"
 #include "services/tool/report/report_cost.h"
@@ -8,11 +9,6 @@ namespace corbslam::services {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Returns null if there is no value.
-Json OrNull(const std::optional<double>& value) {
-  return value.has_value() ? Json(*value) : Json(nullptr);
-}
 
 Json ToJson(const ReportWarning& warning) {
   return {{"robot", warning.robot.empty() ? Json(nullptr) : Json(warning.robot)},
