@@ -52,7 +52,7 @@ struct TrackingResult {
   // Of the camera's pose in the local map, in its axes (InMapAxes); nullopt where the points don't
   // determine it.
   std::optional<Matrix6d> covariance;
-  // Nullopt for the first frame of a local map.
+  // Nullopt for the first frame of a local map, but where another one handed over to it.
   std::optional<CameraMotion> motion;
   bool made_keyframe = false;
   // What SmoothPose adds, whether there is a pose or not.
