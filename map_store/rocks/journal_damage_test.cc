@@ -9,11 +9,13 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "map_store/journal_check.h"
 #include "map_store/map_store.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/rocks_journal.h"
@@ -118,6 +120,16 @@ class JournalDamageTest : public ::testing::Test {
     for (uint64_t i = at; i < end; ++i) stream.put(static_cast<char>(random_()));
     return absl::StrCat(file.string(), ": ", end - at, " bytes at ", at);
   }
+  // Returns the missions that are found damaged while nobody has the folder open.
+  std::set<std::string> Check() {
+    std::set<std::string> found;
+    const absl::Status checked =
+        map_store::CheckJournal(damaged_, [&found](const CheckedMission& mission) {
+          if (!mission.status.ok()) found.insert(mission.name);
+        });
+    EXPECT_TRUE(checked.ok()) << checked;
+    return found;
+  }
   void ExpectWhole(const std::string& mission, MapStore& store) {
     const auto info = store.GetMission(mission);
     ASSERT_TRUE(info.ok()) << info.status();
@@ -148,9 +160,11 @@ TEST_F(JournalDamageTest, IsThatMissionsAlone) {
     const std::string victim = kMissions[static_cast<size_t>(i) % std::size(kMissions)];
     const std::string what = Damage(victim);
     SCOPED_TRACE(what);
+    const std::set<std::string> found = Check();
     auto store = Open(damaged_);
     ASSERT_NE(store, nullptr);
     for (const std::string mission : kMissions) {
+      EXPECT_TRUE(mission == victim || !found.contains(mission));
       if (mission != victim) ExpectWhole(mission, *store);
     }
     const auto info = store->GetMission(victim);
@@ -160,6 +174,7 @@ TEST_F(JournalDamageTest, IsThatMissionsAlone) {
     }
     if (absl::IsNotFound(info.status())) continue;  // Its log was torn before its first batch.
     ++damaged;
+    EXPECT_TRUE(found.contains(victim)) << "`journal check` finds what a store finds";
     EXPECT_THAT(info->damage, HasSubstr(victim));
     EXPECT_THAT(info->damage, HasSubstr("corbslam mission restore"));
   }
@@ -168,6 +183,27 @@ TEST_F(JournalDamageTest, IsThatMissionsAlone) {
       "%d folders: %d times the mission was damaged, %d times nothing was lost; the other "
       "missions were whole each time\n",
       folders, damaged, unharmed);
+}
+
+TEST_F(JournalDamageTest, ACheckChangesNothingAndNeedsTheFolderForItself) {
+  CopyWhole();
+  std::map<std::string, uint64_t> before;
+  for (const char* mission : kMissions) {
+    for (const fs::path& file : FilesOf(mission)) before[file.string()] = fs::file_size(file);
+  }
+  EXPECT_TRUE(Check().empty());
+  for (const char* mission : kMissions) {
+    for (const fs::path& file : FilesOf(mission)) {
+      EXPECT_EQ(fs::file_size(file), before.at(file.string())) << file;
+    }
+  }
+  const auto store = Open(damaged_);
+  const auto tell = [](const CheckedMission&) {};
+  const absl::Status in_use = map_store::CheckJournal(damaged_, tell);
+  EXPECT_TRUE(absl::IsFailedPrecondition(in_use)) << in_use;
+  const absl::Status nothing = map_store::CheckJournal((root_ / "nothing").string(), tell);
+  EXPECT_TRUE(absl::IsFailedPrecondition(nothing)) << nothing;
+  EXPECT_FALSE(fs::exists(root_ / "nothing"));
 }
 
 TEST_F(JournalDamageTest, ADamagedMissionIsListedRefusedAndDeleted) {

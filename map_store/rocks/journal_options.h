@@ -21,6 +21,9 @@ struct RocksJournalOptions {
   // So many bytes of the disk are left free: with less, records and snapshots are refused. The
   // databases need them to tidy up.
   uint64_t min_free_bytes = 64 << 20;
+  // True: the folder must be there, in this program's format, and nothing of its missions is
+  // changed, nor can be. Their logs are read, and stay as they are.
+  bool only_read = false;
   // False: Sync returns at once, for measurements, and to show that tests of durability would fail.
   bool sync = true;
   // Not owned; null: the system's. Tests put a faulty one here.

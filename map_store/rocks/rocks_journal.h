@@ -62,6 +62,8 @@ class RocksJournal : public Journal {
   // Opens the database that guards the folder, and finds the missions. The guard keeps other
   // processes out, and programs that would take the folder for an empty one.
   absl::Status OpenGuard();
+  // Does so for who only reads: keeps others out as far as that goes, and makes nothing.
+  absl::Status PassGuard();
   absl::Status MakeGuard();
   absl::StatusOr<uint32_t> ReadGuard();
   absl::Status LoadMissions();

@@ -67,13 +67,18 @@ RocksJournal::RocksJournal(const RocksJournalOptions& options)
 
 absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
     const RocksJournalOptions& options) {
+  std::unique_ptr<RocksJournal> journal(new RocksJournal(options));
+  if (options.only_read) {
+    RETURN_IF_ERROR(journal->PassGuard());
+    RETURN_IF_ERROR(journal->LoadMissions());
+    return journal;
+  }
   std::error_code error;
   std::filesystem::create_directories(options.directory, error);
   if (error) {
     return absl::FailedPreconditionError(
         absl::StrCat("journal ", options.directory, ": ", error.message()));
   }
-  std::unique_ptr<RocksJournal> journal(new RocksJournal(options));
   RETURN_IF_ERROR(journal->OpenGuard());
   RETURN_IF_ERROR(journal->LoadMissions());
   journal->tidier_ =
@@ -109,6 +114,21 @@ absl::Status RocksJournal::OpenGuard() {
   return MakeGuard();
 }
 
+absl::Status RocksJournal::PassGuard() {
+  const std::string place = absl::StrCat("journal ", options_.directory, ": ");
+  if (!folder_.exists()) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        place, "there is no folder ", folder_.path(),
+        ": no map_store has used it, or only one of an older format, which the next start makes "
+        "this one"));
+  }
+  guard_ = std::make_unique<RocksDatabase>(options_.directory, options_.env, cache_);
+  const rocksdb::Status opened = guard_->Open(Mode::kOpen);
+  // A damaged guard keeps nobody out, and is made anew at the next start.
+  if (opened.ok() || IsDamage(opened)) return absl::OkStatus();
+  return absl::FailedPreconditionError(place + ExplainOpenFailure(options_.directory, opened));
+}
+
 absl::StatusOr<uint32_t> RocksJournal::ReadGuard() {
   std::string bytes;
   const rocksdb::Status found = guard_->Get(map_store::FormatKey(), &bytes);
@@ -131,7 +151,7 @@ absl::Status RocksJournal::MakeGuard() {
 }
 
 absl::Status RocksJournal::LoadMissions() {
-  RETURN_IF_ERROR(folder_.RemoveLeftovers());
+  if (!options_.only_read) RETURN_IF_ERROR(folder_.RemoveLeftovers());
   ASSIGN_OR_RETURN(const std::vector<std::string> names, folder_.ListKept());
   for (const std::string& name : names) RETURN_IF_ERROR(LoadMission(name));
   return absl::OkStatus();
@@ -141,6 +161,7 @@ absl::Status RocksJournal::LoadMission(const std::string& name) {
   absl::StatusOr<MissionPtr> opened = OpenMission(name);
   if (opened.ok()) {
     const absl::Status loaded = (*opened)->Load();
+    if (absl::IsNotFound(loaded) && options_.only_read) return absl::OkStatus();
     if (absl::IsNotFound(loaded)) {
       LOG(WARNING) << "mission " << name << " goes, its making was cut short: " << loaded;
       opened->reset();
@@ -166,7 +187,7 @@ absl::StatusOr<RocksJournal::MissionPtr> RocksJournal::OpenMission(const std::st
     return absl::DataLossError(absl::StrCat("journal ", path, ": its log (*.log) is lost"));
   }
   auto database = std::make_unique<RocksDatabase>(path, options_.env, cache_);
-  const rocksdb::Status opened = database->Open(Mode::kOpen);
+  const rocksdb::Status opened = database->Open(options_.only_read ? Mode::kOnlyRead : Mode::kOpen);
   if (!opened.ok()) return OpenFailure(path, opened);
   return std::make_shared<MissionJournal>(name, options_, std::move(database));
 }

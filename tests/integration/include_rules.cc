@@ -84,6 +84,8 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"rocks", 7},
            {"mission", 7},
            {"map_store", 8},
+           {"journal_check", 8},
+           {"map_store_damage", 9},
            {"map_store_lists", 9},
            {"map_store_localize", 9},
            {"map_store_lookups", 9},

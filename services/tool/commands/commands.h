@@ -22,6 +22,8 @@ void AddCompletionCommand(CLI::App& app, Command& chosen);
 void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& chosen);
 void AddDoctorCommand(CLI::App& app, Command& chosen);
 void AddEvalCommand(CLI::App& app, Command& chosen);
+// Adds `journal check`, which reads a stopped store's folder.
+void AddJournalCommand(CLI::App& app, Command& chosen);
 void AddRenderCommand(CLI::App& app, Command& chosen);
 void AddLocalizeCommand(CLI::App& app, Command& chosen);
 void AddReplayCommand(CLI::App& app, Command& chosen);

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   corbslam::services::AddRunCommand(app, command_line, chosen);
   corbslam::services::AddMissionCommand(app, chosen);
   corbslam::services::AddEvalCommand(app, chosen);
+  corbslam::services::AddJournalCommand(app, chosen);
   corbslam::services::AddLocalizeCommand(app, chosen);
   corbslam::services::AddRenderCommand(app, chosen);
   corbslam::services::AddReplayCommand(app, chosen);
