@@ -208,6 +208,15 @@ TEST(DoctorTest, NoticesThatNobodyFuses) {
   EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "never fused"), Level::kWarn);
 }
 
+TEST(DoctorTest, NoticesDamagedMissions) {
+  std::vector<v1::Mission> missions(3);
+  EXPECT_TRUE(CheckDamageOf("store", missions).empty());
+  missions[1].set_damage("mission lab is damaged, and takes nothing in");
+  const Findings findings = CheckDamageOf("store", missions);
+  EXPECT_EQ(findings.size(), 1u);
+  EXPECT_EQ(LevelOf(findings, "mission lab is damaged"), Level::kFail);
+}
+
 TEST_F(ServerChecksTest, SaysWhatIsWrongWithAnAddress) {
   EXPECT_EQ(LevelOf(CheckServer("store", "http://127.0.0.1:1", kWorker, insecure_, absl::Now()),
                     "give 127.0.0.1:1"),

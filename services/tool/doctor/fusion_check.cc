@@ -29,6 +29,16 @@ Findings CheckFusionOf(const std::string& name, const std::vector<v1::Mission>& 
            "start fusion workers where the store's --worker says; what waits is worked off then"}};
 }
 
+Findings CheckDamageOf(const std::string& name, const std::vector<v1::Mission>& missions) {
+  Findings findings;
+  for (const v1::Mission& mission : missions) {
+    if (mission.damage().empty()) continue;
+    findings.push_back({Level::kFail, name, mission.damage(),
+                        "docs/alerts.md#missiondamaged; the other missions go on"});
+  }
+  return findings;
+}
+
 Findings CheckFusion(const std::string& name, const std::shared_ptr<grpc::Channel>& channel,
                      absl::Duration patience) {
   grpc::ClientContext context;
@@ -37,7 +47,12 @@ Findings CheckFusion(const std::string& name, const std::shared_ptr<grpc::Channe
   const grpc::Status status =
       v1::MapStore::NewStub(channel)->ListMissions(&context, v1::ListMissionsRequest(), &response);
   if (!status.ok()) return {};
-  return CheckFusionOf(name, {response.missions().begin(), response.missions().end()});
+  const std::vector<v1::Mission> missions = {response.missions().begin(),
+                                             response.missions().end()};
+  Findings findings = CheckFusionOf(name, missions);
+  const Findings damaged = CheckDamageOf(name, missions);
+  findings.insert(findings.end(), damaged.begin(), damaged.end());
+  return findings;
 }
 
 }  // namespace corbslam::services

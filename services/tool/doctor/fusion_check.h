@@ -18,7 +18,10 @@ namespace corbslam::services {
 // there is no mission.
 Findings CheckFusionOf(const std::string& name, const std::vector<v1::Mission>& missions);
 
-// Asks the store for its missions and judges them. Returns no finding if this caller may not ask.
+// Returns a failure for each mission that is damaged.
+Findings CheckDamageOf(const std::string& name, const std::vector<v1::Mission>& missions);
+
+// Asks the store for its missions and judges both. Returns no finding if this caller may not ask.
 Findings CheckFusion(const std::string& name, const std::shared_ptr<grpc::Channel>& channel,
                      absl::Duration patience);
 
