@@ -97,7 +97,7 @@ rocksdb::Status RocksDatabase::OpenLocked(Mode mode) {
 }
 
 void RocksDatabase::Destroy(const std::string& directory) {
-  const rocksdb::Status destroyed = rocksdb::DestroyDB(directory, rocksdb::Options());
+  const rocksdb::Status destroyed = rocksdb::DestroyDB(directory, MakeOptions(nullptr, nullptr));
   LOG_IF(WARNING, !destroyed.ok()) << directory << ": " << destroyed.ToString();
 }
 

@@ -65,6 +65,7 @@ class RocksJournal : public Journal {
   // Does so for who only reads: keeps others out as far as that goes, and makes nothing.
   absl::Status PassGuard();
   absl::Status MakeGuard();
+  absl::Status WriteGuard();
   absl::StatusOr<uint32_t> ReadGuard();
   absl::Status LoadMissions();
   absl::Status LoadMission(const std::string& name);

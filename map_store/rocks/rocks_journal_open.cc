@@ -108,9 +108,9 @@ absl::Status RocksJournal::OpenGuard() {
   }
   if (is_new) {
     RETURN_IF_ERROR(folder_.Make());
-  } else {
-    RETURN_IF_ERROR(UpgradeJournal(options_, *guard_, cache_));
+    return WriteGuard();
   }
+  RETURN_IF_ERROR(UpgradeJournal(options_, *guard_, cache_));
   return MakeGuard();
 }
 
@@ -141,13 +141,19 @@ absl::Status RocksJournal::MakeGuard() {
   guard_->Close();
   RocksDatabase::Destroy(options_.directory);
   guard_ = std::make_unique<RocksDatabase>(options_.directory, options_.env, cache_);
-  rocksdb::WriteBatch batch;
-  batch.Put(map_store::FormatKey(), EncodeFormat());
-  rocksdb::Status made = guard_->Open(Mode::kMake);
-  if (made.ok()) made = guard_->Write(batch, true);
-  if (made.ok()) return absl::OkStatus();
+  const rocksdb::Status made = guard_->Open(Mode::kMake);
+  if (made.ok()) return WriteGuard();
   return absl::FailedPreconditionError(
       absl::StrCat("journal ", options_.directory, ": ", made.ToString()));
+}
+
+absl::Status RocksJournal::WriteGuard() {
+  rocksdb::WriteBatch batch;
+  batch.Put(map_store::FormatKey(), EncodeFormat());
+  const rocksdb::Status written = guard_->Write(batch, true);
+  if (written.ok()) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("journal ", options_.directory, ": ", written.ToString()));
 }
 
 absl::Status RocksJournal::LoadMissions() {

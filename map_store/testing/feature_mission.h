@@ -20,10 +20,16 @@ inline map_store::MissionState MakeFeatureMission(const std::string& name, uint3
   map_store::MissionState state;
   state.name = name;
   map_store::LocalMapState& local_map = map_store::AddLocalMap(state, LocalMapId{1}, "a");
+  state.agents["a"].local_maps = {local_map.id};
+  const auto camera = std::make_shared<const Camera>(Camera{
+      .fx_px = 500, .fy_px = 500, .cx_px = 320, .cy_px = 240, .width_px = 640, .height_px = 480});
+  local_map.cameras = {camera};
+  local_map.recorded_cameras.resize(1);
   std::mt19937 random(1);
   for (uint32_t i = 0; i < keyframes; ++i) {
     auto payload = std::make_shared<KeyframePayload>();
     payload->id = {local_map.id, i};
+    payload->camera = camera;
     payload->features.keypoints.resize(features);
     payload->features.descriptors.resize(features);
     for (Keypoint& keypoint : payload->features.keypoints) {
@@ -35,6 +41,10 @@ inline map_store::MissionState MakeFeatureMission(const std::string& name, uint3
     }
     Keyframe keyframe;
     keyframe.payload = std::move(payload);
+    keyframe.points.resize(features);
+    if (i > 0) keyframe.parent = {local_map.id, i - 1};
+    local_map.arrival[keyframe.payload->id] = i;
+    local_map.arrived.push_back(keyframe.payload->id);
     local_map.map.AddKeyframe(std::move(keyframe));
   }
   return state;
