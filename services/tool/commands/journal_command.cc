@@ -13,7 +13,7 @@ using map_store::CheckedMission;
 
 namespace {
 
-void Print(const CheckedMission& mission) {
+void PrintMission(const CheckedMission& mission) {
   if (!mission.status.ok()) {
     std::printf("%s: DAMAGED: %s\n", mission.name.c_str(),
                 std::string(mission.status.message()).c_str());
@@ -24,11 +24,11 @@ void Print(const CheckedMission& mission) {
               static_cast<double>(mission.disk_bytes) / (1 << 20));
 }
 
-absl::Status Check(const std::string& directory) {
+absl::Status CheckFolder(const std::string& directory) {
   int missions = 0;
   int damaged = 0;
   RETURN_IF_ERROR(map_store::CheckJournal(directory, [&](const CheckedMission& mission) {
-    Print(mission);
+    PrintMission(mission);
     ++missions;
     damaged += mission.status.ok() ? 0 : 1;
   }));
@@ -49,7 +49,8 @@ void AddJournalCommand(CLI::App& app, Command& chosen) {
       "stopped, and nothing of its missions is changed");
   auto directory = std::make_shared<std::string>();
   check->add_option("--data-dir", *directory, "The store's folder")->required();
-  check->callback([directory, &chosen] { chosen = [directory] { return Check(*directory); }; });
+  check->callback(
+      [directory, &chosen] { chosen = [directory] { return CheckFolder(*directory); }; });
 }
 
 }  // namespace corbslam::services
