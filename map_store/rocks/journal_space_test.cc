@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using testing::MakeFeatureMission;
 
 constexpr uint64_t kMiB = 1 << 20;
-constexpr uint32_t kKeyframes = 200;
+constexpr uint32_t kKeyframes = 300;
 constexpr size_t kFeatures = 1500;
 
 class JournalSpaceTest : public ::testing::Test {
