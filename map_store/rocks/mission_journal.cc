@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/rocks/durable_mark.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/mission_header.h"
@@ -31,7 +32,17 @@ MissionJournal::MissionJournal(std::string name, const RocksJournalOptions& opti
 
 MissionJournal::~MissionJournal() { Close(); }
 
-void MissionJournal::Close() { database_->Close(); }
+void MissionJournal::Close() {
+  if (!options_.only_read && Damage().ok()) WriteMark();
+  database_->Close();
+}
+
+void MissionJournal::WriteMark() {
+  absl::MutexLock lock(&mutex_);
+  if (synced_ <= marked_) return;
+  WriteDurableMark(database_->directory(), synced_);
+  marked_ = synced_;
+}
 
 absl::Status MissionJournal::ToStatus(const rocksdb::Status& status) const {
   if (status.ok()) return absl::OkStatus();
@@ -222,6 +233,7 @@ absl::Status MissionJournal::TidyMemory(absl::Time now) {
 
 absl::Status MissionJournal::Tidy(absl::Time now) {
   if (!Damage().ok() || database_->failed()) return absl::OkStatus();
+  WriteMark();
   RETURN_IF_ERROR(TidyMemory(now));
   if (!IsWasteful()) return absl::OkStatus();
   std::error_code error;

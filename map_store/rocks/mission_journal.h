@@ -63,6 +63,9 @@ class MissionJournal {
   void Close();
 
  private:
+  // Returns DATA_LOSS if less is there than was durable once.
+  absl::Status CheckMark() ABSL_LOCKS_EXCLUDED(mutex_);
+  void WriteMark() ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status LoadRecords(Position snapshot_position);
   absl::Status LoadFeatures();
   absl::StatusOr<Features> ReadFeatures(KeyframeId id) const;
@@ -102,6 +105,7 @@ class MissionJournal {
   Position written_ ABSL_GUARDED_BY(mutex_) = 0;
   Position synced_ ABSL_GUARDED_BY(mutex_) = 0;
   bool syncing_ ABSL_GUARDED_BY(mutex_) = false;
+  Position marked_ ABSL_GUARDED_BY(mutex_) = 0;  // What DURABLE says.
   // Whether something was deleted since the files were tidied up.
   bool may_be_wasteful_ ABSL_GUARDED_BY(mutex_) = true;
   // The last record when memory was looked at, and since when it has been the last.

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/state_archive.h"
+#include "map_store/rocks/durable_mark.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/mission_journal.h"
@@ -38,7 +39,10 @@ absl::Status MissionJournal::Load() {
   if (found.IsNotFound()) return Note(absl::DataLossError(place + ": its format is lost"));
   RETURN_IF_ERROR(ToReadStatus(found));
   found = database_->Get(MissionKey(name_), &bytes);
-  if (found.IsNotFound()) return absl::NotFoundError(place + ": nothing was acknowledged");
+  if (found.IsNotFound()) {
+    RETURN_IF_ERROR(Note(WithPlace(CheckMark(), place)));
+    return absl::NotFoundError(place + ": nothing was acknowledged");
+  }
   RETURN_IF_ERROR(ToReadStatus(found));
   const absl::StatusOr<MissionHeader> header = DecodeHeader(bytes);
   RETURN_IF_ERROR(Note(WithPlace(header.status(), place)));
@@ -52,7 +56,17 @@ absl::Status MissionJournal::Load() {
     contents_.NoteSnapshot(header->snapshot_position, header->snapshot_bytes, {});
   }
   RETURN_IF_ERROR(Note(WithPlace(LoadRecords(header->snapshot_position), place)));
+  RETURN_IF_ERROR(Note(WithPlace(CheckMark(), place)));
   return Note(WithPlace(LoadFeatures(), place));
+}
+
+absl::Status MissionJournal::CheckMark() {
+  absl::MutexLock lock(&mutex_);
+  marked_ = ReadDurableMark(database_->directory());
+  if (last_ >= marked_) return absl::OkStatus();
+  return absl::DataLossError(absl::StrCat(
+      "record ", marked_, " was durable, and only those up to ", last_,
+      " are there: a log or a list of files (*.log, MANIFEST-*) is lost or ends early"));
 }
 
 absl::Status MissionJournal::LoadRecords(Position snapshot_position) {
