@@ -33,15 +33,25 @@ MissionJournal::MissionJournal(std::string name, const RocksJournalOptions& opti
 MissionJournal::~MissionJournal() { Close(); }
 
 void MissionJournal::Close() {
-  if (!options_.only_read && Damage().ok()) WriteMark();
+  WriteMark();
+  {
+    absl::MutexLock marking(&marking_);
+    closed_ = true;
+  }
   database_->Close();
 }
 
 void MissionJournal::WriteMark() {
-  absl::MutexLock lock(&mutex_);
-  if (synced_ <= marked_) return;
-  WriteDurableMark(database_->directory(), synced_);
-  marked_ = synced_;
+  if (options_.only_read || !Damage().ok()) return;
+  absl::MutexLock marking(&marking_);
+  Position synced = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    synced = synced_;
+  }
+  if (closed_ || synced <= marked_) return;
+  WriteDurableMark(database_->directory(), synced);
+  marked_ = synced;
 }
 
 absl::Status MissionJournal::ToStatus(const rocksdb::Status& status) const {
@@ -183,7 +193,10 @@ absl::Status MissionJournal::Create(const MissionState& state) {
   RETURN_IF_ERROR(WriteFeatures(state, position));
   JournalSnapshot snapshot = map_store::TakeSnapshot(state);
   snapshot.position = position;
-  return WriteSnapshot(snapshot);
+  RETURN_IF_ERROR(WriteSnapshot(snapshot));
+  absl::MutexLock lock(&mutex_);
+  written_ = synced_ = position;
+  return absl::OkStatus();
 }
 
 absl::Status MissionJournal::WriteFeatures(const MissionState& state, Position position) {

@@ -60,12 +60,12 @@ class MissionJournal {
   // Compares all files with their checksums, and decodes all that is in them.
   absl::Status Verify() const;
   // Ends all that goes on with the files. From here on everything fails.
-  void Close();
+  void Close() ABSL_LOCKS_EXCLUDED(marking_);
 
  private:
   // Returns DATA_LOSS if less is there than was durable once.
-  absl::Status CheckMark() ABSL_LOCKS_EXCLUDED(mutex_);
-  void WriteMark() ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status CheckMark() ABSL_LOCKS_EXCLUDED(marking_, mutex_);
+  void WriteMark() ABSL_LOCKS_EXCLUDED(marking_, mutex_);
   absl::Status LoadRecords(Position snapshot_position);
   absl::Status LoadFeatures();
   absl::StatusOr<Features> ReadFeatures(KeyframeId id) const;
@@ -95,6 +95,11 @@ class MissionJournal {
   mutable absl::Mutex damage_mutex_;
   mutable absl::Status damage_ ABSL_GUARDED_BY(damage_mutex_);
 
+  absl::Mutex marking_ ABSL_ACQUIRED_BEFORE(mutex_);
+  Position marked_ ABSL_GUARDED_BY(marking_) = 0;  // What DURABLE says.
+  // The folder may be another mission's by now.
+  bool closed_ ABSL_GUARDED_BY(marking_) = false;
+
   mutable absl::Mutex mutex_;
   absl::CondVar synced_changed_;
   // Replays find out which keyframes were removed.
@@ -105,7 +110,6 @@ class MissionJournal {
   Position written_ ABSL_GUARDED_BY(mutex_) = 0;
   Position synced_ ABSL_GUARDED_BY(mutex_) = 0;
   bool syncing_ ABSL_GUARDED_BY(mutex_) = false;
-  Position marked_ ABSL_GUARDED_BY(mutex_) = 0;  // What DURABLE says.
   // Whether something was deleted since the files were tidied up.
   bool may_be_wasteful_ ABSL_GUARDED_BY(mutex_) = true;
   // The last record when memory was looked at, and since when it has been the last.

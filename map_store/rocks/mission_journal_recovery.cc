@@ -61,6 +61,7 @@ absl::Status MissionJournal::Load() {
 }
 
 absl::Status MissionJournal::CheckMark() {
+  absl::MutexLock marking(&marking_);
   absl::MutexLock lock(&mutex_);
   marked_ = ReadDurableMark(database_->directory());
   if (last_ >= marked_) return absl::OkStatus();
