@@ -2,13 +2,9 @@
 
 #include <rocksdb/write_batch.h>
 
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/rocks/durable_mark.h"
-#include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/rocks_database.h"
@@ -18,11 +14,23 @@ namespace corbslam::map_store {
 namespace {
 
 constexpr size_t kChunkBytes = 1 << 20;
-// Tables have bytes of their own, and what is deleted may come to little.
-constexpr uint64_t kLittle = 8 << 20;
-// What was written to lately will be written to again.
-constexpr absl::Duration kUntilIdle = absl::Seconds(30);
-constexpr uint64_t kLeastToFlush = 1 << 20;
+
+// Makes what puts a snapshot, whose chunks are written, in the place of all before it.
+rocksdb::WriteBatch MakeTurn(const std::string& name, const JournalSnapshot& snapshot,
+                             uint32_t chunks, const std::vector<KeyframeId>& unneeded) {
+  rocksdb::WriteBatch turn;
+  turn.Put(MissionKey(name),
+           Encode(MissionHeader{snapshot.position, static_cast<uint64_t>(snapshot.state.size())}));
+  const std::string records = MissionPrefix(JournalPart::kRecord, name);
+  turn.DeleteRange(records, RecordKey(name, snapshot.position + 1));
+  const std::string snapshots = MissionPrefix(JournalPart::kSnapshot, name);
+  turn.DeleteRange(snapshots, SnapshotKey(name, snapshot.position, 0));
+  // This removes what an attempt that failed at the same position may have left behind.
+  turn.DeleteRange(SnapshotKey(name, snapshot.position, chunks),
+                   SnapshotKey(name, snapshot.position + 1, 0));
+  for (const KeyframeId& id : unneeded) turn.Delete(FeaturesKey(name, id));
+  return turn;
+}
 
 }  // namespace
 
@@ -39,19 +47,6 @@ void MissionJournal::Close() {
     closed_ = true;
   }
   database_->Close();
-}
-
-void MissionJournal::WriteMark() {
-  if (options_.only_read || !Damage().ok()) return;
-  absl::MutexLock marking(&marking_);
-  Position synced = 0;
-  {
-    absl::MutexLock lock(&mutex_);
-    synced = synced_;
-  }
-  if (closed_ || synced <= marked_) return;
-  WriteDurableMark(database_->directory(), synced);
-  marked_ = synced;
 }
 
 absl::Status MissionJournal::ToStatus(const rocksdb::Status& status) const {
@@ -167,16 +162,7 @@ absl::Status MissionJournal::WriteSnapshot(const JournalSnapshot& snapshot) {
     unneeded = contents_.FindUnneeded(snapshot);
   }
   const uint64_t size = snapshot.state.size();
-  rocksdb::WriteBatch turn;
-  turn.Put(MissionKey(name_), Encode(MissionHeader{snapshot.position, size}));
-  const std::string records = MissionPrefix(JournalPart::kRecord, name_);
-  turn.DeleteRange(records, RecordKey(name_, snapshot.position + 1));
-  const std::string snapshots = MissionPrefix(JournalPart::kSnapshot, name_);
-  turn.DeleteRange(snapshots, SnapshotKey(name_, snapshot.position, 0));
-  // This removes what an attempt that failed at the same position may have left behind.
-  turn.DeleteRange(SnapshotKey(name_, snapshot.position, chunks),
-                   SnapshotKey(name_, snapshot.position + 1, 0));
-  for (const KeyframeId& id : unneeded) turn.Delete(FeaturesKey(name_, id));
+  rocksdb::WriteBatch turn = MakeTurn(name_, snapshot, chunks, unneeded);
   RETURN_IF_ERROR(ToStatus(database_->Write(turn, true)));
   absl::MutexLock lock(&mutex_);
   is_marked_ = true;
@@ -212,60 +198,6 @@ absl::Status MissionJournal::WriteFeatures(const MissionState& state, Position p
     }
   }
   return absl::OkStatus();
-}
-
-uint64_t MissionJournal::DiskBytes() const { return BytesIn(database_->directory()); }
-
-bool MissionJournal::IsWasteful() const {
-  uint64_t live = 0;
-  {
-    absl::MutexLock lock(&mutex_);
-    if (!may_be_wasteful_) return false;
-    live = contents_.live_bytes();
-  }
-  return DiskBytes() > live + live / 4 + kLittle;
-}
-
-void MissionJournal::SetMayBeWasteful(bool may_be) {
-  absl::MutexLock lock(&mutex_);
-  may_be_wasteful_ = may_be;
-}
-
-absl::Status MissionJournal::TidyMemory(absl::Time now) {
-  {
-    absl::MutexLock lock(&mutex_);
-    if (looked_at_ != written_ || unchanged_since_ == absl::InfiniteFuture()) {
-      looked_at_ = written_;
-      unchanged_since_ = now;
-    }
-    if (now - unchanged_since_ < kUntilIdle) return absl::OkStatus();
-  }
-  if (database_->BytesInMemory() < kLeastToFlush) return absl::OkStatus();
-  return ToStatus(database_->Flush());
-}
-
-absl::Status MissionJournal::Tidy(absl::Time now) {
-  if (!Damage().ok() || database_->failed()) return absl::OkStatus();
-  WriteMark();
-  RETURN_IF_ERROR(TidyMemory(now));
-  if (!IsWasteful()) return absl::OkStatus();
-  std::error_code error;
-  const auto space = std::filesystem::space(options_.directory, error);
-  uint64_t live = 0;
-  {
-    absl::MutexLock lock(&mutex_);
-    live = contents_.live_bytes();
-  }
-  if (!error && space.available < live + kLittle) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("journal ", database_->directory(), ": tidying up takes ", live,
-                     " bytes for a while, and the disk has ", space.available, " free"));
-  }
-  SetMayBeWasteful(false);
-  const rocksdb::Status tidied = database_->Tidy();
-  if (tidied.ok()) return absl::OkStatus();
-  SetMayBeWasteful(true);
-  return tidied.IsIncomplete() ? absl::OkStatus() : ToStatus(tidied);
 }
 
 }  // namespace corbslam::map_store

@@ -83,6 +83,7 @@ class MissionJournal {
   // Remembers that something was deleted, or that nothing is left of it.
   void SetMayBeWasteful(bool may_be) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status TidyMemory(absl::Time now);
+  absl::Status CheckRoomToTidy() const ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status ToStatus(const rocksdb::Status& status) const;
   absl::Status ToReadStatus(const rocksdb::Status& status) const;
   // Returns the error; if it is one of damage, it is remembered.

@@ -62,6 +62,9 @@ class RocksJournal : public Journal {
   // Opens the database that guards the folder, and finds the missions. The guard keeps other
   // processes out, and programs that would take the folder for an empty one.
   absl::Status OpenGuard();
+  // Makes the folder of missions, from what the guard's place holds in a format of before (0:
+  // nothing).
+  absl::Status MakeFolders(uint32_t format);
   // Does so for who only reads: keeps others out as far as that goes, and makes nothing.
   absl::Status PassGuard();
   absl::Status MakeGuard();

@@ -95,18 +95,21 @@ absl::Status RocksJournal::OpenGuard() {
   }
   const absl::StatusOr<uint32_t> format =
       opened.ok() ? ReadGuard() : absl::DataLossError(opened.ToString());
-  const bool is_new = absl::IsNotFound(format.status());
   if (absl::IsFailedPrecondition(format.status()) ||
       (absl::IsDataLoss(format.status()) && !folder_.exists())) {
     return absl::Status(format.status().code(), place + std::string(format.status().message()));
   }
+  if (!folder_.exists()) return MakeFolders(format.ok() ? *format : 0);
   // Once there is a folder of missions, the guard has nothing that could be lost.
-  if (folder_.exists())
-    return format.ok() && *format > kLastSharedFormat ? absl::OkStatus() : MakeGuard();
-  if (!is_new && *format > kLastSharedFormat) {
-    return absl::DataLossError(absl::StrCat(place, "the folder ", folder_.path(), " is lost"));
+  return format.ok() && *format > kLastSharedFormat ? absl::OkStatus() : MakeGuard();
+}
+
+absl::Status RocksJournal::MakeFolders(uint32_t format) {
+  if (format > kLastSharedFormat) {
+    return absl::DataLossError(
+        absl::StrCat("journal ", options_.directory, ": the folder ", folder_.path(), " is lost"));
   }
-  if (is_new) {
+  if (format == 0) {
     RETURN_IF_ERROR(folder_.Make());
     return WriteGuard();
   }
