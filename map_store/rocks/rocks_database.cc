@@ -90,9 +90,6 @@ rocksdb::Status RocksDatabase::OpenLocked(Mode mode) {
                                      : rocksdb::DB::Open(options, directory_, &opened);
   if (!status.ok()) return status;
   db_.reset(opened);
-  // Compaction gives way to everybody: nobody waits for it.
-  db_->GetEnv()->LowerThreadPoolIOPriority(rocksdb::Env::LOW);
-  db_->GetEnv()->LowerThreadPoolCPUPriority(rocksdb::Env::LOW);
   return status;
 }
 
@@ -114,6 +111,8 @@ void RocksDatabase::Close() {
 }
 
 rocksdb::Status RocksDatabase::Tidy() {
+  // RocksDB's own threads do it, one for all databases. They are not of a lower priority: starved,
+  // they would let tables pile up until writes have to wait for them.
   absl::MutexLock tidying(&tidying_);
   const std::shared_ptr<rocksdb::DB> db = Use();
   if (db == nullptr || closing_.load()) return rocksdb::Status::Incomplete("closed");
