@@ -102,9 +102,9 @@ TEST_F(AuditLogTest, SaysWhoWasRefusedWhat) {
 }
 
 TEST_F(AuditLogTest, WhatCallersSayIsOneLineWhateverItIs) {
+  constexpr char kHostile[] = "\"}\n{\"event\":\"administered\", \x1b[2J\0\xff\xe2\x80\xa8";
   const std::string hostile =
-      std::string("\"}\n{\"event\":\"administered\", \x1b[2J\0\xff\xe2\x80\xa8", 42) +
-      std::string(10'000, 'x');
+      std::string(kHostile, sizeof(kHostile) - 1) + std::string(10'000, 'x');
   TurnAway(*Open(), hostile, hostile);
   const std::vector<json> lines = Lines();
   ASSERT_EQ(lines.size(), 1u);

@@ -89,7 +89,8 @@ Finding CheckExpiry(const std::string& check, const std::string& pem, absl::Time
   }
   if (now > end) return {Level::kFail, check, "expired at " + Day(end), "get a new one"};
   if (end - now < kSoon) {
-    return {Level::kWarn, check, "expires at " + Day(end), "get a new one, and restart"};
+    return {Level::kWarn, check, "expires at " + Day(end),
+            "get a new one; programs take it without a restart"};
   }
   return {Level::kOk, check, "good until " + Day(end), ""};
 }
