@@ -58,6 +58,9 @@ using LookCheck =
 // Returns a check of whether the caller's streams may stay open (StreamLimits::EndWhoMayNotStay).
 using StayCheckMaker = std::function<StayCheck(const grpc::CallbackServerContext&)>;
 
+// Returns who the caller is, for logs; empty if nobody knows.
+using CallerNamer = std::function<std::string(const grpc::CallbackServerContext&)>;
+
 // Returns a check of which missions the caller's list has.
 using ListFilter = std::function<bool(const std::string& mission)>;
 using ListFilterMaker = std::function<ListFilter(const grpc::CallbackServerContext&)>;
@@ -78,6 +81,7 @@ struct MapStoreServiceOptions {
   LookCheck may_look;  // Of LocalizeStream, each of whose requests names a mission.
   StayCheckMaker may_stay;
   ListFilterMaker may_list;
+  CallerNamer name_caller;
 };
 
 // Serves all calls; each RPC is in the file of its name. `store` is not owned and must outlive it;

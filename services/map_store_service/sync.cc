@@ -28,17 +28,16 @@ constexpr char kBroken[] = "the stream broke: the robot's process or its link is
 }  // namespace
 
 SyncReactor::SyncReactor(MapStore& store, TaskPool& pool, StreamLimits& limits,
-                         const MapStoreServiceOptions& options, OpenCheck may_open,
-                         StayCheck may_stay, absl::string_view peer)
+                         const MapStoreServiceOptions& options, Caller caller)
     : StreamTask(pool, Threads::kTasks),
       store_(store),
       shared_bytes_(options.shared_bytes),
       observers_(options.observers),
-      may_open_(std::move(may_open)),
-      peer_(absl::StrReplaceAll(peer, {{"%5B", "["}, {"%5D", "]"}})),
+      caller_(std::move(caller)),
+      peer_(absl::StrReplaceAll(caller_.peer, {{"%5B", "["}, {"%5D", "]"}})),
       limits_(limits.options()) {
   absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket =
-      limits.Enter(peer, std::move(may_stay));
+      limits.Enter(caller_.peer, caller_.may_stay);
   if (!ticket.ok()) {
     Refuse(ticket.status());
     return;
@@ -188,11 +187,12 @@ absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
 absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   if (session_id_) return absl::InvalidArgumentError("the session is open already");
   ASSIGN_OR_RETURN(SessionRequest request, FromProto(open));
-  RETURN_IF_ERROR(may_open_(request));
+  RETURN_IF_ERROR(caller_.may_open(request));
   RETURN_IF_ERROR(ticket_->Name(AgentName(request.mission, request.agent)));
   request.peer = peer_;
   if (request.capabilities.coded_features) form_ = FeatureForm::kCoded;
-  who_ = {request.mission, request.agent};
+  who_ = {request.mission, request.agent,
+          caller_.name.empty() ? peer_ : absl::StrCat(caller_.name, " at ", peer_)};
   const absl::StatusOr<MapStore::OpenedSession> session = store_.OpenSession(request);
   if (!session.ok()) {
     for (SyncObserver* observer : observers_) observer->OnRefused(who_, session.status());
@@ -344,8 +344,10 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MapStoreService::Sy
     if (options_.may_open == nullptr) return absl::OkStatus();
     return options_.may_open(*context, request.mission, request.agent);
   };
-  return new SyncReactor(store_, pool_, limits_, options_, may_open, MayStay(*context),
-                         context->peer());
+  const std::string name =
+      options_.name_caller != nullptr ? options_.name_caller(*context) : std::string();
+  return new SyncReactor(store_, pool_, limits_, options_,
+                         {context->peer(), name, may_open, MayStay(*context)});
 }
 
 }  // namespace corbslam::services

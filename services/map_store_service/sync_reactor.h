@@ -42,10 +42,15 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   // Returns OK if the caller may open this session.
   using OpenCheck = std::function<absl::Status(const SessionRequest&)>;
 
-  // `peer` is the caller, as gRPC spells it.
+  // Who opened the stream.
+  struct Caller {
+    std::string peer;  // As gRPC spells it.
+    std::string name;  // Empty if nobody knows.
+    OpenCheck may_open;
+    StayCheck may_stay;
+  };
   SyncReactor(map_store::MapStore& store, TaskPool& pool, StreamLimits& limits,
-              const MapStoreServiceOptions& options, OpenCheck may_open, StayCheck may_stay,
-              absl::string_view peer);
+              const MapStoreServiceOptions& options, Caller caller);
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -83,8 +88,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   map_store::MapStore& store_;
   const size_t shared_bytes_;
   const std::vector<SyncObserver*>& observers_;
-  const OpenCheck may_open_;
-  const std::string peer_;
+  const Caller caller_;
+  const std::string peer_;  // Readable.
 
   const StreamLimitOptions& limits_;
   // Null if there were too many streams before this one.

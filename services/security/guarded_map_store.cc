@@ -85,6 +85,17 @@ ListFilterMaker MakeListFilter(std::shared_ptr<const AccessControl> access) {
   };
 }
 
+CallerNamer MakeCallerNamer(std::shared_ptr<const AccessControl> access) {
+  if (access == nullptr) return nullptr;
+  return [access = std::move(access)](const grpc::CallbackServerContext& context) {
+    const absl::StatusOr<Identity> identity = access->Identify(EvidenceOf(context), absl::Now());
+    if (!identity.ok()) return std::string();
+    const std::string token =
+        identity->token_id.empty() ? "" : absl::StrCat(" (token ", identity->token_id, ")");
+    return absl::StrCat(Describe(*identity), token);
+  };
+}
+
 void SetChecks(const std::shared_ptr<const AccessControl>& access,
                MapStoreServiceOptions& options) {
   options.may_open = MakeSessionCheck(access);
@@ -92,6 +103,7 @@ void SetChecks(const std::shared_ptr<const AccessControl>& access,
   options.may_look = MakeLookCheck(access);
   options.may_stay = MakeStayCheck(access);
   options.may_list = MakeListFilter(access);
+  options.name_caller = MakeCallerNamer(access);
 }
 
 RevokedStreamsEnder::RevokedStreamsEnder(MapStoreService* service,

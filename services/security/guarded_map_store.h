@@ -25,7 +25,9 @@ LookCheck MakeLookCheck(std::shared_ptr<const AccessControl> access);
 StayCheckMaker MakeStayCheck(std::shared_ptr<const AccessControl> access);
 // Makes a check likewise: a list has the missions that its caller may look into.
 ListFilterMaker MakeListFilter(std::shared_ptr<const AccessControl> access);
-// Sets all these checks.
+// Names callers by their grants, and the token that they showed.
+CallerNamer MakeCallerNamer(std::shared_ptr<const AccessControl> access);
+// Sets all these.
 void SetChecks(const std::shared_ptr<const AccessControl>& access, MapStoreServiceOptions& options);
 
 // Ends the streams of callers that are revoked, as long as it lives.

@@ -260,7 +260,7 @@ TEST_F(TraceTest, JsonLogsSayWhoseSessionItIs) {
       EXPECT_TRUE(object.contains(field)) << line;
     }
     ++objects;
-    if (object["message"] == "session opened") {
+    if (absl::StartsWith(object["message"].get<std::string>(), "session opened by ")) {
       EXPECT_EQ(object.value("mission", ""), "lab");
       opened.insert(object.value("agent", ""));
     }

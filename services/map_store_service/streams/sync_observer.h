@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <tuple>
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
@@ -16,7 +17,16 @@ namespace corbslam::services {
 struct SessionAgent {
   std::string mission;
   std::string agent;
-  friend auto operator<=>(const SessionAgent&, const SessionAgent&) = default;
+  // Who opened it, and from where, for people to read. Sessions of one agent are of one agent
+  // whoever opens them: it does not count in comparisons.
+  std::string caller = {};
+
+  friend bool operator==(const SessionAgent& a, const SessionAgent& b) {
+    return std::tie(a.mission, a.agent) == std::tie(b.mission, b.agent);
+  }
+  friend auto operator<=>(const SessionAgent& a, const SessionAgent& b) {
+    return std::tie(a.mission, a.agent) <=> std::tie(b.mission, b.agent);
+  }
 };
 
 // Hears of sessions. It is called on the service's threads, for several sessions at once but for

@@ -37,19 +37,20 @@ void SyncLog::OnOpened(const SessionAgent& agent) {
     absl::MutexLock lock(&mutex_);
     refused_.erase(agent);
   }
-  LOG(INFO) << Fields(agent) << "session opened";
+  LOG(INFO) << Fields(agent) << "session opened by " << agent.caller;
 }
 
 void SyncLog::OnRefused(const SessionAgent& agent, const absl::Status& status) {
   if (!IsWorthALine(agent)) return;
-  LOG(WARNING) << Fields(agent) << "session refused, and again when it is asked for: " << status;
+  LOG(WARNING) << Fields(agent) << "session refused to " << agent.caller
+               << ", and again when it is asked for: " << status;
 }
 
 void SyncLog::OnClosed(const SessionAgent& agent, const absl::Status& status) {
   if (status.ok()) {
-    LOG(INFO) << Fields(agent) << "session ended by the robot";
+    LOG(INFO) << Fields(agent) << "session ended by the robot (" << agent.caller << ")";
   } else {
-    LOG(INFO) << Fields(agent) << "session ended: " << status;
+    LOG(INFO) << Fields(agent) << "session ended (" << agent.caller << "): " << status;
   }
 }
 
