@@ -44,7 +44,7 @@ struct Flags {
 std::vector<absl::Status> Check(const Flags& flags) {
   std::vector<absl::Status> found = CheckObserving(flags.observe);
   found.push_back(CheckFlagAddress("--listen", flags.listen));
-  found.push_back(MakeServerSecurity(flags.security).status());
+  found.push_back(CheckServerSecurity(flags.security));
   if (!flags.keep_adjustments.empty()) {
     found.push_back(CheckFolder("--keep-adjustments", flags.keep_adjustments));
   }

@@ -106,7 +106,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
       flags.store.Validate(),
       flags.service.streams.Validate(),
       CheckFlagAddress("--listen", flags.listen),
-      MakeServerSecurity(flags.security).status(),
+      CheckServerSecurity(flags.security),
       MakeWorker(flags).status(),
       CheckVocabulary(flags.vocabulary),
   };

@@ -82,6 +82,12 @@ absl::StatusOr<MissionFeeds::Robots> MakeRobots(
 // Returns null if everybody may look.
 absl::StatusOr<std::shared_ptr<const AccessControl>> MakeAccess(const Flags& flags) {
   if (flags.token_key.empty()) {
+    const SecurityOptions& tokens = flags.tokens;
+    if (!tokens.revoked_file.empty() || !tokens.audience.empty() ||
+        tokens.max_token_lifetime < absl::InfiniteDuration()) {
+      return absl::InvalidArgumentError(
+          "--revoked-tokens, --token-audience and --max-token-lifetime need --token-key");
+    }
     if (flags.open || flags.security.insecure) return nullptr;
     return absl::InvalidArgumentError(
         "a viewer needs to know who may look: --token-key, whose tokens browsers then show, or "

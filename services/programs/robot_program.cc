@@ -251,17 +251,26 @@ std::unique_ptr<Uplink> MakeUplink(const Flags& flags, std::shared_ptr<grpc::Cha
   return MakeRemoteUplink(std::move(channel), options);
 }
 
+SecurityOptions ListenSecurityOf(const Flags& flags) {
+  if (!flags.listen_insecure) return flags.security;
+  SecurityOptions security;
+  security.insecure = true;
+  security.reflection = flags.security.reflection;
+  security.health_is_open = flags.security.health_is_open;
+  security.audit_file = flags.security.audit_file;
+  security.audit_bytes = flags.security.audit_bytes;
+  return security;
+}
+
 // Returns how other programs on the robot reach it.
 absl::StatusOr<ServerSecurity> MakeListenSecurity(const Flags& flags) {
   if (flags.listen.empty()) return ServerSecurity{};
-  SecurityOptions security = flags.security;
-  if (flags.listen_insecure) {
-    security = SecurityOptions();
-    security.insecure = true;
-    security.reflection = flags.security.reflection;
-    security.health_is_open = flags.security.health_is_open;
-  }
-  return MakeServerSecurity(security, flags.mission, flags.agent);
+  return MakeServerSecurity(ListenSecurityOf(flags), flags.mission, flags.agent);
+}
+
+absl::Status CheckListenSecurity(const Flags& flags) {
+  if (flags.listen.empty()) return absl::OkStatus();
+  return CheckServerSecurity(ListenSecurityOf(flags), flags.mission, flags.agent);
 }
 
 // Returns an error if the run mapped nothing: that is no success.
@@ -298,7 +307,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
       CheckNameSegment("--mission", flags.mission),
       CheckNameSegment("--agent", flags.agent),
       MakeStoreChannel(flags).status(),
-      MakeListenSecurity(flags).status(),
+      CheckListenSecurity(flags),
       CheckVocabulary(flags.vocabulary),
       ParseUpload(flags).status(),
       CheckFlaggedSource(flags),

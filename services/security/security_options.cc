@@ -2,6 +2,8 @@
 
 #include <glog/logging.h>
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -231,6 +233,21 @@ absl::StatusOr<ServerSecurity> MakeServerSecurity(const SecurityOptions& options
   living->watch.Start();
   RETURN_IF_ERROR(Audit(options, security));
   return security;
+}
+
+absl::Status CheckServerSecurity(const SecurityOptions& options,
+                                 const std::optional<std::string>& mission,
+                                 const std::optional<std::string>& agent) {
+  SecurityOptions unlogged = options;
+  unlogged.audit_file.clear();
+  RETURN_IF_ERROR(MakeServerSecurity(unlogged, mission, agent).status());
+  if (options.audit_file.empty() || options.audit_file == "-") return absl::OkStatus();
+  std::error_code error;
+  const std::filesystem::path folder =
+      std::filesystem::absolute(options.audit_file, error).parent_path();
+  if (std::filesystem::is_directory(folder, error)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--audit-log ", options.audit_file, ": there is no folder ", folder.string()));
 }
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials(

@@ -66,6 +66,12 @@ absl::StatusOr<ServerSecurity> MakeServerSecurity(
     const SecurityOptions& options, const std::optional<std::string>& mission = std::nullopt,
     const std::optional<std::string>& agent = std::nullopt);
 
+// Returns what MakeServerSecurity would refuse. Makes and changes no file: of the audit log's only the
+// folder is looked at.
+absl::Status CheckServerSecurity(const SecurityOptions& options,
+                                 const std::optional<std::string>& mission = std::nullopt,
+                                 const std::optional<std::string>& agent = std::nullopt);
+
 // Makes what a client needs: --insecure (logged as a warning), or the authorities of the server's
 // certificate. The client's own certificate and its token are optional: a server decides. The files
 // are read again as above, as long as the credentials or channels of them live. Errors are as

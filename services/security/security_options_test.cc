@@ -73,6 +73,35 @@ TEST_F(SecurityOptionsTest, AServerSaysWhatIsMissing) {
       HasSubstr("there is no Ed25519 public key"));
 }
 
+TEST_F(SecurityOptionsTest, CheckingMakesNoAuditLog) {
+  SecurityOptions options = certificates_->Options("store");
+  options.audit_file = certificates_->Path("audit.log");
+  EXPECT_TRUE(CheckServerSecurity(options).ok());
+  EXPECT_FALSE(std::ifstream(options.audit_file).is_open());
+  options.audit_file = certificates_->Path("none/audit.log");
+  for (const absl::Status& status :
+       {CheckServerSecurity(options), MakeServerSecurity(options).status()}) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(status.message()), HasSubstr("--audit-log"));
+  }
+}
+
+TEST_F(SecurityOptionsTest, WhatIsSaidOfTokensNeedsTheirKeys) {
+  SecurityOptions options = certificates_->Options("store");
+  options.audience = "north";
+  EXPECT_THAT(std::string(MakeServerSecurity(options).status().message()),
+              HasSubstr("need --token-key"));
+  options.token_key_file = certificates_->Path("token.pub");
+  EXPECT_TRUE(MakeServerSecurity(options).ok());
+  options.audience = "two words";
+  EXPECT_THAT(std::string(MakeServerSecurity(options).status().message()),
+              HasSubstr("--token-audience is \"two words\""));
+  options.audience = "";
+  options.revoked_file = WriteFile("revoked.txt", "fine\nnot fine\n");
+  EXPECT_THAT(std::string(MakeServerSecurity(options).status().message()),
+              HasSubstr("revoked.txt: line 2: a token's id is \"not fine\""));
+}
+
 TEST_F(SecurityOptionsTest, AClientSaysWhatIsMissing) {
   const auto complaint = [](const std::function<void(SecurityOptions&)>& change) {
     SecurityOptions options = certificates_->Options("alpha");
