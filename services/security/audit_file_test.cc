@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 using ::testing::HasSubstr;
 
-std::string ReadFile(const std::string& path) {
+std::string LinesIn(const std::string& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -36,7 +36,7 @@ class AuditFileTest : public ::testing::Test {
 TEST_F(AuditFileTest, GoesOnWhereItEnded) {
   { ASSERT_TRUE((*AuditFile::Open(path_, 1000))->Append("one").ok()); }
   ASSERT_TRUE((*AuditFile::Open(path_, 1000))->Append("two").ok());
-  EXPECT_EQ(ReadFile(path_), "one\ntwo\n");
+  EXPECT_EQ(LinesIn(path_), "one\ntwo\n");
 }
 
 TEST_F(AuditFileTest, TakesNoMoreThanTwiceItsBound) {
@@ -56,10 +56,10 @@ TEST_F(AuditFileTest, IsMadeAnewWhereOthersMovedIt) {
   ASSERT_TRUE(file->Append("one").ok());
   fs::rename(path_, path_ + ".old");
   ASSERT_TRUE(file->Append("two").ok());
-  EXPECT_EQ(ReadFile(path_), "two\n");
+  EXPECT_EQ(LinesIn(path_), "two\n");
   fs::remove(path_);
   ASSERT_TRUE(file->Append("three").ok());
-  EXPECT_EQ(ReadFile(path_), "three\n");
+  EXPECT_EQ(LinesIn(path_), "three\n");
 }
 
 TEST_F(AuditFileTest, SaysThatTheDiskIsFull) {

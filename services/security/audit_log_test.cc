@@ -19,43 +19,43 @@ namespace fs = std::filesystem;
 
 using nlohmann::json;
 
-constexpr char kDelete[] = "corbslam.v1.MapStore/DeleteMission";
-const absl::Time kNow = absl::FromUnixSeconds(1'800'000'000);
+constexpr char kDeletion[] = "corbslam.v1.MapStore/DeleteMission";
+const absl::Time kMoment = absl::FromUnixSeconds(1'800'000'000);
 
 TEST(RefusalTest, IsWhatWasNotAllowedOrTooMuch) {
   constexpr char kSync[] = "corbslam.v1.MapStore/Sync";
   using Code = absl::StatusCode;
-  EXPECT_EQ(RefusalOf(kDelete, Code::kOk), std::nullopt);
-  EXPECT_EQ(RefusalOf(kDelete, Code::kNotFound), std::nullopt);
-  EXPECT_EQ(RefusalOf(kDelete, Code::kInvalidArgument), std::nullopt);
+  EXPECT_EQ(RefusalOf(kDeletion, Code::kOk), std::nullopt);
+  EXPECT_EQ(RefusalOf(kDeletion, Code::kNotFound), std::nullopt);
+  EXPECT_EQ(RefusalOf(kDeletion, Code::kInvalidArgument), std::nullopt);
   EXPECT_EQ(RefusalOf(kSync, Code::kInvalidArgument), RefusalKind::kInvalidSession);
   EXPECT_EQ(RefusalOf(kSync, Code::kUnavailable), std::nullopt);
-  EXPECT_EQ(RefusalOf(kDelete, Code::kPermissionDenied), RefusalKind::kPermissionDenied);
-  EXPECT_EQ(RefusalOf(kDelete, Code::kUnauthenticated), RefusalKind::kUnauthenticated);
-  EXPECT_EQ(RefusalOf(kDelete, Code::kResourceExhausted), RefusalKind::kResourceExhausted);
+  EXPECT_EQ(RefusalOf(kDeletion, Code::kPermissionDenied), RefusalKind::kPermissionDenied);
+  EXPECT_EQ(RefusalOf(kDeletion, Code::kUnauthenticated), RefusalKind::kUnauthenticated);
+  EXPECT_EQ(RefusalOf(kDeletion, Code::kResourceExhausted), RefusalKind::kResourceExhausted);
 }
 
 TEST(RefusalLimiterTest, CountsWhatItLeavesOut) {
   RefusalLimiter limiter(2);
   int written = 0;
-  for (int i = 0; i < 10; ++i) written += limiter.Admit("a", kNow);
+  for (int i = 0; i < 10; ++i) written += limiter.Admit("a", kMoment);
   EXPECT_EQ(written, 2);
-  EXPECT_TRUE(limiter.Admit("b", kNow)) << "one peer's flood hides no other peer";
-  EXPECT_TRUE(limiter.TakeOver(kNow + absl::Seconds(59)).empty());
-  const auto over = limiter.TakeOver(kNow + absl::Minutes(1));
+  EXPECT_TRUE(limiter.Admit("b", kMoment)) << "one peer's flood hides no other peer";
+  EXPECT_TRUE(limiter.TakeOver(kMoment + absl::Seconds(59)).empty());
+  const auto over = limiter.TakeOver(kMoment + absl::Minutes(1));
   ASSERT_EQ(over.size(), 1u);
   EXPECT_EQ(over[0].peer, "a");
   EXPECT_EQ(over[0].count, 8u);
-  EXPECT_TRUE(limiter.Admit("a", kNow + absl::Minutes(1)));
+  EXPECT_TRUE(limiter.Admit("a", kMoment + absl::Minutes(1)));
 }
 
 TEST(RefusalLimiterTest, ManyPeersShareALimit) {
   RefusalLimiter limiter(1);
   int written = 0;
-  for (int i = 0; i < 10'000; ++i) written += limiter.Admit(absl::StrCat("peer", i), kNow);
+  for (int i = 0; i < 10'000; ++i) written += limiter.Admit(absl::StrCat("peer", i), kMoment);
   EXPECT_LE(written, 201);
   uint64_t left_out = 0;
-  for (const auto& over : limiter.TakeOver(kNow + absl::Minutes(1))) left_out += over.count;
+  for (const auto& over : limiter.TakeOver(kMoment + absl::Minutes(1))) left_out += over.count;
   EXPECT_EQ(left_out, 10'000u - static_cast<uint64_t>(written));
 }
 
@@ -90,12 +90,12 @@ class AuditLogTest : public ::testing::Test {
 };
 
 TEST_F(AuditLogTest, SaysWhoWasRefusedWhat) {
-  TurnAway(*Open(), kDelete, "grpc-c++/1.51.1");
+  TurnAway(*Open(), kDeletion, "grpc-c++/1.51.1");
   const std::vector<json> lines = Lines();
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_EQ(lines[0]["event"], "refused");
   EXPECT_EQ(lines[0]["identity"], "missions/lab/viewers/eve");
-  EXPECT_EQ(lines[0]["call"], kDelete);
+  EXPECT_EQ(lines[0]["call"], kDeletion);
   EXPECT_EQ(lines[0]["code"], "PERMISSION_DENIED");
   EXPECT_EQ(lines[0]["message"], "missions/lab/viewers/eve may not");
   EXPECT_EQ(lines[0]["user_agent"], "grpc-c++/1.51.1");
@@ -117,7 +117,7 @@ TEST_F(AuditLogTest, AFloodIsAFewLinesAndANumber) {
   const uint64_t refused = ProcessAuditCounts().refused[1];
   {
     const auto log = Open();
-    for (int i = 0; i < 1000; ++i) TurnAway(*log, kDelete, "");
+    for (int i = 0; i < 1000; ++i) TurnAway(*log, kDeletion, "");
   }
   const std::vector<json> lines = Lines();
   ASSERT_EQ(lines.size(), 6u);
@@ -129,7 +129,7 @@ TEST_F(AuditLogTest, AFloodIsAFewLinesAndANumber) {
 TEST_F(AuditLogTest, AFullDiskIsCounted) {
   options_.file = "/dev/full";
   const uint64_t failed = ProcessAuditCounts().failed;
-  TurnAway(*Open(), kDelete, "");
+  TurnAway(*Open(), kDeletion, "");
   EXPECT_EQ(ProcessAuditCounts().failed - failed, 1u);
 }
 
@@ -137,7 +137,7 @@ TEST_F(AuditLogTest, WithoutAFileRefusalsAreCountedAlone) {
   options_.file = "";
   const uint64_t refused = ProcessAuditCounts().refused[1];
   const uint64_t written = ProcessAuditCounts().written;
-  TurnAway(*Open(), kDelete, "");
+  TurnAway(*Open(), kDeletion, "");
   EXPECT_EQ(ProcessAuditCounts().refused[1] - refused, 1u);
   EXPECT_EQ(ProcessAuditCounts().written, written);
 }

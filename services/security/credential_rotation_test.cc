@@ -41,7 +41,7 @@ using ::testing::HasSubstr;
 
 constexpr absl::Duration kPatience = absl::Seconds(20);
 
-std::string ReadFile(const std::string& path) {
+std::string TextOf(const std::string& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -105,7 +105,7 @@ class CredentialRotationTest : public ::testing::Test {
   // Returns the options of a caller who shows a token beside alpha's certificate.
   SecurityOptions WithToken(const std::string& grant, const std::string& id) {
     const auto token = SignToken({{*ParseGrant(grant)}, absl::Now() + absl::Hours(1), id},
-                                 ReadFile(ours_.Path("token.key")));
+                                 TextOf(ours_.Path("token.key")));
     EXPECT_TRUE(token.ok()) << token.status();
     SecurityOptions options = ours_.Options("alpha");
     options.token_file = ours_.Path(absl::StrCat(id, ".token"));
@@ -172,20 +172,20 @@ TEST_F(CredentialRotationTest, EightRobotsStreamOnWhileEverythingIsReplaced) {
   EXPECT_FALSE(IsLetIn(other_viewer));
 
   // The server trusts both authorities.
-  const std::string other_authority = ReadFile(others_.Path("ca.pem"));
-  Replace(ours_.Path("ca.pem"), absl::StrCat(ReadFile(ours_.Path("ca.pem")), other_authority));
+  const std::string other_authority = TextOf(others_.Path("ca.pem"));
+  Replace(ours_.Path("ca.pem"), absl::StrCat(TextOf(ours_.Path("ca.pem")), other_authority));
   EXPECT_TRUE(ComesTrue([&] { return IsLetIn(other_viewer); }));
   for (const auto& session : sessions) Send(*session, 2);
 
   // It shows another certificate; its key comes a moment later.
-  Replace(ours_.Path("store.pem"), ReadFile(others_.Path("store.pem")));
-  Replace(ours_.Path("store.key"), ReadFile(others_.Path("store.key")));
+  Replace(ours_.Path("store.pem"), TextOf(others_.Path("store.pem")));
+  Replace(ours_.Path("store.key"), TextOf(others_.Path("store.key")));
   EXPECT_TRUE(ComesTrue([&] { return IsLetIn(others_.Options("viewer")); }));
   for (const auto& session : sessions) Send(*session, 3);
 
   // It trusts the other authority alone, and other keys of tokens.
   Replace(ours_.Path("ca.pem"), other_authority);
-  Replace(ours_.Path("token.pub"), ReadFile(others_.Path("token.pub")));
+  Replace(ours_.Path("token.pub"), TextOf(others_.Path("token.pub")));
   SecurityOptions our_viewer = ours_.Options("viewer");
   EXPECT_TRUE(ComesTrue([&] { return !IsLetIn(our_viewer); }));
   for (const auto& session : sessions) Send(*session, 4);
@@ -195,8 +195,8 @@ TEST_F(CredentialRotationTest, EightRobotsStreamOnWhileEverythingIsReplaced) {
 // A client that is waiting for a server, say, shows the certificate that is there when it connects.
 TEST_F(CredentialRotationTest, AClientShowsItsNewCertificate) {
   const auto channel = Connect(ours_.Options("viewer"));
-  Replace(ours_.Path("viewer.pem"), ReadFile(ours_.Path("worker.pem")));
-  Replace(ours_.Path("viewer.key"), ReadFile(ours_.Path("worker.key")));
+  Replace(ours_.Path("viewer.pem"), TextOf(ours_.Path("worker.pem")));
+  Replace(ours_.Path("viewer.key"), TextOf(ours_.Path("worker.key")));
   EXPECT_TRUE(ComesTrue([] { return StateOf(Credential::kCertificate).taken > 0; }));
   // gRPC looks once a second.
   absl::SleepFor(absl::Milliseconds(2500));
@@ -205,12 +205,12 @@ TEST_F(CredentialRotationTest, AClientShowsItsNewCertificate) {
 }
 
 TEST_F(CredentialRotationTest, WhatCannotBeUsedIsRefusedAndTheOldStays) {
-  Replace(ours_.Path("store.key"), ReadFile(ours_.Path("worker.key")));
+  Replace(ours_.Path("store.key"), TextOf(ours_.Path("worker.key")));
   Replace(ours_.Path("ca.pem.junk"), "junk");
   EXPECT_TRUE(ComesTrue([] { return StateOf(Credential::kCertificate).refused; }));
   EXPECT_FALSE(StateOf(Credential::kAuthorities).refused);
   EXPECT_TRUE(IsLetIn(ours_.Options("viewer")));
-  Replace(ours_.Path("store.pem"), ReadFile(ours_.Path("worker.pem")));
+  Replace(ours_.Path("store.pem"), TextOf(ours_.Path("worker.pem")));
   EXPECT_TRUE(ComesTrue([] { return !StateOf(Credential::kCertificate).refused; }));
 }
 

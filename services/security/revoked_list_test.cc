@@ -8,7 +8,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Identity Be(const std::string& grant, const std::string& token_id = "") {
+Identity Named(const std::string& grant, const std::string& token_id = "") {
   return {{*ParseGrant(grant)}, token_id};
 }
 
@@ -17,12 +17,12 @@ TEST(RevokedListTest, NamesTokensAndIdentities) {
       "# of 2026\n  0123456789abcdef \r\nmissions/lab/agents/alpha # "
       "sold\n\nmissions/old/agents/-\n");
   ASSERT_TRUE(list.ok()) << list.status();
-  EXPECT_FALSE(list->Check(Be("missions/lab/agents/bravo", "0123456789abcdef")).ok());
-  EXPECT_TRUE(list->Check(Be("missions/lab/agents/bravo", "0123456789abcde0")).ok());
-  EXPECT_FALSE(list->Check(Be("missions/lab/agents/alpha")).ok());
-  EXPECT_TRUE(list->Check(Be("missions/lab/viewers/alpha")).ok());
-  EXPECT_FALSE(list->Check(Be("missions/old/agents/zoe")).ok());
-  EXPECT_TRUE(list->Check(Be("missions/-/agents/-")).ok());
+  EXPECT_FALSE(list->Check(Named("missions/lab/agents/bravo", "0123456789abcdef")).ok());
+  EXPECT_TRUE(list->Check(Named("missions/lab/agents/bravo", "0123456789abcde0")).ok());
+  EXPECT_FALSE(list->Check(Named("missions/lab/agents/alpha")).ok());
+  EXPECT_TRUE(list->Check(Named("missions/lab/viewers/alpha")).ok());
+  EXPECT_FALSE(list->Check(Named("missions/old/agents/zoe")).ok());
+  EXPECT_TRUE(list->Check(Named("missions/-/agents/-")).ok());
   const Identity both = {
       {*ParseGrant("missions/lab/agents/bravo"), *ParseGrant("missions/lab/agents/alpha")}};
   EXPECT_EQ(list->Check(both).code(), absl::StatusCode::kUnauthenticated);
