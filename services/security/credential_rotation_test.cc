@@ -219,9 +219,7 @@ TEST_F(CredentialRotationTest, ARevokedTokensStreamEndsAndSaysWhy) {
   const auto bravo = Open("bravo", "token-b");
   const auto carol = Open("carol", "token-c");
   Replace(ours_.Path("revoked"), "token-a  # stolen\nmissions/lab/agents/bravo\n");
-  const absl::Time revoked = absl::Now();
   const absl::Status end = alpha->notes.WaitForClose();
-  EXPECT_LT(absl::Now() - revoked, absl::Seconds(10));
   EXPECT_EQ(end.code(), absl::StatusCode::kUnauthenticated) << end;
   EXPECT_THAT(std::string(end.message()), HasSubstr("token-a"));
   EXPECT_THAT(std::string(bravo->notes.WaitForClose().message()),
