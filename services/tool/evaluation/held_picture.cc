@@ -17,7 +17,7 @@ namespace {
 constexpr char kUnknown[] = "another robot";
 // Shares of the diagonal of the box around all keyframes.
 constexpr double kShownShare = 1.0 / 7;
-constexpr double kMetShare = 1.0 / 30;
+constexpr double kNearShare = 1.0 / 30;
 
 // Says whose keyframes are, and finds each in its robot's list.
 class Places {
@@ -66,25 +66,28 @@ double Diagonal(const MapPicture& picture) {
   return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-size_t CountOthersNear(const MapPicture& picture, const Eigen::Vector3d& centre, double within) {
-  size_t count = 0;
+// Returns how much of others' keyframes lies around a place: each counts 1 at the place itself, and
+// half at the distance `near`.
+double WeighOthers(const MapPicture& picture, const Eigen::Vector3d& centre, double near) {
+  double weight = 0;
   for (const MapPicture::Robot& robot : picture.robots) {
     if (robot.is_own) continue;
-    count += static_cast<size_t>(std::ranges::count_if(robot.keyframes, [&](const Rigid3d& pose) {
-      return (pose.translation - centre).norm() <= within;
-    }));
+    for (const Rigid3d& pose : robot.keyframes) {
+      const double ratio = (pose.translation - centre).norm() / near;
+      weight += 1 / (1 + ratio * ratio);
+    }
   }
-  return count;
+  return weight;
 }
 
-// Returns nullopt if no own keyframe has one of others' near it.
-std::optional<Eigen::Vector3d> FindMeeting(const MapPicture& picture, double within) {
+// Returns nullopt where there are no own keyframes or none of others'.
+std::optional<Eigen::Vector3d> FindMeeting(const MapPicture& picture, double near) {
   std::optional<Eigen::Vector3d> meeting;
-  size_t most = 0;
+  double most = 0;
   for (const MapPicture::Robot& robot : picture.robots) {
     if (!robot.is_own) continue;
     for (const Rigid3d& pose : robot.keyframes) {
-      const size_t others = CountOthersNear(picture, pose.translation, within);
+      const double others = WeighOthers(picture, pose.translation, near);
       if (others <= most) continue;
       most = others;
       meeting = pose.translation;
@@ -136,7 +139,8 @@ MapPicture ComposeHeldPicture(const std::string& robot, const NearMap& held, con
 
 std::optional<MapPicture> CutMeeting(const MapPicture& held) {
   const double diagonal = Diagonal(held);
-  const std::optional<Eigen::Vector3d> meeting = FindMeeting(held, kMetShare * diagonal);
+  const std::optional<Eigen::Vector3d> meeting =
+      FindMeeting(held, std::max(kNearShare * diagonal, 1e-9));
   if (!meeting.has_value()) return std::nullopt;
   const auto is_shown = [&](const Eigen::Vector3d& x) {
     return (x - *meeting).norm() <= kShownShare * diagonal;

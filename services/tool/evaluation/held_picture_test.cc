@@ -26,8 +26,8 @@ NearMap MakeHeld() {
     held.keyframes.push_back({{kAlphas, i}, At(10.0 * i), false});
     held.keyframes.push_back({{kBravos, i}, At(40 + 10.0 * i), true});
   }
-  held.own_points = {{0, 1, 0}, {41, 1, 0}};
-  held.shared_points = {{42, 1, 0}, {100, 1, 0}};
+  held.own_points = {{0, 1, 0}, {61, 1, 0}};
+  held.shared_points = {{62, 1, 0}, {100, 1, 0}};
   return held;
 }
 
@@ -85,14 +85,14 @@ TEST(CutMeetingTest, ShowsWhereTheOwnRobotDrivesAmongOthers) {
   const MapPicture held = ComposeHeldPicture("alpha", MakeHeld(), MakeServed());
   const std::optional<MapPicture> cut = CutMeeting(held);
   ASSERT_TRUE(cut.has_value());
-  // The box is 100 m long, so that 14.3 m around 40 m are shown.
+  // Others are on both sides of 60 m. The box is 100 m long, so that 14.3 m around it are shown.
   ASSERT_EQ(cut->robots.size(), 2u);
-  EXPECT_EQ(cut->robots[0].keyframes.size(), 3u);
-  EXPECT_EQ(cut->robots[0].edges.size(), 2u);
-  EXPECT_EQ(cut->robots[1].keyframes.size(), 2u);
-  EXPECT_EQ(cut->robots[1].edges, (std::vector<std::pair<size_t, size_t>>{{0, 1}}));
+  EXPECT_EQ(cut->robots[0].keyframes.size(), 2u);
+  EXPECT_EQ(cut->robots[0].edges, (std::vector<std::pair<size_t, size_t>>{{0, 1}}));
+  EXPECT_EQ(cut->robots[1].keyframes.size(), 3u);
+  EXPECT_EQ(cut->robots[1].edges.size(), 2u);
   EXPECT_THAT(cut->points,
-              ::testing::ElementsAre(Eigen::Vector3d(41, 1, 0), Eigen::Vector3d(42, 1, 0)));
+              ::testing::ElementsAre(Eigen::Vector3d(61, 1, 0), Eigen::Vector3d(62, 1, 0)));
 }
 
 TEST(CutMeetingTest, ThereIsNoneWithoutOthers) {

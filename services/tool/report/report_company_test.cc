@@ -28,7 +28,7 @@ RunReport MakeReport() {
   report.robots = {MakeRobot("alpha", 0.01, 100), MakeRobot("bravo", 0.03, 98)};
   report.robots[0].ate_global_m = 0.012;
   report.robots[0].keyframes_held = 80;
-  report.robots[0].points_matched_percent = 45.25;
+  report.robots[0].points_matched_percent = 45.125;
   report.robots[0].shared_loops_closed = 1;
   report.robots[0].shared_relocalised = 2;
   report.robots[0].relocalised = 3;
@@ -51,7 +51,7 @@ TEST(CompanyToJsonTest, HoldsBothRunsOfEachRobot) {
   EXPECT_EQ(alpha["lost"], (Json{{"with", 0}, {"without", 10}}));
   EXPECT_EQ(alpha["relocalised"], (Json{{"with", 3}, {"without", 0}}));
   EXPECT_EQ(alpha["others"], (Json{{"keyframes_held", 80},
-                                   {"points_matched_percent", 45.25},
+                                   {"points_matched_percent", 45.125},
                                    {"loops_closed", 1},
                                    {"relocalised", 2}}));
   for (const char* key :
@@ -76,7 +76,7 @@ TEST(CompanyTableTest, HasARowForEachRobotAndOneForAll) {
     EXPECT_EQ(row.size(), table.columns.size());
   }
   EXPECT_EQ(table.rows[0][1], "0.0100 / 0.0400");
-  EXPECT_EQ(table.rows[0][5], "45.2 %");
+  EXPECT_EQ(table.rows[0][5], "45.1 %");
   EXPECT_EQ(table.rows[2][2], "0.0200 / 0.0500");
 }
 
