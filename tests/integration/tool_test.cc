@@ -146,7 +146,7 @@ TEST(ToolTest, SaysWhatCompanyGave) {
   EXPECT_THAT(ReadText(folder + "/report.md"), HasSubstr("## What company gave"));
   EXPECT_THAT(ReadText(folder + "/report.html"),
               AllOf(HasSubstr("h-company"), HasSubstr("The map that bravo holds")));
-  for (const char* picture : {"/alpha.map.png", "/bravo.near.png", "/alone/alpha.map.png"}) {
+  for (const char* picture : {"/alpha.map.png", "/bravo.map.png", "/alone/alpha.map.png"}) {
     EXPECT_THAT(ReadText(folder + picture), StartsWith("\x89PNG")) << picture;
   }
 }

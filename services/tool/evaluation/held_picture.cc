@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 #include <vector>
@@ -18,6 +19,8 @@ constexpr char kUnknown[] = "another robot";
 // Shares of the diagonal of the box around all keyframes.
 constexpr double kShownShare = 1.0 / 7;
 constexpr double kNearShare = 1.0 / 30;
+// Of all points.
+constexpr double kLeastPointsShare = 0.01;
 
 // Says whose keyframes are, and finds each in its robot's list.
 class Places {
@@ -152,6 +155,9 @@ std::optional<MapPicture> CutMeeting(const MapPicture& held) {
     cut.robots.push_back(CutRobot(robot, is_shown));
   }
   std::ranges::copy_if(held.points, std::back_inserter(cut.points), is_shown);
+  if (static_cast<double>(cut.points.size()) <
+      kLeastPointsShare * static_cast<double>(held.points.size()))
+    return std::nullopt;
   return cut;
 }
 

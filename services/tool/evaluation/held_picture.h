@@ -18,8 +18,9 @@ MapPicture ComposeHeldPicture(const std::string& robot, const client_agent::Near
                               const ServedMap& map);
 
 // Returns the part around the own keyframe that has the most of others' keyframes near it, within a
-// seventh of the diagonal of the box that all keyframes lie in; nullopt where there are no own
-// keyframes or none of others'.
+// seventh of the diagonal of the box that all keyframes lie in. Nullopt where there are no own
+// keyframes or none of others', and where less than a hundredth of the points lies there, as with a
+// camera that hardly moves in a room.
 std::optional<MapPicture> CutMeeting(const MapPicture& held);
 
 }  // namespace corbslam::services

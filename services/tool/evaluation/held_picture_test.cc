@@ -95,6 +95,13 @@ TEST(CutMeetingTest, ShowsWhereTheOwnRobotDrivesAmongOthers) {
               ::testing::ElementsAre(Eigen::Vector3d(61, 1, 0), Eigen::Vector3d(62, 1, 0)));
 }
 
+TEST(CutMeetingTest, ThereIsNoneWherePointsLieFarFromAllCameras) {
+  NearMap held = MakeHeld();
+  held.own_points = {{60, 1, 30}};
+  held.shared_points = {{62, 1, 30}};
+  EXPECT_FALSE(CutMeeting(ComposeHeldPicture("alpha", held, MakeServed())).has_value());
+}
+
 TEST(CutMeetingTest, ThereIsNoneWithoutOthers) {
   NearMap held = MakeHeld();
   std::erase_if(held.keyframes, [](const auto& keyframe) { return keyframe.shared; });

@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kMostRobots = 8;
 constexpr size_t kMostPoints = 24'000;
-constexpr int kWidth_px = 760;
+constexpr int kWidth_px = 900;
 
 size_t CountKeyframes(const MapPicture& map, bool own) {
   size_t count = 0;
