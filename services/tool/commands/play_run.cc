@@ -210,7 +210,8 @@ absl::Status PlayRun(RunPlan plan) {
   ASSIGN_OR_RETURN(std::vector<ReportWarning> warnings,
                    CheckSources(plan.mission.robots, plan.mission.strict));
   // Both runs have the same seed.
-  if (plan.company && !plan.mission.seed.has_value()) plan.mission.seed = std::random_device()() | 1u;
+  if (plan.company && !plan.mission.seed.has_value())
+    plan.mission.seed = std::random_device()() | 1u;
   plan.mission.log_folder = plan.out + "/logs";
   RETURN_IF_ERROR(MakeFolder(plan.mission.log_folder));
   if (plan.mission.view) {
@@ -219,10 +220,12 @@ absl::Status PlayRun(RunPlan plan) {
   }
   ASSIGN_OR_RETURN(MissionOutcome outcome, Play(plan, start));
   outcome.report.warnings = std::move(warnings);
-  // What was mapped together is kept whatever becomes of the second run.
-  const absl::Status company = plan.company ? AddCompany(plan, outcome) : absl::OkStatus();
   RETURN_IF_ERROR(WriteResults(plan.out, plan.own, outcome));
-  RETURN_IF_ERROR(company);
+  if (plan.company) {
+    // The first results stand whatever becomes of the second run.
+    RETURN_IF_ERROR(AddCompany(plan, outcome));
+    RETURN_IF_ERROR(WriteResults(plan.out, plan.own, outcome));
+  }
   std::printf("Done in %.0f s: %s/report.md, report.html, report.json, map.png\n",
               absl::ToDoubleSeconds(absl::Now() - start), plan.out.c_str());
   PrintWarnings(outcome.report);
