@@ -54,6 +54,9 @@ TEST_F(MissionCollectorTest, SaysWhatTheStoresStatisticsSay) {
   const MissionStatistics statistics = *store_.GetStatistics("lab");
   EXPECT_EQ(Value("corbslam_mission_keyframes"), statistics.keyframes);
   EXPECT_GE(Value("corbslam_mission_map_points"), statistics.map_points);
+  EXPECT_GT(Value("corbslam_mission_memory_bytes"), 10'000);
+  EXPECT_EQ(Value("corbslam_mission_disk_bytes"), 0) << "its journal is in memory";
+  EXPECT_EQ(ValueOf(collector_.Collect(), "corbslam_missions_damaged", {}), 0);
   EXPECT_EQ(Value("corbslam_mission_islands"), 1);
   EXPECT_EQ(Value("corbslam_mission_local_maps"), 2);
   EXPECT_EQ(Value("corbslam_mission_agents"), 2);
