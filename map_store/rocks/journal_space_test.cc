@@ -81,7 +81,7 @@ BatchRecord RemoveFrom(uint32_t first) {
   for (uint32_t i = first; i < kKeyframes; ++i) {
     batch->removed_keyframes.push_back({{LocalMapId{1}, i}, {LocalMapId{1}, 0}, Rigid3d()});
   }
-  return {.agent = "a", .batch = batch};
+  return {.agent = "a", .batch = batch, .received_at = absl::UnixEpoch()};
 }
 
 TEST_F(JournalSpaceTest, RemovedKeyframesGiveTheirDiskBack) {

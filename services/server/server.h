@@ -42,7 +42,7 @@ struct ServerOptions {
   // Hears of every call. Not owned, must outlive the server; null: nobody does.
   RpcObserver* rpc_observer = nullptr;
   // Hears how calls ended; null: nobody does.
-  std::shared_ptr<CallAuditor> auditor;
+  std::shared_ptr<CallAuditor> auditor = nullptr;
 };
 
 // A running server. Thread-safe.
