@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "services/observe/metrics/security_collector.h"
 #include "services/observe/metrics/process_collector.h"
 #include "services/observe/metrics/robot_collector.h"
+#include "services/observe/metrics/security_collector.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "services/observe/metrics/security_collector.h"
 #include "services/observe/metrics/measured_fusion_worker.h"
 #include "services/observe/metrics/mission_collector.h"
 #include "services/observe/metrics/process_collector.h"
+#include "services/observe/metrics/security_collector.h"
 #include "services/observe/observed_journal.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"

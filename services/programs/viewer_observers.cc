@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "services/observe/metrics/security_collector.h"
 #include "services/observe/metrics/families.h"
 #include "services/observe/metrics/process_collector.h"
+#include "services/observe/metrics/security_collector.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 

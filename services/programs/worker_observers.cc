@@ -1,8 +1,8 @@
 #include "services/programs/worker_observers.h"
 
-#include "services/observe/metrics/security_collector.h"
 #include "services/observe/metrics/measured_fusion_worker.h"
 #include "services/observe/metrics/process_collector.h"
+#include "services/observe/metrics/security_collector.h"
 #include "services/observe/metrics/worker_collector.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"

@@ -1,10 +1,10 @@
-#include "map_store/testing/recover_whole.h"
 #include "tests/fault/replay_fixture.h"
 
 #include <glog/logging.h>
 
 #include <utility>
 
+#include "map_store/testing/recover_whole.h"
 #include "map_store/testing/store_dump.h"
 #include "services/programs/default_vocabulary.h"
 #include "tests/integration/mission_fixture.h"
