@@ -93,7 +93,7 @@ AgentOptions Bounded(uint64_t max_map_bytes) {
   return options;
 }
 
-constexpr uint64_t kFewBytes = 4 << 20;
+constexpr uint64_t kFewBytes = 2 << 20;
 
 TEST_F(HandOverAgentTest, PosesGoOnWithoutALostFrameOrAJump) {
   const std::unique_ptr<Agent> agent = Make(Bounded(kFewBytes));

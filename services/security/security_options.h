@@ -66,8 +66,8 @@ absl::StatusOr<ServerSecurity> MakeServerSecurity(
     const SecurityOptions& options, const std::optional<std::string>& mission = std::nullopt,
     const std::optional<std::string>& agent = std::nullopt);
 
-// Returns what MakeServerSecurity would refuse. Makes and changes no file: of the audit log's only the
-// folder is looked at.
+// Returns what MakeServerSecurity would refuse. Makes and changes no file: of the audit log's only
+// the folder is looked at.
 absl::Status CheckServerSecurity(const SecurityOptions& options,
                                  const std::optional<std::string>& mission = std::nullopt,
                                  const std::optional<std::string>& agent = std::nullopt);

@@ -32,10 +32,10 @@ RobotReport MakeWholeReport() {
   report.keyframes_held = 109;
   report.points_matched_percent = 11.0;
   report.shared_loops_closed = 111;
-  report.places_told = 112;
-  report.located_after_s = 0.113;
+  report.places_told = 141;
+  report.located_after_s = 0.142;
   report.loops_closed = 112;
-  report.shared_relocalised = 135;
+  report.shared_relocalised = 143;
   report.relocalised = 136;
   report.keyframes = 113;
   report.map_points = 114;
@@ -92,7 +92,7 @@ TEST(RobotReportTest, NamesOfFieldsStay) {
   EXPECT_EQ(json["shared"]["points_matched_percent"], 11.0);
   EXPECT_EQ(json["shared"]["loops_closed"], 111);
   EXPECT_EQ(json["loops_closed"], 112);
-  EXPECT_EQ(json["shared"]["relocalised"], 135);
+  EXPECT_EQ(json["shared"]["relocalised"], 143);
   EXPECT_EQ(json["relocalised"], 136);
   EXPECT_EQ(json["tracking_ms"]["median"], 20.5);
   EXPECT_EQ(json["tracking_ms"]["mean"], 21.5);
