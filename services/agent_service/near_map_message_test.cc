@@ -59,7 +59,7 @@ TEST(NearMapMessageTest, RefusesWhatIsNoMapAndNamesIt) {
       {"centre has 4 numbers", [](auto& proto) { proto.add_centre(1); }},
       {"own_points has 7 numbers", [](auto& proto) { proto.add_own_points(1); }},
       {"shared_points[0] is not finite", [](auto& proto) { proto.set_shared_points(2, kNaN); }},
-      {"keyframes[1].local_map is \"0000000000000000\"",
+      {"keyframes[1]: local_map is \"0000000000000000\"",
        [](auto& proto) { proto.mutable_keyframes(1)->set_local_map("0000000000000000"); }},
       {"keyframes[0]", [](auto& proto) { proto.mutable_keyframes(0)->clear_local_from_camera(); }}};
   for (const auto& [complaint, spoil] : cases) {
