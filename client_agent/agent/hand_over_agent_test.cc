@@ -205,7 +205,7 @@ TEST_F(HandOverAgentTest, ALocalMapThatIsBegunAnewInheritsNoPlace) {
 TEST_F(HandOverAgentTest, NothingLeavesMemoryBeforeItIsSafe) {
   uplink_.acknowledge = false;
   AgentOptions options = Bounded(kFewBytes);
-  options.max_outbox_bytes = 1 << 20;
+  options.max_outbox_bytes = 1 << 16;
   const std::unique_ptr<Agent> agent = Make(options);
   for (int i = 0; i < kFrames; ++i) {
     ASSERT_EQ(Track(*agent, i).state, TrackingState::kTracking) << i;
