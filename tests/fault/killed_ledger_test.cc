@@ -119,7 +119,7 @@ TEST_F(KilledLedgerTest, HoldsWhatTheUndisturbedStoreHolds) {
     const absl::Status done = agent->WaitUntilDone(absl::Seconds(180));
     EXPECT_TRUE(done.ok()) << done;
     EXPECT_EQ(agent->ledger().keyframes, keyframes);
-    EXPECT_GT(agent->ledger().sessions, kills / 2);
+    EXPECT_GE(agent->ledger().sessions, kills / 2);
   }
   EXPECT_GT(killed_while_streaming, kills * 3 / 4) << "the robots were too fast for the test";
   agents.clear();
