@@ -237,7 +237,8 @@ TEST(SimulatedSequenceTest, RefusesRowsAndDepthsThatARigDoesNotHave) {
   EXPECT_THAT(std::string(SimulatedSequence::Make(spec).status().message()),
               testing::HasSubstr("rolling_shutter_ms=101"));
   spec.rolling_shutter_ms = 20;
-  spec.pair = SimulatedPair{.file = "fish.yaml"};
+  spec.picture_scale = 1;
+  spec.pair.emplace().file = "fish.yaml";
   EXPECT_THAT(std::string(SimulatedSequence::Make(spec).status().message()),
               testing::HasSubstr("fish.yaml"));
 }
