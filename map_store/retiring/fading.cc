@@ -2,43 +2,59 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 namespace corbslam::map_store {
 namespace {
 
-// How much each keyframe sees of what other local maps' keyframes saw, 0 to 1; those that say
-// nothing are not in it.
-using Agreements = absl::flat_hash_map<KeyframeId, double>;
+// How much a keyframe sees of what one other local map observes, 0 to 1; those of which it sees too
+// little to say anything are not in it.
+using Agreements = absl::flat_hash_map<std::pair<KeyframeId, LocalMapId>, double>;
 
 struct Count {
   size_t seen = 0;
   size_t missed = 0;
 };
 
-bool IsSeenElsewhere(const LandmarkSights& sights, LocalMapId than) {
-  return std::ranges::any_of(sights.seen, [than](const LandmarkSights::Seen& seen) {
-    return seen.observed && seen.keyframe.local_map != than;
-  });
+std::set<LocalMapId> ObserversOf(const LandmarkSights& sights) {
+  std::set<LocalMapId> observers;
+  for (const LandmarkSights::Seen& seen : sights.seen) {
+    if (seen.observed) observers.insert(seen.keyframe.local_map);
+  }
+  return observers;
 }
 
 Agreements FindAgreements(const SightsOfLandmarks& all, const FadingOptions& options) {
-  absl::flat_hash_map<KeyframeId, Count> counts;
+  absl::flat_hash_map<std::pair<KeyframeId, LocalMapId>, Count> counts;
   for (const auto& [id, sights] : all) {
-    for (const LandmarkSights::Seen& seen : sights.seen) {
-      if (IsSeenElsewhere(sights, seen.keyframe.local_map)) ++counts[seen.keyframe].seen;
-    }
-    for (const KeyframeId& keyframe : sights.missed_by) {
-      if (IsSeenElsewhere(sights, keyframe.local_map)) ++counts[keyframe].missed;
+    for (const LocalMapId& observer : ObserversOf(sights)) {
+      for (const LandmarkSights::Seen& seen : sights.seen) {
+        if (seen.keyframe.local_map != observer) ++counts[{seen.keyframe, observer}].seen;
+      }
+      for (const KeyframeId& keyframe : sights.missed_by) {
+        if (keyframe.local_map != observer) ++counts[{keyframe, observer}].missed;
+      }
     }
   }
   Agreements agreements;
-  for (const auto& [id, count] : counts) {
+  for (const auto& [pair, count] : counts) {
     const double agreement =
         static_cast<double>(count.seen) / static_cast<double>(count.seen + count.missed);
     if (count.seen < options.min_agreeing || agreement < options.min_agreement) continue;
-    agreements[id] = agreement;
+    agreements[pair] = agreement;
   }
   return agreements;
+}
+
+// Returns how much the keyframe sees of what those see who observed the landmark; 0: too little.
+double AgreementOf(KeyframeId keyframe, const std::set<LocalMapId>& observers,
+                   const Agreements& agreements) {
+  double most = 0;
+  for (const LocalMapId& observer : observers) {
+    const auto it = agreements.find({keyframe, observer});
+    if (it != agreements.end()) most = std::max(most, it->second);
+  }
+  return most;
 }
 
 bool IsOfClosed(MapPointId landmark, const RetiringView& view) {
@@ -64,13 +80,15 @@ bool HasVanished(const LandmarkSights& sights, const RetiringView& view,
       std::ranges::count_if(sights.missed_by, [&](KeyframeId id) { return order_of(id) <= last; }));
   const auto seen = static_cast<double>(sights.seen.size());
   const double rate = seen / (seen + missed_then);
+  const std::set<LocalMapId> observers = ObserversOf(sights);
   double chance = 1;
   size_t missed = 0;
   std::set<LocalMapId> local_maps;
   for (const KeyframeId& id : sights.missed_by) {
-    const auto agreement = agreements.find(id);
-    if (order_of(id) <= last || agreement == agreements.end()) continue;
-    chance *= 1 - rate * agreement->second;
+    if (order_of(id) <= last) continue;
+    const double agreement = AgreementOf(id, observers, agreements);
+    if (agreement == 0) continue;
+    chance *= 1 - rate * agreement;
     ++missed;
     local_maps.insert(id.local_map);
   }

@@ -16,11 +16,11 @@ struct FadingOptions {
   size_t min_missed = 5;
   size_t min_local_maps = 2;
   // The probability that all of them would miss it if it were there. A keyframe sees what is there
-  // as often as the landmark was seen while it was, times how much the keyframe sees of what others
-  // saw.
+  // as often as the landmark was seen while it was, times how much the keyframe sees of what the
+  // landmark's own local map saw.
   double max_chance = 0.01;
-  // A keyframe that sees less of what other local maps' keyframes saw says nothing: it may stand
-  // elsewhere, or everything may look different.
+  // A keyframe that sees less of that than this says nothing: it may stand elsewhere, or everything
+  // may look different (night).
   double min_agreement = 0.25;
   size_t min_agreeing = 10;
 };

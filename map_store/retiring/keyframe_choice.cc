@@ -51,24 +51,34 @@ class Choice {
     return order;
   }
 
+  struct Worth {
+    int landmarks = 0;
+    int seen = 0;      // By enough others.
+    int homeless = 0;  // Without it.
+  };
+
   bool MayGo(KeyframeId id) const {
-    return SeenShare(*view_.map.FindKeyframe(id)) >= options_.seen_share && !links_.IsNeeded(id) &&
-           FindStandIn(id).IsValid();
+    const Worth worth = WorthOf(*view_.map.FindKeyframe(id));
+    return worth.landmarks > 0 && worth.seen >= options_.seen_share * worth.landmarks &&
+           worth.homeless <= options_.max_homeless_share * worth.landmarks &&
+           !links_.IsNeeded(id) && FindStandIn(id).IsValid();
   }
 
-  // Returns the share of the landmarks that it observes of which enough others see; below 0 where
-  // it observes none.
+  // Returns the share of the landmarks that it observes of which enough others see.
   double SeenShare(const Keyframe& keyframe) const {
-    int landmarks = 0;
-    int seen = 0;
+    const Worth worth = WorthOf(keyframe);
+    return worth.landmarks == 0 ? 0 : static_cast<double>(worth.seen) / worth.landmarks;
+  }
+
+  Worth WorthOf(const Keyframe& keyframe) const {
+    Worth worth;
     for (uint32_t i = 0; i < keyframe.points.size(); ++i) {
       const LandmarkSights* sights = Find(keyframe.points[i]);
       if (sights == nullptr) continue;
-      ++landmarks;
-      const int octave = keyframe.keypoints()[i].octave;
-      seen += IsSeenEnough(keyframe.points[i], *sights, keyframe.id(), octave);
+      ++worth.landmarks;
+      Judge(keyframe.points[i], *sights, keyframe.id(), keyframe.keypoints()[i].octave, worth);
     }
-    return landmarks == 0 ? -1 : static_cast<double>(seen) / landmarks;
+    return worth;
   }
 
   const LandmarkSights* Find(MapPointId landmark) const {
@@ -77,20 +87,24 @@ class Choice {
     return it == sights_.end() ? nullptr : &it->second;
   }
 
-  bool IsSeenEnough(MapPointId landmark, const LandmarkSights& sights, KeyframeId by,
-                    int octave) const {
+  void Judge(MapPointId landmark, const LandmarkSights& sights, KeyframeId by, int octave,
+             Worth& worth) const {
     int others = 0;
     bool observed = false;
     bool at_home = false;
     for (const LandmarkSights::Seen& seen : sights.seen) {
       if (seen.keyframe == by || gone_.contains(seen.keyframe)) continue;
       others += seen.octave <= octave + kOctaveSlack;
-      if (!seen.observed) continue;
-      observed = true;
-      at_home = at_home || IsAtHome(landmark, seen.keyframe.local_map);
+      observed = observed || seen.observed;
+      at_home = at_home || (seen.observed && IsAtHome(landmark, seen.keyframe.local_map));
     }
-    // A point that only keyframes of other local maps saw would go, and they would lose it.
-    return others >= options_.min_others && (at_home || !observed);
+    for (const auto& [keyframe, keypoint] : view_.map.FindPoint(landmark)->observations) {
+      if (view_.closed.contains(keyframe.local_map)) continue;
+      observed = true;
+      at_home = at_home || IsAtHome(landmark, keyframe.local_map);
+    }
+    worth.seen += others >= options_.min_others;
+    worth.homeless += observed && !at_home;
   }
 
   bool IsAtHome(MapPointId landmark, LocalMapId local_map) const {

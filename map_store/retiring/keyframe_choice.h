@@ -13,11 +13,13 @@ namespace corbslam::map_store {
 
 struct ChoiceOptions {
   // A keyframe may go when this share of the landmarks that it observes, 0 to 1, is seen by
-  // `min_others` other keyframes at the same or a finer scale (one level of slack), one of which is
-  // of a local map that has a point of the landmark (ORB-SLAM, T-RO 2015, VI.E, over all sessions
-  // at once).
+  // `min_others` other keyframes at the same or a finer scale (one level of slack; ORB-SLAM, T-RO
+  // 2015, VI.E, over all sessions at once).
   double seen_share = 0.9;
   int min_others = 3;
+  // Of at most this share it may be the last that observes a point of its own local map which
+  // others observe and have no point of: these landmarks go with it.
+  double max_homeless_share = 0.02;
   // What stands in for a keyframe shares at least so many landmarks with it: the covisibility that
   // makes keyframes neighbours.
   int min_shared = 15;
