@@ -251,7 +251,7 @@ TEST_F(MissionArchiveTest, DamageIsFoundWhereverItIs) {
   EXPECT_TRUE(absl::IsFailedPrecondition(Read("a picture of a cat").status()));
   std::string newer = file;
   newer[8] = 9;
-  EXPECT_THAT(std::string(Read(newer).status().message()), HasSubstr("has format 9"));
+  EXPECT_THAT(std::string(Read(newer).status().message()), HasSubstr("has format 10"));
   EXPECT_TRUE(absl::IsResourceExhausted(Read(file, 1000, file.size() - 1).status()));
 }
 

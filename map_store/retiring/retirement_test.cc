@@ -10,6 +10,7 @@
 #include "map_store/records/record_application.h"
 #include "map_store/retiring/retiring_pass.h"
 #include "map_store/testing/small_mission.h"
+#include "map_store/view/placement.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -76,11 +77,12 @@ TEST_F(RetirementTest, PointsStayWhereTheyAreAndFollowAnother) {
   const MapPointId point{kSmallMapA, 1};
   const Eigen::Vector3d before = place(point)->PositionInIsland();
   Retirement retirement;
-  retirement.keyframes = {{{kSmallMapA, 1}, kFirst, {}, {kElsewhere, {}}}};
+  retirement.keyframes = {{kFirst, kSecond, {}, {kElsewhere, {}}}};
   ApplyRetirement(retirement, state_);
   ASSERT_TRUE(place(point).has_value());
   EXPECT_LT((place(point)->PositionInIsland() - before).norm(), 1e-12);
-  EXPECT_EQ(state_.FindPoint(point)->reference, kFirst);
+  EXPECT_EQ(state_.FindPoint(point)->reference, kSecond);
+  EXPECT_EQ(state_.global.points.at(point).anchor, kSecond);
 }
 
 TEST_F(RetirementTest, PointsThatNobodyOfTheirOwnSeesGoToTheirHeirs) {

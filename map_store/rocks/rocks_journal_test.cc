@@ -549,7 +549,7 @@ TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   ASSERT_TRUE(raw->Close().ok());
   const auto newer = RocksJournal::Open(options);
   EXPECT_EQ(newer.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 12"));
+  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 13"));
 
   const auto nowhere = RocksJournal::Open({.directory = "/proc/version/journal"});
   EXPECT_EQ(nowhere.status().code(), absl::StatusCode::kFailedPrecondition);
