@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <optional>
+#include <utility>
 
 #include "map_store/mission/pausing_read.h"
 #include "map_store/records/record_application.h"
@@ -50,30 +51,27 @@ absl::StatusOr<MissionRetiring::Look> MissionRetiring::TakeNext() {
 }
 
 bool MissionRetiring::Commit(const Look& look, const Retirement& retirement) {
-  if (retirement.empty()) {
-    NoteDone(look.stretch);
-    return true;
+  for (Retirement& part : CutIntoParts(retirement)) {
+    if (!CommitPart(look.view, {std::move(part)})) return false;
   }
-  const RetireRecord record{retirement};
+  StateWriteLock lock(strand_);
+  passes_.NoteDone(look.stretch);
+  return true;
+}
+
+bool MissionRetiring::CommitPart(const RetiringView& view, const RetireRecord& record) {
   absl::MutexLock turn(&strand_.turn());
   const MissionState& state = strand_.state_in_turn();
-  if (strand_.IsDeleted() || !IsStillTrue(look.view, retirement.faded, state)) return false;
+  if (strand_.IsDeleted() || !IsStillTrue(view, record.retirement.faded, state)) return false;
   // A journal with such a record would not be read again.
-  if (const absl::Status sound = CheckRetirement(retirement, state); !sound.ok()) {
+  if (const absl::Status sound = CheckRetirement(record.retirement, state); !sound.ok()) {
     LOG(ERROR) << "mission " << strand_.name() << " keeps what might retire: " << sound;
-    NoteDone(look.stretch);
     return true;
   }
   if (!strand_.Append(record).ok()) return false;
   StateWriteLock lock(strand_);
   map_store::Apply(record, strand_.mutable_state());
-  passes_.NoteDone(look.stretch);
   return true;
-}
-
-void MissionRetiring::NoteDone(const RetiringStretch& stretch) {
-  StateWriteLock lock(strand_);
-  passes_.NoteDone(stretch);
 }
 
 }  // namespace corbslam::map_store

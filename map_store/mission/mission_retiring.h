@@ -9,6 +9,7 @@
 #include "absl/synchronization/mutex.h"
 #include "map_store/mission/fusion_coordinator.h"
 #include "map_store/mission/mission_strand.h"
+#include "map_store/records/journal_records.h"
 #include "map_store/retiring/retiring_pass.h"
 
 namespace corbslam::map_store {
@@ -40,7 +41,8 @@ class MissionRetiring {
   absl::StatusOr<Look> TakeNext() ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
   // Returns false where it is to be tried later.
   bool Commit(const Look& look, const Retirement& retirement) ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
-  void NoteDone(const RetiringStretch& stretch);
+  bool CommitPart(const RetiringView& view, const RetireRecord& record)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
 
   MissionStrand& strand_;
   const FusionCoordinator& fusion_;

@@ -47,6 +47,7 @@ class Choice {
     }
     std::sort(ranked.begin(), ranked.end());
     std::vector<KeyframeId> order;
+    order.reserve(ranked.size());
     for (const auto& [holds, session, share, id] : ranked) order.push_back(id);
     return order;
   }

@@ -150,6 +150,7 @@ absl::Status CheckRetirement(const Retirement& retirement, const MissionState& s
 void ApplyRetirement(const Retirement& retirement, MissionState& state) {
   const std::set<LocalMapId> local_maps = LocalMapsOf(retirement);
   std::vector<std::unique_ptr<ChangeRecorder>> recorders;
+  recorders.reserve(local_maps.size());
   for (const LocalMapId& id : local_maps) {
     recorders.push_back(std::make_unique<ChangeRecorder>(*state.FindLocalMap(id)));
   }

@@ -145,6 +145,27 @@ TEST_F(RetirementTest, ARecordThatNoStoreWroteIsRefused) {
   EXPECT_THAT(Refusal(retirement), HasSubstr("not closed"));
 }
 
+TEST_F(RetirementTest, PartsAreTheWhole) {
+  Retirement retirement;
+  for (uint32_t i = 0; i < 9; ++i) {
+    retirement.keyframes.push_back({{kSmallMapA, i + 1}, kFirst, {}, {kElsewhere, {}}});
+  }
+  for (uint32_t i = 0; i < 1001; ++i) retirement.faded.push_back({kSmallMapA, i});
+  std::vector<KeyframeId> keyframes;
+  std::vector<MapPointId> faded;
+  const std::vector<Retirement> parts = CutIntoParts(retirement);
+  for (const Retirement& part : parts) {
+    EXPECT_FALSE(part.empty());
+    EXPECT_LE(part.keyframes.size(), 4u);
+    for (const RetiredKeyframe& one : part.keyframes) keyframes.push_back(one.id);
+    faded.insert(faded.end(), part.faded.begin(), part.faded.end());
+  }
+  EXPECT_EQ(parts.size(), 6u);
+  EXPECT_EQ(keyframes.size(), 9u);
+  EXPECT_EQ(faded, retirement.faded);
+  EXPECT_TRUE(CutIntoParts({}).empty());
+}
+
 TEST_F(RetirementTest, WhatIsClosedAndJoinedIsLookedAtOnce) {
   RetiringPasses passes;
   ASSERT_TRUE(passes.IsDue(state_));

@@ -13,6 +13,9 @@ namespace {
 
 // Around so many keyframes of a drive there are a few hundred of all sessions.
 constexpr size_t kKeyframesOfStretch = 24;
+// Taking a keyframe out of the graph takes a millisecond or two.
+constexpr size_t kKeyframesOfPart = 4;
+constexpr size_t kPointsOfPart = 500;
 
 size_t CountClosed(const MissionState& state, const Island& island) {
   return static_cast<size_t>(std::ranges::count_if(
@@ -65,6 +68,19 @@ bool RetiringPasses::IsDue(const MissionState& state) const {
 
 void RetiringPasses::NoteDone(const RetiringStretch& stretch) {
   progress_[stretch.local_map] = {stretch.island, stretch.end};
+}
+
+std::vector<Retirement> CutIntoParts(const Retirement& retirement) {
+  std::vector<Retirement> parts;
+  for (size_t i = 0; i < retirement.faded.size(); ++i) {
+    if (i % kPointsOfPart == 0) parts.emplace_back();
+    parts.back().faded.push_back(retirement.faded[i]);
+  }
+  for (size_t i = 0; i < retirement.keyframes.size(); ++i) {
+    if (i % kKeyframesOfPart == 0) parts.emplace_back();
+    parts.back().keyframes.push_back(retirement.keyframes[i]);
+  }
+  return parts;
 }
 
 Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& options) {

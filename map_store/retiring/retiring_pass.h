@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <vector>
 
 #include "map_store/options.h"
 #include "map_store/retiring/retirement.h"
@@ -47,6 +48,10 @@ class RetiringPasses {
 
 // Decides what retires of a view. Pure.
 Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& options);
+
+// Cuts a retirement into parts that each take some milliseconds to apply. What stays in one of them
+// stays in all, so that any first ones may be applied without the others.
+std::vector<Retirement> CutIntoParts(const Retirement& retirement);
 
 }  // namespace corbslam::map_store
 

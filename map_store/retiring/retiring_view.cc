@@ -10,8 +10,8 @@
 namespace corbslam::map_store {
 namespace {
 
-// A keyframe's sights are some hundred look-ups: a millisecond or two.
-constexpr size_t kKeyframesInAPiece = 4;
+// Who sees what one keyframe sees takes a millisecond or two.
+constexpr size_t kKeyframesInAPiece = 1;
 
 std::vector<MapPointId> MembersOf(const MissionState& state, MapPointId landmark) {
   std::vector<MapPointId> members = {landmark};

@@ -48,7 +48,7 @@ struct RetiringReach {
   // Landmarks that a keyframe shares with one that the caller named to be a candidate itself.
   int min_shared = 15;
   // Candidates at most; those that share most come first.
-  size_t max_candidates = 300;
+  size_t max_candidates = 200;
 };
 
 // Takes the view around `named` keyframes, which are of one island's closed local maps; unknown
