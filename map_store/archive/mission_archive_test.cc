@@ -171,8 +171,9 @@ std::string AsFormat4(const MissionState& of) {
   std::string state = map_store::EncodeState(in_islands);
   const uint32_t format = 4;
   std::memcpy(state.data(), &format, sizeof(format));
-  // The anchors take their number, and twelve bytes each.
-  state.resize(state.size() - 8 - 12 * of.global.points.size());
+  // The anchors take their number, and twelve bytes each; that nothing has retired, eight bytes, and
+  // sixteen for each local map.
+  state.resize(state.size() - 8 - 12 * of.global.points.size() - 8 - 16 * of.order.size());
   return state;
 }
 
@@ -250,8 +251,8 @@ TEST_F(MissionArchiveTest, DamageIsFoundWhereverItIs) {
   EXPECT_TRUE(absl::IsDataLoss(Read(file + "x").status()));
   EXPECT_TRUE(absl::IsFailedPrecondition(Read("a picture of a cat").status()));
   std::string newer = file;
-  newer[8] = 9;
-  EXPECT_THAT(std::string(Read(newer).status().message()), HasSubstr("has format 9"));
+  newer[8] = 10;
+  EXPECT_THAT(std::string(Read(newer).status().message()), HasSubstr("has format 10"));
   EXPECT_TRUE(absl::IsResourceExhausted(Read(file, 1000, file.size() - 1).status()));
 }
 

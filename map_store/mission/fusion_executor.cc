@@ -47,7 +47,11 @@ void FusionExecutor::RunLane(FusionLane lane) {
     bool did_something = false;
     // In each round a mission's turn comes after one request of each other mission.
     for (const std::shared_ptr<Mission>& mission : missions_()) {
-      const Turn turn = RunOne(*mission, lane);
+      Turn turn = RunOne(*mission, lane);
+      if (turn == Turn::kNothingToDo && lane == FusionLane::kGraph &&
+          mission->retiring().RunOne()) {
+        turn = Turn::kDone;
+      }
       did_something = did_something || turn == Turn::kDone;
       try_later = try_later || turn == Turn::kTryLater;
     }
@@ -63,7 +67,7 @@ void FusionExecutor::RunLane(FusionLane lane) {
 void FusionExecutor::RunUntilIdle(Mission& mission) {
   if (worker_ == nullptr) return;
   while (RunOne(mission, FusionLane::kGraph) == Turn::kDone ||
-         RunOne(mission, FusionLane::kAdjustment) == Turn::kDone) {
+         RunOne(mission, FusionLane::kAdjustment) == Turn::kDone || mission.retiring().RunOne()) {
   }
 }
 

@@ -16,6 +16,8 @@ MissionLoad MeasureLoad(const MissionState& state) {
   for (const auto& [id, local_map] : state.local_maps) {
     load.keyframes += local_map.map.keyframes().size();
     load.map_points += local_map.map.points().size();
+    load.retired_keyframes += local_map.retired_keyframes;
+    load.faded_points += local_map.faded_points;
   }
   load.memory_bytes = EstimateMemory(state);
   load.overlaps_queried = state.statistics.overlaps_queried;
@@ -33,11 +35,12 @@ Mission::Mission(std::string name, MissionEnvironment environment)
       sessions_(strand_, events_),
       batches_(strand_, sessions_.listeners(), events_),
       fusion_(strand_, events_, [this] { sessions_.listeners().CallAllBut(0); }),
+      retiring_(strand_, fusion_, [this] { sessions_.listeners().CallAllBut(0); }),
       snapshots_(strand_) {}
 
 MissionInfo Mission::Info() const {
   MissionInfo info = WithState(DescribeMission);
-  info.fusion_idle = fusion_.IsIdle();
+  info.fusion_idle = fusion_.IsIdle() && !retiring_.IsDue();
   return info;
 }
 

@@ -10,6 +10,7 @@
 #include "map_store/mission/event_book.h"
 #include "map_store/mission/fusion_coordinator.h"
 #include "map_store/mission/mission_load.h"
+#include "map_store/mission/mission_retiring.h"
 #include "map_store/mission/mission_sessions.h"
 #include "map_store/mission/mission_snapshots.h"
 #include "map_store/mission/mission_strand.h"
@@ -29,6 +30,7 @@ class Mission {
   BatchIntake& batches() { return batches_; }
   FusionCoordinator& fusion() { return fusion_; }
   const FusionCoordinator& fusion() const { return fusion_; }
+  MissionRetiring& retiring() { return retiring_; }
   MissionSnapshots& snapshots() { return snapshots_; }
   Listeners& listeners() { return sessions_.listeners(); }
   EventBook& events() { return events_; }
@@ -61,6 +63,7 @@ class Mission {
   MissionSessions sessions_;
   BatchIntake batches_;
   FusionCoordinator fusion_;
+  MissionRetiring retiring_;
   MissionSnapshots snapshots_;
 };
 

@@ -12,6 +12,7 @@
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/ingest/parked_references.h"
 #include "map_store/records/retraction.h"
+#include "map_store/retiring/retirement.h"
 #include "map_store/view/placement.h"
 #include "slam/util/status_macros.h"
 
@@ -146,6 +147,10 @@ void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionS
   Retract(record, options, state);
 }
 
+void Apply(const RetireRecord& record, MissionState& state) {
+  ApplyRetirement(record.retirement, state);
+}
+
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
                        Island& island) {
   // An adjustment that runs already does not know of the relaxed local maps.
@@ -256,6 +261,12 @@ absl::Status CheckReplay(const JournalRecord& record, const MissionState& state)
   if (const auto* retract = std::get_if<RetractRecord>(&record)) {
     const absl::Status retractable = CheckRetractable(state, retract->overlap);
     return retractable.ok() ? retractable : absl::DataLossError(retractable.message());
+  }
+  if (const auto* retire = std::get_if<RetireRecord>(&record)) {
+    return CheckRetirement(retire->retirement, state);
+  }
+  if (std::holds_alternative<UnusedRecord>(record)) {
+    return absl::DataLossError("a record of a kind that no store writes");
   }
   return CheckRefusal(std::get<FuseRefusedRecord>(record), state);
 }

@@ -101,7 +101,9 @@ absl::Status RocksJournal::OpenGuard() {
   }
   if (!folder_.exists()) return MakeFolders(format.ok() ? *format : 0);
   // Once there is a folder of missions, the guard has nothing that could be lost.
-  return format.ok() && *format > kLastSharedFormat ? absl::OkStatus() : MakeGuard();
+  if (format.ok() && *format == kJournalFormat) return absl::OkStatus();
+  // Older programs would not know what is written from now on.
+  return format.ok() && *format > kLastSharedFormat ? WriteGuard() : MakeGuard();
 }
 
 absl::Status RocksJournal::MakeFolders(uint32_t format) {

@@ -105,6 +105,9 @@ struct LocalMapInfo {
   size_t tracked_frames = 0;
   size_t lost_frames = 0;
   size_t parked_references = 0;
+  // What the store itself let go of (LocalMapState).
+  uint64_t retired_keyframes = 0;
+  uint64_t faded_points = 0;
 };
 
 struct KeyframeInfo {

@@ -98,6 +98,8 @@ void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* 
   proto->set_tracked_frames(info.tracked_frames);
   proto->set_lost_frames(info.lost_frames);
   proto->set_parked_references(info.parked_references);
+  proto->set_retired_keyframes(info.retired_keyframes);
+  proto->set_faded_map_points(info.faded_points);
 }
 
 void ToProto(absl::string_view mission, const KeyframeInfo& info, v1::Keyframe* proto) {

@@ -112,6 +112,19 @@ std::string FormatLocalMaps(const MissionSummary& summary) {
   return text;
 }
 
+// Says what the store itself let go of; nothing if that is nothing.
+std::string FormatRetired(const MissionSummary& summary) {
+  uint64_t keyframes = 0;
+  uint64_t points = 0;
+  for (const v1::LocalMap& local_map : summary.local_maps) {
+    keyframes += local_map.retired_keyframes();
+    points += local_map.faded_map_points();
+  }
+  if (keyframes + points == 0) return "";
+  return absl::StrCat("of closed local maps the store let go of ", Count(keyframes, "keyframe"),
+                      " that others stand in for and ", Count(points, "point"), " that vanished\n");
+}
+
 // Says what was never compared, which tells nothing of the places.
 std::string DescribeUncompared(const PairOverlaps& pair) {
   std::vector<std::string> parts;
@@ -216,7 +229,7 @@ std::string FormatMissions(const std::vector<v1::Mission>& missions) {
 
 std::string FormatSummary(const MissionSummary& summary) {
   return absl::StrCat(FormatMission(summary.mission), FormatRobots(summary),
-                      FormatLocalMaps(summary), FormatOverlaps(summary));
+                      FormatLocalMaps(summary), FormatRetired(summary), FormatOverlaps(summary));
 }
 
 }  // namespace corbslam::services
