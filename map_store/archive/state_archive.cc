@@ -78,10 +78,12 @@ void Fields(Archive& archive, T& agent) {
 namespace {
 
 // Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
-// their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h).
+// their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); format
+// 6 has no profile, which follows everything else.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
-constexpr uint32_t kStateFormat = 6;
+constexpr uint32_t kFirstWithProfile = 7;
+constexpr uint32_t kStateFormat = 7;
 
 absl::Status Unreadable(absl::string_view what) {
   return absl::DataLossError(absl::StrCat(what, " can't be read: its bytes are damaged"));
@@ -441,7 +443,7 @@ std::string EncodeState(const MissionState& state) {
   for (const LocalMapId& id : state.order) writer(state.FindLocalMap(id)->recorded_cameras);
   std::vector<KeyframeId> anchors;
   for (const auto& [id, placed] : state.global.points) anchors.push_back(placed.anchor);
-  writer(anchors);
+  writer(anchors, state.profile);
   return writer.Take();
 }
 
@@ -490,6 +492,7 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
     reader(anchors);
     RETURN_IF_ERROR(SetAnchors(anchors, state.global.points));
   }
+  if (format >= kFirstWithProfile) reader(state.profile);
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);

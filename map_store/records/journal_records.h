@@ -80,10 +80,16 @@ struct RetractRecord {
   bool keep_apart = false;
 };
 
+// Somebody made the mission, or changed what is set of it; or it was used. The whole profile as it
+// is from here on.
+struct ProfileRecord {
+  MissionProfile profile;
+};
+
 // Events that are no records (queries without candidates, workers' failures) are decided again
 // after a restart.
 using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
-                                   AdjustRecord, RederiveRecord, RetractRecord>;
+                                   AdjustRecord, RederiveRecord, RetractRecord, ProfileRecord>;
 
 }  // namespace corbslam::map_store
 

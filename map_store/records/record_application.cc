@@ -25,6 +25,15 @@ bool IsSound(const Overlap& overlap, const QueryTask& task) {
          overlap.candidate_from_query.translation.allFinite() && IsCovariance(overlap.covariance);
 }
 
+// A mission that nobody made ahead begins with its first batch.
+void NoteUse(absl::Time time, MissionState& state) {
+  MissionProfile& profile = state.profile;
+  profile.last_used_ns = ToProfileTime(time);
+  if (profile.created_ns == 0 && state.local_maps.empty()) {
+    profile.created_ns = profile.last_used_ns;
+  }
+}
+
 // Adds an item and drops the oldest beyond a limit: statistics travel whole, in a message of 4 MiB.
 template <typename T>
 void AddNewest(const T& item, std::vector<T>& items) {
@@ -48,6 +57,7 @@ BatchWords ComputeWords(const MapUpdateBatch& batch, const Vocabulary* vocabular
 void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOptions& options,
            MissionState& state) {
   LocalMapState* local_map = state.FindLocalMap(record.batch->local_map);
+  NoteUse(record.received_at, state);
   if (local_map == nullptr) {
     local_map = &AddLocalMap(state, record.batch->local_map, record.agent);
   }
@@ -145,6 +155,8 @@ void Apply(const RederiveRecord&, MissionState& state) { ForgetGlobalLayer(state
 void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionState& state) {
   Retract(record, options, state);
 }
+
+void Apply(const ProfileRecord& record, MissionState& state) { state.profile = record.profile; }
 
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
                        Island& island) {
@@ -256,6 +268,10 @@ absl::Status CheckReplay(const JournalRecord& record, const MissionState& state)
   if (const auto* retract = std::get_if<RetractRecord>(&record)) {
     const absl::Status retractable = CheckRetractable(state, retract->overlap);
     return retractable.ok() ? retractable : absl::DataLossError(retractable.message());
+  }
+  if (const auto* profile = std::get_if<ProfileRecord>(&record)) {
+    const absl::Status valid = ValidateProfile(profile->profile);
+    return valid.ok() ? valid : absl::DataLossError(valid.message());
   }
   return CheckRefusal(std::get<FuseRefusedRecord>(record), state);
 }
