@@ -194,6 +194,12 @@ std::vector<RecordDamage> MakeRecordDamages() {
          plan.rejected_raw[{{kSmallMapA, 0}, 99}] = {};
        })},
       {"AnOverlapNobodyFound", kFuse, InFuse([](auto& plan) { plan.overlaps = {5}; })},
+      {"AnOriginThatIsNoPlace", kRefused,
+       [](JournalRecord& record) {
+         ProfileRecord profile;
+         profile.profile.origin = GeoOrigin{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0};
+         record = profile;
+       }},
       {"ALocalMapThatNobodyBent", kRefused,
        [](JournalRecord& record) { std::get<FuseRefusedRecord>(record).relaxed = {kNobody}; }}};
 }
@@ -218,6 +224,8 @@ LocalMapState& MapA(MissionState& state) { return state.local_maps.at(kSmallMapA
 
 std::vector<StateDamage> MakeStateDamages() {
   return {{"ALocalMapInTwoPlaces", [](auto& state) { std::swap(state.order[0], state.order[1]); }},
+          {"AProfileOfTooManyBytes",
+           [](auto& state) { state.profile.description.assign(2000, 'x'); }},
           {"ALocalMapOfNobody", [](auto& state) { state.agents.at("a").local_maps.clear(); }},
           {"ANameThatIsNone", [](auto& state) { state.agents["?"]; }},
           {"ALocalMapWithoutIsland", [](auto& state) { state.global.island_of.erase(kSmallMapB); }},

@@ -91,13 +91,33 @@ size_t CountLimitedLocalMaps(const MissionState& state) {
   }));
 }
 
-absl::Status CheckRoomForLocalMap(const MissionState& state, const MapStoreOptions& options) {
+namespace {
+
+// Checks with so many local maps more.
+absl::Status CheckLocalMapsAnd(size_t more, const MissionState& state,
+                               const MapStoreOptions& options) {
+  const size_t all = state.local_maps.size();
+  if (all + more > kMaxLocalMapsInAll) {
+    return absl::ResourceExhaustedError(absl::StrCat("mission ", state.name, " has ", all,
+                                                     " local maps; no mission has more than ",
+                                                     kMaxLocalMapsInAll, ": begin another one"));
+  }
   const size_t counted = CountLimitedLocalMaps(state);
-  if (counted < options.max_local_maps_per_mission) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      absl::StrCat("mission ", state.name, " has ", counted, " local maps that are open or not ",
-                   "joined with another one, of ", state.local_maps.size(), "; the limit is ",
-                   options.max_local_maps_per_mission, " (--max-local-maps)"));
+  if (counted + more <= options.max_local_maps_per_mission) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat(
+      "mission ", state.name, " has ", counted, " local maps that are open, or were not joined ",
+      "with another one, of ", all, "; the limit is ", options.max_local_maps_per_mission,
+      " (--max-local-maps)"));
+}
+
+}  // namespace
+
+absl::Status CheckRoomForLocalMap(const MissionState& state, const MapStoreOptions& options) {
+  return CheckLocalMapsAnd(1, state, options);
+}
+
+absl::Status CheckLocalMaps(const MissionState& state, const MapStoreOptions& options) {
+  return CheckLocalMapsAnd(0, state, options);
 }
 
 }  // namespace corbslam::map_store

@@ -17,9 +17,7 @@ absl::Status ValidateAmount(absl::string_view what, uint64_t amount, uint64_t li
 
 absl::Status ValidateAmounts(const MissionState& state, const MapStoreOptions& options) {
   RETURN_IF_ERROR(ValidateAmount("agents", state.agents.size(), options.max_agents_per_mission));
-  RETURN_IF_ERROR(
-      ValidateAmount("local maps that are open or not joined with another one",
-                     CountLimitedLocalMaps(state), options.max_local_maps_per_mission));
+  RETURN_IF_ERROR(CheckLocalMaps(state, options));
   uint64_t bytes = 0;
   for (const auto& [id, local_map] : state.local_maps) {
     bytes += local_map.stored_bytes;
