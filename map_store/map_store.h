@@ -54,8 +54,7 @@ class MapStore {
   using Clock = std::function<absl::Time()>;
 
   // Is told that a mission was deleted because its retention has passed, and why.
-  using ExpiryListener =
-      std::function<void(const std::string& mission, const std::string& why)>;
+  using ExpiryListener = std::function<void(const std::string& mission, const std::string& why)>;
 
   struct OpenedSession {
     uint64_t session_id = 0;

@@ -18,9 +18,9 @@ namespace corbslam::map_store {
 namespace {
 
 using testing::ByteJournal;
-using testing::JournalBytes;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::JournalBytes;
 
 constexpr LocalMapId kMapA{0xa};
 constexpr LocalMapId kMapB{0xb};

@@ -58,10 +58,10 @@ absl::Status CheckKeyframeLimits(const MissionState& state, const std::string& a
     of_mission += keyframes;
     if (local_map.agent == agent) of_agent += keyframes;
   }
-  RETURN_IF_ERROR(Check({absl::StrCat("agent ", agent, " of mission ", state.name),
-                         absl::StrCat("agent_limits[", agent, "].keyframes"), "keyframes", of_agent,
-                         more, own_limit},
-                        batch));
+  RETURN_IF_ERROR(Check(
+      {absl::StrCat("agent ", agent, " of mission ", state.name),
+       absl::StrCat("agent_limits[", agent, "].keyframes"), "keyframes", of_agent, more, own_limit},
+      batch));
   return Check({absl::StrCat("mission ", state.name), "limits.keyframes", "keyframes", of_mission,
                 more, profile.limits.keyframes},
                batch);
@@ -104,10 +104,10 @@ absl::Status CheckLocalMapsAnd(size_t more, const MissionState& state,
   }
   const size_t counted = CountLimitedLocalMaps(state);
   if (counted + more <= options.max_local_maps_per_mission) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrCat(
-      "mission ", state.name, " has ", counted, " local maps that are open, or were not joined ",
-      "with another one, of ", all, "; the limit is ", options.max_local_maps_per_mission,
-      " (--max-local-maps)"));
+  return absl::ResourceExhaustedError(
+      absl::StrCat("mission ", state.name, " has ", counted,
+                   " local maps that are open, or were not joined ", "with another one, of ", all,
+                   "; the limit is ", options.max_local_maps_per_mission, " (--max-local-maps)"));
 }
 
 }  // namespace

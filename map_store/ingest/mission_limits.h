@@ -28,8 +28,8 @@ absl::Status CheckMemoryLimit(const MissionState& state, const MapUpdateBatch& b
 absl::Status CheckDiskLimit(const std::string& mission, uint64_t disk_bytes, uint64_t limit_bytes,
                             const MapUpdateBatch& batch);
 
-// No mission has more local maps, whatever their state: messages about an island name its local maps
-// in a table that has no more places (services/convert/limits.h).
+// No mission has more local maps, whatever their state: messages about an island name its local
+// maps in a table that has no more places (services/convert/limits.h).
 inline constexpr size_t kMaxLocalMapsInAll = 10'000;
 
 // Returns how many local maps count against the options' limit. Those that their owners closed and

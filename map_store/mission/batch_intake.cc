@@ -112,8 +112,8 @@ absl::Status BatchIntake::CheckMemory(const MapUpdateBatch& batch) const {
 }
 
 absl::Status BatchIntake::CheckDisk(const MapUpdateBatch& batch) const {
-  const uint64_t limit = strand_.WithState(
-      [](const MissionState& state) { return state.profile.limits.disk_bytes; });
+  const uint64_t limit =
+      strand_.WithState([](const MissionState& state) { return state.profile.limits.disk_bytes; });
   // Finding out what is there reads the mission's folder.
   if (limit == 0) return absl::OkStatus();
   const uint64_t there = strand_.environment().journal->DiskBytes(strand_.name());

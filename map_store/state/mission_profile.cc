@@ -41,8 +41,8 @@ absl::Status CheckLabels(const std::map<std::string, std::string>& labels) {
           absl::StrCat("labels has the key \"", Shown(key),
                        "\", must be 1 to 63 letters, digits, dots, dashes and underscores"));
     }
-    RETURN_IF_ERROR(CheckAtMost(absl::StrCat("labels[", key, "]"), value.size(),
-                                kMaxLabelValueBytes, "bytes"));
+    RETURN_IF_ERROR(
+        CheckAtMost(absl::StrCat("labels[", key, "]"), value.size(), kMaxLabelValueBytes, "bytes"));
   }
   return absl::OkStatus();
 }
@@ -66,9 +66,9 @@ absl::Status CheckAgentLimits(const std::map<std::string, MissionLimits>& agents
     }
     const std::string field = absl::StrCat("agent_limits[", name, "]");
     if (limits.memory_bytes != 0 || limits.disk_bytes != 0) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          field, ".memory_bytes is ", limits.memory_bytes, " and .disk_bytes ", limits.disk_bytes,
-          ", must be 0: only whole missions have these limits"));
+      return absl::InvalidArgumentError(
+          absl::StrCat(field, ".memory_bytes is ", limits.memory_bytes, " and .disk_bytes ",
+                       limits.disk_bytes, ", must be 0: only whole missions have these limits"));
     }
     RETURN_IF_ERROR(CheckLimits(field, limits));
   }

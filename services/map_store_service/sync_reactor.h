@@ -69,8 +69,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
 
   void WriteReply();
   void HandleRequest();
-  // Reads the next message; where the limit of the agent's uplink is spent, a timer wakes the stream
-  // when it is not any more, or to look again.
+  // Reads the next message; where the limit of the agent's uplink is spent, a timer wakes the
+  // stream when it is not any more, or to look again.
   void Read();
   void OnUplinkPaid();
   absl::Status ReadRequest(v1::SyncRequest& request);

@@ -24,8 +24,8 @@ grpc::ServerUnaryReactor* MapStoreService::UpdateMission(grpc::CallbackServerCon
     ASSIGN_OR_RETURN(const std::vector<ProfileField> fields,
                      FieldsFromProto(request->update_mask()));
     RETURN_IF_ERROR(store_.UpdateMission(mission, ProfileFromProto(request->mission()), fields));
-    LOG(INFO) << LogFields{.mission = mission} << "mission changed: "
-              << absl::StrJoin(request->update_mask().paths(), ", ");
+    LOG(INFO) << LogFields{.mission = mission}
+              << "mission changed: " << absl::StrJoin(request->update_mask().paths(), ", ");
     ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(mission));
     ToProto(info, response);
     return absl::OkStatus();

@@ -25,8 +25,7 @@ absl::Status Create(const MissionArguments& arguments) {
   v1::Mission wanted;
   wanted.set_name(MissionName(arguments.mission));
   if (!IsEmpty(arguments.settings)) {
-    ASSIGN_OR_RETURN(const v1::UpdateMissionRequest filled,
-                     MakeUpdate(arguments.settings, wanted));
+    ASSIGN_OR_RETURN(const v1::UpdateMissionRequest filled, MakeUpdate(arguments.settings, wanted));
     wanted = filled.mission();
   }
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
@@ -72,8 +71,8 @@ void AddSettingActions(CLI::App& mission, const std::shared_ptr<MissionArguments
                        Command& chosen) {
   CLI::App* create = AddMissionAction(mission, "create", "Make a mission before any robot comes",
                                       &Create, arguments, chosen);
-  CLI::App* set = AddMissionAction(mission, "set", "Change what is set of a mission, at once",
-                                   &Set, arguments, chosen);
+  CLI::App* set = AddMissionAction(mission, "set", "Change what is set of a mission, at once", &Set,
+                                   arguments, chosen);
   for (CLI::App* action : {create, set}) {
     action->add_option("NAME,--mission", arguments->mission, "Its name")->required();
     AddSettingFlags(*action, arguments->settings);

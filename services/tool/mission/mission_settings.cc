@@ -112,9 +112,8 @@ std::string DescribeLimits(const v1::MissionLimits& limits) {
   if (limits.memory_bytes() > 0) parts.push_back(mib(limits.memory_bytes()) + " of memory");
   if (limits.disk_bytes() > 0) parts.push_back(mib(limits.disk_bytes()) + " of disk");
   if (limits.uplink_bytes_per_second() > 0) {
-    parts.push_back(absl::StrFormat(
-        "%.6g kbit/s from each robot",
-        8e-3 * static_cast<double>(limits.uplink_bytes_per_second())));
+    parts.push_back(absl::StrFormat("%.6g kbit/s a robot",
+                                    8e-3 * static_cast<double>(limits.uplink_bytes_per_second())));
   }
   return absl::StrJoin(parts, ", ");
 }
@@ -138,8 +137,8 @@ bool IsEmpty(const MissionSettings& settings) {
 absl::StatusOr<uint64_t> ParseRetention(absl::string_view text) {
   if (text == "never" || text == "0") return 0;
   constexpr char kWanted[] = "such as 30d, 12h, 90m or 45s, or never";
-  static const auto& units = *new std::map<char, uint64_t>{
-      {'d', kDay_s}, {'h', 3600}, {'m', 60}, {'s', 1}};
+  static const auto& units =
+      *new std::map<char, uint64_t>{{'d', kDay_s}, {'h', 3600}, {'m', 60}, {'s', 1}};
   const auto unit = units.find(text.empty() ? '\0' : text.back());
   uint64_t number = 0;
   if (unit == units.end() || !absl::SimpleAtoi(text.substr(0, text.size() - 1), &number) ||
@@ -192,8 +191,7 @@ absl::StatusOr<v1::UpdateMissionRequest> MakeUpdate(const MissionSettings& setti
   if (settings.origin) {
     request.mutable_mission()->clear_origin();
     if (*settings.origin != "none") {
-      ASSIGN_OR_RETURN(*request.mutable_mission()->mutable_origin(),
-                       ParseOrigin(*settings.origin));
+      ASSIGN_OR_RETURN(*request.mutable_mission()->mutable_origin(), ParseOrigin(*settings.origin));
     }
     mask.add_paths("origin");
   }
@@ -216,8 +214,8 @@ std::string FormatSettings(const v1::Mission& mission) {
     line(absl::StrCat("Limits of ", agent), DescribeLimits(limits));
   }
   if (mission.retention_s() > 0) {
-    line("Retention", absl::StrCat("deleted once unused for ",
-                                   DescribeSeconds(mission.retention_s())));
+    line("Retention",
+         absl::StrCat("deleted once unused for ", DescribeSeconds(mission.retention_s())));
   }
   if (mission.has_origin()) {
     const v1::GeoOrigin& origin = mission.origin();

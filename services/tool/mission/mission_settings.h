@@ -17,18 +17,18 @@ namespace corbslam::services {
 
 // What was given; nullopt and empty lists: nothing was.
 struct MissionSettings {
-  std::optional<std::string> description;
-  std::vector<std::string> labels;         // KEY=VALUE
-  std::vector<std::string> remove_labels;  // KEY
+  std::optional<std::string> description = std::nullopt;
+  std::vector<std::string> labels = {};         // KEY=VALUE
+  std::vector<std::string> remove_labels = {};  // KEY
   // Whose the limits are; empty: the mission's.
-  std::string agent;
+  std::string agent = {};
   // 0: no limit.
-  std::optional<uint64_t> max_keyframes;
-  std::optional<uint64_t> max_memory_mb;  // MiB, as the next one.
-  std::optional<uint64_t> max_disk_mb;
-  std::optional<uint64_t> uplink_kbps;  // Kilobits a second.
-  std::optional<std::string> retention;
-  std::optional<std::string> origin;
+  std::optional<uint64_t> max_keyframes = std::nullopt;
+  std::optional<uint64_t> max_memory_mb = std::nullopt;  // MiB, as the next one.
+  std::optional<uint64_t> max_disk_mb = std::nullopt;
+  std::optional<uint64_t> uplink_kbps = std::nullopt;  // Kilobits a second.
+  std::optional<std::string> retention = std::nullopt;
+  std::optional<std::string> origin = std::nullopt;
 };
 
 // Returns whether nothing was given.

@@ -74,8 +74,8 @@ Json ToJson(const v1::MissionLimits& limits) {
 void AddSettings(const v1::Mission& mission, Json& json) {
   json["description"] = mission.description();
   json["labels"] = Json::object();
-  for (const auto& [key, value] : std::map<std::string, std::string>(mission.labels().begin(),
-                                                                     mission.labels().end())) {
+  for (const auto& [key, value] :
+       std::map<std::string, std::string>(mission.labels().begin(), mission.labels().end())) {
     json["labels"][key] = value;
   }
   json["limits"] = ToJson(mission.limits());
@@ -100,20 +100,20 @@ void AddSettings(const v1::Mission& mission, Json& json) {
 
 nlohmann::ordered_json ToJson(const v1::Mission& mission) {
   Json json = {{"name", mission.name()},
-          {"revision", mission.revision()},
-          {"agents", mission.agents()},
-          {"local_maps", mission.local_maps()},
-          {"islands", mission.islands()},
-          {"keyframes", mission.keyframes()},
-          {"map_points", mission.map_points()},
-          {"fusion_idle", mission.fusion_idle()},
-          {"waiting_queries", mission.waiting_queries()},
-          {"lacks_fusion_worker", mission.lacks_fusion_worker()},
-          {"worker_away_since_ns", mission.worker_away_since_ns()},
-          {"worker_error", mission.worker_error()},
-          {"memory_bytes", mission.memory_bytes()},
-          {"disk_bytes", mission.disk_bytes()},
-          {"damage", mission.damage()}};
+               {"revision", mission.revision()},
+               {"agents", mission.agents()},
+               {"local_maps", mission.local_maps()},
+               {"islands", mission.islands()},
+               {"keyframes", mission.keyframes()},
+               {"map_points", mission.map_points()},
+               {"fusion_idle", mission.fusion_idle()},
+               {"waiting_queries", mission.waiting_queries()},
+               {"lacks_fusion_worker", mission.lacks_fusion_worker()},
+               {"worker_away_since_ns", mission.worker_away_since_ns()},
+               {"worker_error", mission.worker_error()},
+               {"memory_bytes", mission.memory_bytes()},
+               {"disk_bytes", mission.disk_bytes()},
+               {"damage", mission.damage()}};
   AddSettings(mission, json);
   return json;
 }
