@@ -11,6 +11,7 @@
 #include "map_store/mission/memory_budget.h"
 #include "map_store/mission/memory_returner.h"
 #include "map_store/mission/mission.h"
+#include "map_store/mission/mission_tender.h"
 #include "map_store/mission/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
 #include "map_store/view/damage_words.h"
@@ -29,7 +30,8 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       memory_returner_(std::make_unique<MemoryReturner>(&GiveBackFreeMemory)),
       executor_(
           std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)),
-      snapshots_(std::make_unique<SnapshotKeeper>(clock_)) {
+      snapshots_(std::make_unique<SnapshotKeeper>(clock_)),
+      tender_(std::make_unique<MissionTender>([this] { TendMissions(); })) {
   if (options_.deterministic) return;
   const auto list_missions = [this] {
     std::vector<std::shared_ptr<Mission>> missions;
@@ -40,9 +42,11 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
   executor_->Start(list_missions, options_.fusion_threads);
   snapshots_->Start(list_missions, [this] { memory_returner_->Wake(); });
   memory_returner_->Start();
+  tender_->Start();
 }
 
 MapStore::~MapStore() {
+  tender_->Stop();
   snapshots_->Stop();
   executor_->Stop();
 }
@@ -53,6 +57,12 @@ void MapStore::Wake() {
 }
 
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view name) const {
+  absl::StatusOr<std::shared_ptr<Mission>> mission = FindUnused(name);
+  if (mission.ok()) (*mission)->profile().NoteUse();
+  return mission;
+}
+
+absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindUnused(absl::string_view name) const {
   absl::MutexLock lock(&mutex_);
   const auto it = missions_.find(std::string(name));
   if (it != missions_.end()) return it->second;
@@ -86,12 +96,17 @@ absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const s
   RETURN_IF_ERROR(CheckReadable(name));
   auto mission = missions_.find(name);
   if (mission == missions_.end()) {
-    if (restoring_.contains(name)) {
-      return absl::UnavailableError(absl::StrCat("mission ", name, " is being restored"));
+    if (making_.contains(name)) {
+      return absl::UnavailableError(absl::StrCat("mission ", name, " is being made"));
     }
     RETURN_IF_ERROR(CheckRoomForMission());
     mission = missions_.emplace(name, MakeMission(name)).first;
   }
+  if (expiring_.contains(name)) {
+    return absl::UnavailableError(
+        absl::StrCat("mission ", name, " is being deleted, as its retention has passed"));
+  }
+  mission->second->profile().NoteUse();
   const uint64_t session_id = next_session_++;
   sessions_[session_id] = {agent, mission->second};
   return session_id;
@@ -102,6 +117,7 @@ void MapStore::LeaveMission(uint64_t session_id) {
   const auto it = sessions_.find(session_id);
   if (it == sessions_.end()) return;
   const std::shared_ptr<Mission> mission = std::move(it->second.mission);
+  mission->profile().NoteUse();
   sessions_.erase(it);
   const bool is_in_use =
       std::any_of(sessions_.begin(), sessions_.end(),
@@ -111,7 +127,7 @@ void MapStore::LeaveMission(uint64_t session_id) {
 }
 
 absl::Status MapStore::CheckRoomForMission() const {
-  const size_t count = missions_.size() + unreadable_.size() + restoring_.size();
+  const size_t count = missions_.size() + unreadable_.size() + making_.size();
   if (count < options_.max_missions) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrCat(count, " missions; that is the limit"));
 }
@@ -157,6 +173,7 @@ absl::StatusOr<MapStore::OpenedSession> MapStore::OpenSession(const SessionReque
 absl::StatusOr<Acknowledgement> MapStore::Apply(uint64_t session_id, const MapUpdateBatch& batch,
                                                 const BatchTransfer* measured) {
   ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
+  session.mission->profile().NoteUse();
   return session.mission->batches().Apply(session_id, session.agent, batch, measured);
 }
 
@@ -231,20 +248,24 @@ absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
     ASSIGN_OR_RETURN(const bool is_deleted, DeleteUnreadable(mission_name));
     if (is_deleted) return absl::OkStatus();
   }
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindUnused(mission_name));
   // A caller that waited for another one's deletion must not delete the mission that has got the
   // name since.
   absl::MutexLock deleting(&deletion_mutex_);
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> still, FindMission(mission_name));
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> still, FindUnused(mission_name));
   if (still != mission) {
     return absl::NotFoundError(absl::StrCat("mission ", mission_name, " is deleted"));
   }
+  return Forget(std::string(mission_name), mission);
+}
+
+absl::Status MapStore::Forget(const std::string& name, const std::shared_ptr<Mission>& mission) {
   // From here on nothing is appended to the journal, so that what is deleted stays deleted.
   mission->Delete();
-  RETURN_IF_ERROR(journal_->DeleteMission(mission_name));
+  RETURN_IF_ERROR(journal_->DeleteMission(name));
   {
     absl::MutexLock lock(&mutex_);
-    missions_.erase(std::string(mission_name));
+    missions_.erase(name);
   }
   // Watchers are called, and find that the mission has gone.
   mission->CallListeners();
@@ -267,24 +288,19 @@ MissionRestorer MapStore::StartRestoring() const {
 absl::Status MapStore::RestoreMission(const std::string& name, MissionState state) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
   RETURN_IF_ERROR(map_store::ValidateRestored(state, options_));
-  {
-    absl::MutexLock lock(&mutex_);
-    if (missions_.contains(name) || restoring_.contains(name)) {
-      return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
-    }
-    RETURN_IF_ERROR(CheckReadable(name));
-    RETURN_IF_ERROR(CheckRoomForMission());
-    restoring_.insert(name);
-  }
+  RETURN_IF_ERROR(ReserveName(name));
   state.name = name;
+  // Its retention begins anew.
+  state.profile.last_used_ns = ToProfileTime(clock_());
   absl::Status status = journal_->CreateMission(name, state);
   std::shared_ptr<Mission> mission = MakeMission(name);
-  if (status.ok()) mission->Restore(std::move(state));
-  {
-    absl::MutexLock lock(&mutex_);
-    restoring_.erase(name);
-    if (status.ok()) missions_[name] = std::move(mission);
+  if (status.ok()) {
+    mission->Restore(std::move(state));
+    mission->profile().NoteUse();
+  } else {
+    mission.reset();
   }
+  TakeMade(name, std::move(mission));
   Wake();
   return status;
 }

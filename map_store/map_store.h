@@ -25,6 +25,7 @@
 #include "map_store/records/journal.h"
 #include "map_store/state/lookups.h"
 #include "map_store/state/mission_event.h"
+#include "map_store/state/mission_profile.h"
 #include "map_store/view/map_replay.h"
 #include "map_store/view/map_watcher.h"
 #include "slam/exchange/fusion_worker.h"
@@ -41,6 +42,7 @@ class FusionExecutor;
 class MemoryBudget;
 class MemoryReturner;
 class Mission;
+class MissionTender;
 class SnapshotKeeper;
 
 // The store of all missions. It is thread-safe. Listeners are called without any lock of the store
@@ -50,6 +52,9 @@ class MapStore {
  public:
   // Says what time it is.
   using Clock = std::function<absl::Time()>;
+
+  // Is told that a mission was deleted because its retention has passed, and why.
+  using ExpiryListener = std::function<void(const std::string& mission, const std::string& why)>;
 
   struct OpenedSession {
     uint64_t session_id = 0;
@@ -99,6 +104,9 @@ class MapStore {
   absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const MapUpdateBatch& batch,
                                         const BatchTransfer* measured = nullptr);
   void CloseSession(uint64_t session_id);
+  // Counts bytes of batches that came in the session. Returns how long the agent's stream is not to
+  // be read, so that it sends no more a second than its limit (UplinkLimit), but for a burst.
+  absl::Duration PaceUplink(uint64_t session_id, uint64_t bytes);
 
   // Returns the next step of what the agent lacks, or none when it has all; about `byte_budget`
   // bytes at most, but at least one item. Returns ABORTED when the session is fenced.
@@ -154,6 +162,18 @@ class MapStore {
 
   absl::StatusOr<Page<MissionInfo>> ListMissions(const PageRequest& page) const;
   absl::StatusOr<MissionInfo> GetMission(absl::string_view mission) const;
+  // Makes a mission that has no robots yet. It is durable when the function returns OK.
+  // ALREADY_EXISTS; INVALID_ARGUMENT for a name or a profile that is none; RESOURCE_EXHAUSTED.
+  absl::Status CreateMission(const std::string& mission, const MissionProfile& profile);
+  // Changes these fields of the mission's profile to those of `values`. The change is durable when
+  // the function returns, and counts for sessions that are open.
+  absl::Status UpdateMission(absl::string_view mission, const MissionProfile& values,
+                             const std::vector<ProfileField>& fields);
+  // Deletes the missions that nobody has used for as long as their retention, and writes down when
+  // the others were used. The store's own thread does this once a minute, unless
+  // `options.deterministic`.
+  void TendMissions();
+  void SetExpiryListener(ExpiryListener listener);
   // Deletes the mission and fences the sessions in it. What it took of the disk is free when the
   // function returns, what it took of memory a moment later.
   absl::Status DeleteMission(absl::string_view mission);
@@ -228,7 +248,23 @@ class MapStore {
     std::shared_ptr<Mission> mission;
   };
 
+  // Finds the mission, for somebody who uses it.
   absl::StatusOr<std::shared_ptr<Mission>> FindMission(absl::string_view name) const;
+  // Finds it for who asks only whether it is there, or what the list of missions says of it.
+  absl::StatusOr<std::shared_ptr<Mission>> FindUnused(absl::string_view name) const;
+  // Keeps a new mission's name free of others until TakeMade, which puts the mission in its place;
+  // null: there is none.
+  absl::Status ReserveName(const std::string& name) ABSL_LOCKS_EXCLUDED(mutex_);
+  void TakeMade(const std::string& name, std::shared_ptr<Mission> mission)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  // Returns whether a robot is connected, or somebody watches.
+  bool IsOccupied(const Mission& mission) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  // Deletes the mission, if its retention has passed still.
+  void Expire(const std::string& name, const std::shared_ptr<Mission>& mission)
+      ABSL_LOCKS_EXCLUDED(deletion_mutex_, mutex_);
+  // Deletes it for good.
+  absl::Status Forget(const std::string& name, const std::shared_ptr<Mission>& mission)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_) ABSL_LOCKS_EXCLUDED(mutex_);
   // Registers a session in the mission, which is made if there is none. Returns the session's id.
   absl::StatusOr<uint64_t> EnterMission(const std::string& name, const std::string& agent);
   // Forgets the session, and the mission if nothing was ever written of it and nobody is in it.
@@ -256,6 +292,7 @@ class MapStore {
   const std::unique_ptr<MemoryReturner> memory_returner_;
   std::unique_ptr<FusionExecutor> executor_;
   std::unique_ptr<SnapshotKeeper> snapshots_;
+  const std::unique_ptr<MissionTender> tender_;
 
   // A deletion holds this lock from its beginning to its end.
   absl::Mutex deletion_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
@@ -263,8 +300,11 @@ class MapStore {
   std::map<std::string, std::shared_ptr<Mission>, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
   // Missions that could not be read, and why.
   std::map<std::string, absl::Status, std::less<>> unreadable_ ABSL_GUARDED_BY(mutex_);
-  // Names of missions that are being restored.
-  std::set<std::string, std::less<>> restoring_ ABSL_GUARDED_BY(mutex_);
+  // Names of missions that are being made or restored, and of those that are deleted because nobody
+  // uses them.
+  std::set<std::string, std::less<>> making_ ABSL_GUARDED_BY(mutex_);
+  std::set<std::string, std::less<>> expiring_ ABSL_GUARDED_BY(mutex_);
+  ExpiryListener expiry_listener_ ABSL_GUARDED_BY(mutex_);
   std::map<uint64_t, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   uint64_t next_session_ ABSL_GUARDED_BY(mutex_) = 1;
 };

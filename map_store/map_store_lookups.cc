@@ -31,7 +31,7 @@ absl::StatusOr<MissionInfo> MapStore::GetMission(absl::string_view mission_name)
   if (const auto unreadable = DescribeUnreadable(mission_name); unreadable.has_value()) {
     return *unreadable;
   }
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindUnused(mission_name));
   return Describe(*mission);
 }
 
@@ -120,7 +120,7 @@ absl::StatusOr<uint64_t> MapStore::AddMapListener(absl::string_view mission_name
 }
 
 void MapStore::RemoveMapListener(absl::string_view mission_name, uint64_t token) {
-  const auto mission = FindMission(mission_name);
+  const auto mission = FindUnused(mission_name);
   if (mission.ok()) (*mission)->listeners().RemoveOfMap(token);
 }
 
@@ -145,7 +145,7 @@ absl::StatusOr<uint64_t> MapStore::AddEventListener(absl::string_view mission_na
 }
 
 void MapStore::RemoveEventListener(absl::string_view mission_name, uint64_t token) {
-  const auto mission = FindMission(mission_name);
+  const auto mission = FindUnused(mission_name);
   if (mission.ok()) (*mission)->events().listeners().RemoveOfMap(token);
 }
 

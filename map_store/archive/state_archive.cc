@@ -79,10 +79,10 @@ namespace {
 
 // Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
 // their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); up to
-// format 6 the store lets go of nothing.
+// format 6 missions have no profile, and the store lets go of nothing.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
-constexpr uint32_t kFirstWithRetired = 7;
+constexpr uint32_t kFirstWithProfile = 7;
 constexpr uint32_t kStateFormat = 7;
 
 absl::Status Unreadable(absl::string_view what) {
@@ -453,7 +453,7 @@ std::string EncodeState(const MissionState& state) {
   for (const LocalMapId& id : state.order) writer(state.FindLocalMap(id)->recorded_cameras);
   std::vector<KeyframeId> anchors;
   for (const auto& [id, placed] : state.global.points) anchors.push_back(placed.anchor);
-  writer(anchors);
+  writer(anchors, state.profile);
   RetiredFields(writer, state);
   return writer.Take();
 }
@@ -503,7 +503,10 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
     reader(anchors);
     RETURN_IF_ERROR(SetAnchors(anchors, state.global.points));
   }
-  if (format >= kFirstWithRetired) RetiredFields(reader, state);
+  if (format >= kFirstWithProfile) {
+    reader(state.profile);
+    RetiredFields(reader, state);
+  }
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);

@@ -31,6 +31,7 @@ MissionLoad MeasureLoad(const MissionState& state) {
 
 Mission::Mission(std::string name, MissionEnvironment environment)
     : strand_(std::move(name), std::move(environment)),
+      profile_(strand_),
       events_(strand_.environment().clock),
       sessions_(strand_, events_),
       batches_(strand_, sessions_.listeners(), events_),
@@ -41,6 +42,7 @@ Mission::Mission(std::string name, MissionEnvironment environment)
 MissionInfo Mission::Info() const {
   MissionInfo info = WithState(DescribeMission);
   info.fusion_idle = fusion_.IsIdle() && !retiring_.IsDue();
+  info.profile = profile_.Get();
   return info;
 }
 
@@ -55,9 +57,12 @@ MissionLoad Mission::Load() const {
   return load;
 }
 
+bool Mission::IsWatched() const {
+  return sessions_.listeners().has_of_map() || events_.listeners().has_of_map();
+}
+
 bool Mission::IsVacant() const {
-  return strand_.appended() == 0 && !sessions_.listeners().has_of_map() &&
-         !events_.listeners().has_of_map() &&
+  return strand_.appended() == 0 && !IsWatched() &&
          WithState([](const MissionState& state) { return state.local_maps.empty(); });
 }
 

@@ -15,6 +15,7 @@
 #include "map_store/mission/mission_snapshots.h"
 #include "map_store/mission/mission_strand.h"
 #include "map_store/mission/picture_localization.h"
+#include "map_store/mission/profile_keeper.h"
 
 namespace corbslam::map_store {
 
@@ -32,6 +33,8 @@ class Mission {
   const FusionCoordinator& fusion() const { return fusion_; }
   MissionRetiring& retiring() { return retiring_; }
   MissionSnapshots& snapshots() { return snapshots_; }
+  ProfileKeeper& profile() { return profile_; }
+  const ProfileKeeper& profile() const { return profile_; }
   Listeners& listeners() { return sessions_.listeners(); }
   EventBook& events() { return events_; }
   const EventBook& events() const { return events_; }
@@ -48,6 +51,8 @@ class Mission {
   }
   MissionLoad Load() const;
   MissionInfo Info() const;
+  // Returns whether somebody listens to its map or its events.
+  bool IsWatched() const;
   // Returns whether nothing was ever written of it and nobody watches it: without a session it need
   // not be kept.
   bool IsVacant() const;
@@ -59,6 +64,7 @@ class Mission {
 
  private:
   MissionStrand strand_;
+  ProfileKeeper profile_;
   EventBook events_;
   MissionSessions sessions_;
   BatchIntake batches_;

@@ -34,7 +34,7 @@ struct ApplyAgain {
   }
   void operator()(const RederiveRecord& record) { Apply(record, state); }
   void operator()(const RetractRecord& record) { Apply(record, options, state); }
-  void operator()(const UnusedRecord&) {}
+  void operator()(const ProfileRecord& record) { Apply(record, state); }
   void operator()(const RetireRecord& record) { Apply(record, state); }
 };
 

@@ -81,8 +81,11 @@ struct RetractRecord {
   bool keep_apart = false;
 };
 
-// Kept for a kind of record to come: kinds are known by their place in JournalRecord.
-struct UnusedRecord {};
+// Somebody made the mission, or changed what is set of it; or it was used. The whole profile as it
+// is from here on.
+struct ProfileRecord {
+  MissionProfile profile;
+};
 
 // The store let go of keyframes and points of closed local maps.
 struct RetireRecord {
@@ -91,8 +94,9 @@ struct RetireRecord {
 
 // Events that are no records (queries without candidates, workers' failures) are decided again
 // after a restart.
-using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
-                                   AdjustRecord, RederiveRecord, RetractRecord, UnusedRecord, RetireRecord>;
+using JournalRecord =
+    std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord, AdjustRecord,
+                 RederiveRecord, RetractRecord, ProfileRecord, RetireRecord>;
 
 }  // namespace corbslam::map_store
 

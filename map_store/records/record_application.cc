@@ -26,6 +26,15 @@ bool IsSound(const Overlap& overlap, const QueryTask& task) {
          overlap.candidate_from_query.translation.allFinite() && IsCovariance(overlap.covariance);
 }
 
+// A mission that nobody made ahead begins with its first batch.
+void NoteUse(absl::Time time, MissionState& state) {
+  MissionProfile& profile = state.profile;
+  profile.last_used_ns = ToProfileTime(time);
+  if (profile.created_ns == 0 && state.local_maps.empty()) {
+    profile.created_ns = profile.last_used_ns;
+  }
+}
+
 // Adds an item and drops the oldest beyond a limit: statistics travel whole, in a message of 4 MiB.
 template <typename T>
 void AddNewest(const T& item, std::vector<T>& items) {
@@ -49,6 +58,7 @@ BatchWords ComputeWords(const MapUpdateBatch& batch, const Vocabulary* vocabular
 void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOptions& options,
            MissionState& state) {
   LocalMapState* local_map = state.FindLocalMap(record.batch->local_map);
+  NoteUse(record.received_at, state);
   if (local_map == nullptr) {
     local_map = &AddLocalMap(state, record.batch->local_map, record.agent);
   }
@@ -150,6 +160,8 @@ void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionS
 void Apply(const RetireRecord& record, MissionState& state) {
   ApplyRetirement(record.retirement, state);
 }
+
+void Apply(const ProfileRecord& record, MissionState& state) { state.profile = record.profile; }
 
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
                        Island& island) {
@@ -265,8 +277,9 @@ absl::Status CheckReplay(const JournalRecord& record, const MissionState& state)
   if (const auto* retire = std::get_if<RetireRecord>(&record)) {
     return CheckRetirement(retire->retirement, state);
   }
-  if (std::holds_alternative<UnusedRecord>(record)) {
-    return absl::DataLossError("a record of a kind that no store writes");
+  if (const auto* profile = std::get_if<ProfileRecord>(&record)) {
+    const absl::Status valid = ValidateProfile(profile->profile);
+    return valid.ok() ? valid : absl::DataLossError(valid.message());
   }
   return CheckRefusal(std::get<FuseRefusedRecord>(record), state);
 }

@@ -148,6 +148,9 @@ absl::Status ValidateState(const MissionState& state) {
     ordered = ordered && local_map != nullptr && local_map->order == i;
   }
   RETURN_IF_ERROR(Check(ordered, "the order of local maps"));
+  if (const absl::Status profile = ValidateProfile(state.profile); !profile.ok()) {
+    return absl::DataLossError(absl::StrCat("the mission's profile: ", profile.message()));
+  }
   for (const auto& [id, local_map] : state.local_maps) RETURN_IF_ERROR(ValidateLocalMap(local_map));
   RETURN_IF_ERROR(ValidateAgents(state));
   RETURN_IF_ERROR(ValidateIslands(state));

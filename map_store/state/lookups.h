@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/time/time.h"
+#include "map_store/state/mission_profile.h"
 #include "slam/exchange/overlap.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/map/keyframe.h"
@@ -64,6 +65,7 @@ struct MissionInfo {
   uint64_t memory_bytes = 0;
   uint64_t disk_bytes = 0;
   std::string damage;  // As Journal::Damage says it; empty: none.
+  MissionProfile profile;
 };
 
 // Where an agent was at its newest frame that had a pose, as far as the store was told. The newest

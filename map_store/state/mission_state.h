@@ -20,6 +20,7 @@
 #include "map_store/state/change_log.h"
 #include "map_store/state/landmarks.h"
 #include "map_store/state/lookups.h"
+#include "map_store/state/mission_profile.h"
 #include "map_store/state/overlap_ledger.h"
 #include "map_store/state/point_index.h"
 #include "map_store/state/pose_table.h"
@@ -233,6 +234,7 @@ struct AgentState {
 
 struct MissionState {
   std::string name;
+  MissionProfile profile;
   std::map<std::string, AgentState> agents;
   std::map<LocalMapId, LocalMapState> local_maps;
   std::vector<LocalMapId> order;  // Local maps as they arrived.

@@ -86,6 +86,7 @@ MissionInfo DescribeMission(const MissionState& state) {
   info.map_points = CountPoints(state);
   info.waiting_queries = state.queries.size();
   info.memory_bytes = EstimateMemory(state);
+  info.profile = state.profile;
   return info;
 }
 

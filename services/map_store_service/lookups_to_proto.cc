@@ -10,6 +10,7 @@
 #include "services/convert/geometry.h"
 #include "services/convert/overlap.h"
 #include "services/convert/resource_names.h"
+#include "services/map_store_service/profile_convert.h"
 
 namespace corbslam::services {
 
@@ -60,6 +61,7 @@ void ToProto(const MissionInfo& info, v1::Mission* proto) {
   proto->set_memory_bytes(info.memory_bytes);
   proto->set_disk_bytes(info.disk_bytes);
   proto->set_damage(info.damage);
+  ToProto(info.profile, proto);
   if (!info.worker_outage.has_value()) return;
   proto->set_worker_away_since_ns(absl::ToUnixNanos(info.worker_outage->begin));
   proto->set_worker_error(info.worker_outage->cause);

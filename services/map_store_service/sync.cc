@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -22,6 +23,9 @@ namespace {
 
 // The next message of an agent is not read while so many replies wait to be sent to it.
 constexpr size_t kMaxReplies = 64;
+
+// A stream is not read for longer at a time: a limit that was raised meanwhile counts soon.
+constexpr absl::Duration kLongestHold = absl::Seconds(10);
 
 constexpr char kBroken[] = "the stream broke: the robot's process or its link is gone";
 
@@ -62,7 +66,7 @@ void SyncReactor::Refuse(const absl::Status& status) {
 void SyncReactor::OnOverdue(const absl::Status& overdue) {
   Note([this, &overdue]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     // Otherwise the message came in time, and waits for a thread.
-    if (!has_request_ && !read_to_end_ && !end_) end_ = overdue;
+    if (!has_request_ && !read_to_end_ && !wants_read_ && !end_) end_ = overdue;
   });
 }
 
@@ -99,6 +103,7 @@ SyncJob SyncReactor::NextJob() const {
   if (!writing_ && !replies_.empty()) return SyncJob::kWrite;
   if (end_) return writing_ ? SyncJob::kNone : SyncJob::kFinish;
   if (has_request_ && replies_.size() < kMaxReplies) return SyncJob::kRequest;
+  if (wants_read_ && !is_held_) return SyncJob::kRead;
   if (read_to_end_ && !has_request_) return writing_ ? SyncJob::kNone : SyncJob::kFinish;
   if (shareable_ && !paced_ && replies_.empty()) return SyncJob::kShare;
   return SyncJob::kNone;
@@ -114,6 +119,8 @@ void SyncReactor::DoJob(SyncJob job) {
       return WriteReply();
     case SyncJob::kRequest:
       return HandleRequest();
+    case SyncJob::kRead:
+      return Read();
     case SyncJob::kShare:
       return Share();
     case SyncJob::kFinish:
@@ -156,11 +163,36 @@ void SyncReactor::HandleRequest() {
     for (SyncObserver* observer : observers_) observer->OnReceived(who_, bytes);
   }
   if (!status.ok()) return End(status);
+  if (session_id_ && request.has_batch()) store_.PaceUplink(*session_id_, bytes);
+  absl::MutexLock lock(&mutex_);
+  has_request_ = false;
+  wants_read_ = true;
+}
+
+void SyncReactor::Read() {
+  const absl::Duration wait =
+      session_id_ ? store_.PaceUplink(*session_id_, 0) : absl::ZeroDuration();
+  if (wait > absl::ZeroDuration()) {
+    // The robot is not to blame for a part that is not read.
+    timer_.Disarm();
+    {
+      // The flag is set before the timer can ring.
+      absl::MutexLock lock(&mutex_);
+      is_held_ = true;
+    }
+    uplink_timer_.Arm(std::min(wait, kLongestHold), [this] { OnUplinkPaid(); });
+    return;
+  }
+  if (!awaited_.empty()) timer_.Arm(limits_.part_timeout_s, awaited_);
   {
     absl::MutexLock lock(&mutex_);
-    has_request_ = false;
+    wants_read_ = false;
   }
   StartRead(&request_);
+}
+
+void SyncReactor::OnUplinkPaid() {
+  Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { is_held_ = false; });
 }
 
 absl::Status SyncReactor::ReadRequest(v1::SyncRequest& request) {
@@ -230,9 +262,10 @@ absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
   ASSIGN_OR_RETURN(const std::optional<MapUpdateBatch> batch,
                    assembler_.Add(part, received_cameras_));
   if (!batch) {
-    timer_.Arm(limits_.part_timeout_s, absl::StrCat("the next part of batch ", part.number()));
+    awaited_ = absl::StrCat("the next part of batch ", part.number());
     return absl::OkStatus();
   }
+  awaited_.clear();
   timer_.Disarm();
   ASSIGN_OR_RETURN(const Acknowledgement stored, ApplyWhole(*batch));
   ticket_->ReleaseAll();

@@ -12,6 +12,7 @@
 #include "fusion_worker/local_fusion_worker.h"
 #include "map_store/map_store.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
@@ -138,6 +139,10 @@ absl::Status Run(Flags flags) {
   ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(flags));
   MapStore store(flags.store, vocabulary, observers->Watch(std::move(journal)),
                  observers->Watch(worker.get()));
+  store.SetExpiryListener(
+      [auditor = security.server.auditor](const std::string& mission, const std::string& why) {
+        if (auditor != nullptr) auditor->OnOwnDoing("mission_expired", MissionName(mission), why);
+      });
   RETURN_IF_ERROR(store.Recover());
   MapStoreServiceOptions service_options = flags.service;
   SetChecks(security.access, service_options);

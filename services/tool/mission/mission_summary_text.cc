@@ -7,6 +7,7 @@
 #include "absl/time/time.h"
 #include "services/convert/geometry.h"
 #include "services/convert/resource_names.h"
+#include "services/tool/mission/mission_settings.h"
 #include "services/tool/mission/mission_summary.h"
 #include "services/tool/mission/summary_pairs.h"
 
@@ -50,7 +51,7 @@ std::string FormatMission(const v1::Mission& mission) {
       Count(mission.keyframes(), "keyframe"), ", ", Count(mission.map_points(), "map point"),
       "; revision ", mission.revision(), ", fusion ", DescribeFusion(mission), "; about ",
       Mib(mission.memory_bytes()), " MiB in memory, ", Mib(mission.disk_bytes()), " MiB on disk\n",
-      FormatDamage(mission), FormatWorkers(mission));
+      FormatSettings(mission), FormatDamage(mission), FormatWorkers(mission));
 }
 
 // Says where the robot was last, as "1.20 0.00 3.40" in the global frame, and whether it was lost
