@@ -2,7 +2,6 @@
 
 #include <glog/logging.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -11,6 +10,7 @@
 #include "map_store/mission/memory_budget.h"
 #include "map_store/mission/memory_returner.h"
 #include "map_store/mission/mission.h"
+#include "map_store/mission/mission_directory.h"
 #include "map_store/mission/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
 #include "map_store/view/damage_words.h"
@@ -18,6 +18,15 @@
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
+namespace {
+
+absl::Status CheckRoom(const MissionDirectory::Counts& counts, const MapStoreOptions& options) {
+  if (counts.in_memory < options.max_missions) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat(counts.in_memory, " missions; that is the limit"));
+}
+
+}  // namespace
 
 MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabulary> vocabulary,
                    std::unique_ptr<Journal> journal, FusionWorker* worker, Clock clock)
@@ -30,13 +39,12 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       executor_(
           std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)),
       snapshots_(std::make_unique<SnapshotKeeper>(clock_)) {
+  directory_ = std::make_unique<MissionDirectory>(
+      clock_, [this](const std::string& name, const Sleeper& sleeper) {
+        return LoadSleeper(name, sleeper);
+      });
   if (options_.deterministic) return;
-  const auto list_missions = [this] {
-    std::vector<std::shared_ptr<Mission>> missions;
-    absl::MutexLock lock(&mutex_);
-    for (const auto& [name, mission] : missions_) missions.push_back(mission);
-    return missions;
-  };
+  const auto list_missions = [this] { return directory_->ListAwake(); };
   executor_->Start(list_missions, options_.fusion_threads);
   snapshots_->Start(list_missions, [this] { memory_returner_->Wake(); });
   memory_returner_->Start();
@@ -53,11 +61,7 @@ void MapStore::Wake() {
 }
 
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view name) const {
-  absl::MutexLock lock(&mutex_);
-  const auto it = missions_.find(std::string(name));
-  if (it != missions_.end()) return it->second;
-  RETURN_IF_ERROR(CheckReadable(name));
-  return absl::NotFoundError(absl::StrCat("there is no mission ", name));
+  return directory_->Use(name);
 }
 
 absl::Status MapStore::Recover() {
@@ -67,11 +71,10 @@ absl::Status MapStore::Recover() {
     const absl::Status recovered = mission->Recover();
     LOG_IF(ERROR, !recovered.ok()) << SayDamage(name, recovered);
     if (!recovered.ok() && !absl::IsDataLoss(recovered)) return recovered;
-    absl::MutexLock lock(&mutex_);
     if (recovered.ok()) {
-      missions_[name] = std::move(mission);
+      directory_->Add(name, std::move(mission));
     } else {
-      unreadable_[name] = recovered;
+      directory_->AddUnreadable(name, recovered);
     }
   }
   Wake();
@@ -82,38 +85,25 @@ absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const s
   if (const absl::Status damage = journal_->Damage(name); !damage.ok()) {
     return absl::DataLossError(SayDamage(name, damage));
   }
+  const auto make =
+      [&](const MissionDirectory::Counts& counts) -> absl::StatusOr<std::shared_ptr<Mission>> {
+    RETURN_IF_ERROR(CheckRoom(counts, options_));
+    return MakeMission(name);
+  };
+  ASSIGN_OR_RETURN(std::shared_ptr<Mission> mission, directory_->UseOrMake(name, make));
   absl::MutexLock lock(&mutex_);
-  RETURN_IF_ERROR(CheckReadable(name));
-  auto mission = missions_.find(name);
-  if (mission == missions_.end()) {
-    if (restoring_.contains(name)) {
-      return absl::UnavailableError(absl::StrCat("mission ", name, " is being restored"));
-    }
-    RETURN_IF_ERROR(CheckRoomForMission());
-    mission = missions_.emplace(name, MakeMission(name)).first;
-  }
   const uint64_t session_id = next_session_++;
-  sessions_[session_id] = {agent, mission->second};
+  sessions_[session_id] = {agent, std::move(mission)};
   return session_id;
 }
 
 void MapStore::LeaveMission(uint64_t session_id) {
+  Session left;
   absl::MutexLock lock(&mutex_);
   const auto it = sessions_.find(session_id);
   if (it == sessions_.end()) return;
-  const std::shared_ptr<Mission> mission = std::move(it->second.mission);
+  left = std::move(it->second);
   sessions_.erase(it);
-  const bool is_in_use =
-      std::any_of(sessions_.begin(), sessions_.end(),
-                  [&mission](const auto& session) { return session.second.mission == mission; });
-  if (is_in_use || !mission->IsVacant()) return;
-  std::erase_if(missions_, [&mission](const auto& entry) { return entry.second == mission; });
-}
-
-absl::Status MapStore::CheckRoomForMission() const {
-  const size_t count = missions_.size() + unreadable_.size() + restoring_.size();
-  if (count < options_.max_missions) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrCat(count, " missions; that is the limit"));
 }
 
 std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
@@ -226,28 +216,19 @@ absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
 }
 
 absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
-  {
-    absl::MutexLock deleting(&deletion_mutex_);
-    ASSIGN_OR_RETURN(const bool is_deleted, DeleteUnreadable(mission_name));
-    if (is_deleted) return absl::OkStatus();
-  }
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  ASSIGN_OR_RETURN(const MissionDirectory::Life life, directory_->FindLife(mission_name));
   // A caller that waited for another one's deletion must not delete the mission that has got the
   // name since.
   absl::MutexLock deleting(&deletion_mutex_);
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> still, FindMission(mission_name));
-  if (still != mission) {
-    return absl::NotFoundError(absl::StrCat("mission ", mission_name, " is deleted"));
-  }
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission,
+                   directory_->BeginDeletion(mission_name, life));
   // From here on nothing is appended to the journal, so that what is deleted stays deleted.
-  mission->Delete();
-  RETURN_IF_ERROR(journal_->DeleteMission(mission_name));
-  {
-    absl::MutexLock lock(&mutex_);
-    missions_.erase(std::string(mission_name));
-  }
+  if (mission != nullptr) mission->Delete();
+  const absl::Status deleted = journal_->DeleteMission(mission_name);
+  directory_->EndDeletion(mission_name, deleted.ok());
+  RETURN_IF_ERROR(deleted);
   // Watchers are called, and find that the mission has gone.
-  mission->CallListeners();
+  if (mission != nullptr) mission->CallListeners();
   return absl::OkStatus();
 }
 
@@ -267,24 +248,14 @@ MissionRestorer MapStore::StartRestoring() const {
 absl::Status MapStore::RestoreMission(const std::string& name, MissionState state) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
   RETURN_IF_ERROR(map_store::ValidateRestored(state, options_));
-  {
-    absl::MutexLock lock(&mutex_);
-    if (missions_.contains(name) || restoring_.contains(name)) {
-      return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
-    }
-    RETURN_IF_ERROR(CheckReadable(name));
-    RETURN_IF_ERROR(CheckRoomForMission());
-    restoring_.insert(name);
-  }
+  RETURN_IF_ERROR(directory_->Reserve(name, [this](const MissionDirectory::Counts& counts) {
+    return CheckRoom(counts, options_);
+  }));
   state.name = name;
   absl::Status status = journal_->CreateMission(name, state);
   std::shared_ptr<Mission> mission = MakeMission(name);
   if (status.ok()) mission->Restore(std::move(state));
-  {
-    absl::MutexLock lock(&mutex_);
-    restoring_.erase(name);
-    if (status.ok()) missions_[name] = std::move(mission);
-  }
+  directory_->EndRestoring(name, status.ok() ? std::move(mission) : nullptr);
   Wake();
   return status;
 }

@@ -9,7 +9,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -35,12 +34,15 @@
 
 namespace corbslam::map_store {
 
+struct KnownMission;
 struct MissionLoad;
+struct Sleeper;
 
 class FusionExecutor;
 class MemoryBudget;
 class MemoryReturner;
 class Mission;
+class MissionDirectory;
 class SnapshotKeeper;
 
 // The store of all missions. It is thread-safe. Listeners are called without any lock of the store
@@ -228,6 +230,7 @@ class MapStore {
     std::shared_ptr<Mission> mission;
   };
 
+  // Returns the mission, which stays in memory for as long as the caller holds it.
   absl::StatusOr<std::shared_ptr<Mission>> FindMission(absl::string_view name) const;
   // Registers a session in the mission, which is made if there is none. Returns the session's id.
   absl::StatusOr<uint64_t> EnterMission(const std::string& name, const std::string& agent);
@@ -236,17 +239,13 @@ class MapStore {
   // Wakes the fusion threads and the snapshot keeper, which may have work now.
   void Wake();
   std::shared_ptr<Mission> MakeMission(const std::string& name);
-  // Returns DATA_LOSS, with what to do, for a mission that could not be read.
-  absl::Status CheckReadable(absl::string_view name) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
-  std::optional<MissionInfo> DescribeUnreadable(absl::string_view name) const
-      ABSL_LOCKS_EXCLUDED(mutex_);
+  // Describes a mission that could not be read.
   MissionInfo InfoOfUnreadable(const std::string& name, const absl::Status& damage) const;
-  // Deletes it if it could not be read; returns whether that is so.
-  absl::StatusOr<bool> DeleteUnreadable(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_)
-      ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_);
-  absl::Status CheckRoomForMission() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
-  MissionInfo Describe(const Mission& mission) const;
+  MissionInfo Describe(const KnownMission& known) const;
+  // Reads a mission that was asleep.
+  absl::StatusOr<std::shared_ptr<Mission>> LoadSleeper(const std::string& name,
+                                                       const Sleeper& sleeper);
 
   const MapStoreOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
@@ -257,14 +256,12 @@ class MapStore {
   std::unique_ptr<FusionExecutor> executor_;
   std::unique_ptr<SnapshotKeeper> snapshots_;
 
+  // Holds all missions.
+  std::unique_ptr<MissionDirectory> directory_;
+
   // A deletion holds this lock from its beginning to its end.
-  absl::Mutex deletion_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
+  absl::Mutex deletion_mutex_;
   mutable absl::Mutex mutex_;
-  std::map<std::string, std::shared_ptr<Mission>, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
-  // Missions that could not be read, and why.
-  std::map<std::string, absl::Status, std::less<>> unreadable_ ABSL_GUARDED_BY(mutex_);
-  // Names of missions that are being restored.
-  std::set<std::string, std::less<>> restoring_ ABSL_GUARDED_BY(mutex_);
   std::map<uint64_t, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   uint64_t next_session_ ABSL_GUARDED_BY(mutex_) = 1;
 };
