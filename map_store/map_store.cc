@@ -11,6 +11,8 @@
 #include "map_store/mission/memory_returner.h"
 #include "map_store/mission/mission.h"
 #include "map_store/mission/mission_directory.h"
+#include "map_store/mission/mission_waker.h"
+#include "map_store/mission/sleepers.h"
 #include "map_store/mission/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
 #include "map_store/view/damage_words.h"
@@ -21,6 +23,10 @@ namespace corbslam::map_store {
 namespace {
 
 absl::Status CheckRoom(const MissionDirectory::Counts& counts, const MapStoreOptions& options) {
+  if (counts.asleep >= options.max_missions_asleep) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat(counts.asleep, " missions that are asleep; that is the limit"));
+  }
   if (counts.in_memory < options.max_missions) return absl::OkStatus();
   return absl::ResourceExhaustedError(
       absl::StrCat(counts.in_memory, " missions; that is the limit"));
@@ -43,6 +49,7 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       clock_, [this](const std::string& name, const Sleeper& sleeper) {
         return LoadSleeper(name, sleeper);
       });
+  StartSleep();
   if (options_.deterministic) return;
   const auto list_missions = [this] { return directory_->ListAwake(); };
   executor_->Start(list_missions, options_.fusion_threads);
@@ -53,6 +60,7 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
 MapStore::~MapStore() {
   snapshots_->Stop();
   executor_->Stop();
+  EndSleep();
 }
 
 void MapStore::Wake() {
@@ -61,12 +69,13 @@ void MapStore::Wake() {
 }
 
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view name) const {
-  return directory_->Use(name);
+  return options_.wake_in_background ? directory_->UseAwake(name) : directory_->Use(name);
 }
 
 absl::Status MapStore::Recover() {
   ASSIGN_OR_RETURN(const std::vector<std::string> names, journal_->ListMissions());
   for (const std::string& name : names) {
+    if (AddSleeper(name)) continue;
     std::shared_ptr<Mission> mission = MakeMission(name);
     const absl::Status recovered = mission->Recover();
     LOG_IF(ERROR, !recovered.ok()) << SayDamage(name, recovered);
@@ -75,6 +84,9 @@ absl::Status MapStore::Recover() {
       directory_->Add(name, std::move(mission));
     } else {
       directory_->AddUnreadable(name, recovered);
+    }
+    while (sleeps_by_itself() && memory_->IsShort() && sleepers_->MakeRoom(/*in_haste=*/true)) {
+      ReturnFreeMemory();
     }
   }
   Wake();
@@ -90,7 +102,9 @@ absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const s
     RETURN_IF_ERROR(CheckRoom(counts, options_));
     return MakeMission(name);
   };
-  ASSIGN_OR_RETURN(std::shared_ptr<Mission> mission, directory_->UseOrMake(name, make));
+  absl::StatusOr<std::shared_ptr<Mission>> found = FindMission(name);
+  if (absl::IsNotFound(found.status())) found = directory_->UseOrMake(name, make);
+  ASSIGN_OR_RETURN(std::shared_ptr<Mission> mission, std::move(found));
   absl::MutexLock lock(&mutex_);
   const uint64_t session_id = next_session_++;
   sessions_[session_id] = {agent, std::move(mission)};
@@ -248,6 +262,7 @@ MissionRestorer MapStore::StartRestoring() const {
 absl::Status MapStore::RestoreMission(const std::string& name, MissionState state) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
   RETURN_IF_ERROR(map_store::ValidateRestored(state, options_));
+  MakeRoomForMission();
   RETURN_IF_ERROR(directory_->Reserve(name, [this](const MissionDirectory::Counts& counts) {
     return CheckRoom(counts, options_);
   }));

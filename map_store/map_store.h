@@ -4,6 +4,7 @@
 #ifndef CORBSLAM_MAP_STORE_MAP_STORE_H_
 #define CORBSLAM_MAP_STORE_MAP_STORE_H_
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -43,6 +44,8 @@ class MemoryBudget;
 class MemoryReturner;
 class Mission;
 class MissionDirectory;
+class MissionWaker;
+class Sleepers;
 class SnapshotKeeper;
 
 // The store of all missions. It is thread-safe. Listeners are called without any lock of the store
@@ -159,6 +162,31 @@ class MapStore {
   // Deletes the mission and fences the sessions in it. What it took of the disk is free when the
   // function returns, what it took of memory a moment later.
   absl::Status DeleteMission(absl::string_view mission);
+
+  // Missions that nobody uses leave memory (MapStoreOptions::sleep_after_s): ListMissions,
+  // GetMission and ListLoads answer from what they fell asleep with, and whatever else needs one
+  // reads it first, which takes as long as at the start. It then returns DATA_LOSS for one that
+  // turns out to be damaged, and RESOURCE_EXHAUSTED where memory has no room for it.
+
+  // Puts the mission to sleep now. FAILED_PRECONDITION, with the reason, where it has to stay in
+  // memory: it is used or watched, fusion has work to do, or there is no journal.
+  absl::Status SleepMission(absl::string_view mission);
+  // Puts those to sleep whose time has come, here and now; for deterministic mode. Returns their
+  // number.
+  size_t SleepUnused();
+  // Calls `then` once the mission is awake (MissionWaker::WhenAwake), for a caller that got
+  // AsleepError's (MapStoreOptions::wake_in_background). RESOURCE_EXHAUSTED: too many wait.
+  absl::Status WhenAwake(const std::string& mission,
+                         std::function<void(std::shared_ptr<const void> awake)> then);
+  struct Sleep {
+    size_t asleep = 0;  // Missions that sleep now.
+    // How often one fell asleep, and was read again, and seconds that reading took all together.
+    uint64_t fallen_asleep = 0;
+    uint64_t woken = 0;
+    double waking_s = 0;
+  };
+  Sleep sleep() const;
+
   // Returns the mission as it is now, to be written to a file while the mission goes on.
   absl::StatusOr<MissionBackup> BackUpMission(absl::string_view mission) const;
   // Returns where a backup's pieces go; the restorer takes no more than the options' limit.
@@ -246,6 +274,14 @@ class MapStore {
   // Reads a mission that was asleep.
   absl::StatusOr<std::shared_ptr<Mission>> LoadSleeper(const std::string& name,
                                                        const Sleeper& sleeper);
+  // Has the mission sleep from the start on, if the journal has a summary of it and fusion has
+  // nothing to do; returns whether that is so.
+  bool AddSleeper(const std::string& name);
+  // Makes room for one more mission in memory, where there may be no more.
+  void MakeRoomForMission();
+  bool sleeps_by_itself() const { return options_.sleep_after_s > 0; }
+  void StartSleep();
+  void EndSleep();
 
   const MapStoreOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
@@ -258,6 +294,10 @@ class MapStore {
 
   // Holds all missions.
   std::unique_ptr<MissionDirectory> directory_;
+  std::unique_ptr<Sleepers> sleepers_;
+  std::unique_ptr<MissionWaker> waker_;
+  std::atomic<uint64_t> woken_ = 0;
+  std::atomic<int64_t> waking_ns_ = 0;
 
   // A deletion holds this lock from its beginning to its end.
   absl::Mutex deletion_mutex_;

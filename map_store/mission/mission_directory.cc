@@ -17,6 +17,13 @@ absl::Status NoSuchMission(absl::string_view name) {
 
 }  // namespace
 
+void Sleeper::NoteAsleep(uint64_t disk_bytes) {
+  summary.info.asleep = true;
+  summary.info.disk_bytes = summary.load.disk_bytes = disk_bytes;
+  summary.load.memory_bytes = 0;
+  summary.load.connected_agents = 0;
+}
+
 absl::StatusOr<MissionDirectory::EntryPtr> MissionDirectory::Find(absl::string_view name) const {
   const auto it = entries_.find(std::string_view(name.data(), name.size()));
   if (it == entries_.end() || it->second->stage == Stage::kBeingRestored) {
@@ -277,20 +284,19 @@ std::vector<MissionDirectory::Unused> MissionDirectory::ListUnused() const {
 bool MissionDirectory::IsUnused(const Unused& unused) const {
   absl::MutexLock lock(&mutex_);
   const absl::StatusOr<EntryPtr> entry = Find(unused.name);
-  return entry.ok() && (*entry)->mission == unused.mission && (*entry)->users == 0 &&
-         !(*entry)->being_deleted;
+  return entry.ok() && MayRest(**entry, unused);
+}
+
+bool MissionDirectory::MayRest(const Entry& entry, const Unused& unused) {
+  return entry.stage == Stage::kAwake && entry.mission == unused.mission && entry.users == 0 &&
+         entry.last_used == unused.last_used && !entry.being_deleted;
 }
 
 bool MissionDirectory::BeginSleep(const Unused& unused) {
   absl::MutexLock lock(&mutex_);
-  const absl::StatusOr<EntryPtr> found = Find(unused.name);
-  if (!found.ok()) return false;
-  Entry& entry = **found;
-  if (entry.stage != Stage::kAwake || entry.mission != unused.mission || entry.users > 0 ||
-      entry.being_deleted) {
-    return false;
-  }
-  entry.stage = Stage::kFallingAsleep;
+  const absl::StatusOr<EntryPtr> entry = Find(unused.name);
+  if (!entry.ok() || !MayRest(**entry, unused)) return false;
+  (*entry)->stage = Stage::kFallingAsleep;
   return true;
 }
 

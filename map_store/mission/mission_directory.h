@@ -4,10 +4,12 @@
 #define CORBSLAM_MAP_STORE_MISSION_MISSION_DIRECTORY_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -27,6 +29,9 @@ namespace corbslam::map_store {
 struct Sleeper {
   MissionSummary summary;
   EventBook::Past events;
+
+  // Says of the summary what holds from now on: nobody is in the mission, and it takes no memory.
+  void NoteAsleep(uint64_t disk_bytes);
 };
 
 // What there is of one mission: it is in memory, asleep or damaged.
@@ -115,6 +120,7 @@ class MissionDirectory {
   };
   // Returns the missions in memory that have no user, the longest unused first.
   std::vector<Unused> ListUnused() const ABSL_LOCKS_EXCLUDED(mutex_);
+  // Returns whether it was not used since.
   bool IsUnused(const Unused& unused) const ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns false if the mission has a user again. Else whoever wants it waits from here on, until
   // one of the two calls below.
@@ -153,6 +159,7 @@ class MissionDirectory {
   // Reads the mission, whose stage is kWaking.
   absl::StatusOr<Lease> Wake(const std::string& name, const EntryPtr& entry)
       ABSL_LOCKS_EXCLUDED(mutex_);
+  static bool MayRest(const Entry& entry, const Unused& unused);
   Lease LeaseOf(const EntryPtr& entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Release(const EntryPtr& entry) ABSL_LOCKS_EXCLUDED(mutex_);
 
