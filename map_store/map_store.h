@@ -176,8 +176,9 @@ class MapStore {
   size_t SleepUnused();
   // Calls `then` once the mission is awake (MissionWaker::WhenAwake), for a caller that got
   // AsleepError's (MapStoreOptions::wake_in_background). RESOURCE_EXHAUSTED: too many wait.
-  absl::Status WhenAwake(const std::string& mission,
-                         std::function<void(std::shared_ptr<const void> awake)> then);
+  absl::Status WhenAwake(
+      const std::string& mission,
+      std::function<void(const absl::StatusOr<std::shared_ptr<const void>>& awake)> then);
   struct Sleep {
     size_t asleep = 0;  // Missions that sleep now.
     // How often one fell asleep, and was read again, and seconds that reading took all together.

@@ -128,8 +128,9 @@ absl::Status MapStore::SleepMission(absl::string_view mission) {
 
 size_t MapStore::SleepUnused() { return sleepers_->PutUnusedToSleep(); }
 
-absl::Status MapStore::WhenAwake(const std::string& mission,
-                                 std::function<void(std::shared_ptr<const void> awake)> then) {
+absl::Status MapStore::WhenAwake(
+    const std::string& mission,
+    std::function<void(const absl::StatusOr<std::shared_ptr<const void>>& awake)> then) {
   return waker_->WhenAwake(mission, std::move(then));
 }
 

@@ -38,7 +38,9 @@ void MissionWaker::Stop() {
     waiting_count_ = 0;
   }
   for (const auto& [mission, waiting] : left) {
-    for (const Then& then : waiting) then(nullptr);
+    for (const Then& then : waiting) {
+      then(absl::UnavailableError(absl::StrCat("mission ", mission, " sleeps on: the store ends")));
+    }
   }
 }
 
@@ -59,8 +61,11 @@ absl::Status MissionWaker::WhenAwake(const std::string& mission, Then then) {
       return absl::OkStatus();
     }
   }
-  if (awake == nullptr) awake = directory_.Use(mission).value_or(nullptr);
-  then(std::move(awake));
+  if (awake != nullptr) {
+    then(std::move(awake));
+  } else {
+    then(directory_.Use(mission));
+  }
   return absl::OkStatus();
 }
 
@@ -89,7 +94,7 @@ void MissionWaker::Run() {
       mission = std::move(queue_.front());
       queue_.pop_front();
     }
-    const std::shared_ptr<const void> awake = directory_.Use(mission).value_or(nullptr);
+    const absl::StatusOr<std::shared_ptr<const void>> awake = directory_.Use(mission);
     for (const Then& then : TakeWaiting(mission)) then(awake);
   }
 }

@@ -13,6 +13,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "map_store/mission/mission_directory.h"
 
@@ -21,9 +22,9 @@ namespace corbslam::map_store {
 // Wakes one mission a thread, each once, however many wait for it. Thread-safe.
 class MissionWaker {
  public:
-  // Called once the mission is awake, which it stays for as long as somebody holds `awake`; null:
-  // it can't be used, and whoever tries finds out why.
-  using Then = std::function<void(std::shared_ptr<const void> awake)>;
+  // Called once the mission is awake, which it stays for as long as somebody holds `awake`, or with
+  // MissionDirectory::Use's error.
+  using Then = std::function<void(const absl::StatusOr<std::shared_ptr<const void>>& awake)>;
   static constexpr size_t kMaxWaiting = 1000;
 
   // `directory` is not owned and must outlive it.
@@ -31,7 +32,7 @@ class MissionWaker {
   ~MissionWaker() { Stop(); }
 
   void Start(int threads);
-  // Ends the threads after the missions that they are at. Who still waits is called with null.
+  // Ends the threads after the missions that they are at. Who still waits gets UNAVAILABLE.
   void Stop();
 
   // Calls `then` from another thread, or from this one if the mission is awake or there are no

@@ -7,11 +7,14 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "map_store/map_store.h"
+#include "map_store/view/asleep_words.h"
 #include "services/map_store_service/streams/recent_codes.h"
 #include "services/map_store_service/streams/replay_slots.h"
 #include "services/map_store_service/streams/stream_limits.h"
@@ -92,7 +95,15 @@ class MapStoreService : public MapStoreMethods {
       : store_(*store),
         options_(Observed(options, &recent_codes_)),
         limits_(options.streams),
-        pool_(options.threads, options.streams.max_waiting_calls) {}
+        pool_(options.threads, options.streams.max_waiting_calls) {
+    // Who needs a mission that is asleep gives its thread to others meanwhile.
+    for (TaskPool* pool : {&pool_, &replay_pool_, locating_.get()}) {
+      pool->SetDeferrer([store](const absl::Status& error, TaskPool::Again again) {
+        const std::optional<std::string> mission = map_store::AsleepMission(error);
+        return mission.has_value() ? store->WhenAwake(*mission, std::move(again)) : error;
+      });
+    }
+  }
 
   // How many pictures are looked up at one time, and how many wait: a look-up waits for workers.
   static constexpr int kMaxLocating = 4;
