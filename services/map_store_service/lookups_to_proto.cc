@@ -60,6 +60,8 @@ void ToProto(const MissionInfo& info, v1::Mission* proto) {
   proto->set_memory_bytes(info.memory_bytes);
   proto->set_disk_bytes(info.disk_bytes);
   proto->set_damage(info.damage);
+  proto->set_last_used_ns(info.last_used_ns);
+  proto->set_asleep(info.asleep);
   if (!info.worker_outage.has_value()) return;
   proto->set_worker_away_since_ns(absl::ToUnixNanos(info.worker_outage->begin));
   proto->set_worker_error(info.worker_outage->cause);

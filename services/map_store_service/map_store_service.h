@@ -31,19 +31,19 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::W
             v1::MapStore::WithCallbackMethod_DeleteMission<v1::MapStore::WithCallbackMethod_BackupMission<
                 v1::MapStore::WithCallbackMethod_RestoreMission<v1::MapStore::WithCallbackMethod_ListAgents<
                     v1::MapStore::WithCallbackMethod_ListLocalMaps<v1::MapStore::WithCallbackMethod_GetLocalMap<
-                        v1::MapStore::WithCallbackMethod_ListKeyframes<
-                            v1::MapStore::WithCallbackMethod_GetKeyframe<
-                                v1::MapStore::WithCallbackMethod_GetStatistics<
-                                    v1::MapStore::WithCallbackMethod_GetTrajectory<
-                                        v1::MapStore::WithCallbackMethod_ListOverlaps<
-                                            v1::MapStore::WithCallbackMethod_RetractOverlap<
-                                                v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
-                                                    v1::MapStore::WithCallbackMethod_AskForExactPlaces<
-                                                        v1::MapStore::WithCallbackMethod_Localize<
+                        v1::MapStore::WithCallbackMethod_ListKeyframes<v1::MapStore::WithCallbackMethod_GetKeyframe<
+                            v1::MapStore::WithCallbackMethod_GetStatistics<
+                                v1::MapStore::WithCallbackMethod_GetTrajectory<
+                                    v1::MapStore::WithCallbackMethod_ListOverlaps<
+                                        v1::MapStore::WithCallbackMethod_RetractOverlap<
+                                            v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
+                                                v1::MapStore::WithCallbackMethod_AskForExactPlaces<
+                                                    v1::MapStore::WithCallbackMethod_Localize<
+                                                        v1::MapStore::WithCallbackMethod_LocalizeStream<
                                                             v1::MapStore::
-                                                                WithCallbackMethod_LocalizeStream<
+                                                                WithCallbackMethod_SleepMission<
                                                                     v1::MapStore::
-                                                                        Service>>>>>>>>>>>>>>>>>>>>>>;
+                                                                        Service>>>>>>>>>>>>>>>>>>>>>>>;
 
 // Returns OK if the caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -140,6 +140,9 @@ class MapStoreService : public MapStoreMethods {
   grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
                                           const v1::DeleteMissionRequest* request,
                                           v1::DeleteMissionResponse* response) override;
+  grpc::ServerUnaryReactor* SleepMission(grpc::CallbackServerContext* context,
+                                         const v1::SleepMissionRequest* request,
+                                         v1::Mission* response) override;
   grpc::ServerWriteReactor<v1::BackupMissionResponse>* BackupMission(
       grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) override;
   grpc::ServerReadReactor<v1::RestoreMissionRequest>* RestoreMission(

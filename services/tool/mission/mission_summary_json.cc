@@ -77,7 +77,9 @@ nlohmann::ordered_json ToJson(const v1::Mission& mission) {
           {"worker_error", mission.worker_error()},
           {"memory_bytes", mission.memory_bytes()},
           {"disk_bytes", mission.disk_bytes()},
-          {"damage", mission.damage()}};
+          {"damage", mission.damage()},
+          {"asleep", mission.asleep()},
+          {"last_used_ns", mission.last_used_ns()}};
 }
 
 nlohmann::ordered_json ToJson(const MissionSummary& summary) {
