@@ -262,7 +262,7 @@ MissionRestorer MapStore::StartRestoring() const {
 absl::Status MapStore::RestoreMission(const std::string& name, MissionState state) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
   RETURN_IF_ERROR(map_store::ValidateRestored(state, options_));
-  MakeRoomForMission();
+  MakeRoomForMissions(1);
   RETURN_IF_ERROR(directory_->Reserve(name, [this](const MissionDirectory::Counts& counts) {
     return CheckRoom(counts, options_);
   }));

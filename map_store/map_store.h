@@ -278,8 +278,8 @@ class MapStore {
   // Has the mission sleep from the start on, if the journal has a summary of it and fusion has
   // nothing to do; returns whether that is so.
   bool AddSleeper(const std::string& name);
-  // Makes room for one more mission in memory, where there may be no more.
-  void MakeRoomForMission();
+  // Makes room in memory for so many more missions, if there is one that may sleep.
+  void MakeRoomForMissions(size_t coming);
   bool sleeps_by_itself() const { return options_.sleep_after_s > 0; }
   void StartSleep();
   void EndSleep();

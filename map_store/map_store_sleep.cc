@@ -55,8 +55,8 @@ std::vector<MissionLoad> MapStore::ListLoads() const {
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::LoadSleeper(const std::string& name,
                                                                const Sleeper& sleeper) {
   const absl::Time begin = absl::Now();
-  MakeRoomForMission();
   // This one is counted already.
+  MakeRoomForMissions(0);
   if (const size_t in_memory = directory_->Count().in_memory; in_memory > options_.max_missions) {
     return absl::ResourceExhaustedError(
         absl::StrCat("mission ", name, " is asleep, and ", in_memory - 1,
@@ -94,8 +94,10 @@ bool MapStore::AddSleeper(const std::string& name) {
   return true;
 }
 
-void MapStore::MakeRoomForMission() {
-  if (!sleeps_by_itself() || directory_->Count().in_memory < options_.max_missions) return;
+void MapStore::MakeRoomForMissions(size_t coming) {
+  if (!sleeps_by_itself() || directory_->Count().in_memory + coming <= options_.max_missions) {
+    return;
+  }
   sleepers_->MakeRoom(/*in_haste=*/true);
 }
 
