@@ -165,8 +165,10 @@ absl::Status RocksJournal::LoadMissions() {
   ASSIGN_OR_RETURN(const std::vector<std::string> names, folder_.ListKept());
   for (const std::string& name : names) {
     // What only reads is there to find damage.
-    const bool is_aside = !options_.only_read && ReadSummaryFile(folder_.PathOf(name)).ok();
-    if (!is_aside) {
+    const absl::Status aside = options_.only_read ? absl::NotFoundError("not asked for")
+                                                  : ReadSummaryFile(folder_.PathOf(name)).status();
+    LOG_IF(WARNING, absl::IsDataLoss(aside)) << "mission " << name << " is opened: " << aside;
+    if (!aside.ok()) {
       RETURN_IF_ERROR(LoadMission(name));
       continue;
     }
