@@ -79,7 +79,18 @@ struct MapStoreOptions {
   // when there are threads: the thread waits `retry_ms` and tries again.
   int max_attempts = 3;
   int retry_ms = 1000;
+  // Missions in memory, and those that are asleep.
   size_t max_missions = 1000;
+  size_t max_missions_asleep = 100000;
+  // A mission that nobody has used for so many seconds leaves memory; 0: none ever does, unless
+  // somebody asks for it. Without a journal none can.
+  double sleep_after_s = 0;
+  // A call that needs a mission which is asleep returns AsleepError (map_store/view/asleep_words.h)
+  // at once, for who can come again when it is awake. False: the call waits.
+  bool wake_in_background = false;
+  // Seconds at an orderly end for snapshots of missions that would otherwise be read at the next
+  // start.
+  double end_s = 5;
   size_t max_agents_per_mission = 1000;
   size_t max_local_maps_per_mission = 1000;
   size_t max_keypoints_per_keyframe = 20000;

@@ -1,5 +1,6 @@
 #include "map_store/mission/mission.h"
 
+#include "absl/strings/str_cat.h"
 #include "map_store/view/answers.h"
 #include "map_store/view/memory_estimate.h"
 
@@ -64,6 +65,38 @@ bool Mission::IsWatched() const {
 bool Mission::IsVacant() const {
   return strand_.appended() == 0 && !IsWatched() &&
          WithState([](const MissionState& state) { return state.local_maps.empty(); });
+}
+
+absl::Status Mission::CheckMaySleep() const {
+  const Journal& journal = *strand_.environment().journal;
+  const auto refuse = [this](absl::string_view why) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("mission ", strand_.name(), " stays in memory: ", why));
+  };
+  if (!journal.KeepsRecords()) return refuse("the store has no journal (--data-dir)");
+  if (strand_.IsDeleted()) return refuse("it is being deleted");
+  if (!journal.Damage(strand_.name()).ok()) {
+    return refuse("its journal is damaged, and only memory has all of it");
+  }
+  if (IsWatched()) return refuse("somebody watches it (WatchMap, WatchEvents)");
+  if (!fusion_.IsIdle() || retiring_.IsDue()) return refuse("fusion has work to do");
+  return absl::OkStatus();
+}
+
+bool Mission::Retire(uint64_t changes) {
+  absl::MutexLock turn(&strand_.turn());
+  if (!CheckMaySleep().ok()) return false;
+  const auto unchanged = [&] {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    return strand_.changes() == changes;
+  };
+  if (!unchanged()) return false;
+  strand_.MarkDeleted();
+  return true;
+}
+
+MissionSummary Mission::Summarise() const {
+  return {.info = Info(), .load = Load(), .work_left = fusion_.HasWork()};
 }
 
 void Mission::Delete() {

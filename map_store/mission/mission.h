@@ -14,6 +14,7 @@
 #include "map_store/mission/mission_sessions.h"
 #include "map_store/mission/mission_snapshots.h"
 #include "map_store/mission/mission_strand.h"
+#include "map_store/mission/mission_summary.h"
 #include "map_store/mission/picture_localization.h"
 #include "map_store/mission/profile_keeper.h"
 
@@ -56,6 +57,15 @@ class Mission {
   // Returns whether nothing was ever written of it and nobody watches it: without a session it need
   // not be kept.
   bool IsVacant() const;
+
+  // Returns FAILED_PRECONDITION, with the reason, for a mission that has to stay in memory, whoever
+  // uses it: it is watched, fusion has work to do, or only memory has all of it.
+  absl::Status CheckMaySleep() const;
+  // Ends the use of this object, as the mission goes on on the disk alone, if nothing has changed
+  // since `changes` (MissionStrand::changes) and nothing keeps it awake; returns whether. The
+  // caller sees to it that nobody uses it.
+  bool Retire(uint64_t changes);
+  MissionSummary Summarise() const;
 
   // Ends everything: sessions are fenced, jobs cancelled, nothing is written any more.
   void Delete();

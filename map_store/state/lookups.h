@@ -65,7 +65,11 @@ struct MissionInfo {
   uint64_t memory_bytes = 0;
   uint64_t disk_bytes = 0;
   std::string damage;  // As Journal::Damage says it; empty: none.
+  // With when a robot or a caller used it last; who asks for this is none.
   MissionProfile profile;
+  // It is on the disk alone: the numbers above, but for `disk_bytes`, are those that it fell asleep
+  // with.
+  bool asleep = false;
 };
 
 // Where an agent was at its newest frame that had a pose, as far as the store was told. The newest

@@ -62,6 +62,7 @@ void ToProto(const MissionInfo& info, v1::Mission* proto) {
   proto->set_disk_bytes(info.disk_bytes);
   proto->set_damage(info.damage);
   ToProto(info.profile, proto);
+  proto->set_asleep(info.asleep);
   if (!info.worker_outage.has_value()) return;
   proto->set_worker_away_since_ns(absl::ToUnixNanos(info.worker_outage->begin));
   proto->set_worker_error(info.worker_outage->cause);

@@ -41,7 +41,14 @@ using map_store::RocksJournalOptions;
 
 namespace {
 
+constexpr double kSleepAfter_s = 600;
+
 struct Flags {
+  Flags() {
+    store.sleep_after_s = kSleepAfter_s;
+    store.wake_in_background = true;
+  }
+
   std::string listen = "127.0.0.1:50051";
   std::vector<std::string> workers;
   bool in_process_worker = false;
@@ -181,6 +188,11 @@ void AddFlags(CLI::App& app, Flags& flags) {
          "Memory of the process, as 6GiB or 600MiB, beyond which nothing is taken in; 0: no "
          "limit. Default: three quarters of the container's or the machine's")
       ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false));
+  app.add_option("--sleep-after", flags.store.sleep_after_s,
+                 "Seconds after which a mission that nobody uses leaves memory, and is read again "
+                 "when somebody wants it; needs --data-dir; 0: never")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
   app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
       ->capture_default_str();
   app.add_option("--threads", flags.service.threads, "Threads that apply batches and answer")

@@ -91,6 +91,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"map_store_localize", 9},
            {"map_store_lookups", 9},
            {"map_store_profiles", 9},
+           {"map_store_sleep", 9},
        }},
       {"services",
        {

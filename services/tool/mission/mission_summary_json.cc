@@ -115,7 +115,8 @@ nlohmann::ordered_json ToJson(const v1::Mission& mission) {
                {"worker_error", mission.worker_error()},
                {"memory_bytes", mission.memory_bytes()},
                {"disk_bytes", mission.disk_bytes()},
-               {"damage", mission.damage()}};
+               {"damage", mission.damage()},
+               {"asleep", mission.asleep()}};
   AddSettings(mission, json);
   return json;
 }

@@ -94,6 +94,10 @@ TEST(MissionSummaryTest, SaysWhatAMissionCostsAndWhatIsDamaged) {
   EXPECT_EQ(FormatSummary(summary).find("DAMAGED"), std::string::npos);
   EXPECT_THAT(FormatMissions({summary.mission}), HasSubstr("        1.5       42.0 idle\n"));
   EXPECT_EQ(ToJson(summary)["mission"]["disk_bytes"], 42 << 20);
+  summary.mission.set_asleep(true);
+  EXPECT_THAT(FormatSummary(summary), HasSubstr("42.0 MiB on disk\nIt was asleep until now\n"));
+  EXPECT_THAT(FormatMissions({summary.mission}), HasSubstr("        0.0       42.0 asleep\n"));
+  EXPECT_EQ(ToJson(summary)["mission"]["asleep"], true);
   summary.mission.set_damage("000012.sst: a block; delete the mission");
   EXPECT_THAT(FormatSummary(summary), HasSubstr("\nDAMAGED: 000012.sst: a block; delete the"));
   EXPECT_THAT(FormatMissions({summary.mission}), HasSubstr("damaged: see `corbslam mission show`"));
