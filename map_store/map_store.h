@@ -157,10 +157,18 @@ class MapStore {
   // Deletes the mission and fences the sessions in it. What it took of the disk is free when the
   // function returns, what it took of memory a moment later.
   absl::Status DeleteMission(absl::string_view mission);
+  // Deletes it if no session is open in it and `may`, which is called while nobody can write to the
+  // mission, returns OK. FAILED_PRECONDITION names who is connected.
+  absl::Status DeleteUnusedMission(absl::string_view mission,
+                                   const std::function<absl::Status()>& may);
+  absl::Status CheckNobodyConnected(absl::string_view mission) const;
   // Returns the mission as it is now, to be written to a file while the mission goes on.
   absl::StatusOr<MissionBackup> BackUpMission(absl::string_view mission) const;
   // Returns where a backup's pieces go; the restorer takes no more than the options' limit.
   MissionRestorer StartRestoring() const;
+  // Returns the error that RestoreMission would give of the name, or RESOURCE_EXHAUSTED if a backup
+  // of so many bytes is larger than is taken in, or than there is memory for.
+  absl::Status CheckRoomToRestore(const std::string& mission, uint64_t bytes) const;
   // Makes a mission of what a MissionRestorer has read, under a name that need not be the old one.
   // Its agents go on where the backup has them. The mission is durable when the function returns.
   // Returns ALREADY_EXISTS, or INVALID_ARGUMENT and RESOURCE_EXHAUSTED for content that would not

@@ -2,6 +2,7 @@
 
 #include "map_store/view/answers.h"
 #include "map_store/view/memory_estimate.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -59,14 +60,20 @@ bool Mission::IsVacant() const {
 }
 
 void Mission::Delete() {
+  DeleteIf([] { return absl::OkStatus(); }).IgnoreError();
+}
+
+absl::Status Mission::DeleteIf(const std::function<absl::Status()>& may) {
   {
     absl::MutexLock turn(&strand_.turn());
+    RETURN_IF_ERROR(may());
     strand_.MarkDeleted();
     fusion_.Stop();
   }
   // A snapshot that has begun must not be written after the deletion.
   snapshots_.WaitForEnd();
   CallListeners();
+  return absl::OkStatus();
 }
 
 void Mission::CallListeners() {

@@ -144,6 +144,13 @@ rocksdb::Status RocksDatabase::VerifyChecksums() const {
   return db->VerifyChecksum();
 }
 
+rocksdb::Status RocksDatabase::Lend(
+    const std::function<rocksdb::Status(rocksdb::DB& db, const GoesOn& goes_on)>& use) const {
+  const std::shared_ptr<rocksdb::DB> db = Use();
+  if (db == nullptr) return rocksdb::Status::Aborted("the journal is closed");
+  return use(*db, [this] { return !closing_.load() && !failed_.load(); });
+}
+
 rocksdb::Status RocksDatabase::Reopen() {
   absl::MutexLock lock(&mutex_);
   if (!failed_.load()) return rocksdb::Status::OK();

@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -64,6 +65,11 @@ class RocksDatabase {
   uint64_t BytesInMemory() const ABSL_LOCKS_EXCLUDED(mutex_);
   // Reads all files and compares them with their checksums.
   rocksdb::Status VerifyChecksums() const ABSL_LOCKS_EXCLUDED(mutex_);
+  // Gives the open database to `use`, which soon ends once `goes_on` says no: the database is about
+  // to be closed, or to be opened again after a failure.
+  using GoesOn = std::function<bool()>;
+  rocksdb::Status Lend(const std::function<rocksdb::Status(rocksdb::DB& db, const GoesOn& goes_on)>&
+                           use) const ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Calls `visit(key, value)` for all keys from `first` on, up to `end`.
   template <typename Visit>

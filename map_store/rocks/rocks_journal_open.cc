@@ -8,6 +8,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "map_store/rocks/journal_keys.h"
+#include "map_store/rocks/journal_scrubber.h"
 #include "map_store/rocks/journal_tidier.h"
 #include "map_store/rocks/journal_upgrade.h"
 #include "map_store/rocks/mission_header.h"
@@ -83,6 +84,8 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
   RETURN_IF_ERROR(journal->LoadMissions());
   journal->tidier_ =
       std::make_unique<JournalTidier>([made = journal.get()] { return made->OpenMissions(); });
+  journal->scrubber_ = std::make_unique<JournalScrubber>(
+      [made = journal.get()] { return made->OpenMissions(); }, options.scrub_bytes_per_s);
   return journal;
 }
 

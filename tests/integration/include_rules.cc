@@ -85,10 +85,12 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"mission", 7},
            {"map_store", 8},
            {"journal_check", 8},
+           {"map_store_backups", 9},
            {"map_store_damage", 9},
            {"map_store_lists", 9},
            {"map_store_localize", 9},
            {"map_store_lookups", 9},
+           {"stored_backups", 9},
        }},
       {"services",
        {

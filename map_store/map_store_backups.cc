@@ -1,0 +1,61 @@
+// Implements the part of MapStore that backups on a shelf need (stored_backups.h).
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/ingest/batch_validation.h"
+#include "map_store/map_store.h"
+#include "map_store/mission/memory_budget.h"
+#include "map_store/mission/mission.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+
+absl::Status MapStore::CheckRoomToRestore(const std::string& name, uint64_t bytes) const {
+  RETURN_IF_ERROR(map_store::ValidateName("mission", name));
+  if (bytes > options_.max_backup_bytes) {
+    return absl::ResourceExhaustedError(absl::StrCat("the backup has ", bytes, " bytes; the limit is ",
+                                                     options_.max_backup_bytes));
+  }
+  {
+    absl::MutexLock lock(&mutex_);
+    if (missions_.contains(name) || restoring_.contains(name)) {
+      return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
+    }
+    RETURN_IF_ERROR(CheckReadable(name));
+    RETURN_IF_ERROR(CheckRoomForMission());
+  }
+  // Coded features take about half of what they take in memory.
+  return memory_->Check("a stored backup", 3 * bytes);
+}
+
+absl::Status MapStore::CheckNobodyConnected(absl::string_view name) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(name));
+  absl::MutexLock lock(&mutex_);
+  for (const auto& [id, session] : sessions_) {
+    if (session.mission != mission) continue;
+    return absl::FailedPreconditionError(
+        absl::StrCat("agent ", session.agent, " is connected to mission ", name,
+                     ": stop it, and the others, first"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status MapStore::DeleteUnusedMission(absl::string_view name,
+                                           const std::function<absl::Status()>& may) {
+  absl::MutexLock deleting(&deletion_mutex_);
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(name));
+  RETURN_IF_ERROR(CheckNobodyConnected(name));
+  // From here on nothing is appended to the journal, so that what is deleted stays deleted.
+  RETURN_IF_ERROR(mission->DeleteIf(may));
+  RETURN_IF_ERROR(journal_->DeleteMission(name));
+  {
+    absl::MutexLock lock(&mutex_);
+    missions_.erase(std::string(name));
+  }
+  mission->CallListeners();
+  return absl::OkStatus();
+}
+
+}  // namespace corbslam::map_store
