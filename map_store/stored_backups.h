@@ -36,6 +36,8 @@ class StoredBackups {
   // Returns backups of one mission, or of all (empty name), by mission, then by number.
   absl::StatusOr<Page<StoredBackup>> List(absl::string_view mission,
                                           const PageRequest& request) const;
+  // Does what BackupShelf::Interrupt does.
+  void Interrupt() { shelf_->Interrupt(); }
   // Compares all of it with its checksums.
   absl::StatusOr<StoredBackup> Verify(const std::string& mission, uint32_t number) const;
   // Makes a mission of the backup, under any name that is free, as MapStore::RestoreMission does

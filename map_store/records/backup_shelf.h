@@ -45,6 +45,8 @@ class BackupShelf {
   // that failed has left behind is removed.
   virtual absl::StatusOr<StoredBackup> Store(absl::string_view mission,
                                              const BackupFacts& facts) = 0;
+  // Ends what is being made, and refuses more, with ABORTED: the process is about to end.
+  virtual void Interrupt() = 0;
   // Returns whether nothing was written of the mission since that backup. False where there is no
   // such backup, or no such mission.
   virtual bool IsCurrent(const StoredBackup& backup) const = 0;

@@ -82,6 +82,7 @@ absl::StatusOr<StoredBackup> BackupFolder::Store(absl::string_view mission,
   // Else an empty folder would be left of a mission that there is not.
   RETURN_IF_ERROR(journal_->Mark(mission).status());
   absl::MutexLock writing(&writing_);
+  if (interrupted_) return absl::AbortedError("the store is about to end");
   const std::string folder = FolderOf(mission);
   ASSIGN_OR_RETURN(const std::unique_ptr<rocksdb::BackupEngine> engine,
                    OpenToWrite(folder, options_));
@@ -117,7 +118,7 @@ absl::StatusOr<uint32_t> BackupFolder::Write(rocksdb::BackupEngine& engine,
         // Tables are shared with other backups, and a log is not.
         how.flush_before_backup = true;
         how.progress_callback = [&] {
-          if (!goes_on()) engine.StopBackup();
+          if (interrupted_ || !goes_on()) engine.StopBackup();
         };
         // Its errors may be the backups' disk's, which say nothing of the mission.
         made = engine.CreateNewBackupWithMetadata(how, &db, Encode(note), &number);

@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_MAP_STORE_ROCKS_BACKUP_FOLDER_H_
 #define CORBSLAM_MAP_STORE_ROCKS_BACKUP_FOLDER_H_
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <set>
@@ -31,6 +32,7 @@ class BackupFolder : public BackupShelf {
   static std::unique_ptr<BackupFolder> OpenToLook(const BackupOptions& options);
 
   absl::StatusOr<StoredBackup> Store(absl::string_view mission, const BackupFacts& facts) override;
+  void Interrupt() override { interrupted_ = true; }
   bool IsCurrent(const StoredBackup& backup) const override;
   absl::Status Purge(absl::string_view mission, size_t keep) override;
   absl::Status Remove(absl::string_view mission, uint32_t number) override;
@@ -65,6 +67,7 @@ class BackupFolder : public BackupShelf {
 
   const RocksJournal* const journal_;
   const BackupOptions options_;
+  std::atomic<bool> interrupted_ = false;
   // Held while something is written: the engine wants one writer.
   absl::Mutex writing_;
   mutable absl::Mutex held_mutex_;
