@@ -6,10 +6,9 @@
 #include <filesystem>
 #include <system_error>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
-#include "map_store/rocks/backup_reader.h"
+#include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "slam/util/program_version.h"
@@ -18,23 +17,8 @@
 namespace corbslam::map_store {
 namespace {
 
-// Returns the folder without links and dots, as far as it is there.
-std::string Resolve(const std::string& path) {
-  std::error_code error;
-  const std::filesystem::path found = std::filesystem::weakly_canonical(path, error);
-  std::string text = (error ? std::filesystem::absolute(path, error) : found).string();
-  while (text.size() > 1 && text.back() == '/') text.pop_back();
-  return text;
-}
-
-bool Holds(const std::string& outer, const std::string& inner) {
-  return inner == outer || absl::StartsWith(inner, outer == "/" ? outer : outer + "/");
-}
-
 absl::Status CheckApart(const std::string& backups, const std::string& data) {
-  const std::string here = Resolve(backups);
-  const std::string there = Resolve(data);
-  if (!Holds(here, there) && !Holds(there, here)) return absl::OkStatus();
+  if (!IsWithin(backups, data) && !IsWithin(data, backups)) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrCat("--backup-dir is ", backups, ", and --data-dir is ", data,
                    ": neither may be in the other; what loses the one would lose both. Take "

@@ -29,21 +29,16 @@ absl::StatusOr<std::unique_ptr<Journal>> BackupReader::Open(const std::string& m
 
 BackupReader::BackupReader(std::string mission, std::unique_ptr<MissionJournal> journal,
                            std::shared_ptr<const void> keep)
-    : mission_(std::move(mission)), keep_(std::move(keep)), journal_(std::move(journal)) {}
+    : ReadOnlyJournal(std::move(mission)), keep_(std::move(keep)), journal_(std::move(journal)) {}
 
 BackupReader::~BackupReader() = default;
 
-absl::StatusOr<Journal::Position> BackupReader::Recover(absl::string_view mission,
+absl::StatusOr<Journal::Position> BackupReader::Recover(absl::string_view name,
                                                         const Replay& replay) const {
-  if (mission == mission_) return journal_->Recover(replay);
-  return absl::NotFoundError(absl::StrCat("the backup is of mission ", mission_));
+  if (name == mission()) return journal_->Recover(replay);
+  return absl::NotFoundError(absl::StrCat("the backup is of mission ", mission()));
 }
 
 absl::Status BackupReader::Damage(absl::string_view) const { return journal_->Damage(); }
-
-absl::Status BackupReader::OnlyRead() const {
-  return absl::FailedPreconditionError(
-      absl::StrCat("a backup of mission ", mission_, " is only read"));
-}
 
 }  // namespace corbslam::map_store

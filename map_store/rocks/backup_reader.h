@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "map_store/records/journal.h"
+#include "map_store/rocks/read_only_journal.h"
 
 namespace rocksdb {
 class Env;
@@ -16,8 +17,8 @@ class Env;
 namespace corbslam::map_store {
 class MissionJournal;
 
-// Has one mission, and takes nothing in: FAILED_PRECONDITION. Thread-safe.
-class BackupReader : public Journal {
+// Thread-safe.
+class BackupReader : public ReadOnlyJournal {
  public:
   // Opens the database at `path`, as `env` has it, which `keep` keeps alive as long as the result
   // lives. DATA_LOSS names what is damaged.
@@ -26,31 +27,13 @@ class BackupReader : public Journal {
                                                        std::shared_ptr<const void> keep);
   ~BackupReader() override;
 
-  void Prepare(BatchRecord&) const override {}
-  void Prepare(AdjustRecord&) const override {}
-  absl::StatusOr<Position> Append(absl::string_view, const JournalRecord&) override {
-    return OnlyRead();
-  }
-  absl::Status Sync(absl::string_view, Position) override { return OnlyRead(); }
-  bool WantsSnapshot(absl::string_view) const override { return false; }
-  absl::Status WriteSnapshot(absl::string_view, const JournalSnapshot&) override {
-    return OnlyRead();
-  }
-  absl::Status CreateMission(absl::string_view, const MissionState&) override { return OnlyRead(); }
-  absl::StatusOr<std::vector<std::string>> ListMissions() const override {
-    return std::vector<std::string>{mission_};
-  }
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override;
-  absl::Status DeleteMission(absl::string_view) override { return OnlyRead(); }
-  absl::Status CheckWritable() override { return OnlyRead(); }
   absl::Status Damage(absl::string_view mission) const override;
 
  private:
   BackupReader(std::string mission, std::unique_ptr<MissionJournal> journal,
                std::shared_ptr<const void> keep);
-  absl::Status OnlyRead() const;
 
-  const std::string mission_;
   // Declared first, so that it goes last.
   const std::shared_ptr<const void> keep_;
   const std::unique_ptr<MissionJournal> journal_;

@@ -29,8 +29,10 @@ std::shared_ptr<rocksdb::Cache> MakeBlockCache();
 // (its Resume() may go on failing when there is room again). Thread-safe.
 class RocksDatabase {
  public:
-  // How it is opened. What only reads writes nothing at all, and takes no lock.
-  enum class Mode { kMake, kOpen, kOnlyRead };
+  // How it is opened. What only reads writes nothing at all, and takes no lock. kSalvage does so
+  // too, and takes a log up to its first damaged place; kBestEfforts writes, wants no list of files
+  // that is whole, and leaves out what newer files than the lost ones hold, and all of the log.
+  enum class Mode { kMake, kOpen, kOnlyRead, kSalvage, kBestEfforts };
 
   // `env` (not owned) may be null: then it is the system's.
   RocksDatabase(std::string directory, rocksdb::Env* env, std::shared_ptr<rocksdb::Cache> cache)

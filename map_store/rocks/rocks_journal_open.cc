@@ -16,6 +16,7 @@
 #include "map_store/rocks/rocks_database.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "slam/util/lock_holder.h"
+#include "slam/util/program_version.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -104,7 +105,10 @@ absl::Status RocksJournal::OpenGuard() {
   }
   if (!folder_.exists()) return MakeFolders(format.ok() ? *format : 0);
   // Once there is a folder of missions, the guard has nothing that could be lost.
-  return format.ok() && *format > kLastSharedFormat ? absl::OkStatus() : MakeGuard();
+  if (!format.ok() || *format <= kLastSharedFormat) return MakeGuard();
+  std::string program;
+  const bool is_known = guard_->Get(map_store::ProgramKey(), &program).ok();
+  return is_known && program == CorbslamVersion() ? absl::OkStatus() : WriteGuard();
 }
 
 absl::Status RocksJournal::MakeFolders(uint32_t format) {
@@ -140,7 +144,9 @@ absl::StatusOr<uint32_t> RocksJournal::ReadGuard() {
   const rocksdb::Status found = guard_->Get(map_store::FormatKey(), &bytes);
   if (found.IsNotFound()) return absl::NotFoundError("no format");
   if (!found.ok()) return absl::DataLossError(found.ToString());
-  return CheckFormat(bytes);
+  std::string program;
+  if (!guard_->Get(map_store::ProgramKey(), &program).ok()) program.clear();
+  return CheckFormat(bytes, program);
 }
 
 absl::Status RocksJournal::MakeGuard() {
@@ -156,6 +162,7 @@ absl::Status RocksJournal::MakeGuard() {
 absl::Status RocksJournal::WriteGuard() {
   rocksdb::WriteBatch batch;
   batch.Put(map_store::FormatKey(), EncodeFormat());
+  batch.Put(map_store::ProgramKey(), CorbslamVersion());
   const rocksdb::Status written = guard_->Write(batch, true);
   if (written.ok()) return absl::OkStatus();
   return absl::FailedPreconditionError(

@@ -85,6 +85,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"mission", 7},
            {"map_store", 8},
            {"journal_check", 8},
+           {"journal_repair", 8},
            {"map_store_backups", 9},
            {"map_store_damage", 9},
            {"map_store_lists", 9},
