@@ -77,6 +77,21 @@ absl::StatusOr<MissionState> ReadState(SalvagedJournal& journal, const std::stri
   return std::move(strand.mutable_state());
 }
 
+// Reads what there is; where nothing can be read, what files hold that are older than the lost ones.
+absl::StatusOr<MissionState> Salvage(const std::string& path, const std::string& mission,
+                                     const std::string& scratch, SalvageReport& report) {
+  using Way = SalvagedJournal::Way;
+  MissionState state;
+  for (const Way way : {Way::kAsItIs, Way::kBestEfforts}) {
+    ASSIGN_OR_RETURN(const std::unique_ptr<SalvagedJournal> journal,
+                     SalvagedJournal::Open(mission, path, scratch, way));
+    ASSIGN_OR_RETURN(state, ReadState(*journal, mission));
+    report = journal->report();
+    if (!state.local_maps.empty() || !report.not_opened.ok()) break;
+  }
+  return state;
+}
+
 absl::StatusOr<uint64_t> WriteBackup(const MissionState& state, const std::string& path) {
   MissionBackup backup(state);
   // What can't be read back is no backup.
@@ -123,12 +138,10 @@ absl::StatusOr<RepairReport> RepairMission(const std::string& directory, const s
                                            const std::string& file) {
   ASSIGN_OR_RETURN(const std::unique_ptr<FolderLock> lock, FolderLock::Take(directory));
   RETURN_IF_ERROR(CheckPaths(directory, mission, file));
-  ASSIGN_OR_RETURN(const std::unique_ptr<SalvagedJournal> journal,
-                   SalvagedJournal::Open(mission, JournalFolder(directory).PathOf(mission),
-                                         file + ".scratch"));
-  ASSIGN_OR_RETURN(MissionState state, ReadState(*journal, mission));
   RepairReport report;
-  report.salvage = journal->report();
+  ASSIGN_OR_RETURN(MissionState state,
+                   Salvage(JournalFolder(directory).PathOf(mission), mission, file + ".scratch",
+                           report.salvage));
   if (state.local_maps.empty()) {
     return absl::DataLossError(absl::StrCat(
         "nothing of mission ", mission, " can be had: ",

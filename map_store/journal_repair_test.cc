@@ -82,7 +82,8 @@ TEST_F(JournalRepairTest, OfAWholeMissionNothingIsLost) {
 TEST_F(JournalRepairTest, KeyframesWithoutFeaturesAreLeftOutAndNamed) {
   const auto features = Files("m", ".blob");
   ASSERT_FALSE(features.empty());
-  Spoil(features.front());
+  // Features come first in it: their keys are the least.
+  Spoil(features.front(), 64, 0.1);
   const auto report = Repair();
   ASSERT_TRUE(report.ok()) << report.status();
   EXPECT_GT(report->left_out, 0u);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
@@ -44,11 +45,10 @@ absl::StatusOr<std::unique_ptr<BackupFolder>> BackupFolder::Open(const RocksJour
     return absl::UnavailableError(
         absl::StrCat("--backup-dir ", options.directory, ": ", error.message()));
   }
-  return std::unique_ptr<BackupFolder>(new BackupFolder(journal, options));
-}
-
-std::unique_ptr<BackupFolder> BackupFolder::OpenToLook(const BackupOptions& options) {
-  return std::unique_ptr<BackupFolder>(new BackupFolder(nullptr, options));
+  // RocksDB opens a backup's database by an absolute path only.
+  BackupOptions absolute = options;
+  absolute.directory = std::filesystem::absolute(options.directory, error).string();
+  return std::unique_ptr<BackupFolder>(new BackupFolder(journal, std::move(absolute)));
 }
 
 std::string BackupFolder::FolderOf(absl::string_view mission) const {
@@ -62,7 +62,6 @@ std::string BackupFolder::PlaceOf(absl::string_view mission, uint32_t number) co
 absl::StatusOr<StoredBackup> BackupFolder::Store(absl::string_view mission,
                                                  const BackupFacts& facts) {
   RETURN_IF_ERROR(CheckBackupName(mission));
-  if (journal_ == nullptr) return absl::FailedPreconditionError("this folder is only read");
   // Else an empty folder would be left of a mission that there is not.
   RETURN_IF_ERROR(journal_->Mark(mission).status());
   absl::MutexLock writing(&writing_);
@@ -117,13 +116,11 @@ absl::StatusOr<uint32_t> BackupFolder::Write(rocksdb::BackupEngine& engine,
 }
 
 bool BackupFolder::IsStillThere(absl::string_view mission, const BackupNote& note) const {
-  if (journal_ == nullptr) return false;
   const absl::StatusOr<DatabaseMark> mark = journal_->Mark(mission);
   return mark.ok() && mark->identity == note.mark.identity;
 }
 
 bool BackupFolder::IsCurrent(const StoredBackup& backup) const {
-  if (journal_ == nullptr) return false;
   const auto engine = OpenToRead(FolderOf(backup.mission));
   if (!engine.ok()) return false;
   const auto info = ReadInfo(**engine, backup.mission, backup.number);

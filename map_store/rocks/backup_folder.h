@@ -28,8 +28,6 @@ class BackupFolder : public BackupShelf {
   // journal's folder, or the other way round. UNAVAILABLE: nothing can be written there.
   static absl::StatusOr<std::unique_ptr<BackupFolder>> Open(const RocksJournal* journal,
                                                             const BackupOptions& options);
-  // Likewise of a folder that is only read; there is no journal.
-  static std::unique_ptr<BackupFolder> OpenToLook(const BackupOptions& options);
 
   absl::StatusOr<StoredBackup> Store(absl::string_view mission, const BackupFacts& facts) override;
   void Interrupt() override { interrupted_ = true; }

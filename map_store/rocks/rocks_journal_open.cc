@@ -108,7 +108,9 @@ absl::Status RocksJournal::OpenGuard() {
   if (!format.ok() || *format <= kLastSharedFormat) return MakeGuard();
   std::string program;
   const bool is_known = guard_->Get(map_store::ProgramKey(), &program).ok();
-  return is_known && program == CorbslamVersion() ? absl::OkStatus() : WriteGuard();
+  // Nothing depends on it.
+  if (!is_known || program != CorbslamVersion()) WriteGuard().IgnoreError();
+  return absl::OkStatus();
 }
 
 absl::Status RocksJournal::MakeFolders(uint32_t format) {

@@ -56,9 +56,11 @@ absl::Status CheckRoomForCopy(const std::string& path, const std::string& scratc
 
 absl::StatusOr<std::unique_ptr<SalvagedJournal>> SalvagedJournal::Open(const std::string& mission,
                                                                        const std::string& path,
-                                                                       const std::string& scratch) {
+                                                                       const std::string& scratch,
+                                                                       Way way) {
   std::unique_ptr<SalvagedJournal> journal(new SalvagedJournal(mission, scratch));
-  RETURN_IF_ERROR(journal->OpenDatabase(path));
+  journal->report_.not_opened = absl::DataLossError("some of its files are lost");
+  RETURN_IF_ERROR(way == Way::kAsItIs ? journal->OpenDatabase(path) : journal->OpenCopy(path));
   journal->report_.durable = ReadDurableMark(path);
   return journal;
 }
@@ -81,8 +83,8 @@ absl::Status SalvagedJournal::OpenDatabase(const std::string& path) {
     const absl::StatusOr<uint32_t> known = CheckFormat(format);
     if (absl::IsFailedPrecondition(known.status())) return known.status();
   }
+  report_.not_opened = opened.ok() ? absl::OkStatus() : absl::DataLossError(opened.ToString());
   if (opened.ok()) return absl::OkStatus();
-  report_.not_opened = absl::DataLossError(opened.ToString());
   return OpenCopy(path);
 }
 

@@ -36,12 +36,17 @@ struct SalvageReport {
 // replay's functions ends it as damage does. One thread uses it.
 class SalvagedJournal : public ReadOnlyJournal {
  public:
+  // kAsItIs turns to kBestEfforts by itself where nothing can be opened; where something can, and
+  // still nothing be read, the caller does.
+  enum class Way { kAsItIs, kBestEfforts };
+
   // Opens the mission's folder `path`, of which nothing is changed. Where that needs a copy it is
   // made in `scratch`, which must not be there, and is removed with the result. DATA_LOSS: nothing
   // can be opened.
   static absl::StatusOr<std::unique_ptr<SalvagedJournal>> Open(const std::string& mission,
                                                                const std::string& path,
-                                                               const std::string& scratch);
+                                                               const std::string& scratch,
+                                                               Way way);
   ~SalvagedJournal() override;
 
   // Returns the position of the last record that was applied; no error but that nothing at all is

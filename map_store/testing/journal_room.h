@@ -74,17 +74,18 @@ class JournalRoom : public ::testing::Test {
     std::sort(files.begin(), files.end());
     return files;
   }
-  // Turns all bits of so many bytes in the file's middle.
-  static void Spoil(const std::filesystem::path& file, uint64_t count = 64) {
+  // Turns all bits of so many bytes that far into the file.
+  static void Spoil(const std::filesystem::path& file, uint64_t count = 64, double share = 0.5) {
     std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
-    const auto middle = static_cast<std::streamoff>(std::filesystem::file_size(file) / 2);
+    const auto place = static_cast<std::streamoff>(
+        share * static_cast<double>(std::filesystem::file_size(file)));
     std::string bytes(count, '\0');
-    stream.seekg(middle);
+    stream.seekg(place);
     stream.read(bytes.data(), static_cast<std::streamsize>(count));
     const std::streamsize read = stream.gcount();
     for (char& byte : bytes) byte = static_cast<char>(~byte);
     stream.clear();
-    stream.seekp(middle);
+    stream.seekp(place);
     stream.write(bytes.data(), read);
   }
 
