@@ -246,12 +246,12 @@ absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
   absl::MutexLock deleting(&deletion_mutex_);
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission,
                    directory_->BeginDeletion(mission_name, life));
+  // From here on nothing is appended to the journal, so that what is deleted stays deleted.
+  if (mission != nullptr) mission->Delete();
   return EndLife(mission_name, mission);
 }
 
 absl::Status MapStore::EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission) {
-  // From here on nothing is appended to the journal, so that what is deleted stays deleted.
-  if (mission != nullptr) mission->Delete();
   const absl::Status deleted = journal_->DeleteMission(name);
   directory_->EndDeletion(name, deleted.ok());
   RETURN_IF_ERROR(deleted);
@@ -271,6 +271,10 @@ MissionRestorer MapStore::StartRestoring() const {
   return MissionRestorer(options_.max_backup_bytes, [this](uint64_t bytes) {
     return memory_->Check("a backup's piece", bytes);
   });
+}
+
+absl::Status MapStore::CheckRoomForMission() const {
+  return CheckRoom(directory_->Count(), options_);
 }
 
 absl::Status MapStore::ReserveName(const std::string& name) {

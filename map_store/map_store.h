@@ -182,6 +182,14 @@ class MapStore {
   // Deletes the mission and fences the sessions in it. What it took of the disk is free when the
   // function returns, what it took of memory a moment later.
   absl::Status DeleteMission(absl::string_view mission);
+  // Deletes it if no session is open in it and `may`, which is called while nobody can write to the
+  // mission, returns OK. FAILED_PRECONDITION names who is connected.
+  absl::Status DeleteUnusedMission(absl::string_view mission,
+                                   const std::function<absl::Status()>& may);
+  absl::Status CheckNobodyConnected(absl::string_view mission) const;
+  // Keeps the mission in memory for as long as the caller holds what this returns, which waits
+  // until it is awake.
+  absl::StatusOr<std::shared_ptr<const void>> HoldAwake(absl::string_view mission) const;
 
   // Missions that nobody uses leave memory (MapStoreOptions::sleep_after_s): ListMissions,
   // GetMission and ListLoads answer from what they fell asleep with, and whatever else needs one
@@ -212,6 +220,9 @@ class MapStore {
   absl::StatusOr<MissionBackup> BackUpMission(absl::string_view mission) const;
   // Returns where a backup's pieces go; the restorer takes no more than the options' limit.
   MissionRestorer StartRestoring() const;
+  // Returns the error that RestoreMission would give of the name, or RESOURCE_EXHAUSTED if a backup
+  // of so many bytes is larger than is taken in, or than there is memory for.
+  absl::Status CheckRoomToRestore(const std::string& mission, uint64_t bytes) const;
   // Makes a mission of what a MissionRestorer has read, under a name that need not be the old one.
   // Its agents go on where the backup has them. The mission is durable when the function returns.
   // Returns ALREADY_EXISTS, or INVALID_ARGUMENT and RESOURCE_EXHAUSTED for content that would not
@@ -282,12 +293,13 @@ class MapStore {
   // Returns the mission, for somebody who uses it: it stays in memory for as long as the caller
   // holds it.
   absl::StatusOr<std::shared_ptr<Mission>> FindMission(absl::string_view name) const;
+  absl::Status CheckRoomForMission() const;
   // Keeps a new mission's name free of others until MissionDirectory::EndMaking.
   absl::Status ReserveName(const std::string& name);
   // Deletes the mission, if its retention has passed still.
   void Expire(const std::string& name) ABSL_LOCKS_EXCLUDED(deletion_mutex_, mutex_);
-  // Deletes it for good, after MissionDirectory::BeginDeletion; `mission` is null if it is on the
-  // disk alone.
+  // Deletes for good what was told of its end (Mission::Delete), after
+  // MissionDirectory::BeginDeletion; `mission` is null if it is on the disk alone.
   absl::Status EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_) ABSL_LOCKS_EXCLUDED(mutex_);
   // Registers a session in the mission, which is made if there is none. Returns the session's id.
@@ -333,6 +345,7 @@ class MapStore {
   // A deletion holds this lock from its beginning to its end.
   absl::Mutex deletion_mutex_;
   mutable absl::Mutex mutex_;
+  ExpiryListener expiry_listener_ ABSL_GUARDED_BY(mutex_);
   std::map<uint64_t, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   uint64_t next_session_ ABSL_GUARDED_BY(mutex_) = 1;
 };

@@ -92,6 +92,7 @@ void MapStore::Expire(const std::string& name) {
         name, [this](const KnownMission& now) { return IsOutdated(now, clock_()); });
     if (!known.has_value()) return;
     profile = ProfileOf(*known);
+    if (known->mission != nullptr) known->mission->Delete();
     deleted = EndLife(name, known->mission);
   }
   ExpiryListener listener;

@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/view/answers.h"
 #include "map_store/view/memory_estimate.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -100,14 +101,20 @@ MissionSummary Mission::Summarise() const {
 }
 
 void Mission::Delete() {
+  DeleteIf([] { return absl::OkStatus(); }).IgnoreError();
+}
+
+absl::Status Mission::DeleteIf(const std::function<absl::Status()>& may) {
   {
     absl::MutexLock turn(&strand_.turn());
+    RETURN_IF_ERROR(may());
     strand_.MarkDeleted();
     fusion_.Stop();
   }
   // A snapshot that has begun must not be written after the deletion.
   snapshots_.WaitForEnd();
   CallListeners();
+  return absl::OkStatus();
 }
 
 void Mission::CallListeners() {

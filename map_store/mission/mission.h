@@ -69,6 +69,8 @@ class Mission {
 
   // Ends everything: sessions are fenced, jobs cancelled, nothing is written any more.
   void Delete();
+  // Does so if `may`, which is called while nothing can be written, returns OK; else nothing.
+  absl::Status DeleteIf(const std::function<absl::Status()>& may);
   // Calls all who listen: they find out what has become of the mission.
   void CallListeners();
 

@@ -25,6 +25,15 @@ absl::Status Failed(absl::string_view path, absl::string_view what, const std::e
   return absl::UnavailableError(message);
 }
 
+// Returns the path without links and dots, as far as it is there.
+std::string ResolvePath(const std::string& path) {
+  std::error_code error;
+  const fs::path found = fs::weakly_canonical(path, error);
+  std::string text = (error ? fs::absolute(path, error) : found).string();
+  while (text.size() > 1 && text.back() == '/') text.pop_back();
+  return text;
+}
+
 std::error_code LastError() { return {errno, std::generic_category()}; }
 
 }  // namespace
@@ -36,6 +45,12 @@ absl::Status SyncFolder(const std::string& path) {
   const std::error_code error = LastError();
   close(folder);
   return synced ? absl::OkStatus() : Failed(path, "can't be synced", error);
+}
+
+bool IsWithin(const std::string& outer, const std::string& inner) {
+  const std::string from = ResolvePath(outer);
+  const std::string path = ResolvePath(inner);
+  return path == from || absl::StartsWith(path, from == "/" ? from : from + "/");
 }
 
 uint64_t BytesIn(const std::string& path) {

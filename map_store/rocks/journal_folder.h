@@ -46,6 +46,10 @@ class JournalFolder {
 // Makes the names in a folder outlive a power cut.
 absl::Status SyncFolder(const std::string& path);
 
+// Returns whether `inner` is the folder `outer`, or lies in it, whatever links and dots their names
+// have. Neither need be there.
+bool IsWithin(const std::string& outer, const std::string& inner);
+
 // Returns how many bytes the folder's files have, those of folders in it included.
 uint64_t BytesIn(const std::string& path);
 

@@ -36,6 +36,8 @@ std::string EndOfPrefix(std::string prefix) {
 
 std::string FormatKey() { return std::string(1, static_cast<char>(JournalPart::kFormat)); }
 
+std::string ProgramKey() { return std::string(1, static_cast<char>(JournalPart::kProgram)); }
+
 std::string MissionKey(std::string_view mission) {
   return MissionPrefix(JournalPart::kMission, mission);
 }

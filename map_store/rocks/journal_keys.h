@@ -13,6 +13,7 @@ namespace corbslam::map_store {
 
 enum class JournalPart : char {
   kFormat = 'F',
+  kProgram = 'P',
   kMission = 'M',
   kRecord = 'R',
   kSnapshot = 'S',
@@ -25,6 +26,8 @@ std::string MissionPrefix(JournalPart part, std::string_view mission);
 std::string EndOfPrefix(std::string prefix);
 
 std::string FormatKey();
+// Of the version of the program that had the guard open last.
+std::string ProgramKey();
 std::string MissionKey(std::string_view mission);
 std::string RecordKey(std::string_view mission, uint64_t position);
 std::string SnapshotKey(std::string_view mission, uint64_t position, uint32_t chunk);

@@ -24,6 +24,9 @@ struct RocksJournalOptions {
   // True: the folder must be there, in this program's format, and nothing of its missions is
   // changed, nor can be. Their logs are read, and stay as they are.
   bool only_read = false;
+  // So many bytes of all missions' files a second are read again and compared with their checksums,
+  // over and over; 0: none.
+  uint64_t scrub_bytes_per_s = 0;
   // False: Sync returns at once, for measurements, and to show that tests of durability would fail.
   bool sync = true;
   // Not owned; null: the system's. Tests put a faulty one here.

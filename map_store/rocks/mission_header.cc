@@ -2,10 +2,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/archive.h"
+#include "slam/util/program_version.h"
 
 namespace corbslam::map_store {
 
-absl::StatusOr<uint32_t> CheckFormat(std::string_view bytes) {
+absl::StatusOr<uint32_t> CheckFormat(std::string_view bytes, std::string_view written_by) {
   ArchiveReader reader(bytes);
   uint32_t format = 0;
   reader(format);
@@ -13,9 +14,12 @@ absl::StatusOr<uint32_t> CheckFormat(std::string_view bytes) {
     return absl::DataLossError("its format's number is damaged");
   }
   if (format >= kOldestJournalFormat && format <= kJournalFormat) return format;
-  return absl::FailedPreconditionError(absl::StrCat("it has format ", format,
-                                                    ", this program reads ", kOldestJournalFormat,
-                                                    " to ", kJournalFormat));
+  return absl::FailedPreconditionError(absl::StrCat(
+      "it has format ", format, ", written by ",
+      written_by.empty() ? "a program of an unknown version"
+                         : absl::StrCat("version ", std::string(written_by)),
+      "; this program is version ", CorbslamVersion(), " and reads ", kOldestJournalFormat, " to ",
+      kJournalFormat, format > kJournalFormat ? ": start the newer program" : ""));
 }
 
 std::string EncodeFormat() {

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,10 +17,12 @@
 #include "absl/time/time.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/records/journal.h"
+#include "map_store/rocks/backup_note.h"
 #include "map_store/rocks/journal_options.h"
 #include "map_store/rocks/mission_contents.h"
 
 namespace rocksdb {
+class DB;
 class Status;
 }  // namespace rocksdb
 
@@ -62,6 +65,17 @@ class MissionJournal {
   absl::Status Settle();
   // Compares all files with their checksums, and decodes all that is in them.
   absl::Status Verify() const;
+  // Returns how much of the mission was written; nothing but writing changes it.
+  absl::StatusOr<DatabaseMark> Mark() const;
+  // Gives the mission's database to `use` (RocksDatabase::Lend); DATA_LOSS if it is damaged.
+  absl::Status Lend(
+      const std::function<rocksdb::Status(rocksdb::DB& db, const std::function<bool()>& goes_on)>&
+          use) const;
+  // Reads what lies from the key `from` on, about `max_bytes`, and sets `from` to where to go on;
+  // empty: that was all. DATA_LOSS, which is remembered, for what does not fit its checksum.
+  // Returns how many bytes were read.
+  absl::StatusOr<uint64_t> Scrub(uint64_t max_bytes, std::string& from) const;
+  const std::string& name() const { return name_; }
   // Ends all that goes on with the files. From here on everything fails.
   void Close() ABSL_LOCKS_EXCLUDED(marking_);
 

@@ -85,7 +85,13 @@ rocksdb::Status RocksDatabase::OpenLocked(Mode mode) {
   rocksdb::DB* opened = nullptr;
   rocksdb::Options options = MakeOptions(env_, cache_);
   options.create_if_missing = mode == Mode::kMake;
-  const rocksdb::Status status = mode == Mode::kOnlyRead
+  if (mode == Mode::kSalvage) {
+    options.wal_recovery_mode = rocksdb::WALRecoveryMode::kPointInTimeRecovery;
+    options.paranoid_checks = false;
+  }
+  options.best_efforts_recovery = mode == Mode::kBestEfforts;
+  const bool only_reads = mode == Mode::kOnlyRead || mode == Mode::kSalvage;
+  const rocksdb::Status status = only_reads
                                      ? rocksdb::DB::OpenForReadOnly(options, directory_, &opened)
                                      : rocksdb::DB::Open(options, directory_, &opened);
   if (!status.ok()) return status;
@@ -142,6 +148,13 @@ rocksdb::Status RocksDatabase::VerifyChecksums() const {
   const std::shared_ptr<rocksdb::DB> db = Use();
   if (db == nullptr) return rocksdb::Status::Aborted("the journal is closed");
   return db->VerifyChecksum();
+}
+
+rocksdb::Status RocksDatabase::Lend(
+    const std::function<rocksdb::Status(rocksdb::DB& db, const GoesOn& goes_on)>& use) const {
+  const std::shared_ptr<rocksdb::DB> db = Use();
+  if (db == nullptr) return rocksdb::Status::Aborted("the journal is closed");
+  return use(*db, [this] { return !closing_.load() && !failed_.load(); });
 }
 
 rocksdb::Status RocksDatabase::Reopen() {

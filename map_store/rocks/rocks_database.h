@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -28,8 +29,10 @@ std::shared_ptr<rocksdb::Cache> MakeBlockCache();
 // (its Resume() may go on failing when there is room again). Thread-safe.
 class RocksDatabase {
  public:
-  // How it is opened. What only reads writes nothing at all, and takes no lock.
-  enum class Mode { kMake, kOpen, kOnlyRead };
+  // How it is opened. What only reads writes nothing at all, and takes no lock. kSalvage does so
+  // too, and takes a log up to its first damaged place; kBestEfforts writes, wants no list of files
+  // that is whole, and leaves out what newer files than the lost ones hold, and all of the log.
+  enum class Mode { kMake, kOpen, kOnlyRead, kSalvage, kBestEfforts };
 
   // `env` (not owned) may be null: then it is the system's.
   RocksDatabase(std::string directory, rocksdb::Env* env, std::shared_ptr<rocksdb::Cache> cache)
@@ -64,6 +67,11 @@ class RocksDatabase {
   uint64_t BytesInMemory() const ABSL_LOCKS_EXCLUDED(mutex_);
   // Reads all files and compares them with their checksums.
   rocksdb::Status VerifyChecksums() const ABSL_LOCKS_EXCLUDED(mutex_);
+  // Gives the open database to `use`, which soon ends once `goes_on` says no: the database is about
+  // to be closed, or to be opened again after a failure.
+  using GoesOn = std::function<bool()>;
+  rocksdb::Status Lend(const std::function<rocksdb::Status(rocksdb::DB& db, const GoesOn& goes_on)>&
+                           use) const ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Calls `visit(key, value)` for all keys from `first` on, up to `end`.
   template <typename Visit>

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/state_archive.h"
+#include "map_store/rocks/journal_scrubber.h"
 #include "map_store/rocks/journal_tidier.h"
 #include "map_store/rocks/mission_journal.h"
 #include "map_store/rocks/rocks_database.h"
@@ -53,7 +54,9 @@ uint64_t SizeOf(const BatchBytes& bytes) {
 
 RocksJournal::~RocksJournal() {
   if (tidier_ != nullptr) tidier_->Stop();
+  if (scrubber_ != nullptr) scrubber_->Stop();
   for (const MissionPtr& mission : OpenMissions()) mission->Close();
+  scrubber_.reset();
   tidier_.reset();
 }
 
@@ -190,6 +193,27 @@ uint64_t RocksJournal::DiskBytes(absl::string_view mission) const {
 absl::Status RocksJournal::Verify(absl::string_view mission) const {
   ASSIGN_OR_RETURN(const MissionPtr found, FindMission(mission));
   return found->Verify();
+}
+
+absl::StatusOr<DatabaseMark> RocksJournal::Mark(absl::string_view mission) const {
+  ASSIGN_OR_RETURN(const MissionPtr found, FindMission(mission));
+  return found->Mark();
+}
+
+absl::Status RocksJournal::Lend(
+    absl::string_view mission,
+    const std::function<rocksdb::Status(rocksdb::DB& db, const std::function<bool()>& goes_on)>&
+        use) const {
+  ASSIGN_OR_RETURN(const MissionPtr found, FindMission(mission));
+  return found->Lend(use);
+}
+
+ScrubCounts RocksJournal::scrub_counts() const {
+  return scrubber_ != nullptr ? scrubber_->counts() : ScrubCounts();
+}
+
+void RocksJournal::ScrubNow() {
+  if (scrubber_ != nullptr) scrubber_->RunRound([](uint64_t) { return true; });
 }
 
 }  // namespace corbslam::map_store

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -21,13 +22,17 @@
 
 namespace rocksdb {
 class Cache;
+class DB;
 class Status;
 }  // namespace rocksdb
 
 namespace corbslam::map_store {
+class JournalScrubber;
 class JournalTidier;
 class MissionJournal;
 class RocksDatabase;
+struct DatabaseMark;
+struct ScrubCounts;
 
 class RocksJournal : public Journal {
  public:
@@ -57,6 +62,17 @@ class RocksJournal : public Journal {
 
   // Compares the mission's files with their checksums. DATA_LOSS names what is damaged.
   absl::Status Verify(absl::string_view mission) const;
+  // These do what those of MissionJournal do; NOT_FOUND: the journal has nothing of the mission.
+  absl::StatusOr<DatabaseMark> Mark(absl::string_view mission) const;
+  absl::Status Lend(
+      absl::string_view mission,
+      const std::function<rocksdb::Status(rocksdb::DB& db, const std::function<bool()>& goes_on)>&
+          use) const;
+  // Returns what was read to find damage (scrub_bytes_per_s).
+  ScrubCounts scrub_counts() const;
+  // Reads all missions once to find damage, here and now.
+  void ScrubNow();
+  const RocksJournalOptions& options() const { return options_; }
 
  private:
   using MissionPtr = std::shared_ptr<MissionJournal>;
@@ -106,6 +122,7 @@ class RocksJournal : public Journal {
   mutable std::map<std::string, absl::Status, std::less<>> unreadable_ ABSL_GUARDED_BY(mutex_);
 
   std::unique_ptr<JournalTidier> tidier_;
+  std::unique_ptr<JournalScrubber> scrubber_;
 };
 
 }  // namespace corbslam::map_store

@@ -8,6 +8,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "map_store/rocks/journal_keys.h"
+#include "map_store/rocks/journal_scrubber.h"
 #include "map_store/rocks/journal_tidier.h"
 #include "map_store/rocks/journal_upgrade.h"
 #include "map_store/rocks/mission_header.h"
@@ -16,6 +17,7 @@
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/rocks/summary_file.h"
 #include "slam/util/lock_holder.h"
+#include "slam/util/program_version.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -84,6 +86,8 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
   RETURN_IF_ERROR(journal->LoadMissions());
   journal->tidier_ =
       std::make_unique<JournalTidier>([made = journal.get()] { return made->OpenMissions(); });
+  journal->scrubber_ = std::make_unique<JournalScrubber>(
+      [made = journal.get()] { return made->OpenMissions(); }, options.scrub_bytes_per_s);
   return journal;
 }
 
@@ -104,7 +108,12 @@ absl::Status RocksJournal::OpenGuard() {
   // Once there is a folder of missions, the guard has nothing that could be lost.
   if (!format.ok() || *format <= kLastSharedFormat) return MakeGuard();
   // Programs that read no newer format are kept out before the first mission has one.
-  return *format == kJournalFormat ? absl::OkStatus() : WriteGuard();
+  if (*format != kJournalFormat) return WriteGuard();
+  std::string program;
+  const bool is_known = guard_->Get(map_store::ProgramKey(), &program).ok();
+  // Nothing depends on it.
+  if (!is_known || program != CorbslamVersion()) WriteGuard().IgnoreError();
+  return absl::OkStatus();
 }
 
 absl::Status RocksJournal::MakeFolders(uint32_t format) {
@@ -140,7 +149,9 @@ absl::StatusOr<uint32_t> RocksJournal::ReadGuard() {
   const rocksdb::Status found = guard_->Get(map_store::FormatKey(), &bytes);
   if (found.IsNotFound()) return absl::NotFoundError("no format");
   if (!found.ok()) return absl::DataLossError(found.ToString());
-  return CheckFormat(bytes);
+  std::string program;
+  if (!guard_->Get(map_store::ProgramKey(), &program).ok()) program.clear();
+  return CheckFormat(bytes, program);
 }
 
 absl::Status RocksJournal::MakeGuard() {
@@ -156,6 +167,7 @@ absl::Status RocksJournal::MakeGuard() {
 absl::Status RocksJournal::WriteGuard() {
   rocksdb::WriteBatch batch;
   batch.Put(map_store::FormatKey(), EncodeFormat());
+  batch.Put(map_store::ProgramKey(), CorbslamVersion());
   const rocksdb::Status written = guard_->Write(batch, true);
   if (written.ok()) return absl::OkStatus();
   return absl::FailedPreconditionError(

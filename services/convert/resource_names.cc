@@ -72,6 +72,10 @@ std::string OverlapName(absl::string_view mission, uint64_t overlap) {
   return absl::StrCat("missions/", mission, "/overlaps/", overlap);
 }
 
+std::string BackupName(absl::string_view mission, uint32_t number) {
+  return absl::StrCat("missions/", mission, "/backups/", number);
+}
+
 std::string LastSegment(const std::string& name) { return name.substr(name.rfind('/') + 1); }
 
 absl::Status CheckNameSegment(absl::string_view field, absl::string_view segment) {
@@ -130,6 +134,14 @@ absl::StatusOr<OverlapPath> ParseOverlapName(absl::string_view name) {
   const auto number = ParseNumber<uint64_t>(values[1], 10);
   if (!number) return BadName(name, kForm);
   return OverlapPath{std::string(values[0]), *number};
+}
+
+absl::StatusOr<BackupPath> ParseBackupName(absl::string_view name) {
+  constexpr absl::string_view kForm = "missions/{mission}/backups/{number}";
+  ASSIGN_OR_RETURN(const auto values, ParsePath(name, {"missions", "backups"}, kForm));
+  const auto number = ParseNumber<uint32_t>(values[1], 10);
+  if (!number || *number == 0) return BadName(name, kForm);
+  return BackupPath{std::string(values[0]), *number};
 }
 
 }  // namespace corbslam::services

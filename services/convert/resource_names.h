@@ -12,11 +12,15 @@
 
 namespace corbslam::services {
 
+// The parent of what all missions have.
+inline constexpr absl::string_view kAllMissions = "missions/-";
+
 std::string MissionName(absl::string_view mission);
 std::string AgentName(absl::string_view mission, absl::string_view agent);
 std::string LocalMapName(absl::string_view mission, LocalMapId local_map);
 std::string KeyframeName(absl::string_view mission, KeyframeId keyframe);
 std::string OverlapName(absl::string_view mission, uint64_t overlap);
+std::string BackupName(absl::string_view mission, uint32_t number);
 
 // Returns "alpha" of "missions/lab/agents/alpha"; the whole name where it has no slash.
 std::string LastSegment(const std::string& name);
@@ -38,6 +42,11 @@ struct OverlapPath {
   uint64_t overlap = 0;
 };
 
+struct BackupPath {
+  std::string mission;
+  uint32_t number = 0;
+};
+
 // INVALID_ARGUMENT names what was given and the form that is wanted.
 absl::Status CheckNameSegment(absl::string_view field, absl::string_view segment);
 absl::StatusOr<std::string> ParseMissionName(absl::string_view name);
@@ -45,6 +54,7 @@ absl::StatusOr<AgentPath> ParseAgentName(absl::string_view name, bool may_be_all
 absl::StatusOr<LocalMapPath> ParseLocalMapName(absl::string_view name, bool may_be_all);
 absl::StatusOr<KeyframePath> ParseKeyframeName(absl::string_view name);
 absl::StatusOr<OverlapPath> ParseOverlapName(absl::string_view name);
+absl::StatusOr<BackupPath> ParseBackupName(absl::string_view name);
 
 }  // namespace corbslam::services
 

@@ -14,6 +14,7 @@
 
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "map_store/map_store.h"
+#include "map_store/stored_backups.h"
 #include "map_store/view/asleep_words.h"
 #include "services/map_store_service/streams/recent_codes.h"
 #include "services/map_store_service/streams/replay_slots.h"
@@ -25,6 +26,11 @@ namespace corbslam::services {
 
 // Has all methods, with Sync's messages as bytes: a message that can't be read would otherwise look
 // like the end of the stream.
+using MapStoreBackupMethods =
+    v1::MapStore::WithCallbackMethod_StoreBackup<v1::MapStore::WithCallbackMethod_ListStoredBackups<
+        v1::MapStore::WithCallbackMethod_RestoreStoredBackup<
+            v1::MapStore::WithCallbackMethod_VerifyStoredBackup<
+                v1::MapStore::WithCallbackMethod_ArchiveMission<v1::MapStore::Service>>>>>;
 using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::WithCallbackMethod_WatchMap<
     v1::MapStore::WithCallbackMethod_WatchEvents<v1::MapStore::WithCallbackMethod_ReplayMap<
         v1::MapStore::WithCallbackMethod_ListMissions<v1::MapStore::WithCallbackMethod_GetMission<
@@ -33,17 +39,15 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::W
                     v1::MapStore::WithCallbackMethod_ListLocalMaps<v1::MapStore::WithCallbackMethod_GetLocalMap<
                         v1::MapStore::WithCallbackMethod_ListKeyframes<v1::MapStore::WithCallbackMethod_GetKeyframe<
                             v1::MapStore::WithCallbackMethod_GetStatistics<v1::MapStore::WithCallbackMethod_GetTrajectory<
-                                v1::MapStore::WithCallbackMethod_ListOverlaps<
-                                    v1::MapStore::WithCallbackMethod_RetractOverlap<
-                                        v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
-                                            v1::MapStore::WithCallbackMethod_AskForExactPlaces<
-                                                v1::MapStore::WithCallbackMethod_Localize<
-                                                    v1::MapStore::WithCallbackMethod_LocalizeStream<
-                                                        v1::MapStore::WithCallbackMethod_CreateMission<
-                                                            v1::MapStore::WithCallbackMethod_UpdateMission<
-                                                                v1::MapStore::WithCallbackMethod_SleepMission<
-                                                                    v1::MapStore::
-                                                                        Service>>>>>>>>>>>>>>>>>>>>>>>>>;
+                                v1::MapStore::WithCallbackMethod_ListOverlaps<v1::MapStore::WithCallbackMethod_RetractOverlap<
+                                    v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
+                                        v1::MapStore::WithCallbackMethod_AskForExactPlaces<
+                                            v1::MapStore::WithCallbackMethod_Localize<
+                                                v1::MapStore::WithCallbackMethod_LocalizeStream<
+                                                    v1::MapStore::WithCallbackMethod_CreateMission<
+                                                        v1::MapStore::WithCallbackMethod_UpdateMission<
+                                                            v1::MapStore::WithCallbackMethod_SleepMission<
+                                                                MapStoreBackupMethods>>>>>>>>>>>>>>>>>>>>>>>>>;
 
 // Returns OK if the caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -78,6 +82,8 @@ struct MapStoreServiceOptions {
   StreamLimitOptions streams;
   // Not owned; they must outlive the service.
   std::vector<SyncObserver*> observers;
+  // Not owned, must outlive the service; null: the store keeps no backups.
+  map_store::StoredBackups* backups = nullptr;
   // Null: everybody may.
   SessionCheck may_open;
   RestoreCheck may_restore;
@@ -110,6 +116,7 @@ class MapStoreService : public MapStoreMethods {
   static constexpr size_t kMaxWaitingToLocate = 64;
   // How many replays are made or told at one time.
   static constexpr size_t kMaxReplays = 4;
+  static constexpr size_t kMaxWaitingForBackups = 16;
 
   // Ends Sync, WatchMap and WatchEvents with UNAVAILABLE, once what they had to say is said; no new
   // stream begins. The server is about to stop.
@@ -153,6 +160,21 @@ class MapStoreService : public MapStoreMethods {
       grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) override;
   grpc::ServerReadReactor<v1::RestoreMissionRequest>* RestoreMission(
       grpc::CallbackServerContext* context, v1::Mission* response) override;
+  grpc::ServerUnaryReactor* StoreBackup(grpc::CallbackServerContext* context,
+                                        const v1::StoreBackupRequest* request,
+                                        v1::StoredBackup* response) override;
+  grpc::ServerUnaryReactor* ListStoredBackups(grpc::CallbackServerContext* context,
+                                              const v1::ListStoredBackupsRequest* request,
+                                              v1::ListStoredBackupsResponse* response) override;
+  grpc::ServerUnaryReactor* RestoreStoredBackup(grpc::CallbackServerContext* context,
+                                                const v1::RestoreStoredBackupRequest* request,
+                                                v1::Mission* response) override;
+  grpc::ServerUnaryReactor* VerifyStoredBackup(grpc::CallbackServerContext* context,
+                                               const v1::VerifyStoredBackupRequest* request,
+                                               v1::StoredBackup* response) override;
+  grpc::ServerUnaryReactor* ArchiveMission(grpc::CallbackServerContext* context,
+                                           const v1::ArchiveMissionRequest* request,
+                                           v1::StoredBackup* response) override;
   grpc::ServerUnaryReactor* ListAgents(grpc::CallbackServerContext* context,
                                        const v1::ListAgentsRequest* request,
                                        v1::ListAgentsResponse* response) override;
@@ -211,6 +233,8 @@ class MapStoreService : public MapStoreMethods {
   TaskPool pool_;
   // Its one thread makes replays, one after the other: they would keep look-ups waiting for long.
   TaskPool replay_pool_{0, kMaxReplays};
+  // Its one thread makes, reads and lists backups, which takes as long as a disk does.
+  TaskPool backup_pool_{0, kMaxWaitingForBackups};
   // Its threads wait for workers most of the time.
   const std::unique_ptr<TaskPool> locating_ =
       TaskPool::ForLookUps(kMaxLocating, kMaxWaitingToLocate);

@@ -14,11 +14,13 @@
 #include "map_store/rocks/rocks_journal.h"
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/programs/backup_flags.h"
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/limit_flags.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
+#include "services/programs/store_backups.h"
 #include "services/programs/store_observers.h"
 #include "services/programs/store_workers.h"
 #include "services/security/flags.h"
@@ -55,6 +57,7 @@ struct Flags {
   std::string vocabulary = DefaultVocabularyPath();
   std::string data_dir;
   uint64_t min_free_mb = RocksJournalOptions().min_free_bytes >> 20;
+  BackupFlags backup;
   // Nullopt: DefaultMemoryBudget().
   std::optional<uint64_t> memory_budget_bytes;
   bool keep_everything = false;
@@ -82,7 +85,8 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> MakeWorker(const Flags& flags) {
   return ConnectWorkers(flags.workers, flags.security);
 }
 
-absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const Flags& flags) {
+// Sets `rocks` to the journal if it is one on a disk.
+absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const Flags& flags, RocksJournal** rocks) {
   if (flags.data_dir.empty()) {
     LOG(WARNING) << "no --data-dir: missions are kept in memory and end with this process";
     return std::make_unique<InMemoryJournal>();
@@ -90,7 +94,10 @@ absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const Flags& flags) {
   RocksJournalOptions options;
   options.directory = flags.data_dir;
   options.min_free_bytes = flags.min_free_mb << 20;
-  return RocksJournal::Open(options);
+  options.scrub_bytes_per_s = static_cast<uint64_t>(flags.backup.scrub_mb_per_s * 1e6);
+  ASSIGN_OR_RETURN(std::unique_ptr<RocksJournal> journal, RocksJournal::Open(options));
+  *rocks = journal.get();
+  return journal;
 }
 
 std::vector<absl::Status> CheckWorkers(const Flags& flags) {
@@ -122,6 +129,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
   const std::vector<absl::Status> workers = CheckWorkers(flags);
   found.insert(found.end(), workers.begin(), workers.end());
   if (!flags.data_dir.empty()) found.push_back(CheckFolder("--data-dir", flags.data_dir));
+  found.push_back(CheckBackupFlags(flags.backup, flags.data_dir));
   found.push_back(CheckMemoryBudget(flags.memory_budget_bytes.value_or(0)));
   const std::vector<absl::Status> observing = CheckObserving(flags.observe);
   found.insert(found.end(), observing.begin(), observing.end());
@@ -136,6 +144,7 @@ absl::Status Run(Flags flags) {
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
+  RETURN_IF_ERROR(CheckBackupFlags(flags.backup, flags.data_dir));
   for (const absl::Status& worker : CheckWorkers(flags)) RETURN_IF_ERROR(worker);
   ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
   ASSIGN_OR_RETURN(const std::unique_ptr<StoreObservers> observers,
@@ -143,7 +152,8 @@ absl::Status Run(Flags flags) {
   ASSIGN_OR_RETURN(std::shared_ptr<const Vocabulary> vocabulary,
                    Vocabulary::Load(flags.vocabulary));
   ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> worker, MakeWorker(flags));
-  ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(flags));
+  RocksJournal* rocks = nullptr;
+  ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(flags, &rocks));
   MapStore store(flags.store, vocabulary, observers->Watch(std::move(journal)),
                  observers->Watch(worker.get()));
   store.SetExpiryListener(
@@ -151,21 +161,26 @@ absl::Status Run(Flags flags) {
         if (auditor != nullptr) auditor->OnOwnDoing("mission_expired", MissionName(mission), why);
       });
   RETURN_IF_ERROR(store.Recover());
+  ASSIGN_OR_RETURN(const std::unique_ptr<StoreBackups> backups,
+                   StoreBackups::Make(flags.backup, &store, rocks));
   MapStoreServiceOptions service_options = flags.service;
   SetChecks(security.access, service_options);
   service_options.observers = observers->OfStreams();
+  service_options.backups = backups->backups();
   MapStoreService service(&store, service_options);
   GuardedMapStore guarded(&service, security.access);
   const RevokedStreamsEnder revoked(&service, security.access);
-  ASSIGN_OR_RETURN(const auto metrics, observers->Serve(store, service));
+  ASSIGN_OR_RETURN(const auto metrics, observers->Serve(store, service, backups->MakeCollector()));
   security.server.rpc_observer = observers->OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&guarded}, security.server));
   AnnounceAddress(server->address());
   ReadinessWatch readiness(server.get(), [&store] { return store.CheckWritable(); });
+  backups->Start();
   WaitForStopSignal();
   readiness.Stop();
   server->SetReady(false);
+  backups->Stop();
   service.EndStreams();
   server->Shutdown(absl::Seconds(flags.drain_s));
   return absl::OkStatus();
@@ -183,6 +198,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "MiB that are left free on its disk; with less, agents are told to wait")
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str();
+  AddBackupFlags(app, flags.backup);
   app.add_option(
          "--memory-budget", flags.memory_budget_bytes,
          "Memory of the process, as 6GiB or 600MiB, beyond which nothing is taken in; 0: no "

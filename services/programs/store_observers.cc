@@ -50,14 +50,16 @@ std::vector<SyncObserver*> StoreObservers::OfStreams() {
 RpcObserver* StoreObservers::OfCalls() { return metrics_ != nullptr ? &metrics_->rpc : nullptr; }
 
 absl::StatusOr<std::unique_ptr<MetricsEndpoint>> StoreObservers::Serve(
-    const MapStore& store, const MapStoreService& service) {
+    const MapStore& store, const MapStoreService& service,
+    const std::shared_ptr<prometheus::Collectable>& more) {
   if (metrics_ == nullptr) return nullptr;
   ASSIGN_OR_RETURN(auto endpoint,
                    MetricsEndpoint::Start(
                        flags_.metrics_listen,
                        {std::make_shared<ProcessCollector>("map_store"),
                         std::make_shared<SecurityCollector>(), metrics_->registry,
-                        std::make_shared<MissionCollector>(&store, &service, &metrics_->ingest)}));
+                        std::make_shared<MissionCollector>(&store, &service, &metrics_->ingest),
+                        more}));
   AnnounceMetrics(endpoint->address());
   return endpoint;
 }

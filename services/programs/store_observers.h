@@ -32,10 +32,11 @@ class StoreObservers {
   // Return the observers for MapStoreServiceOptions and ServerOptions.
   std::vector<SyncObserver*> OfStreams();
   RpcObserver* OfCalls();
-  // Serves the metrics, and announces the address; null if none are wanted. The result must be
-  // destroyed before the store and its service.
-  absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const map_store::MapStore& store,
-                                                         const MapStoreService& service);
+  // Serves the metrics, those of `more` among them, and announces the address; null if none are
+  // wanted. The result must be destroyed before the store and its service.
+  absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(
+      const map_store::MapStore& store, const MapStoreService& service,
+      const std::shared_ptr<prometheus::Collectable>& more);
 
  private:
   struct Metrics {

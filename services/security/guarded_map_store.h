@@ -82,6 +82,21 @@ class GuardedMapStore : public MapStoreMethods {
       grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) override;
   grpc::ServerReadReactor<v1::RestoreMissionRequest>* RestoreMission(
       grpc::CallbackServerContext* context, v1::Mission* response) override;
+  grpc::ServerUnaryReactor* StoreBackup(grpc::CallbackServerContext* context,
+                                        const v1::StoreBackupRequest* request,
+                                        v1::StoredBackup* response) override;
+  grpc::ServerUnaryReactor* ListStoredBackups(grpc::CallbackServerContext* context,
+                                              const v1::ListStoredBackupsRequest* request,
+                                              v1::ListStoredBackupsResponse* response) override;
+  grpc::ServerUnaryReactor* RestoreStoredBackup(grpc::CallbackServerContext* context,
+                                                const v1::RestoreStoredBackupRequest* request,
+                                                v1::Mission* response) override;
+  grpc::ServerUnaryReactor* VerifyStoredBackup(grpc::CallbackServerContext* context,
+                                               const v1::VerifyStoredBackupRequest* request,
+                                               v1::StoredBackup* response) override;
+  grpc::ServerUnaryReactor* ArchiveMission(grpc::CallbackServerContext* context,
+                                           const v1::ArchiveMissionRequest* request,
+                                           v1::StoredBackup* response) override;
   grpc::ServerUnaryReactor* ListAgents(grpc::CallbackServerContext* context,
                                        const v1::ListAgentsRequest* request,
                                        v1::ListAgentsResponse* response) override;

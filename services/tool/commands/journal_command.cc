@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/journal_check.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/commands/journal_actions.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -41,7 +42,7 @@ absl::Status CheckFolder(const std::string& directory) {
 }  // namespace
 
 void AddJournalCommand(CLI::App& app, Command& chosen) {
-  CLI::App* journal = app.add_subcommand("journal", "Look at a store's folder");
+  CLI::App* journal = app.add_subcommand("journal", "Look at a stopped store's folder, mend and upgrade it");
   journal->require_subcommand(1);
   CLI::App* check = journal->add_subcommand(
       "check",
@@ -51,6 +52,8 @@ void AddJournalCommand(CLI::App& app, Command& chosen) {
   check->add_option("--data-dir", *directory, "The store's folder")->required();
   check->callback(
       [directory, &chosen] { chosen = [directory] { return CheckFolder(*directory); }; });
+  AddJournalRepair(*journal, chosen);
+  AddJournalUpgrade(*journal, chosen);
 }
 
 }  // namespace corbslam::services

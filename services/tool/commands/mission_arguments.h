@@ -25,6 +25,10 @@ struct MissionArguments {
   std::string file;
   bool json = false;
   MissionSettings settings;  // Of `create` and `set`.
+  // These are of stored backups: missions/M/backups/N, a time, and a new mission's name.
+  std::string stored;
+  std::string at;
+  std::string as;
   // `export` alone has the four fields below.
   std::string format;
   std::string agent;
@@ -53,6 +57,11 @@ void AddShowAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& a
                    Command& chosen);
 void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                      Command& chosen);
+// These add `mission restore`, and the commands for backups that the store keeps.
+void AddRestoreAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                      Command& chosen);
+void AddBackupActions(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                      Command& chosen);
 
 }  // namespace corbslam::services
 

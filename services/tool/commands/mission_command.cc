@@ -1,8 +1,6 @@
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <vector>
 
 #include "services/tool/commands/commands.h"
@@ -39,19 +37,6 @@ absl::Status BackUp(const MissionArguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Restore(const MissionArguments& arguments) {
-  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
-  MissionAdmin admin(channel);
-  std::error_code error;
-  const uint64_t total = std::filesystem::file_size(arguments.file, error);
-  ASSIGN_OR_RETURN(const v1::Mission mission, admin.Restore(arguments.file, arguments.mission,
-                                                            ShowBytes("sent", error ? 0 : total)));
-  std::printf("%s: %u local maps, %lu keyframes, %lu map points\n", mission.name().c_str(),
-              mission.local_maps(), static_cast<unsigned long>(mission.keyframes()),
-              static_cast<unsigned long>(mission.map_points()));
-  return absl::OkStatus();
-}
-
 absl::Status Sleep(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   MissionAdmin admin(channel);
@@ -73,9 +58,9 @@ absl::Status Delete(const MissionArguments& arguments) {
 
 void AddMissionCommand(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<MissionArguments>();
-  CLI::App* mission = app.add_subcommand(
-      "mission",
-      "List, show, create, set up, export, back up, restore, put to sleep and delete missions");
+  CLI::App* mission = app.add_subcommand("mission",
+                                         "List, show, create, set up, export, back up, restore, "
+                                         "archive, put to sleep and delete missions");
   mission->require_subcommand(1);
   CLI::App* list = AddMissionAction(*mission, "list", "The missions of a map store", &ListMissions,
                                     arguments, chosen);
@@ -89,11 +74,8 @@ void AddMissionCommand(CLI::App& app, Command& chosen) {
                                       &BackUp, arguments, chosen);
   AddMissionFlag(*backup, *arguments);
   backup->add_option("--out", arguments->file, "File to write; there must be none yet")->required();
-  CLI::App* restore = AddMissionAction(*mission, "restore", "Make a mission of such a file",
-                                       &Restore, arguments, chosen);
-  restore->add_option("--mission", arguments->mission, "Its name; there must be none yet")
-      ->required();
-  restore->add_option("--file", arguments->file, "What `mission backup` has written")->required();
+  AddRestoreAction(*mission, arguments, chosen);
+  AddBackupActions(*mission, arguments, chosen);
   CLI::App* sleep = AddMissionAction(*mission, "sleep",
                                      "Have a mission that nobody uses leave the store's memory, "
                                      "until somebody wants it",

@@ -1,0 +1,265 @@
+// Tests backups that a store keeps beside its journal, down to their files.
+#include "map_store/stored_backups.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/rocks/backup_folder.h"
+#include "map_store/testing/journal_room.h"
+#include "map_store/testing/store_dump.h"
+
+namespace corbslam::map_store {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::DumpGlobal;
+using testing::DumpLocal;
+using ::testing::HasSubstr;
+
+class StoredBackupsTest : public testing::JournalRoom {
+ protected:
+  StoredBackupsTest() { OpenBoth(); }
+  ~StoredBackupsTest() override { backups_.reset(); }
+
+  void OpenBoth(size_t keep = 24) {
+    backups_.reset();
+    Open();
+    BackupOptions options;
+    options.directory = Shelf();
+    options.bytes_per_s = 0;
+    options.free_bytes = [this](const std::string&) { return free_bytes_; };
+    auto folder = BackupFolder::Open(journal_, options);
+    ASSERT_TRUE(folder.ok()) << folder.status();
+    backups_ = std::make_unique<StoredBackups>(store_.get(), *std::move(folder), keep,
+                                               [this] { return now_; });
+  }
+  std::string Shelf() const { return Folder("backups"); }
+
+  uint32_t Store(const std::string& mission) {
+    now_ += absl::Minutes(10);
+    const absl::StatusOr<StoredBackup> made = backups_->Store(mission);
+    EXPECT_TRUE(made.ok()) << made.status();
+    return made.ok() ? made->number : 0;
+  }
+  std::vector<uint32_t> Numbers(const std::string& mission) const {
+    std::vector<uint32_t> numbers;
+    const auto page = backups_->List(mission, {.page_size = 1000, .page_token = ""});
+    EXPECT_TRUE(page.ok()) << page.status();
+    for (const StoredBackup& backup : page->items) numbers.push_back(backup.number);
+    return numbers;
+  }
+  // Returns the largest file that holds a table or features of the mission's backups.
+  fs::path LargestShared(const std::string& mission) const {
+    fs::path largest;
+    uint64_t size = 0;
+    for (const auto& entry :
+         fs::directory_iterator(fs::path(Shelf()) / mission / "shared_checksum")) {
+      if (entry.file_size() <= size) continue;
+      size = entry.file_size();
+      largest = entry.path();
+    }
+    return largest;
+  }
+
+  absl::Time now_ = absl::FromUnixSeconds(1'800'000'000);
+  uint64_t free_bytes_ = uint64_t{1} << 40;
+  std::unique_ptr<StoredBackups> backups_;
+};
+
+TEST_F(StoredBackupsTest, EachIsTheMissionAsItWasAndRestoresUnderAnyName) {
+  Stream("m", 6);
+  const std::string first = DumpLocal("m", *store_);
+  ASSERT_EQ(Store("m"), 1u);
+  Stream("m", 4);
+  const std::string second = DumpLocal("m", *store_);
+  const std::string global = DumpGlobal("m", *store_);
+  ASSERT_EQ(Store("m"), 2u);
+  ASSERT_TRUE(backups_->Restore("m", 1, "then").ok());
+  const absl::Status restored = backups_->Restore("m", 2, "later");
+  ASSERT_TRUE(restored.ok()) << restored;
+  EXPECT_EQ(DumpLocal("then", *store_), first);
+  EXPECT_EQ(DumpLocal("later", *store_), second);
+  EXPECT_EQ(DumpGlobal("later", *store_), global);
+  EXPECT_TRUE(absl::IsAlreadyExists(backups_->Restore("m", 1, "then")));
+  EXPECT_TRUE(absl::IsAlreadyExists(backups_->Restore("m", 1, "m")));
+  EXPECT_TRUE(absl::IsInvalidArgument(backups_->Restore("m", 1, "a/b")));
+  EXPECT_TRUE(absl::IsNotFound(backups_->Restore("m", 9, "x")));
+  EXPECT_TRUE(absl::IsNotFound(backups_->Restore("nobody", 1, "x")));
+  // What was restored lasts, and has backups of its own.
+  OpenBoth();
+  EXPECT_EQ(DumpLocal("then", *store_), first);
+  EXPECT_EQ(Store("then"), 1u);
+}
+
+TEST_F(StoredBackupsTest, SaysWhatItHoldsAndSharesFiles) {
+  Stream("m", 12);
+  ASSERT_EQ(Store("m"), 1u);
+  const uint64_t one = BytesIn(Shelf());
+  Stream("m", 1);
+  ASSERT_EQ(Store("m"), 2u);
+  EXPECT_LT(BytesIn(Shelf()), one + one / 2) << "the second has the first one's tables";
+  const auto page = backups_->List("", {.page_size = 1, .page_token = ""});
+  ASSERT_TRUE(page.ok()) << page.status();
+  ASSERT_EQ(page->items.size(), 1u);
+  EXPECT_EQ(page->items[0].mission, "m");
+  EXPECT_EQ(page->items[0].facts.keyframes, 12u);
+  EXPECT_GT(page->items[0].bytes, 10000u);
+  EXPECT_FALSE(page->items[0].facts.archived);
+  const auto rest = backups_->List("", {.page_size = 5, .page_token = page->next_page_token});
+  ASSERT_TRUE(rest.ok()) << rest.status();
+  ASSERT_EQ(rest->items.size(), 1u);
+  EXPECT_EQ(rest->items[0].facts.keyframes, 13u);
+  EXPECT_EQ(rest->items[0].facts.created, now_);
+  EXPECT_EQ(rest->next_page_token, "");
+}
+
+TEST_F(StoredBackupsTest, AMissionThatHasNotChangedNeedsNoneButAnotherOfItsNameDoes) {
+  const auto needs = [this](absl::Duration least_age) {
+    const auto made = backups_->StoreIfChanged("m", least_age);
+    EXPECT_TRUE(made.ok()) << made.status();
+    return made.ok() && *made;
+  };
+  Stream("m", 3);
+  EXPECT_TRUE(needs(absl::Hours(1)));
+  EXPECT_FALSE(needs(absl::ZeroDuration()));
+  OpenBoth();
+  EXPECT_FALSE(needs(absl::ZeroDuration())) << "nor after a restart";
+  Stream("m", 1);
+  now_ += absl::Minutes(30);
+  EXPECT_FALSE(needs(absl::Hours(1))) << "the last one is young";
+  now_ += absl::Minutes(31);
+  EXPECT_TRUE(needs(absl::Hours(1)));
+  // Another mission of the same name and length.
+  ASSERT_TRUE(store_->DeleteMission("m").ok());
+  Stream("m", 3);
+  Stream("m", 1);
+  EXPECT_TRUE(needs(absl::ZeroDuration()));
+  EXPECT_TRUE(absl::IsNotFound(backups_->Store("nobody").status()));
+  EXPECT_FALSE(fs::exists(fs::path(Shelf()) / "nobody"));
+}
+
+TEST_F(StoredBackupsTest, OldOnesGoWithTheirFilesAndTheLastGoodOneStays) {
+  OpenBoth(/*keep=*/2);
+  for (int i = 0; i < 4; ++i) {
+    Stream("m", 2);
+    Store("m");
+  }
+  EXPECT_EQ(Numbers("m"), (std::vector<uint32_t>{3, 4}));
+  fs::remove_all(fs::path(Shelf()) / "m" / "meta" / "4");
+  Stream("m", 1);
+  Store("m");
+  const std::vector<uint32_t> numbers = Numbers("m");
+  EXPECT_EQ(numbers.front(), 3u) << "two are left that are whole";
+  EXPECT_EQ(numbers.size(), 2u);
+}
+
+TEST_F(StoredBackupsTest, WithoutRoomItIsRefusedWithTheNumbersAndLeavesNothing) {
+  Stream("m", 4);
+  free_bytes_ = 1000;
+  const absl::Status refused = backups_->Store("m").status();
+  EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("has 1000 free"));
+  EXPECT_TRUE(Numbers("m").empty());
+  EXPECT_LT(BytesIn(Shelf()), 1000u);
+  free_bytes_ = uint64_t{1} << 40;
+  EXPECT_EQ(Store("m"), 1u);
+}
+
+TEST_F(StoredBackupsTest, DamageIsFoundByItsFileAndIsThatBackupsAlone) {
+  Stream("m", 8);
+  ASSERT_EQ(Store("m"), 1u);
+  Stream("other", 3);
+  ASSERT_EQ(Store("other"), 1u);
+  const auto whole = backups_->Verify("m", 1);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  const fs::path file = LargestShared("m");
+  Spoil(file);
+  const absl::Status damaged = backups_->Verify("m", 1).status();
+  EXPECT_TRUE(absl::IsDataLoss(damaged)) << damaged;
+  EXPECT_THAT(std::string(damaged.message()), HasSubstr(file.filename().string()));
+  EXPECT_TRUE(absl::IsDataLoss(backups_->Restore("m", 1, "x")));
+  EXPECT_TRUE(absl::IsNotFound(store_->GetMission("x").status()));
+  EXPECT_TRUE(backups_->Verify("other", 1).ok());
+  fs::remove(file);
+  const absl::Status lost = backups_->Verify("m", 1).status();
+  EXPECT_TRUE(absl::IsDataLoss(lost)) << lost;
+}
+
+TEST_F(StoredBackupsTest, AnArchiveTakesAMissionAwayAndBringsItBack) {
+  Stream("m", 5);
+  const std::string local = DumpLocal("m", *store_);
+  SessionRequest request;
+  request.mission = "m";
+  request.agent = "late";
+  const auto session = store_->OpenSession(request);
+  ASSERT_TRUE(session.ok());
+  const absl::Status refused = backups_->Archive("m").status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("late"));
+  EXPECT_TRUE(Numbers("m").empty());
+  store_->CloseSession(session->session_id);
+  const auto archived = backups_->Archive("m");
+  ASSERT_TRUE(archived.ok()) << archived.status();
+  EXPECT_TRUE(archived->facts.archived);
+  EXPECT_TRUE(absl::IsNotFound(store_->GetMission("m").status()));
+  EXPECT_FALSE(fs::exists(MissionFolder("m")));
+  EXPECT_TRUE(absl::IsNotFound(backups_->Archive("m").status()));
+  // Backups of a mission that has the name now don't drive the archive out.
+  OpenBoth(/*keep=*/1);
+  for (int i = 0; i < 3; ++i) {
+    Stream("m", 1);
+    Store("m");
+  }
+  EXPECT_EQ(Numbers("m"), (std::vector<uint32_t>{1, 4}));
+  ASSERT_TRUE(backups_->Restore("m", 1, "back").ok());
+  EXPECT_EQ(DumpLocal("back", *store_), local);
+}
+
+TEST_F(StoredBackupsTest, WhatWasWrittenMeanwhileIsNeverArchivedAway) {
+  Stream("m", 3);
+  const absl::Status kept = store_->DeleteUnusedMission(
+      "m", [] { return absl::FailedPreconditionError("it has changed"); });
+  EXPECT_TRUE(absl::IsFailedPrecondition(kept)) << kept;
+  Stream("m", 1);
+  EXPECT_EQ(store_->GetMission("m")->keyframes, 4u);
+}
+
+TEST_F(StoredBackupsTest, ADamagedMissionIsRestoredAndHasNoNewBackups) {
+  Stream("m", 6);
+  const std::string local = DumpLocal("m", *store_);
+  ASSERT_EQ(Store("m"), 1u);
+  backups_.reset();
+  Close();
+  for (const fs::path& log : Files("m", ".log")) fs::remove(log);
+  OpenBoth();
+  ASSERT_FALSE(store_->GetMission("m")->damage.empty());
+  const absl::Status refused = backups_->Store("m").status();
+  EXPECT_TRUE(absl::IsDataLoss(refused)) << refused;
+  EXPECT_TRUE(absl::IsDataLoss(backups_->Archive("m").status()));
+  EXPECT_TRUE(absl::IsDataLoss(backups_->Restore("m", 1, "m"))) << "its name is not free";
+  ASSERT_TRUE(backups_->Restore("m", 1, "m2").ok());
+  EXPECT_EQ(DumpLocal("m2", *store_), local);
+}
+
+TEST_F(StoredBackupsTest, TheFolderIsApartFromTheData) {
+  BackupOptions options;
+  for (const std::string& directory :
+       {Data() + "/backups", Data(), Data() + "/../data/x", Folder("")}) {
+    options.directory = directory;
+    EXPECT_TRUE(absl::IsInvalidArgument(BackupFolder::Open(journal_, options).status()))
+        << directory;
+  }
+  options.directory = Data() + "2";
+  EXPECT_TRUE(BackupFolder::Open(journal_, options).ok());
+}
+
+}  // namespace
+}  // namespace corbslam::map_store

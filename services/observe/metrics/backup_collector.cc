@@ -1,0 +1,56 @@
+#include "services/observe/metrics/backup_collector.h"
+
+#include <cstdint>
+
+#include "services/observe/metrics/families.h"
+
+namespace corbslam::services {
+
+using map_store::BackupCounts;
+using map_store::ScrubCounts;
+
+namespace {
+
+double UnixSeconds(absl::Time time) {
+  return time == absl::InfinitePast() ? 0 : absl::ToDoubleSeconds(time - absl::UnixEpoch());
+}
+
+void AddBackups(const BackupCounts& counts, absl::Duration every, Families& families) {
+  const auto outcome = [&families](const char* name, uint64_t value) {
+    families.Counter("corbslam_backups_total",
+                     "Looks at missions for a stored backup, by what came of them.",
+                     static_cast<double>(value), {{"outcome", name}});
+  };
+  outcome("made", counts.made);
+  outcome("unchanged", counts.unchanged);
+  outcome("failed", counts.failed);
+  families.Gauge("corbslam_backups_failing", "Missions whose last stored backup failed.",
+                 static_cast<double>(counts.failing.size()));
+  families.Gauge("corbslam_backups_safe_time_seconds",
+                 "When last all missions had a stored backup that was up to date, seconds since "
+                 "1970; 0: not yet.",
+                 UnixSeconds(counts.all_safe_at));
+  families.Gauge("corbslam_backups_interval_seconds", "How often backups are stored; 0: never.",
+                 absl::ToDoubleSeconds(every));
+}
+
+void AddScrubs(const ScrubCounts& counts, Families& families) {
+  families.Counter("corbslam_scrubbed_bytes_total",
+                   "Bytes of missions that were read again to find damage.",
+                   static_cast<double>(counts.bytes));
+  families.Counter("corbslam_scrub_rounds_total", "How often all missions were read so.",
+                   static_cast<double>(counts.rounds));
+  families.Counter("corbslam_scrub_damaged_total", "Missions that were found damaged so.",
+                   static_cast<double>(counts.damaged));
+}
+
+}  // namespace
+
+std::vector<prometheus::MetricFamily> BackupCollector::Collect() const {
+  Families families;
+  AddBackups(backups_ != nullptr ? backups_() : BackupCounts(), every_, families);
+  AddScrubs(scrubs_ != nullptr ? scrubs_() : ScrubCounts(), families);
+  return families.Take();
+}
+
+}  // namespace corbslam::services

@@ -1,0 +1,184 @@
+// The commands for backups that a running store keeps, and restoring of both kinds.
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "services/convert/resource_names.h"
+#include "services/tool/commands/commands.h"
+#include "services/tool/commands/mission_arguments.h"
+#include "services/tool/mission/backup_admin.h"
+#include "services/tool/mission/mission_admin.h"
+#include "services/tool/mission/mission_json.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+namespace {
+
+void PrintBackups(const MissionArguments& arguments, const std::vector<v1::StoredBackup>& backups) {
+  if (!arguments.json) {
+    std::printf("%s", FormatBackups(backups).c_str());
+    return;
+  }
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const v1::StoredBackup& backup : backups) json.push_back(ToJson(backup));
+  std::printf("%s\n", json.dump(2).c_str());
+}
+
+// Prints one backup, or `what` of it for people.
+void PrintBackup(const MissionArguments& arguments, const char* what,
+                 const v1::StoredBackup& backup) {
+  if (arguments.json) {
+    std::printf("%s\n", ToJson(backup).dump(2).c_str());
+    return;
+  }
+  std::printf("%s: %s, %lu keyframes, %.1f MiB\n", backup.name().c_str(), what,
+              static_cast<unsigned long>(backup.keyframes()),
+              static_cast<double>(backup.bytes()) / (1 << 20));
+}
+
+absl::Status StoreBackup(const MissionArguments& arguments) {
+  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  ASSIGN_OR_RETURN(const v1::StoredBackup made, BackupAdmin(channel).Store(arguments.mission));
+  PrintBackup(arguments, "stored", made);
+  return absl::OkStatus();
+}
+
+absl::Status ListBackups(const MissionArguments& arguments) {
+  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  ASSIGN_OR_RETURN(const std::vector<v1::StoredBackup> backups,
+                   BackupAdmin(channel).List(arguments.mission));
+  PrintBackups(arguments, backups);
+  return absl::OkStatus();
+}
+
+absl::Status VerifyBackup(const MissionArguments& arguments) {
+  RETURN_IF_ERROR(ParseBackupName(arguments.stored).status());
+  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  ASSIGN_OR_RETURN(const v1::StoredBackup found, BackupAdmin(channel).Verify(arguments.stored));
+  PrintBackup(arguments, "all checksums fit", found);
+  return absl::OkStatus();
+}
+
+absl::Status Archive(const MissionArguments& arguments) {
+  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  ASSIGN_OR_RETURN(const v1::StoredBackup made, BackupAdmin(channel).Archive(arguments.mission));
+  PrintBackup(arguments, "archived, and deleted from the store", made);
+  return absl::OkStatus();
+}
+
+// Returns INVALID_ARGUMENT where flags don't say one thing to restore and one name.
+absl::Status CheckRestoreFlags(const MissionArguments& arguments) {
+  const int sources = (arguments.file.empty() ? 0 : 1) + (arguments.stored.empty() ? 0 : 1) +
+                      (arguments.at.empty() ? 0 : 1);
+  if (sources != 1) {
+    return absl::InvalidArgumentError(
+        "give one of --file FILE, --stored missions/M/backups/N, or --at TIME with --mission M");
+  }
+  if (!arguments.at.empty() && arguments.mission.empty()) {
+    return absl::InvalidArgumentError("--at wants --mission: whose backup it is");
+  }
+  if (!arguments.stored.empty() && !arguments.mission.empty()) {
+    return absl::InvalidArgumentError(
+        "--stored names its mission itself; the new one's name is --as");
+  }
+  if (arguments.file.empty()) return absl::OkStatus();
+  if (arguments.mission.empty() == arguments.as.empty()) {
+    return absl::InvalidArgumentError("--file wants the new mission's name, by --as");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<v1::Mission> RestoreStored(const MissionArguments& arguments,
+                                          const std::shared_ptr<grpc::Channel>& channel) {
+  BackupAdmin admin(channel);
+  std::string stored = arguments.stored;
+  if (stored.empty()) {
+    ASSIGN_OR_RETURN(const absl::Time at, ParseBackupTime(arguments.at));
+    ASSIGN_OR_RETURN(const v1::StoredBackup found, admin.FindAt(arguments.mission, at));
+    stored = found.name();
+    std::fprintf(stderr, "%s of %s is restored\n", stored.c_str(),
+                 absl::FormatTime(absl::RFC3339_sec, absl::FromUnixNanos(found.created_ns()),
+                                  absl::UTCTimeZone())
+                     .c_str());
+  }
+  RETURN_IF_ERROR(ParseBackupName(stored).status());
+  return admin.Restore(stored, arguments.as);
+}
+
+absl::StatusOr<v1::Mission> RestoreFile(const MissionArguments& arguments,
+                                        const std::shared_ptr<grpc::Channel>& channel) {
+  std::error_code error;
+  const uint64_t total = std::filesystem::file_size(arguments.file, error);
+  return MissionAdmin(channel).Restore(arguments.file,
+                                       arguments.as.empty() ? arguments.mission : arguments.as,
+                                       ShowBytes("sent", error ? 0 : total));
+}
+
+absl::Status Restore(const MissionArguments& arguments) {
+  RETURN_IF_ERROR(CheckRestoreFlags(arguments));
+  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  ASSIGN_OR_RETURN(const v1::Mission mission, arguments.file.empty()
+                                                  ? RestoreStored(arguments, channel)
+                                                  : RestoreFile(arguments, channel));
+  if (arguments.json) {
+    std::printf("%s\n", ToJson(mission).dump(2).c_str());
+    return absl::OkStatus();
+  }
+  std::printf("%s: %u local maps, %lu keyframes, %lu map points\n", mission.name().c_str(),
+              mission.local_maps(), static_cast<unsigned long>(mission.keyframes()),
+              static_cast<unsigned long>(mission.map_points()));
+  return absl::OkStatus();
+}
+
+void AddStoredFlag(CLI::App& action, MissionArguments& arguments) {
+  action.add_option("--stored", arguments.stored,
+                    "A stored backup, missions/M/backups/N, as `mission backups` lists it");
+}
+
+}  // namespace
+
+void AddRestoreAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                      Command& chosen) {
+  CLI::App* restore = AddMissionAction(mission, "restore", "Make a mission of a backup", &Restore,
+                                       arguments, chosen);
+  restore->add_option("--file", arguments->file, "What `mission backup` has written");
+  AddStoredFlag(*restore, *arguments);
+  restore->add_option("--at", arguments->at,
+                      "The newest stored backup of --mission that is not newer, as "
+                      "2026-11-28T14:30:00Z");
+  restore->add_option("--as", arguments->as,
+                      "The new mission's name, which must be free; of a stored backup the one "
+                      "that it had unless said");
+  restore->add_option("--mission", arguments->mission,
+                      "With --at: whose backup; with --file: the same as --as");
+  AddJsonFlag(*restore, *arguments);
+}
+
+void AddBackupActions(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                      Command& chosen) {
+  CLI::App* store = AddMissionAction(mission, "store-backup",
+                                     "Make a backup in the store's own folder (--backup-dir)",
+                                     &StoreBackup, arguments, chosen);
+  AddMissionFlag(*store, *arguments);
+  AddJsonFlag(*store, *arguments);
+  CLI::App* list = AddMissionAction(mission, "backups", "The backups in that folder", &ListBackups,
+                                    arguments, chosen);
+  list->add_option("--mission", arguments->mission, "Of this mission only");
+  AddJsonFlag(*list, *arguments);
+  CLI::App* verify =
+      AddMissionAction(mission, "verify-backup", "Read such a backup and compare its checksums",
+                       &VerifyBackup, arguments, chosen);
+  AddStoredFlag(*verify, *arguments);
+  verify->get_option("--stored")->required();
+  AddJsonFlag(*verify, *arguments);
+  CLI::App* archive = AddMissionAction(
+      mission, "archive", "Store a backup, verify it, and delete the mission; `restore` brings it "
+                          "back",
+      &Archive, arguments, chosen);
+  AddMissionFlag(*archive, *arguments);
+  AddJsonFlag(*archive, *arguments);
+}
+
+}  // namespace corbslam::services
