@@ -17,10 +17,12 @@ static_assert(std::endian::native == std::endian::little, "numbers are copied as
 constexpr absl::string_view kMagic = "CORBSPL";
 // Version '1' has batches whose features are not coded.
 constexpr char kOldestVersion = '1';
-constexpr char kVersion = '2';
+constexpr char kVersion = '3';
 constexpr size_t kFixedHeaderBytes = 16;
 constexpr size_t kMaxOwnerBytes = 1024;
 constexpr uint32_t kClosesFlag = 1;
+constexpr uint32_t kWholePartFlag = 2;
+constexpr uint32_t kWholeEndFlag = 4;
 constexpr size_t kCrcBytes = 4;
 constexpr size_t kRecordHeaderBytes = 28;
 
@@ -36,6 +38,20 @@ Number ReadNumber(absl::string_view bytes, size_t offset) {
   Number value;
   std::memcpy(&value, bytes.data() + offset, sizeof(Number));
   return value;
+}
+
+uint32_t FlagsOf(const SpoolRecord& record) {
+  uint32_t flags = record.closes_local_map ? kClosesFlag : 0;
+  if (record.kind != SpoolRecord::Kind::kBatch) flags |= kWholePartFlag;
+  if (record.kind == SpoolRecord::Kind::kWholeEnd) flags |= kWholeEndFlag;
+  return flags;
+}
+
+void TakeFlags(uint32_t flags, SpoolRecord& record) {
+  record.closes_local_map = (flags & kClosesFlag) != 0;
+  if ((flags & kWholePartFlag) == 0) return;
+  record.kind = (flags & kWholeEndFlag) != 0 ? SpoolRecord::Kind::kWholeEnd
+                                             : SpoolRecord::Kind::kWholePart;
 }
 
 absl::Status Foreign(const std::string& name, absl::string_view why) {
@@ -84,7 +100,7 @@ absl::StatusOr<std::optional<SpoolRecord>> ReadRecord(SpoolFiles& files, const s
       payload_bytes <= kMaxSpoolPayloadBytes && payload_bytes <= size - offset - kRecordHeaderBytes;
   if (!fits) return std::nullopt;
   SpoolRecord record;
-  record.closes_local_map = (ReadNumber<uint32_t>(header, 8) & kClosesFlag) != 0;
+  TakeFlags(ReadNumber<uint32_t>(header, 8), record);
   record.local_map = {ReadNumber<uint64_t>(header, 12)};
   record.number = ReadNumber<uint64_t>(header, 20);
   record.offset = offset;
@@ -110,7 +126,7 @@ std::string EncodeSpoolRecord(const SpoolRecord& record, absl::string_view paylo
   std::string checked;
   checked.reserve(kRecordHeaderBytes + payload.size());
   AppendNumber(static_cast<uint32_t>(payload.size()), &checked);
-  AppendNumber(record.closes_local_map ? kClosesFlag : 0u, &checked);
+  AppendNumber(FlagsOf(record), &checked);
   AppendNumber(record.local_map.value, &checked);
   AppendNumber(record.number, &checked);
   absl::StrAppend(&checked, payload);
