@@ -112,6 +112,7 @@ absl::StatusOr<SpooledBatch> Spool::Append(const MapUpdateBatch& batch, SpoolRec
     return written;
   }
   spooled.order = ++appended_;
+  appended_bytes_ += bytes.size();
   if (syncer_ != nullptr) syncer_->NoteWrite(NameOf(open_segment_), appended_, bytes.size());
   spooled.segment = open_segment_;
   spooled.record.offset = segment.bytes;

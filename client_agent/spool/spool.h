@@ -60,6 +60,8 @@ class Spool {
   std::vector<SpooledBatch> TakeFound() { return std::exchange(found_, {}); }
   // Returns the same without taking it.
   const std::vector<SpooledBatch>& found() const { return found_; }
+  // Puts other records of the spool in its place.
+  void SetFound(std::vector<SpooledBatch> found) { found_ = std::move(found); }
 
   // Returns RESOURCE_EXHAUSTED where there is no room, by `max_bytes` or on the disk; the spool is
   // as it was before.
@@ -83,6 +85,8 @@ class Spool {
   // it.
   void Release(const SpooledBatch& batch);
 
+  // Returns the bytes that this process appended.
+  uint64_t appended_bytes() const { return appended_bytes_; }
   // Returns the bytes of all segments.
   uint64_t bytes() const { return bytes_; }
 
@@ -114,7 +118,8 @@ class Spool {
   uint64_t next_segment_ = 1;
   uint64_t open_segment_ = 0;  // 0: no segment is open.
   uint64_t appended_ = 0;  // SpooledBatch::order of the last one.
-  uint64_t synced_ = 0;    // Without a syncer.
+  uint64_t appended_bytes_ = 0;
+  uint64_t synced_ = 0;  // Without a syncer.
   uint64_t syncs_ = 0;
   absl::Status error_;  // Of HurrySync, without a syncer.
   uint64_t bytes_ = 0;

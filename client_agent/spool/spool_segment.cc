@@ -23,6 +23,8 @@ constexpr size_t kMaxOwnerBytes = 1024;
 constexpr uint32_t kClosesFlag = 1;
 constexpr uint32_t kWholePartFlag = 2;
 constexpr uint32_t kWholeEndFlag = 4;
+constexpr uint32_t kHeldKeyframeFlag = 8;
+constexpr uint32_t kHeldRestFlag = 16;
 constexpr size_t kCrcBytes = 4;
 constexpr size_t kRecordHeaderBytes = 28;
 
@@ -40,18 +42,33 @@ Number ReadNumber(absl::string_view bytes, size_t offset) {
   return value;
 }
 
+uint32_t FlagOf(SpoolRecord::Kind kind) {
+  switch (kind) {
+    case SpoolRecord::Kind::kBatch:
+      return 0;
+    case SpoolRecord::Kind::kWholePart:
+      return kWholePartFlag;
+    case SpoolRecord::Kind::kWholeEnd:
+      return kWholePartFlag | kWholeEndFlag;
+    case SpoolRecord::Kind::kHeldKeyframe:
+      return kHeldKeyframeFlag;
+    case SpoolRecord::Kind::kHeldRest:
+      return kHeldRestFlag;
+  }
+  return 0;
+}
+
 uint32_t FlagsOf(const SpoolRecord& record) {
-  uint32_t flags = record.closes_local_map ? kClosesFlag : 0;
-  if (record.kind != SpoolRecord::Kind::kBatch) flags |= kWholePartFlag;
-  if (record.kind == SpoolRecord::Kind::kWholeEnd) flags |= kWholeEndFlag;
-  return flags;
+  return FlagOf(record.kind) | (record.closes_local_map ? kClosesFlag : 0);
 }
 
 void TakeFlags(uint32_t flags, SpoolRecord& record) {
+  using Kind = SpoolRecord::Kind;
   record.closes_local_map = (flags & kClosesFlag) != 0;
-  if ((flags & kWholePartFlag) == 0) return;
-  record.kind = (flags & kWholeEndFlag) != 0 ? SpoolRecord::Kind::kWholeEnd
-                                             : SpoolRecord::Kind::kWholePart;
+  for (const Kind kind :
+       {Kind::kWholeEnd, Kind::kWholePart, Kind::kHeldKeyframe, Kind::kHeldRest}) {
+    if ((flags & ~kClosesFlag) == FlagOf(kind)) record.kind = kind;
+  }
 }
 
 absl::Status Foreign(const std::string& name, absl::string_view why) {

@@ -52,8 +52,8 @@ bool Outbox::GoOnWith(LocalMapId local_map) {
   LocalMapNumbers& numbers = it->second;
   if (!numbers.of_earlier_process || numbers.closed || numbers.lost) return false;
   numbers.of_earlier_process = false;
-  numbers.sent = numbers.last;
-  numbers.keeps = true;
+  numbers.sent = numbers.found = numbers.last;
+  numbers.goes_on = numbers.keeps = true;
   return true;
 }
 
@@ -153,6 +153,12 @@ absl::Status Outbox::CheckState(LocalMapId id, const LocalMapNumbers& numbers,
     return absl::DataLossError(absl::StrCat("the map store has local map ", ToString(id),
                                             " only up to batch ", stored, " of ",
                                             numbers.acknowledged, " that it acknowledged before"));
+  }
+  if (stored > numbers.sent && numbers.goes_on) {
+    return absl::DataLossError(
+        absl::StrCat("the map store has batch ", stored, " of local map ", ToString(id),
+                     ", but the robot's spool had it only up to batch ", numbers.found,
+                     " when the robot went on with it"));
   }
   if (stored > numbers.sent && !numbers.of_earlier_process) {
     return absl::AlreadyExistsError(
@@ -274,6 +280,11 @@ std::vector<LocalMapId> Outbox::local_maps() const {
 std::optional<LocalMapId> Outbox::OldestLocalMap() const {
   if (entries_.empty()) return std::nullopt;
   return entries_.front().local_map;
+}
+
+uint64_t Outbox::LastNumber(LocalMapId local_map) const {
+  const auto it = local_maps_.find(local_map);
+  return it == local_maps_.end() ? 0 : it->second.last;
 }
 
 bool Outbox::IsOfEarlierProcess(LocalMapId local_map) const {

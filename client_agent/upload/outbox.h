@@ -109,6 +109,8 @@ class Outbox {
   // Returns the local map of the oldest entry; none when the outbox is empty.
   std::optional<LocalMapId> OldestLocalMap() const;
   bool IsOfEarlierProcess(LocalMapId local_map) const;
+  // Returns the number of the local map's last batch; 0: there was none.
+  uint64_t LastNumber(LocalMapId local_map) const;
 
  private:
   struct LocalMapNumbers {
@@ -119,6 +121,8 @@ class Outbox {
     bool closed = false;
     bool lost = false;
     bool keeps = false;
+    bool goes_on = false;
+    uint64_t found = 0;  // Where it goes on: the last number that the spool had.
     // In the spool and acknowledged.
     std::vector<SpooledBatch> kept;
   };

@@ -18,6 +18,12 @@ UploadQueue::UploadQueue(const UploadQueueOptions& options, std::unique_ptr<Spoo
   absl::MutexLock lock(&mutex_);
   std::set<LocalMapId> cut;
   for (const SpooledBatch& found : spool_->TakeFound()) {
+    const SpoolRecord::Kind kind = found.record.kind;
+    // TellHeld has made batches of what is still of use.
+    if (kind == SpoolRecord::Kind::kHeldKeyframe || kind == SpoolRecord::Kind::kHeldRest) {
+      spool_->Release(found);
+      continue;
+    }
     const absl::Status added = outbox_.AddFound(found);
     if (added.ok() || !cut.insert(found.record.local_map).second) continue;
     NoteLoss({found.record.local_map, /*of_earlier_process=*/true, added});
@@ -105,6 +111,11 @@ bool UploadQueue::IsEmpty() const {
   return outbox_.IsEmpty();
 }
 
+bool UploadQueue::IsOnDisk() const {
+  absl::MutexLock lock(&mutex_);
+  return outbox_.bytes() == 0;
+}
+
 bool UploadQueue::HasUnsent() const {
   absl::MutexLock lock(&mutex_);
   return outbox_.NextUnsent() != nullptr;
@@ -181,8 +192,38 @@ void UploadQueue::TakeSyncError() {
   if (error.ok()) return;
   NoteDurable(error);
   const uint64_t synced = spool_->synced();
+  for (auto& [id, writer] : held_) writer.Release(*spool_);
+  held_lost_ = true;
   absl::MutexLock lock(&mutex_);
   outbox_.MarkUnwritten(synced);
+}
+
+std::optional<uint64_t> UploadQueue::WriteHeld(const HeldItems& held) {
+  uint64_t last = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (outbox_.OldestUnwritten() != nullptr) return std::nullopt;
+    last = outbox_.LastNumber(held.rest.local_map);
+  }
+  const uint64_t before = spool_->appended_bytes();
+  HeldWriter& writer = held_[held.rest.local_map];
+  absl::Status written = writer.Write(held, last, *spool_);
+  if (absl::IsResourceExhausted(written) && GiveUpKept()) {
+    written = writer.Write(held, last, *spool_);
+  }
+  if (!written.ok()) {
+    writer.Release(*spool_);
+    NoteDurable(written);
+    return std::nullopt;
+  }
+  return spool_->appended_bytes() - before;
+}
+
+void UploadQueue::ReleaseHeld(LocalMapId local_map) {
+  const auto it = held_.find(local_map);
+  if (it == held_.end()) return;
+  it->second.Release(*spool_);
+  held_.erase(it);
 }
 
 bool UploadQueue::GiveUpKept() {

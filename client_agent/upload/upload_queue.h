@@ -4,7 +4,7 @@
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_UPLOAD_QUEUE_H_
 
 #include <cstdint>
-#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +16,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client_agent/spool/spool.h"
 #include "client_agent/upload/held_back.h"
+#include "client_agent/upload/held_items.h"
 #include "client_agent/upload/outbox.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/uplink.h"
@@ -82,6 +83,8 @@ class UploadQueue {
   bool has_spool() const { return spool_ != nullptr; }
   bool HasRoom() const;
   bool IsEmpty() const;
+  // Returns whether the spool has all batches for certain.
+  bool IsOnDisk() const;
   bool HasUnsent() const;
   std::vector<LocalMapId> local_maps() const;
   UploadStatus status() const;
@@ -93,6 +96,14 @@ class UploadQueue {
   void Spill();
   // Moves all batches to the spool, for the next process. Returns whether it has them all.
   bool SpillAll();
+  // Has the spool keep what a local map holds back, in place of what it held before. Returns how
+  // many bytes that took; nullopt: the disk did not take it, or the batches before it.
+  std::optional<uint64_t> WriteHeld(const HeldItems& held);
+  // Nothing is held back of the local map any more.
+  void ReleaseHeld(LocalMapId local_map);
+  // Returns true, once, where the disk may have lost what was held back.
+  bool TakeHeldLost() { return std::exchange(held_lost_, false); }
+
   // Returns the next batch to send, marked as sent, or null if there is none. Local maps that the
   // disk has not kept are added to `lost`.
   std::shared_ptr<const MapUpdateBatch> TakeUnsent(std::vector<LostLocalMap>& lost);
@@ -121,6 +132,10 @@ class UploadQueue {
 
   const UploadQueueOptions options_;
   const std::unique_ptr<Spool> spool_;  // Used by the calls of the second group alone.
+
+  // Used by the calls of the second group alone.
+  std::map<LocalMapId, HeldWriter> held_;
+  bool held_lost_ = false;
 
   mutable absl::Mutex mutex_;
   Outbox outbox_ ABSL_GUARDED_BY(mutex_);
