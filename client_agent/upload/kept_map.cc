@@ -14,6 +14,8 @@ absl::Status Unknown(absl::string_view what, Id id) {
   return absl::InvalidArgumentError(absl::StrCat(what, " ", ToString(id), " is not in the map"));
 }
 
+Rigid3d Normalised(const Rigid3d& pose) { return {pose.rotation.normalized(), pose.translation}; }
+
 }  // namespace
 
 absl::Status KeptMap::AddCameras(const MapUpdateBatch& batch) {
@@ -55,6 +57,7 @@ absl::Status KeptMap::AddKeyframe(FullKeyframe keyframe) {
     return Unknown("parent", keyframe.parent);
   }
   keyframe.code = nullptr;
+  keyframe.camera_from_local = Normalised(keyframe.camera_from_local);
   observations_.AddKeyframe(id, keyframe.payload->features.keypoints.size());
   NoteIndex(id);
   NoteTime(keyframe.payload->timestamp_ns);
@@ -78,9 +81,9 @@ absl::Status KeptMap::MoveKeyframe(const LightKeyframe& light, bool points_follo
   RETURN_IF_ERROR(ValidateLightKeyframe(light));
   const auto it = keyframes_.find(light.id);
   if (it == keyframes_.end()) return Unknown("keyframe", light.id);
-  const Rigid3d local_from_before =
-      light.camera_from_local.Inverse() * it->second.camera_from_local;
-  it->second.camera_from_local = light.camera_from_local;
+  const Rigid3d now = Normalised(light.camera_from_local);
+  const Rigid3d local_from_before = now.Inverse() * it->second.camera_from_local;
+  it->second.camera_from_local = now;
   if (light.parent.IsValid()) it->second.parent = light.parent;
   if (!points_follow) return absl::OkStatus();
   const auto follows = [this](MapPointId point) { return points_.contains(point); };

@@ -28,8 +28,9 @@ absl::Status Outbox::AddFound(const SpooledBatch& spooled) {
     numbers.last = numbers.acknowledged;
   }
   if (is_whole) {
-    // It stands for what was acknowledged, and may come after later batches.
+    // It stands for what was acknowledged.
     numbers.acknowledged = std::max(numbers.acknowledged, record.number);
+    numbers.last = std::max(numbers.last, record.number);
     numbers.kept.push_back(spooled);
     return absl::OkStatus();
   }

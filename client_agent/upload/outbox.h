@@ -52,7 +52,8 @@ class Outbox {
 
   // Notes that the agent begins a local map. Returns false if the id is taken.
   bool Begin(LocalMapId local_map) { return local_maps_.try_emplace(local_map).second; }
-  // Adds a batch that an earlier process left; to be called before anything else. Returns DATA_LOSS
+  // Adds a batch that an earlier process left, or a part of a local map that is kept as a whole;
+  // the latter come first. To be called before anything else. Returns DATA_LOSS
   // where an earlier batch of the local map is missing, so that this one can't be applied; it is
   // left out.
   absl::Status AddFound(const SpooledBatch& spooled);

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -17,7 +18,13 @@ UploadQueue::UploadQueue(const UploadQueueOptions& options, std::unique_ptr<Spoo
   if (spool_ == nullptr) return;
   absl::MutexLock lock(&mutex_);
   std::set<LocalMapId> cut;
-  for (const SpooledBatch& found : spool_->TakeFound()) {
+  std::vector<SpooledBatch> in_order = spool_->TakeFound();
+  // What stands for earlier batches may have been written after later ones.
+  std::ranges::stable_partition(in_order, [](const SpooledBatch& found) {
+    return found.record.kind == SpoolRecord::Kind::kWholePart ||
+           found.record.kind == SpoolRecord::Kind::kWholeEnd;
+  });
+  for (const SpooledBatch& found : in_order) {
     const SpoolRecord::Kind kind = found.record.kind;
     // TellHeld has made batches of what is still of use.
     if (kind == SpoolRecord::Kind::kHeldKeyframe || kind == SpoolRecord::Kind::kHeldRest) {
