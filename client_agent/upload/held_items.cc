@@ -1,7 +1,5 @@
 #include "client_agent/upload/held_items.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -108,6 +106,15 @@ absl::StatusOr<std::vector<MapUpdateBatch>> MakeHeldBatches(const FoundOfMap& fo
   return batches;
 }
 
+absl::Status TellHeldOf(const FoundOfMap& found, Spool& spool, std::vector<SpooledBatch>& told) {
+  ASSIGN_OR_RETURN(const std::vector<MapUpdateBatch> batches, MakeHeldBatches(found, spool));
+  for (const MapUpdateBatch& batch : batches) {
+    ASSIGN_OR_RETURN(const SpooledBatch spooled, spool.Append(batch));
+    told.push_back(spooled);
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status HeldWriter::Write(const HeldItems& held, uint64_t last_batch, Spool& spool) {
@@ -147,32 +154,21 @@ void HeldWriter::Release(Spool& spool) {
 absl::Status TellHeld(Spool& spool) {
   std::vector<SpooledBatch> found = spool.TakeFound();
   std::vector<SpooledBatch> told;
+  absl::Status first_error;
   for (const auto& [id, of_map] : SortFound(found)) {
     // Later batches told it.
     const bool is_newest = of_map.rest.has_value() && !of_map.is_closed &&
                            of_map.rest->record.number == of_map.last_batch;
-    if (!is_newest) continue;
-    const absl::StatusOr<std::vector<MapUpdateBatch>> batches = MakeHeldBatches(of_map, spool);
-    if (absl::IsDataLoss(batches.status())) {
-      LOG(ERROR) << "what was in no batch of local map " << ToString(id)
-                 << " is given up: " << batches.status();
-      continue;
-    }
-    RETURN_IF_ERROR(batches.status());
-    for (const MapUpdateBatch& batch : *batches) {
-      ASSIGN_OR_RETURN(const SpooledBatch spooled, spool.Append(batch));
-      told.push_back(spooled);
-    }
+    if (is_newest) first_error.Update(TellHeldOf(of_map, spool, told));
   }
-  if (!told.empty()) RETURN_IF_ERROR(spool.Sync());
-  // What is told again must not be found again.
+  if (!told.empty()) first_error.Update(spool.Sync());
   for (const SpooledBatch& spooled : found) {
     if (IsHeld(spooled)) spool.Release(spooled);
   }
   std::erase_if(found, IsHeld);
   found.insert(found.end(), told.begin(), told.end());
   spool.SetFound(std::move(found));
-  return absl::OkStatus();
+  return first_error;
 }
 
 }  // namespace corbslam::client_agent

@@ -319,6 +319,7 @@ void UploadQueue::Spill() {
   if (spool_ == nullptr) return;
   ReleaseSpooled();
   WriteAll();
+  if (options_.keep) KeepWhole();
   while (SpillOldest(options_.max_memory_bytes)) {
   }
 }

@@ -4,6 +4,7 @@
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_UPLOAD_QUEUE_H_
 
 #include <cstdint>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/spool/spool.h"
 #include "client_agent/upload/held_back.h"
@@ -53,6 +55,11 @@ struct UploadQueueOptions {
   bool keep = false;
   // A local map that an earlier process left and that goes on; invalid: none does.
   LocalMapId goes_on = {};
+  // With keep: when the acknowledged batches that are kept take so much more than twice what the
+  // local map as a whole took the last time, it is written as a whole in their place.
+  uint64_t whole_after_bytes = 8 << 20;
+  // True: that is done by whoever calls Spill, who waits for it.
+  bool whole_at_once = false;
 };
 
 // The queue is thread-safe. The calls of the second group may wait for the disk and are to be made
@@ -118,6 +125,11 @@ class UploadQueue {
   // Where the disk has no room, gives up that local maps can go on after a restart.
   bool GiveUpKept();
   void NoteDurable(const absl::Status& durable);
+  // The kept batches of the local map in use become one whole, on a thread of its own.
+  using Whole = absl::StatusOr<std::vector<MapUpdateBatch>>;
+  void KeepWhole();
+  void BeginWhole();
+  void WriteWhole(Whole whole);
   bool MaySend(const Outbox::Entry& entry) const;
   void ReleaseSpooled();
   // The batch that was the oldest when the store ended a session, and the reason it gave.
@@ -135,6 +147,15 @@ class UploadQueue {
 
   // Used by the calls of the second group alone.
   std::map<LocalMapId, HeldWriter> held_;
+  // What is being made a whole: of which local map, up to which batch.
+  struct MakingWhole {
+    LocalMapId local_map;
+    uint64_t number = 0;
+    std::vector<SpooledBatch> written;  // Waits until it is on the disk.
+    std::future<Whole> future;
+  };
+  std::optional<MakingWhole> whole_;
+  uint64_t whole_bytes_ = 0;  // What the last one took.
   bool held_lost_ = false;
 
   mutable absl::Mutex mutex_;
