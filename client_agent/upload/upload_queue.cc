@@ -201,6 +201,10 @@ void UploadQueue::TakeSyncError() {
   const uint64_t synced = spool_->synced();
   for (auto& [id, writer] : held_) writer.Release(*spool_);
   held_lost_ = true;
+  if (whole_.has_value() && !whole_->future.valid()) {
+    for (const SpooledBatch& part : whole_->written) spool_->Release(part);
+    whole_.reset();
+  }
   absl::MutexLock lock(&mutex_);
   outbox_.MarkUnwritten(synced);
 }
