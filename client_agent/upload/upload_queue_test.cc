@@ -270,7 +270,9 @@ class DurableQueueTest : public UploadQueueTest {
     options.goes_on = goes_on;
     options.whole_after_bytes = 2000;
     options.whole_at_once = true;
-    queue_ = std::make_unique<UploadQueue>(options, *OpenFakeSpool(&disk_));
+    SpoolOptions spool;
+    spool.segment_bytes = 500;
+    queue_ = std::make_unique<UploadQueue>(options, *OpenFakeSpool(&disk_, spool));
   }
   // Returns "local map/number" of what the next process finds.
   std::vector<std::string> FindAll() {
