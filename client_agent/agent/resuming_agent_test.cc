@@ -41,7 +41,7 @@ StereoCalibration WallCalibration() {
 
 cv::Mat LongWall(int seed) {
   cv::RNG random(static_cast<uint64_t>(seed));
-  cv::Mat coarse(kPictureHeight_px / 4, (kPictureWidth_px + 2 * kDriven * kDrive_px + 100) / 4,
+  cv::Mat coarse(kPictureHeight_px / 4, (kPictureWidth_px + 3 * kDriven * kDrive_px + 100) / 4,
                  CV_8UC1);
   random.fill(coarse, cv::RNG::UNIFORM, 0, 256);
   cv::Mat wall;
@@ -202,7 +202,7 @@ TEST_F(ResumingAgentTest, ABoundedRobotWithoutAStoreHandsItsMapOverToTheDisk) {
   options_.max_map_bytes = 1 << 20;
   options_.max_outbox_bytes = 0;
   auto agent = Make();
-  for (int i = 0; i < 2 * kDriven; ++i) {
+  for (int i = 0; i < 3 * kDriven; ++i) {
     ASSERT_EQ(Track(*agent, i, i).state, TrackingState::kTracking) << i;
   }
   EXPECT_GE(agent->GetStatus().hand_overs, 1);

@@ -58,7 +58,7 @@ StoreLink::~StoreLink() {
     for (auto& recording : recordings_) recording->recorder->StopHoldingBack();
   }
   TakeBatches(/*all=*/true);
-  if (!queue_.SpillAll()) WriteHeld();
+  if (!queue_.SpillAll()) WriteHeld(/*now=*/true);
 }
 
 void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept) {
@@ -168,9 +168,9 @@ void StoreLink::Step() {
   ConnectIfDue();
   TakeBatches(/*all=*/true);
   LetGoOfClosed();
-  SpillDue();
+  if (WritesAll()) SpillDue(/*now=*/true);
   SendUnsent();
-  SpillDue();
+  SpillDue(/*now=*/true);
 }
 
 absl::Status StoreLink::Finish(absl::Duration timeout) {
@@ -228,24 +228,24 @@ void StoreLink::Run() {
     ConnectIfDue();
     TakeBatches(/*all=*/false);
     LetGoOfClosed();
-    if (WritesAll()) SpillDue();
+    if (WritesAll()) SpillDue(/*now=*/false);
     SendUnsent();
     // A robot that ends may be killed before all is acknowledged.
-    IsFinishing() ? static_cast<void>(queue_.SpillAll()) : SpillDue();
+    IsFinishing() ? static_cast<void>(queue_.SpillAll()) : SpillDue(/*now=*/false);
   }
 }
 
-void StoreLink::SpillDue() {
+void StoreLink::SpillDue(bool now) {
   if (!has_link_ && IsFinishing()) {
     queue_.SpillAll();
   } else {
     queue_.Spill();
   }
-  WriteHeld();
+  WriteHeld(now);
 }
 
-void StoreLink::WriteHeld() {
-  if (!WritesAll() || options_.clock() < next_held_) return;
+void StoreLink::WriteHeld(bool now) {
+  if (!WritesAll() || (!now && options_.clock() < next_held_)) return;
   std::vector<Recording*> open;
   {
     absl::MutexLock lock(&mutex_);

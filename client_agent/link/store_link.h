@@ -160,12 +160,13 @@ class StoreLink : private UplinkListener {
   void DeliverFrames() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeBatches(bool all);
   bool TakeBatchOf(Recording& recording);
-  // Writes what is in no batch yet to the spool, where all is to outlive the process.
-  void WriteHeld();
+  // Writes what is in no batch yet to the spool, where all is to outlive the process: now, or when
+  // it is due.
+  void WriteHeld(bool now);
   void WriteHeldOf(Recording& recording, bool anew);
   bool WritesAll() const { return queue_.has_spool() && options_.spool_within > absl::ZeroDuration(); }
-  // Moves to the disk what is to be there now.
-  void SpillDue();
+  // Moves to the disk what is to be there.
+  void SpillDue(bool now);
   bool IsToldWithoutLink() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Lets go of local maps that were told to their end; they are read no more.
   void LetGoOfClosed();
