@@ -113,14 +113,17 @@ void CommandLine::Parse(int argc, const char* const* argv) {
   }
 }
 
-std::optional<int> CommandLine::ParseOrExit(int argc, const char* const* argv) {
+std::optional<int> CommandLine::ParseOrExit(
+    int argc, const char* const* argv, const std::function<void(const std::string&)>& say_wrong) {
   try {
     Parse(argc, argv);
   } catch (const CLI::Success& success) {
     return app_->exit(success);
   } catch (const CLI::ParseError& error) {
     const std::string advice = AdviseOn(error, *app_);
-    if (advice.empty()) {
+    if (say_wrong != nullptr) {
+      say_wrong(advice.empty() ? error.what() : advice);
+    } else if (advice.empty()) {
       app_->exit(error);
     } else {
       std::fputs(advice.c_str(), stderr);

@@ -5,6 +5,7 @@
 #define CORBSLAM_SERVICES_COMMAND_LINE_COMMAND_LINE_H_
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,7 +34,10 @@ class CommandLine {
   void Parse(int argc, const char* const* argv);
   // Does the same and prints what was thrown. Returns the program's exit code, 0 or kWrongUsage;
   // nullopt if the program goes on.
-  std::optional<int> ParseOrExit(int argc, const char* const* argv);
+  // What is wrong goes to standard error, or to `say_wrong`.
+  std::optional<int> ParseOrExit(
+      int argc, const char* const* argv,
+      const std::function<void(const std::string&)>& say_wrong = nullptr);
 
   // Returns every flag's value in the file's form, a line each, behind it where it was set (as a
   // comment) unless it is a default; then those that have no value, as comments. Secrets are in
