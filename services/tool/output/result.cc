@@ -23,7 +23,7 @@ void AddJsonFlags(CLI::App& app) {
   for (CLI::App* command : commands) AddJsonFlags(*command);
   if (!commands.empty() || app.get_parent() == nullptr) return;
   if (app.get_option_no_throw("--json") == nullptr) {
-    app.add_flag("--json", std::string("Print JSON, for scripts"));
+    app.add_flag("--json")->description("Print JSON, for scripts");
   }
 }
 
