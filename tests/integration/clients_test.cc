@@ -120,7 +120,7 @@ class ClientsTest : public ::testing::Test {
     EXPECT_THAT(pose.text, HasSubstr("TRACKING_STATE_TRACKING"));
     const Ended unknown = ask({store_, "--mission", "nowhere"}, by_certificate);
     EXPECT_EQ(unknown.exit_code, 1);
-    EXPECT_THAT(unknown.text, HasSubstr("PERMISSION_DENIED"));
+    EXPECT_THAT(unknown.text, HasSubstr("NOT_FOUND: there is no mission nowhere"));
     const Ended stranger = ask({store_}, {"--ca", certificates_.Path("ca.pem")});
     EXPECT_EQ(stranger.exit_code, 1);
     EXPECT_THAT(stranger.text, HasSubstr("UNAUTHENTICATED"));

@@ -6,8 +6,7 @@
   client.py STORE --mission lab --picture hall.png --camera "517.3 516.5 318.6 255.3"
   client.py ROBOT --pose --messages 3              where a robot is; ROBOT is its --listen
 
-docs/clients.md says how to make the code that it imports.
-"""
+docs/clients.md says how to make the code that it imports. """
 import argparse
 import itertools
 import pathlib
@@ -66,9 +65,9 @@ def find_picture(stub, args):
     camera = request.picture.camera
     camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px = map(float, args.camera.split())
     answer = stub.Localize(request, timeout=60)
-    print(localize.LocateStage.Name(answer.stage), f"{answer.inliers} points agree")
-    if answer.stage == localize.LOCATE_STAGE_LOCATED:
-        print("the camera is at", place(answer.camera_from_island), "metres")
+    located = answer.stage == localize.LOCATE_STAGE_LOCATED
+    print(localize.LocateStage.Name(answer.stage), f"{answer.inliers} points agree",
+          f"at {place(answer.camera_from_island)} metres" if located else "")
 
 
 def watch_pose(stub, messages):
